@@ -1,0 +1,81 @@
+// The detector's interface: every backend and every reference stands behind it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/options.h"
+#include "core/scene.h"
+
+namespace deformable_contact_monitor {
+
+// (body_a, triangle_a) < (body_b, triangle_b), lexicographically.
+struct ContactPair {
+  std::uint32_t body_a, triangle_a, body_b, triangle_b;
+
+  bool operator==(const ContactPair& o) const {
+    return body_a == o.body_a && triangle_a == o.triangle_a && body_b == o.body_b &&
+           triangle_b == o.triangle_b;
+  }
+  bool operator<(const ContactPair& o) const {
+    if (body_a != o.body_a) return body_a < o.body_a;
+    if (triangle_a != o.triangle_a) return triangle_a < o.triangle_a;
+    if (body_b != o.body_b) return body_b < o.body_b;
+    return triangle_b < o.triangle_b;
+  }
+};
+
+// Work done in one cycle [triangles or pairs].
+struct Counters {
+  std::uint64_t triangles = 0;        // in the scene
+  std::uint64_t rejected = 0;         // left out for a non-finite vertex
+  std::uint64_t posed = 0;            // of bodies whose vertices were brought into the scene frame
+  std::uint64_t culled = 0;           // of enabled pairs, but outside every partner's box
+  std::uint64_t clustered = 0;        // assigned to clusters
+  std::uint64_t large = 0;            // very large or far off: on the list of their own
+  std::uint64_t clusters = 0;         // in use
+  std::uint64_t cluster_entries = 0;  // sum of the clusters' sizes
+  std::uint64_t largest_cluster = 0;
+  std::uint64_t interval_overlaps = 0;  // pairs that the sweeps along the principal axes visited
+  std::uint64_t candidates = 0;         // pairs that reached a triangle-triangle predicate
+  std::uint64_t exact = 0;              // of them, undecided by the floating-point filters
+  std::uint64_t undecided = 0;          // conservative predicates: assumed to be contacts
+};
+
+struct DetectionResult {
+  std::vector<ContactPair> contacts;  // sorted, each once
+  // Distance of each contact's triangles [m], 0 where they intersect; empty while no body has a
+  // margin: then all of them intersect.
+  std::vector<float> separations_m;
+  bool guaranteed = false;  // the settings in force are complete by proof and exact
+  Counters counters;
+  // Stage times [ms] of the cycle, in order of execution.
+  std::vector<std::pair<std::string, double>> stages_ms;
+  double detect_ms = 0;      // vertices in the backend's memory to contacts there
+  double round_trip_ms = 0;  // scene on the host to sorted contacts on the host
+};
+
+// A detector keeps buffers and prototypes from cycle to cycle. One thread at a time.
+class Detector {
+ public:
+  Detector() = default;
+  Detector(const Detector&) = delete;
+  Detector& operator=(const Detector&) = delete;
+  virtual ~Detector() = default;
+
+  // "cpu", "cuda", "fcl", "brute_force".
+  virtual std::string backend() const = 0;
+
+  // Finds every contact of the scene's enabled pairs. The result is valid until the next call.
+  // Throws std::invalid_argument, listing all problems(options).
+  virtual const DetectionResult& detect(const Scene& scene, const Options& options) = 0;
+
+  // Forgets what earlier cycles left (warm starts); results never depend on it.
+  virtual void reset() = 0;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,37 @@
+#include "core/options.h"
+
+namespace deformable_contact_monitor {
+
+std::vector<std::string> problems(const Options& options) {
+  std::vector<std::string> found;
+  const auto require = [&found](bool ok, const std::string& line) {
+    if (!ok) found.push_back(line);
+  };
+  require(options.overlap >= 0 && options.overlap <= 1,
+          "overlap is " + std::to_string(options.overlap) + ", must be in [0, 1]");
+  require(options.clusters >= 0 && options.clusters <= kMaxClusters,
+          "clusters is " + std::to_string(options.clusters) + ", must be in [0, " +
+              std::to_string(kMaxClusters) + "] (0: from the scene)");
+  require(options.fuzzifier >= 1.05F && options.fuzzifier <= 4,
+          "fuzzifier is " + std::to_string(options.fuzzifier) + ", must be in [1.05, 4]");
+  require(options.iterations >= 0 && options.iterations <= 100,
+          "iterations is " + std::to_string(options.iterations) + ", must be in [0, 100]");
+  require(options.refresh_period >= 1,
+          "refresh_period is " + std::to_string(options.refresh_period) + ", must be >= 1");
+  require(options.threads >= 0 && options.threads <= 1024,
+          "threads is " + std::to_string(options.threads) + ", must be in [0, 1024] (0: all)");
+  return found;
+}
+
+const char* toString(Predicates predicates) {
+  switch (predicates) {
+    case Predicates::kConservative:
+      return "conservative";
+    case Predicates::kFast:
+      return "fast";
+    default:
+      return "exact";
+  }
+}
+
+}  // namespace deformable_contact_monitor

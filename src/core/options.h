@@ -1,0 +1,44 @@
+// The settings of a detector.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+// Pairs of one body's triangles that share a vertex (bit-equal coordinates as received).
+enum class AdjacentPairs {
+  kBeyondShared,  // a contact iff they meet beyond the hull of the shared points
+  kSkip,          // never a contact
+};
+
+enum class Predicates {
+  kExact,         // the pair set equals the definition for every finite float32 input
+  kConservative,  // a verdict that double arithmetic cannot decide counts as contact
+  kFast,          // float32 only: may err either way
+};
+
+struct Options {
+  AdjacentPairs adjacent = AdjacentPairs::kBeyondShared;
+  Predicates predicates = Predicates::kExact;
+  // Share [0, 1] of each triangle, about its centroid, that decides its clusters. 1: complete by
+  // proof; below, contacts at cluster borders are lost; 0: hard clustering.
+  float overlap = 1;
+
+  // What follows costs or saves time and never changes the result while overlap is 1.
+  int clusters = 0;        // 0: from the scene; at most kMaxClusters
+  float fuzzifier = 1.5F;  // [1.05, 4]
+  int iterations = 1;      // of fuzzy c-means a refresh, warm-started, [0, 100]
+  int refresh_period = 1;  // cycles between refreshes, >= 1
+  int threads = 0;         // of the CPU backend; 0: all cores
+};
+
+constexpr int kMaxClusters = 65535;
+
+// One clear line for each value out of range; empty if there is none.
+std::vector<std::string> problems(const Options& options);
+
+// "exact", "conservative", "fast".
+const char* toString(Predicates predicates);
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,82 @@
+#include "core/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace deformable_contact_monitor {
+
+BodyId Scene::addBody(std::string name, TriangleMesh mesh) {
+  validate(mesh, name);
+  Body body;
+  body.name = std::move(name);
+  body.mesh = std::move(mesh);
+  bodies_.push_back(std::move(body));
+  for (auto& row : enabled_) row.push_back(false);
+  enabled_.emplace_back(bodies_.size(), false);
+  return static_cast<BodyId>(bodies_.size() - 1);
+}
+
+Body& Scene::checkedBody(BodyId id) {
+  if (id >= bodies_.size()) {
+    throw std::invalid_argument("body " + std::to_string(id) + " does not exist; there are " +
+                                std::to_string(bodies_.size()));
+  }
+  return bodies_[id];
+}
+
+void Scene::setMesh(BodyId id, TriangleMesh mesh) {
+  Body& body = checkedBody(id);
+  validate(mesh, body.name);
+  body.mesh = std::move(mesh);
+  ++body.topology_revision;
+  ++body.vertices_revision;
+}
+
+void Scene::setVertices(BodyId id, const float* xyz, std::size_t count) {
+  Body& body = checkedBody(id);
+  if (count != body.mesh.vertexCount()) {
+    throw std::invalid_argument(body.name + ": " + std::to_string(count) +
+                                " vertices, but its triangles are of a mesh with " +
+                                std::to_string(body.mesh.vertexCount()));
+  }
+  std::copy_n(xyz, 3 * count, body.mesh.vertices.begin());
+  ++body.vertices_revision;
+}
+
+void Scene::setPose(BodyId id, const RigidTransform& pose) {
+  Body& body = checkedBody(id);
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (!std::all_of(std::begin(pose.rotation), std::end(pose.rotation), finite) ||
+      !std::all_of(std::begin(pose.translation), std::end(pose.translation), finite)) {
+    throw std::invalid_argument(body.name + ": its pose has a non-finite number");
+  }
+  body.pose = pose;
+}
+
+void Scene::setMargin(BodyId id, float margin_m) {
+  Body& body = checkedBody(id);
+  if (!std::isfinite(margin_m) || margin_m < 0) {
+    throw std::invalid_argument(body.name + ": margin " + std::to_string(margin_m) +
+                                " m is not a finite number >= 0");
+  }
+  body.margin_m = margin_m;
+}
+
+void Scene::setPairEnabled(BodyId a, BodyId b, bool enabled) {
+  checkedBody(a);
+  checkedBody(b);
+  enabled_[a][b] = enabled;
+  enabled_[b][a] = enabled;
+}
+
+bool Scene::pairEnabled(BodyId a, BodyId b) const { return enabled_.at(a).at(b); }
+
+std::size_t Scene::triangleCount() const {
+  std::size_t count = 0;
+  for (const Body& body : bodies_) count += body.mesh.triangleCount();
+  return count;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,62 @@
+// What a detector looks at: bodies, their poses, and which pairs of bodies matter.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/rigid_transform.h"
+#include "core/triangle_mesh.h"
+
+namespace deformable_contact_monitor {
+
+using BodyId = std::uint32_t;
+
+struct Body {
+  std::string name;
+  TriangleMesh mesh;    // in the body's frame
+  RigidTransform pose;  // scene frame from body frame; identity leaves the vertices untouched
+  float margin_m = 0;   // a pair of bodies counts at a distance <= the larger of its two margins
+  // Revisions say what changed since a detector last looked; they only grow.
+  std::uint64_t topology_revision = 0;
+  std::uint64_t vertices_revision = 0;
+};
+
+// Plain host data, for one thread at a time. Pairs of bodies, and a body with itself, are off until
+// they are switched on. Every refusal is a std::invalid_argument that names the body and leaves the
+// scene as it was.
+class Scene {
+ public:
+  // Adds a body (its mesh may be empty, to be set later); ids count up from 0.
+  BodyId addBody(std::string name, TriangleMesh mesh);
+
+  // Replaces vertices and triangles.
+  void setMesh(BodyId id, TriangleMesh mesh);
+
+  // Replaces the vertices: `count` of them, x y z each [m]; must be as many as before.
+  void setVertices(BodyId id, const float* xyz, std::size_t count);
+
+  // Refuses a pose with a non-finite number.
+  void setPose(BodyId id, const RigidTransform& pose);
+
+  // [m], finite and >= 0.
+  void setMargin(BodyId id, float margin_m);
+
+  // a == b: contacts of the body with itself.
+  void setPairEnabled(BodyId a, BodyId b, bool enabled);
+  bool pairEnabled(BodyId a, BodyId b) const;
+
+  std::size_t bodyCount() const { return bodies_.size(); }
+  std::size_t triangleCount() const;
+  const Body& body(BodyId id) const { return bodies_.at(id); }
+  const std::vector<Body>& bodies() const { return bodies_; }
+
+ private:
+  Body& checkedBody(BodyId id);
+
+  std::vector<Body> bodies_;
+  std::vector<std::vector<bool>> enabled_;  // symmetric
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,24 @@
+// A triangle mesh as it was received: flat arrays, nothing welded, nothing removed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+struct TriangleMesh {
+  std::vector<float> vertices;           // x y z per vertex [m]; may hold NaN or infinity
+  std::vector<std::uint32_t> triangles;  // three vertex indices per triangle
+
+  std::size_t vertexCount() const { return vertices.size() / 3; }
+  std::size_t triangleCount() const { return triangles.size() / 3; }
+};
+
+// Throws std::invalid_argument, beginning with `name`, if an array's size is no multiple of three,
+// an index is out of range, or there are 2^31 vertices or triangles or more. Non-finite vertices
+// are no error here: the detector leaves their triangles out and counts them.
+void validate(const TriangleMesh& mesh, const std::string& name);
+
+}  // namespace deformable_contact_monitor

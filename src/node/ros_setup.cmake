@@ -1,0 +1,16 @@
+# catkin, the messages and what the package exports. Included from the top level, because catkin
+# works on the project's own scope.
+find_package(catkin REQUIRED COMPONENTS
+  diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
+  resource_retriever roscpp roslib std_msgs std_srvs tf2 tf2_eigen tf2_ros visualization_msgs)
+
+add_message_files(DIRECTORY msg FILES
+  AllowedContact.msg ContactArray.msg ContactEvent.msg ContactGeometry.msg ContactPair.msg
+  ContactState.msg ContactStates.msg DeformableMesh.msg LinkMesh.msg LinkMeshes.msg)
+add_service_files(DIRECTORY msg FILES GetContacts.srv SetAllowedContacts.srv)
+generate_messages(DEPENDENCIES geometry_msgs std_msgs)
+
+catkin_package(
+  LIBRARIES ${PROJECT_NAME}_nodelet
+  CATKIN_DEPENDS diagnostic_msgs geometry_msgs message_runtime nodelet roscpp std_msgs std_srvs tf2
+    tf2_ros visualization_msgs)

@@ -1,0 +1,12 @@
+// Every pair, one by one, with the same exact predicates: slow and simple.
+#pragma once
+
+#include <memory>
+
+#include "core/detector.h"
+
+namespace deformable_contact_monitor {
+
+std::unique_ptr<Detector> makeBruteForceDetector();
+
+}  // namespace deformable_contact_monitor

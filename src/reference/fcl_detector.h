@@ -1,0 +1,13 @@
+// FCL's bounding volume hierarchies behind the detector's interface, for comparison: its triangle
+// test works in floating point, so its pairs may differ from the exact ones. Margins are ignored.
+#pragma once
+
+#include <memory>
+
+#include "core/detector.h"
+
+namespace deformable_contact_monitor {
+
+std::unique_ptr<Detector> makeFclDetector();
+
+}  // namespace deformable_contact_monitor

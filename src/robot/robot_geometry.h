@@ -1,0 +1,46 @@
+// Robot description to one triangle mesh per link.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/triangle_mesh.h"
+
+namespace deformable_contact_monitor {
+
+enum class GeometryKind { kCollision, kVisual };
+
+struct LinkGeometry {
+  std::string link;
+  std::string source;   // the files and primitives it came from, for people
+  TriangleMesh mesh;    // [m], in the link's frame; origins and scales applied
+  std::string problem;  // why the link has no usable geometry; empty: it has
+};
+
+struct RobotGeometry {
+  std::string name;
+  std::vector<LinkGeometry> links;  // document order; links without geometry do not appear
+};
+
+struct RobotGeometryOptions {
+  GeometryKind kind = GeometryKind::kCollision;
+  std::vector<std::string> links;          // only these; empty: all
+  std::vector<std::string> ignored_links;  // never these
+};
+
+// Turns a mesh URI (package://, file://, a plain path) into a local path; throws
+// std::runtime_error saying what was looked for and where.
+using ResourceResolver = std::function<std::string(const std::string& uri)>;
+
+// Resolves package:// through rospack, and file:// and absolute paths directly.
+ResourceResolver makeRosResolver();
+
+// Every link's collision (or visual) elements as triangles: meshes (STL, DAE, OBJ) and primitives.
+// A link whose mesh cannot be had keeps its place, with `problem` set and an empty mesh, so that
+// one missing file costs nobody else's data. Throws std::invalid_argument, naming element and line
+// where there is one, if the URDF itself is malformed, or a name in the options is no link.
+RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
+                                const ResourceResolver& resolve);
+
+}  // namespace deformable_contact_monitor
