@@ -14,20 +14,26 @@
 namespace deformable_contact_monitor {
 
 // (body_a, triangle_a) < (body_b, triangle_b), lexicographically.
-struct ContactPair {
+struct TrianglePair {
   std::uint32_t body_a, triangle_a, body_b, triangle_b;
 
-  bool operator==(const ContactPair& o) const {
+  bool operator==(const TrianglePair& o) const {
     return body_a == o.body_a && triangle_a == o.triangle_a && body_b == o.body_b &&
            triangle_b == o.triangle_b;
   }
-  bool operator<(const ContactPair& o) const {
+  bool operator<(const TrianglePair& o) const {
     if (body_a != o.body_a) return body_a < o.body_a;
     if (triangle_a != o.triangle_a) return triangle_a < o.triangle_a;
     if (body_b != o.body_b) return body_b < o.body_b;
     return triangle_b < o.triangle_b;
   }
 };
+
+// The generated message is deformable_contact_monitor::ContactPair too: where messages are on the
+// include path, only TrianglePair is the core's type.
+#if !__has_include(<deformable_contact_monitor/ContactPair.h>)
+using ContactPair = TrianglePair;
+#endif
 
 // Work done in one cycle [triangles or pairs].
 struct Counters {
@@ -47,11 +53,11 @@ struct Counters {
 };
 
 struct DetectionResult {
-  std::vector<ContactPair> contacts;  // sorted, each once
+  std::vector<TrianglePair> contacts;  // sorted, each once
   // Distance of each contact's triangles [m], 0 where they intersect; empty while no body has a
   // margin: then all of them intersect.
   std::vector<float> separations_m;
-  bool guaranteed = false;  // the settings in force are complete by proof and exact
+  bool guaranteed = false;  // the settings in force cannot lose a contact
   Counters counters;
   // Stage times [ms] of the cycle, in order of execution.
   std::vector<std::pair<std::string, double>> stages_ms;

@@ -15,4 +15,7 @@ namespace deformable_contact_monitor {
 // read, is malformed or holds no triangle.
 TriangleMesh readMeshFile(const std::string& path);
 
+// Whether the name ends like one of these formats.
+bool isMeshFileName(const std::string& path);
+
 }  // namespace deformable_contact_monitor

@@ -1,0 +1,244 @@
+#include "core/cluster_sweep.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+// The scan below is the hottest loop of all: let it use wide vectors where the processor has them.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define DCM_WIDE_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define DCM_WIDE_CLONES
+#endif
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+constexpr std::uint32_t kChunk = 64;
+
+// hit[k] = 1 iff box k, of kChunk ones, overlaps the row's on both axes.
+DCM_WIDE_CLONES void markOverlaps(std::uint32_t row_lo, std::uint32_t row_hi,
+                                  const std::uint32_t* __restrict lo,
+                                  const std::uint32_t* __restrict hi,
+                                  std::uint8_t* __restrict hit) {
+  const std::uint32_t guarded = row_hi | kPackedGuard;
+  for (std::uint32_t k = 0; k < kChunk; ++k) {
+    const std::uint32_t both = (guarded - lo[k]) & ((hi[k] | kPackedGuard) - row_lo) & kPackedGuard;
+    hit[k] = both == kPackedGuard;
+  }
+}
+
+}  // namespace
+
+Triangle CandidateJudge::received(std::uint32_t t) const {
+  const WorkingSet& set = input_.set;
+  const TriangleMesh& mesh = input_.scene.body(set.body[t]).mesh;
+  const std::uint32_t* corner = &mesh.triangles[3 * std::size_t{set.triangle[t]}];
+  Triangle triangle;
+  for (int k = 0; k < 3; ++k) {
+    const float* v = &mesh.vertices[3 * std::size_t{corner[k]}];
+    triangle.v[k] = {v[0], v[1], v[2]};
+  }
+  return triangle;
+}
+
+void CandidateJudge::judge(std::uint32_t a, const Triangle& posed_a, const PlaneFilter& plane_a,
+                           std::uint32_t b, const Triangle& posed_b, const PlaneFilter& plane_b) {
+  const std::uint32_t body_a = input_.set.body[a], body_b = input_.set.body[b];
+  SharedVertices shared;
+  if (body_a == body_b) {
+    shared = sharedVertices(posed_a, posed_b);
+    if (shared.any && !input_.scene.body(body_a).pose.isIdentity()) {
+      shared = sharedVertices(received(a), received(b));  // posing may have made some equal
+    }
+    if (shared.any && input_.options.adjacent == AdjacentPairs::kSkip) return;
+  }
+  ++output_.candidates;
+  state_.exact = 0;
+  state_.undecided = false;
+  Verdict verdict;
+  if (shared.any) {
+    verdict = adjacentVerdict(posed_a, plane_a, posed_b, plane_b, shared, state_);
+  } else {
+    const float margin_m =
+        std::max(input_.scene.body(body_a).margin_m, input_.scene.body(body_b).margin_m);
+    verdict = separateVerdict(posed_a, plane_a, posed_b, plane_b, margin_m, state_);
+  }
+  output_.exact += state_.exact > 0;
+  output_.undecided += state_.undecided && verdict.contact;
+  if (verdict.contact) {
+    output_.contacts.push_back({std::min(a, b), std::max(a, b), verdict.separation_m});
+  }
+}
+
+void ClusterSweeper::sortMembers() {
+  const ClusterAssignment& assignment = input_.assignment;
+  const WorkingSet& set = input_.set;
+  const std::uint32_t begin = assignment.member_begin[cluster_];
+  const std::uint32_t count = assignment.member_begin[cluster_ + 1] - begin;
+  const auto scaledCorners = [&](std::uint32_t t, Vec3f v[3]) {
+    for (int k = 0; k < 3; ++k) v[k] = assignment.scaled[set.corners[3 * std::size_t{t} + k]];
+  };
+
+  // Axes of the centroids, about the first of them.
+  Moments moments;
+  Vec3f near;
+  for (std::uint32_t m = 0; m < count; ++m) {
+    Vec3f v[3];
+    scaledCorners(input_.split.regular[assignment.members[begin + m]], v);
+    const Vec3f centroid = (v[0] + v[1] + v[2]) * (1.0F / 3);
+    if (m == 0) near = centroid;
+    moments.add(centroid - near);
+  }
+  const PrincipalAxes axes = principalAxes(moments);
+
+  struct Member {
+    std::uint32_t group;
+    float lo;
+    std::uint32_t regular;
+    Interval interval[3];
+  };
+  std::vector<Member> members(count);
+  float least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (std::uint32_t m = 0; m < count; ++m) {
+    Member& member = members[m];
+    member.regular = assignment.members[begin + m];
+    const std::uint32_t t = input_.split.regular[member.regular];
+    member.group = input_.groups.group[set.body[t]];
+    Vec3f v[3];
+    scaledCorners(t, v);
+    for (int k = 0; k < 3; ++k) {
+      member.interval[k] = project(axes.axis[k], v, input_.slack[set.body[t]] / 2);
+      least[k] = std::min(least[k], member.interval[k].lo);
+      most[k] = std::max(most[k], member.interval[k].hi);
+    }
+    member.lo = member.interval[0].lo;
+  }
+  std::vector<std::uint32_t> order(count);
+  for (std::uint32_t m = 0; m < count; ++m) order[m] = m;
+  std::sort(order.begin(), order.end(), [&members](std::uint32_t a, std::uint32_t b) {
+    const Member &x = members[a], &y = members[b];
+    if (x.group != y.group) return x.group < y.group;
+    if (x.lo != y.lo) return x.lo < y.lo;
+    return a < b;
+  });
+
+  const Quantiser quantiser[2] = {{least[1], most[1]}, {least[2], most[2]}};
+  segments_.clear();
+  lo_.resize(count);
+  hi_.resize(count);
+  records_.resize(count);
+  packed_lo_.resize(count + kChunk);  // so that the last chunk may read on
+  packed_hi_.resize(count + kChunk);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Member& member = members[order[i]];
+    if (segments_.empty() || segments_.back().group != member.group) {
+      segments_.push_back({member.group, i, i});
+    }
+    segments_.back().end = i + 1;
+    lo_[i] = member.interval[0].lo;
+    hi_[i] = member.interval[0].hi;
+    const PackedBox packed = pack(quantiser, &member.interval[1]);
+    packed_lo_[i] = packed.lo;
+    packed_hi_[i] = packed.hi;
+    Record& record = records_[i];
+    record.triangle = input_.split.regular[member.regular];
+    record.posed = set.posed(record.triangle);
+    record.plane = PlaneFilter(record.posed);
+    record.box = set.boxes[record.triangle];
+    record.clusters_begin = &assignment.clusters[assignment.list_begin[member.regular]];
+    record.clusters_end = assignment.clusters.data() + assignment.list_begin[member.regular + 1];
+  }
+}
+
+void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+  output_.interval_overlaps += end - begin;
+  for (std::uint32_t chunk = begin; chunk < end; chunk += kChunk) {
+    std::uint8_t hit[kChunk];
+    markOverlaps(packed_lo_[row], packed_hi_[row], &packed_lo_[chunk], &packed_hi_[chunk], hit);
+    for (std::uint32_t k = 0; k < kChunk && chunk + k < end; k += 8) {
+      std::uint64_t word;
+      std::memcpy(&word, hit + k, 8);
+      for (; word != 0; word &= word - 1) {
+        const std::uint32_t column =
+            chunk + k + static_cast<std::uint32_t>(__builtin_ctzll(word)) / 8;
+        if (column < end) hits_.push_back({row, column});
+      }
+    }
+  }
+  constexpr std::size_t kMostHits = 1 << 20;  // bounds the memory of dense clusters
+  if (hits_.size() > kMostHits) judgeHits();
+}
+
+// Each unordered pair once: the partner begins later in the order.
+void ClusterSweeper::sweepWithin(const Segment& s) {
+  for (std::uint32_t i = s.begin; i < s.end; ++i) {
+    const auto last = std::upper_bound(lo_.begin() + i + 1, lo_.begin() + s.end, hi_[i]);
+    scan(i, i + 1, static_cast<std::uint32_t>(last - lo_.begin()));
+  }
+}
+
+// Pairs whose column begins within the row's interval; `closed`: also where both begin together.
+void ClusterSweeper::sweepAcross(const Segment& rows, const Segment& columns, bool closed) {
+  const auto columns_end = lo_.begin() + columns.end;
+  auto first = lo_.begin() + columns.begin;
+  for (std::uint32_t i = rows.begin; i < rows.end; ++i) {
+    while (first != columns_end && (closed ? *first < lo_[i] : *first <= lo_[i])) ++first;
+    const auto last = std::upper_bound(first, columns_end, hi_[i]);
+    scan(i, static_cast<std::uint32_t>(first - lo_.begin()),
+         static_cast<std::uint32_t>(last - lo_.begin()));
+  }
+}
+
+// A pair is reported only in the lowest cluster that its triangles have in common.
+bool ClusterSweeper::owns(const Record& a, const Record& b) const {
+  const std::uint32_t *x = a.clusters_begin, *y = b.clusters_begin;
+  while (*x != *y) {  // both lists hold this cluster, so this ends
+    if (*x < *y) {
+      ++x;
+    } else {
+      ++y;
+    }
+  }
+  return *x == cluster_;
+}
+
+void ClusterSweeper::judgeHits() {
+  const auto start = Clock::now();
+  CandidateJudge judge(input_, output_);
+  for (const Hit& hit : hits_) {
+    const Record &a = records_[hit.a], &b = records_[hit.b];
+    if (!overlap(a.box, b.box) || !owns(a, b)) continue;
+    judge.judge(a.triangle, a.posed, a.plane, b.triangle, b.posed, b.plane);
+  }
+  hits_.clear();
+  output_.narrow_ms += millisecondsSince(start);
+}
+
+void ClusterSweeper::sweep(std::uint32_t cluster) {
+  cluster_ = cluster;
+  const auto start = Clock::now();
+  sortMembers();
+  output_.sort_ms += millisecondsSince(start);
+
+  const auto sweep_start = Clock::now();
+  const double narrow_before = output_.narrow_ms;
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    if (input_.groups.enabled[segments_[s].group][segments_[s].group]) sweepWithin(segments_[s]);
+    for (std::size_t t = s + 1; t < segments_.size(); ++t) {
+      if (!input_.groups.enabled[segments_[s].group][segments_[t].group]) continue;
+      sweepAcross(segments_[s], segments_[t], true);
+      sweepAcross(segments_[t], segments_[s], false);
+    }
+  }
+  output_.sweep_ms += millisecondsSince(sweep_start) - (output_.narrow_ms - narrow_before);
+  judgeHits();
+}
+
+}  // namespace deformable_contact_monitor

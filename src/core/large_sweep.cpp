@@ -1,0 +1,97 @@
+#include "core/large_sweep.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/parallel.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Every regular triangle counts as a member of its lowest cluster alone.
+std::uint32_t homeCluster(const ClusterAssignment& assignment, std::uint32_t regular) {
+  return assignment.clusters[assignment.list_begin[regular]];
+}
+
+std::vector<Aabb> homeBoxes(const SweepInput& input) {
+  std::vector<Aabb> boxes(input.assignment.clusterCount());
+  for (std::uint32_t i = 0; i < input.split.regular.size(); ++i) {
+    boxes[homeCluster(input.assignment, i)].include(input.set.boxes[input.split.regular[i]]);
+  }
+  return boxes;
+}
+
+// One large triangle against others: boxes, then the verdict.
+class LargeTriangle {
+ public:
+  LargeTriangle(const SweepInput& input, std::uint32_t t, SweepOutput& output)
+      : input_(input),
+        triangle_(t),
+        posed_(input.set.posed(t)),
+        plane_(posed_),
+        output_(output),
+        judge_(input, output) {}
+
+  void meet(std::uint32_t other) {
+    ++output_.interval_overlaps;
+    const WorkingSet& set = input_.set;
+    const std::vector<std::uint32_t>& group = input_.groups.group;
+    if (!overlap(set.boxes[triangle_], set.boxes[other]) ||
+        !input_.groups.enabled[group[set.body[triangle_]]][group[set.body[other]]]) {
+      return;
+    }
+    const Triangle posed = set.posed(other);
+    judge_.judge(triangle_, posed_, plane_, other, posed, PlaneFilter(posed));
+  }
+
+ private:
+  const SweepInput& input_;
+  std::uint32_t triangle_;
+  Triangle posed_;
+  PlaneFilter plane_;
+  SweepOutput& output_;
+  CandidateJudge judge_;
+};
+
+void append(const SweepOutput& from, SweepOutput& to) {
+  to.contacts.insert(to.contacts.end(), from.contacts.begin(), from.contacts.end());
+  to.interval_overlaps += from.interval_overlaps;
+  to.candidates += from.candidates;
+  to.exact += from.exact;
+  to.undecided += from.undecided;
+}
+
+}  // namespace
+
+void sweepLargeTriangles(const SweepInput& input, SweepOutput& output) {
+  if (input.split.large.empty()) return;
+  const ClusterAssignment& assignment = input.assignment;
+  const std::vector<Aabb> cluster_boxes = homeBoxes(input);
+  std::vector<std::uint32_t> large = input.split.large;
+  const std::vector<Aabb>& boxes = input.set.boxes;
+  std::sort(large.begin(), large.end(), [&boxes](std::uint32_t a, std::uint32_t b) {
+    return boxes[a].min.x != boxes[b].min.x ? boxes[a].min.x < boxes[b].min.x : a < b;
+  });
+  constexpr std::size_t kBlock = 16;
+  std::vector<SweepOutput> outputs(blockCount(large.size(), kBlock));
+  parallelBlocks(large.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      LargeTriangle triangle(input, large[i], outputs[block]);
+      const Aabb& box = boxes[large[i]];
+      for (std::size_t j = i + 1; j < large.size() && boxes[large[j]].min.x <= box.max.x; ++j) {
+        triangle.meet(large[j]);
+      }
+      for (std::uint32_t g = 0; g < cluster_boxes.size(); ++g) {
+        if (!overlap(box, cluster_boxes[g])) continue;
+        for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1];
+             ++m) {
+          const std::uint32_t regular = assignment.members[m];
+          if (homeCluster(assignment, regular) == g) triangle.meet(input.split.regular[regular]);
+        }
+      }
+    }
+  });
+  for (const SweepOutput& part : outputs) append(part, output);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,49 @@
+// The verdict on one candidate pair.
+#pragma once
+
+#include "core/adjacency.h"
+#include "core/plane_filter.h"
+#include "core/triangle_distance.h"
+
+namespace deformable_contact_monitor {
+
+struct Verdict {
+  bool contact = false;
+  float separation_m = 0;  // 0: they intersect
+};
+
+// Two triangles that share no vertex; `margin_m` is the larger of their bodies' margins.
+DCM_HD inline Verdict separateVerdict(const Triangle& a, const PlaneFilter& plane_a,
+                                      const Triangle& b, const PlaneFilter& plane_b, float margin_m,
+                                      PredicateState& state) {
+  const bool apart = plane_b.separates(a) || plane_a.separates(b);
+  if (apart && margin_m == 0) return {};
+  if (!apart && trianglesIntersect(a, b, state)) return {true, 0};
+  if (margin_m == 0) return {};
+  const double distance = separation(a, b);
+  return {distance <= margin_m, static_cast<float>(distance)};
+}
+
+// Two triangles of one body that share vertices. Margins do not apply: neighbours in a mesh are
+// always near.
+DCM_HD inline Verdict adjacentVerdict(const Triangle& a, const PlaneFilter& plane_a,
+                                      const Triangle& b, const PlaneFilter& plane_b,
+                                      const SharedVertices& shared, PredicateState& state) {
+  // With one common vertex, two others strictly on one side of a plane through it settle it.
+  int side_a = 0, side_b = 0, rest_a = 0, rest_b = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!shared.in_a[i]) {
+      side_a += plane_b.side(a.v[i]);
+      ++rest_a;
+    }
+    if (!shared.in_b[i]) {
+      side_b += plane_a.side(b.v[i]);
+      ++rest_b;
+    }
+  }
+  if (rest_a == 0 || rest_b == 0) return {};
+  if (side_a == rest_a || side_a == -rest_a || side_b == rest_b || side_b == -rest_b) return {};
+  return {meetBeyondShared(a, b, shared, state), 0};
+}
+
+}  // namespace deformable_contact_monitor

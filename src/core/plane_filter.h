@@ -1,0 +1,46 @@
+// The first, float32 filter of the narrow phase: is a triangle certainly on one side of another's
+// plane?
+#pragma once
+
+#include <cmath>
+
+#include "core/host_device.h"
+#include "core/triangle.h"
+
+namespace deformable_contact_monitor {
+
+// The plane of a triangle: its normal and what bounds the rounding error of distances from it.
+struct PlaneFilter {
+  Vec3f origin, normal, permanent;
+
+  PlaneFilter() = default;
+  DCM_HD explicit PlaneFilter(const Triangle& t) : origin(t.v[0]) {
+    const Vec3f u = t.v[1] - t.v[0], w = t.v[2] - t.v[0];
+    const float m1 = u.y * w.z, m2 = u.z * w.y, m3 = u.z * w.x;
+    const float m4 = u.x * w.z, m5 = u.x * w.y, m6 = u.y * w.x;
+    normal = {m1 - m2, m3 - m4, m5 - m6};
+    // The constant covers products that underflow.
+    permanent = {fabsf(m1) + fabsf(m2) + 1e-37F, fabsf(m3) + fabsf(m4) + 1e-37F,
+                 fabsf(m5) + fabsf(m6) + 1e-37F};
+  }
+
+  // 1 or -1: certainly strictly on that side; 0: undecided. False alarms cost time only; overflow
+  // ends as undecided.
+  DCM_HD int side(const Vec3f& p) const {
+    const Vec3f d = p - origin;
+    const float s = normal.x * d.x + normal.y * d.y + normal.z * d.z;
+    constexpr float kBound =
+        4.3e-7F;  // (7 + 56 u) u, u = 2^-24, Shewchuk's for orient3d, and slack
+    const float bound =
+        kBound * (permanent.x * fabsf(d.x) + permanent.y * fabsf(d.y) + permanent.z * fabsf(d.z)) +
+        1e-36F;
+    return (s > bound) - (s < -bound);
+  }
+
+  DCM_HD bool separates(const Triangle& t) const {
+    const int sum = side(t.v[0]) + side(t.v[1]) + side(t.v[2]);
+    return sum == 3 || sum == -3;
+  }
+};
+
+}  // namespace deformable_contact_monitor

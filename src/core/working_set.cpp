@@ -1,0 +1,206 @@
+#include "core/working_set.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+Vec3f vertexAt(const TriangleMesh& mesh, std::size_t i) {
+  return {mesh.vertices[3 * i], mesh.vertices[3 * i + 1], mesh.vertices[3 * i + 2]};
+}
+
+// A box in the scene frame that holds every posed float32 vertex of a body with this local box.
+Aabb posedBox(const Aabb& local, const RigidTransform& pose, float margin_m) {
+  if (local.empty()) return local;
+  if (pose.isIdentity()) return inflated(local, margin_m);
+  const double lo[3] = {local.min.x, local.min.y, local.min.z};
+  const double hi[3] = {local.max.x, local.max.y, local.max.z};
+  float min[3], max[3];
+  for (int i = 0; i < 3; ++i) {
+    double centre = pose.translation[i], extent = 0, size = std::fabs(pose.translation[i]);
+    for (int j = 0; j < 3; ++j) {
+      const double r = pose.rotation[3 * i + j];
+      centre += r * (lo[j] + hi[j]) / 2;
+      extent += std::fabs(r) * (hi[j] - lo[j]) / 2;
+      size += std::fabs(r) * std::max(std::fabs(lo[j]), std::fabs(hi[j]));
+    }
+    // float32 rounding of the vertices (2^-24 of their size) and of the box itself.
+    const double reach = extent + size * 2.5e-7 + 1e-44;
+    min[i] = static_cast<float>(centre - reach);
+    max[i] = static_cast<float>(centre + reach);
+  }
+  return inflated({{min[0], min[1], min[2]}, {max[0], max[1], max[2]}}, margin_m);
+}
+
+bool cornersFinite(const TriangleMesh& mesh, std::size_t t) {
+  for (int k = 0; k < 3; ++k) {
+    if (!isFinite(vertexAt(mesh, mesh.triangles[3 * t + k]))) return false;
+  }
+  return true;
+}
+
+// The boxes of a body's partners, clipped to where the body is.
+struct Partners {
+  bool self = false;
+  Aabb hull;
+  std::vector<Aabb> boxes;
+
+  bool meets(const Aabb& box) const {
+    if (self) return true;
+    return overlap(hull, box) && std::any_of(boxes.begin(), boxes.end(),
+                                             [&box](const Aabb& p) { return overlap(p, box); });
+  }
+};
+
+Partners partnersOf(const Scene& scene, BodyId a, const std::vector<Aabb>& boxes) {
+  Partners partners;
+  partners.self = scene.pairEnabled(a, a);
+  for (BodyId b = 0; b < scene.bodyCount(); ++b) {
+    if (b == a || !scene.pairEnabled(a, b) || !overlap(boxes[a], boxes[b])) continue;
+    partners.boxes.push_back(boxes[b]);
+    partners.hull.include(boxes[b]);
+  }
+  return partners;
+}
+
+bool hasPartner(const Scene& scene, BodyId a) {
+  for (BodyId b = 0; b < scene.bodyCount(); ++b) {
+    if (scene.pairEnabled(a, b)) return true;
+  }
+  return false;
+}
+
+// What one block of a body's triangles contributes.
+struct Block {
+  std::vector<std::uint32_t> triangle;
+  std::vector<Aabb> boxes;
+  std::uint64_t rejected = 0;
+};
+
+}  // namespace
+
+void WorkingSetBuilder::updateLocalBoxes(const Scene& scene) {
+  local_boxes_.resize(scene.bodyCount());
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    const Body& body = scene.body(id);
+    LocalBox& local = local_boxes_[id];
+    if (!hasPartner(scene, id)) continue;
+    if (local.vertices_revision == body.vertices_revision &&
+        local.topology_revision == body.topology_revision) {
+      continue;
+    }
+    local = {body.vertices_revision, body.topology_revision, Aabb(), true};
+    const TriangleMesh& mesh = body.mesh;
+    // Comparisons that are false for NaN skip it; infinities show in the result.
+    Vec3f lo{INFINITY, INFINITY, INFINITY}, hi{-INFINITY, -INFINITY, -INFINITY};
+    float check = 0;  // turns NaN with the first non-finite coordinate
+    for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+      const float* p = &mesh.vertices[i];
+      check += p[0] * 0 + p[1] * 0 + p[2] * 0;
+      lo = {p[0] < lo.x ? p[0] : lo.x, p[1] < lo.y ? p[1] : lo.y, p[2] < lo.z ? p[2] : lo.z};
+      hi = {p[0] > hi.x ? p[0] : hi.x, p[1] > hi.y ? p[1] : hi.y, p[2] > hi.z ? p[2] : hi.z};
+    }
+    local.all_finite = check == 0;
+    if (local.all_finite) {
+      local.box = {lo, hi};
+      continue;
+    }
+    for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
+      if (isFinite(vertexAt(mesh, i))) local.box.include(vertexAt(mesh, i));
+    }
+  }
+}
+
+void WorkingSetBuilder::poseBody(const Body& body, std::uint32_t first,
+                                 std::vector<Vec3f>& vertices) const {
+  constexpr std::size_t kBlock = 16384;
+  const bool identity = body.pose.isIdentity();
+  parallelBlocks(body.mesh.vertexCount(), kBlock,
+                 [&](std::size_t, std::size_t begin, std::size_t end) {
+                   for (std::size_t i = begin; i < end; ++i) {
+                     const Vec3f v = vertexAt(body.mesh, i);
+                     vertices[first + i] = identity ? v : apply(body.pose, v);
+                   }
+                 });
+}
+
+void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& counters) {
+  updateLocalBoxes(scene);
+  const std::size_t body_count = scene.bodyCount();
+  std::vector<Aabb> boxes(body_count);
+  for (BodyId id = 0; id < body_count; ++id) {
+    const Body& body = scene.body(id);
+    boxes[id] = posedBox(local_boxes_[id].box, body.pose, body.margin_m);
+  }
+  set.corners.clear();
+  set.body.clear();
+  set.triangle.clear();
+  set.boxes.clear();
+  set.vertices.clear();
+  set.first_vertex.assign(body_count, 0);
+  counters.triangles = scene.triangleCount();
+  for (BodyId id = 0; id < body_count; ++id) {
+    const Body& body = scene.body(id);
+    const TriangleMesh& mesh = body.mesh;
+    if (!hasPartner(scene, id)) continue;
+    const Partners partners = partnersOf(scene, id, boxes);
+    if (!partners.self && partners.boxes.empty()) {
+      std::uint64_t rejected = 0;
+      if (!local_boxes_[id].all_finite) {
+        for (std::size_t t = 0; t < mesh.triangleCount(); ++t) rejected += !cornersFinite(mesh, t);
+      }
+      counters.rejected += rejected;
+      counters.culled += mesh.triangleCount() - rejected;
+      continue;
+    }
+    const auto first = static_cast<std::uint32_t>(set.vertices.size());
+    set.first_vertex[id] = first;
+    set.vertices.resize(first + mesh.vertexCount());
+    poseBody(body, first, set.vertices);
+    counters.posed += mesh.triangleCount();
+
+    constexpr std::size_t kBlock = 8192;
+    std::vector<Block> blocks(blockCount(mesh.triangleCount(), kBlock));
+    parallelBlocks(
+        mesh.triangleCount(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
+          Block& block = blocks[b];
+          block.triangle.reserve(end - begin);
+          block.boxes.reserve(end - begin);
+          for (std::size_t t = begin; t < end; ++t) {
+            const std::uint32_t* corner = &mesh.triangles[3 * t];
+            const Triangle posed{{set.vertices[first + corner[0]], set.vertices[first + corner[1]],
+                                  set.vertices[first + corner[2]]}};
+            if (!isFinite(posed.v[0]) || !isFinite(posed.v[1]) || !isFinite(posed.v[2])) {
+              ++block.rejected;
+              continue;
+            }
+            const Aabb box = inflated(boxOf(posed), body.margin_m);
+            if (!partners.meets(box)) continue;
+            block.triangle.push_back(static_cast<std::uint32_t>(t));
+            block.boxes.push_back(box);
+          }
+        });
+    std::size_t kept = 0, rejected = 0;
+    for (const Block& block : blocks) {
+      set.triangle.insert(set.triangle.end(), block.triangle.begin(), block.triangle.end());
+      set.boxes.insert(set.boxes.end(), block.boxes.begin(), block.boxes.end());
+      kept += block.triangle.size();
+      rejected += block.rejected;
+    }
+    set.body.insert(set.body.end(), kept, id);
+    counters.rejected += rejected;
+    counters.culled += mesh.triangleCount() - kept - rejected;
+  }
+  const std::size_t count = set.triangle.size();
+  set.corners.resize(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t* corner =
+        &scene.body(set.body[i]).mesh.triangles[3 * std::size_t{set.triangle[i]}];
+    const std::uint32_t first = set.first_vertex[set.body[i]];
+    for (int k = 0; k < 3; ++k) set.corners[3 * i + k] = first + corner[k];
+  }
+}
+
+}  // namespace deformable_contact_monitor
