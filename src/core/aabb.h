@@ -16,8 +16,8 @@ struct Aabb {
   Vec3f max{-INFINITY, -INFINITY, -INFINITY};
 
   DCM_HD void include(const Vec3f& p) {
-    min = {fminf(min.x, p.x), fminf(min.y, p.y), fminf(min.z, p.z)};
-    max = {fmaxf(max.x, p.x), fmaxf(max.y, p.y), fmaxf(max.z, p.z)};
+    min = {least(min.x, p.x), least(min.y, p.y), least(min.z, p.z)};
+    max = {most(max.x, p.x), most(max.y, p.y), most(max.z, p.z)};
   }
   DCM_HD void include(const Aabb& other) {
     include(other.min);

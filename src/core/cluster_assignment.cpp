@@ -55,12 +55,12 @@ void ClusterAssigner::findWinners(const WorkingSet& set, const SizeSplit& split,
   assignment.scaled.resize(set.vertices.size());
   winners_.resize(set.vertices.size());
   parallelBlocks(set.vertices.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
-    std::uint32_t start = 0;  // neighbours in the mesh mostly have neighbouring winners
     for (std::size_t i = begin; i < end; ++i) {
       if (owner_[i] == kUnused) continue;
       assignment.scaled[i] = split.scale.apply(set.vertices[i]);
+      // Last cycle's winner is the best guess, where there was one.
+      const std::uint32_t start = winners_[i].cluster < view.count ? winners_[i].cluster : 0;
       winners_[i] = nearestPrototype(view, assignment.scaled[i], start, slack[owner_[i]]);
-      start = winners_[i].cluster;
     }
   });
 }

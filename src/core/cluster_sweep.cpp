@@ -20,6 +20,13 @@ double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+// Unsigned integers that order as the floats do; -0 before 0.
+std::uint32_t orderedBits(float x) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
+}
+
 constexpr std::uint32_t kChunk = 64;
 
 // hit[k] = 1 iff box k, of kChunk ones, overlaps the row's on both axes.
@@ -48,32 +55,35 @@ Triangle CandidateJudge::received(std::uint32_t t) const {
   return triangle;
 }
 
-void CandidateJudge::judge(std::uint32_t a, const Triangle& posed_a, const PlaneFilter& plane_a,
-                           std::uint32_t b, const Triangle& posed_b, const PlaneFilter& plane_b) {
-  const std::uint32_t body_a = input_.set.body[a], body_b = input_.set.body[b];
+void CandidateJudge::judge(const Contender& a, const Contender& b) {
+  const std::uint32_t body_a = input_.set.body[a.triangle], body_b = input_.set.body[b.triangle];
   SharedVertices shared;
-  if (body_a == body_b) {
-    shared = sharedVertices(posed_a, posed_b);
-    if (shared.any && !input_.scene.body(body_a).pose.isIdentity()) {
-      shared = sharedVertices(received(a), received(b));  // posing may have made some equal
-    }
-    if (shared.any && input_.options.adjacent == AdjacentPairs::kSkip) return;
+  if (body_a == body_b && shareVertex(a.lanes, b.lanes)) {
+    // Adjacency is that of the coordinates as received; posing may have made different ones equal.
+    const bool as_received = input_.scene.body(body_a).pose.isIdentity();
+    const bool skip = input_.options.adjacent == AdjacentPairs::kSkip;
+    if (as_received && skip) return;
+    shared = as_received
+                 ? sharedVertices(input_.set.posed(a.triangle), input_.set.posed(b.triangle))
+                 : sharedVertices(received(a.triangle), received(b.triangle));
+    if (shared.any && skip) return;
   }
   ++output_.candidates;
+  const float margin_m =
+      std::max(input_.scene.body(body_a).margin_m, input_.scene.body(body_b).margin_m);
+  const bool apart = !shared.any && (separates(b.plane, a.lanes) || separates(a.plane, b.lanes));
+  if (apart && margin_m == 0) return;
   state_.exact = 0;
   state_.undecided = false;
-  Verdict verdict;
-  if (shared.any) {
-    verdict = adjacentVerdict(posed_a, plane_a, posed_b, plane_b, shared, state_);
-  } else {
-    const float margin_m =
-        std::max(input_.scene.body(body_a).margin_m, input_.scene.body(body_b).margin_m);
-    verdict = separateVerdict(posed_a, plane_a, posed_b, plane_b, margin_m, state_);
-  }
+  const Triangle posed_a = input_.set.posed(a.triangle), posed_b = input_.set.posed(b.triangle);
+  const Verdict verdict = shared.any
+                              ? adjacentVerdict(posed_a, a.plane, posed_b, b.plane, shared, state_)
+                              : separateVerdict(posed_a, posed_b, apart, margin_m, state_);
   output_.exact += state_.exact > 0;
   output_.undecided += state_.undecided && verdict.contact;
   if (verdict.contact) {
-    output_.contacts.push_back({std::min(a, b), std::max(a, b), verdict.separation_m});
+    output_.contacts.push_back(
+        {std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle), verdict.separation_m});
   }
 }
 
@@ -98,38 +108,36 @@ void ClusterSweeper::sortMembers() {
   }
   const PrincipalAxes axes = principalAxes(moments);
 
-  struct Member {
-    std::uint32_t group;
-    float lo;
-    std::uint32_t regular;
-    Interval interval[3];
-  };
-  std::vector<Member> members(count);
-  float least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {-INFINITY, -INFINITY, -INFINITY};
+  members_.resize(count);
+  order_.resize(count);
+  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  bool one_group = true;
   for (std::uint32_t m = 0; m < count; ++m) {
-    Member& member = members[m];
+    Member& member = members_[m];
     member.regular = assignment.members[begin + m];
     const std::uint32_t t = input_.split.regular[member.regular];
     member.group = input_.groups.group[set.body[t]];
+    one_group = one_group && member.group == members_[0].group;
     Vec3f v[3];
     scaledCorners(t, v);
     for (int k = 0; k < 3; ++k) {
       member.interval[k] = project(axes.axis[k], v, input_.slack[set.body[t]] / 2);
-      least[k] = std::min(least[k], member.interval[k].lo);
-      most[k] = std::max(most[k], member.interval[k].hi);
+      low[k] = least(low[k], member.interval[k].lo);
+      high[k] = most(high[k], member.interval[k].hi);
     }
-    member.lo = member.interval[0].lo;
+    order_[m] = std::uint64_t{orderedBits(member.interval[0].lo)} << 32 | m;
   }
-  std::vector<std::uint32_t> order(count);
-  for (std::uint32_t m = 0; m < count; ++m) order[m] = m;
-  std::sort(order.begin(), order.end(), [&members](std::uint32_t a, std::uint32_t b) {
-    const Member &x = members[a], &y = members[b];
-    if (x.group != y.group) return x.group < y.group;
-    if (x.lo != y.lo) return x.lo < y.lo;
-    return a < b;
-  });
+  std::sort(order_.begin(), order_.end());
+  const auto memberAt = [this](std::uint64_t key) -> const Member& {
+    return members_[static_cast<std::uint32_t>(key)];
+  };
+  if (!one_group) {
+    std::stable_sort(order_.begin(), order_.end(), [&](std::uint64_t a, std::uint64_t b) {
+      return memberAt(a).group < memberAt(b).group;
+    });
+  }
 
-  const Quantiser quantiser[2] = {{least[1], most[1]}, {least[2], most[2]}};
+  const Quantiser quantiser[2] = {{low[1], high[1]}, {low[2], high[2]}};
   segments_.clear();
   lo_.resize(count);
   hi_.resize(count);
@@ -137,7 +145,7 @@ void ClusterSweeper::sortMembers() {
   packed_lo_.resize(count + kChunk);  // so that the last chunk may read on
   packed_hi_.resize(count + kChunk);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Member& member = members[order[i]];
+    const Member& member = memberAt(order_[i]);
     if (segments_.empty() || segments_.back().group != member.group) {
       segments_.push_back({member.group, i, i});
     }
@@ -147,13 +155,8 @@ void ClusterSweeper::sortMembers() {
     const PackedBox packed = pack(quantiser, &member.interval[1]);
     packed_lo_[i] = packed.lo;
     packed_hi_[i] = packed.hi;
-    Record& record = records_[i];
-    record.triangle = input_.split.regular[member.regular];
-    record.posed = set.posed(record.triangle);
-    record.plane = PlaneFilter(record.posed);
-    record.box = set.boxes[record.triangle];
-    record.clusters_begin = &assignment.clusters[assignment.list_begin[member.regular]];
-    record.clusters_end = assignment.clusters.data() + assignment.list_begin[member.regular + 1];
+    records_[i] = {Contender(set, input_.split.regular[member.regular]),
+                   &assignment.clusters[assignment.list_begin[member.regular]]};
   }
 }
 
@@ -198,7 +201,7 @@ void ClusterSweeper::sweepAcross(const Segment& rows, const Segment& columns, bo
 
 // A pair is reported only in the lowest cluster that its triangles have in common.
 bool ClusterSweeper::owns(const Record& a, const Record& b) const {
-  const std::uint32_t *x = a.clusters_begin, *y = b.clusters_begin;
+  const std::uint32_t *x = a.clusters, *y = b.clusters;
   while (*x != *y) {  // both lists hold this cluster, so this ends
     if (*x < *y) {
       ++x;
@@ -214,8 +217,9 @@ void ClusterSweeper::judgeHits() {
   CandidateJudge judge(input_, output_);
   for (const Hit& hit : hits_) {
     const Record &a = records_[hit.a], &b = records_[hit.b];
-    if (!overlap(a.box, b.box) || !owns(a, b)) continue;
-    judge.judge(a.triangle, a.posed, a.plane, b.triangle, b.posed, b.plane);
+    if (overlap(a.contender.box, b.contender.box) && owns(a, b)) {
+      judge.judge(a.contender, b.contender);
+    }
   }
   hits_.clear();
   output_.narrow_ms += millisecondsSince(start);

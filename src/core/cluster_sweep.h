@@ -7,6 +7,7 @@
 #include "core/body_groups.h"
 #include "core/cluster_assignment.h"
 #include "core/detector.h"
+#include "core/lane_triangle.h"
 #include "core/narrow_phase.h"
 #include "core/principal_axes.h"
 
@@ -36,6 +37,18 @@ struct SweepOutput {
   double sort_ms = 0, sweep_ms = 0, narrow_ms = 0;
 };
 
+// A triangle as the narrow phase wants it.
+struct Contender {
+  LaneTriangle lanes;
+  PlaneFilter plane;
+  Aabb box;
+  std::uint32_t triangle;  // in the working set
+
+  Contender() = default;
+  Contender(const WorkingSet& set, std::uint32_t t)
+      : lanes(set.posed(t)), plane(set.posed(t)), box(set.boxes[t]), triangle(t) {}
+};
+
 // Decides candidates one by one; holds what a thread needs for that.
 class CandidateJudge {
  public:
@@ -43,9 +56,8 @@ class CandidateJudge {
     state_.mode = input.options.predicates;
   }
 
-  // Two triangles of the working set, with their planes.
-  void judge(std::uint32_t a, const Triangle& posed_a, const PlaneFilter& plane_a, std::uint32_t b,
-             const Triangle& posed_b, const PlaneFilter& plane_b);
+  // Two triangles whose boxes overlap.
+  void judge(const Contender& a, const Contender& b);
 
  private:
   Triangle received(std::uint32_t t) const;
@@ -65,13 +77,14 @@ class ClusterSweeper {
   SweepOutput& output() { return output_; }
 
  private:
+  struct Member {
+    std::uint32_t regular, group;
+    Interval interval[3];
+  };
   // A member in sweep order.
   struct Record {
-    Triangle posed;
-    PlaneFilter plane;
-    Aabb box;
-    std::uint32_t triangle;  // in the working set
-    const std::uint32_t *clusters_begin, *clusters_end;
+    Contender contender;
+    const std::uint32_t* clusters;  // ascending
   };
   // Two positions in sweep order whose boxes along the principal axes overlap.
   struct Hit {
@@ -92,6 +105,8 @@ class ClusterSweeper {
   const SweepInput& input_;
   SweepOutput output_;
   std::uint32_t cluster_ = 0;
+  std::vector<Member> members_;
+  std::vector<std::uint64_t> order_;
   std::vector<Segment> segments_;
   std::vector<float> lo_, hi_;                        // along the first axis
   std::vector<std::uint32_t> packed_lo_, packed_hi_;  // along the other two

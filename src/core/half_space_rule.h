@@ -63,7 +63,7 @@ struct HalfSpaceRule {
   DCM_HD float searchRadius(const Vec3f& prototype) const {
     float radius = 0;
     for (int i = 0; i < 3; ++i) {
-      radius = fmaxf(radius, sqrtf(reach2[0][i]) + sqrtf(squaredDistance(v[i], prototype)));
+      radius = most(radius, sqrtf(reach2[0][i]) + sqrtf(squaredDistance(v[i], prototype)));
     }
     return radius * (1 + 1e-5F);
   }
@@ -104,7 +104,7 @@ DCM_HD inline Winner nearestPrototype(const PrototypesView& view, const Vec3f& v
       best2 = d2;
       best = g;
     } else {
-      second2 = fminf(second2, d2);
+      second2 = least(second2, d2);
     }
   };
   // A prototype that wins or ties is at most this far from the starting one.

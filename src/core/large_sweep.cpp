@@ -25,30 +25,21 @@ std::vector<Aabb> homeBoxes(const SweepInput& input) {
 class LargeTriangle {
  public:
   LargeTriangle(const SweepInput& input, std::uint32_t t, SweepOutput& output)
-      : input_(input),
-        triangle_(t),
-        posed_(input.set.posed(t)),
-        plane_(posed_),
-        output_(output),
-        judge_(input, output) {}
+      : input_(input), triangle_(input.set, t), output_(output), judge_(input, output) {}
 
   void meet(std::uint32_t other) {
     ++output_.interval_overlaps;
     const WorkingSet& set = input_.set;
     const std::vector<std::uint32_t>& group = input_.groups.group;
-    if (!overlap(set.boxes[triangle_], set.boxes[other]) ||
-        !input_.groups.enabled[group[set.body[triangle_]]][group[set.body[other]]]) {
-      return;
+    if (overlap(triangle_.box, set.boxes[other]) &&
+        input_.groups.enabled[group[set.body[triangle_.triangle]]][group[set.body[other]]]) {
+      judge_.judge(triangle_, Contender(set, other));
     }
-    const Triangle posed = set.posed(other);
-    judge_.judge(triangle_, posed_, plane_, other, posed, PlaneFilter(posed));
   }
 
  private:
   const SweepInput& input_;
-  std::uint32_t triangle_;
-  Triangle posed_;
-  PlaneFilter plane_;
+  Contender triangle_;
   SweepOutput& output_;
   CandidateJudge judge_;
 };

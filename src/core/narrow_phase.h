@@ -12,12 +12,10 @@ struct Verdict {
   float separation_m = 0;  // 0: they intersect
 };
 
-// Two triangles that share no vertex; `margin_m` is the larger of their bodies' margins.
-DCM_HD inline Verdict separateVerdict(const Triangle& a, const PlaneFilter& plane_a,
-                                      const Triangle& b, const PlaneFilter& plane_b, float margin_m,
-                                      PredicateState& state) {
-  const bool apart = plane_b.separates(a) || plane_a.separates(b);
-  if (apart && margin_m == 0) return {};
+// Two triangles that share no vertex; `apart`: a plane filter separates them. `margin_m` is the
+// larger of their bodies' margins.
+DCM_HD inline Verdict separateVerdict(const Triangle& a, const Triangle& b, bool apart,
+                                      float margin_m, PredicateState& state) {
   if (!apart && trianglesIntersect(a, b, state)) return {true, 0};
   if (margin_m == 0) return {};
   const double distance = separation(a, b);

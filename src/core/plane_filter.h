@@ -24,17 +24,25 @@ struct PlaneFilter {
                  fabsf(m5) + fabsf(m6) + 1e-37F};
   }
 
-  // 1 or -1: certainly strictly on that side; 0: undecided. False alarms cost time only; overflow
-  // ends as undecided.
-  DCM_HD int side(const Vec3f& p) const {
-    const Vec3f d = p - origin;
-    const float s = normal.x * d.x + normal.y * d.y + normal.z * d.z;
+  // How far p is from the plane, and by how much that may be wrong; in units of the normal. Real is
+  // float, or a vector of floats: then for several points at once.
+  template <class Real>
+  DCM_HD void distance(const Real& x, const Real& y, const Real& z, Real& value,
+                       Real& error) const {
+    const Real dx = x - origin.x, dy = y - origin.y, dz = z - origin.z;
+    value = normal.x * dx + normal.y * dy + normal.z * dz;
     constexpr float kBound =
         4.3e-7F;  // (7 + 56 u) u, u = 2^-24, Shewchuk's for orient3d, and slack
-    const float bound =
-        kBound * (permanent.x * fabsf(d.x) + permanent.y * fabsf(d.y) + permanent.z * fabsf(d.z)) +
-        1e-36F;
-    return (s > bound) - (s < -bound);
+    error = kBound * (permanent.x * most(dx, -dx) + permanent.y * most(dy, -dy) +
+                      permanent.z * most(dz, -dz)) +
+            1e-36F;
+  }
+
+  // 1 or -1: certainly strictly on that side; 0: undecided, also after overflow.
+  DCM_HD int side(const Vec3f& p) const {
+    float value, error;
+    distance(p.x, p.y, p.z, value, error);
+    return (value > error) - (value < -error);
   }
 
   DCM_HD bool separates(const Triangle& t) const {

@@ -101,14 +101,14 @@ struct Interval {
 // rounding can have moved: the exact projections of the unrounded triangle lie inside.
 DCM_HD inline Interval project(const Vec3f& axis, const Vec3f v[3], float margin) {
   const float p0 = dot(axis, v[0]), p1 = dot(axis, v[1]), p2 = dot(axis, v[2]);
-  const float mx = fmaxf(fabsf(v[0].x), fmaxf(fabsf(v[1].x), fabsf(v[2].x)));
-  const float my = fmaxf(fabsf(v[0].y), fmaxf(fabsf(v[1].y), fabsf(v[2].y)));
-  const float mz = fmaxf(fabsf(v[0].z), fmaxf(fabsf(v[1].z), fabsf(v[2].z)));
+  const float mx = most(fabsf(v[0].x), most(fabsf(v[1].x), fabsf(v[2].x)));
+  const float my = most(fabsf(v[0].y), most(fabsf(v[1].y), fabsf(v[2].y)));
+  const float mz = most(fabsf(v[0].z), most(fabsf(v[1].z), fabsf(v[2].z)));
   // u = 2^-24: 1 for the scaled coordinate, 3 for the dot product, 1 for the sum below, slack.
   constexpr float kError = 6 * kScaledError;
   const float pad =
       (fabsf(axis.x) * mx + fabsf(axis.y) * my + fabsf(axis.z) * mz) * kError + margin + 1e-44F;
-  return {fminf(p0, fminf(p1, p2)) - pad, fmaxf(p0, fmaxf(p1, p2)) + pad};
+  return {least(p0, least(p1, p2)) - pad, most(p0, most(p1, p2)) + pad};
 }
 
 // Two intervals on 15 bits each, in the two halves of a word; the top bit of each half is spare. A
@@ -127,7 +127,7 @@ struct Quantiser {
     if (!(scale < 1e37F)) scale = 0;
   }
   DCM_HD std::uint32_t operator()(float x) const {
-    return static_cast<std::uint32_t>(fminf(fmaxf((x - origin) * scale, 0.0F), 32767.0F));
+    return static_cast<std::uint32_t>(least(most((x - origin) * scale, 0.0F), 32767.0F));
   }
 };
 

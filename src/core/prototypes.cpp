@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/parallel.h"
@@ -15,18 +16,25 @@ constexpr float kCoincident2 = 1e-12F;
 }  // namespace
 
 void Prototypes::build(const std::vector<Vec3f>& prototypes) {
-  // Sorted by x, a prototype's duplicates are its neighbours in the order.
-  std::vector<Vec3f> sorted = prototypes;
-  std::sort(sorted.begin(), sorted.end(), [](const Vec3f& a, const Vec3f& b) {
-    return std::make_pair(a.x, std::make_pair(a.y, a.z)) <
-           std::make_pair(b.x, std::make_pair(b.y, b.z));
+  // Sorted by x, a prototype's duplicates are near in the order. The others keep theirs, so that a
+  // cluster has the same number from cycle to cycle.
+  std::vector<std::uint32_t> order(prototypes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&prototypes](std::uint32_t a, std::uint32_t b) {
+    return prototypes[a].x != prototypes[b].x ? prototypes[a].x < prototypes[b].x : a < b;
   });
+  std::vector<bool> duplicate(prototypes.size(), false);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Vec3f& p = prototypes[order[i]];
+    for (std::size_t j = i; j-- > 0;) {
+      const Vec3f& q = prototypes[order[j]];
+      if (!duplicate[order[j]] && squaredDistance(p, q) < kCoincident2) duplicate[order[i]] = true;
+      if (duplicate[order[i]] || (p.x - q.x) * (p.x - q.x) >= kCoincident2) break;
+    }
+  }
   points_.clear();
-  for (const Vec3f& p : sorted) {
-    const bool known = std::any_of(points_.rbegin(), points_.rend(), [&p](const Vec3f& q) {
-      return squaredDistance(p, q) < kCoincident2;
-    });
-    if (!known) points_.push_back(p);
+  for (std::size_t g = 0; g < prototypes.size(); ++g) {
+    if (!duplicate[g]) points_.push_back(prototypes[g]);
   }
   constexpr std::size_t kNeighbours = 64;
   neighbour_count_ = static_cast<std::uint32_t>(std::min(kNeighbours, points_.size() - 1));

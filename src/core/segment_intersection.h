@@ -19,7 +19,7 @@ DCM_HD inline int projectionAxis(const Vec3f& a, const Vec3f& b, const Vec3f& c,
 
 DCM_HD inline bool inBox(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
   for (int k = 0; k < 3; ++k) {
-    if (p[k] < fminf(a[k], b[k]) || p[k] > fmaxf(a[k], b[k])) return false;
+    if (p[k] < least(a[k], b[k]) || p[k] > most(a[k], b[k])) return false;
   }
   return true;
 }

@@ -7,6 +7,16 @@
 
 namespace deformable_contact_monitor {
 
+// Unlike fmin and fmax these compile to one instruction; a NaN may win, so callers rule it out.
+template <class Real>
+DCM_HD inline Real least(Real a, Real b) {
+  return b < a ? b : a;
+}
+template <class Real>
+DCM_HD inline Real most(Real a, Real b) {
+  return a < b ? b : a;
+}
+
 struct Vec3f {
   float x = 0, y = 0, z = 0;
 
