@@ -25,6 +25,7 @@ struct FuzzyPowers {
   DCM_HD float power(float u) const { return powf(u, m); }
 };
 
+// Points and prototypes are in scaled coordinates; up to 1e6 off the origin is fine.
 class FuzzyClustering {
  public:
   // m in [1.05, 4]: towards 1 hard k-means, upwards ever softer.

@@ -1,17 +1,28 @@
 #include "core/scene.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 namespace deformable_contact_monitor {
+namespace {
+
+// Unique in the process, so that a detector tells the bodies of different scenes apart.
+std::uint64_t nextRevision() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
 
 BodyId Scene::addBody(std::string name, TriangleMesh mesh) {
   validate(mesh, name);
   Body body;
   body.name = std::move(name);
   body.mesh = std::move(mesh);
+  body.topology_revision = body.vertices_revision = nextRevision();
   bodies_.push_back(std::move(body));
   for (auto& row : enabled_) row.push_back(false);
   enabled_.emplace_back(bodies_.size(), false);
@@ -30,8 +41,7 @@ void Scene::setMesh(BodyId id, TriangleMesh mesh) {
   Body& body = checkedBody(id);
   validate(mesh, body.name);
   body.mesh = std::move(mesh);
-  ++body.topology_revision;
-  ++body.vertices_revision;
+  body.topology_revision = body.vertices_revision = nextRevision();
 }
 
 void Scene::setVertices(BodyId id, const float* xyz, std::size_t count) {
@@ -42,7 +52,7 @@ void Scene::setVertices(BodyId id, const float* xyz, std::size_t count) {
                                 std::to_string(body.mesh.vertexCount()));
   }
   std::copy_n(xyz, 3 * count, body.mesh.vertices.begin());
-  ++body.vertices_revision;
+  body.vertices_revision = nextRevision();
 }
 
 void Scene::setPose(BodyId id, const RigidTransform& pose) {

@@ -18,7 +18,8 @@ struct Body {
   TriangleMesh mesh;    // in the body's frame
   RigidTransform pose;  // scene frame from body frame; identity leaves the vertices untouched
   float margin_m = 0;   // a pair of bodies counts at a distance <= the larger of its two margins
-  // Revisions say what changed since a detector last looked; they only grow.
+  // Revisions say what changed since a detector last looked; they only grow, and equal ones, of
+  // whatever scene, mean equal data.
   std::uint64_t topology_revision = 0;
   std::uint64_t vertices_revision = 0;
 };
