@@ -71,14 +71,16 @@ void CandidateJudge::judge(const Contender& a, const Contender& b) {
   ++output_.candidates;
   const float margin_m =
       std::max(input_.scene.body(body_a).margin_m, input_.scene.body(body_b).margin_m);
-  const bool apart = !shared.any && (separates(b.plane, a.lanes) || separates(a.plane, b.lanes));
+  KnownSides sides;
+  const bool apart =
+      !shared.any && (onOneSide(b.plane, a.lanes, sides.a) || onOneSide(a.plane, b.lanes, sides.b));
   if (apart && margin_m == 0) return;
   state_.exact = 0;
   state_.undecided = false;
   const Triangle posed_a = input_.set.posed(a.triangle), posed_b = input_.set.posed(b.triangle);
   const Verdict verdict = shared.any
                               ? adjacentVerdict(posed_a, a.plane, posed_b, b.plane, shared, state_)
-                              : separateVerdict(posed_a, posed_b, apart, margin_m, state_);
+                              : separateVerdict(posed_a, posed_b, sides, margin_m, state_);
   output_.exact += state_.exact > 0;
   output_.undecided += state_.undecided && verdict.contact;
   if (verdict.contact) {

@@ -23,11 +23,15 @@ struct LaneTriangle {
         z{t.v[0].z, t.v[1].z, t.v[2].z, t.v[2].z} {}
 };
 
-// As PlaneFilter::separates.
-inline bool separates(const PlaneFilter& plane, const LaneTriangle& t) {
+// As PlaneFilter::side, for the three vertices; true if all are certainly on one side.
+inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t, int side[3]) {
   FloatLanes value, error;
   plane.distance(t.x, t.y, t.z, value, error);
-  return allLanes(value > error) || allLanes(value < -error);
+  const IntLanes above = value > error, below = value < -error;  // -1 where true
+  if (allLanes(above) || allLanes(below)) return true;
+  const IntLanes sides = below - above;
+  for (int i = 0; i < 3; ++i) side[i] = sides[i];
+  return false;
 }
 
 // Whether some vertices are equal.

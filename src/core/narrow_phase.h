@@ -12,11 +12,11 @@ struct Verdict {
   float separation_m = 0;  // 0: they intersect
 };
 
-// Two triangles that share no vertex; `apart`: a plane filter separates them. `margin_m` is the
-// larger of their bodies' margins.
-DCM_HD inline Verdict separateVerdict(const Triangle& a, const Triangle& b, bool apart,
+// Two triangles that share no vertex, with what the plane filters said. `margin_m` is the larger of
+// their bodies' margins.
+DCM_HD inline Verdict separateVerdict(const Triangle& a, const Triangle& b, const KnownSides& sides,
                                       float margin_m, PredicateState& state) {
-  if (!apart && trianglesIntersect(a, b, state)) return {true, 0};
+  if (trianglesIntersect(a, b, sides, state)) return {true, 0};
   if (margin_m == 0) return {};
   const double distance = separation(a, b);
   return {distance <= margin_m, static_cast<float>(distance)};

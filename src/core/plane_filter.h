@@ -44,11 +44,6 @@ struct PlaneFilter {
     distance(p.x, p.y, p.z, value, error);
     return (value > error) - (value < -error);
   }
-
-  DCM_HD bool separates(const Triangle& t) const {
-    const int sum = side(t.v[0]) + side(t.v[1]) + side(t.v[2]);
-    return sum == 3 || sum == -3;
-  }
 };
 
 }  // namespace deformable_contact_monitor

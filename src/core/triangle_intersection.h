@@ -45,23 +45,35 @@ DCM_HD inline bool crossingIntervalsOverlap(Triangle a, const int side_a[3], Tri
          orient3d(a.v[0], a.v[2], b.v[2], b.v[0], state) <= 0;
 }
 
-DCM_HD inline bool strictlyOneSide(const int side[3]) {
+// Sides of a plane that are known already: 1, -1, or 0 for those that are not.
+struct KnownSides {
+  int a[3] = {0, 0, 0};  // of a's vertices, of b's plane
+  int b[3] = {0, 0, 0};  // of b's vertices, of a's plane
+};
+
+// Fills in the sides of `points` of the plane of t; true if all are strictly on one.
+DCM_HD inline bool onOneSide(const Triangle& t, const Triangle& points, int side[3],
+                             PredicateState& state) {
+  for (int i = 0; i < 3; ++i) {
+    if (side[i] == 0) side[i] = orient3d(t.v[0], t.v[1], t.v[2], points.v[i], state);
+  }
   return side[0] != 0 && side[0] == side[1] && side[0] == side[2];
 }
 
 // Closed-set intersection of any two triangles with finite vertices. In conservative mode an
 // undecided sign makes it true.
-DCM_HD inline bool trianglesIntersect(const Triangle& a, const Triangle& b, PredicateState& state) {
-  int side_a[3], side_b[3];
-  for (int i = 0; i < 3; ++i) side_a[i] = orient3d(b.v[0], b.v[1], b.v[2], a.v[i], state);
-  if (strictlyOneSide(side_a)) return false;
-  for (int i = 0; i < 3; ++i) side_b[i] = orient3d(a.v[0], a.v[1], a.v[2], b.v[i], state);
-  if (strictlyOneSide(side_b)) return false;
+DCM_HD inline bool trianglesIntersect(const Triangle& a, const Triangle& b, KnownSides side,
+                                      PredicateState& state) {
+  if (onOneSide(b, a, side.a, state) || onOneSide(a, b, side.b, state)) return false;
   if (state.undecided) return true;
-  const bool general = side_a[0] * side_a[1] * side_a[2] * side_b[0] * side_b[1] * side_b[2] != 0;
-  const bool meet = general ? crossingIntervalsOverlap(a, side_a, b, side_b, state)
+  const bool general = side.a[0] * side.a[1] * side.a[2] * side.b[0] * side.b[1] * side.b[2] != 0;
+  const bool meet = general ? crossingIntervalsOverlap(a, side.a, b, side.b, state)
                             : edgesMeetTriangles(a, b, state);
   return meet || state.undecided;
+}
+
+DCM_HD inline bool trianglesIntersect(const Triangle& a, const Triangle& b, PredicateState& state) {
+  return trianglesIntersect(a, b, KnownSides(), state);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,0 +1,37 @@
+// Which backends this build has.
+#include "tools/backend_choice.h"
+
+#include <stdexcept>
+
+#include "core/cpu_detector.h"
+#include "reference/brute_force_detector.h"
+#ifdef DCM_HAVE_FCL
+#include "reference/fcl_detector.h"
+#endif
+
+namespace deformable_contact_monitor {
+
+const std::vector<std::string>& backendNames() {
+  static const std::vector<std::string> kNames = {"auto", "cpu", "cuda", "fcl", "brute_force"};
+  return kNames;
+}
+
+std::unique_ptr<Detector> makeDetector(const std::string& backend) {
+  if (backend == "auto" || backend == "cpu") return makeCpuDetector();
+  if (backend == "brute_force") return makeBruteForceDetector();
+  if (backend == "cuda") {
+    throw std::runtime_error("this build has no CUDA backend; use --backend cpu");
+  }
+#ifdef DCM_HAVE_FCL
+  if (backend == "fcl") return makeFclDetector();
+#else
+  if (backend == "fcl") {
+    throw std::runtime_error("this build has no FCL backend; install libfcl-dev and build again");
+  }
+#endif
+  throw std::runtime_error("no backend is called '" + backend + "'");
+}
+
+bool supportsMargins(const Detector& detector) { return detector.backend() != "fcl"; }
+
+}  // namespace deformable_contact_monitor

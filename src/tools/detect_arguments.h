@@ -1,0 +1,25 @@
+// The command line of detect_contacts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/options.h"
+
+namespace deformable_contact_monitor {
+
+struct DetectArguments {
+  std::vector<std::string> meshes;
+  bool self = false;             // also contacts of each body with itself
+  std::string backend = "auto";  // one of backendNames()
+  Options options;
+  float margin_m = 0;
+  int repeat = 1;
+  std::string pairs_file, json_file;  // empty: not wanted; "-": standard output
+};
+
+// False if there is nothing to do, because --help or --version was asked for and is printed.
+// Throws std::invalid_argument, one line, on bad usage.
+bool parseArguments(int argc, char** argv, DetectArguments* arguments);
+
+}  // namespace deformable_contact_monitor

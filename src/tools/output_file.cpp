@@ -1,0 +1,32 @@
+// A file, or standard output, that is written at once, with its errors.
+#include "tools/output_file.h"
+
+#include <cerrno>
+#include <system_error>
+
+namespace deformable_contact_monitor {
+namespace {
+
+[[noreturn]] void fail(const std::string& name) {
+  throw std::system_error(errno, std::generic_category(), name + ": cannot be written");
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const std::string& path)
+    : name_(path == "-" ? "standard output" : path),
+      file_(path == "-" ? stdout : std::fopen(path.c_str(), "wb")) {
+  if (file_ == nullptr) fail(name_);
+}
+
+OutputFile::~OutputFile() {
+  if (file_ != stdout) std::fclose(file_);
+}
+
+void OutputFile::write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0) {
+    fail(name_);
+  }
+}
+
+}  // namespace deformable_contact_monitor

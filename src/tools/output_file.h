@@ -1,0 +1,27 @@
+// A file, or standard output, that is written at once, with its errors.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace deformable_contact_monitor {
+
+class OutputFile {
+ public:
+  // Opens and empties the file; "-" is standard output. Throws std::system_error that names it.
+  explicit OutputFile(const std::string& path);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+
+  // Once. All of it is with the system when this returns. Throws std::system_error that names the
+  // file; a reader that went away is std::errc::broken_pipe (with SIGPIPE ignored).
+  void write(std::string_view text);
+
+ private:
+  std::string name_;
+  std::FILE* file_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,27 @@
+// Median and percentiles of measured times.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+// The smallest sample that `share` (0, 1] of all samples do not exceed; 0 without samples.
+inline double percentile(std::vector<double> samples, double share) {
+  if (samples.empty()) return 0;
+  std::sort(samples.begin(), samples.end());
+  const double rank = std::ceil(share * static_cast<double>(samples.size()));
+  return samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+}
+
+// The mean of the two in the middle where their number is even; 0 without samples.
+inline double median(std::vector<double> samples) {
+  if (samples.empty()) return 0;
+  std::sort(samples.begin(), samples.end());
+  const std::size_t half = samples.size() / 2;
+  return samples.size() % 2 == 1 ? samples[half] : (samples[half - 1] + samples[half]) / 2;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,135 @@
+// Triangles of one body that share vertices, by index and by coordinates.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "cgal_oracle.h"
+#include "detector_suite.h"
+#include "scenes.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr float kTiny = 1e-20F;
+
+struct Case {
+  const char* name;
+  Triangle a, b;
+  bool beyond;  // they meet beyond the hull of the shared points
+};
+
+// Built in a function: most share the same few points.
+std::vector<Case> cases() {
+  const Vec3f o{0, 0, 0}, x{4, 0, 0}, y{0, 4, 0}, z{0, 0, 4}, minus_x{-4, 0, 0}, minus_y{0, -4, 0};
+  const Vec3f minus_o{-0.0F, 0, -0.0F};
+  const Triangle face{{o, x, y}};
+  return {
+      // Over the shared edge (o, x).
+      {"edge: flat", face, {{o, x, minus_y}}, false},
+      {"edge: right angle", face, {{o, x, z}}, false},
+      {"edge: almost folded", face, {{o, x, {1, 3, kTiny}}}, false},
+      {"edge: folded", face, {{o, x, {1, 3, 0}}}, true},
+      {"edge: folded, reaching out", face, {{o, x, {9, 9, 0}}}, true},
+      {"edge: folded, one a part of the other", face, {{o, x, {1, 1, 0}}}, true},
+      {"edge: folded, equal by -0", face, {{minus_o, x, {1, 3, 0}}}, true},
+      // Over the shared vertex o.
+      {"vertex: apart", face, {{o, minus_x, z}}, false},
+      {"vertex: coplanar, apart", face, {{o, minus_x, minus_y}}, false},
+      {"vertex: coplanar, along an edge", face, {{o, {2, 0, 0}, {0, -2, 0}}}, true},
+      {"vertex: coplanar overlap", face, {{o, {2, 1, 0}, {1, 2, 0}}}, true},
+      {"vertex: through the face", face, {{o, {2, 2, 1}, {2, 2, -1}}}, true},
+      {"vertex: through the face far out", face, {{o, {9, 9, 1}, {9, 9, -1}}}, true},
+      {"vertex: just above", face, {{o, {2, 2, 1}, {2, 2, kTiny}}}, false},
+      {"vertex: touching with an edge", face, {{o, {2, 2, 1}, {2, 2, 0}}}, true},
+      {"vertex: an edge lies in the face", face, {{o, {1, 1, 0}, {1, 1, 9}}}, true},
+      {"vertex: touches the opposite edge", face, {{o, {2, 2, 0}, {9, 9, 9}}}, true},
+      // Degenerate ones: segments and points.
+      {"segment on the shared edge", face, {{o, x, x}}, false},
+      {"segment along an edge from its end", face, {{o, {2, 0, 0}, {2, 0, 0}}}, true},
+      {"segment beyond an edge", face, {{o, x, {9, 0, 0}}}, false},
+      {"segment into the face", face, {{o, {1, 1, 0}, {1, 1, 0}}}, true},
+      {"segment away from the face", face, {{o, z, z}}, false},
+      {"segment through the shared vertex into the face",
+       face,
+       {{o, {-1, -1, 0}, {1, 1, 0}}},
+       true},
+      {"segment ending at the shared vertex", face, {{o, {-1, -1, 0}, {-2, -2, 0}}}, false},
+      {"point at the shared vertex", face, {{o, o, o}}, false},
+      {"two segments, one line, overlapping", {{o, x, x}}, {{o, {2, 0, 0}, {2, 0, 0}}}, true},
+      {"two segments, one line, apart", {{o, x, x}}, {{o, minus_x, minus_x}}, false},
+      {"two segments crossing only there", {{o, x, x}}, {{o, y, y}}, false},
+      {"two segments on the same points", {{o, x, x}}, {{x, o, o}}, false},
+      {"collinear, out of the same end", {{o, x, {6, 0, 0}}}, {{o, x, {5, 0, 0}}}, true},
+      {"collinear, out of different ends", {{o, x, {6, 0, 0}}}, {{o, x, {-5, 0, 0}}}, false},
+      {"two points at one place", {{o, o, o}}, {{o, o, o}}, false},
+      // Duplicates.
+      {"the same triangle", face, face, false},
+      {"the same triangle turned over", face, {{o, y, x}}, false},
+  };
+}
+
+// Vertices of equal coordinates become one.
+TriangleMesh welded(const std::vector<Triangle>& triangles) {
+  TriangleMesh mesh = meshOf(triangles);
+  for (std::uint32_t& index : mesh.triangles) {
+    const auto equal = [&mesh](std::uint32_t i, std::uint32_t j) {
+      return std::equal(&mesh.vertices[3 * i], &mesh.vertices[3 * i] + 3, &mesh.vertices[3 * j]);
+    };
+    for (std::uint32_t other = 0; other < index; ++other) {
+      if (equal(other, index)) index = other;
+    }
+  }
+  return mesh;
+}
+
+class Adjacency : public DetectorSuite {};
+
+TEST_P(Adjacency, CasesInEveryOrderWeldedAndAsSoup) {
+  for (const Case& c : cases()) {
+    const std::size_t expected = c.beyond ? 1 : 0;
+    std::array<int, 3> order = {0, 1, 2};
+    do {
+      const Triangle turned{{c.b.v[order[0]], c.b.v[order[1]], c.b.v[order[2]]}};
+      for (const auto& triangles :
+           {std::vector<Triangle>{c.a, turned}, std::vector<Triangle>{turned, c.a}}) {
+        EXPECT_EQ(expected, contacts(selfScene(welded(triangles))).size()) << c.name;
+        const Scene soup = selfScene(meshOf(triangles));
+        EXPECT_EQ(expected, contacts(soup).size()) << c.name << ", soup";
+        EXPECT_EQ(expected, oracleContacts(soup, AdjacentPairs::kBeyondShared).size())
+            << c.name << ", oracle";
+        EXPECT_TRUE(contacts(soup, withAdjacent(AdjacentPairs::kSkip)).empty()) << c.name;
+      }
+    } while (std::next_permutation(order.begin(), order.end()));
+  }
+}
+
+TEST_P(Adjacency, DifferentBodiesShareNothing) {
+  for (const Case& c : cases()) {
+    for (const AdjacentPairs adjacent : kBothAdjacent) {
+      EXPECT_EQ(1U,
+                contacts(pairScene(meshOf({c.a}), meshOf({c.b})), withAdjacent(adjacent)).size())
+          << c.name;
+    }
+  }
+}
+
+TEST_P(Adjacency, IsDecidedAsReceivedNotAsPosed) {
+  // Far away float32 rounds the two neighbouring points together: they touch, and share nothing.
+  const Triangle a{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}};
+  const Triangle b{{{-0.001F, 0, 0}, {-4, 0, 0}, {0, -4, 0}}};
+  Scene scene = selfScene(meshOf({a, b}));
+  EXPECT_TRUE(contacts(scene).empty());
+  RigidTransform far;
+  far.translation[0] = 1e6;
+  scene.setPose(0, far);
+  EXPECT_EQ(1U, oracleContacts(scene, AdjacentPairs::kSkip).size());
+  for (const AdjacentPairs adjacent : kBothAdjacent) {
+    EXPECT_EQ(1U, contacts(scene, withAdjacent(adjacent)).size());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, Adjacency, ::testing::ValuesIn(allBackends()), backendName);
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,58 @@
+// The backends under test: every TEST_P of the suite runs on each of them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "core/cpu_detector.h"
+#include "core/detector.h"
+#include "pair_sets.h"
+#include "reference/brute_force_detector.h"
+
+namespace deformable_contact_monitor {
+
+struct Backend {
+  const char* name;
+  std::unique_ptr<Detector> (*make)();
+};
+
+inline std::ostream& operator<<(std::ostream& out, const Backend& backend) {
+  return out << backend.name;
+}
+
+// What users get. A new backend joins here.
+inline std::vector<Backend> productBackends() { return {{"cpu", makeCpuDetector}}; }
+
+// And brute force, for small scenes only.
+inline std::vector<Backend> allBackends() {
+  std::vector<Backend> backends = productBackends();
+  backends.push_back({"brute_force", makeBruteForceDetector});
+  return backends;
+}
+
+class DetectorSuite : public ::testing::TestWithParam<Backend> {
+ protected:
+  std::vector<ContactPair> contacts(const Scene& scene, const Options& options = Options()) {
+    return detector_->detect(scene, options).contacts;
+  }
+
+  std::unique_ptr<Detector> detector_ = GetParam().make();
+};
+
+inline std::string backendName(const ::testing::TestParamInfo<Backend>& info) {
+  return info.param.name;
+}
+
+inline Options withAdjacent(AdjacentPairs adjacent) {
+  Options options;
+  options.adjacent = adjacent;
+  return options;
+}
+
+constexpr AdjacentPairs kBothAdjacent[] = {AdjacentPairs::kSkip, AdjacentPairs::kBeyondShared};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,63 @@
+// The references behind the detector's interface: what they find where arithmetic decides nothing.
+#include <gtest/gtest.h>
+
+#include "cgal_oracle.h"
+#include "detector_suite.h"
+#include "random_scenes.h"
+#include "reference/fcl_detector.h"
+#include "scenes.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+#ifdef DCM_HAVE_FCL
+
+TEST(FclDetector, FindsTheContactsOfBodiesInGeneralPosition) {
+  Scene scene = pairScene(clothGrid(30, 1, 0, 0.1F), clothGrid(25, 1.1F, 0.013F, -0.1F));
+  RigidTransform pose;
+  pose.translation[0] = 0.0123;
+  scene.setPose(1, pose);
+  const auto expected = oracleContacts(scene, AdjacentPairs::kSkip);
+  ASSERT_GT(expected.size(), 100U);
+  const auto detector = makeFclDetector();
+  EXPECT_EQ("fcl", detector->backend());
+  const DetectionResult& result = detector->detect(scene, Options());
+  EXPECT_TRUE(samePairs(expected, result.contacts));
+  EXPECT_FALSE(result.guaranteed);
+}
+
+TEST(FclDetector, LeavesSharersOutOfSelfContacts) {
+  TriangleMesh folded = clothGrid(30, 1, 0, 0.1F);
+  for (std::size_t i = 0; i < folded.vertices.size(); i += 3) {
+    folded.vertices[i] = std::abs(folded.vertices[i] - 0.507F);
+  }
+  const Scene scene = selfScene(folded);
+  const auto expected = oracleContacts(scene, AdjacentPairs::kSkip);
+  ASSERT_GT(expected.size(), 100U);
+  for (const AdjacentPairs adjacent : kBothAdjacent) {
+    EXPECT_TRUE(
+        samePairs(expected, makeFclDetector()->detect(scene, withAdjacent(adjacent)).contacts));
+  }
+}
+
+TEST(FclDetector, SurvivesDegenerateAndNonFiniteTriangles) {
+  const auto detector = makeFclDetector();
+  for (std::uint32_t seed = 0; seed < 500; ++seed) {
+    EXPECT_TRUE(isOrdered(detector->detect(randomScene(seed), Options()).contacts));
+  }
+}
+
+#endif
+
+TEST(BruteForceDetector, IsNotGuaranteedWithFastPredicates) {
+  const auto detector = makeBruteForceDetector();
+  EXPECT_EQ("brute_force", detector->backend());
+  Options options;
+  const Scene scene = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0, 0));
+  EXPECT_TRUE(detector->detect(scene, options).guaranteed);
+  options.predicates = Predicates::kFast;
+  EXPECT_FALSE(detector->detect(scene, options).guaranteed);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
