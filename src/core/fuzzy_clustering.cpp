@@ -12,9 +12,9 @@ namespace {
 // compiler turns into vector instructions without being allowed to reorder a sum.
 constexpr std::size_t kLanes = 8;
 
-struct SoftPowers {  // m = 1.5, the default
-  float weight(float ratio) const { return ratio * ratio; }
-  float power(float u) const { return u * std::sqrt(u); }
+struct SquarePowers {  // m = 2, the default
+  float weight(float ratio) const { return ratio; }
+  float power(float u) const { return u * u; }
 };
 
 // Prototypes as arrays, padded to full lanes with points that are nobody's.
@@ -124,14 +124,31 @@ void FuzzyClustering::initialise(const std::vector<Vec3f>& points, std::size_t c
   for (std::size_t j = 0; j < prototypes_.size(); ++j) {
     prototypes_[j] = points[(2 * j + 1) * points.size() / (2 * prototypes_.size())];
   }
+  const Lanes lanes(prototypes_);
+  std::vector<float> d2(lanes.size());
+  std::vector<Vec3d> sums(prototypes_.size());
+  std::vector<std::size_t> members(prototypes_.size());
+  for (const Vec3f& p : points) {
+    const float min2 = fillDistances(lanes, p, d2);
+    const auto nearest =
+        static_cast<std::size_t>(std::find(d2.begin(), d2.end(), min2) - d2.begin());
+    sums[nearest] = sums[nearest] + toDouble(p);
+    ++members[nearest];
+  }
+  for (std::size_t j = 0; j < prototypes_.size(); ++j) {
+    if (members[j] == 0) continue;
+    const Vec3d mean = sums[j] * (1.0 / static_cast<double>(members[j]));
+    prototypes_[j] = {static_cast<float>(mean.x), static_cast<float>(mean.y),
+                      static_cast<float>(mean.z)};
+  }
 }
 
 double FuzzyClustering::iterate(const std::vector<Vec3f>& points) {
   constexpr std::size_t kBlock = 1024;
   const Lanes lanes(prototypes_);
   std::vector<Sums> partial(blockCount(points.size(), kBlock), Sums(lanes.size()));
-  if (powers_.m == 1.5F) {
-    accumulateAll(SoftPowers(), lanes, points, kBlock, partial);
+  if (powers_.m == 2) {
+    accumulateAll(SquarePowers(), lanes, points, kBlock, partial);
   } else {
     accumulateAll(powers_, lanes, points, kBlock, partial);
   }

@@ -17,7 +17,7 @@ namespace deformable_contact_monitor {
 
 // The powers that the fuzzifier m asks for: w = (d_min^2 / d^2)^(1 / (m - 1)) and u^m.
 struct FuzzyPowers {
-  float m = 1.5F;
+  float m = 2;
 
   // `ratio` in [0, 1].
   DCM_HD float weight(float ratio) const { return powf(ratio, 1 / (m - 1)); }
@@ -31,7 +31,8 @@ class FuzzyClustering {
   // m in [1.05, 4]: towards 1 hard k-means, upwards ever softer.
   explicit FuzzyClustering(float fuzzifier) : powers_{fuzzifier} {}
 
-  // Starts from `count` of the points, evenly spread over their order.
+  // Starts from the means of the points nearest to each of `count` of them, evenly spread over
+  // their order. (A prototype on a point would hardly move from there.)
   void initialise(const std::vector<Vec3f>& points, std::size_t count);
 
   // Starts from given prototypes.

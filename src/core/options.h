@@ -27,7 +27,7 @@ struct Options {
 
   // What follows costs or saves time and never changes the result while overlap is 1.
   int clusters = 0;        // 0: from the scene; at most kMaxClusters
-  float fuzzifier = 1.5F;  // [1.05, 4]
+  float fuzzifier = 2;     // [1.05, 4]
   int iterations = 1;      // of fuzzy c-means a refresh, warm-started, [0, 100]
   int refresh_period = 1;  // cycles between refreshes, >= 1
   int threads = 0;         // of the CPU backend; 0: all cores

@@ -89,15 +89,13 @@ TEST_P(Fuzzifier, ObjectiveDoesNotRise) {
   EXPECT_LT(last, first * 0.95);
 }
 
-INSTANTIATE_TEST_SUITE_P(Range, Fuzzifier, testing::Values(1.05F, 1.25F, 1.5F, 2.0F, 4.0F));
-
-TEST(FuzzyClustering, AgreesWithTheTextbookFormula) {
+TEST_P(Fuzzifier, AgreesWithTheTextbookFormula) {
   const std::vector<Vec3f> points = blobs(40, 6);
-  FuzzyClustering clustering(1.5F);
+  FuzzyClustering clustering(GetParam());
   clustering.initialise(points, 5);
   const std::vector<Vec3f> before = clustering.prototypes();
   clustering.iterate(points);
-  const double m = 1.5;
+  const double m = GetParam();
   for (std::size_t j = 0; j < before.size(); ++j) {
     double weight = 0, x = 0;
     for (const Vec3f& p : points) {
@@ -113,9 +111,11 @@ TEST(FuzzyClustering, AgreesWithTheTextbookFormula) {
       weight += std::pow(u, m);
       x += std::pow(u, m) * p.x;
     }
-    EXPECT_NEAR(clustering.prototypes()[j].x, x / weight, 1e-5);
+    EXPECT_NEAR(clustering.prototypes()[j].x, x / weight, 2e-5);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Range, Fuzzifier, testing::Values(1.05F, 1.25F, 1.5F, 2.0F, 4.0F));
 
 TEST(FuzzyClustering, APointOnPrototypesIsSharedByThem) {
   FuzzyClustering clustering(2);
