@@ -44,4 +44,22 @@ DCM_HD inline Verdict adjacentVerdict(const Triangle& a, const PlaneFilter& plan
   return {meetBeyondShared(a, b, shared, state), 0};
 }
 
+// A pair as received (not posed otherwise), by the scalar filters; `same_body`: equal vertices are
+// shared.
+DCM_HD inline Verdict pairVerdict(const Triangle& a, const Triangle& b, bool same_body,
+                                  AdjacentPairs adjacent, float margin_m, PredicateState& state) {
+  const PlaneFilter plane_a(a), plane_b(b);
+  const SharedVertices shared = same_body ? sharedVertices(a, b) : SharedVertices();
+  if (shared.any) {
+    if (adjacent == AdjacentPairs::kSkip) return {};
+    return adjacentVerdict(a, plane_a, b, plane_b, shared, state);
+  }
+  KnownSides sides;
+  for (int i = 0; i < 3; ++i) {
+    sides.a[i] = plane_b.side(a.v[i]);
+    sides.b[i] = plane_a.side(b.v[i]);
+  }
+  return separateVerdict(a, b, sides, margin_m, state);
+}
+
 }  // namespace deformable_contact_monitor

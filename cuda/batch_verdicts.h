@@ -1,0 +1,29 @@
+// The narrow phase on the device: verdicts on many pairs at once, by the text that the CPU runs.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/options.h"
+#include "core/triangle.h"
+
+namespace deformable_contact_monitor {
+
+struct TrianglePair {
+  Triangle a, b;           // scene frame [m], finite
+  bool same_body = false;  // then vertices with equal coordinates are shared
+};
+
+struct BatchVerdict {
+  bool contact = false;
+  bool exact = false;      // the floating-point filters could not decide
+  float separation_m = 0;  // of a contact; 0: they intersect
+};
+
+// One verdict per pair, in their order. `margin_m` >= 0. Throws CudaError where there is no usable
+// device or a call fails.
+std::vector<BatchVerdict> batchVerdicts(const std::vector<TrianglePair>& pairs,
+                                        AdjacentPairs adjacent, Predicates predicates,
+                                        float margin_m);
+
+}  // namespace deformable_contact_monitor

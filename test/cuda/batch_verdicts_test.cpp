@@ -1,0 +1,80 @@
+// The device's verdicts are the host's, pair by pair.
+#include "cuda/batch_verdicts.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/narrow_phase.h"
+#include "cuda/cuda_error.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Every third pair shares vertices; small integers make touching, coplanar and degenerate ones
+// common; a wide range of scales and offsets makes the filters fail.
+std::vector<TrianglePair> hardPairs(std::size_t count) {
+  std::mt19937 random(7);
+  std::vector<TrianglePair> pairs(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int range = i % 2 == 0 ? 3 : 1000;
+    const float scale = std::ldexp(1.0F, static_cast<int>(i % 5) * 40 - 80);
+    const float offset = i % 7 == 0 ? 1048576.0F : 0;
+    const auto coordinate = [&] {
+      return (static_cast<float>(static_cast<int>(random() % (2 * range + 1)) - range) + offset) *
+             scale;
+    };
+    TrianglePair& pair = pairs[i];
+    for (Triangle* t : {&pair.a, &pair.b}) {
+      for (Vec3f& v : t->v) v = {coordinate(), coordinate(), coordinate()};
+    }
+    pair.same_body = i % 3 == 0;
+    if (pair.same_body) {
+      for (std::size_t k = 0; k <= random() % 2; ++k) pair.b.v[k] = pair.a.v[(k + i) % 3];
+    }
+  }
+  return pairs;
+}
+
+bool deviceIsThere() {
+  try {
+    batchVerdicts({}, AdjacentPairs::kSkip, Predicates::kExact, 0);
+    return true;
+  } catch (const CudaError&) {
+    return false;
+  }
+}
+
+constexpr std::size_t kPairs = 200000;
+
+TEST(BatchVerdicts, AreTheHostsOrSayWhyNot) {
+  const std::vector<TrianglePair> pairs = hardPairs(kPairs);
+  if (!deviceIsThere()) {
+    EXPECT_THROW(batchVerdicts(pairs, AdjacentPairs::kSkip, Predicates::kExact, 0), CudaError);
+    return;
+  }
+  for (const AdjacentPairs adjacent : {AdjacentPairs::kSkip, AdjacentPairs::kBeyondShared}) {
+    for (const Predicates predicates :
+         {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+      const auto verdicts = batchVerdicts(pairs, adjacent, predicates, 0);
+      std::size_t contacts = 0, exact = 0, wrong = 0;
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        PredicateState state;
+        state.mode = predicates;
+        const Verdict host =
+            pairVerdict(pairs[i].a, pairs[i].b, pairs[i].same_body, adjacent, 0, state);
+        wrong += host.contact != verdicts[i].contact || (state.exact > 0) != verdicts[i].exact;
+        contacts += host.contact;
+        exact += state.exact > 0;
+      }
+      EXPECT_EQ(wrong, 0U) << "predicates " << toString(predicates);
+      EXPECT_GT(contacts, pairs.size() / 10);
+      if (predicates == Predicates::kExact) {
+        EXPECT_GT(exact, pairs.size() / 10);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
