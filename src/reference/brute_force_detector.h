@@ -1,4 +1,4 @@
-// Every pair, one by one, with the same exact predicates: slow and simple.
+// Every pair of triangles, one by one, with the same predicates and margins: slow and simple.
 #pragma once
 
 #include <memory>

@@ -38,9 +38,15 @@ ResourceResolver makeRosResolver();
 
 // Every link's collision (or visual) elements as triangles: meshes (STL, DAE, OBJ) and primitives.
 // A link whose mesh cannot be had keeps its place, with `problem` set and an empty mesh, so that
-// one missing file costs nobody else's data. Throws std::invalid_argument, naming element and line
-// where there is one, if the URDF itself is malformed, or a name in the options is no link.
+// one missing file costs nobody else's data. Triangles are in the order of the elements and, within
+// an STL, of its file; equal vertices are stored once. Throws std::invalid_argument, naming element
+// and line where there is one, if the URDF itself is malformed, or a name in the options is no
+// link.
 RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
                                 const ResourceResolver& resolve);
+
+// One line for each fact about a usable link that its owner should know: longer than 10 m or
+// shorter than 1 mm, more than 200 000 triangles, vertices that are not finite.
+std::vector<std::string> geometryWarnings(const RobotGeometry& robot);
 
 }  // namespace deformable_contact_monitor

@@ -36,7 +36,7 @@ inline std::vector<Backend> allBackends() {
 
 class DetectorSuite : public ::testing::TestWithParam<Backend> {
  protected:
-  std::vector<ContactPair> contacts(const Scene& scene, const Options& options = Options()) {
+  std::vector<TrianglePair> contacts(const Scene& scene, const Options& options = Options()) {
     return detector_->detect(scene, options).contacts;
   }
 

@@ -69,7 +69,7 @@ TEST_P(Margin, SeparationsAreDistancesUpToTheLargerMargin) {
   const std::uint32_t count = 128;
   for (std::uint32_t a = 0; a < 3 * count; ++a) {
     for (std::uint32_t b = a + 1; b < 3 * count; ++b) {
-      const ContactPair pair{a / count, a % count, b / count, b % count};
+      const TrianglePair pair{a / count, a % count, b / count, b % count};
       const bool reported = found != result.contacts.end() && *found == pair;
       const float separation = reported ? result.separations_m[found - result.contacts.begin()] : 0;
       if (reported) ++found;

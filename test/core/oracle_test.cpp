@@ -68,7 +68,7 @@ TEST(Oracle, RandomScenesHaveContactsOfEveryKind) {
   for (std::uint32_t seed = 0; seed < 300; ++seed) {
     const Scene scene = randomScene(seed);
     skip += oracleContacts(scene, AdjacentPairs::kSkip).size();
-    for (const ContactPair& p : oracleContacts(scene, AdjacentPairs::kBeyondShared)) {
+    for (const TrianglePair& p : oracleContacts(scene, AdjacentPairs::kBeyondShared)) {
       ++beyond;
       across += p.body_a != p.body_b;
     }

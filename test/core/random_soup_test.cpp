@@ -41,7 +41,7 @@ TEST_P(RandomSoup, EqualsTheOracleForAnyClusters) {
   for (std::uint32_t seed = 0; seed < kScenes; ++seed) {
     const Scene scene = randomScene(seed);
     for (const AdjacentPairs adjacent : kBothAdjacent) {
-      const std::vector<ContactPair> expected = oracleContacts(scene, adjacent);
+      const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
       Options options = knobs(seed, adjacent);
       for (const int clusters : {1, 2, 7, 64, 0}) {
         options.clusters = clusters;
@@ -61,7 +61,7 @@ TEST_P(RandomSoup, ConservativeLosesNothingAndSaysWhatItAdds) {
   options.predicates = Predicates::kConservative;
   for (std::uint32_t seed = 0; seed < kScenes / 4; ++seed) {
     const Scene scene = randomScene(seed);
-    const std::vector<ContactPair> exact = oracleContacts(scene, AdjacentPairs::kBeyondShared);
+    const std::vector<TrianglePair> exact = oracleContacts(scene, AdjacentPairs::kBeyondShared);
     const DetectionResult& result = detector_->detect(scene, options);
     ASSERT_TRUE(isOrdered(result.contacts)) << "seed " << seed;
     ASSERT_TRUE(
@@ -94,7 +94,7 @@ TEST_P(LargeRandomSoup, EqualsTheOracleForAnyClusters) {
   for (std::uint32_t seed = 0; seed < 16; ++seed) {
     const Scene scene = largeRandomScene(seed);
     for (const AdjacentPairs adjacent : kBothAdjacent) {
-      const std::vector<ContactPair> expected = oracleContacts(scene, adjacent);
+      const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
       ASSERT_GT(expected.size(), 50U) << "seed " << seed;
       Options options = knobs(seed, adjacent);
       for (const int clusters : {1, 2, 7, 64, 500, 0}) {

@@ -36,7 +36,7 @@ TEST_P(RealScenes, EqualTheOracleForAnyClustersAndThreads) {
   const Scene scene = selfScene(readMeshFile(testDataFile(real.file)));
   ASSERT_EQ(real.box_pairs, oracleBoxPairs(scene));
   for (const AdjacentPairs adjacent : kBothAdjacent) {
-    const std::vector<ContactPair> expected = oracleContacts(scene, adjacent);
+    const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
     ASSERT_EQ(adjacent == AdjacentPairs::kSkip ? real.skip : real.beyond_shared, expected.size());
     Options options = withAdjacent(adjacent);
     const auto detector = backend.make();
@@ -74,7 +74,7 @@ TEST_P(RealMeshes, SoupOfUnsharedVerticesGivesTheSameSets) {
   const TriangleMesh mesh = readMeshFile(testDataFile(kScenes[0].file));
   const Scene welded = selfScene(mesh), soup = selfScene(soupOf(mesh));
   for (const AdjacentPairs adjacent : kBothAdjacent) {
-    const std::vector<ContactPair> expected = oracleContacts(welded, adjacent);
+    const std::vector<TrianglePair> expected = oracleContacts(welded, adjacent);
     EXPECT_TRUE(samePairs(expected, contacts(soup, withAdjacent(adjacent))));
   }
 }
@@ -83,7 +83,7 @@ TEST_P(RealMeshes, WarmStartsOnAMovingSceneChangeNothing) {
   DCM_REQUIRE_TEST_DATA();
   const Scene frames[] = {selfScene(readMeshFile(testDataFile(kScenes[2].file))),
                           selfScene(readMeshFile(testDataFile(kScenes[3].file)))};
-  std::vector<ContactPair> expected[2];
+  std::vector<TrianglePair> expected[2];
   for (int i = 0; i < 2; ++i) expected[i] = oracleContacts(frames[i], AdjacentPairs::kSkip);
   Options options = withAdjacent(AdjacentPairs::kSkip);
   for (int cycle = 0; cycle < 6; ++cycle) {

@@ -42,7 +42,7 @@ TEST_P(Trade, OverlapZeroLosesPairsAndSaysSo) {
   DCM_REQUIRE_TEST_DATA();
   const Scene scene = selfScene(clothOnBall());
   Options options = with256Clusters();
-  const std::vector<ContactPair> complete = contacts(scene, options);
+  const std::vector<TrianglePair> complete = contacts(scene, options);
   EXPECT_TRUE(detector_->detect(scene, options).guaranteed);
   EXPECT_EQ(61530U, complete.size());
   std::size_t before = 0;
