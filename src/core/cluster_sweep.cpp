@@ -57,36 +57,56 @@ Triangle CandidateJudge::received(std::uint32_t t) const {
 
 void CandidateJudge::judge(const Contender& a, const Contender& b) {
   const std::uint32_t body_a = input_.set.body[a.triangle], body_b = input_.set.body[b.triangle];
-  SharedVertices shared;
-  if (body_a == body_b && shareVertex(a.lanes, b.lanes)) {
-    // Adjacency is that of the coordinates as received; posing may have made different ones equal.
-    const bool as_received = input_.scene.body(body_a).pose.isIdentity();
-    const bool skip = input_.options.adjacent == AdjacentPairs::kSkip;
-    if (as_received && skip) return;
-    shared = as_received
-                 ? sharedVertices(input_.set.posed(a.triangle), input_.set.posed(b.triangle))
-                 : sharedVertices(received(a.triangle), received(b.triangle));
-    if (shared.any && skip) return;
+  if (body_a == body_b) {
+    const SharedLanes shared(a.lanes, b.lanes);
+    if (shared.any && input_.scene.body(body_a).pose.isIdentity()) {
+      judgeAdjacent(a, b, shared);
+      return;
+    }
+    if (shared.any) {
+      // Adjacency is that of the coordinates as received; posing may have made different ones
+      // equal.
+      const SharedVertices as_received = sharedVertices(received(a.triangle), received(b.triangle));
+      if (as_received.any) {
+        judgeAdjacent(a, b, SharedLanes(as_received));
+        return;
+      }
+    }
   }
   ++output_.candidates;
   const float margin_m =
       std::max(input_.scene.body(body_a).margin_m, input_.scene.body(body_b).margin_m);
   KnownSides sides;
-  const bool apart =
-      !shared.any && (onOneSide(b.plane, a.lanes, sides.a) || onOneSide(a.plane, b.lanes, sides.b));
+  const bool apart = onOneSide(b.plane, a.lanes, sides.a) || onOneSide(a.plane, b.lanes, sides.b);
   if (apart && margin_m == 0) return;
-  state_.exact = 0;
-  state_.undecided = false;
-  const Triangle posed_a = input_.set.posed(a.triangle), posed_b = input_.set.posed(b.triangle);
-  const Verdict verdict = shared.any
-                              ? adjacentVerdict(posed_a, a.plane, posed_b, b.plane, shared, state_)
-                              : separateVerdict(posed_a, posed_b, sides, margin_m, state_);
-  output_.exact += state_.exact > 0;
-  output_.undecided += state_.undecided && verdict.contact;
-  if (verdict.contact) {
-    output_.contacts.push_back(
-        {std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle), verdict.separation_m});
+  state_ = {input_.options.predicates};
+  report(a, b,
+         separateVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle), sides,
+                         margin_m, state_));
+}
+
+// Margins do not apply: neighbours in a mesh are always near.
+void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b,
+                                   const SharedLanes& shared) {
+  if (input_.options.adjacent == AdjacentPairs::kSkip) return;
+  ++output_.candidates;
+  if (restOnOneSide(b.plane, a.lanes, shared.in_a) ||
+      restOnOneSide(a.plane, b.lanes, shared.in_b)) {
+    return;
   }
+  state_ = {input_.options.predicates};
+  report(a, b,
+         {meetBeyondShared(input_.set.posed(a.triangle), input_.set.posed(b.triangle),
+                           shared.vertices(), state_),
+          0});
+}
+
+void CandidateJudge::report(const Contender& a, const Contender& b, const Verdict& verdict) {
+  output_.exact += state_.exact > 0;
+  if (!verdict.contact) return;
+  output_.undecided += state_.undecided;
+  output_.contacts.push_back(
+      {std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle), verdict.separation_m});
 }
 
 void ClusterSweeper::sortMembers() {
@@ -143,7 +163,9 @@ void ClusterSweeper::sortMembers() {
   segments_.clear();
   lo_.resize(count);
   hi_.resize(count);
-  records_.resize(count);
+  boxes_.resize(count);
+  contenders_.resize(count);
+  clusters_.resize(count);
   packed_lo_.resize(count + kChunk);  // so that the last chunk may read on
   packed_hi_.resize(count + kChunk);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -157,8 +179,10 @@ void ClusterSweeper::sortMembers() {
     const PackedBox packed = pack(quantiser, &member.interval[1]);
     packed_lo_[i] = packed.lo;
     packed_hi_[i] = packed.hi;
-    records_[i] = {Contender(set, input_.split.regular[member.regular]),
-                   &assignment.clusters[assignment.list_begin[member.regular]]};
+    const std::uint32_t t = input_.split.regular[member.regular];
+    boxes_[i] = set.boxes[t];
+    contenders_[i] = Contender(set, t);
+    clusters_[i] = &assignment.clusters[assignment.list_begin[member.regular]];
   }
 }
 
@@ -202,8 +226,8 @@ void ClusterSweeper::sweepAcross(const Segment& rows, const Segment& columns, bo
 }
 
 // A pair is reported only in the lowest cluster that its triangles have in common.
-bool ClusterSweeper::owns(const Record& a, const Record& b) const {
-  const std::uint32_t *x = a.clusters, *y = b.clusters;
+bool ClusterSweeper::owns(std::uint32_t a, std::uint32_t b) const {
+  const std::uint32_t *x = clusters_[a], *y = clusters_[b];
   while (*x != *y) {  // both lists hold this cluster, so this ends
     if (*x < *y) {
       ++x;
@@ -218,9 +242,8 @@ void ClusterSweeper::judgeHits() {
   const auto start = Clock::now();
   CandidateJudge judge(input_, output_);
   for (const Hit& hit : hits_) {
-    const Record &a = records_[hit.a], &b = records_[hit.b];
-    if (overlap(a.contender.box, b.contender.box) && owns(a, b)) {
-      judge.judge(a.contender, b.contender);
+    if (overlap(boxes_[hit.a], boxes_[hit.b]) && owns(hit.a, hit.b)) {
+      judge.judge(contenders_[hit.a], contenders_[hit.b]);
     }
   }
   hits_.clear();

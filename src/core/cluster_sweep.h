@@ -41,25 +41,24 @@ struct SweepOutput {
 struct Contender {
   LaneTriangle lanes;
   PlaneFilter plane;
-  Aabb box;
   std::uint32_t triangle;  // in the working set
 
   Contender() = default;
   Contender(const WorkingSet& set, std::uint32_t t)
-      : lanes(set.posed(t)), plane(set.posed(t)), box(set.boxes[t]), triangle(t) {}
+      : lanes(set.posed(t)), plane(set.posed(t)), triangle(t) {}
 };
 
 // Decides candidates one by one; holds what a thread needs for that.
 class CandidateJudge {
  public:
-  CandidateJudge(const SweepInput& input, SweepOutput& output) : input_(input), output_(output) {
-    state_.mode = input.options.predicates;
-  }
+  CandidateJudge(const SweepInput& input, SweepOutput& output) : input_(input), output_(output) {}
 
   // Two triangles whose boxes overlap.
   void judge(const Contender& a, const Contender& b);
 
  private:
+  void judgeAdjacent(const Contender& a, const Contender& b, const SharedLanes& shared);
+  void report(const Contender& a, const Contender& b, const Verdict& verdict);
   Triangle received(std::uint32_t t) const;
 
   const SweepInput& input_;
@@ -81,11 +80,6 @@ class ClusterSweeper {
     std::uint32_t regular, group;
     Interval interval[3];
   };
-  // A member in sweep order.
-  struct Record {
-    Contender contender;
-    const std::uint32_t* clusters;  // ascending
-  };
   // Two positions in sweep order whose boxes along the principal axes overlap.
   struct Hit {
     std::uint32_t a, b;
@@ -99,7 +93,7 @@ class ClusterSweeper {
   void sweepWithin(const Segment& s);
   void sweepAcross(const Segment& rows, const Segment& columns, bool closed);
   void scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
-  bool owns(const Record& a, const Record& b) const;
+  bool owns(std::uint32_t a, std::uint32_t b) const;
   void judgeHits();
 
   const SweepInput& input_;
@@ -110,7 +104,9 @@ class ClusterSweeper {
   std::vector<Segment> segments_;
   std::vector<float> lo_, hi_;                        // along the first axis
   std::vector<std::uint32_t> packed_lo_, packed_hi_;  // along the other two
-  std::vector<Record> records_;
+  std::vector<Aabb> boxes_;
+  std::vector<Contender> contenders_;
+  std::vector<const std::uint32_t*> clusters_;  // of each member, ascending
   std::vector<Hit> hits_;
 };
 

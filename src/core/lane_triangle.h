@@ -1,6 +1,7 @@
 // A triangle spread over vector lanes: the CPU's form for the filters that most pairs end in.
 #pragma once
 
+#include "core/adjacency.h"
 #include "core/plane_filter.h"
 #include "core/triangle.h"
 
@@ -34,13 +35,40 @@ inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t, int side[
   return false;
 }
 
-// Whether some vertices are equal.
-inline bool shareVertex(const LaneTriangle& a, const LaneTriangle& b) {
-  IntLanes equal = {0, 0, 0, 0};
-  for (int i = 0; i < 3; ++i) {
-    equal |= (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]);
+// Which vertices of two triangles are equal, as lane masks (-1 where true).
+struct SharedLanes {
+  IntLanes in_a = {0, 0, 0, 0}, in_b = {0, 0, 0, 0};
+  bool any = false;
+
+  explicit SharedLanes(const SharedVertices& v)
+      : in_a{-v.in_a[0], -v.in_a[1], -v.in_a[2], -v.in_a[2]},
+        in_b{-v.in_b[0], -v.in_b[1], -v.in_b[2], -v.in_b[2]},
+        any(v.any) {}
+  SharedLanes(const LaneTriangle& a, const LaneTriangle& b) {
+    for (int i = 0; i < 3; ++i) {
+      const IntLanes equal = (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]);
+      in_b |= equal;
+      if (anyLane(equal)) {
+        any = true;
+        in_a[i] = -1;
+      }
+    }
+    in_a[3] = in_a[2];
   }
-  return anyLane(equal);
+
+  SharedVertices vertices() const {
+    return {{in_a[0] != 0, in_a[1] != 0, in_a[2] != 0},
+            {in_b[0] != 0, in_b[1] != 0, in_b[2] != 0},
+            any};
+  }
+};
+
+// Are the vertices that are not shared certainly all on one side of a plane through the shared
+// ones? True also if there are none.
+inline bool restOnOneSide(const PlaneFilter& plane, const LaneTriangle& t, const IntLanes& shared) {
+  FloatLanes value, error;
+  plane.distance(t.x, t.y, t.z, value, error);
+  return allLanes((value > error) | shared) || allLanes((value < -error) | shared);
 }
 
 }  // namespace deformable_contact_monitor

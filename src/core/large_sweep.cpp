@@ -31,7 +31,7 @@ class LargeTriangle {
     ++output_.interval_overlaps;
     const WorkingSet& set = input_.set;
     const std::vector<std::uint32_t>& group = input_.groups.group;
-    if (overlap(triangle_.box, set.boxes[other]) &&
+    if (overlap(box_, set.boxes[other]) &&
         input_.groups.enabled[group[set.body[triangle_.triangle]]][group[set.body[other]]]) {
       judge_.judge(triangle_, Contender(set, other));
     }
@@ -40,6 +40,7 @@ class LargeTriangle {
  private:
   const SweepInput& input_;
   Contender triangle_;
+  Aabb box_;
   SweepOutput& output_;
   CandidateJudge judge_;
 };

@@ -1,0 +1,72 @@
+// What is odd about a robot's geometry, though usable.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "robot/robot_geometry.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr double kLargestLink_m = 10;
+constexpr double kSmallestLink_m = 1e-3;
+constexpr std::size_t kManyTriangles = 200000;
+
+struct Extent {
+  double largest_m = 0;        // of the bounding box's sides; 0: no finite vertex
+  std::size_t non_finite = 0;  // vertices
+};
+
+Extent measure(const TriangleMesh& mesh) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double low[3] = {kInfinity, kInfinity, kInfinity};
+  double high[3] = {-kInfinity, -kInfinity, -kInfinity};
+  Extent extent;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    const float* v = &mesh.vertices[i];
+    if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2])) {
+      ++extent.non_finite;
+      continue;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min<double>(low[axis], v[axis]);
+      high[axis] = std::max<double>(high[axis], v[axis]);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    extent.largest_m = std::max(extent.largest_m, high[axis] - low[axis]);
+  }
+  return extent;
+}
+
+}  // namespace
+
+std::vector<std::string> geometryWarnings(const RobotGeometry& robot) {
+  std::vector<std::string> warnings;
+  for (const LinkGeometry& link : robot.links) {
+    if (!link.problem.empty()) continue;
+    const auto warn = [&](const auto&... parts) {
+      std::ostringstream text;
+      text << "link '" << link.link << "' (" << link.source << "): ";
+      (text << ... << parts);
+      warnings.push_back(text.str());
+    };
+    const Extent extent = measure(link.mesh);
+    if (extent.largest_m > kLargestLink_m) {
+      warn(extent.largest_m, " m long; if its file is in millimetres, give the mesh a scale");
+    }
+    if (extent.largest_m < kSmallestLink_m) {
+      warn("only ", extent.largest_m, " m long; check the mesh's unit and scale");
+    }
+    if (link.mesh.triangleCount() > kManyTriangles) {
+      warn(link.mesh.triangleCount(), " triangles; a coarser collision mesh is faster");
+    }
+    if (extent.non_finite > 0) {
+      warn(extent.non_finite, " vertices are not finite; their triangles take no part");
+    }
+  }
+  return warnings;
+}
+
+}  // namespace deformable_contact_monitor

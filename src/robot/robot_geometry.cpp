@@ -1,0 +1,132 @@
+// Robot description to one triangle mesh per link.
+#include "robot/robot_geometry.h"
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "robot/link_mesh_file.h"
+#include "robot/primitives.h"
+#include "robot/source_mesh.h"
+#include "robot/urdf_document.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+class GeometryLoader {
+ public:
+  explicit GeometryLoader(const ResourceResolver& resolve) : resolve_(resolve) {}
+
+  LinkGeometry load(const UrdfLink& link) {
+    LinkGeometry geometry;
+    geometry.link = link.name;
+    geometry.problem = link.problem;
+    LinkMeshBuilder builder;
+    for (const UrdfElement& element : link.elements) {
+      const std::string name = describe(*element.geometry);
+      geometry.source += (geometry.source.empty() ? "" : "; ") + name;
+      try {
+        append(element, builder);
+      } catch (const std::exception& e) {
+        geometry.problem += (geometry.problem.empty() ? "" : "; ") + name + ": " + e.what();
+      }
+    }
+    if (geometry.problem.empty()) {
+      geometry.mesh = builder.mesh();
+    } else {
+      geometry.problem = "link '" + link.name + "': " + geometry.problem;
+    }
+    return geometry;
+  }
+
+ private:
+  static std::string describe(const urdf::Geometry& geometry) {
+    std::ostringstream text;
+    if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) {
+      text << (mesh->filename.empty() ? "mesh without a file name" : mesh->filename);
+    } else if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
+      text << "box " << box->dim.x << " x " << box->dim.y << " x " << box->dim.z << " m";
+    } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
+      text << "cylinder of radius " << cylinder->radius << " m, length " << cylinder->length
+           << " m";
+    } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
+      text << "sphere of radius " << sphere->radius << " m";
+    }
+    return text.str();
+  }
+
+  void append(const UrdfElement& element, LinkMeshBuilder& builder) {
+    if (!element.origin.matrix().allFinite()) {
+      throw std::invalid_argument("its origin is not finite");
+    }
+    const urdf::Geometry& geometry = *element.geometry;
+    if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) {
+      const Eigen::Vector3d scale(mesh->scale.x, mesh->scale.y, mesh->scale.z);
+      if (!scale.allFinite() || (scale.array() == 0).any()) {
+        std::ostringstream text;
+        text << "its scale is " << scale.transpose() << ", but must be finite and nowhere zero";
+        throw std::invalid_argument(text.str());
+      }
+      builder.append(meshFile(mesh->filename), element.origin * Eigen::Scaling(scale));
+    } else if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
+      builder.append(makeBox({box->dim.x, box->dim.y, box->dim.z}), element.origin);
+    } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
+      builder.append(makeCylinder(cylinder->radius, cylinder->length), element.origin);
+    } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
+      builder.append(makeSphere(sphere->radius), element.origin);
+    } else {
+      throw std::invalid_argument("unknown geometry");
+    }
+  }
+
+  const SourceMesh& meshFile(const std::string& uri) {
+    const std::string path = resolve_(uri);
+    const auto known = meshes_.find(path);
+    if (known != meshes_.end()) return known->second;
+    return meshes_.emplace(path, readLinkMeshFile(path)).first->second;
+  }
+
+  const ResourceResolver& resolve_;
+  std::map<std::string, SourceMesh> meshes_;  // robots use one file for many links
+};
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void requireLinks(const std::vector<std::string>& names, const char* option,
+                  const UrdfDocument& document) {
+  std::string unknown;
+  for (const std::string& name : names) {
+    const bool found = std::any_of(document.links.begin(), document.links.end(),
+                                   [&](const UrdfLink& link) { return link.name == name; });
+    if (!found) unknown += (unknown.empty() ? "'" : ", '") + name + "'";
+  }
+  if (!unknown.empty()) {
+    throw std::invalid_argument(std::string(option) + ": " + unknown + ": no such link in robot '" +
+                                document.name + "'");
+  }
+}
+
+}  // namespace
+
+RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
+                                const ResourceResolver& resolve) {
+  const UrdfDocument document = readUrdf(urdf_xml, options.kind);
+  requireLinks(options.links, "links", document);
+  requireLinks(options.ignored_links, "ignored_links", document);
+
+  RobotGeometry robot;
+  robot.name = document.name;
+  GeometryLoader loader(resolve);
+  for (const UrdfLink& link : document.links) {
+    const bool wanted = options.links.empty() || contains(options.links, link.name);
+    const bool has_geometry = !link.elements.empty() || !link.problem.empty();
+    if (!wanted || !has_geometry || contains(options.ignored_links, link.name)) continue;
+    robot.links.push_back(loader.load(link));
+  }
+  return robot;
+}
+
+}  // namespace deformable_contact_monitor
