@@ -58,19 +58,15 @@ Triangle CandidateJudge::received(std::uint32_t t) const {
 void CandidateJudge::judge(const Contender& a, const Contender& b) {
   const std::uint32_t body_a = input_.set.body[a.triangle], body_b = input_.set.body[b.triangle];
   if (body_a == body_b) {
-    const SharedLanes shared(a.lanes, b.lanes);
-    if (shared.any && input_.scene.body(body_a).pose.isIdentity()) {
-      judgeAdjacent(a, b, shared);
-      return;
-    }
-    if (shared.any) {
+    SharedVertices shared = sharedVertices(a.lanes, b.lanes);
+    if (shared.any && !input_.scene.body(body_a).pose.isIdentity()) {
       // Adjacency is that of the coordinates as received; posing may have made different ones
       // equal.
-      const SharedVertices as_received = sharedVertices(received(a.triangle), received(b.triangle));
-      if (as_received.any) {
-        judgeAdjacent(a, b, SharedLanes(as_received));
-        return;
-      }
+      shared = sharedVertices(received(a.triangle), received(b.triangle));
+    }
+    if (shared.any) {
+      judgeAdjacent(a, b, shared);
+      return;
     }
   }
   ++output_.candidates;
@@ -87,7 +83,7 @@ void CandidateJudge::judge(const Contender& a, const Contender& b) {
 
 // Margins do not apply: neighbours in a mesh are always near.
 void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b,
-                                   const SharedLanes& shared) {
+                                   const SharedVertices& shared) {
   if (input_.options.adjacent == AdjacentPairs::kSkip) return;
   ++output_.candidates;
   if (restOnOneSide(b.plane, a.lanes, shared.in_a) ||
@@ -95,10 +91,10 @@ void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b,
     return;
   }
   state_ = {input_.options.predicates};
-  report(a, b,
-         {meetBeyondShared(input_.set.posed(a.triangle), input_.set.posed(b.triangle),
-                           shared.vertices(), state_),
-          0});
+  report(
+      a, b,
+      {meetBeyondShared(input_.set.posed(a.triangle), input_.set.posed(b.triangle), shared, state_),
+       0});
 }
 
 void CandidateJudge::report(const Contender& a, const Contender& b, const Verdict& verdict) {

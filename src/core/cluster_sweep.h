@@ -57,7 +57,7 @@ class CandidateJudge {
   void judge(const Contender& a, const Contender& b);
 
  private:
-  void judgeAdjacent(const Contender& a, const Contender& b, const SharedLanes& shared);
+  void judgeAdjacent(const Contender& a, const Contender& b, const SharedVertices& shared);
   void report(const Contender& a, const Contender& b, const Verdict& verdict);
   Triangle received(std::uint32_t t) const;
 

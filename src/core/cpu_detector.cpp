@@ -104,7 +104,7 @@ void CpuDetector::refreshPrototypes(const Options& options) {
     scaled.assign(1, Vec3f());
   } else if (cold || ++cycles_since_refresh_ >= options.refresh_period) {
     cycles_since_refresh_ = 0;
-    const std::size_t wanted = std::max<std::size_t>(2048, 16 * count);
+    const std::size_t wanted = std::max<std::size_t>(2048, 8 * count);
     const std::size_t samples = std::min(split_.regular.size(), wanted);
     std::vector<Vec3f> centroids(samples);
     for (std::size_t i = 0; i < samples; ++i) {

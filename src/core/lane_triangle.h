@@ -10,8 +10,16 @@ namespace deformable_contact_monitor {
 using FloatLanes = float __attribute__((vector_size(16)));
 using IntLanes = int __attribute__((vector_size(16)));
 
-inline bool allLanes(const IntLanes& mask) { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
-inline bool anyLane(const IntLanes& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+// One bit per lane of a mask.
+inline int laneBits(const IntLanes& mask) {
+#ifdef __SSE__
+  return __builtin_ia32_movmskps(reinterpret_cast<const FloatLanes&>(mask));
+#else
+  return (mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8);
+#endif
+}
+
+inline bool allLanes(const IntLanes& mask) { return laneBits(mask) == 15; }
 
 // The fourth lane repeats the third vertex.
 struct LaneTriangle {
@@ -30,42 +38,30 @@ inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t, int side[
   plane.distance(t.x, t.y, t.z, value, error);
   const IntLanes above = value > error, below = value < -error;  // -1 where true
   if (allLanes(above) || allLanes(below)) return true;
-  const IntLanes sides = below - above;
-  for (int i = 0; i < 3; ++i) side[i] = sides[i];
+  const int plus = laneBits(above), minus = laneBits(below);
+  for (int i = 0; i < 3; ++i) side[i] = (plus >> i & 1) - (minus >> i & 1);
   return false;
 }
 
-// Which vertices of two triangles are equal, as lane masks (-1 where true).
-struct SharedLanes {
-  IntLanes in_a = {0, 0, 0, 0}, in_b = {0, 0, 0, 0};
-  bool any = false;
-
-  explicit SharedLanes(const SharedVertices& v)
-      : in_a{-v.in_a[0], -v.in_a[1], -v.in_a[2], -v.in_a[2]},
-        in_b{-v.in_b[0], -v.in_b[1], -v.in_b[2], -v.in_b[2]},
-        any(v.any) {}
-  SharedLanes(const LaneTriangle& a, const LaneTriangle& b) {
-    for (int i = 0; i < 3; ++i) {
-      const IntLanes equal = (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]);
-      in_b |= equal;
-      if (anyLane(equal)) {
-        any = true;
-        in_a[i] = -1;
-      }
-    }
-    in_a[3] = in_a[2];
+// Which vertices of two triangles are equal.
+inline SharedVertices sharedVertices(const LaneTriangle& a, const LaneTriangle& b) {
+  const auto equalTo = [&](int i) { return (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]); };
+  const IntLanes equal[3] = {equalTo(0), equalTo(1), equalTo(2)};
+  SharedVertices shared;
+  const int in_b = laneBits(equal[0] | equal[1] | equal[2]);
+  if (in_b == 0) return shared;
+  shared.any = true;
+  for (int i = 0; i < 3; ++i) {
+    shared.in_a[i] = laneBits(equal[i]) != 0;
+    shared.in_b[i] = (in_b >> i & 1) != 0;
   }
-
-  SharedVertices vertices() const {
-    return {{in_a[0] != 0, in_a[1] != 0, in_a[2] != 0},
-            {in_b[0] != 0, in_b[1] != 0, in_b[2] != 0},
-            any};
-  }
-};
+  return shared;
+}
 
 // Are the vertices that are not shared certainly all on one side of a plane through the shared
 // ones? True also if there are none.
-inline bool restOnOneSide(const PlaneFilter& plane, const LaneTriangle& t, const IntLanes& shared) {
+inline bool restOnOneSide(const PlaneFilter& plane, const LaneTriangle& t, const bool in_t[3]) {
+  const IntLanes shared = {-in_t[0], -in_t[1], -in_t[2], -in_t[2]};
   FloatLanes value, error;
   plane.distance(t.x, t.y, t.z, value, error);
   return allLanes((value > error) | shared) || allLanes((value < -error) | shared);

@@ -87,11 +87,8 @@ void WorkingSetBuilder::updateLocalBoxes(const Scene& scene) {
     const Body& body = scene.body(id);
     LocalBox& local = local_boxes_[id];
     if (!hasPartner(scene, id)) continue;
-    if (local.vertices_revision == body.vertices_revision &&
-        local.topology_revision == body.topology_revision) {
-      continue;
-    }
-    local = {body.vertices_revision, body.topology_revision, Aabb(), true};
+    if (local.vertices_revision == body.vertices_revision) continue;
+    local = {body.vertices_revision, Aabb(), true};
     const TriangleMesh& mesh = body.mesh;
     // Comparisons that are false for NaN skip it; infinities show in the result.
     Vec3f lo{INFINITY, INFINITY, INFINITY}, hi{-INFINITY, -INFINITY, -INFINITY};

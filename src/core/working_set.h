@@ -36,9 +36,8 @@ class WorkingSetBuilder {
 
  private:
   struct LocalBox {
-    std::uint64_t vertices_revision = ~std::uint64_t{0};
-    std::uint64_t topology_revision = ~std::uint64_t{0};
-    Aabb box;  // of the finite vertices, body frame
+    std::uint64_t vertices_revision = 0;  // none has 0
+    Aabb box;                             // of the finite vertices, body frame
     bool all_finite = true;
   };
 

@@ -1,0 +1,37 @@
+// Contacts and deformable objects as rviz markers.
+#pragma once
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include <cstddef>
+
+#include "node/cycle_report.h"
+
+namespace deformable_contact_monitor {
+
+struct MarkerOptions {
+  double lifetime_s = 0.5;            // > 0: markers vanish when the monitor does
+  std::size_t max_triangles = 20000;  // in one array, > 0
+  float alpha = 0.9F;                 // of contact triangles, (0, 1]
+  float surface_alpha = 0.6F;         // of the objects' surfaces, (0, 1]
+};
+
+// A pure function with settings; any thread.
+class ContactMarkers {
+ public:
+  explicit ContactMarkers(MarkerOptions options) : options_(options) {}
+
+  // First a DELETEALL, then in report.header's frame:
+  //   "<a>/<b>"   the triangles in contact of each pair of bodies that has any, links' and objects'
+  //               in colors of their own
+  //   "<object>"  the rest of each known deformable object, translucent (rviz draws the robot)
+  // one TRIANGLE_LIST each, with an id that is stable while the bodies are the same, none of them
+  // empty. Over max_triangles, contacts come first, an equal share for each pair of bodies, and of
+  // a surface every k-th triangle is drawn. Non-finite triangles are left out: rviz refuses them.
+  visualization_msgs::MarkerArray make(const CycleReport& report) const;
+
+ private:
+  MarkerOptions options_;
+};
+
+}  // namespace deformable_contact_monitor

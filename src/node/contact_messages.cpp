@@ -1,0 +1,115 @@
+// Conversions between what the monitor computes and its messages.
+#include "node/contact_messages.h"
+
+#include <algorithm>
+#include <exception>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/triangle_mesh.h"
+#include "node/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+void addBodies(const CycleReport& report, ContactArray* message) {
+  for (const BodyStatus& body : report.bodies) {
+    message->bodies.push_back(body.name);
+    message->body_kind.push_back(body.kind == BodyKind::kLink ? ContactArray::LINK
+                                                              : ContactArray::DEFORMABLE);
+    message->body_stamps.push_back(body.stamp);
+    message->topology_ids.push_back(body.topology_id);
+    if (!body.unknown_because.empty()) {
+      message->skipped.push_back(body.name + ": " + body.unknown_because);
+    }
+  }
+}
+
+void addPairs(const DetectionResult& result, std::size_t max_contacts, ContactArray* message) {
+  const std::size_t total = result.contacts.size();
+  const std::size_t kept = max_contacts == 0 ? total : std::min(total, max_contacts);
+  message->pairs.resize(kept);
+  for (std::size_t i = 0; i < kept; ++i) {
+    const TrianglePair& contact = result.contacts[i];
+    ContactPair& pair = message->pairs[i];
+    pair.body_a = contact.body_a;
+    pair.triangle_a = contact.triangle_a;
+    pair.body_b = contact.body_b;
+    pair.triangle_b = contact.triangle_b;
+  }
+  message->pair_count = total;
+  message->truncated = kept < total;
+}
+
+// Why a received link mesh cannot be used; empty if it can.
+std::string problemOf(const LinkMesh& link, const TriangleMesh& mesh, bool seen_before) {
+  if (seen_before) return "link '" + link.link + "' was sent twice in one message";
+  try {
+    validate(mesh, "link '" + link.link + "'");
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  if (mesh.triangleCount() > 0) return "";
+  return "link '" + link.link + "' was sent without triangles" +
+         (link.source.empty() ? "" : " (" + link.source + ")");
+}
+
+}  // namespace
+
+ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts) {
+  ContactArray message;
+  message.header = report.header;
+  message.cycle = report.cycle;
+  addBodies(report, &message);
+  if (report.result != nullptr) {
+    const DetectionResult& result = *report.result;
+    addPairs(result, max_contacts, &message);
+    message.guaranteed = result.guaranteed;
+    message.undecided = static_cast<std::uint32_t>(result.counters.undecided);
+    message.rejected_triangles = static_cast<std::uint32_t>(result.counters.rejected);
+    message.compute_time = ros::Duration(result.round_trip_ms / 1e3);
+    message.complete = result.guaranteed && message.skipped.empty() &&
+                       result.counters.rejected == 0 && !message.truncated;
+  }
+  message.backend = report.backend;
+  message.predicates = toString(report.options.predicates);
+  message.overlap = report.options.overlap;
+  message.age = toDuration(report.age_s);
+  return message;
+}
+
+LinkMeshes toLinkMeshes(const RobotGeometry& geometry, const ros::Time& stamp) {
+  LinkMeshes message;
+  message.header.stamp = stamp;
+  message.meshes.reserve(geometry.links.size());
+  for (const LinkGeometry& link : geometry.links) {
+    LinkMesh mesh;
+    mesh.link = link.link;
+    mesh.source = link.problem.empty() ? link.source : link.problem;
+    if (link.problem.empty()) {
+      mesh.vertices = link.mesh.vertices;
+      mesh.triangles = link.mesh.triangles;
+    }
+    message.meshes.push_back(std::move(mesh));
+  }
+  return message;
+}
+
+RobotGeometry fromLinkMeshes(const LinkMeshes& message) {
+  RobotGeometry geometry;
+  geometry.links.reserve(message.meshes.size());
+  std::set<std::string> seen;
+  for (const LinkMesh& sent : message.meshes) {
+    LinkGeometry link;
+    link.link = sent.link;
+    link.source = sent.source;
+    TriangleMesh mesh{sent.vertices, sent.triangles};
+    link.problem = problemOf(sent, mesh, !seen.insert(sent.link).second);
+    if (link.problem.empty()) link.mesh = std::move(mesh);
+    geometry.links.push_back(std::move(link));
+  }
+  return geometry;
+}
+
+}  // namespace deformable_contact_monitor

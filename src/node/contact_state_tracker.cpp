@@ -1,0 +1,197 @@
+// How each monitored pair of bodies stands, and since when; begin and end of contact, debounced.
+#include "node/contact_state_tracker.h"
+
+#include <geometry_msgs/Point32.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <unordered_map>
+
+#include "core/vector3.h"
+#include "node/posed_triangle.h"
+#include "node/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// What the triangle pairs of one pair of bodies sum up to.
+struct Summary {
+  std::uint32_t count = 0;
+  double min_separation_m = std::numeric_limits<double>::infinity();
+  Vec3d corner_sum;     // over six corners a triangle pair [m]
+  Vec3d normal_sum;     // of body_a's distinct triangles, doubled areas [m^2]
+  double area_sum = 0;  // of the same, to tell "cancels out" from "small"
+  std::optional<std::uint32_t> last_triangle_a;
+};
+
+std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
+
+Vec3d cornerSum(const std::array<Vec3f, 3>& t) {
+  return toDouble(t[0]) + toDouble(t[1]) + toDouble(t[2]);
+}
+
+// Contacts are sorted, so those of one triangle of body_a stand together.
+std::unordered_map<std::uint64_t, Summary> summarize(const CycleReport& report) {
+  std::unordered_map<std::uint64_t, Summary> summaries;
+  if (report.scene == nullptr || report.result == nullptr) return summaries;
+  const std::vector<float>& separations = report.result->separations_m;
+  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const TrianglePair& contact = contacts[i];
+    Summary& summary = summaries[key(contact.body_a, contact.body_b)];
+    const auto a = posedTriangle(report.scene->body(contact.body_a), contact.triangle_a);
+    const auto b = posedTriangle(report.scene->body(contact.body_b), contact.triangle_b);
+    ++summary.count;
+    summary.min_separation_m =
+        std::min(summary.min_separation_m, separations.empty() ? 0.0 : double{separations[i]});
+    summary.corner_sum = summary.corner_sum + cornerSum(a) + cornerSum(b);
+    if (summary.last_triangle_a == contact.triangle_a) continue;
+    summary.last_triangle_a = contact.triangle_a;
+    const Vec3d normal = doubleAreaNormal(a);
+    summary.normal_sum = summary.normal_sum + normal;
+    summary.area_sum += std::sqrt(dot(normal, normal));
+  }
+  return summaries;
+}
+
+geometry_msgs::Point32 toPoint32(const Vec3d& v) {
+  geometry_msgs::Point32 point;
+  point.x = static_cast<float>(v.x);
+  point.y = static_cast<float>(v.y);
+  point.z = static_cast<float>(v.z);
+  return point;
+}
+
+// Of a link (body_a, since links come first) towards the other body.
+geometry_msgs::Point32 meanNormal(const Summary& summary) {
+  constexpr double kCancelled = 1e-6;
+  const double length = std::sqrt(dot(summary.normal_sum, summary.normal_sum));
+  if (!(length > kCancelled * summary.area_sum)) return {};
+  return toPoint32(summary.normal_sum * (1 / length));
+}
+
+// Why the pair's state is UNKNOWN; empty if it is known.
+std::string unknownBecause(const CycleReport& report, const MonitoredPair& pair) {
+  for (const BodyId id : {pair.a, pair.b}) {
+    const BodyStatus& body = report.bodies.at(id);
+    if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
+  }
+  return report.result == nullptr ? "no detection ran" : "";
+}
+
+void describe(const Summary& summary, bool has_link, ContactState* state) {
+  state->pair_count = summary.count;
+  state->min_separation = static_cast<float>(summary.min_separation_m);
+  if (summary.count == 0) return;
+  state->state = summary.min_separation_m > 0 ? ContactState::NEAR : ContactState::CONTACT;
+  state->centroid = toPoint32(summary.corner_sum * (1.0 / (6.0 * summary.count)));
+  if (has_link) state->mean_normal = meanNormal(summary);
+}
+
+}  // namespace
+
+ContactStateTracker::ContactStateTracker(int debounce_on_cycles, int debounce_off_cycles)
+    : debounce_on_cycles_(debounce_on_cycles), debounce_off_cycles_(debounce_off_cycles) {
+  if (debounce_on_cycles < 1 || debounce_off_cycles < 1) {
+    throw std::invalid_argument("debounce cycles must be at least 1");
+  }
+}
+
+ContactStates ContactStateTracker::update(const CycleReport& report) {
+  header_ = report.header;
+  ++updates_;
+  const auto summaries = summarize(report);
+  ContactStates message;
+  message.header = report.header;
+  message.states.reserve(report.pairs.size());
+  for (const MonitoredPair& pair : report.pairs) {
+    const BodyStatus& a = report.bodies.at(pair.a);
+    const Names names{a.name, report.bodies.at(pair.b).name};
+    ContactState state;
+    state.body_a = names.first;
+    state.body_b = names.second;
+    state.min_separation = std::numeric_limits<float>::quiet_NaN();
+    std::string interruption;
+    if (pair.allowed) {
+      state.state = ContactState::ALLOWED;
+      interruption = "allowed";
+    } else if (interruption = unknownBecause(report, pair); !interruption.empty()) {
+      state.state = ContactState::UNKNOWN;
+    } else {
+      const auto found = summaries.find(key(pair.a, pair.b));
+      const bool has_link = a.kind == BodyKind::kLink;
+      describe(found == summaries.end() ? Summary() : found->second, has_link, &state);
+    }
+    const auto [entry, is_new] = tracks_.try_emplace(names);
+    Track& track = entry->second;
+    if (is_new || track.state != state.state) {
+      track.state = state.state;
+      track.entered = report.header.stamp;
+    }
+    track.seen = updates_;
+    advance(names, state, interruption, &track);
+    state.since = toDuration(std::max(0.0, secondsBetween(report.header.stamp, track.entered)));
+    message.states.push_back(std::move(state));
+  }
+  dropUnseen();
+  return message;
+}
+
+void ContactStateTracker::advance(const Names& names, const ContactState& state,
+                                  const std::string& interruption, Track* track) {
+  if (!interruption.empty()) {
+    if (track->open) addEvent(names, ContactEvent::END, 0, interruption);
+    track->open = false;
+    track->cycles = 0;
+    return;
+  }
+  const bool touching = state.state == ContactState::CONTACT;
+  track->cycles = touching == track->open ? 0 : track->cycles + 1;
+  if (track->cycles < (track->open ? debounce_off_cycles_ : debounce_on_cycles_)) return;
+  track->open = touching;
+  track->cycles = 0;
+  addEvent(names, touching ? ContactEvent::BEGIN : ContactEvent::END, state.pair_count, "");
+}
+
+std::vector<ContactEvent> ContactStateTracker::takeEvents() {
+  std::vector<ContactEvent> events;
+  events.swap(events_);
+  return events;
+}
+
+void ContactStateTracker::reset(const std::string& reason) {
+  for (const auto& [names, track] : tracks_) {
+    if (track.open) addEvent(names, ContactEvent::END, 0, reason);
+  }
+  tracks_.clear();
+}
+
+void ContactStateTracker::addEvent(const Names& names, std::uint8_t type, std::uint32_t pair_count,
+                                   const std::string& reason) {
+  ContactEvent event;
+  event.header = header_;
+  event.body_a = names.first;
+  event.body_b = names.second;
+  event.type = type;
+  event.pair_count = pair_count;
+  event.reason = reason;
+  events_.push_back(std::move(event));
+}
+
+void ContactStateTracker::dropUnseen() {
+  for (auto entry = tracks_.begin(); entry != tracks_.end();) {
+    const Track& track = entry->second;
+    if (track.seen == updates_) {
+      ++entry;
+      continue;
+    }
+    if (track.open) addEvent(entry->first, ContactEvent::END, 0, "no longer monitored");
+    entry = tracks_.erase(entry);
+  }
+}
+
+}  // namespace deformable_contact_monitor

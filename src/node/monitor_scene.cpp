@@ -1,0 +1,170 @@
+// The scene of a cycle: which bodies there are, where they stand, and which pairs are looked at.
+#include "node/monitor_scene.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace deformable_contact_monitor {
+namespace {
+
+RobotGeometry missingRobot(const std::string& why) {
+  RobotGeometry robot;
+  robot.links.push_back({"robot", "", TriangleMesh(), why});
+  return robot;
+}
+
+}  // namespace
+
+MonitorScene::MonitorScene(const MonitorParameters& parameters)
+    : parameters_(parameters), allowed_(parameters.allowed_contacts) {
+  setRobot(parameters.pair_classes.needRobot() ? missingRobot("no robot received yet")
+                                               : RobotGeometry());
+}
+
+void MonitorScene::setRobot(const RobotGeometry& robot) {
+  if (parameters_.pair_classes.needRobot() && robot.links.empty()) {
+    return setRobot(missingRobot("the robot has no link with geometry"));
+  }
+  Scene scene;
+  std::vector<BodyStatus> bodies;
+  std::vector<std::string> problems;
+  const auto addBody = [&](const std::string& name, BodyKind kind, TriangleMesh mesh,
+                           double margin_m) {
+    const BodyId id = scene.addBody(name, std::move(mesh));
+    scene.setMargin(id, static_cast<float>(margin_m));
+    bodies.push_back({name, kind, ros::Time(), 0, ""});
+  };
+  for (const LinkGeometry& link : robot.links) {
+    const auto margin = parameters_.link_margin_m.find(link.link);
+    addBody(link.link, BodyKind::kLink, link.mesh,
+            margin == parameters_.link_margin_m.end() ? parameters_.margin_m : margin->second);
+    problems.push_back(link.problem);
+  }
+  for (const ObjectParameters& object : parameters_.objects) {
+    addBody(object.name, BodyKind::kDeformable, TriangleMesh(), object.margin_m);
+  }
+  scene_ = std::move(scene);
+  bodies_ = std::move(bodies);
+  link_problems_ = std::move(problems);
+  first_object_ = static_cast<BodyId>(link_problems_.size());
+  loaded_.assign(parameters_.objects.size(), AcceptedMesh());
+  pairs_ = monitoredPairs(bodies_, parameters_.pair_classes, allowed_);
+}
+
+void MonitorScene::setAllowedContacts(const AllowedContacts& allowed) {
+  allowed_ = allowed;
+  pairs_ = monitoredPairs(bodies_, parameters_.pair_classes, allowed_);
+}
+
+void MonitorScene::clearStatuses() {
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    BodyStatus& body = bodies_[id];
+    body.stamp = ros::Time();
+    body.topology_id = 0;
+    body.unknown_because = id < first_object_ ? link_problems_[id] : "";
+  }
+}
+
+void MonitorScene::markUnknown(const std::vector<std::string>& why) {
+  clearStatuses();
+  for (std::size_t i = 0; i < why.size(); ++i) {
+    bodies_[first_object_ + i].unknown_because = why[i];
+  }
+}
+
+TransformReport MonitorScene::prepare(const ros::Time& t, const MeshInputs& inputs,
+                                      const TransformLookup& lookup) {
+  clearStatuses();
+  const std::vector<const AcceptedMesh*> meshes = chooseMeshes(t, inputs);
+  const std::vector<bool> needed = neededBodies();
+
+  std::vector<Question> questions;
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    if (!needed[id] || !isKnown(id)) continue;
+    if (id < first_object_) {
+      questions.push_back({id, {bodies_[id].name, t}});
+    } else {
+      const AcceptedMesh& mesh = *meshes[id - first_object_];
+      questions.push_back({id, {plainFrame(mesh.message->header.frame_id), mesh.stamp()}});
+    }
+  }
+  TransformReport report;
+  poseBodies(questions, lookup, &report);
+
+  for (BodyId id = first_object_; id < bodies_.size(); ++id) {
+    if (needed[id] && isKnown(id)) loadMesh(id - first_object_, *meshes[id - first_object_]);
+  }
+  for (const MonitoredPair& pair : pairs_) {
+    scene_.setPairEnabled(pair.a, pair.b, !pair.allowed && isKnown(pair.a) && isKnown(pair.b));
+  }
+  return report;
+}
+
+std::vector<const AcceptedMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
+                                                            const MeshInputs& inputs) {
+  std::vector<const AcceptedMesh*> meshes;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    BodyStatus& body = bodies_[first_object_ + i];
+    meshes.push_back(inputs[i]->newestAt(t, &body.unknown_because));
+  }
+  return meshes;
+}
+
+// Links with a partner that could be touched in this cycle, and known objects: people want to see
+// where those are.
+std::vector<bool> MonitorScene::neededBodies() const {
+  std::vector<bool> needed(bodies_.size(), false);
+  std::fill(needed.begin() + first_object_, needed.end(), true);
+  for (const MonitoredPair& pair : pairs_) {
+    if (pair.allowed || !isKnown(pair.a) || !isKnown(pair.b)) continue;
+    needed[pair.a] = needed[pair.b] = true;
+  }
+  return needed;
+}
+
+void MonitorScene::poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
+                              TransformReport* report) {
+  std::vector<FrameAtStamp> frames;
+  std::vector<BodyId> asked;
+  for (const Question& question : questions) {
+    bodies_[question.body].stamp = question.frame.stamp;
+    // A mesh that is in the reference frame already stays as it is, bit by bit.
+    if (question.frame.frame == parameters_.reference_frame) {
+      scene_.setPose(question.body, RigidTransform());
+      continue;
+    }
+    frames.push_back(question.frame);
+    asked.push_back(question.body);
+  }
+  PoseAnswers answers = lookup.lookup(frames);
+  report->waited_s = answers.waited_s;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    BodyStatus& body = bodies_[asked[i]];
+    PoseAnswer& answer = answers.answers[i];
+    try {
+      if (answer.problem.empty()) scene_.setPose(asked[i], answer.pose);
+    } catch (const std::invalid_argument& error) {
+      answer.problem = error.what();
+    }
+    if (answer.problem.empty()) continue;
+    body.unknown_because = answer.problem;
+    body.stamp = ros::Time();
+    report->misses.push_back({body.name, std::move(answer)});
+  }
+}
+
+void MonitorScene::loadMesh(std::size_t object, const AcceptedMesh& mesh) {
+  const BodyId id = first_object_ + static_cast<BodyId>(object);
+  bodies_[id].topology_id = mesh.topology->id;
+  AcceptedMesh& loaded = loaded_[object];
+  const std::vector<float>& vertices = mesh.message->vertices;
+  if (loaded.topology != mesh.topology) {
+    scene_.setMesh(id, {vertices, mesh.topology->triangles});
+  } else if (loaded.message != mesh.message) {
+    scene_.setVertices(id, vertices.data(), mesh.topology->vertex_count);
+  }
+  loaded = mesh;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,82 @@
+// The scene of a cycle: which bodies there are, where they stand, and which pairs are looked at.
+#pragma once
+
+#include <ros/time.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+#include "node/cycle_report.h"
+#include "node/mesh_input.h"
+#include "node/parameters.h"
+#include "node/transform_lookup.h"
+#include "robot/robot_geometry.h"
+
+namespace deformable_contact_monitor {
+
+using MeshInputs = std::vector<std::unique_ptr<MeshInput>>;  // in the order of the objects
+
+// What the transforms of a cycle were like, for the diagnostics.
+struct TransformReport {
+  struct Miss {
+    std::string body;
+    PoseAnswer answer;
+  };
+  double waited_s = 0;
+  std::vector<Miss> misses;
+};
+
+// Bodies are the robot's links, then the objects. While no robot is known, one body "robot" that
+// is UNKNOWN stands in for its links, so that nobody takes their silence for "no contact". One
+// thread at a time.
+class MonitorScene {
+ public:
+  // The parameters must outlive this. Without a robot until setRobot().
+  explicit MonitorScene(const MonitorParameters& parameters);
+
+  // Builds the scene anew. The names of links and objects must differ.
+  void setRobot(const RobotGeometry& robot);
+
+  void setAllowedContacts(const AllowedContacts& allowed);
+  const AllowedContacts& allowedContacts() const { return allowed_; }
+
+  // Brings bodies to stamp `t`: links at t, each object with its newest mesh at t, posed at that
+  // mesh's own stamp. Links that no enabled pair of known bodies needs are not posed. Bodies that
+  // cannot be had are UNKNOWN and their pairs are off.
+  TransformReport prepare(const ros::Time& t, const MeshInputs& inputs,
+                          const TransformLookup& lookup);
+
+  // For a report without detection: object i is UNKNOWN because of why[i], links are not looked at.
+  void markUnknown(const std::vector<std::string>& why);
+
+  const Scene& scene() const { return scene_; }
+  const std::vector<BodyStatus>& bodies() const { return bodies_; }
+  const std::vector<MonitoredPair>& pairs() const { return pairs_; }
+
+ private:
+  struct Question {
+    BodyId body;
+    FrameAtStamp frame;
+  };
+
+  void clearStatuses();
+  std::vector<const AcceptedMesh*> chooseMeshes(const ros::Time& t, const MeshInputs& inputs);
+  std::vector<bool> neededBodies() const;
+  void poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
+                  TransformReport* report);
+  void loadMesh(std::size_t object, const AcceptedMesh& mesh);
+  bool isKnown(BodyId id) const { return bodies_[id].unknown_because.empty(); }
+
+  const MonitorParameters& parameters_;
+  AllowedContacts allowed_;
+  Scene scene_;
+  std::vector<BodyStatus> bodies_;
+  std::vector<std::string> link_problems_;  // of the links (or their stand-in); empty: none
+  std::vector<MonitoredPair> pairs_;
+  std::vector<AcceptedMesh> loaded_;  // by object: what the scene holds
+  BodyId first_object_ = 0;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,221 @@
+// The monitor's health on /diagnostics.
+#include "node/node_diagnostics.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "node/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+constexpr std::size_t kTimedCycles = 200;
+constexpr double kMissingTooLongS = 5;
+constexpr double kBusyShare = 0.9;
+
+double secondsSince(std::chrono::steady_clock::time_point then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+std::string meanP95Max(const std::deque<double>& times_ms) {
+  std::vector<double> sorted(times_ms.begin(), times_ms.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / sorted.size();
+  char text[96];
+  std::snprintf(text, sizeof text, "mean %.3f, p95 %.3f, max %.3f", mean,
+                sorted[(sorted.size() - 1) * 95 / 100], sorted.back());
+  return text;
+}
+
+}  // namespace
+
+NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters, const MeshInputs& inputs,
+                                 const RobotSource& robot, const ros::NodeHandle& node,
+                                 const ros::NodeHandle& private_node)
+    : parameters_(parameters),
+      inputs_(inputs),
+      robot_(robot),
+      updater_(node, private_node, private_node.getNamespace()),
+      watches_(inputs.size()) {
+  updater_.setHardwareID("none");
+  updater_.add("status", this, &NodeDiagnostics::describeStatus);
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    updater_.add("mesh:" + parameters_.objects[i].name,
+                 [this, i](Status& status) { describeMesh(i, status); });
+  }
+  updater_.add("tf", this, &NodeDiagnostics::describeTransforms);
+  updater_.add("timing", this, &NodeDiagnostics::describeTiming);
+  updater_.add("output", this, &NodeDiagnostics::describeOutput);
+}
+
+void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray& sent,
+                                  double cycle_s) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++cycles_;
+  backend_ = report.backend;
+  busy_s_ += cycle_s;
+  output_ = ContactArray();
+  output_.pair_count = sent.pair_count;
+  output_.complete = sent.complete;
+  output_.truncated = sent.truncated;
+  output_.undecided = sent.undecided;
+  output_.rejected_triangles = sent.rejected_triangles;
+  output_.skipped = sent.skipped;
+  output_.age = sent.age;
+  if (report.result == nullptr) return;
+  const auto add = [this](const std::string& stage, double ms) {
+    std::deque<double>& times = times_ms_[stage];
+    times.push_back(ms);
+    if (times.size() > kTimedCycles) times.pop_front();
+  };
+  add("cycle [ms]", 1e3 * cycle_s);
+  add("detection [ms]", report.result->round_trip_ms);
+  for (const auto& [stage, ms] : report.result->stages_ms) add("stage " + stage + " [ms]", ms);
+}
+
+void NodeDiagnostics::recordTransforms(const TransformReport& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  worst_wait_s_ = std::max(worst_wait_s_, report.waited_s);
+  transform_misses_ += report.misses.size();
+  std::map<std::string, std::pair<Clock::time_point, std::string>> missing;
+  for (const TransformReport::Miss& miss : report.misses) {
+    const auto before = missing_.find(miss.body);
+    const auto since = before == missing_.end() ? Clock::now() : before->second.first;
+    missing[miss.body] = {since, miss.answer.problem};
+  }
+  missing_ = std::move(missing);
+}
+
+void NodeDiagnostics::recordDetectorError(const std::string& error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  detector_error_ = error;
+}
+
+void NodeDiagnostics::recordReset(const std::string& reason) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++resets_;
+  last_reset_ = reason;
+}
+
+void NodeDiagnostics::recordEnabled(bool enabled) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  enabled_ = enabled;
+}
+
+void NodeDiagnostics::describeStatus(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(DiagnosticStatus::OK, "monitoring");
+  if (!enabled_) status.summary(DiagnosticStatus::WARN, "disabled by ~set_enabled");
+  if (parameters_.pair_classes.needRobot()) {
+    std::size_t triangles = 0;
+    std::string unusable;
+    const auto robot = robot_.newest();
+    for (const LinkGeometry& link : robot ? robot->links : std::vector<LinkGeometry>()) {
+      triangles += link.mesh.triangleCount();
+      if (link.problem.empty()) continue;
+      unusable += (unusable.empty() ? "" : ", ") + link.link;
+      status.add("link " + link.link, link.problem);
+    }
+    status.add("robot links", robot ? robot->links.size() : 0);
+    status.add("robot triangles", triangles);
+    if (!robot) status.mergeSummary(DiagnosticStatus::ERROR, "no robot received yet");
+    if (!unusable.empty()) {
+      status.mergeSummary(DiagnosticStatus::WARN, "links without usable geometry: " + unusable);
+    }
+    if (!robot_.problem().empty()) {
+      status.mergeSummary(DiagnosticStatus::ERROR, "robot refused: " + robot_.problem());
+    }
+  }
+  if (!detector_error_.empty()) {
+    status.mergeSummary(DiagnosticStatus::ERROR, "detection failed: " + detector_error_);
+  }
+  status.add("backend", backend_);
+  status.add("cycles", cycles_);
+  status.add("resets", resets_);
+  status.add("last reset", last_reset_);
+}
+
+void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
+  const MeshCounters counters = inputs_[object]->counters();
+  MeshWatch& watch = watches_[object];
+  const double rate_hz =
+      static_cast<double>(counters.received - watch.received) / secondsSince(watch.when);
+  watch.received = counters.received;
+  watch.when = Clock::now();
+
+  const auto bad =
+      parameters_.objects[object].required ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
+  if (counters.received == 0) {
+    status.summary(bad, "no mesh received yet");
+  } else if (!counters.refusal.empty()) {
+    status.summary(bad, "mesh refused: " + counters.refusal);
+  } else if (rate_hz == 0) {
+    status.summary(bad, "no mesh within the last second");
+  } else if (rate_hz < parameters_.diagnostic_min_rate_hz) {
+    status.summary(DiagnosticStatus::WARN, "rate below diagnostic_min_rate_hz");
+  } else {
+    status.summary(DiagnosticStatus::OK, "meshes arrive");
+  }
+  status.add("rate [Hz]", rate_hz);
+  if (!counters.stamp.isZero()) {
+    status.add("age of newest [s]", secondsBetween(ros::Time::now(), counters.stamp));
+  }
+  status.add("received", counters.received);
+  status.add("dropped", counters.dropped);
+  status.add("refused", counters.refused);
+  status.add("topology changes", counters.topology_changes);
+}
+
+void NodeDiagnostics::describeTransforms(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(DiagnosticStatus::OK, "all transforms in time");
+  std::string missing;
+  double longest_s = 0;
+  for (const auto& [body, since_what] : missing_) {
+    const double since_s = secondsSince(since_what.first);
+    longest_s = std::max(longest_s, since_s);
+    missing += (missing.empty() ? "" : ", ") + body;
+    status.add(body + " missing for [s]", since_s);
+    status.add(body, since_what.second);
+  }
+  if (!missing.empty()) {
+    status.summary(longest_s > kMissingTooLongS ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN,
+                   "no transform for: " + missing);
+  }
+  status.add("misses", transform_misses_);
+  status.add("worst wait [s]", worst_wait_s_);
+  worst_wait_s_ = 0;
+}
+
+void NodeDiagnostics::describeTiming(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double busy = busy_s_ / secondsSince(last_timing_);
+  busy_s_ = 0;
+  last_timing_ = Clock::now();
+  status.summary(DiagnosticStatus::OK, "in time");
+  if (busy > kBusyShare) {
+    status.summary(DiagnosticStatus::WARN, "always busy: meshes come faster than they are done");
+  }
+  status.add("busy share", busy);
+  for (const auto& [stage, times_ms] : times_ms_) status.add(stage, meanP95Max(times_ms));
+}
+
+void NodeDiagnostics::describeOutput(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (cycles_ == 0) {
+    status.summary(DiagnosticStatus::WARN, "nothing published yet");
+    return;
+  }
+  status.summary(DiagnosticStatus::OK, "complete");
+  if (!output_.complete) status.summary(DiagnosticStatus::WARN, "not complete");
+  for (const std::string& skipped : output_.skipped) status.add("skipped", skipped);
+  status.add("pairs", output_.pair_count);
+  status.add("truncated", output_.truncated);
+  status.add("undecided", output_.undecided);
+  status.add("rejected triangles", output_.rejected_triangles);
+  status.add("age [s]", output_.age.toSec());
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,75 @@
+// The monitor's health on /diagnostics.
+#pragma once
+
+#include <deformable_contact_monitor/ContactArray.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "node/cycle_report.h"
+#include "node/monitor_scene.h"
+#include "node/parameters.h"
+#include "node/robot_source.h"
+
+namespace deformable_contact_monitor {
+
+// Five kinds of status, once a second: status, mesh:<object>, tf, timing, output. The record
+// functions are for the detection thread; publish() is for a wall timer's.
+class NodeDiagnostics {
+ public:
+  // All arguments but the handles must outlive this.
+  NodeDiagnostics(const MonitorParameters& parameters, const MeshInputs& inputs,
+                  const RobotSource& robot, const ros::NodeHandle& node,
+                  const ros::NodeHandle& private_node);
+
+  // `cycle_s`: from taking the mesh to the end of publishing.
+  void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s);
+  void recordTransforms(const TransformReport& report);
+  // A detection that failed; empty: it did not.
+  void recordDetectorError(const std::string& error);
+  void recordReset(const std::string& reason);
+  void recordEnabled(bool enabled);
+
+  void publish() { updater_.force_update(); }
+
+ private:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+  using Clock = std::chrono::steady_clock;
+
+  void describeStatus(Status& status);
+  void describeMesh(std::size_t object, Status& status);
+  void describeTransforms(Status& status);
+  void describeTiming(Status& status);
+  void describeOutput(Status& status);
+
+  struct MeshWatch {  // for rates between two publications
+    std::uint64_t received = 0;
+    Clock::time_point when = Clock::now();
+  };
+
+  const MonitorParameters& parameters_;
+  const MeshInputs& inputs_;
+  const RobotSource& robot_;
+  diagnostic_updater::Updater updater_;
+  std::vector<MeshWatch> watches_;  // publish() alone
+
+  std::mutex mutex_;  // guards what follows
+  bool enabled_ = true;
+  std::string backend_, detector_error_, last_reset_;
+  std::uint64_t cycles_ = 0, resets_ = 0;
+  std::map<std::string, std::deque<double>> times_ms_;  // by stage; the latest cycles
+  double busy_s_ = 0;                                   // since last_timing_
+  Clock::time_point last_timing_ = Clock::now();
+  std::map<std::string, std::pair<Clock::time_point, std::string>> missing_;  // since when, what
+  std::uint64_t transform_misses_ = 0;
+  double worst_wait_s_ = 0;  // since the last publication
+  ContactArray output_;      // of the latest cycle, without the pairs
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,72 @@
+// The monitor's parameters. config/contact_monitor.yaml holds each with unit, default and range.
+#pragma once
+
+#include <deformable_contact_monitor/AllowedContact.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <cstddef>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/options.h"
+#include "node/detector_choice.h"
+#include "node/pair_table.h"
+#include "robot/robot_geometry.h"
+
+namespace deformable_contact_monitor {
+
+enum class RobotSourceKind { kUrdf, kTopic };
+
+struct ObjectParameters {
+  std::string name;
+  std::string topic;  // empty: objects/<name>/mesh in the private namespace
+  float margin_m = 0;
+  bool required = true;  // no data is an error in the diagnostics, else a warning
+};
+
+struct MonitorParameters {
+  std::string reference_frame = "base_link";
+
+  RobotSourceKind robot_source = RobotSourceKind::kUrdf;
+  std::string robot_description = "robot_description";  // name of the parameter with the URDF
+  RobotGeometryOptions geometry;
+  bool strict_geometry = false;  // a link without usable geometry is a reason not to start
+  float margin_m = 0;            // of links; a pair counts at the larger of its two margins
+  std::map<std::string, double> link_margin_m;
+
+  std::vector<ObjectParameters> objects;
+
+  PairClasses pair_classes;
+  AllowedContacts allowed_contacts;
+
+  BackendChoice backend = BackendChoice::kAuto;
+  Options detector;
+
+  double max_rate_hz = 100;  // 0: every mesh
+  double tf_timeout_s = 0.05;
+  double max_mesh_age_s = 0.5;
+  std::size_t max_contacts = 0;  // 0: all
+
+  int debounce_on_cycles = 1;
+  int debounce_off_cycles = 2;
+
+  double marker_rate_hz = 10;
+  double marker_lifetime_s = 0.5;
+  std::size_t max_marker_triangles = 20000;
+
+  double diagnostic_min_rate_hz = 5;
+};
+
+// Lists every problem, one a line.
+struct ParameterError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// `tree`: the private namespace as the parameter server hands it out (invalid: nothing is set).
+// Names that nothing reads go to `warnings`. Throws ParameterError.
+MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
+                                  std::vector<std::string>* warnings);
+
+}  // namespace deformable_contact_monitor

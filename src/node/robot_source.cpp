@@ -1,0 +1,152 @@
+// Where the robot's link meshes come from: robot_description, or a topic.
+#include "node/robot_source.h"
+
+#include <ros/console.h>
+#include <ros/param.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "node/contact_messages.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+bool same(const RobotGeometry& a, const RobotGeometry& b) {
+  return std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
+                    [](const LinkGeometry& l, const LinkGeometry& m) {
+                      return l.link == m.link && l.problem == m.problem &&
+                             l.mesh.vertices == m.mesh.vertices &&
+                             l.mesh.triangles == m.mesh.triangles;
+                    });
+}
+
+void log(const RobotGeometry& robot) {
+  for (const LinkGeometry& link : robot.links) {
+    if (link.problem.empty()) {
+      ROS_INFO_STREAM("link '" << link.link << "': " << link.mesh.triangleCount()
+                               << " triangles from " << link.source);
+    } else {
+      ROS_WARN_STREAM(link.problem << "; the link is UNKNOWN");
+    }
+  }
+  for (const std::string& warning : geometryWarnings(robot)) ROS_WARN_STREAM(warning);
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+RobotSource::RobotSource(const MonitorParameters& parameters, const ros::NodeHandle& node,
+                         ros::NodeHandle private_node, std::function<void()> changed)
+    : parameters_(parameters), node_(node), changed_(std::move(changed)) {
+  if (!parameters_.pair_classes.needRobot()) return;
+  if (parameters_.robot_source == RobotSourceKind::kUrdf) {
+    use(loadFromDescription());
+  } else {
+    subscriber_ = private_node.subscribe("robot_link_meshes", 1, &RobotSource::receive, this,
+                                         ros::TransportHints().tcpNoDelay());
+  }
+}
+
+std::shared_ptr<const RobotGeometry> RobotSource::newest() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return robot_;
+}
+
+std::string RobotSource::problem() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return problem_;
+}
+
+void RobotSource::reload() {
+  if (!parameters_.pair_classes.needRobot()) throw std::runtime_error("no robot is monitored");
+  if (parameters_.robot_source == RobotSourceKind::kTopic) {
+    throw std::runtime_error("the robot comes from ~robot_link_meshes: publish it again");
+  }
+  if (use(loadFromDescription())) changed_();
+}
+
+RobotGeometry RobotSource::loadFromDescription() const {
+  const std::string& name = parameters_.robot_description;
+  std::string found, urdf;
+  // The root is "" to a nodelet's handle, and nothing is found from there.
+  const std::string from = node_.getNamespace().empty() ? "/" : node_.getNamespace();
+  if (!ros::param::search(from, name, found) || !node_.getParam(found, urdf)) {
+    throw std::runtime_error("no text parameter '" + name + "' in " + from +
+                             " or above: load the URDF there, or set ~robot_source to topic");
+  }
+  RobotGeometry robot;
+  try {
+    robot = loadRobotGeometry(urdf, parameters_.geometry, makeRosResolver());
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error("parameter '" + found + "': " + error.what());
+  }
+  check(robot);
+  return robot;
+}
+
+void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
+  try {
+    RobotGeometry robot = selected(fromLinkMeshes(*message));
+    check(robot);
+    if (use(std::move(robot))) changed_();
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM("link meshes refused, the robot stays as it was: " << error.what());
+    const std::lock_guard<std::mutex> lock(mutex_);
+    problem_ = error.what();
+  }
+}
+
+RobotGeometry RobotSource::selected(RobotGeometry robot) const {
+  const RobotGeometryOptions& options = parameters_.geometry;
+  std::set<std::string> sent;
+  for (const LinkGeometry& link : robot.links) {
+    if (!sent.insert(link.link).second) {
+      throw std::runtime_error("link '" + link.link + "' was sent twice in one message");
+    }
+  }
+  for (const std::string& link : options.links) {
+    if (sent.count(link) == 0)
+      throw std::runtime_error("link '" + link + "' of ~links is not there");
+  }
+  const auto unwanted = [&options](const LinkGeometry& link) {
+    return (!options.links.empty() && !contains(options.links, link.link)) ||
+           contains(options.ignored_links, link.link);
+  };
+  robot.links.erase(std::remove_if(robot.links.begin(), robot.links.end(), unwanted),
+                    robot.links.end());
+  return robot;
+}
+
+void RobotSource::check(const RobotGeometry& robot) const {
+  std::string bad;
+  for (const LinkGeometry& link : robot.links) {
+    for (const ObjectParameters& object : parameters_.objects) {
+      if (link.link == object.name) {
+        throw std::runtime_error("link and object have the same name '" + object.name + "'");
+      }
+    }
+    if (!link.problem.empty()) bad += "\n  " + link.problem;
+  }
+  if (parameters_.strict_geometry && !bad.empty()) {
+    throw std::runtime_error("strict_geometry is on, and these links have no usable geometry:" +
+                             bad);
+  }
+}
+
+bool RobotSource::use(RobotGeometry robot) {
+  const std::shared_ptr<const RobotGeometry> old = newest();
+  const bool is_new = !old || !same(*old, robot);
+  if (is_new) log(robot);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  problem_.clear();
+  if (is_new) robot_ = std::make_shared<const RobotGeometry>(std::move(robot));
+  return is_new;
+}
+
+}  // namespace deformable_contact_monitor

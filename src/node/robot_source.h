@@ -1,0 +1,55 @@
+// Where the robot's link meshes come from: robot_description, or a topic.
+#pragma once
+
+#include <deformable_contact_monitor/LinkMeshes.h>
+#include <ros/node_handle.h>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "node/parameters.h"
+#include "robot/robot_geometry.h"
+
+namespace deformable_contact_monitor {
+
+class RobotSource {
+ public:
+  // With robot_source urdf, loads the robot; throws std::runtime_error if there is none, it is
+  // malformed, or (strict_geometry) a link has no usable geometry. With robot_source topic,
+  // subscribes to ~robot_link_meshes, a latched topic that may come late, again and changed.
+  // `changed` is called from a callback thread after a new robot is there; the parameters must
+  // outlive this.
+  RobotSource(const MonitorParameters& parameters, const ros::NodeHandle& node,
+              ros::NodeHandle private_node, std::function<void()> changed);
+
+  // The newest robot, null while there is none; another object means another robot. Any thread.
+  std::shared_ptr<const RobotGeometry> newest() const;
+
+  // Why the latest one that was offered is not in use; empty: it is. Any thread.
+  std::string problem() const;
+
+  // Reads robot_description again. Throws as the constructor does, and then keeps the robot; also
+  // if the robot comes from a topic.
+  void reload();
+
+ private:
+  RobotGeometry loadFromDescription() const;
+  void receive(const LinkMeshes::ConstPtr& message);
+  RobotGeometry selected(RobotGeometry robot) const;
+  void check(const RobotGeometry& robot) const;
+  // Keeps the robot unless it is what is there already; returns whether it did.
+  bool use(RobotGeometry robot);
+
+  const MonitorParameters& parameters_;
+  const ros::NodeHandle node_;
+  const std::function<void()> changed_;
+  ros::Subscriber subscriber_;
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const RobotGeometry> robot_;
+  std::string problem_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,135 @@
+// Tests of the markers, held against the rules by which rviz refuses a marker.
+#include "node/contact_markers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "sample_report.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+bool isDrawable(const std_msgs::ColorRGBA& c) {
+  return std::isfinite(c.r + c.g + c.b) && c.a > 0 && c.a <= 1;
+}
+
+// rviz's checkMarkerMsg and checkMarkerArrayMsg for what this package draws.
+void expectValid(const MarkerArray& array) {
+  std::set<std::pair<std::string, int>> ids;
+  for (std::size_t i = 0; i < array.markers.size(); ++i) {
+    const Marker& m = array.markers[i];
+    SCOPED_TRACE("marker " + std::to_string(i) + " " + m.ns);
+    EXPECT_EQ(m.action == Marker::DELETEALL, i == 0);
+    EXPECT_FALSE(m.header.frame_id.empty());
+    EXPECT_EQ(m.pose.orientation.w, 1);
+    EXPECT_EQ(m.pose.orientation.x, 0);
+    if (i == 0) continue;
+    EXPECT_TRUE(ids.insert({m.ns, m.id}).second);
+    EXPECT_EQ(m.action, Marker::ADD);
+    EXPECT_EQ(m.type, Marker::TRIANGLE_LIST);
+    EXPECT_GT(m.scale.x * m.scale.y * m.scale.z, 0);
+    EXPECT_GT(m.lifetime.toSec(), 0);
+    EXPECT_FALSE(m.points.empty());
+    EXPECT_EQ(m.points.size() % 3, 0U);
+    EXPECT_TRUE(m.colors.empty() || m.colors.size() == m.points.size());
+    EXPECT_TRUE(isDrawable(m.color));
+    for (const auto& c : m.colors) EXPECT_TRUE(isDrawable(c));
+    for (const auto& p : m.points) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
+  }
+}
+
+// Drawn triangles by namespace.
+std::map<std::string, std::size_t> triangles(const MarkerArray& array) {
+  std::map<std::string, std::size_t> counts;
+  for (const Marker& m : array.markers) {
+    if (m.action == Marker::ADD) counts[m.ns] += m.points.size() / 3;
+  }
+  return counts;
+}
+
+using Counts = std::map<std::string, std::size_t>;
+
+TEST(ContactMarkersTest, drawContactsAndTheRestOfTheObject) {
+  const SampleReport sample;
+  const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(triangles(array), (Counts{{"arm/hand/cloth", 4}, {"cloth", 1}}));
+  ASSERT_EQ(array.markers.size(), 3U);
+  for (const Marker& m : array.markers) {
+    EXPECT_EQ(m.header.stamp, sample.report.header.stamp);
+    EXPECT_EQ(m.header.frame_id, "base_link");
+  }
+  // Posed: the hand's triangles lie 5 m off, and differ in color from the cloth's.
+  const Marker& contacts = array.markers[1];
+  EXPECT_EQ(contacts.points[0].x, 5);
+  EXPECT_EQ(contacts.points[6].x, 0);
+  EXPECT_FLOAT_EQ(contacts.colors[0].a, 0.9F);
+  EXPECT_NE(contacts.colors[0].g, contacts.colors[6].g);
+  EXPECT_EQ(array.markers[2].points[0].z, 1);
+}
+
+TEST(ContactMarkersTest, idsStayWhileTheBodiesDo) {
+  SampleReport sample;
+  const ContactMarkers markers{MarkerOptions()};
+  const int id = markers.make(sample.report).markers[1].id;
+  sample.result.contacts.insert(sample.result.contacts.begin(), {0, 2, 1, 2});
+  const MarkerArray array = markers.make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(array.markers[1].ns, "arm/hand/base");
+  EXPECT_EQ(array.markers[2].ns, "arm/hand/cloth");
+  EXPECT_EQ(array.markers[2].id, id);
+}
+
+TEST(ContactMarkersTest, withoutContactsOrDataNothingStays) {
+  SampleReport sample;
+  const ContactMarkers markers{MarkerOptions()};
+  sample.result.contacts.clear();
+  expectValid(markers.make(sample.report));
+  EXPECT_EQ(triangles(markers.make(sample.report)), (Counts{{"cloth", 3}}));
+
+  sample.report.bodies[2].unknown_because = "stale";
+  EXPECT_EQ(triangles(markers.make(sample.report)), Counts());
+
+  sample.report.result = nullptr;
+  sample.report.scene = nullptr;
+  const MarkerArray cleared = markers.make(sample.report);
+  expectValid(cleared);
+  EXPECT_EQ(cleared.markers.size(), 1U);
+}
+
+TEST(ContactMarkersTest, theCapHoldsAndContactsComeFirst) {
+  const SampleReport sample;
+  for (std::size_t cap = 1; cap <= 6; ++cap) {
+    MarkerOptions options;
+    options.max_triangles = cap;
+    const MarkerArray array = ContactMarkers(options).make(sample.report);
+    expectValid(array);
+    const Counts counts = triangles(array);
+    std::size_t total = 0;
+    for (const auto& [ns, count] : counts) total += count;
+    EXPECT_LE(total, cap);
+    EXPECT_EQ(counts.count("arm/hand/cloth"), cap >= 2 ? 1U : 0U) << cap;
+  }
+}
+
+TEST(ContactMarkersTest, nonFiniteTrianglesAreLeftOut) {
+  SampleReport sample;
+  TriangleMesh mesh = threeTriangles();
+  mesh.vertices[3 * 4] = std::numeric_limits<float>::quiet_NaN();
+  sample.scene.setMesh(2, mesh);
+  const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(triangles(array), (Counts{{"arm/hand/cloth", 4}}));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

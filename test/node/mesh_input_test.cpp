@@ -1,0 +1,228 @@
+// What a mesh input accepts, refuses, keeps and drops.
+#include "node/mesh_input.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace deformable_contact_monitor {
+namespace {
+
+const ros::Time kNow(100);
+
+boost::shared_ptr<DeformableMesh> mesh(double stamp_s, std::uint32_t topology_id = 1) {
+  auto message = boost::make_shared<DeformableMesh>();
+  message->header.stamp = ros::Time(stamp_s);
+  message->header.frame_id = "camera";
+  message->object = "cloth";
+  message->topology_id = topology_id;
+  message->vertices = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+  return message;
+}
+
+boost::shared_ptr<DeformableMesh> keyframe(double stamp_s, std::uint32_t topology_id = 1,
+                                           std::vector<std::uint32_t> triangles = {0, 1, 2}) {
+  auto message = mesh(stamp_s, topology_id);
+  message->triangles = std::move(triangles);
+  return message;
+}
+
+class MeshInputTest : public ::testing::Test {
+ protected:
+  bool give(const DeformableMesh::ConstPtr& message) {
+    input_.store(message);
+    return input_.take(kNow);
+  }
+
+  const AcceptedMesh* at(double t_s) { return input_.newestAt(ros::Time(t_s), &why_not_); }
+
+  void expectRefused(const DeformableMesh::ConstPtr& message, const std::string& what) {
+    EXPECT_TRUE(give(message)) << "a refused mesh is news";
+    EXPECT_NE(input_.counters().refusal.find(what), std::string::npos) << input_.counters().refusal;
+    EXPECT_EQ(at(message->header.stamp.toSec()), nullptr);
+    EXPECT_NE(why_not_.find(what), std::string::npos) << why_not_;
+  }
+
+  MeshInput input_{"cloth", 0.5};
+  std::string why_not_;
+};
+
+TEST_F(MeshInputTest, NothingYet) {
+  EXPECT_FALSE(input_.take(kNow));
+  EXPECT_EQ(at(50), nullptr);
+  EXPECT_EQ(why_not_, "no mesh yet");
+}
+
+TEST_F(MeshInputTest, AKeyframeAndWhatRefersToIt) {
+  EXPECT_TRUE(give(keyframe(50)));
+  const auto topology = at(50)->topology;
+  EXPECT_TRUE(give(mesh(50.1)));
+  ASSERT_NE(at(50.1), nullptr);
+  EXPECT_EQ(at(50.1)->stamp(), ros::Time(50.1));
+  EXPECT_EQ(at(50.1)->topology, topology);
+  EXPECT_EQ(topology->triangles, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
+TEST_F(MeshInputTest, TheSameTrianglesAgainAreNoChange) {
+  give(keyframe(50));
+  const auto topology = at(50)->topology;
+  give(keyframe(50.1));
+  EXPECT_EQ(at(50.1)->topology, topology);
+  EXPECT_EQ(input_.counters().topology_changes, 0U);
+}
+
+TEST_F(MeshInputTest, OtherTrianglesAreAChangeEvenUnderTheSameId) {
+  give(keyframe(50));
+  give(keyframe(50.1, 1, {1, 2, 3}));
+  EXPECT_EQ(at(50.1)->topology->triangles, (std::vector<std::uint32_t>{1, 2, 3}));
+  give(keyframe(50.2, 2, {0, 2, 3}));
+  EXPECT_EQ(at(50.2)->topology->id, 2U);
+  EXPECT_EQ(input_.counters().topology_changes, 2U);
+}
+
+TEST_F(MeshInputTest, NewestWaitsOlderAreDroppedAndCounted) {
+  input_.store(keyframe(50));
+  input_.store(keyframe(50.1));
+  input_.store(keyframe(50.2));
+  EXPECT_EQ(input_.waitingStamp(), ros::Time(50.2));
+  EXPECT_TRUE(input_.take(kNow));
+  EXPECT_FALSE(input_.take(kNow));
+  EXPECT_EQ(input_.counters().received, 3U);
+  EXPECT_EQ(input_.counters().dropped, 2U);
+}
+
+TEST_F(MeshInputTest, TrianglesOfADroppedMessageAreKept) {
+  input_.store(keyframe(50));
+  input_.store(mesh(50.1));
+  EXPECT_TRUE(input_.take(kNow));
+  ASSERT_NE(at(50.1), nullptr);
+  EXPECT_EQ(at(50.1)->topology->triangles.size(), 3U);
+}
+
+TEST_F(MeshInputTest, UnseenTopologyIsRefused) {
+  expectRefused(mesh(50), "no triangles of topology_id 1 seen yet");
+  give(keyframe(50.1));
+  ASSERT_NE(at(50.1), nullptr);
+  expectRefused(mesh(50.2, 2), "topology_id 2");
+}
+
+TEST_F(MeshInputTest, ARefusedMeshHidesOlderOnes) {
+  give(keyframe(50));
+  expectRefused(mesh(50.1, 9), "topology_id 9");
+  EXPECT_EQ(at(50), nullptr);
+  give(mesh(50.2));
+  EXPECT_NE(at(50.2), nullptr);
+}
+
+TEST_F(MeshInputTest, MalformedMeshesAreRefused) {
+  expectRefused(keyframe(50, 1, {0, 1, 4}), "refers to vertex 4");
+  expectRefused(keyframe(50, 1, {0, 1, 0xFFFFFFFFU}), "refers to vertex 4294967295");
+  expectRefused(keyframe(50, 1, {0, 1}), "multiple of 3");
+  auto ragged = keyframe(50);
+  ragged->vertices.pop_back();
+  expectRefused(ragged, "multiple of 3");
+  give(keyframe(50.1));
+  auto short_one = mesh(50.2);
+  short_one->vertices.resize(9);
+  expectRefused(short_one, "has 4 vertices");
+  auto empty = mesh(50.3);
+  empty->vertices.clear();
+  expectRefused(empty, "has 4 vertices");
+}
+
+TEST_F(MeshInputTest, AfterBadTrianglesTheOldOnesAreNotUsed) {
+  give(keyframe(50));
+  expectRefused(keyframe(50.1, 1, {0, 1, 9}), "refers to vertex 9");
+  expectRefused(mesh(50.2), "refers to vertex 9");
+  give(keyframe(50.3));
+  EXPECT_NE(at(50.3), nullptr);
+}
+
+TEST_F(MeshInputTest, SenselessHeadersAreRefused) {
+  auto nameless = keyframe(50);
+  nameless->header.frame_id.clear();
+  expectRefused(nameless, "frame_id is empty");
+  expectRefused(keyframe(0), "stamp is zero");
+  expectRefused(keyframe(101.5), "ahead of this machine's clock");
+  auto other = keyframe(50);
+  other->object = "cable";
+  expectRefused(other, "object 'cable'");
+}
+
+TEST_F(MeshInputTest, AnotherObjectsTrianglesAreNotLearned) {
+  auto other = keyframe(50);
+  other->object = "cable";
+  input_.store(other);
+  input_.store(mesh(50.1));
+  input_.take(kNow);
+  EXPECT_EQ(at(50.1), nullptr);
+}
+
+TEST_F(MeshInputTest, NoClockYetMeansNoFuture) {
+  input_.store(keyframe(101.5));
+  input_.take(ros::Time());
+  EXPECT_TRUE(input_.counters().refusal.empty());
+}
+
+TEST_F(MeshInputTest, NonFiniteVerticesAreNoReasonToRefuse) {
+  auto message = keyframe(50);
+  message->vertices[0] = std::numeric_limits<float>::quiet_NaN();
+  give(message);
+  EXPECT_NE(at(50), nullptr);
+}
+
+TEST_F(MeshInputTest, TheNewestAtOrBeforeAndNotTooOld) {
+  give(keyframe(50));
+  give(mesh(50.2));
+  give(mesh(50.4));
+  EXPECT_EQ(at(50.3)->stamp(), ros::Time(50.2));
+  EXPECT_EQ(at(50.4)->stamp(), ros::Time(50.4));
+  EXPECT_EQ(at(50.9)->stamp(), ros::Time(50.4)) << "max_age_s is closed";
+  EXPECT_EQ(at(50.91), nullptr);
+  EXPECT_NE(why_not_.find("s old"), std::string::npos) << why_not_;
+  EXPECT_EQ(at(49.9), nullptr);
+}
+
+TEST_F(MeshInputTest, OutOfOrderIsDroppedAndAJumpBackIsSeen) {
+  give(keyframe(50));
+  EXPECT_FALSE(give(mesh(49.9)));
+  EXPECT_EQ(input_.counters().dropped, 1U);
+  EXPECT_NE(at(50), nullptr);
+  input_.store(mesh(49.6));
+  EXPECT_FALSE(input_.waitingJumpsBack());
+  input_.store(mesh(49.4));
+  EXPECT_TRUE(input_.waitingJumpsBack());
+  input_.forget();
+  EXPECT_FALSE(input_.waitingJumpsBack());
+  EXPECT_TRUE(input_.take(kNow));
+  EXPECT_NE(at(49.4), nullptr) << "triangles outlive a time jump";
+}
+
+// Such differences do not fit into a ros::Duration.
+TEST_F(MeshInputTest, StampsAtTheEndsOfTimeAreSurvived) {
+  MeshInput input("cloth", 0.5);
+  for (const double stamp_s : {4e9, 1.0, 4.2e9}) {
+    input.store(keyframe(stamp_s));
+    EXPECT_NO_THROW(input.waitingJumpsBack());
+    EXPECT_NO_THROW(input.take(ros::Time()));
+    EXPECT_NO_THROW(input.newestAt(ros::Time(4.2e9), &why_not_));
+    EXPECT_NO_THROW(input.newestAt(ros::Time(1), &why_not_));
+  }
+  expectRefused(keyframe(4e9), "ahead of this machine's clock");
+}
+
+TEST_F(MeshInputTest, MemoryIsBounded) {
+  MeshInput input("cloth", 60);
+  for (int i = 0; i < 100; ++i) {
+    input.store(keyframe(50 + 1e-3 * i));
+    input.take(kNow);
+  }
+  EXPECT_EQ(input.newestAt(ros::Time(50.01), &why_not_), nullptr);
+  EXPECT_NE(input.newestAt(ros::Time(50.09), &why_not_), nullptr);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,217 @@
+// The scene of a cycle: who takes part, where, and which pairs are on.
+#include "node/monitor_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+#include <string>
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr BodyId kArm = 0, kHand = 1, kCloth = 2, kCable = 3;
+
+MonitorParameters parameters() {
+  MonitorParameters p;
+  p.reference_frame = "base";
+  p.objects = {{"cloth", "", 0.5F, true}, {"cable", "", 0, true}};
+  p.margin_m = 0.25F;
+  p.link_margin_m = {{"hand", 0.125}};
+  return p;
+}
+
+RobotGeometry robot() {
+  RobotGeometry robot;
+  for (const char* link : {"arm", "hand"}) {
+    robot.links.push_back({link, "test", {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}}, ""});
+  }
+  return robot;
+}
+
+class MonitorSceneTest : public ::testing::Test {
+ protected:
+  MonitorSceneTest() {
+    for (const ObjectParameters& object : parameters_.objects) {
+      inputs_.push_back(std::make_unique<MeshInput>(object.name, parameters_.max_mesh_age_s));
+    }
+    scene_.setRobot(robot());
+  }
+
+  void give(std::size_t object, double stamp_s, const std::string& frame = "base", float x = 0) {
+    auto message = boost::make_shared<DeformableMesh>();
+    message->header.stamp = ros::Time(stamp_s);
+    message->header.frame_id = frame;
+    message->topology_id = 3;
+    message->vertices = {x, 0, 0, 1, 0, 0, 0, 1, 0};
+    message->triangles = {0, 1, 2};
+    inputs_[object]->store(message);
+    inputs_[object]->take(ros::Time());
+  }
+
+  void pose(const std::string& frame, double stamp_s, double x) {
+    geometry_msgs::TransformStamped t;
+    t.header.frame_id = "base";
+    t.header.stamp = ros::Time(stamp_s);
+    t.child_frame_id = frame;
+    t.transform.translation.x = x;
+    t.transform.rotation.w = 1;
+    buffer_.setTransform(t, "test");
+  }
+
+  TransformReport prepare(double t_s) {
+    return scene_.prepare(ros::Time(t_s), inputs_, TransformLookup(buffer_, "base", 0));
+  }
+
+  std::string unknown(BodyId id) const { return scene_.bodies()[id].unknown_because; }
+  bool on(BodyId a, BodyId b) const { return scene_.scene().pairEnabled(a, b); }
+
+  MonitorParameters parameters_ = parameters();
+  MeshInputs inputs_;
+  tf2::BufferCore buffer_;
+  MonitorScene scene_{parameters_};
+};
+
+TEST_F(MonitorSceneTest, BodiesAreLinksThenObjectsWithTheirMargins) {
+  ASSERT_EQ(scene_.bodies().size(), 4U);
+  EXPECT_EQ(scene_.bodies()[kHand].name, "hand");
+  EXPECT_EQ(scene_.bodies()[kCloth].kind, BodyKind::kDeformable);
+  EXPECT_EQ(scene_.scene().body(kArm).margin_m, 0.25F);
+  EXPECT_EQ(scene_.scene().body(kHand).margin_m, 0.125F);
+  EXPECT_EQ(scene_.scene().body(kCloth).margin_m, 0.5F);
+  EXPECT_EQ(scene_.scene().body(kCable).margin_m, 0.0F);
+}
+
+TEST_F(MonitorSceneTest, LinksAtTheStampObjectsAtTheirOwn) {
+  for (const char* frame : {"arm", "hand", "camera"}) {
+    pose(frame, 10, 0);
+    pose(frame, 11, 10);
+  }
+  give(1, 10.1, "camera");
+  give(0, 10.4, "camera");
+  EXPECT_TRUE(prepare(10.4).misses.empty());
+  const Scene& scene = scene_.scene();
+  EXPECT_NEAR(scene.body(kArm).pose.translation[0], 4, 1e-9);
+  EXPECT_NEAR(scene.body(kCloth).pose.translation[0], 4, 1e-9);
+  EXPECT_NEAR(scene.body(kCable).pose.translation[0], 1, 1e-9);
+  EXPECT_EQ(scene_.bodies()[kCable].stamp, ros::Time(10.1));
+  EXPECT_EQ(scene_.bodies()[kArm].stamp, ros::Time(10.4));
+  EXPECT_EQ(scene_.bodies()[kCloth].topology_id, 3U);
+  EXPECT_TRUE(on(kArm, kCloth) && on(kHand, kCable));
+  EXPECT_FALSE(on(kArm, kHand) || on(kCloth, kCable) || on(kCloth, kCloth));
+}
+
+TEST_F(MonitorSceneTest, AMeshInTheReferenceFrameIsUntouched) {
+  pose("camera", 10, 5);
+  pose("camera", 11, 5);
+  give(0, 10, "camera");
+  prepare(10);
+  EXPECT_FALSE(scene_.scene().body(kCloth).pose.isIdentity());
+  give(0, 10.1, "base", 0.1F);
+  prepare(10.1);
+  EXPECT_TRUE(scene_.scene().body(kCloth).pose.isIdentity());
+  EXPECT_EQ(scene_.scene().body(kCloth).mesh.vertices[0], 0.1F);
+}
+
+TEST_F(MonitorSceneTest, AMissingTransformCostsThatLinkAlone) {
+  pose("arm", 10, 0);
+  give(0, 10);
+  const TransformReport report = prepare(10);
+  ASSERT_EQ(report.misses.size(), 1U);
+  EXPECT_EQ(report.misses[0].body, "hand");
+  EXPECT_EQ(unknown(kArm), "");
+  EXPECT_NE(unknown(kHand), "");
+  EXPECT_TRUE(scene_.bodies()[kHand].stamp.isZero());
+  EXPECT_TRUE(on(kArm, kCloth));
+  EXPECT_FALSE(on(kHand, kCloth));
+  EXPECT_FALSE(on(kArm, kCable)) << "there is no cable yet";
+  pose("hand", 10, 0);
+  prepare(10);
+  EXPECT_TRUE(on(kHand, kCloth));
+}
+
+TEST_F(MonitorSceneTest, AMissingObjectIsUnknownAndOff) {
+  pose("arm", 10, 0);
+  pose("hand", 10, 0);
+  pose("arm", 12, 0);
+  pose("hand", 12, 0);
+  give(0, 10);
+  give(1, 10);
+  prepare(10);
+  EXPECT_TRUE(on(kArm, kCable));
+  give(0, 11);
+  prepare(11);
+  EXPECT_TRUE(on(kArm, kCloth));
+  EXPECT_FALSE(on(kArm, kCable)) << "too old";
+  EXPECT_NE(unknown(kCable), "");
+}
+
+TEST_F(MonitorSceneTest, WithoutAKnownPartnerNoLinkIsPosed) {
+  const TransformReport report = prepare(10);
+  EXPECT_TRUE(report.misses.empty()) << "nobody asked for " << report.misses[0].body;
+  EXPECT_EQ(unknown(kArm), "");
+  EXPECT_NE(unknown(kCloth), "");
+}
+
+TEST_F(MonitorSceneTest, AllowedPairsAreOffAndTheirLinksNotPosed) {
+  AllowedContact rule;
+  rule.body_a = "arm";
+  rule.body_b = "*";
+  rule.allowed = true;
+  AllowedContacts allowed;
+  allowed.add(rule);
+  scene_.setAllowedContacts(allowed);
+  pose("hand", 10, 0);
+  give(0, 10);
+  EXPECT_TRUE(prepare(10).misses.empty());
+  EXPECT_FALSE(on(kArm, kCloth));
+  EXPECT_TRUE(on(kHand, kCloth));
+}
+
+TEST_F(MonitorSceneTest, ALinkWithoutGeometryIsUnknown) {
+  RobotGeometry broken = robot();
+  broken.links[0] = {"arm", "", {}, "file missing"};
+  scene_.setRobot(broken);
+  pose("arm", 10, 0);
+  pose("hand", 10, 0);
+  give(0, 10);
+  prepare(10);
+  EXPECT_EQ(unknown(kArm), "file missing");
+  EXPECT_FALSE(on(kArm, kCloth));
+  EXPECT_TRUE(on(kHand, kCloth));
+}
+
+TEST_F(MonitorSceneTest, WithoutARobotAStandInIsUnknown) {
+  MonitorScene waiting(parameters_);  // no robot yet
+  scene_.setRobot(RobotGeometry());   // a robot without geometry
+  give(0, 10);
+  for (MonitorScene* scene : {&waiting, &scene_}) {
+    ASSERT_EQ(scene->bodies().size(), 3U);
+    scene->prepare(ros::Time(10), inputs_, TransformLookup(buffer_, "base", 0));
+    EXPECT_EQ(scene->bodies()[0].name, "robot");
+    EXPECT_NE(scene->bodies()[0].unknown_because, "");
+    EXPECT_EQ(scene->pairs().size(), 2U);
+    EXPECT_FALSE(scene->scene().pairEnabled(0, 1));
+  }
+}
+
+TEST_F(MonitorSceneTest, RevisionsSayWhatChanged) {
+  give(0, 10);
+  prepare(10);
+  const Body first = scene_.scene().body(kCloth);
+  prepare(10);
+  EXPECT_EQ(scene_.scene().body(kCloth).vertices_revision, first.vertices_revision);
+  give(0, 10.1, "base", 0.5F);
+  prepare(10.1);
+  EXPECT_GT(scene_.scene().body(kCloth).vertices_revision, first.vertices_revision);
+  EXPECT_EQ(scene_.scene().body(kCloth).topology_revision, first.topology_revision);
+}
+
+TEST_F(MonitorSceneTest, MarkUnknownGivesEachObjectItsReason) {
+  scene_.markUnknown({"one", "two"});
+  EXPECT_EQ(unknown(kArm), "");
+  EXPECT_EQ(unknown(kCloth), "one");
+  EXPECT_EQ(unknown(kCable), "two");
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,137 @@
+// Which pairs are monitored and which are allowed.
+#include "node/pair_table.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Triple = std::tuple<BodyId, BodyId, bool>;
+
+AllowedContact rule(const std::string& a, const std::string& b, bool allowed = true) {
+  AllowedContact rule;
+  rule.body_a = a;
+  rule.body_b = b;
+  rule.allowed = allowed;
+  return rule;
+}
+
+std::vector<BodyStatus> bodies() {
+  std::vector<BodyStatus> bodies(4);
+  bodies[0].name = "arm";
+  bodies[1].name = "hand";
+  bodies[2].name = "cloth";
+  bodies[3].name = "cable";
+  bodies[2].kind = bodies[3].kind = BodyKind::kDeformable;
+  return bodies;
+}
+
+std::set<Triple> pairsOf(const PairClasses& classes, const AllowedContacts& allowed = {}) {
+  std::set<Triple> pairs;
+  for (const MonitoredPair& pair : monitoredPairs(bodies(), classes, allowed)) {
+    EXPECT_TRUE(pairs.emplace(pair.a, pair.b, pair.allowed).second) << "pair twice";
+  }
+  return pairs;
+}
+
+TEST(PairTable, DefaultIsRobotWithDeformable) {
+  EXPECT_EQ(pairsOf(PairClasses()),
+            (std::set<Triple>{{0, 2, false}, {0, 3, false}, {1, 2, false}, {1, 3, false}}));
+}
+
+TEST(PairTable, EachClassAloneGivesItsPairs) {
+  EXPECT_EQ(pairsOf({false, true, false, false}), (std::set<Triple>{{2, 3, false}}));
+  EXPECT_EQ(pairsOf({false, false, true, false}), (std::set<Triple>{{2, 2, false}, {3, 3, false}}));
+  EXPECT_EQ(pairsOf({false, false, false, true}), (std::set<Triple>{{0, 1, false}}));
+  EXPECT_TRUE(pairsOf({false, false, false, false}).empty());
+}
+
+TEST(PairTable, PairsAreAscending) {
+  const auto pairs = monitoredPairs(bodies(), {true, true, true, true}, {});
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    EXPECT_LT(std::make_pair(pairs[i - 1].a, pairs[i - 1].b),
+              std::make_pair(pairs[i].a, pairs[i].b));
+  }
+  EXPECT_EQ(pairs.size(), 8U);
+}
+
+TEST(PairTable, OnlyClassesWithLinksNeedTheRobot) {
+  EXPECT_TRUE(PairClasses({true, false, false, false}).needRobot());
+  EXPECT_TRUE(PairClasses({false, false, false, true}).needRobot());
+  EXPECT_FALSE(PairClasses({false, true, true, false}).needRobot());
+}
+
+TEST(AllowedContacts, NothingIsAllowedWithoutARule) {
+  EXPECT_FALSE(AllowedContacts().allows("arm", "cloth"));
+}
+
+TEST(AllowedContacts, OrderOfBodiesDoesNotMatter) {
+  AllowedContacts allowed;
+  allowed.add(rule("cloth", "arm"));
+  EXPECT_TRUE(allowed.allows("arm", "cloth"));
+  EXPECT_TRUE(allowed.allows("cloth", "arm"));
+  EXPECT_FALSE(allowed.allows("arm", "cable"));
+}
+
+// Whatever the order in which the rules were added.
+TEST(AllowedContacts, PairBeatsWildcardBeatsDefault) {
+  const AllowedContact pair = rule("hand", "cloth", false), one = rule("*", "hand", true),
+                       two = rule("*", "*", false);
+  const std::vector<std::vector<AllowedContact>> orders = {{pair, one, two}, {pair, two, one},
+                                                           {one, pair, two}, {one, two, pair},
+                                                           {two, pair, one}, {two, one, pair}};
+  for (const auto& order : orders) {
+    AllowedContacts allowed;
+    for (const AllowedContact& r : order) allowed.add(r);
+    EXPECT_FALSE(allowed.allows("hand", "cloth"));
+    EXPECT_TRUE(allowed.allows("hand", "cable"));
+    EXPECT_FALSE(allowed.allows("arm", "cable"));
+  }
+}
+
+TEST(AllowedContacts, AmongEqualsTheLastWins) {
+  AllowedContacts allowed;
+  allowed.add(rule("*", "cloth", true));
+  allowed.add(rule("hand", "*", false));
+  EXPECT_FALSE(allowed.allows("hand", "cloth"));
+  allowed.add(rule("cloth", "*", true));
+  EXPECT_TRUE(allowed.allows("hand", "cloth"));
+}
+
+TEST(AllowedContacts, ARuleForTheSamePairReplaces) {
+  AllowedContacts allowed;
+  allowed.add(rule("hand", "cloth", true));
+  allowed.add(rule("cloth", "hand", false));
+  ASSERT_EQ(allowed.rules().size(), 1U);
+  EXPECT_FALSE(allowed.allows("hand", "cloth"));
+}
+
+TEST(AllowedContacts, ASelfPairIsAPair) {
+  AllowedContacts allowed;
+  allowed.add(rule("cloth", "cloth"));
+  EXPECT_TRUE(allowed.allows("cloth", "cloth"));
+  EXPECT_FALSE(allowed.allows("cloth", "cable"));
+  EXPECT_FALSE(allowed.allows("cable", "cable"));
+}
+
+TEST(AllowedContacts, AnEmptyNameIsRefused) {
+  AllowedContacts allowed;
+  EXPECT_THROW(allowed.add(rule("", "cloth")), std::invalid_argument);
+  EXPECT_THROW(allowed.add(rule("cloth", "")), std::invalid_argument);
+  EXPECT_TRUE(allowed.rules().empty());
+}
+
+TEST(PairTable, AllowedPairsAreThereAndMarked) {
+  AllowedContacts allowed;
+  allowed.add(rule("arm", "*"));
+  EXPECT_EQ(pairsOf(PairClasses(), allowed),
+            (std::set<Triple>{{0, 2, true}, {0, 3, true}, {1, 2, false}, {1, 3, false}}));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

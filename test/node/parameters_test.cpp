@@ -1,0 +1,157 @@
+// Parameters: defaults, values, and bad ones, all of them listed.
+#include "node/parameters.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+template <typename... T>
+XmlRpcValue list(const T&... items) {
+  XmlRpcValue value;
+  value.setSize(sizeof...(items));
+  int i = 0;
+  ((value[i++] = XmlRpcValue(items)), ...);
+  return value;
+}
+
+XmlRpcValue object(const std::string& name) {
+  XmlRpcValue value;
+  value["name"] = name;
+  return value;
+}
+
+MonitorParameters parse(const XmlRpcValue& tree, std::vector<std::string>* warnings = nullptr) {
+  std::vector<std::string> unused;
+  return parseParameters(tree, warnings == nullptr ? &unused : warnings);
+}
+
+std::string refusalOf(const XmlRpcValue& tree) {
+  try {
+    parse(tree);
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "was not refused";
+  return "";
+}
+
+void expectIn(const std::string& text, const std::string& all) {
+  EXPECT_NE(all.find(text), std::string::npos) << "'" << text << "' is not in:\n" << all;
+}
+
+TEST(Parameters, NothingSetGivesTheDefaults) {
+  const MonitorParameters p = parse(XmlRpcValue());
+  EXPECT_EQ(p.reference_frame, "base_link");
+  EXPECT_EQ(p.robot_source, RobotSourceKind::kUrdf);
+  EXPECT_EQ(p.geometry.kind, GeometryKind::kCollision);
+  EXPECT_TRUE(p.pair_classes.robot_deformable);
+  EXPECT_FALSE(p.pair_classes.deformable_self);
+  EXPECT_EQ(p.detector.overlap, 1.0F);
+  EXPECT_EQ(p.detector.predicates, Predicates::kExact);
+  EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kBeyondShared);
+  EXPECT_EQ(p.backend, BackendChoice::kAuto);
+  EXPECT_EQ(p.max_rate_hz, 100);
+  EXPECT_TRUE(p.objects.empty());
+}
+
+TEST(Parameters, ValuesArrive) {
+  XmlRpcValue tree, cable = object("cable"), rule, margins;
+  cable["topic"] = "/camera/cable";
+  cable["margin_m"] = 0.25;
+  cable["required"] = false;
+  margins["hand"] = 0.5;
+  rule["body_a"] = "hand";
+  rule["body_b"] = "*";
+  tree["objects"] = list(object("cloth"), cable);
+  tree["allowed_contacts"] = list(rule);
+  tree["link_margin_m"] = margins;
+  tree["margin_m"] = 1;  // a whole number is a number
+  tree["pair_classes"] = list("deformable_self", "robot_self");
+  tree["robot_source"] = "topic";
+  tree["geometry"] = "visual";
+  tree["backend"] = "cpu";
+  tree["predicates"] = "fast";
+  tree["adjacent_pairs"] = "skip";
+  tree["links"] = list("hand", "arm");
+  tree["max_contacts"] = 7;
+  const MonitorParameters p = parse(tree);
+  ASSERT_EQ(p.objects.size(), 2U);
+  EXPECT_EQ(p.objects[0].margin_m, 1.0F) << "an object without a margin has the general one";
+  EXPECT_TRUE(p.objects[0].required);
+  EXPECT_EQ(p.objects[1].topic, "/camera/cable");
+  EXPECT_EQ(p.objects[1].margin_m, 0.25F);
+  EXPECT_FALSE(p.objects[1].required);
+  EXPECT_TRUE(p.allowed_contacts.allows("hand", "cloth"));
+  EXPECT_EQ(p.link_margin_m.at("hand"), 0.5);
+  EXPECT_FALSE(p.pair_classes.robot_deformable);
+  EXPECT_TRUE(p.pair_classes.deformable_self && p.pair_classes.robot_self);
+  EXPECT_EQ(p.robot_source, RobotSourceKind::kTopic);
+  EXPECT_EQ(p.geometry.kind, GeometryKind::kVisual);
+  EXPECT_EQ(p.geometry.links, (std::vector<std::string>{"hand", "arm"}));
+  EXPECT_EQ(p.backend, BackendChoice::kCpu);
+  EXPECT_EQ(p.detector.predicates, Predicates::kFast);
+  EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kSkip);
+  EXPECT_EQ(p.max_contacts, 7U);
+}
+
+TEST(Parameters, AllProblemsAreListedTogether) {
+  XmlRpcValue tree;
+  tree["max_rate_hz"] = -1;
+  tree["tf_timeout_s"] = std::numeric_limits<double>::quiet_NaN();
+  tree["max_mesh_age_s"] = std::numeric_limits<double>::infinity();
+  tree["backend"] = "gpu";
+  tree["overlap"] = 1.5;
+  tree["iterations"] = 101;
+  tree["debounce_on_cycles"] = 0;
+  tree["strict_geometry"] = "yes";
+  tree["links"] = "hand arm";
+  tree["reference_frame"] = "/base";
+  tree["pair_classes"] = list("robot_cloth");
+  tree["objects"] =
+      list(object("cloth"), object("cloth"), object("*"), object("a b"), XmlRpcValue(3));
+  const std::string all = refusalOf(tree);
+  for (const char* name :
+       {"~max_rate_hz is -1", "~tf_timeout_s is nan", "~max_mesh_age_s is inf",
+        "~backend is 'gpu', must be one of: auto, cuda, cpu", "~overlap is 1.5",
+        "~iterations is 101", "~debounce_on_cycles is 0", "~strict_geometry", "~links",
+        "~reference_frame is '/base'", "robot_cloth", "~objects[1]/name is 'cloth'",
+        "~objects[2]/name is '*'", "~objects[3]/topic", "~objects[4]/ must be a map"}) {
+    expectIn(name, all);
+  }
+}
+
+TEST(Parameters, EndsOfRangesAreIn) {
+  XmlRpcValue tree;
+  tree["overlap"] = 0;
+  tree["tf_timeout_s"] = 1;
+  tree["max_rate_hz"] = 0;
+  tree["clusters"] = kMaxClusters;
+  EXPECT_NO_THROW(parse(tree));
+  tree["clusters"] = kMaxClusters + 1;
+  expectIn("clusters is 65536", refusalOf(tree));
+}
+
+TEST(Parameters, UnknownNamesAreWarningsAtEveryLevel) {
+  XmlRpcValue tree, cloth = object("cloth");
+  cloth["margin"] = 0.1;
+  tree["objects"] = list(cloth);
+  tree["max_rate"] = 10;
+  std::vector<std::string> warnings;
+  parse(tree, &warnings);
+  ASSERT_EQ(warnings.size(), 2U);
+  expectIn("~objects[0]/margin ", warnings[0] + warnings[1]);
+  expectIn("~max_rate ", warnings[0] + warnings[1]);
+}
+
+TEST(Parameters, ATreeThatIsNoMapIsRefused) {
+  expectIn("must be a map", refusalOf(XmlRpcValue(1)));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,153 @@
+// Poses at a stamp: their matrix, and what is said when there is none.
+#include "node/transform_lookup.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <string>
+#include <thread>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Outcome = PoseAnswer::Outcome;
+
+geometry_msgs::TransformStamped transform(const std::string& parent, const std::string& child,
+                                          double stamp_s, double x = 0) {
+  geometry_msgs::TransformStamped t;
+  t.header.frame_id = parent;
+  t.header.stamp = ros::Time(stamp_s);
+  t.child_frame_id = child;
+  t.transform.translation.x = x;
+  t.transform.rotation.w = 1;
+  return t;
+}
+
+class TransformLookupTest : public ::testing::Test {
+ protected:
+  void set(const geometry_msgs::TransformStamped& t, bool is_static = false) {
+    ASSERT_TRUE(buffer_.setTransform(t, "test", is_static));
+  }
+
+  PoseAnswer ask(const std::string& frame, double stamp_s, double timeout_s = 0) {
+    const TransformLookup lookup(buffer_, "base", timeout_s);
+    const PoseAnswers all = lookup.lookup({{frame, ros::Time(stamp_s)}});
+    waited_s_ = all.waited_s;
+    return all.answers.at(0);
+  }
+
+  tf2::BufferCore buffer_;
+  double waited_s_ = 0;
+};
+
+TEST(ToRigidTransform, IsTheRotationOfTheQuaternion) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 1000; ++i) {
+    geometry_msgs::Transform t;
+    t.rotation.x = normal(random);
+    t.rotation.y = normal(random);
+    t.rotation.z = normal(random);
+    t.rotation.w = normal(random);
+    t.translation.x = normal(random);
+    const RigidTransform pose = toRigidTransform(t);
+    const Eigen::Quaterniond q(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z);
+    const Eigen::Matrix3d expected = q.normalized().toRotationMatrix();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        EXPECT_NEAR(pose.rotation[3 * row + column], expected(row, column), 1e-14);
+      }
+    }
+    EXPECT_EQ(pose.translation[0], t.translation.x);
+  }
+}
+
+TEST(ToRigidTransform, UnitQuaternionsGiveExactMatrices) {
+  geometry_msgs::Transform t;
+  t.rotation.w = 1;
+  EXPECT_TRUE(toRigidTransform(t).isIdentity());
+  t.rotation.w = 0;
+  t.rotation.z = 1;  // half a turn
+  const RigidTransform pose = toRigidTransform(t);
+  EXPECT_EQ(pose.rotation[0], -1);
+  EXPECT_EQ(pose.rotation[1], 0);
+  EXPECT_EQ(pose.rotation[8], 1);
+}
+
+TEST_F(TransformLookupTest, FoundAtTheStampItself) {
+  set(transform("base", "arm", 10, 1));
+  set(transform("base", "arm", 11, 3));
+  const PoseAnswer answer = ask("arm", 10.5);
+  EXPECT_EQ(answer.outcome, Outcome::kFound);
+  EXPECT_DOUBLE_EQ(answer.pose.translation[0], 2);
+  EXPECT_TRUE(answer.problem.empty());
+}
+
+TEST_F(TransformLookupTest, StaticAtAnyStamp) {
+  set(transform("base", "arm", 10, 4), true);
+  EXPECT_EQ(ask("arm", 1e6).outcome, Outcome::kFound);
+}
+
+TEST_F(TransformLookupTest, LateNamesWantedAndAvailable) {
+  set(transform("base", "arm", 10));
+  const PoseAnswer answer = ask("arm", 10.5);
+  EXPECT_EQ(answer.outcome, Outcome::kLate);
+  EXPECT_EQ(answer.available, ros::Time(10));
+  for (const char* text :
+       {"arm", "base", "late", "wanted 10.500000000", "available 10.000000000"}) {
+    EXPECT_NE(answer.problem.find(text), std::string::npos) << text << ": " << answer.problem;
+  }
+}
+
+TEST_F(TransformLookupTest, PastIsNotLate) {
+  set(transform("base", "arm", 10));
+  EXPECT_EQ(ask("arm", 9).outcome, Outcome::kPast);
+}
+
+TEST_F(TransformLookupTest, NeverSeenIsNotWaitedFor) {
+  set(transform("base", "arm", 10));
+  set(transform("island", "palm", 10));
+  const PoseAnswer unknown = ask("ghost", 10, 1000);
+  EXPECT_EQ(unknown.outcome, Outcome::kNever);
+  EXPECT_NE(unknown.problem.find("'ghost' never seen"), std::string::npos) << unknown.problem;
+  const PoseAnswer apart = ask("palm", 10, 1000);
+  EXPECT_EQ(apart.outcome, Outcome::kNever);
+  EXPECT_NE(apart.problem.find("'palm' to 'base' never seen"), std::string::npos) << apart.problem;
+}
+
+TEST_F(TransformLookupTest, LateIsWaitedFor) {
+  set(transform("base", "arm", 10, 1));
+  std::thread writer([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    set(transform("base", "arm", 11, 3));
+  });
+  const PoseAnswer answer = ask("arm", 10.5, 60);
+  writer.join();
+  EXPECT_EQ(answer.outcome, Outcome::kFound);
+  EXPECT_DOUBLE_EQ(answer.pose.translation[0], 2);
+  EXPECT_GT(waited_s_, 0);
+}
+
+TEST_F(TransformLookupTest, OneLateFrameCostsNoOtherItsPose) {
+  set(transform("base", "arm", 10));
+  set(transform("base", "hand", 11));
+  set(transform("base", "hand", 12));
+  const TransformLookup lookup(buffer_, "base", 0.01);
+  const PoseAnswers all =
+      lookup.lookup({{"arm", ros::Time(11)}, {"hand", ros::Time(11)}, {"ghost", ros::Time(11)}});
+  EXPECT_EQ(all.answers[0].outcome, Outcome::kLate);
+  EXPECT_EQ(all.answers[1].outcome, Outcome::kFound);
+  EXPECT_EQ(all.answers[2].outcome, Outcome::kNever);
+}
+
+TEST(PlainFrame, DropsTheOldSlash) {
+  EXPECT_EQ(plainFrame("/base"), "base");
+  EXPECT_EQ(plainFrame("base"), "base");
+  EXPECT_EQ(plainFrame(""), "");
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
