@@ -59,7 +59,7 @@ void CandidateJudge::judge(const Contender& a, const Contender& b) {
   const std::uint32_t body_a = input_.set.body[a.triangle], body_b = input_.set.body[b.triangle];
   if (body_a == body_b) {
     SharedVertices shared = sharedVertices(a.lanes, b.lanes);
-    if (shared.any && !input_.scene.body(body_a).pose.isIdentity()) {
+    if (shared.any && !input_.set.as_received[body_a]) {
       // Adjacency is that of the coordinates as received; posing may have made different ones
       // equal.
       shared = sharedVertices(received(a.triangle), received(b.triangle));
@@ -183,7 +183,12 @@ void ClusterSweeper::sortMembers() {
 }
 
 void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+  if (begin == end) return;
   output_.interval_overlaps += end - begin;
+  // Room for all that can come, so that writing a hit is one store.
+  const std::size_t room = hit_count_ + (end - begin);
+  if (hits_.size() < room) hits_.resize(2 * room);
+  Hit* next = &hits_[hit_count_];
   for (std::uint32_t chunk = begin; chunk < end; chunk += kChunk) {
     std::uint8_t hit[kChunk];
     markOverlaps(packed_lo_[row], packed_hi_[row], &packed_lo_[chunk], &packed_hi_[chunk], hit);
@@ -193,12 +198,13 @@ void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t 
       for (; word != 0; word &= word - 1) {
         const std::uint32_t column =
             chunk + k + static_cast<std::uint32_t>(__builtin_ctzll(word)) / 8;
-        if (column < end) hits_.push_back({row, column});
+        if (column < end) *next++ = {row, column};
       }
     }
   }
+  hit_count_ = static_cast<std::size_t>(next - hits_.data());
   constexpr std::size_t kMostHits = 1 << 20;  // bounds the memory of dense clusters
-  if (hits_.size() > kMostHits) judgeHits();
+  if (hit_count_ > kMostHits) judgeHits();
 }
 
 // Each unordered pair once: the partner begins later in the order.
@@ -237,12 +243,13 @@ bool ClusterSweeper::owns(std::uint32_t a, std::uint32_t b) const {
 void ClusterSweeper::judgeHits() {
   const auto start = Clock::now();
   CandidateJudge judge(input_, output_);
-  for (const Hit& hit : hits_) {
+  for (std::size_t h = 0; h < hit_count_; ++h) {
+    const Hit hit = hits_[h];
     if (overlap(boxes_[hit.a], boxes_[hit.b]) && owns(hit.a, hit.b)) {
       judge.judge(contenders_[hit.a], contenders_[hit.b]);
     }
   }
-  hits_.clear();
+  hit_count_ = 0;
   output_.narrow_ms += millisecondsSince(start);
 }
 

@@ -107,7 +107,8 @@ class ClusterSweeper {
   std::vector<Aabb> boxes_;
   std::vector<Contender> contenders_;
   std::vector<const std::uint32_t*> clusters_;  // of each member, ascending
-  std::vector<Hit> hits_;
+  std::vector<Hit> hits_;                       // of which hit_count_ are in use
+  std::size_t hit_count_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

@@ -45,9 +45,10 @@ inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t, int side[
 
 // Which vertices of two triangles are equal.
 inline SharedVertices sharedVertices(const LaneTriangle& a, const LaneTriangle& b) {
+  SharedVertices shared;
+  if (laneBits((b.x == a.x[0]) | (b.x == a.x[1]) | (b.x == a.x[2])) == 0) return shared;
   const auto equalTo = [&](int i) { return (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]); };
   const IntLanes equal[3] = {equalTo(0), equalTo(1), equalTo(2)};
-  SharedVertices shared;
   const int in_b = laneBits(equal[0] | equal[1] | equal[2]);
   if (in_b == 0) return shared;
   shared.any = true;

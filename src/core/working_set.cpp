@@ -137,6 +137,7 @@ void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& cou
   set.boxes.clear();
   set.vertices.clear();
   set.first_vertex.assign(body_count, 0);
+  set.as_received.assign(body_count, 0);
   counters.triangles = scene.triangleCount();
   for (BodyId id = 0; id < body_count; ++id) {
     const Body& body = scene.body(id);
@@ -154,6 +155,7 @@ void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& cou
     }
     const auto first = static_cast<std::uint32_t>(set.vertices.size());
     set.first_vertex[id] = first;
+    set.as_received[id] = static_cast<char>(body.pose.isIdentity());
     set.vertices.resize(first + mesh.vertexCount());
     poseBody(body, first, set.vertices);
     counters.posed += mesh.triangleCount();

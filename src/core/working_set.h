@@ -18,6 +18,7 @@ struct WorkingSet {
   std::vector<std::uint32_t> body;          // per triangle
   std::vector<std::uint32_t> triangle;      // per triangle: its id in the body
   std::vector<Aabb> boxes;                  // per triangle
+  std::vector<char> as_received;            // per body: its pose is the identity
   std::vector<std::uint32_t> first_vertex;  // per body: where its vertices begin in `vertices`
 
   std::size_t size() const { return triangle.size(); }

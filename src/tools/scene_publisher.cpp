@@ -130,6 +130,9 @@ int run(const Settings& s) {
   if (s.meshes.empty() && s.cloth_triangles == 0 && !s.joints) {
     throw std::runtime_error("nothing to publish: give --meshes, --cloth or --joints (see --help)");
   }
+  ros::Time::init();
+  Source source;
+  if (!s.meshes.empty()) source = playFiles(s);  // bad files need no master to be refused
   ros::NodeHandle node;
   const bool needs_robot = s.joints || s.cloth_triangles > 0;
   const std::optional<Robot> robot = needs_robot ? loadRobot(node) : std::nullopt;
@@ -155,8 +158,6 @@ int run(const Settings& s) {
         };
     joint_subscriber = node.subscribe<sensor_msgs::JointState>("joint_states", 10, remember);
   }
-  Source source;
-  if (!s.meshes.empty()) source = playFiles(s);
   if (s.cloth_triangles > 0) source = simulateCloth(s, frame, robot);
   MeshStream stream(&node, s.topic, s.object, frame, ros::Duration(1 / s.rate_hz));
 
@@ -197,7 +198,9 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return deformable_contact_monitor::run(settings);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    std::cerr << "scene_publisher: " << error.what() << " (see --help)" << std::endl;
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "scene_publisher: " << error.what() << std::endl;
     return 2;
