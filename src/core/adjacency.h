@@ -72,7 +72,7 @@ DCM_HD inline bool meetBeyondEdge(const Vec3f& p, const Vec3f& q, const Vec3f& a
                                   PredicateState& state) {
   if (state.mode != Predicates::kFast) {
     const int side = orient3dFiltered(p, q, a, b);
-    if (side == 1 || side == -1) return false;
+    if (side == 1 || side == -1) return false;  // not coplanar
   }
   const int axis = projectionAxis(p, q, a, state);
   if (axis < 0) {

@@ -129,7 +129,7 @@ DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& 
   const double bound = kBound * permanent;
   if (det > bound) return 1;
   if (-det > bound) return -1;
-  return kUncertain;
+  return permanent == 0 ? 0 : kUncertain;  // no term was rounded to zero: common in flat scenes
 }
 
 // Sign of det[b-a; c-a; d-a]: positive iff d sees a, b, c counterclockwise from above, that is,
