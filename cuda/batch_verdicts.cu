@@ -8,11 +8,11 @@ namespace {
 constexpr unsigned kThreads = 128;
 
 __global__ void __launch_bounds__(kThreads)
-    verdictKernel(const TrianglePair* pairs, unsigned count, AdjacentPairs adjacent,
+    verdictKernel(const VerdictQuestion* pairs, unsigned count, AdjacentPairs adjacent,
                   Predicates predicates, float margin_m, BatchVerdict* verdicts) {
   const unsigned i = blockIdx.x * kThreads + threadIdx.x;
   if (i >= count) return;
-  const TrianglePair pair = pairs[i];
+  const VerdictQuestion pair = pairs[i];
   PredicateState state;
   state.mode = predicates;
   const Verdict verdict = pairVerdict(pair.a, pair.b, pair.same_body, adjacent, margin_m, state);
@@ -21,13 +21,13 @@ __global__ void __launch_bounds__(kThreads)
 
 }  // namespace
 
-std::vector<BatchVerdict> batchVerdicts(const std::vector<TrianglePair>& pairs,
+std::vector<BatchVerdict> batchVerdicts(const std::vector<VerdictQuestion>& pairs,
                                         AdjacentPairs adjacent, Predicates predicates,
                                         float margin_m) {
   std::vector<BatchVerdict> verdicts(pairs.size());
   CudaStream stream;
   if (pairs.empty()) return verdicts;
-  DeviceBuffer<TrianglePair> device_pairs(pairs.size());
+  DeviceBuffer<VerdictQuestion> device_pairs(pairs.size());
   DeviceBuffer<BatchVerdict> device_verdicts(pairs.size());
   device_pairs.upload(pairs.data(), stream.get());
   const auto count = static_cast<unsigned>(pairs.size());

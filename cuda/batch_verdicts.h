@@ -9,7 +9,7 @@
 
 namespace deformable_contact_monitor {
 
-struct TrianglePair {
+struct VerdictQuestion {
   Triangle a, b;           // scene frame [m], finite
   bool same_body = false;  // then vertices with equal coordinates are shared
 };
@@ -22,7 +22,7 @@ struct BatchVerdict {
 
 // One verdict per pair, in their order. `margin_m` >= 0. Throws CudaError where there is no usable
 // device or a call fails.
-std::vector<BatchVerdict> batchVerdicts(const std::vector<TrianglePair>& pairs,
+std::vector<BatchVerdict> batchVerdicts(const std::vector<VerdictQuestion>& pairs,
                                         AdjacentPairs adjacent, Predicates predicates,
                                         float margin_m);
 

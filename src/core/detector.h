@@ -29,12 +29,6 @@ struct TrianglePair {
   }
 };
 
-// The generated message is deformable_contact_monitor::ContactPair too: where messages are on the
-// include path, only TrianglePair is the core's type.
-#if !__has_include(<deformable_contact_monitor/ContactPair.h>)
-using ContactPair = TrianglePair;
-#endif
-
 // Work done in one cycle [triangles or pairs].
 struct Counters {
   std::uint64_t triangles = 0;        // in the scene

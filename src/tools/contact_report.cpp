@@ -73,10 +73,10 @@ std::string milliseconds(const char* name, const std::vector<double>& ms) {
   return line;
 }
 
-std::string bodyPairs(const Scene& scene, const std::vector<ContactPair>& contacts) {
+std::string bodyPairs(const Scene& scene, const std::vector<TrianglePair>& contacts) {
   constexpr std::size_t kShown = 20;
   std::map<std::pair<BodyId, BodyId>, std::uint64_t> counts;
-  for (const ContactPair& pair : contacts) ++counts[{pair.body_a, pair.body_b}];
+  for (const TrianglePair& pair : contacts) ++counts[{pair.body_a, pair.body_b}];
   std::string text;
   std::size_t shown = 0;
   for (const auto& [bodies, count] : counts) {
@@ -116,7 +116,7 @@ bool isComplete(const DetectionResult& result) {
   return result.guaranteed && result.counters.rejected == 0;
 }
 
-std::string pairLines(const std::vector<ContactPair>& contacts) {
+std::string pairLines(const std::vector<TrianglePair>& contacts) {
   constexpr std::size_t kLongestLine = 44;  // four numbers of ten digits, three blanks, LF
   std::string text(contacts.size() * kLongestLine, '\0');
   char* at = text.data();
@@ -125,7 +125,7 @@ std::string pairLines(const std::vector<ContactPair>& contacts) {
     at = std::to_chars(at, end, number).ptr;
     *at++ = after;
   };
-  for (const ContactPair& pair : contacts) {
+  for (const TrianglePair& pair : contacts) {
     put(pair.body_a, ' ');
     put(pair.triangle_a, ' ');
     put(pair.body_b, ' ');

@@ -21,7 +21,7 @@ struct DetectionTimes {
 bool isComplete(const DetectionResult& result);
 
 // A line "bodyA triA bodyB triB" for each contact, sorted, 0-based, nothing else.
-std::string pairLines(const std::vector<ContactPair>& contacts);
+std::string pairLines(const std::vector<TrianglePair>& contacts);
 
 // One JSON object: counts are of the last detection, times of all of them: `first` the first alone,
 // `median` and `p95` over all.

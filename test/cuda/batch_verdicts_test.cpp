@@ -13,9 +13,9 @@ namespace {
 
 // Every third pair shares vertices; small integers make touching, coplanar and degenerate ones
 // common; a wide range of scales and offsets makes the filters fail.
-std::vector<TrianglePair> hardPairs(std::size_t count) {
+std::vector<VerdictQuestion> hardPairs(std::size_t count) {
   std::mt19937 random(7);
-  std::vector<TrianglePair> pairs(count);
+  std::vector<VerdictQuestion> pairs(count);
   for (std::size_t i = 0; i < count; ++i) {
     const int range = i % 2 == 0 ? 3 : 1000;
     const float scale = std::ldexp(1.0F, static_cast<int>(i % 5) * 40 - 80);
@@ -24,7 +24,7 @@ std::vector<TrianglePair> hardPairs(std::size_t count) {
       return (static_cast<float>(static_cast<int>(random() % (2 * range + 1)) - range) + offset) *
              scale;
     };
-    TrianglePair& pair = pairs[i];
+    VerdictQuestion& pair = pairs[i];
     for (Triangle* t : {&pair.a, &pair.b}) {
       for (Vec3f& v : t->v) v = {coordinate(), coordinate(), coordinate()};
     }
@@ -48,7 +48,7 @@ bool deviceIsThere() {
 constexpr std::size_t kPairs = 200000;
 
 TEST(BatchVerdicts, AreTheHostsOrSayWhyNot) {
-  const std::vector<TrianglePair> pairs = hardPairs(kPairs);
+  const std::vector<VerdictQuestion> pairs = hardPairs(kPairs);
   if (!deviceIsThere()) {
     EXPECT_THROW(batchVerdicts(pairs, AdjacentPairs::kSkip, Predicates::kExact, 0), CudaError);
     return;

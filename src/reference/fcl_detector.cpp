@@ -1,0 +1,111 @@
+// FCL's bounding volume hierarchies behind the detector's interface.
+#include "reference/fcl_detector.h"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/math/bv/OBBRSS.h>
+#include <fcl/narrowphase/collision.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <vector>
+
+#include "reference/posed_triangles.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// One body's finite triangles; FCL's triangle k is triangles[k].
+struct FclBody {
+  std::vector<PosedTriangle> triangles;
+  Model model;
+
+  explicit FclBody(const Body& body) : triangles(finiteTriangles(body)) {
+    if (triangles.empty()) return;
+    model.beginModel(static_cast<int>(triangles.size()), static_cast<int>(3 * triangles.size()));
+    for (const PosedTriangle& t : triangles) {
+      const auto at = [&t](int k) {
+        return fcl::Vector3d(t.posed.v[k].x, t.posed.v[k].y, t.posed.v[k].z);
+      };
+      model.addTriangle(at(0), at(1), at(2));
+    }
+    model.endModel();
+  }
+};
+
+class FclDetector : public Detector {
+ public:
+  std::string backend() const override { return "fcl"; }
+  void reset() override {}
+
+  const DetectionResult& detect(const Scene& scene, const Options& options) override {
+    requireValid(options);
+    const auto start = Clock::now();
+    result_ = DetectionResult();
+    result_.counters.triangles = scene.triangleCount();
+
+    std::vector<std::unique_ptr<FclBody>> bodies;
+    for (BodyId b = 0; b < scene.bodyCount(); ++b) {
+      if (!takesPart(scene, b)) {
+        bodies.push_back(nullptr);
+        continue;
+      }
+      const Body& body = scene.body(b);
+      bodies.push_back(std::make_unique<FclBody>(body));
+      result_.counters.posed += body.mesh.triangleCount();
+      result_.counters.rejected += body.mesh.triangleCount() - bodies[b]->triangles.size();
+    }
+    result_.stages_ms.emplace_back("build", millisecondsSince(start));
+
+    const auto collide_start = Clock::now();
+    for (BodyId a = 0; a < scene.bodyCount(); ++a) {
+      for (BodyId b = a; b < scene.bodyCount(); ++b) {
+        if (scene.pairEnabled(a, b)) collide(*bodies[a], a, *bodies[b], b);
+      }
+    }
+    result_.stages_ms.emplace_back("collide", millisecondsSince(collide_start));
+
+    std::sort(result_.contacts.begin(), result_.contacts.end());
+    result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
+                           result_.contacts.end());
+    result_.detect_ms = result_.round_trip_ms = millisecondsSince(start);
+    return result_;
+  }
+
+ private:
+  void collide(const FclBody& body_a, BodyId a, const FclBody& body_b, BodyId b) {
+    if (body_a.triangles.empty() || body_b.triangles.empty()) return;
+    fcl::CollisionRequest<double> request;
+    request.num_max_contacts = std::numeric_limits<std::size_t>::max();
+    fcl::CollisionResult<double> found;
+    const fcl::Transform3d identity = fcl::Transform3d::Identity();
+    fcl::collide(&body_a.model, identity, &body_b.model, identity, request, found);
+    for (std::size_t i = 0; i < found.numContacts(); ++i) {
+      const fcl::Contact<double>& contact = found.getContact(i);
+      const PosedTriangle* first = &body_a.triangles[static_cast<std::size_t>(contact.b1)];
+      const PosedTriangle* second = &body_b.triangles[static_cast<std::size_t>(contact.b2)];
+      if (a == b) {
+        // A model against itself meets every pair twice, and every triangle itself.
+        if (first == second || sharedVertices(first->received, second->received).any) continue;
+        if (second->index < first->index) std::swap(first, second);
+      }
+      result_.contacts.push_back({a, first->index, b, second->index});
+    }
+    result_.counters.candidates += found.numContacts();
+  }
+
+  DetectionResult result_;
+};
+
+}  // namespace
+
+std::unique_ptr<Detector> makeFclDetector() { return std::make_unique<FclDetector>(); }
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,29 @@
+// What the references share: finite triangles of a body, received and posed.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/adjacency.h"
+#include "core/options.h"
+#include "core/scene.h"
+#include "core/triangle.h"
+
+namespace deformable_contact_monitor {
+
+struct PosedTriangle {
+  std::uint32_t index;  // in the body's mesh
+  Triangle received;    // body frame
+  Triangle posed;       // scene frame
+};
+
+// In ascending order of index; triangles with a non-finite vertex are left out.
+std::vector<PosedTriangle> finiteTriangles(const Body& body);
+
+// Whether some pair of the body, or the body with itself, is enabled.
+bool takesPart(const Scene& scene, BodyId id);
+
+// Throws std::invalid_argument, listing all problems(options).
+void requireValid(const Options& options);
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,168 @@
+// Prints a table: this detector and others on real scenes, one thread each, medians.
+#include <tbb/global_control.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/cpu_detector.h"
+#include "core/mesh_file.h"
+#include "reference/fcl_detector.h"
+#include "rivals.h"
+#include "scenes.h"
+#include "test_data.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+struct Measured {
+  double median_ms, least_ms;
+  std::size_t pairs;
+};
+
+// `job` returns its time [ms], or a negative number to be timed from outside, and sets the pairs.
+Measured measure(int repeats, const std::function<double(std::size_t*)>& job) {
+  std::vector<double> ms;
+  std::size_t pairs = 0;
+  job(&pairs);  // warm-up
+  for (int i = 0; i < repeats; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const double own = job(&pairs);
+    const std::chrono::duration<double, std::milli> outside =
+        std::chrono::steady_clock::now() - start;
+    ms.push_back(own < 0 ? outside.count() : own);
+  }
+  std::sort(ms.begin(), ms.end());
+  return {ms[ms.size() / 2], ms.front(), pairs};
+}
+
+void row(const char* scene, const char* what, const Measured& m) {
+  std::printf("| %s | %s | %.2f | %.2f | %zu |\n", scene, what, m.median_ms, m.least_ms, m.pairs);
+  std::fflush(stdout);
+}
+
+// Sends body 0's vertices again before each cycle, so that nothing of them can be cached.
+Measured measureDetector(int repeats, Detector* detector, Scene* scene, const Options& options,
+                         bool round_trip) {
+  const std::vector<float> vertices = scene->body(0).mesh.vertices;
+  return measure(repeats, [&](std::size_t* pairs) {
+    scene->setVertices(0, vertices.data(), vertices.size() / 3);
+    const DetectionResult& result = detector->detect(*scene, options);
+    *pairs = result.contacts.size();
+    return round_trip ? result.round_trip_ms : result.detect_ms;
+  });
+}
+
+// parent_from_child = a b.
+RigidTransform composed(const RigidTransform& a, const urdf::Pose& b) {
+  RigidTransform out;
+  const auto column = [&](int c) {
+    const urdf::Vector3 turned =
+        b.rotation * urdf::Vector3(c == 0 ? 1 : 0, c == 1 ? 1 : 0, c == 2 ? 1 : 0);
+    for (int r = 0; r < 3; ++r) {
+      out.rotation[3 * r + c] = a.rotation[3 * r] * turned.x + a.rotation[3 * r + 1] * turned.y +
+                                a.rotation[3 * r + 2] * turned.z;
+    }
+  };
+  for (int c = 0; c < 3; ++c) column(c);
+  for (int r = 0; r < 3; ++r) {
+    out.translation[r] = a.rotation[3 * r] * b.position.x + a.rotation[3 * r + 1] * b.position.y +
+                         a.rotation[3 * r + 2] * b.position.z + a.translation[r];
+  }
+  return out;
+}
+
+void addLink(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose, Scene* scene) {
+  if (link->collision != nullptr && link->collision->geometry->type == urdf::Geometry::MESH) {
+    const auto& mesh = static_cast<const urdf::Mesh&>(*link->collision->geometry);
+    const std::string file = mesh.filename.substr(mesh.filename.rfind('/') + 1);
+    const BodyId id = scene->addBody(
+        link->name,
+        readMeshFile(testDataFile("robots/panda_description/meshes/collision/" + file)));
+    scene->setPose(id, composed(pose, link->collision->origin));
+    scene->setPairEnabled(0, id, true);
+  }
+  for (const auto& child : link->child_links) {
+    addLink(child, composed(pose, child->parent_joint->parent_to_joint_origin_transform), scene);
+  }
+}
+
+// The Panda, all joints at zero, and a cloth of 15 138 triangles laid through hand and elbow.
+Scene pandaAndCloth() {
+  std::ifstream file(testDataFile("robots/panda_description/urdf/panda.urdf"));
+  std::stringstream text;
+  text << file.rdbuf();
+  const auto model = urdf::parseURDF(text.str());
+  Scene scene;
+  scene.addBody("cloth", clothGrid(87, 1.2F, 0.7F, 0.12F));
+  addLink(model->getRoot(), RigidTransform(), &scene);
+  RigidTransform pose;
+  pose.translation[0] = pose.translation[1] = -0.6;
+  scene.setPose(0, pose);
+  return scene;
+}
+
+int run() {
+  if (!testDataIsThere()) {
+    std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
+    return 0;
+  }
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  Options options;
+  options.threads = 1;
+  options.adjacent = AdjacentPairs::kSkip;
+  std::printf("| scene | what | median ms | least ms | pairs |\n|---|---|---|---|---|\n");
+
+  const TriangleMesh cloth = readMeshFile(testDataFile("cloth-ball/cloth_ball92.ply"));
+  const char* name = "cloth_ball92, self";
+  Scene scene = selfScene(cloth);
+  const auto detector = makeCpuDetector();
+  row(name, "ours, exact, neighbours skipped: detect",
+      measureDetector(25, detector.get(), &scene, options, false));
+  row(name, "ours, exact, neighbours skipped: round trip",
+      measureDetector(25, detector.get(), &scene, options, true));
+  options.adjacent = AdjacentPairs::kBeyondShared;
+  row(name, "ours, exact, beyond shared: detect",
+      measureDetector(25, detector.get(), &scene, options, false));
+  row(name, "CGAL box_self_intersection_d (boxes only)",
+      measure(9, [&](std::size_t* pairs) { return *pairs = cgalBoxPairs(cloth), -1.0; }));
+#ifdef DCM_HAVE_EMBREE
+  row(name, "Embree rtcCollide (boxes of leaves only)",
+      measure(15, [&](std::size_t* pairs) { return *pairs = embreeBoxPairs(cloth), -1.0; }));
+#endif
+#ifdef DCM_HAVE_FCL
+  options.adjacent = AdjacentPairs::kSkip;
+  const auto fcl = makeFclDetector();
+  row(name, "FCL BVHModel (triangles in floating point)",
+      measureDetector(5, fcl.get(), &scene, options, false));
+#endif
+
+  options.adjacent = AdjacentPairs::kBeyondShared;
+  Scene robot = pandaAndCloth();
+  const auto robot_detector = makeCpuDetector();
+  name = "Panda against a cloth of 15 138 triangles";
+  row(name, "ours, exact: detect",
+      measureDetector(200, robot_detector.get(), &robot, options, false));
+  row(name, "ours, exact: round trip",
+      measureDetector(200, robot_detector.get(), &robot, options, true));
+  return 0;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main() {
+  try {
+    return deformable_contact_monitor::run();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "benchmark: %s\n", e.what());
+    return 2;
+  }
+}

@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""Nothing to see, the same again and again, and bad input: it is named, and costs nobody else's
+data. Beside the monitor runs one that lacks a link's mesh file, and one without objects."""
+import sys
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from visualization_msgs.msg import Marker, MarkerArray
+
+import boxes_scene
+from boxes_scene import CLOTH, FAR_CLOTH, SMALL_CLOTH
+from monitor_test_support import (
+    PACKAGE, ContactState, Log, MeshPublisher, Monitor, Transforms, now, pairs_of, touching,
+    until_frames_are_seen)
+
+UNKNOWN, CONTACT, NONE = ContactState.UNKNOWN, ContactState.CONTACT, ContactState.NONE
+BOXES = ("palm", "finger")
+
+
+class BadMeshes(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.monitor = Monitor("/contact_monitor")
+        cls.incomplete = Monitor("/incomplete_robot")
+        cls.idle = Monitor("/nothing_to_do")
+        cls.meshes = cls.monitor.robot_meshes(cls.monitor.robot_meshes_log())
+        cls.transforms = Transforms(listeners=3)
+        cls.cloth = MeshPublisher("cloth", "/cloth", listeners=2)
+        cls.sheet = MeshPublisher("sheet", "/sheet")
+        cls.stamp = None
+        cls.topology_id = 0
+
+    def setUp(self):
+        if "without_a_mesh" not in self.id():
+            until_frames_are_seen(lambda: self.send_cloth(FAR_CLOTH))
+
+    def send(self, publisher, mesh, **arguments):
+        """Sends transforms and a mesh; the contacts of its cycle."""
+        cls = type(self)
+        cls.stamp = now(after=cls.stamp)
+        self.transforms.send(cls.stamp, boxes_scene.edges())
+        publisher.send(cls.stamp, boxes_scene.REFERENCE_FRAME, mesh, **arguments)
+        return self.monitor.contacts_at(cls.stamp)
+
+    def send_cloth(self, mesh, topology_id=None, keyframe=True, sheet=FAR_CLOTH):
+        """After the sheet; with a topology id that was never used, unless it is given."""
+        cls = type(self)
+        cls.topology_id += 10
+        self.send(self.sheet, sheet)
+        return self.send(self.cloth, mesh, topology_id=topology_id or cls.topology_id,
+                         keyframe=keyframe)
+
+    def expected(self, mesh, name="cloth"):
+        return boxes_scene.expected(self.meshes, self.transforms, self.stamp, mesh, name)
+
+    def states(self):
+        return self.monitor.states_at(self.stamp)
+
+    def reason(self, contacts, body):
+        """Why the body was skipped."""
+        reasons = [text for text in contacts.skipped if text.startswith(body + ": ")]
+        self.assertEqual(len(reasons), 1, contacts.skipped)
+        return reasons[0]
+
+    def test_0_without_a_mesh_everything_is_unknown_once_a_second(self):
+        for monitor, objects in ((self.monitor, ["cloth", "sheet"]), (self.idle, [])):
+            since = monitor.contacts.count()
+            first = monitor.contacts.wait("a heartbeat", since=since)
+            second = monitor.contacts.wait("another", lambda m: m.cycle > first.cycle, since)
+            self.assertEqual(second.cycle, first.cycle + 1)
+            for contacts in (first, second):
+                self.assertEqual(contacts.bodies, list(BOXES) + objects)
+                self.assertEqual(contacts.pairs, [])
+                self.assertFalse(contacts.complete)
+                self.assertEqual([text.split(":")[0] for text in contacts.skipped], objects)
+            # Wall time, as both came by a wall clock: not faster than the heart beats.
+            self.assertGreater((second.header.stamp - first.header.stamp).to_sec(), 0.5)
+            states = monitor.states_at(second.header.stamp)
+            self.assertEqual(states, {(box, name): UNKNOWN for box in BOXES for name in objects})
+
+    def test_1_a_stationary_scene_gives_the_same_pairs_each_cycle(self):
+        wanted = None
+        for cycle in range(6):
+            contacts = self.send_cloth(CLOTH, topology_id=1, keyframe=cycle % 3 == 0)
+            wanted = wanted or self.expected(CLOTH)
+            self.assertEqual(touching(wanted), set(BOXES))
+            self.assertEqual(pairs_of(contacts), wanted)
+            self.assertTrue(contacts.complete, contacts.skipped)
+            self.assertEqual(self.states(), {("palm", "cloth"): CONTACT,
+                                             ("finger", "cloth"): CONTACT,
+                                             ("palm", "sheet"): NONE,
+                                             ("finger", "sheet"): NONE})
+
+    def test_far_off_is_none_and_complete(self):
+        contacts = self.send_cloth(FAR_CLOTH)
+        self.assertEqual(contacts.pairs, [])
+        self.assertEqual(contacts.skipped, [])
+        self.assertTrue(contacts.complete)
+        self.assertEqual(set(self.states().values()), {NONE})
+
+    def test_a_missing_mesh_file_makes_that_link_unknown(self):
+        def cycle():
+            self.send_cloth(CLOTH)
+            return self.incomplete.contacts_at(self.stamp)
+        until_frames_are_seen(cycle)
+        contacts = cycle()
+        states = self.incomplete.states_at(self.stamp)
+        self.assertEqual(pairs_of(contacts), self.expected(CLOTH))
+        self.assertIn("no_such_package/meshes/lost.stl", self.reason(contacts, "lost"))
+        self.assertFalse(contacts.complete)
+        self.assertEqual(states, {("palm", "cloth"): CONTACT, ("finger", "cloth"): CONTACT,
+                                  ("lost", "cloth"): UNKNOWN})
+
+    def test_nan_vertices_cost_their_own_triangles(self):
+        vertices, triangles = CLOTH[0].copy(), CLOTH[1]
+        self.send_cloth(CLOTH)
+        clean = self.expected(CLOTH)
+        bad_vertices = [triangles[next(iter(clean))[3]][0], 0]  # one of a contact, one of a corner
+        vertices[bad_vertices[0], 1] = np.nan
+        vertices[bad_vertices[1], 2] = np.inf
+        bad = {int(t) for t in np.nonzero(np.isin(triangles, bad_vertices).any(axis=1))[0]}
+        contacts = self.send_cloth((vertices, triangles))
+        self.assertEqual(contacts.rejected_triangles, len(bad))
+        self.assertFalse(contacts.complete)
+        self.assertEqual(contacts.skipped, [])
+        wanted = {pair for pair in clean if pair[3] not in bad}
+        self.assertTrue(set() < wanted < clean, "the scene is not what this test is about")
+        self.assertEqual(pairs_of(contacts), wanted)
+
+    def test_indices_out_of_range_cost_that_object_alone(self):
+        beyond = CLOTH[1].copy()
+        beyond[17, 1] = len(CLOTH[0])
+        contacts = self.send_cloth((CLOTH[0], beyond), sheet=SMALL_CLOTH)
+        self.assertIn("triangle 17", self.reason(contacts, "cloth"))
+        self.assertEqual(pairs_of(contacts), self.expected(SMALL_CLOTH, "sheet"))
+        self.assertEqual(self.states(), {("palm", "cloth"): UNKNOWN, ("finger", "cloth"): UNKNOWN,
+                                         ("palm", "sheet"): CONTACT, ("finger", "sheet"): CONTACT})
+        self.assertFalse(contacts.complete)
+        contacts = self.send_cloth(CLOTH)
+        self.assertEqual(pairs_of(contacts), self.expected(CLOTH))
+
+    def test_vertices_that_do_not_fit_cost_that_object_alone(self):
+        self.send_cloth(CLOTH)
+        topology_id = self.topology_id
+        contacts = self.send_cloth((CLOTH[0][:-1], CLOTH[1]), topology_id, keyframe=False)
+        self.assertIn("vertices", self.reason(contacts, "cloth"))
+        self.assertEqual(self.states()["palm", "cloth"], UNKNOWN)
+        contacts = self.send_cloth(CLOTH, topology_id, keyframe=False)
+        self.assertEqual(self.states()["palm", "cloth"], CONTACT)
+
+    def test_a_topology_change_takes_effect_with_its_triangles(self):
+        contacts = self.send_cloth(CLOTH, topology_id=2)
+        self.assertEqual(pairs_of(contacts), self.expected(CLOTH))
+        contacts = self.send_cloth(SMALL_CLOTH, topology_id=3)
+        self.assertEqual(contacts.topology_ids[contacts.bodies.index("cloth")], 3)
+        self.assertEqual(pairs_of(contacts), self.expected(SMALL_CLOTH))
+
+        contacts = self.send_cloth(SMALL_CLOTH, topology_id=4, keyframe=False)
+        self.assertIn("topology_id 4", self.reason(contacts, "cloth"))
+        self.assertEqual(contacts.pairs, [])
+        self.assertEqual(self.states()["palm", "cloth"], UNKNOWN)
+
+        turned = (SMALL_CLOTH[0], SMALL_CLOTH[1][::-1])
+        for keyframe in (True, False):
+            contacts = self.send_cloth(turned, topology_id=4, keyframe=keyframe)
+            self.assertEqual(contacts.topology_ids[contacts.bodies.index("cloth")], 4)
+            self.assertEqual(pairs_of(contacts), self.expected(turned))
+
+    def test_markers_come_with_contacts_and_go_with_them(self):
+        log = Log("/contact_monitor/markers", MarkerArray)
+        drawn = {}
+        for name, mesh in (("in contact", CLOTH), ("apart", FAR_CLOTH)):
+            since = log.count()
+            markers = None
+            while markers is None:  # there are fewer marker arrays than cycles
+                self.send_cloth(mesh, topology_id=5)
+                arrays = [m.markers for m in log.messages[since:]]
+                markers = next((m for m in arrays if m[0].header.stamp == self.stamp), None)
+                self.assertLess(len(arrays), 100, "no markers of a cycle that was sent")
+            self.assertEqual(markers[0].action, Marker.DELETEALL)
+            self.assertTrue(all(m.action == Marker.ADD and m.points and m.lifetime.to_sec() > 0
+                                for m in markers[1:]))
+            drawn[name] = {m.ns for m in markers[1:]}
+        self.assertEqual(drawn, {"in contact": {"palm/cloth", "finger/cloth", "cloth", "sheet"},
+                                 "apart": {"cloth", "sheet"}})
+
+
+if __name__ == "__main__":
+    rospy.init_node("bad_meshes_test")
+    rostest.rosrun(PACKAGE, "bad_meshes", BadMeshes, sys.argv)

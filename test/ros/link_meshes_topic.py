@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""The Panda's link meshes from a topic: late, sent again, changed, and refused; then the T-shirt's
+pairs are the oracle's for what was sent last."""
+import sys
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+
+from deformable_contact_monitor.msg import ContactEvent, LinkMesh, LinkMeshes
+from monitor_test_support import (
+    PACKAGE, ContactState, Monitor, now, pairs_of, touching, wait_until)
+from panda_scene import PandaScene
+
+SHIRT_AT = (0.35, 0.05, 0.5)  # [m]
+
+
+class LinkMeshesTopic(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.monitor = Monitor()
+        cls.robot_log = cls.monitor.robot_meshes_log()
+        cls.scene = PandaScene(rospy.get_param("~data"))
+        cls.stamp = None
+
+    def cycle(self, frame=7):
+        """Stamp, contacts and states of a new cycle."""
+        self.stamp = now(after=self.stamp)
+        self.scene.show(self.stamp, frame, 2, SHIRT_AT)
+        return (self.stamp, self.monitor.contacts_at(self.stamp),
+                self.monitor.states_at(self.stamp))
+
+    def send(self, meshes):
+        """Sends the robot."""
+        message = LinkMeshes()
+        for link, (vertices, triangles) in meshes.items():
+            message.meshes.append(LinkMesh(link=link, source="test", vertices=vertices.flatten(),
+                                           triangles=triangles.flatten()))
+        self.publisher.publish(message)
+
+    def wait_for_robot(self, since):
+        self.robot_log.wait("the new robot on ~robot_meshes", since=since)
+
+    def check_cycle(self, meshes):
+        stamp, contacts, states = self.cycle()
+        expected = self.scene.expected(stamp, 7, meshes)
+        self.assertGreater(len(touching(expected)), 1, "the scene is not what this test is about")
+        self.assertEqual(pairs_of(contacts), expected)
+        self.assertEqual(contacts.bodies, list(meshes) + ["tshirt"])
+        self.assertTrue(contacts.complete, contacts.skipped)
+        for link in meshes:
+            wanted = ContactState.CONTACT if link in touching(expected) else ContactState.NONE
+            self.assertEqual(states[link, "tshirt"], wanted, link)
+        return expected
+
+    def test_late_again_and_changed(self):
+        # Late: what is not known yet is UNKNOWN, and not complete.
+        _, contacts, states = self.cycle()
+        self.assertEqual(states, {("robot", "tshirt"): ContactState.UNKNOWN})
+        self.assertEqual(contacts.pairs, [])
+        self.assertFalse(contacts.complete)
+        self.assertTrue(contacts.skipped[0].startswith("robot: "), contacts.skipped)
+
+        self.publisher = rospy.Publisher(self.monitor.name + "/robot_link_meshes", LinkMeshes,
+                                         queue_size=1, latch=True)
+        meshes = dict(self.scene.links)
+        self.send(meshes)
+        self.wait_for_robot(since=0)
+        self.scene.show_until_seen(self.monitor)
+        first = self.check_cycle(meshes)
+
+        # Again: nothing happens.
+        ended = self.ends()
+        self.send(meshes)
+        for _ in range(3):
+            self.assertEqual(self.check_cycle(meshes), first)
+        self.assertEqual(self.ends(), ended, "the same robot again ended contacts")
+
+        # Changed: a link is gone, one has its triangles the other way round, one is inflated.
+        del meshes["panda_link0"]
+        vertices, triangles = meshes["panda_hand"]
+        meshes["panda_hand"] = (vertices, triangles[::-1])
+        vertices, triangles = meshes["panda_link7"]
+        meshes["panda_link7"] = (vertices * np.float32(1.25), triangles[:150])
+        self.send(meshes)
+        self.wait_for_robot(since=1)
+        self.assertEqual(self.robot_log.count(), 2, "the same robot was published again")
+        self.assertEqual(list(self.monitor.robot_meshes(self.robot_log)), list(meshes))
+        second = self.check_cycle(meshes)
+        self.assertNotEqual(first, second)
+        wait_until(lambda: self.ends() > ended, "the end of contacts with the old robot")
+
+        # One link is malformed: it is UNKNOWN and named, the others stay.
+        good = dict(meshes)
+        vertices, triangles = meshes["panda_hand"]
+        meshes["panda_hand"] = (vertices, np.full_like(triangles, 1000000))
+        self.send(meshes)
+        self.wait_for_robot(since=2)
+        stamp, contacts, states = self.cycle()
+        self.assertEqual(states["panda_hand", "tshirt"], ContactState.UNKNOWN)
+        self.assertEqual([text.split(":")[0] for text in contacts.skipped], ["panda_hand"])
+        self.assertFalse(contacts.complete)
+        del good["panda_hand"]
+        self.assertEqual(pairs_of(contacts), self.scene.expected(stamp, 7, good))
+
+    def ends(self):
+        return sum(event.type == ContactEvent.END for event in list(self.monitor.events.messages))
+
+
+if __name__ == "__main__":
+    rospy.init_node("link_meshes_topic_test")
+    rostest.rosrun(PACKAGE, "link_meshes_topic", LinkMeshesTopic, sys.argv)

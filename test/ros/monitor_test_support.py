@@ -1,0 +1,223 @@
+"""What the rostests share: the monitor's output as it comes, meshes and transforms to feed it, and
+the oracle's contacts. Every wait is bounded."""
+import os
+import subprocess
+import tempfile
+import threading
+import time
+
+import numpy as np
+import rospy
+import roslib.packages
+import tf2_py
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+from deformable_contact_monitor.msg import (
+    ContactArray, ContactEvent, ContactState, ContactStates, DeformableMesh, LinkMeshes)
+from pose_meshes import merged, posed, write_ply
+
+PACKAGE = "deformable_contact_monitor"
+WAIT_S = 40  # of wall time; far longer than anything takes, also on a busy machine
+
+
+def executable(name):
+    """Path of one of this build's executables."""
+    return roslib.packages.find_node(PACKAGE, name)[0]
+
+
+def wait_until(condition, what):
+    """Polls; for what has no message of its own."""
+    deadline = time.monotonic() + WAIT_S
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f"waited {WAIT_S} s in vain for {what}")
+        time.sleep(0.01)
+
+
+class Log:
+    """All messages of a topic since it was made."""
+
+    def __init__(self, topic, message_type):
+        self.topic = topic
+        self.messages = []
+        self.condition = threading.Condition()
+        self.subscriber = rospy.Subscriber(topic, message_type, self._store, tcp_nodelay=True)
+        wait_until(lambda: self.subscriber.get_num_connections() > 0, f"a publisher of {topic}")
+
+    def _store(self, message):
+        with self.condition:
+            self.messages.append(message)
+            self.condition.notify_all()
+
+    def count(self):
+        with self.condition:
+            return len(self.messages)
+
+    def wait(self, what, wanted=lambda message: True, since=0):
+        """The first message from number `since` on that is wanted."""
+        deadline = time.monotonic() + WAIT_S
+        with self.condition:
+            while True:
+                for message in self.messages[since:]:
+                    if wanted(message):
+                        return message
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    raise AssertionError(f"waited {WAIT_S} s in vain for {what} on {self.topic}, "
+                                         f"{len(self.messages) - since} messages came")
+                self.condition.wait(left)
+
+
+class Monitor:
+    """Output of the monitor with that name."""
+
+    def __init__(self, name="/contact_monitor"):
+        self.name = name
+        self.contacts = Log(name + "/contacts", ContactArray)
+        self.states = Log(name + "/contact_states", ContactStates)
+        self.events = Log(name + "/contact_events", ContactEvent)
+
+    def contacts_at(self, stamp):
+        return self.contacts.wait(f"contacts at {stamp}", lambda m: m.header.stamp == stamp)
+
+    def states_at(self, stamp):
+        """{(body_a, body_b): state} of the cycle at that stamp."""
+        message = self.states.wait(f"states at {stamp}", lambda m: m.header.stamp == stamp)
+        return {(s.body_a, s.body_b): s.state for s in message.states}
+
+    def robot_meshes(self, log):
+        """{link: mesh} of the newest message of `log`, a Log of ~robot_meshes."""
+        log.wait("robot meshes")
+        return {mesh.link: to_mesh(mesh.vertices, mesh.triangles)
+                for mesh in log.messages[-1].meshes}
+
+    def robot_meshes_log(self):
+        return Log(self.name + "/robot_meshes", LinkMeshes)
+
+
+class Transforms:
+    """Publishes transforms, and knows what tf2 makes of them."""
+
+    def __init__(self, listeners=1):
+        self.buffer = tf2_py.BufferCore(rospy.Duration(1000))
+        self.publisher = rospy.Publisher("/tf", TFMessage, queue_size=100)
+        wait_until(lambda: self.publisher.get_num_connections() >= listeners, "listeners of /tf")
+
+    def send(self, stamp, edges):
+        """edges: {child: (parent, (translation, quaternion))}."""
+        message = TFMessage()
+        for child, (parent, (translation, quaternion)) in edges.items():
+            transform = TransformStamped()
+            transform.header.stamp = stamp
+            transform.header.frame_id = parent
+            transform.child_frame_id = child
+            t, r = transform.transform.translation, transform.transform.rotation
+            t.x, t.y, t.z = (float(value) for value in translation)
+            r.x, r.y, r.z, r.w = (float(value) for value in quaternion)
+            message.transforms.append(transform)
+            self.buffer.set_transform(transform, "test")
+        self.publisher.publish(message)
+
+    def pose(self, reference_frame, frame, stamp):
+        return pose_from(self.buffer, reference_frame, frame, stamp)
+
+
+def pose_from(buffer, reference_frame, frame, stamp):
+    """(translation, quaternion) of the frame; None if it is the reference frame."""
+    if frame == reference_frame:
+        return None
+    transform = buffer.lookup_transform_core(reference_frame, frame, stamp).transform
+    t, r = transform.translation, transform.rotation
+    return (t.x, t.y, t.z), (r.x, r.y, r.z, r.w)
+
+
+class MeshPublisher:
+    """One deformable object."""
+
+    def __init__(self, name, topic, listeners=1):
+        self.name = name
+        self.publisher = rospy.Publisher(topic, DeformableMesh, queue_size=10)
+        wait_until(lambda: self.publisher.get_num_connections() >= listeners,
+                   f"{listeners} subscriber(s) of {topic}")
+
+    def send(self, stamp, frame, mesh, topology_id=1, keyframe=True):
+        message = DeformableMesh()
+        message.header.stamp = stamp
+        message.header.frame_id = frame
+        message.object = self.name
+        message.topology_id = topology_id
+        message.vertices = mesh[0].flatten().tolist()
+        message.triangles = mesh[1].flatten().tolist() if keyframe else []
+        self.publisher.publish(message)
+
+
+def to_mesh(vertices, triangles):
+    return (np.array(vertices, np.float32).reshape(-1, 3),
+            np.array(triangles, np.uint32).reshape(-1, 3))
+
+
+def grid(cells, size_m, height_m=0.0):
+    """A square cloth of cells x cells x 2 triangles around the origin, a little wavy."""
+    steps = np.linspace(-size_m / 2, size_m / 2, cells + 1)
+    x, y = (axis.flatten() for axis in np.meshgrid(steps, steps, indexing="ij"))
+    z = height_m + 0.02 * size_m * np.sin(40 * x + 3) * np.cos(31 * y)
+    triangles = []
+    for i in range(cells):
+        for j in range(cells):
+            a = i * (cells + 1) + j
+            b, c, d = a + 1, a + cells + 1, a + cells + 2
+            triangles += [(a, b, c), (b, d, c)]
+    return np.stack([x, y, z], axis=1).astype(np.float32), np.array(triangles, np.uint32)
+
+
+def now(after=None):
+    """A stamp of now, later than `after`."""
+    stamp = rospy.Time.now()
+    return stamp if after is None or stamp > after else after + rospy.Duration(0, 1000000)
+
+
+def until_frames_are_seen(cycle):
+    """Repeats cycle(), which sends transforms and a mesh and returns contacts, until all frames are
+    known: the monitor does not wait for transforms of a frame that it never saw."""
+    for _ in range(20):
+        contacts = cycle()
+        if not any("never seen" in text for text in contacts.skipped):
+            return
+    raise AssertionError(f"still skipped after 20 cycles: {contacts.skipped}")
+
+
+def pairs_of(contacts):
+    """{(body, triangle, body, triangle)}; a pair that is there twice is an error."""
+    pairs = [(contacts.bodies[p.body_a], p.triangle_a, contacts.bodies[p.body_b], p.triangle_b)
+             for p in contacts.pairs]
+    if len(set(pairs)) != len(pairs) or contacts.pair_count != len(pairs):
+        raise AssertionError("a pair was sent twice, or pair_count is wrong")
+    return set(pairs)
+
+
+def oracle_pairs(links, name, mesh):
+    """What pairs_of() must be for {link: posed mesh} and the object's posed mesh."""
+    robot, origins = merged(list(links.values()))
+    names = list(links)
+    with tempfile.TemporaryDirectory() as folder:
+        files = [os.path.join(folder, file) for file in ("robot.ply", "object.ply")]
+        write_ply(files[0], robot)
+        write_ply(files[1], mesh)
+        lines = subprocess.run([executable("oracle_pairs")] + files, check=True, timeout=WAIT_S,
+                               stdout=subprocess.PIPE, universal_newlines=True).stdout.splitlines()
+    pairs = set()
+    for line in lines:
+        _, robot_triangle, _, triangle = (int(word) for word in line.split())
+        link, link_triangle = origins[robot_triangle]
+        pairs.add((names[link], link_triangle, name, triangle))
+    return pairs
+
+
+def touching(pairs):
+    """The links in pairs."""
+    return {pair[0] for pair in pairs}
+
+
+def posed_links(meshes, pose_of):
+    return {link: posed(mesh, pose_of(link)) for link, mesh in meshes.items()}

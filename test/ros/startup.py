@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""How the monitor starts: as a nodelet; and not at all, saying all that is wrong, with parameters
+or a robot that it cannot use."""
+import subprocess
+import sys
+import unittest
+
+import rospy
+import rostest
+
+import boxes_scene
+from boxes_scene import CLOTH, REFERENCE_FRAME
+from monitor_test_support import (
+    PACKAGE, WAIT_S, MeshPublisher, Monitor, Transforms, executable, now, pairs_of, touching,
+    until_frames_are_seen)
+
+GOOD = {"reference_frame": "base", "objects": [{"name": "cloth", "topic": "/cloth"}]}
+
+
+def start_and_fail(name, parameters):
+    """Exit code and output of a monitor that must end by itself."""
+    for parameter, value in parameters.items():
+        rospy.set_param(f"/{name}/{parameter}", value)
+    ended = subprocess.run([executable("contact_monitor"), "__name:=" + name],
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=WAIT_S,
+                           universal_newlines=True)
+    return ended.returncode, ended.stdout
+
+
+class Startup(unittest.TestCase):
+
+    def test_the_nodelet_finds_the_same_contacts(self):
+        monitor = Monitor()
+        meshes = monitor.robot_meshes(monitor.robot_meshes_log())
+        transforms = Transforms()
+        cloth = MeshPublisher("cloth", "/cloth")
+
+        def cycle():
+            stamp = now()
+            transforms.send(stamp, boxes_scene.edges())
+            cloth.send(stamp, REFERENCE_FRAME, CLOTH)
+            return monitor.contacts_at(stamp)
+        until_frames_are_seen(cycle)
+        contacts = cycle()
+        expected = boxes_scene.expected(meshes, transforms, contacts.header.stamp, CLOTH)
+        self.assertEqual(touching(expected), {"palm", "finger"})
+        self.assertEqual(pairs_of(contacts), expected)
+        self.assertTrue(contacts.complete, contacts.skipped)
+
+    def test_bad_parameters_are_refused_all_of_them(self):
+        bad = {"tf_timeout_s": 7.5, "predicates": "sloppy", "max_contacts": -3,
+               "overlap": "much", "pair_classes": ["robot_robot"],
+               "objects": [{"name": "cloth"}, {"name": "cloth"}]}
+        code, output = start_and_fail("bad_parameters", {**GOOD, **bad})
+        self.assertGreater(code, 0, output)
+        for name in bad:
+            self.assertIn(name, output)
+        for value in ("7.5", "sloppy", "-3", "much", "robot_robot", "cloth"):
+            self.assertIn(value, output)
+
+    def test_a_robot_that_cannot_be_had_is_refused(self):
+        code, output = start_and_fail("no_robot", {**GOOD, "robot_description": "/nowhere"})
+        self.assertGreater(code, 0, output)
+        self.assertIn("/nowhere", output)
+
+        rospy.set_param("/broken_description", "<robot name='r'><link></robot>")
+        code, output = start_and_fail("bad_robot",
+                                      {**GOOD, "robot_description": "/broken_description"})
+        self.assertGreater(code, 0, output)
+        self.assertIn("/broken_description", output)
+
+    def test_strict_geometry_refuses_a_missing_mesh_file(self):
+        code, output = start_and_fail("strict", {**GOOD, "strict_geometry": True})
+        self.assertGreater(code, 0, output)
+        self.assertIn("no_such_package/meshes/lost.stl", output)
+
+
+if __name__ == "__main__":
+    rospy.init_node("startup_test")
+    rostest.rosrun(PACKAGE, "startup", Startup, sys.argv)

@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Transforms that are late, that never come, and a clock that jumps back. The test is the clock."""
+import sys
+import time
+import unittest
+
+import rospy
+import rostest
+from rosgraph_msgs.msg import Clock
+
+import boxes_scene
+from boxes_scene import CLOTH, REFERENCE_FRAME
+from deformable_contact_monitor.msg import ContactEvent
+from monitor_test_support import (
+    PACKAGE, ContactState, MeshPublisher, Monitor, Transforms, pairs_of, touching,
+    until_frames_are_seen, wait_until)
+
+UNKNOWN, CONTACT, NONE = ContactState.UNKNOWN, ContactState.CONTACT, ContactState.NONE
+STEP_S = 0.05
+FINGER_AWAY_AT = (0.3, 0.0, 1.0)  # [m], off the cloth
+
+
+class TransformTests(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.time_s = 1000.0
+        cls.clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        cls.monitor = Monitor()
+        cls.meshes = cls.monitor.robot_meshes(cls.monitor.robot_meshes_log())
+        cls.transforms = Transforms()
+        cls.cloth = MeshPublisher("cloth", "/cloth")
+        wait_until(lambda: cls.clock.get_num_connections() >= 2, "monitor and test on /clock")
+
+    def setUp(self):
+        until_frames_are_seen(lambda: self.good_cycle()[1])
+
+    def tick(self):
+        """Moves the clock on and waits until the test sees it; its time."""
+        type(self).time_s += STEP_S
+        stamp = rospy.Time.from_sec(self.time_s)
+        self.clock.publish(Clock(stamp))
+        wait_until(lambda: rospy.Time.now() == stamp, "the clock")
+        return stamp
+
+    def expected(self, stamp, meshes=None):
+        return boxes_scene.expected(meshes or self.meshes, self.transforms, stamp, CLOTH)
+
+    def cycle(self, stamp, frame=REFERENCE_FRAME):
+        self.cloth.send(stamp, frame, CLOTH)
+        return self.monitor.contacts_at(stamp), self.monitor.states_at(stamp)
+
+    def good_cycle(self):
+        stamp = self.tick()
+        self.transforms.send(stamp, boxes_scene.edges())
+        return (stamp, *self.cycle(stamp))
+
+    def check_good_cycle(self):
+        stamp, contacts, states = self.good_cycle()
+        self.assertTrue(contacts.complete, contacts.skipped)
+        self.assertEqual(pairs_of(contacts), self.expected(stamp))
+        self.assertEqual(states, {("palm", "cloth"): CONTACT, ("finger", "cloth"): CONTACT})
+
+    def reason(self, contacts, body):
+        reasons = [text for text in contacts.skipped if text.startswith(body + ": ")]
+        self.assertEqual(len(reasons), 1, contacts.skipped)
+        return reasons[0]
+
+    def test_late_transforms_are_waited_for(self):
+        # The machine may be too busy for the monitor's wait to be long enough: then again.
+        for attempt in range(8):
+            self.check_good_cycle()
+            stamp = self.tick()
+            self.cloth.send(stamp, REFERENCE_FRAME, CLOTH)
+            time.sleep(0.3)  # of wall time, less than tf_timeout_s
+            self.assertFalse([m for m in self.monitor.contacts.messages if m.header.stamp == stamp
+                              and not m.skipped], "contacts without a transform")
+            self.transforms.send(stamp, boxes_scene.edges(finger_at=FINGER_AWAY_AT))
+            contacts, states = self.monitor.contacts_at(stamp), self.monitor.states_at(stamp)
+            if not contacts.skipped:
+                break
+        self.assertTrue(contacts.complete, contacts.skipped)
+        self.assertEqual(touching(self.expected(stamp)), {"palm"})
+        self.assertEqual(pairs_of(contacts), self.expected(stamp))
+        self.assertEqual(states, {("palm", "cloth"): CONTACT, ("finger", "cloth"): NONE})
+
+    def test_a_transform_that_stays_away_makes_its_link_unknown(self):
+        self.check_good_cycle()
+        for _ in range(2):
+            stamp = self.tick()
+            self.transforms.send(stamp, boxes_scene.edges(links=["palm"]))
+            contacts, states = self.cycle(stamp)
+            self.assertIn("late", self.reason(contacts, "finger"))
+            self.assertFalse(contacts.complete)
+            self.assertEqual(states, {("palm", "cloth"): CONTACT, ("finger", "cloth"): UNKNOWN})
+            self.assertEqual(pairs_of(contacts),
+                             self.expected(stamp, {"palm": self.meshes["palm"]}))
+        self.check_good_cycle()
+
+    def test_a_frame_that_never_comes_makes_its_object_unknown(self):
+        self.check_good_cycle()
+        for _ in range(2):
+            stamp = self.tick()
+            self.transforms.send(stamp, boxes_scene.edges())
+            contacts, states = self.cycle(stamp, frame="nowhere")
+            self.assertIn("'nowhere' never seen", self.reason(contacts, "cloth"))
+            self.assertFalse(contacts.complete)
+            self.assertEqual(contacts.pairs, [])
+            self.assertEqual(states, {("palm", "cloth"): UNKNOWN, ("finger", "cloth"): UNKNOWN})
+        self.check_good_cycle()
+
+    def test_the_clock_jumps_back(self):
+        self.check_good_cycle()
+        self.check_good_cycle()
+        before = rospy.Time.now()
+        events = self.monitor.events.count()
+        cycles = self.monitor.contacts.count()
+        type(self).time_s -= 400
+        self.tick()
+        for link in ("palm", "finger"):
+            event = self.monitor.events.wait(
+                "the end of contacts", since=events,
+                wanted=lambda e, link=link: (e.type, e.body_a) == (ContactEvent.END, link))
+            self.assertIn("time jump", event.reason)
+        # A mesh from before the jump is still under way, then there are new ones.
+        self.cloth.send(before, REFERENCE_FRAME, CLOTH)
+        until_frames_are_seen(lambda: self.good_cycle()[1])
+        for _ in range(3):
+            self.check_good_cycle()
+        later = self.monitor.contacts.messages[cycles:]
+        self.assertFalse([m for m in later if m.header.stamp >= before and m.pairs],
+                         "contacts from before the jump")
+
+
+if __name__ == "__main__":
+    rospy.init_node("transforms_test")
+    rostest.rosrun(PACKAGE, "transforms", TransformTests, sys.argv)

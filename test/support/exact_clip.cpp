@@ -1,0 +1,104 @@
+// The contact definition by construction: two closed sets are clipped in exact rationals.
+#include "exact_clip.h"
+
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+
+#include <algorithm>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
+using Rational = Kernel::FT;
+using Point = Kernel::Point_3;
+using Vector = Kernel::Vector_3;
+
+Point toPoint(const Vec3f& v) { return {double{v.x}, double{v.y}, double{v.z}}; }
+
+// The points x with normal . (x - origin) <= 0.
+struct HalfSpace {
+  Vector normal;
+  Point origin;
+
+  Rational excess(const Point& x) const { return normal * (x - origin); }
+};
+
+void addPlane(const Vector& normal, const Point& origin, std::vector<HalfSpace>* out) {
+  out->push_back({normal, origin});
+  out->push_back({-normal, origin});
+}
+
+// The hull of three points as an intersection of half-spaces.
+std::vector<HalfSpace> halfSpaces(const std::array<Point, 3>& p) {
+  std::vector<HalfSpace> out;
+  const Vector normal = CGAL::cross_product(p[1] - p[0], p[2] - p[0]);
+  if (normal != CGAL::NULL_VECTOR) {
+    addPlane(normal, p[0], &out);
+    for (int i = 0; i < 3; ++i) {
+      out.push_back({CGAL::cross_product(p[(i + 1) % 3] - p[i], normal), p[i]});
+    }
+    return out;
+  }
+  // A segment, or a point: the pair of points farthest apart spans it.
+  int start = 0;
+  for (int i = 1; i < 3; ++i) {
+    if ((p[(i + 1) % 3] - p[i]).squared_length() >
+        (p[(start + 1) % 3] - p[start]).squared_length()) {
+      start = i;
+    }
+  }
+  const Point from = p[start], to = p[(start + 1) % 3];
+  const Vector d = to - from;
+  if (d == CGAL::NULL_VECTOR) {
+    for (const Vector& axis : {Vector(1, 0, 0), Vector(0, 1, 0), Vector(0, 0, 1)}) {
+      addPlane(axis, from, &out);
+    }
+    return out;
+  }
+  // d x (x - from) = 0, row by row.
+  addPlane(Vector(0, -d.z(), d.y()), from, &out);
+  addPlane(Vector(d.z(), 0, -d.x()), from, &out);
+  addPlane(Vector(-d.y(), d.x(), 0), from, &out);
+  out.push_back({d, to});
+  out.push_back({-d, from});
+  return out;
+}
+
+// Sutherland and Hodgman's step on the hull of a cyclic list of points.
+std::vector<Point> clip(const std::vector<Point>& polygon, const HalfSpace& half_space) {
+  std::vector<Point> out;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& from = polygon[i];
+    const Point& to = polygon[(i + 1) % polygon.size()];
+    const Rational a = half_space.excess(from), b = half_space.excess(to);
+    if (a <= 0) out.push_back(from);
+    if ((a < 0 && b > 0) || (a > 0 && b < 0)) out.push_back(from + (to - from) * (a / (a - b)));
+  }
+  return out;
+}
+
+std::array<Point, 3> toPoints(const OracleTriangle& t) {
+  return {toPoint(t[0]), toPoint(t[1]), toPoint(t[2])};
+}
+
+}  // namespace
+
+bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
+                              const std::vector<Vec3f>& shared) {
+  const std::array<Point, 3> points = toPoints(a);
+  std::vector<Point> common(points.begin(), points.end());
+  for (const HalfSpace& half_space : halfSpaces(toPoints(b))) common = clip(common, half_space);
+  if (shared.empty()) return !common.empty();
+
+  const auto at = [&shared](std::size_t i) {
+    return toPoint(shared[std::min(i, shared.size() - 1)]);
+  };
+  const std::vector<HalfSpace> hull = halfSpaces({at(0), at(1), at(2)});
+  // The common part is convex: it lies in the hull iff its corners do.
+  return std::any_of(common.begin(), common.end(), [&hull](const Point& x) {
+    return std::any_of(hull.begin(), hull.end(),
+                       [&x](const HalfSpace& side) { return side.excess(x) > 0; });
+  });
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,19 @@
+// The contact definition by construction: two closed sets are clipped in exact rationals.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/vector3.h"
+
+namespace deformable_contact_monitor {
+
+// Vertices in the scene frame; may coincide or be collinear.
+using OracleTriangle = std::array<Vec3f, 3>;
+
+// Whether the closed hulls of a and b meet anywhere outside the closed hull of `shared` (at most
+// three points; none: whether they meet at all). Exact for all finite input, and slow.
+bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
+                              const std::vector<Vec3f>& shared);
+
+}  // namespace deformable_contact_monitor

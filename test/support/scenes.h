@@ -1,0 +1,28 @@
+// Builders of scenes and meshes for the tests.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+#include "core/triangle.h"
+
+namespace deformable_contact_monitor {
+
+// Triangles with vertices of their own, none shared by index.
+TriangleMesh meshOf(const std::vector<Triangle>& triangles);
+
+// The same triangles in the same order, none sharing a vertex by index.
+TriangleMesh soupOf(const TriangleMesh& mesh);
+
+// A square cloth of 2 n n triangles, [0, side] x [0, side] in the plane z = height, with waves of
+// the given height.
+TriangleMesh clothGrid(int n, float side, float height, float wave_height);
+
+// One body, looked at for contacts with itself.
+Scene selfScene(TriangleMesh mesh);
+
+// Two bodies, looked at for contacts of each with the other.
+Scene pairScene(TriangleMesh a, TriangleMesh b);
+
+}  // namespace deformable_contact_monitor

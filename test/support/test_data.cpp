@@ -1,0 +1,25 @@
+// Where the tests find real data, and how they say that it is not there.
+#include "test_data.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+
+namespace deformable_contact_monitor {
+
+std::string testDataDir() {
+  const char* dir = std::getenv("DCM_TEST_DATA");
+  return dir != nullptr && *dir != '\0' ? dir : DCM_TEST_DATA_DIR;
+}
+
+bool testDataIsThere() { return std::filesystem::is_directory(testDataDir()); }
+
+std::string testDataFile(const std::string& relative_path) {
+  const std::filesystem::path path = std::filesystem::path(testDataDir()) / relative_path;
+  if (!std::filesystem::exists(path)) {
+    throw std::runtime_error(path.string() + ": not there, though the test data are");
+  }
+  return path.string();
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,25 @@
+// Where the tests find real data, and how they say that it is not there.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace deformable_contact_monitor {
+
+// $DCM_TEST_DATA, or ../shared/data beside the source tree.
+std::string testDataDir();
+
+// Path of a file in it; throws std::runtime_error if the folder is there and the file is not.
+std::string testDataFile(const std::string& relative_path);
+
+bool testDataIsThere();
+
+}  // namespace deformable_contact_monitor
+
+#define DCM_REQUIRE_TEST_DATA()                                                          \
+  do {                                                                                   \
+    if (!::deformable_contact_monitor::testDataIsThere()) {                              \
+      GTEST_SKIP() << "no test data at " << ::deformable_contact_monitor::testDataDir(); \
+    }                                                                                    \
+  } while (false)
