@@ -42,10 +42,34 @@ struct Fan {
   }
 };
 
+// Coplanar triangles pab and pcd with area along `axis`: they meet beyond p iff their angles at p
+// do, that is, iff an edge from p of one lies in the other's angle. Common in flat meshes.
+DCM_HD inline bool anglesMeet(const Vec3f& p, const Vec3f a[2], const Vec3f b[2], int axis,
+                              PredicateState& state) {
+  const int side_a = orient2d(p, a[0], a[1], axis, state);
+  const int side_b = orient2d(p, b[0], b[1], axis, state);
+  int s[2][2];
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) s[i][j] = orient2d(p, a[i], b[j], axis, state);
+  }
+  for (int i = 0; i < 2; ++i) {
+    if (-s[i][0] * side_b >= 0 && s[i][1] * side_b >= 0) return true;
+    if (s[0][i] * side_a >= 0 && -s[1][i] * side_a >= 0) return true;
+  }
+  return false;
+}
+
 // A convex set with p that meets another one with p elsewhere too reaches, along that ray, the edge
 // opposite to p in one of the two pieces while it is still in the other.
 DCM_HD inline bool meetBeyondPoint(const Vec3f& p, const Vec3f a[2], int a_count, const Vec3f b[2],
                                    int b_count, PredicateState& state) {
+  if (a_count == 2 && b_count == 2) {
+    const int axis = projectionAxis(p, a[0], a[1], state);
+    if (axis >= 0 && orient2d(p, b[0], b[1], axis, state) != 0 &&
+        orient3d(p, a[0], a[1], b[0], state) == 0 && orient3d(p, a[0], a[1], b[1], state) == 0) {
+      return anglesMeet(p, a, b, axis, state);
+    }
+  }
   const Fan fan_a(p, a, a_count, state), fan_b(p, b, b_count, state);
   for (int i = 0; i < fan_a.count; ++i) {
     for (int j = 0; j < fan_b.count; ++j) {

@@ -46,21 +46,20 @@ std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale) {
 }
 
 void ClusterAssigner::findWinners(const WorkingSet& set, const SizeSplit& split,
-                                  const PrototypesView& view, const std::vector<float>& slack,
-                                  ClusterAssignment& assignment) {
+                                  const PrototypesView& view, const std::vector<float>& slack) {
   owner_.assign(set.vertices.size(), kUnused);
   for (const std::uint32_t t : split.regular) {
     for (int k = 0; k < 3; ++k) owner_[set.corners[3 * std::size_t{t} + k]] = set.body[t];
   }
-  assignment.scaled.resize(set.vertices.size());
+  scaled_.resize(set.vertices.size());
   winners_.resize(set.vertices.size());
   parallelBlocks(set.vertices.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (owner_[i] == kUnused) continue;
-      assignment.scaled[i] = split.scale.apply(set.vertices[i]);
+      scaled_[i] = split.scale.apply(set.vertices[i]);
       // Last cycle's winner is the best guess, where there was one.
       const std::uint32_t start = winners_[i].cluster < view.count ? winners_[i].cluster : 0;
-      winners_[i] = nearestPrototype(view, assignment.scaled[i], start, slack[owner_[i]]);
+      winners_[i] = nearestPrototype(view, scaled_[i], start, slack[owner_[i]]);
     }
   });
 }
@@ -70,7 +69,7 @@ void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const Si
                              ClusterAssignment& assignment) {
   const PrototypesView view = prototypes.view();
   const std::vector<float> slack = scaledSlack(scene, split.scale);
-  findWinners(set, split, view, slack, assignment);
+  findWinners(set, split, view, slack);
 
   std::vector<Lists> blocks(blockCount(split.regular.size(), kBlock));
   parallelBlocks(
@@ -89,7 +88,7 @@ void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const Si
             continue;
           }
           HalfSpaceRule rule;
-          for (int k = 0; k < 3; ++k) rule.v[k] = assignment.scaled[corner[k]];
+          for (int k = 0; k < 3; ++k) rule.v[k] = scaled_[corner[k]];
           const float body_slack = slack[set.body[t]];
           std::uint32_t first = w[0].cluster;
           if (overlap < 1) {

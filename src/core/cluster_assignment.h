@@ -12,7 +12,6 @@
 namespace deformable_contact_monitor {
 
 struct ClusterAssignment {
-  std::vector<Vec3f> scaled;  // per vertex of the working set that is in use
   // Clusters of each regular triangle, ascending: clusters[list_begin[i] .. list_begin[i + 1]).
   std::vector<std::uint32_t> list_begin;
   std::vector<std::uint32_t> clusters;
@@ -33,8 +32,9 @@ class ClusterAssigner {
 
  private:
   void findWinners(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
-                   const std::vector<float>& slack, ClusterAssignment& assignment);
+                   const std::vector<float>& slack);
 
+  std::vector<Vec3f> scaled_;         // per vertex that is in use
   std::vector<Winner> winners_;       // per vertex
   std::vector<std::uint32_t> owner_;  // per vertex: a body that uses it, or kUnused
 };

@@ -4,13 +4,6 @@
 #include <chrono>
 #include <cstring>
 
-// The scan below is the hottest loop of all: let it use wide vectors where the processor has them.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define DCM_WIDE_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define DCM_WIDE_CLONES
-#endif
-
 namespace deformable_contact_monitor {
 namespace {
 
@@ -27,119 +20,41 @@ std::uint32_t orderedBits(float x) {
   return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
 }
 
-constexpr std::uint32_t kChunk = 64;
-
-// hit[k] = 1 iff box k, of kChunk ones, overlaps the row's on both axes.
-DCM_WIDE_CLONES void markOverlaps(std::uint32_t row_lo, std::uint32_t row_hi,
-                                  const std::uint32_t* __restrict lo,
-                                  const std::uint32_t* __restrict hi,
-                                  std::uint8_t* __restrict hit) {
-  const std::uint32_t guarded = row_hi | kPackedGuard;
-  for (std::uint32_t k = 0; k < kChunk; ++k) {
-    const std::uint32_t both = (guarded - lo[k]) & ((hi[k] | kPackedGuard) - row_lo) & kPackedGuard;
-    hit[k] = both == kPackedGuard;
-  }
-}
-
 }  // namespace
-
-Triangle CandidateJudge::received(std::uint32_t t) const {
-  const WorkingSet& set = input_.set;
-  const TriangleMesh& mesh = input_.scene.body(set.body[t]).mesh;
-  const std::uint32_t* corner = &mesh.triangles[3 * std::size_t{set.triangle[t]}];
-  Triangle triangle;
-  for (int k = 0; k < 3; ++k) {
-    const float* v = &mesh.vertices[3 * std::size_t{corner[k]}];
-    triangle.v[k] = {v[0], v[1], v[2]};
-  }
-  return triangle;
-}
-
-void CandidateJudge::judge(const Contender& a, const Contender& b) {
-  const std::uint32_t body_a = input_.set.body[a.triangle], body_b = input_.set.body[b.triangle];
-  if (body_a == body_b) {
-    SharedVertices shared = sharedVertices(a.lanes, b.lanes);
-    if (shared.any && !input_.set.as_received[body_a]) {
-      // Adjacency is that of the coordinates as received; posing may have made different ones
-      // equal.
-      shared = sharedVertices(received(a.triangle), received(b.triangle));
-    }
-    if (shared.any) {
-      judgeAdjacent(a, b, shared);
-      return;
-    }
-  }
-  ++output_.candidates;
-  const float margin_m =
-      std::max(input_.scene.body(body_a).margin_m, input_.scene.body(body_b).margin_m);
-  KnownSides sides;
-  const bool apart = onOneSide(b.plane, a.lanes, sides.a) || onOneSide(a.plane, b.lanes, sides.b);
-  if (apart && margin_m == 0) return;
-  state_ = {input_.options.predicates};
-  report(a, b,
-         separateVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle), sides,
-                         margin_m, state_));
-}
-
-// Margins do not apply: neighbours in a mesh are always near.
-void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b,
-                                   const SharedVertices& shared) {
-  if (input_.options.adjacent == AdjacentPairs::kSkip) return;
-  ++output_.candidates;
-  if (restOnOneSide(b.plane, a.lanes, shared.in_a) ||
-      restOnOneSide(a.plane, b.lanes, shared.in_b)) {
-    return;
-  }
-  state_ = {input_.options.predicates};
-  report(
-      a, b,
-      {meetBeyondShared(input_.set.posed(a.triangle), input_.set.posed(b.triangle), shared, state_),
-       0});
-}
-
-void CandidateJudge::report(const Contender& a, const Contender& b, const Verdict& verdict) {
-  output_.exact += state_.exact > 0;
-  if (!verdict.contact) return;
-  output_.undecided += state_.undecided;
-  output_.contacts.push_back(
-      {std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle), verdict.separation_m});
-}
 
 void ClusterSweeper::sortMembers() {
   const ClusterAssignment& assignment = input_.assignment;
   const WorkingSet& set = input_.set;
   const std::uint32_t begin = assignment.member_begin[cluster_];
   const std::uint32_t count = assignment.member_begin[cluster_ + 1] - begin;
-  const auto scaledCorners = [&](std::uint32_t t, Vec3f v[3]) {
-    for (int k = 0; k < 3; ++k) v[k] = assignment.scaled[set.corners[3 * std::size_t{t} + k]];
-  };
+  members_.resize(count);
+  order_.resize(count);
 
   // Axes of the centroids, about the first of them.
   Moments moments;
   Vec3f near;
   for (std::uint32_t m = 0; m < count; ++m) {
-    Vec3f v[3];
-    scaledCorners(input_.split.regular[assignment.members[begin + m]], v);
+    Member& member = members_[m];
+    member.regular = assignment.members[begin + m];
+    member.triangle = input_.split.regular[member.regular];
+    member.posed = set.posed(member.triangle);
+    for (int k = 0; k < 3; ++k) member.scaled.v[k] = input_.split.scale.apply(member.posed.v[k]);
+    const Vec3f* v = member.scaled.v;
     const Vec3f centroid = (v[0] + v[1] + v[2]) * (1.0F / 3);
     if (m == 0) near = centroid;
     moments.add(centroid - near);
   }
   const PrincipalAxes axes = principalAxes(moments);
 
-  members_.resize(count);
-  order_.resize(count);
   float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   bool one_group = true;
   for (std::uint32_t m = 0; m < count; ++m) {
     Member& member = members_[m];
-    member.regular = assignment.members[begin + m];
-    const std::uint32_t t = input_.split.regular[member.regular];
-    member.group = input_.groups.group[set.body[t]];
+    const std::uint32_t body = set.body[member.triangle];
+    member.group = input_.groups.group[body];
     one_group = one_group && member.group == members_[0].group;
-    Vec3f v[3];
-    scaledCorners(t, v);
     for (int k = 0; k < 3; ++k) {
-      member.interval[k] = project(axes.axis[k], v, input_.slack[set.body[t]] / 2);
+      member.interval[k] = project(axes.axis[k], member.scaled.v, input_.slack[body] / 2);
       low[k] = least(low[k], member.interval[k].lo);
       high[k] = most(high[k], member.interval[k].hi);
     }
@@ -162,8 +77,9 @@ void ClusterSweeper::sortMembers() {
   boxes_.resize(count);
   contenders_.resize(count);
   clusters_.resize(count);
-  packed_lo_.resize(count + kChunk);  // so that the last chunk may read on
-  packed_hi_.resize(count + kChunk);
+  alone_.resize(count);
+  packed_lo_.resize(count + kScanChunk);  // so that the last chunk may read on
+  packed_hi_.resize(count + kScanChunk);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Member& member = memberAt(order_[i]);
     if (segments_.empty() || segments_.back().group != member.group) {
@@ -175,34 +91,22 @@ void ClusterSweeper::sortMembers() {
     const PackedBox packed = pack(quantiser, &member.interval[1]);
     packed_lo_[i] = packed.lo;
     packed_hi_[i] = packed.hi;
-    const std::uint32_t t = input_.split.regular[member.regular];
-    boxes_[i] = set.boxes[t];
-    contenders_[i] = Contender(set, t);
-    clusters_[i] = &assignment.clusters[assignment.list_begin[member.regular]];
+    contenders_[i] = Contender(member.posed, member.triangle, set.body[member.triangle]);
+    // Not looked up: computing it is faster than a cache miss.
+    boxes_[i] = inflated(boxOf(member.posed), input_.scene.body(contenders_[i].body).margin_m);
+    const std::uint32_t list = assignment.list_begin[member.regular];
+    clusters_[i] = &assignment.clusters[list];
+    alone_[i] = static_cast<char>(assignment.list_begin[member.regular + 1] - list == 1);
   }
 }
 
 void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
   if (begin == end) return;
   output_.interval_overlaps += end - begin;
-  // Room for all that can come, so that writing a hit is one store.
-  const std::size_t room = hit_count_ + (end - begin);
+  const std::size_t room = hit_count_ + (end - begin) + kScanChunk;
   if (hits_.size() < room) hits_.resize(2 * room);
-  Hit* next = &hits_[hit_count_];
-  for (std::uint32_t chunk = begin; chunk < end; chunk += kChunk) {
-    std::uint8_t hit[kChunk];
-    markOverlaps(packed_lo_[row], packed_hi_[row], &packed_lo_[chunk], &packed_hi_[chunk], hit);
-    for (std::uint32_t k = 0; k < kChunk && chunk + k < end; k += 8) {
-      std::uint64_t word;
-      std::memcpy(&word, hit + k, 8);
-      for (; word != 0; word &= word - 1) {
-        const std::uint32_t column =
-            chunk + k + static_cast<std::uint32_t>(__builtin_ctzll(word)) / 8;
-        if (column < end) *next++ = {row, column};
-      }
-    }
-  }
-  hit_count_ = static_cast<std::size_t>(next - hits_.data());
+  hit_count_ += scanRow(row, {packed_lo_[row], packed_hi_[row]}, packed_lo_.data(),
+                        packed_hi_.data(), begin, end, &hits_[hit_count_]);
   constexpr std::size_t kMostHits = 1 << 20;  // bounds the memory of dense clusters
   if (hit_count_ > kMostHits) judgeHits();
 }
@@ -242,13 +146,14 @@ bool ClusterSweeper::owns(std::uint32_t a, std::uint32_t b) const {
 
 void ClusterSweeper::judgeHits() {
   const auto start = Clock::now();
-  CandidateJudge judge(input_, output_);
+  std::size_t kept = 0;
   for (std::size_t h = 0; h < hit_count_; ++h) {
     const Hit hit = hits_[h];
-    if (overlap(boxes_[hit.a], boxes_[hit.b]) && owns(hit.a, hit.b)) {
-      judge.judge(contenders_[hit.a], contenders_[hit.b]);
-    }
+    const bool owned = alone_[hit.a] != 0 || alone_[hit.b] != 0 || owns(hit.a, hit.b);
+    hits_[kept] = hit;
+    kept += overlap(boxes_[hit.a], boxes_[hit.b]) & owned;
   }
+  judge_.judge(contenders_, hits_.data(), kept);
   hit_count_ = 0;
   output_.narrow_ms += millisecondsSince(start);
 }

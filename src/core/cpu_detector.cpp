@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <stdexcept>
 
 #include "core/cluster_sweep.h"
@@ -133,20 +134,10 @@ void CpuDetector::refreshPrototypes(const Options& options) {
 }
 
 void CpuDetector::sweepClusters(const SweepInput& input, SweepOutput& output) {
-  tbb::enumerable_thread_specific<ClusterSweeper> sweepers([&] { return ClusterSweeper(input); });
+  tbb::enumerable_thread_specific<ClusterSweeper> sweepers(std::cref(input));
   tbb::parallel_for(std::size_t{0}, input.assignment.clusterCount(),
                     [&](std::size_t g) { sweepers.local().sweep(static_cast<std::uint32_t>(g)); });
-  for (ClusterSweeper& sweeper : sweepers) {
-    const SweepOutput& part = sweeper.output();
-    output.contacts.insert(output.contacts.end(), part.contacts.begin(), part.contacts.end());
-    output.interval_overlaps += part.interval_overlaps;
-    output.candidates += part.candidates;
-    output.exact += part.exact;
-    output.undecided += part.undecided;
-    output.sort_ms += part.sort_ms;
-    output.sweep_ms += part.sweep_ms;
-    output.narrow_ms += part.narrow_ms;
-  }
+  for (ClusterSweeper& sweeper : sweepers) output.add(sweeper.output());
 }
 
 // Sorted by working-set index, which is sorted by (body, triangle).

@@ -6,3 +6,6 @@
 #else
 #define DCM_HD
 #endif
+
+// For rare, long code: keeps the common path small on the host and compilation short on the device.
+#define DCM_RARE __attribute__((noinline))

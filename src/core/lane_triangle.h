@@ -32,21 +32,31 @@ struct LaneTriangle {
         z{t.v[0].z, t.v[1].z, t.v[2].z, t.v[2].z} {}
 };
 
-// As PlaneFilter::side, for the three vertices; true if all are certainly on one side.
-inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t, int side[3]) {
+// Are all vertices certainly strictly on one side of the plane?
+inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t) {
   FloatLanes value, error;
   plane.distance(t.x, t.y, t.z, value, error);
-  const IntLanes above = value > error, below = value < -error;  // -1 where true
-  if (allLanes(above) || allLanes(below)) return true;
-  const int plus = laneBits(above), minus = laneBits(below);
+  return (laneBits(value > error) == 15) | (laneBits(value < -error) == 15);
+}
+
+// As PlaneFilter::side, for the three vertices; true if all are on one side.
+inline bool sidesOf(const PlaneFilter& plane, const LaneTriangle& t, int side[3]) {
+  FloatLanes value, error;
+  plane.distance(t.x, t.y, t.z, value, error);
+  const int plus = laneBits(value > error), minus = laneBits(value < -error);
   for (int i = 0; i < 3; ++i) side[i] = (plus >> i & 1) - (minus >> i & 1);
-  return false;
+  return (plus == 15) | (minus == 15);
+}
+
+// False: certainly no vertex in common.
+inline bool mayShareVertex(const LaneTriangle& a, const LaneTriangle& b) {
+  return laneBits((b.x == a.x[0]) | (b.x == a.x[1]) | (b.x == a.x[2])) != 0;
 }
 
 // Which vertices of two triangles are equal.
 inline SharedVertices sharedVertices(const LaneTriangle& a, const LaneTriangle& b) {
   SharedVertices shared;
-  if (laneBits((b.x == a.x[0]) | (b.x == a.x[1]) | (b.x == a.x[2])) == 0) return shared;
+  if (!mayShareVertex(a, b)) return shared;
   const auto equalTo = [&](int i) { return (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]); };
   const IntLanes equal[3] = {equalTo(0), equalTo(1), equalTo(2)};
   const int in_b = laneBits(equal[0] | equal[1] | equal[2]);

@@ -25,7 +25,11 @@ std::vector<Aabb> homeBoxes(const SweepInput& input) {
 class LargeTriangle {
  public:
   LargeTriangle(const SweepInput& input, std::uint32_t t, SweepOutput& output)
-      : input_(input), triangle_(input.set, t), output_(output), judge_(input, output) {}
+      : input_(input),
+        triangle_(input.set.posed(t), t, input.set.body[t]),
+        box_(input.set.boxes[t]),
+        output_(output),
+        judge_(input, output) {}
 
   void meet(std::uint32_t other) {
     ++output_.interval_overlaps;
@@ -33,7 +37,7 @@ class LargeTriangle {
     const std::vector<std::uint32_t>& group = input_.groups.group;
     if (overlap(box_, set.boxes[other]) &&
         input_.groups.enabled[group[set.body[triangle_.triangle]]][group[set.body[other]]]) {
-      judge_.judge(triangle_, Contender(set, other));
+      judge_.judge(triangle_, Contender(set.posed(other), other, set.body[other]));
     }
   }
 
@@ -44,14 +48,6 @@ class LargeTriangle {
   SweepOutput& output_;
   CandidateJudge judge_;
 };
-
-void append(const SweepOutput& from, SweepOutput& to) {
-  to.contacts.insert(to.contacts.end(), from.contacts.begin(), from.contacts.end());
-  to.interval_overlaps += from.interval_overlaps;
-  to.candidates += from.candidates;
-  to.exact += from.exact;
-  to.undecided += from.undecided;
-}
 
 }  // namespace
 
@@ -83,7 +79,7 @@ void sweepLargeTriangles(const SweepInput& input, SweepOutput& output) {
       }
     }
   });
-  for (const SweepOutput& part : outputs) append(part, output);
+  for (const SweepOutput& part : outputs) output.add(part);
 }
 
 }  // namespace deformable_contact_monitor

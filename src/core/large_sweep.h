@@ -1,7 +1,7 @@
 // The pairs that a large triangle is part of.
 #pragma once
 
-#include "core/cluster_sweep.h"
+#include "core/candidate_judge.h"
 
 namespace deformable_contact_monitor {
 

@@ -92,7 +92,8 @@ DCM_HD inline void addDeterminant(Expansion<N>& sum, const Vec3d& a, const Vec3d
 }  // namespace detail
 
 // Sign of det[b-a; c-a; d-a] by exact arithmetic alone.
-DCM_HD inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                         const Vec3f& d) {
   bool exact = true;
   const Vec3d u{detail::exactDifference(b.x, a.x, exact), detail::exactDifference(b.y, a.y, exact),
                 detail::exactDifference(b.z, a.z, exact)};

@@ -29,8 +29,8 @@ DCM_HD inline bool pointOnSegment(const Vec3f& p, const Vec3f& a, const Vec3f& b
   return inBox(p, a, b) && projectionAxis(a, b, p, state) < 0;
 }
 
-DCM_HD inline bool segmentsIntersect(const Vec3f& p, const Vec3f& q, const Vec3f& a, const Vec3f& b,
-                                     PredicateState& state) {
+DCM_HD DCM_RARE inline bool segmentsIntersect(const Vec3f& p, const Vec3f& q, const Vec3f& a,
+                                              const Vec3f& b, PredicateState& state) {
   if (pointOnSegment(p, a, b, state) || pointOnSegment(q, a, b, state) ||
       pointOnSegment(a, p, q, state) || pointOnSegment(b, p, q, state)) {
     return true;

@@ -41,7 +41,7 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       private_node_(private_node),
       parameters_(readParameters(private_node)),
       inputs_(makeInputs(parameters_)),
-      listener_(buffer_, node),
+      listener_(buffer_, node, true, ros::TransportHints().tcpNoDelay()),
       lookup_(buffer_, parameters_.reference_frame, parameters_.tf_timeout_s),
       robot_source_(parameters_, node, private_node, [this] { wake(); }),
       publisher_(parameters_, private_node),

@@ -2,7 +2,7 @@
 # works on the project's own scope.
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
-  resource_retriever roscpp roslib std_msgs std_srvs tf2 tf2_eigen tf2_ros visualization_msgs)
+  resource_retriever roscpp roslib sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_ros visualization_msgs)
 
 add_message_files(DIRECTORY msg FILES
   AllowedContact.msg ContactArray.msg ContactEvent.msg ContactGeometry.msg ContactPair.msg
@@ -12,5 +12,5 @@ generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 catkin_package(
   LIBRARIES ${PROJECT_NAME}_nodelet
-  CATKIN_DEPENDS diagnostic_msgs geometry_msgs message_runtime nodelet roscpp std_msgs std_srvs tf2
+  CATKIN_DEPENDS diagnostic_msgs geometry_msgs message_runtime nodelet roscpp sensor_msgs std_msgs std_srvs tf2
     tf2_ros visualization_msgs)
