@@ -19,9 +19,9 @@ struct Aabb {
     min = {least(min.x, p.x), least(min.y, p.y), least(min.z, p.z)};
     max = {most(max.x, p.x), most(max.y, p.y), most(max.z, p.z)};
   }
-  DCM_HD void include(const Aabb& other) {
-    include(other.min);
-    include(other.max);
+  DCM_HD void include(const Aabb& o) {
+    min = {least(min.x, o.min.x), least(min.y, o.min.y), least(min.z, o.min.z)};
+    max = {most(max.x, o.max.x), most(max.y, o.max.y), most(max.z, o.max.z)};
   }
   DCM_HD bool empty() const { return !(min.x <= max.x); }
 };

@@ -1,5 +1,6 @@
 #include "core/interval_scan.h"
 
+#include <array>
 #include <cstring>
 
 // Wide vectors where the processor has them.
@@ -10,6 +11,29 @@
 #endif
 
 namespace deformable_contact_monitor {
+namespace {
+
+// For each set of eight flags: which are set, ascending, a byte each, and how many.
+struct Flags {
+  std::array<std::uint8_t, 8> set;
+  std::uint8_t count;
+};
+
+constexpr std::array<Flags, 256> allFlags() {
+  std::array<Flags, 256> table{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      if ((mask >> bit & 1) != 0) {
+        table[mask].set[table[mask].count++] = static_cast<std::uint8_t>(bit);
+      }
+    }
+  }
+  return table;
+}
+
+constexpr std::array<Flags, 256> kFlags = allFlags();
+
+}  // namespace
 
 DCM_WIDE_CLONES std::size_t scanRow(std::uint32_t row, PackedBox box, const std::uint32_t* lo,
                                     const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end,
@@ -27,12 +51,13 @@ DCM_WIDE_CLONES std::size_t scanRow(std::uint32_t row, PackedBox box, const std:
           (guarded - chunk_lo[k]) & ((chunk_hi[k] | kPackedGuard) - box.lo) & kPackedGuard;
       hit[k] = both == kPackedGuard;
     }
+    // Nor a branch on what was found: eight hits are written, as many are kept as there are.
     for (std::uint32_t k = 0; k < kScanChunk; k += 8) {
       std::uint64_t word;
       std::memcpy(&word, hit + k, 8);
-      for (; word != 0; word &= word - 1) {
-        *next++ = {row, chunk + k + static_cast<std::uint32_t>(__builtin_ctzll(word)) / 8};
-      }
+      const Flags& flags = kFlags[word * 0x0102040810204080U >> 56];
+      for (int i = 0; i < 8; ++i) next[i] = {row, chunk + k + flags.set[i]};
+      next += flags.count;
     }
   }
   while (next != hits && next[-1].b >= end) --next;  // read on past the end

@@ -11,6 +11,34 @@ Vec3f vertexAt(const TriangleMesh& mesh, std::size_t i) {
   return {mesh.vertices[3 * i], mesh.vertices[3 * i + 1], mesh.vertices[3 * i + 2]};
 }
 
+// The box of all vertices; false if some coordinate is not finite, then the box is of no use. Four
+// vertices at a time, which is one loop over vectors.
+bool boundFinite(const std::vector<float>& xyz, Aabb& box) {
+  constexpr std::size_t kStep = 12;
+  float lo[kStep], hi[kStep], check[kStep] = {};  // check turns NaN with the first that is not
+  std::fill_n(lo, kStep, INFINITY);
+  std::fill_n(hi, kStep, -INFINITY);
+  std::size_t i = 0;
+  for (; i + kStep <= xyz.size(); i += kStep) {
+    for (std::size_t k = 0; k < kStep; ++k) {
+      const float x = xyz[i + k];
+      lo[k] = least(lo[k], x);
+      hi[k] = most(hi[k], x);
+      check[k] += x - x;
+    }
+  }
+  for (; i < xyz.size(); ++i) {
+    const std::size_t k = i % 3;
+    lo[k] = least(lo[k], xyz[i]);
+    hi[k] = most(hi[k], xyz[i]);
+    check[k] += xyz[i] - xyz[i];
+  }
+  for (std::size_t k = 0; k < kStep; k += 3) {
+    box.include(Aabb{{lo[k], lo[k + 1], lo[k + 2]}, {hi[k], hi[k + 1], hi[k + 2]}});
+  }
+  return std::all_of(check, check + kStep, [](float c) { return c == 0; });
+}
+
 // A box in the scene frame that holds every posed float32 vertex of a body with this local box.
 Aabb posedBox(const Aabb& local, const RigidTransform& pose, float margin_m) {
   if (local.empty()) return local;
@@ -89,23 +117,11 @@ void WorkingSetBuilder::updateLocalBoxes(const Scene& scene) {
     if (!hasPartner(scene, id)) continue;
     if (local.vertices_revision == body.vertices_revision) continue;
     local = {body.vertices_revision, Aabb(), true};
-    const TriangleMesh& mesh = body.mesh;
-    // Comparisons that are false for NaN skip it; infinities show in the result.
-    Vec3f lo{INFINITY, INFINITY, INFINITY}, hi{-INFINITY, -INFINITY, -INFINITY};
-    float check = 0;  // turns NaN with the first non-finite coordinate
-    for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
-      const float* p = &mesh.vertices[i];
-      check += p[0] * 0 + p[1] * 0 + p[2] * 0;
-      lo = {p[0] < lo.x ? p[0] : lo.x, p[1] < lo.y ? p[1] : lo.y, p[2] < lo.z ? p[2] : lo.z};
-      hi = {p[0] > hi.x ? p[0] : hi.x, p[1] > hi.y ? p[1] : hi.y, p[2] > hi.z ? p[2] : hi.z};
-    }
-    local.all_finite = check == 0;
-    if (local.all_finite) {
-      local.box = {lo, hi};
-      continue;
-    }
-    for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
-      if (isFinite(vertexAt(mesh, i))) local.box.include(vertexAt(mesh, i));
+    local.all_finite = boundFinite(body.mesh.vertices, local.box);
+    if (local.all_finite) continue;
+    local.box = Aabb();
+    for (std::size_t i = 0; i < body.mesh.vertexCount(); ++i) {
+      if (isFinite(vertexAt(body.mesh, i))) local.box.include(vertexAt(body.mesh, i));
     }
   }
 }
