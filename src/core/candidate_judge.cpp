@@ -55,7 +55,7 @@ void CandidateJudge::judge(const std::vector<Contender>& contenders, Hit* hits, 
   for (std::size_t h = 0; h < count; ++h) {
     const Hit hit = hits[h];
     const Contender &a = contenders[hit.a], &b = contenders[hit.b];
-    const bool neighbour = (a.body == b.body) & mayShareVertex(a.lanes, b.lanes);
+    const bool neighbour = (a.body == b.body) & shareVertex(a.lanes, b.lanes);
     neighbours_[neighbours] = hit;
     neighbours += neighbour;
     hits[separate] = hit;
@@ -74,7 +74,10 @@ void CandidateJudge::judge(const std::vector<Contender>& contenders, Hit* hits, 
   for (std::size_t h = 0; h < undecided; ++h) {
     judgeSeparate(contenders[hits[h].a], contenders[hits[h].b]);
   }
+  const bool skip = input_.options.adjacent == AdjacentPairs::kSkip;
   for (std::size_t h = 0; h < neighbours; ++h) {
+    const std::uint32_t body = contenders[neighbours_[h].a].body;
+    if (skip && input_.set.as_received[body] != 0) continue;
     judge(contenders[neighbours_[h].a], contenders[neighbours_[h].b]);
   }
 }

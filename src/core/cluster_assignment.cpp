@@ -11,27 +11,8 @@ namespace {
 constexpr std::size_t kBlock = 4096;
 constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 
-// Lists of one block of triangles, to be joined in order.
-struct Lists {
-  std::vector<std::uint32_t> length, clusters;
-};
-
 Vec3f shrunk(const Vec3f& centroid, const Vec3f& v, float overlap) {
   return centroid + (v - centroid) * overlap;
-}
-
-// Counting sort of (cluster, triangle) by cluster; stable, so members ascend.
-void collectMembers(std::size_t cluster_count, ClusterAssignment& a) {
-  a.member_begin.assign(cluster_count + 1, 0);
-  for (const std::uint32_t g : a.clusters) ++a.member_begin[g + 1];
-  for (std::size_t g = 0; g < cluster_count; ++g) a.member_begin[g + 1] += a.member_begin[g];
-  std::vector<std::uint32_t> next(a.member_begin.begin(), a.member_begin.end() - 1);
-  a.members.resize(a.clusters.size());
-  for (std::uint32_t i = 0; i + 1 < a.list_begin.size(); ++i) {
-    for (std::uint32_t k = a.list_begin[i]; k < a.list_begin[i + 1]; ++k) {
-      a.members[next[a.clusters[k]]++] = i;
-    }
-  }
 }
 
 }  // namespace
@@ -71,53 +52,80 @@ void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const Si
   const std::vector<float> slack = scaledSlack(scene, split.scale);
   findWinners(set, split, view, slack);
 
-  std::vector<Lists> blocks(blockCount(split.regular.size(), kBlock));
-  parallelBlocks(
-      split.regular.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
-        Lists& lists = blocks[b];
-        lists.length.reserve(end - begin);
-        lists.clusters.reserve(2 * (end - begin));
-        for (std::size_t i = begin; i < end; ++i) {
-          const std::uint32_t t = split.regular[i];
-          const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
-          const Winner w[3] = {winners_[corner[0]], winners_[corner[1]], winners_[corner[2]]};
-          const bool inside = w[0].cluster == w[1].cluster && w[0].cluster == w[2].cluster;
-          if (inside && !w[0].tied && !w[1].tied && !w[2].tied) {  // in the interior of one cell
-            lists.length.push_back(1);
-            lists.clusters.push_back(w[0].cluster);
-            continue;
-          }
-          HalfSpaceRule rule;
-          for (int k = 0; k < 3; ++k) rule.v[k] = scaled_[corner[k]];
-          const float body_slack = slack[set.body[t]];
-          std::uint32_t first = w[0].cluster;
-          if (overlap < 1) {
-            const Vec3f centroid = (rule.v[0] + rule.v[1] + rule.v[2]) * (1.0F / 3);
-            for (Vec3f& v : rule.v) v = shrunk(centroid, v, overlap);
-            first = nearestPrototype(view, centroid, first, body_slack).cluster;
-            rule.addCompetitor(view.prototypes[first], body_slack);
-          }
-          for (const Winner& winner : w) {
-            rule.addCompetitor(view.prototypes[winner.cluster], body_slack);
-          }
-          const std::size_t before = lists.clusters.size();
-          forEachAdmitted(view, rule, first, [&](std::uint32_t g) { lists.clusters.push_back(g); });
-          std::sort(lists.clusters.begin() + static_cast<std::ptrdiff_t>(before),
-                    lists.clusters.end());
-          lists.length.push_back(static_cast<std::uint32_t>(lists.clusters.size() - before));
-        }
-      });
-
-  assignment.list_begin.assign(1, 0);
-  assignment.clusters.clear();
-  for (const Lists& lists : blocks) {
-    for (const std::uint32_t length : lists.length) {
-      assignment.list_begin.push_back(assignment.list_begin.back() + length);
+  blocks_.resize(blockCount(split.regular.size(), kBlock));
+  const auto assignBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
+    Block& block = blocks_[b];
+    block.length.clear();
+    block.lists.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t t = split.regular[i];
+      const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
+      const Winner w[3] = {winners_[corner[0]], winners_[corner[1]], winners_[corner[2]]};
+      const bool inside = w[0].cluster == w[1].cluster && w[0].cluster == w[2].cluster;
+      if (inside && !w[0].tied && !w[1].tied && !w[2].tied) {  // in the interior of one cell
+        block.length.push_back(1);
+        block.lists.push_back(w[0].cluster);
+        continue;
+      }
+      HalfSpaceRule rule;
+      for (int k = 0; k < 3; ++k) rule.v[k] = scaled_[corner[k]];
+      const float body_slack = slack[set.body[t]];
+      std::uint32_t first = w[0].cluster;
+      if (overlap < 1) {
+        const Vec3f centroid = (rule.v[0] + rule.v[1] + rule.v[2]) * (1.0F / 3);
+        for (Vec3f& v : rule.v) v = shrunk(centroid, v, overlap);
+        first = nearestPrototype(view, centroid, first, body_slack).cluster;
+        rule.addCompetitor(view.prototypes[first], body_slack);
+      }
+      for (const Winner& winner : w) {
+        rule.addCompetitor(view.prototypes[winner.cluster], body_slack);
+      }
+      const std::size_t before = block.lists.size();
+      forEachAdmitted(view, rule, first, [&](std::uint32_t g) { block.lists.push_back(g); });
+      std::sort(block.lists.begin() + static_cast<std::ptrdiff_t>(before), block.lists.end());
+      block.length.push_back(static_cast<std::uint32_t>(block.lists.size() - before));
     }
-    assignment.clusters.insert(assignment.clusters.end(), lists.clusters.begin(),
-                               lists.clusters.end());
+    block.members.assign(prototypes.size(), 0);
+    for (const std::uint32_t g : block.lists) ++block.members[g];
+  };
+  parallelBlocks(split.regular.size(), kBlock, assignBlock);
+  collectMembers(set, split, prototypes.size(), assignment);
+}
+
+// A counting sort of the (cluster, triangle) pairs by cluster.
+void ClusterAssigner::collectMembers(const WorkingSet& set, const SizeSplit& split,
+                                     std::size_t cluster_count, ClusterAssignment& assignment) {
+  assignment.member_begin.resize(cluster_count + 1);
+  std::uint32_t total = 0;
+  for (std::size_t g = 0; g < cluster_count; ++g) {
+    assignment.member_begin[g] = total;
+    for (Block& block : blocks_) {
+      const std::uint32_t count = block.members[g];
+      block.members[g] = total;
+      total += count;
+    }
   }
-  collectMembers(prototypes.size(), assignment);
+  assignment.member_begin[cluster_count] = total;
+  assignment.members.resize(total);
+  assignment.lists.resize(total);
+  std::vector<std::uint32_t> list_begin(blocks_.size(), 0);
+  for (std::size_t b = 1; b < blocks_.size(); ++b) {
+    list_begin[b] = list_begin[b - 1] + static_cast<std::uint32_t>(blocks_[b - 1].lists.size());
+  }
+  const auto collectBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
+    Block& block = blocks_[b];
+    std::copy(block.lists.begin(), block.lists.end(), assignment.lists.begin() + list_begin[b]);
+    std::uint32_t list = list_begin[b];
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t t = split.regular[i], size = block.length[i - begin];
+      const ClusterMember member{set.posed(t), t, set.body[t], list, size};
+      for (std::uint32_t k = 0; k < size; ++k) {
+        assignment.members[block.members[assignment.lists[list + k]]++] = member;
+      }
+      list += size;
+    }
+  };
+  parallelBlocks(split.regular.size(), kBlock, collectBlock);
 }
 
 }  // namespace deformable_contact_monitor

@@ -11,16 +11,26 @@
 
 namespace deformable_contact_monitor {
 
+// One triangle in one cluster, with all that the sweep needs of it in one place.
+struct ClusterMember {
+  Triangle posed;
+  std::uint32_t triangle;  // in the working set
+  std::uint32_t body;
+  // The clusters that the triangle is in, ascending: lists[list_begin ... + list_size).
+  std::uint32_t list_begin, list_size;
+};
+
 struct ClusterAssignment {
-  // Clusters of each regular triangle, ascending: clusters[list_begin[i] .. list_begin[i + 1]).
-  std::vector<std::uint32_t> list_begin;
-  std::vector<std::uint32_t> clusters;
-  // Members of each cluster, as indices into the regular triangles, ascending:
-  // members[member_begin[g] .. member_begin[g + 1]).
+  std::vector<std::uint32_t> lists;
+  // Members of cluster g, in ascending order of triangles: [member_begin[g], member_begin[g + 1]).
   std::vector<std::uint32_t> member_begin;
-  std::vector<std::uint32_t> members;
+  std::vector<ClusterMember> members;
 
   std::size_t clusterCount() const { return member_begin.size() - 1; }
+  // Every triangle is at home in its lowest cluster alone.
+  bool isHome(const ClusterMember& member, std::uint32_t cluster) const {
+    return lists[member.list_begin] == cluster;
+  }
 };
 
 class ClusterAssigner {
@@ -31,8 +41,18 @@ class ClusterAssigner {
               const Prototypes& prototypes, float overlap, ClusterAssignment& assignment);
 
  private:
+  // Lists of one block of triangles, to be joined in order.
+  struct Block {
+    std::vector<std::uint32_t> length, lists;  // per triangle; joined
+    std::vector<std::uint32_t> members;        // per cluster: how many; later: where they begin
+  };
+
   void findWinners(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
                    const std::vector<float>& slack);
+  void collectMembers(const WorkingSet& set, const SizeSplit& split, std::size_t cluster_count,
+                      ClusterAssignment& assignment);
+
+  std::vector<Block> blocks_;
 
   std::vector<Vec3f> scaled_;         // per vertex that is in use
   std::vector<Winner> winners_;       // per vertex

@@ -24,22 +24,18 @@ std::uint32_t orderedBits(float x) {
 
 void ClusterSweeper::sortMembers() {
   const ClusterAssignment& assignment = input_.assignment;
-  const WorkingSet& set = input_.set;
-  const std::uint32_t begin = assignment.member_begin[cluster_];
-  const std::uint32_t count = assignment.member_begin[cluster_ + 1] - begin;
-  members_.resize(count);
+  const ClusterMember* const members = &assignment.members[assignment.member_begin[cluster_]];
+  const std::uint32_t count =
+      assignment.member_begin[cluster_ + 1] - assignment.member_begin[cluster_];
+  projected_.resize(count);
   order_.resize(count);
 
   // Axes of the centroids, about the first of them.
   Moments moments;
   Vec3f near;
   for (std::uint32_t m = 0; m < count; ++m) {
-    Member& member = members_[m];
-    member.regular = assignment.members[begin + m];
-    member.triangle = input_.split.regular[member.regular];
-    member.posed = set.posed(member.triangle);
-    for (int k = 0; k < 3; ++k) member.scaled.v[k] = input_.split.scale.apply(member.posed.v[k]);
-    const Vec3f* v = member.scaled.v;
+    Vec3f* v = projected_[m].scaled;
+    for (int k = 0; k < 3; ++k) v[k] = input_.split.scale.apply(members[m].posed.v[k]);
     const Vec3f centroid = (v[0] + v[1] + v[2]) * (1.0F / 3);
     if (m == 0) near = centroid;
     moments.add(centroid - near);
@@ -49,24 +45,22 @@ void ClusterSweeper::sortMembers() {
   float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   bool one_group = true;
   for (std::uint32_t m = 0; m < count; ++m) {
-    Member& member = members_[m];
-    const std::uint32_t body = set.body[member.triangle];
-    member.group = input_.groups.group[body];
-    one_group = one_group && member.group == members_[0].group;
+    Projected& projected = projected_[m];
+    const std::uint32_t body = members[m].body;
+    projected.group = input_.groups.group[body];
+    one_group = one_group && projected.group == projected_[0].group;
     for (int k = 0; k < 3; ++k) {
-      member.interval[k] = project(axes.axis[k], member.scaled.v, input_.slack[body] / 2);
-      low[k] = least(low[k], member.interval[k].lo);
-      high[k] = most(high[k], member.interval[k].hi);
+      projected.interval[k] = project(axes.axis[k], projected.scaled, input_.slack[body] / 2);
+      low[k] = least(low[k], projected.interval[k].lo);
+      high[k] = most(high[k], projected.interval[k].hi);
     }
-    order_[m] = std::uint64_t{orderedBits(member.interval[0].lo)} << 32 | m;
+    order_[m] = std::uint64_t{orderedBits(projected.interval[0].lo)} << 32 | m;
   }
   std::sort(order_.begin(), order_.end());
-  const auto memberAt = [this](std::uint64_t key) -> const Member& {
-    return members_[static_cast<std::uint32_t>(key)];
-  };
+  const auto memberOf = [](std::uint64_t key) { return static_cast<std::uint32_t>(key); };
   if (!one_group) {
     std::stable_sort(order_.begin(), order_.end(), [&](std::uint64_t a, std::uint64_t b) {
-      return memberAt(a).group < memberAt(b).group;
+      return projected_[memberOf(a)].group < projected_[memberOf(b)].group;
     });
   }
 
@@ -81,22 +75,22 @@ void ClusterSweeper::sortMembers() {
   packed_lo_.resize(count + kScanChunk);  // so that the last chunk may read on
   packed_hi_.resize(count + kScanChunk);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Member& member = memberAt(order_[i]);
-    if (segments_.empty() || segments_.back().group != member.group) {
-      segments_.push_back({member.group, i, i});
+    const ClusterMember& member = members[memberOf(order_[i])];
+    const Projected& projected = projected_[memberOf(order_[i])];
+    if (segments_.empty() || segments_.back().group != projected.group) {
+      segments_.push_back({projected.group, i, i});
     }
     segments_.back().end = i + 1;
-    lo_[i] = member.interval[0].lo;
-    hi_[i] = member.interval[0].hi;
-    const PackedBox packed = pack(quantiser, &member.interval[1]);
+    lo_[i] = projected.interval[0].lo;
+    hi_[i] = projected.interval[0].hi;
+    const PackedBox packed = pack(quantiser, &projected.interval[1]);
     packed_lo_[i] = packed.lo;
     packed_hi_[i] = packed.hi;
-    contenders_[i] = Contender(member.posed, member.triangle, set.body[member.triangle]);
+    contenders_[i] = Contender(member.posed, member.triangle, member.body);
     // Not looked up: computing it is faster than a cache miss.
-    boxes_[i] = inflated(boxOf(member.posed), input_.scene.body(contenders_[i].body).margin_m);
-    const std::uint32_t list = assignment.list_begin[member.regular];
-    clusters_[i] = &assignment.clusters[list];
-    alone_[i] = static_cast<char>(assignment.list_begin[member.regular + 1] - list == 1);
+    boxes_[i] = inflated(boxOf(member.posed), input_.scene.body(member.body).margin_m);
+    clusters_[i] = &assignment.lists[member.list_begin];
+    alone_[i] = static_cast<char>(member.list_size == 1);
   }
 }
 
@@ -159,6 +153,8 @@ void ClusterSweeper::judgeHits() {
 }
 
 void ClusterSweeper::sweep(std::uint32_t cluster) {
+  const std::vector<std::uint32_t>& begin = input_.assignment.member_begin;
+  if (begin[cluster] == begin[cluster + 1]) return;
   cluster_ = cluster;
   const auto start = Clock::now();
   sortMembers();

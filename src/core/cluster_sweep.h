@@ -22,10 +22,10 @@ class ClusterSweeper {
   SweepOutput& output() { return output_; }
 
  private:
-  struct Member {
-    std::uint32_t regular, group;
-    std::uint32_t triangle;
-    Triangle posed, scaled;
+  // What is computed for a member before its place in the order is known.
+  struct Projected {
+    std::uint32_t group;
+    Vec3f scaled[3];
     Interval interval[3];
   };
   // Members of one group of bodies: a range of the sorted arrays.
@@ -44,7 +44,7 @@ class ClusterSweeper {
   SweepOutput output_;
   CandidateJudge judge_;
   std::uint32_t cluster_ = 0;
-  std::vector<Member> members_;
+  std::vector<Projected> projected_;
   std::vector<std::uint64_t> order_;
   std::vector<Segment> segments_;
   std::vector<float> lo_, hi_;                        // along the first axis

@@ -48,15 +48,15 @@ inline bool sidesOf(const PlaneFilter& plane, const LaneTriangle& t, int side[3]
   return (plus == 15) | (minus == 15);
 }
 
-// False: certainly no vertex in common.
-inline bool mayShareVertex(const LaneTriangle& a, const LaneTriangle& b) {
-  return laneBits((b.x == a.x[0]) | (b.x == a.x[1]) | (b.x == a.x[2])) != 0;
+inline bool shareVertex(const LaneTriangle& a, const LaneTriangle& b) {
+  return laneBits(((b.x == a.x[0]) & (b.y == a.y[0]) & (b.z == a.z[0])) |
+                  ((b.x == a.x[1]) & (b.y == a.y[1]) & (b.z == a.z[1])) |
+                  ((b.x == a.x[2]) & (b.y == a.y[2]) & (b.z == a.z[2]))) != 0;
 }
 
 // Which vertices of two triangles are equal.
 inline SharedVertices sharedVertices(const LaneTriangle& a, const LaneTriangle& b) {
   SharedVertices shared;
-  if (!mayShareVertex(a, b)) return shared;
   const auto equalTo = [&](int i) { return (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]); };
   const IntLanes equal[3] = {equalTo(0), equalTo(1), equalTo(2)};
   const int in_b = laneBits(equal[0] | equal[1] | equal[2]);

@@ -8,15 +8,15 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Every regular triangle counts as a member of its lowest cluster alone.
-std::uint32_t homeCluster(const ClusterAssignment& assignment, std::uint32_t regular) {
-  return assignment.clusters[assignment.list_begin[regular]];
-}
-
+// Boxes of the triangles that are at home in each cluster.
 std::vector<Aabb> homeBoxes(const SweepInput& input) {
-  std::vector<Aabb> boxes(input.assignment.clusterCount());
-  for (std::uint32_t i = 0; i < input.split.regular.size(); ++i) {
-    boxes[homeCluster(input.assignment, i)].include(input.set.boxes[input.split.regular[i]]);
+  const ClusterAssignment& assignment = input.assignment;
+  std::vector<Aabb> boxes(assignment.clusterCount());
+  for (std::uint32_t g = 0; g < boxes.size(); ++g) {
+    for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1]; ++m) {
+      const ClusterMember& member = assignment.members[m];
+      if (assignment.isHome(member, g)) boxes[g].include(input.set.boxes[member.triangle]);
+    }
   }
   return boxes;
 }
@@ -73,8 +73,8 @@ void sweepLargeTriangles(const SweepInput& input, SweepOutput& output) {
         if (!overlap(box, cluster_boxes[g])) continue;
         for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1];
              ++m) {
-          const std::uint32_t regular = assignment.members[m];
-          if (homeCluster(assignment, regular) == g) triangle.meet(input.split.regular[regular]);
+          const ClusterMember& member = assignment.members[m];
+          if (assignment.isHome(member, g)) triangle.meet(member.triangle);
         }
       }
     }
