@@ -15,34 +15,13 @@ void SweepOutput::add(const SweepOutput& part) {
   narrow_ms += part.narrow_ms;
 }
 
-Triangle CandidateJudge::received(std::uint32_t t) const {
-  const WorkingSet& set = input_.set;
-  const TriangleMesh& mesh = input_.scene.body(set.body[t]).mesh;
-  const std::uint32_t* corner = &mesh.triangles[3 * std::size_t{set.triangle[t]}];
-  Triangle triangle;
-  for (int k = 0; k < 3; ++k) {
-    const float* v = &mesh.vertices[3 * std::size_t{corner[k]}];
-    triangle.v[k] = {v[0], v[1], v[2]};
-  }
-  return triangle;
-}
-
 float CandidateJudge::marginOf(const Contender& a, const Contender& b) const {
   return std::max(input_.scene.body(a.body).margin_m, input_.scene.body(b.body).margin_m);
 }
 
 void CandidateJudge::judge(const Contender& a, const Contender& b) {
-  SharedVertices shared;
-  if (a.body == b.body) {
-    shared = sharedVertices(a.lanes, b.lanes);
-    if (shared.any && input_.set.as_received[a.body] == 0) {
-      // Adjacency is that of the coordinates as received; posing may have made different ones
-      // equal.
-      shared = sharedVertices(received(a.triangle), received(b.triangle));
-    }
-  }
-  if (shared.any) {
-    judgeAdjacent(a, b, shared);
+  if (sharedBits(a.vertex_id, b.vertex_id) != 0) {
+    judgeAdjacent(a, b);
   } else {
     ++output_.candidates;
     judgeSeparate(a, b);
@@ -55,7 +34,7 @@ void CandidateJudge::judge(const std::vector<Contender>& contenders, Hit* hits, 
   for (std::size_t h = 0; h < count; ++h) {
     const Hit hit = hits[h];
     const Contender &a = contenders[hit.a], &b = contenders[hit.b];
-    const bool neighbour = (a.body == b.body) & shareVertex(a.lanes, b.lanes);
+    const bool neighbour = sharedBits(a.vertex_id, b.vertex_id) != 0;
     neighbours_[neighbours] = hit;
     neighbours += neighbour;
     hits[separate] = hit;
@@ -74,11 +53,8 @@ void CandidateJudge::judge(const std::vector<Contender>& contenders, Hit* hits, 
   for (std::size_t h = 0; h < undecided; ++h) {
     judgeSeparate(contenders[hits[h].a], contenders[hits[h].b]);
   }
-  const bool skip = input_.options.adjacent == AdjacentPairs::kSkip;
   for (std::size_t h = 0; h < neighbours; ++h) {
-    const std::uint32_t body = contenders[neighbours_[h].a].body;
-    if (skip && input_.set.as_received[body] != 0) continue;
-    judge(contenders[neighbours_[h].a], contenders[neighbours_[h].b]);
+    judgeAdjacent(contenders[neighbours_[h].a], contenders[neighbours_[h].b]);
   }
 }
 
@@ -94,13 +70,17 @@ void CandidateJudge::judgeSeparate(const Contender& a, const Contender& b) {
 }
 
 // Margins do not apply: neighbours in a mesh are always near.
-void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b,
-                                   const SharedVertices& shared) {
+void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b) {
   if (input_.options.adjacent == AdjacentPairs::kSkip) return;
   ++output_.candidates;
-  if (restOnOneSide(b.plane, a.lanes, shared.in_a) ||
-      restOnOneSide(a.plane, b.lanes, shared.in_b)) {
-    return;
+  const int in_a = sharedBits(a.vertex_id, b.vertex_id);
+  const int in_b = sharedBits(b.vertex_id, a.vertex_id);
+  if (restOnOneSide(b.plane, a.lanes, in_a) || restOnOneSide(a.plane, b.lanes, in_b)) return;
+  SharedVertices shared;
+  shared.any = true;
+  for (int i = 0; i < 3; ++i) {
+    shared.in_a[i] = (in_a >> i & 1) != 0;
+    shared.in_b[i] = (in_b >> i & 1) != 0;
   }
   state_ = {input_.options.predicates};
   report(

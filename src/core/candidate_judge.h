@@ -41,13 +41,15 @@ struct SweepOutput {
 // A triangle as the narrow phase wants it.
 struct Contender {
   LaneTriangle lanes;
+  IntLanes vertex_id;
   PlaneFilter plane;
   std::uint32_t triangle = 0;  // in the working set
   std::uint32_t body = 0;
 
   Contender() = default;
-  Contender(const Triangle& posed, std::uint32_t t, std::uint32_t body_of_t)
-      : lanes(posed), plane(posed), triangle(t), body(body_of_t) {}
+  Contender(const Triangle& posed, const std::uint32_t id[3], std::uint32_t t,
+            std::uint32_t body_of_t)
+      : lanes(posed), vertex_id(identityLanes(id)), plane(posed), triangle(t), body(body_of_t) {}
 };
 
 // Two positions in an array of contenders.
@@ -68,10 +70,9 @@ class CandidateJudge {
 
  private:
   void judgeSeparate(const Contender& a, const Contender& b);
-  void judgeAdjacent(const Contender& a, const Contender& b, const SharedVertices& shared);
+  void judgeAdjacent(const Contender& a, const Contender& b);
   void report(const Contender& a, const Contender& b, const Verdict& verdict);
   float marginOf(const Contender& a, const Contender& b) const;
-  Triangle received(std::uint32_t t) const;
 
   const SweepInput& input_;
   SweepOutput& output_;

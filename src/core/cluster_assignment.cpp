@@ -118,7 +118,14 @@ void ClusterAssigner::collectMembers(const WorkingSet& set, const SizeSplit& spl
     std::uint32_t list = list_begin[b];
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t t = split.regular[i], size = block.length[i - begin];
-      const ClusterMember member{set.posed(t), t, set.body[t], list, size};
+      const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
+      const ClusterMember member{
+          set.posed(t),
+          {set.vertex_id[corner[0]], set.vertex_id[corner[1]], set.vertex_id[corner[2]]},
+          t,
+          set.body[t],
+          list,
+          size};
       for (std::uint32_t k = 0; k < size; ++k) {
         assignment.members[block.members[assignment.lists[list + k]]++] = member;
       }

@@ -14,6 +14,7 @@ namespace deformable_contact_monitor {
 // One triangle in one cluster, with all that the sweep needs of it in one place.
 struct ClusterMember {
   Triangle posed;
+  std::uint32_t vertex_id[3];
   std::uint32_t triangle;  // in the working set
   std::uint32_t body;
   // The clusters that the triangle is in, ascending: lists[list_begin ... + list_size).

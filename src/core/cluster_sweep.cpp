@@ -86,7 +86,7 @@ void ClusterSweeper::sortMembers() {
     const PackedBox packed = pack(quantiser, &projected.interval[1]);
     packed_lo_[i] = packed.lo;
     packed_hi_[i] = packed.hi;
-    contenders_[i] = Contender(member.posed, member.triangle, member.body);
+    contenders_[i] = Contender(member.posed, member.vertex_id, member.triangle, member.body);
     // Not looked up: computing it is faster than a cache miss.
     boxes_[i] = inflated(boxOf(member.posed), input_.scene.body(member.body).margin_m);
     clusters_[i] = &assignment.lists[member.list_begin];

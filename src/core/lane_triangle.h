@@ -1,7 +1,8 @@
 // A triangle spread over vector lanes: the CPU's form for the filters that most pairs end in.
 #pragma once
 
-#include "core/adjacency.h"
+#include <cstdint>
+
 #include "core/plane_filter.h"
 #include "core/triangle.h"
 
@@ -48,34 +49,25 @@ inline bool sidesOf(const PlaneFilter& plane, const LaneTriangle& t, int side[3]
   return (plus == 15) | (minus == 15);
 }
 
-inline bool shareVertex(const LaneTriangle& a, const LaneTriangle& b) {
-  return laneBits(((b.x == a.x[0]) & (b.y == a.y[0]) & (b.z == a.z[0])) |
-                  ((b.x == a.x[1]) & (b.y == a.y[1]) & (b.z == a.z[1])) |
-                  ((b.x == a.x[2]) & (b.y == a.y[2]) & (b.z == a.z[2]))) != 0;
+// Identities of three vertices; the fourth lane repeats the third.
+inline IntLanes identityLanes(const std::uint32_t id[3]) {
+  return IntLanes{static_cast<int>(id[0]), static_cast<int>(id[1]), static_cast<int>(id[2]),
+                  static_cast<int>(id[2])};
 }
 
-// Which vertices of two triangles are equal.
-inline SharedVertices sharedVertices(const LaneTriangle& a, const LaneTriangle& b) {
-  SharedVertices shared;
-  const auto equalTo = [&](int i) { return (b.x == a.x[i]) & (b.y == a.y[i]) & (b.z == a.z[i]); };
-  const IntLanes equal[3] = {equalTo(0), equalTo(1), equalTo(2)};
-  const int in_b = laneBits(equal[0] | equal[1] | equal[2]);
-  if (in_b == 0) return shared;
-  shared.any = true;
-  for (int i = 0; i < 3; ++i) {
-    shared.in_a[i] = laneBits(equal[i]) != 0;
-    shared.in_b[i] = (in_b >> i & 1) != 0;
-  }
-  return shared;
+// Which of a's vertices, as bits, are also b's.
+inline int sharedBits(const IntLanes& a, const IntLanes& b) {
+  return laneBits((a == b) | (a == __builtin_shufflevector(b, b, 1, 2, 0, 0)) |
+                  (a == __builtin_shufflevector(b, b, 2, 0, 1, 1)));
 }
 
 // Are the vertices that are not shared certainly all on one side of a plane through the shared
 // ones? True also if there are none.
-inline bool restOnOneSide(const PlaneFilter& plane, const LaneTriangle& t, const bool in_t[3]) {
-  const IntLanes shared = {-in_t[0], -in_t[1], -in_t[2], -in_t[2]};
+inline bool restOnOneSide(const PlaneFilter& plane, const LaneTriangle& t, int shared_bits) {
   FloatLanes value, error;
   plane.distance(t.x, t.y, t.z, value, error);
-  return allLanes((value > error) | shared) || allLanes((value < -error) | shared);
+  return ((laneBits(value > error) | shared_bits) == 15) |
+         ((laneBits(value < -error) | shared_bits) == 15);
 }
 
 }  // namespace deformable_contact_monitor

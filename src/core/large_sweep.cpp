@@ -21,12 +21,19 @@ std::vector<Aabb> homeBoxes(const SweepInput& input) {
   return boxes;
 }
 
+Contender contender(const WorkingSet& set, std::uint32_t t) {
+  const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
+  const std::uint32_t id[3] = {set.vertex_id[corner[0]], set.vertex_id[corner[1]],
+                               set.vertex_id[corner[2]]};
+  return {set.posed(t), id, t, set.body[t]};
+}
+
 // One large triangle against others: boxes, then the verdict.
 class LargeTriangle {
  public:
   LargeTriangle(const SweepInput& input, std::uint32_t t, SweepOutput& output)
       : input_(input),
-        triangle_(input.set.posed(t), t, input.set.body[t]),
+        triangle_(contender(input.set, t)),
         box_(input.set.boxes[t]),
         output_(output),
         judge_(input, output) {}
@@ -37,7 +44,7 @@ class LargeTriangle {
     const std::vector<std::uint32_t>& group = input_.groups.group;
     if (overlap(box_, set.boxes[other]) &&
         input_.groups.enabled[group[set.body[triangle_.triangle]]][group[set.body[other]]]) {
-      judge_.judge(triangle_, Contender(set.posed(other), other, set.body[other]));
+      judge_.judge(triangle_, contender(set, other));
     }
   }
 

@@ -1,6 +1,7 @@
 #include "core/working_set.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/parallel.h"
 
@@ -139,6 +140,19 @@ void WorkingSetBuilder::poseBody(const Body& body, std::uint32_t first,
                  });
 }
 
+// Only a body's own triangles ask which vertices they share.
+void WorkingSetBuilder::identifyVertices(const Body& body, bool self, std::uint32_t first,
+                                         WorkingSet& set) {
+  if (!self) {
+    std::iota(set.vertex_id.begin() + first, set.vertex_id.end(), first);
+    return;
+  }
+  identity_.identify(body.mesh.vertices, least_equal_);
+  for (std::size_t i = 0; i < least_equal_.size(); ++i) {
+    set.vertex_id[first + i] = first + least_equal_[i];
+  }
+}
+
 void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& counters) {
   updateLocalBoxes(scene);
   const std::size_t body_count = scene.bodyCount();
@@ -152,8 +166,8 @@ void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& cou
   set.triangle.clear();
   set.boxes.clear();
   set.vertices.clear();
+  set.vertex_id.clear();
   set.first_vertex.assign(body_count, 0);
-  set.as_received.assign(body_count, 0);
   counters.triangles = scene.triangleCount();
   for (BodyId id = 0; id < body_count; ++id) {
     const Body& body = scene.body(id);
@@ -171,9 +185,10 @@ void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& cou
     }
     const auto first = static_cast<std::uint32_t>(set.vertices.size());
     set.first_vertex[id] = first;
-    set.as_received[id] = static_cast<char>(body.pose.isIdentity());
     set.vertices.resize(first + mesh.vertexCount());
     poseBody(body, first, set.vertices);
+    set.vertex_id.resize(set.vertices.size());
+    identifyVertices(body, partners.self, first, set);
     counters.posed += mesh.triangleCount();
 
     constexpr std::size_t kBlock = 8192;

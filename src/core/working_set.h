@@ -7,18 +7,19 @@
 #include "core/aabb.h"
 #include "core/detector.h"
 #include "core/scene.h"
+#include "core/vertex_identity.h"
 
 namespace deformable_contact_monitor {
 
 // Triangles of one cycle, in ascending (body, triangle) order. Boxes are of the posed float32
 // vertices, grown by the body's margin.
 struct WorkingSet {
-  std::vector<Vec3f> vertices;              // scene frame [m], of all bodies that take part
-  std::vector<std::uint32_t> corners;       // three indices into `vertices` per triangle
-  std::vector<std::uint32_t> body;          // per triangle
-  std::vector<std::uint32_t> triangle;      // per triangle: its id in the body
-  std::vector<Aabb> boxes;                  // per triangle
-  std::vector<char> as_received;            // per body: its pose is the identity
+  std::vector<Vec3f> vertices;           // scene frame [m], of all bodies that take part
+  std::vector<std::uint32_t> vertex_id;  // per vertex: equal iff of one body and equal as received
+  std::vector<std::uint32_t> corners;    // three indices into `vertices` per triangle
+  std::vector<std::uint32_t> body;       // per triangle
+  std::vector<std::uint32_t> triangle;   // per triangle: its id in the body
+  std::vector<Aabb> boxes;               // per triangle
   std::vector<std::uint32_t> first_vertex;  // per body: where its vertices begin in `vertices`
 
   std::size_t size() const { return triangle.size(); }
@@ -45,7 +46,11 @@ class WorkingSetBuilder {
   void updateLocalBoxes(const Scene& scene);
   void poseBody(const Body& body, std::uint32_t first, std::vector<Vec3f>& vertices) const;
 
+  void identifyVertices(const Body& body, bool self, std::uint32_t first, WorkingSet& set);
+
   std::vector<LocalBox> local_boxes_;
+  VertexIdentity identity_;
+  std::vector<std::uint32_t> least_equal_;
 };
 
 }  // namespace deformable_contact_monitor

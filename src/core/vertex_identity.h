@@ -1,0 +1,21 @@
+// Which vertices of a mesh are the same point, by coordinates as received: so a polygon soup
+// behaves like a welded mesh.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+// Keeps its table from call to call.
+class VertexIdentity {
+ public:
+  // For each vertex (x y z each) the least index of a vertex with equal coordinates; -0 equals 0.
+  // A vertex that is not finite is equal to none.
+  void identify(const std::vector<float>& xyz, std::vector<std::uint32_t>& least_equal);
+
+ private:
+  std::vector<std::uint32_t> table_;  // open addressing; a vertex index, or kFree
+};
+
+}  // namespace deformable_contact_monitor
