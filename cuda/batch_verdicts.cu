@@ -16,7 +16,7 @@ __global__ void __launch_bounds__(kThreads)
   PredicateState state;
   state.mode = predicates;
   const Verdict verdict = pairVerdict(pair.a, pair.b, pair.same_body, adjacent, margin_m, state);
-  verdicts[i] = {verdict.contact, state.exact > 0, verdict.separation_m};
+  verdicts[i] = {verdict.contact ? 1U : 0U, state.exact > 0 ? 1U : 0U, verdict.separation_m};
 }
 
 }  // namespace

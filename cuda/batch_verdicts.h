@@ -15,9 +15,10 @@ struct VerdictQuestion {
 };
 
 struct BatchVerdict {
-  bool contact = false;
-  bool exact = false;      // the floating-point filters could not decide
-  float separation_m = 0;  // of a contact; 0: they intersect
+  // Words, so that no padding goes over the bus uninitialised.
+  std::uint32_t contact = 0;  // 1: they are in contact
+  std::uint32_t exact = 0;    // 1: the floating-point filters could not decide
+  float separation_m = 0;     // of a contact; 0: they intersect
 };
 
 // One verdict per pair, in their order. `margin_m` >= 0. Throws CudaError where there is no usable

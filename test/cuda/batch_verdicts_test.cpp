@@ -63,7 +63,9 @@ TEST(BatchVerdicts, AreTheHostsOrSayWhyNot) {
         state.mode = predicates;
         const Verdict host =
             pairVerdict(pairs[i].a, pairs[i].b, pairs[i].same_body, adjacent, 0, state);
-        wrong += host.contact != verdicts[i].contact || (state.exact > 0) != verdicts[i].exact;
+        wrong += host.contact != (verdicts[i].contact == 1) ||
+                 (state.exact > 0) != (verdicts[i].exact == 1) ||
+                 host.separation_m != verdicts[i].separation_m;
         contacts += host.contact;
         exact += state.exact > 0;
       }
