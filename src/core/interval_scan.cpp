@@ -51,7 +51,8 @@ DCM_WIDE_CLONES std::size_t scanRow(std::uint32_t row, PackedBox box, const std:
           (guarded - chunk_lo[k]) & ((chunk_hi[k] | kPackedGuard) - box.lo) & kPackedGuard;
       hit[k] = both == kPackedGuard;
     }
-    // Nor a branch on what was found: eight hits are written, as many are kept as there are.
+    // Nor a branch on what was found: eight hits are written, as many are kept as there are. The
+    // product gathers the eight flags as bits (little-endian).
     for (std::uint32_t k = 0; k < kScanChunk; k += 8) {
       std::uint64_t word;
       std::memcpy(&word, hit + k, 8);

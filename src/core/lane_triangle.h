@@ -20,8 +20,6 @@ inline int laneBits(const IntLanes& mask) {
 #endif
 }
 
-inline bool allLanes(const IntLanes& mask) { return laneBits(mask) == 15; }
-
 // The fourth lane repeats the third vertex.
 struct LaneTriangle {
   FloatLanes x, y, z;

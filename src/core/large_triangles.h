@@ -20,7 +20,7 @@ struct SizeSplit {
 };
 
 // Large: 32 times the median extent, or 64 times the median distance from the middle of the scene.
-// Where more than a 64th of the scene would be, the bounds are raised until it is not.
+// Where more than 64 and a 64th of the scene would be, the bounds are raised until it is not.
 void splitBySize(const WorkingSet& set, SizeSplit& split);
 
 }  // namespace deformable_contact_monitor
