@@ -29,13 +29,13 @@ std::vector<BatchVerdict> batchVerdicts(const std::vector<VerdictQuestion>& pair
   if (pairs.empty()) return verdicts;
   DeviceBuffer<VerdictQuestion> device_pairs(pairs.size());
   DeviceBuffer<BatchVerdict> device_verdicts(pairs.size());
-  device_pairs.upload(pairs.data(), stream.get());
+  device_pairs.upload(pairs.data(), pairs.size(), stream.get());
   const auto count = static_cast<unsigned>(pairs.size());
   const unsigned blocks = (count + kThreads - 1) / kThreads;
   verdictKernel<<<blocks, kThreads, 0, stream.get()>>>(
       device_pairs.data(), count, adjacent, predicates, margin_m, device_verdicts.data());
   checkCuda(cudaGetLastError(), "verdictKernel");
-  device_verdicts.download(verdicts.data(), stream.get());
+  device_verdicts.download(verdicts.data(), verdicts.size(), stream.get());
   stream.synchronise();
   return verdicts;
 }

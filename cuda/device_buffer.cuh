@@ -1,4 +1,4 @@
-// Owning device memory, and the check that every CUDA call goes through.
+// Owning device and pinned memory, streams, and the check that every CUDA call goes through.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -16,13 +16,12 @@ inline void checkCuda(cudaError_t status, const char* call) {
   }
 }
 
-// A device array of fixed size, on the current device.
+// A device array on the current device. Not for use while the device works on it.
 template <class T>
 class DeviceBuffer {
  public:
-  explicit DeviceBuffer(std::size_t size) : size_(size) {
-    if (size > 0) checkCuda(cudaMalloc(&data_, size * sizeof(T)), "cudaMalloc");
-  }
+  DeviceBuffer() = default;
+  explicit DeviceBuffer(std::size_t size) { grow(size); }
   DeviceBuffer(const DeviceBuffer&) = delete;
   DeviceBuffer& operator=(const DeviceBuffer&) = delete;
   ~DeviceBuffer() { cudaFree(data_); }
@@ -30,14 +29,62 @@ class DeviceBuffer {
   T* data() { return data_; }
   const T* data() const { return data_; }
   std::size_t size() const { return size_; }
+  std::size_t bytes() const { return size_ * sizeof(T); }
 
-  void upload(const T* from, cudaStream_t stream) {
-    checkCuda(cudaMemcpyAsync(data_, from, size_ * sizeof(T), cudaMemcpyHostToDevice, stream),
-              "cudaMemcpyAsync to the device");
+  // To at least `size` elements; then all of them are zero, whatever they were. True if it moved.
+  bool grow(std::size_t size) {
+    if (size <= size_) return false;
+    cudaFree(data_);
+    data_ = nullptr;
+    size_ = 0;
+    checkCuda(cudaMalloc(&data_, size * sizeof(T)), "cudaMalloc");
+    size_ = size;
+    checkCuda(cudaMemset(data_, 0, bytes()), "cudaMemset");
+    // The detectors' streams do not wait for the default one.
+    checkCuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+    return true;
   }
-  void download(T* to, cudaStream_t stream) const {
-    checkCuda(cudaMemcpyAsync(to, data_, size_ * sizeof(T), cudaMemcpyDeviceToHost, stream),
+
+  void upload(const T* from, std::size_t count, cudaStream_t stream, std::size_t first = 0) {
+    if (count == 0) return;
+    checkCuda(
+        cudaMemcpyAsync(data_ + first, from, count * sizeof(T), cudaMemcpyHostToDevice, stream),
+        "cudaMemcpyAsync to the device");
+  }
+  void download(T* to, std::size_t count, cudaStream_t stream) const {
+    if (count == 0) return;
+    checkCuda(cudaMemcpyAsync(to, data_, count * sizeof(T), cudaMemcpyDeviceToHost, stream),
               "cudaMemcpyAsync to the host");
+  }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+// Page-locked host memory, which copies run from and to while the host goes on; kernels may write
+// to it too.
+template <class T>
+class PinnedBuffer {
+ public:
+  PinnedBuffer() = default;
+  explicit PinnedBuffer(std::size_t size) { grow(size); }
+  PinnedBuffer(const PinnedBuffer&) = delete;
+  PinnedBuffer& operator=(const PinnedBuffer&) = delete;
+  ~PinnedBuffer() { cudaFreeHost(data_); }
+
+  T* data() { return data_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  std::size_t size() const { return size_; }
+
+  // To at least `size` elements, uninitialised.
+  void grow(std::size_t size) {
+    if (size <= size_) return;
+    cudaFreeHost(data_);
+    data_ = nullptr;
+    size_ = 0;
+    checkCuda(cudaHostAlloc(&data_, size * sizeof(T), cudaHostAllocMapped), "cudaHostAlloc");
+    size_ = size;
   }
 
  private:
@@ -61,5 +108,41 @@ class CudaStream {
  private:
   cudaStream_t stream_ = nullptr;
 };
+
+class CudaEvent {
+ public:
+  CudaEvent() { checkCuda(cudaEventCreate(&event_), "cudaEventCreate"); }
+  CudaEvent(const CudaEvent&) = delete;
+  CudaEvent& operator=(const CudaEvent&) = delete;
+  ~CudaEvent() { cudaEventDestroy(event_); }
+
+  void record(cudaStream_t stream) {
+    checkCuda(cudaEventRecord(event_, stream), "cudaEventRecord");
+  }
+  // Makes what is put into the stream from now on wait for what was before the record.
+  void makeWait(cudaStream_t stream) const {
+    checkCuda(cudaStreamWaitEvent(stream, event_), "cudaStreamWaitEvent");
+  }
+  // [ms], of two events that have passed.
+  static double between(const CudaEvent& start, const CudaEvent& end) {
+    float ms = 0;
+    checkCuda(cudaEventElapsedTime(&ms, start.event_, end.event_), "cudaEventElapsedTime");
+    return ms;
+  }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+// How many blocks of a kernel the device holds at once.
+template <class Kernel>
+unsigned blocksInOneWave(Kernel kernel, unsigned threads, std::size_t shared_bytes,
+                         unsigned multiprocessors) {
+  int each = 0;
+  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, kernel, static_cast<int>(threads),
+                                                          shared_bytes),
+            "cudaOccupancyMaxActiveBlocksPerMultiprocessor");
+  return multiprocessors * static_cast<unsigned>(each > 0 ? each : 1);
+}
 
 }  // namespace deformable_contact_monitor

@@ -23,7 +23,6 @@ void CandidateJudge::judge(const Contender& a, const Contender& b) {
   if (sharedBits(a.vertex_id, b.vertex_id) != 0) {
     judgeAdjacent(a, b);
   } else {
-    ++output_.candidates;
     judgeSeparate(a, b);
   }
 }
@@ -40,7 +39,6 @@ void CandidateJudge::judge(const std::vector<Contender>& contenders, Hit* hits, 
     hits[separate] = hit;
     separate += !neighbour;
   }
-  output_.candidates += separate;
   const bool margins =
       std::any_of(input_.slack.begin(), input_.slack.end(), [](float slack) { return slack > 0; });
   for (std::size_t h = 0; h < separate; ++h) {
@@ -63,6 +61,7 @@ void CandidateJudge::judgeSeparate(const Contender& a, const Contender& b) {
   KnownSides sides;
   const bool apart = sidesOf(b.plane, a.lanes, sides.a) || sidesOf(a.plane, b.lanes, sides.b);
   if (apart && margin_m == 0) return;
+  ++output_.candidates;
   state_ = {input_.options.predicates};
   report(a, b,
          separateVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle), sides,
@@ -72,10 +71,10 @@ void CandidateJudge::judgeSeparate(const Contender& a, const Contender& b) {
 // Margins do not apply: neighbours in a mesh are always near.
 void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b) {
   if (input_.options.adjacent == AdjacentPairs::kSkip) return;
-  ++output_.candidates;
   const int in_a = sharedBits(a.vertex_id, b.vertex_id);
   const int in_b = sharedBits(b.vertex_id, a.vertex_id);
   if (restOnOneSide(b.plane, a.lanes, in_a) || restOnOneSide(a.plane, b.lanes, in_b)) return;
+  ++output_.candidates;
   SharedVertices shared;
   shared.any = true;
   for (int i = 0; i < 3; ++i) {
@@ -85,8 +84,7 @@ void CandidateJudge::judgeAdjacent(const Contender& a, const Contender& b) {
   state_ = {input_.options.predicates};
   report(
       a, b,
-      {meetBeyondShared(input_.set.posed(a.triangle), input_.set.posed(b.triangle), shared, state_),
-       0});
+      adjacentVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle), shared, state_));
 }
 
 void CandidateJudge::report(const Contender& a, const Contender& b, const Verdict& verdict) {

@@ -11,10 +11,6 @@ namespace {
 constexpr std::size_t kBlock = 4096;
 constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 
-Vec3f shrunk(const Vec3f& centroid, const Vec3f& v, float overlap) {
-  return centroid + (v - centroid) * overlap;
-}
-
 }  // namespace
 
 std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale) {
@@ -67,19 +63,9 @@ void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const Si
         block.lists.push_back(w[0].cluster);
         continue;
       }
-      HalfSpaceRule rule;
-      for (int k = 0; k < 3; ++k) rule.v[k] = scaled_[corner[k]];
-      const float body_slack = slack[set.body[t]];
-      std::uint32_t first = w[0].cluster;
-      if (overlap < 1) {
-        const Vec3f centroid = (rule.v[0] + rule.v[1] + rule.v[2]) * (1.0F / 3);
-        for (Vec3f& v : rule.v) v = shrunk(centroid, v, overlap);
-        first = nearestPrototype(view, centroid, first, body_slack).cluster;
-        rule.addCompetitor(view.prototypes[first], body_slack);
-      }
-      for (const Winner& winner : w) {
-        rule.addCompetitor(view.prototypes[winner.cluster], body_slack);
-      }
+      const Vec3f v[3] = {scaled_[corner[0]], scaled_[corner[1]], scaled_[corner[2]]};
+      std::uint32_t first;
+      const HalfSpaceRule rule = ruleFor(view, v, w, overlap, slack[set.body[t]], first);
       const std::size_t before = block.lists.size();
       forEachAdmitted(view, rule, first, [&](std::uint32_t g) { block.lists.push_back(g); });
       std::sort(block.lists.begin() + static_cast<std::ptrdiff_t>(before), block.lists.end());

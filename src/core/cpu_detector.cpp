@@ -9,6 +9,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "core/cluster_count.h"
 #include "core/cluster_sweep.h"
 #include "core/fuzzy_clustering.h"
 #include "core/large_sweep.h"
@@ -25,21 +26,7 @@ double milliseconds(Clock::duration d) {
   return std::chrono::duration<double, std::milli>(d).count();
 }
 
-// Triangles per cluster that a CPU core likes best, the most clusters that pay, and the size below
-// which one cluster does.
-constexpr std::size_t kTrianglesPerCluster = 360;
-constexpr std::size_t kMostAutomaticClusters = 2048;
-constexpr std::size_t kOneClusterBelow = 600;
-
-std::size_t clusterCountFor(const Options& options, std::size_t triangles, std::size_t current) {
-  if (options.clusters > 0) {
-    return std::min<std::size_t>(static_cast<std::size_t>(options.clusters), triangles);
-  }
-  if (triangles < kOneClusterBelow) return std::min<std::size_t>(triangles, 1);
-  const std::size_t wanted = std::min(kMostAutomaticClusters, triangles / kTrianglesPerCluster + 1);
-  // Keep what is about right: a new count costs a cold start.
-  return 3 * current > 2 * wanted && 2 * current < 3 * wanted ? current : wanted;
-}
+constexpr ClusterCountPolicy kClusterCounts{360, 2048, 600};
 
 class CpuDetector : public Detector {
  public:
@@ -94,7 +81,8 @@ const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& op
 // Fuzzy c-means on centroids evenly spread over the order of the triangles, from last cycle's
 // prototypes if there are as many as wanted.
 void CpuDetector::refreshPrototypes(const Options& options) {
-  const std::size_t count = clusterCountFor(options, split_.regular.size(), prototypes_.size());
+  const std::size_t count =
+      clusterCountFor(options, kClusterCounts, split_.regular.size(), prototypes_.size());
   const bool cold = prototypes_.size() != count;
   std::vector<Vec3f> scaled;
   for (const Vec3d& p : prototypes_) {

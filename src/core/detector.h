@@ -41,9 +41,9 @@ struct Counters {
   std::uint64_t cluster_entries = 0;  // sum of the clusters' sizes
   std::uint64_t largest_cluster = 0;
   std::uint64_t interval_overlaps = 0;  // pairs that the sweeps along the principal axes visited
-  std::uint64_t candidates = 0;         // pairs that reached a triangle-triangle predicate
-  std::uint64_t exact = 0;              // of them, undecided by the floating-point filters
-  std::uint64_t undecided = 0;          // conservative predicates: assumed to be contacts
+  std::uint64_t candidates = 0;  // pairs that boxes and float32 plane filters left to predicates
+  std::uint64_t exact = 0;       // of them, undecided by the floating-point filters
+  std::uint64_t undecided = 0;   // conservative predicates: assumed to be contacts
 };
 
 struct DetectionResult {
@@ -51,12 +51,16 @@ struct DetectionResult {
   // Distance of each contact's triangles [m], 0 where they intersect; empty while no body has a
   // margin: then all of them intersect.
   std::vector<float> separations_m;
+  // Contacts that were found and counted but are not in the list: the backend's memory limit was
+  // reached. Which ones is arbitrary.
+  std::uint64_t left_out = 0;
   bool guaranteed = false;  // the settings in force cannot lose a contact
   Counters counters;
   // Stage times [ms] of the cycle, in order of execution.
   std::vector<std::pair<std::string, double>> stages_ms;
-  double detect_ms = 0;      // vertices in the backend's memory to contacts there
-  double round_trip_ms = 0;  // scene on the host to sorted contacts on the host
+  double detect_ms = 0;            // vertices in the backend's memory to contacts there
+  std::uint64_t memory_bytes = 0;  // in use on a device; 0 where that is not counted
+  double round_trip_ms = 0;        // scene on the host to sorted contacts on the host
 };
 
 // A detector keeps buffers and prototypes from cycle to cycle. One thread at a time.

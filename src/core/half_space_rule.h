@@ -38,13 +38,17 @@ DCM_HD inline float reach2(const Vec3f& v, float d2, float slack) {
 struct HalfSpaceRule {
   static constexpr int kCompetitors = 4;
   Vec3f v[3];
-  float reach2[kCompetitors][3];
+  float reach2[kCompetitors][3] = {};
   int competitors = 0;
 
+  // Places in the array are constants in these two, so that it can live in registers.
   DCM_HD void addCompetitor(const Vec3f& prototype, float slack) {
-    for (int i = 0; i < 3; ++i) {
-      reach2[competitors][i] =
-          deformable_contact_monitor::reach2(v[i], squaredDistance(v[i], prototype), slack);
+    for (int k = 0; k < kCompetitors; ++k) {
+      if (k != competitors) continue;
+      for (int i = 0; i < 3; ++i) {
+        reach2[k][i] =
+            deformable_contact_monitor::reach2(v[i], squaredDistance(v[i], prototype), slack);
+      }
     }
     ++competitors;
   }
@@ -52,11 +56,13 @@ struct HalfSpaceRule {
   DCM_HD bool admits(const Vec3f& prototype) const {
     float d2[3];
     for (int i = 0; i < 3; ++i) d2[i] = squaredDistance(v[i], prototype);
-    for (int k = 0; k < competitors; ++k) {
+    bool admitted = true;
+    for (int k = 0; k < kCompetitors; ++k) {
       // Written so that NaN admits.
-      if (d2[0] > reach2[k][0] && d2[1] > reach2[k][1] && d2[2] > reach2[k][2]) return false;
+      const bool beyond = d2[0] > reach2[k][0] && d2[1] > reach2[k][1] && d2[2] > reach2[k][2];
+      admitted = admitted && (k >= competitors || !beyond);
     }
-    return true;
+    return admitted;
   }
 
   // No admitted prototype is farther than this from the first competitor, `prototype`.
@@ -70,19 +76,27 @@ struct HalfSpaceRule {
 };
 
 // One entry of a prototype's list of neighbours, nearest first.
-struct Neighbour {
+struct alignas(16) Neighbour {
   Vec3f prototype;
-  float distance = 0;  // between the two prototypes
-  std::uint32_t cluster = 0;
+  float distance = NAN;  // between the two prototypes; NaN: the list has ended
 };
 
+constexpr std::uint32_t kMostNeighbours = 128;
+
+// The square of a distance: two prototypes closer than this, in a scene of size 2, would only share
+// all their triangles.
+constexpr float kCoincident2 = 1e-12F;
+
 // Prototypes and, for each, its nearest others. A list that does not reach far enough is no error:
-// the search then goes over all prototypes.
+// the search then goes on elsewhere.
 struct PrototypesView {
   const Vec3f* prototypes;
-  const Neighbour* neighbours;  // `neighbour_count` per prototype
+  const float* list_reach;  // per prototype: all others that are nearer than this are on its list
+  const Neighbour* neighbours;             // kMostNeighbours per prototype
+  const std::uint32_t* neighbour_cluster;  // likewise: whose prototype it is
   std::uint32_t count;
-  std::uint32_t neighbour_count;
+
+  DCM_HD std::size_t listBegin(std::uint32_t g) const { return std::size_t{g} * kMostNeighbours; }
 };
 
 // The nearest prototype of a point, and whether another one is as near, for all that rounding can
@@ -92,66 +106,155 @@ struct Winner {
   bool tied = false;
 };
 
-DCM_HD inline Winner nearestPrototype(const PrototypesView& view, const Vec3f& v,
-                                      std::uint32_t start, float slack) {
-  std::uint32_t best = start;
-  float best2 = squaredDistance(v, view.prototypes[start]), second2 = 3e38F;
-  const float start_distance = sqrtf(best2);
-  const auto consider = [&](std::uint32_t g, const Vec3f& prototype) {
-    const float d2 = squaredDistance(v, prototype);
-    if (d2 < best2) {
-      second2 = best2;
-      best2 = d2;
-      best = g;
+// The least and the second least squared distance of a point, and whose the least is.
+struct Nearest {
+  std::uint32_t cluster = 0;
+  float least2 = 3e38F, second2 = 3e38F;
+
+  DCM_HD void consider(std::uint32_t g, float d2) {
+    if (d2 < least2) {
+      second2 = least2;
+      least2 = d2;
+      cluster = g;
     } else {
       second2 = least(second2, d2);
     }
-  };
-  // A prototype that wins or ties is at most this far from the starting one.
-  const auto bound = [&] {
-    return (start_distance + sqrtf(reach2(v, best2, slack))) * (1 + 1e-5F);
-  };
-  const Neighbour* list = view.neighbours + std::size_t{start} * view.neighbour_count;
-  float limit = bound();
-  bool exhausted = true;
-  for (std::uint32_t i = 0; i < view.neighbour_count; ++i) {
-    if (list[i].distance > limit) {
-      exhausted = false;
-      break;
-    }
-    const std::uint32_t before = best;
-    consider(list[i].cluster, list[i].prototype);
-    if (best != before) limit = bound();
   }
-  if (exhausted && view.neighbour_count + 1 < view.count) {
-    best = start;
-    best2 = squaredDistance(v, view.prototypes[start]);
-    second2 = 3e38F;
-    for (std::uint32_t g = 0; g < view.count; ++g) {
-      if (g != start) consider(g, view.prototypes[g]);
+  DCM_HD Winner winner(const Vec3f& v, float slack) const {
+    return {cluster, !(second2 > reach2(v, least2, slack))};
+  }
+};
+
+// Calls visit(place, neighbour) along the list of prototype g while neighbours are not farther from
+// it than limit(), which may fall meanwhile. Some at a time, so that their loads overlap.
+template <class Limit, class Visit>
+DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, const Limit& limit,
+                            const Visit& visit) {
+  constexpr std::uint32_t kAtATime = 8;
+  const std::size_t begin = view.listBegin(g);
+  for (std::uint32_t i = 0; i < kMostNeighbours; i += kAtATime) {
+    Neighbour n[kAtATime];
+    for (std::uint32_t k = 0; k < kAtATime; ++k) n[k] = view.neighbours[begin + i + k];
+    for (std::uint32_t k = 0; k < kAtATime; ++k) {
+      if (!(n[k].distance <= limit())) return;
+      visit(i + k, n[k].prototype);
     }
   }
-  return {best, !(second2 > reach2(v, best2, slack))};
 }
 
-// Calls add(g) for every cluster g that the rule admits; the rule's first competitor is the cluster
-// `first`. In no particular order, each once.
+// Walks from the list of `start` to the list of the nearest that is on it, until a list reaches far
+// enough to be sure. False if none does; then `nearest` is a good guess.
+DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std::uint32_t start,
+                                 float slack, Nearest& nearest) {
+  constexpr std::uint32_t kAtStart = ~std::uint32_t{0};
+  float least2_before = INFINITY;
+  while (true) {
+    nearest = {kAtStart, squaredDistance(v, view.prototypes[start])};
+    const float start_distance = sqrtf(nearest.least2);
+    // A prototype that wins or ties is at most this far from the starting one.
+    const auto bound = [&] {
+      return (start_distance + sqrtf(reach2(v, nearest.least2, slack))) * (1 + 1e-5F);
+    };
+    float limit = bound();
+    walkList(
+        view, start, [&limit] { return limit; },
+        [&](std::uint32_t place, const Vec3f& prototype) {
+          const float d2 = squaredDistance(v, prototype);
+          const bool nearer = d2 < nearest.least2;
+          nearest.consider(place, d2);
+          if (nearer) limit = bound();
+        });
+    const bool moved = nearest.cluster != kAtStart;
+    nearest.cluster =
+        moved ? view.neighbour_cluster[view.listBegin(start) + nearest.cluster] : start;
+    if (view.list_reach[start] > limit) return true;
+    // Nearer from step to step, by numbers of one kind: a rounded distance need not be the same
+    // wherever it is computed, and the walk must end.
+    if (!moved || !(nearest.least2 < least2_before)) return false;
+    least2_before = nearest.least2;
+    start = nearest.cluster;
+  }
+}
+
+// A good guess is fast, any is right.
+DCM_HD inline Winner nearestPrototype(const PrototypesView& view, const Vec3f& v,
+                                      std::uint32_t start, float slack) {
+  Nearest nearest;
+  if (!nearestListed(view, v, start, slack, nearest)) {
+    nearest = {0, squaredDistance(v, view.prototypes[0])};
+    for (std::uint32_t g = 1; g < view.count; ++g) {
+      nearest.consider(g, squaredDistance(v, view.prototypes[g]));
+    }
+  }
+  return nearest.winner(v, slack);
+}
+
+// The rule for a triangle with scaled vertices `v`, whose nearest prototypes are `w`; `overlap` in
+// [0, 1] is the share of it, about its centroid, that decides. `first` becomes the first
+// competitor.
+DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3], const Winner w[3],
+                                    float overlap, float slack, std::uint32_t& first) {
+  HalfSpaceRule rule;
+  for (int k = 0; k < 3; ++k) rule.v[k] = v[k];
+  std::uint32_t competitor[3] = {w[0].cluster, w[1].cluster, w[2].cluster};
+  if (overlap < 1) {
+    const Vec3f centroid = (v[0] + v[1] + v[2]) * (1.0F / 3);
+    for (Vec3f& x : rule.v) x = centroid + (x - centroid) * overlap;
+    first = nearestPrototype(view, centroid, competitor[0], slack).cluster;
+    rule.addCompetitor(view.prototypes[first], slack);
+  } else {
+    // The one whose farthest vertex is the nearest comes first: the search about it is the
+    // shortest.
+    float least2 = INFINITY;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3f p = view.prototypes[competitor[k]];
+      const float farthest2 =
+          most(squaredDistance(v[0], p), most(squaredDistance(v[1], p), squaredDistance(v[2], p)));
+      if (k > 0 && farthest2 < least2) {
+        const std::uint32_t former = competitor[0];
+        competitor[0] = competitor[k];
+        competitor[k] = former;
+      }
+      least2 = least(least2, farthest2);
+    }
+    first = competitor[0];
+  }
+  for (int k = 0; k < 3; ++k) rule.addCompetitor(view.prototypes[competitor[k]], slack);
+  return rule;
+}
+
+// Whether the list of the first competitor holds all clusters that the rule may admit.
+DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRule& rule,
+                                std::uint32_t first, float& radius) {
+  radius = rule.searchRadius(view.prototypes[first]);
+  return view.list_reach[first] > radius;
+}
+
+// Calls add(place) for each of the neighbours of the first competitor that the rule admits.
+template <class Add>
+DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRule& rule,
+                                 std::uint32_t first, float radius, const Add& add) {
+  walkList(
+      view, first, [radius] { return radius; },
+      [&](std::uint32_t place, const Vec3f& prototype) {
+        if (rule.admits(prototype)) add(place);
+      });
+}
+
+// Calls add(g) for every cluster g that the rule admits. In no particular order, each once.
 template <class Add>
 DCM_HD inline void forEachAdmitted(const PrototypesView& view, const HalfSpaceRule& rule,
                                    std::uint32_t first, const Add& add) {
-  const float radius = rule.searchRadius(view.prototypes[first]);
-  const Neighbour* list = view.neighbours + std::size_t{first} * view.neighbour_count;
-  const bool all =
-      view.neighbour_count + 1 < view.count && !(list[view.neighbour_count - 1].distance > radius);
-  if (all) {
-    for (std::uint32_t g = 0; g < view.count; ++g) {
-      if (rule.admits(view.prototypes[g])) add(g);
-    }
+  float radius;
+  if (listSuffices(view, rule, first, radius)) {
+    if (rule.admits(view.prototypes[first])) add(first);
+    forEachListed(view, rule, first, radius, [&](std::uint32_t place) {
+      add(view.neighbour_cluster[view.listBegin(first) + place]);
+    });
     return;
   }
-  if (rule.admits(view.prototypes[first])) add(first);
-  for (std::uint32_t i = 0; i < view.neighbour_count && !(list[i].distance > radius); ++i) {
-    if (rule.admits(list[i].prototype)) add(list[i].cluster);
+  for (std::uint32_t g = 0; g < view.count; ++g) {
+    if (rule.admits(view.prototypes[g])) add(g);
   }
 }
 

@@ -59,6 +59,7 @@ void splitBySize(const WorkingSet& set, SizeSplit& split) {
   split.large.clear();
   split.regular.clear();
   split.scale = SceneScale();
+  split.rule = SizeRule();
   if (set.size() == 0) return;
   const Usual usual = measure(set);
   constexpr std::size_t kBlock = 8192;
@@ -66,16 +67,14 @@ void splitBySize(const WorkingSet& set, SizeSplit& split) {
   const std::size_t blocks = blockCount(set.size(), kBlock);
   std::vector<std::size_t> large_in(blocks);
   std::vector<double> reach_in(blocks);
-  double most_extent = 32 * usual.extent, most_reach = 64 * usual.reach;
-  const auto isLarge = [&](const Aabb& box) {
-    return largestSide(box) > most_extent || reachFrom(usual.origin, box) > most_reach;
-  };
+  SizeRule& rule = split.rule;
+  rule = {usual.origin, 32 * usual.extent, 64 * usual.reach};
   while (true) {
     parallelBlocks(set.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
       large_in[b] = 0;
       reach_in[b] = 0;
       for (std::size_t i = begin; i < end; ++i) {
-        if (isLarge(set.boxes[i])) {
+        if (rule.isLarge(set.boxes[i])) {
           ++large_in[b];
         } else {
           reach_in[b] = std::max(reach_in[b], reachFrom(usual.origin, set.boxes[i]));
@@ -86,11 +85,11 @@ void splitBySize(const WorkingSet& set, SizeSplit& split) {
     for (const std::size_t n : large_in) large += n;
     if (large <= allowed) break;
     // From a scene whose usual size is zero, the next step up is any size at all.
-    most_extent = std::max(4 * most_extent, 1e-44);
-    most_reach = std::max(4 * most_reach, 1e-44);
+    rule.most_extent = std::max(4 * rule.most_extent, 1e-44);
+    rule.most_reach = std::max(4 * rule.most_reach, 1e-44);
   }
   for (std::uint32_t i = 0; i < set.size(); ++i) {
-    (isLarge(set.boxes[i]) ? split.large : split.regular).push_back(i);
+    (rule.isLarge(set.boxes[i]) ? split.large : split.regular).push_back(i);
   }
   split.scale.origin = usual.origin;
   const double reach = *std::max_element(reach_in.begin(), reach_in.end());

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 
+#include "core/exact_integers.h"
 #include "core/host_device.h"
 #include "core/options.h"
 #include "core/vector3.h"
@@ -60,15 +61,6 @@ DCM_HD inline int signOf(double value) { return (value > 0) - (value < 0); }
 
 namespace detail {
 
-// a - b, and whether it is exact.
-DCM_HD inline double exactDifference(double a, double b, bool& exact) {
-  const double d = a - b;
-  const double bv = a - d;
-  const double av = d + bv;
-  exact = exact && (a - av) + (bv - b) == 0;
-  return d;
-}
-
 // Adds sign * x * y * z exactly.
 template <int N>
 DCM_HD inline void addTriple(Expansion<N>& sum, double x, double y, double z) {
@@ -92,27 +84,24 @@ DCM_HD inline void addDeterminant(Expansion<N>& sum, const Vec3d& a, const Vec3d
 }  // namespace detail
 
 // Sign of det[b-a; c-a; d-a] by exact arithmetic alone.
-DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                         const Vec3f& d) {
-  bool exact = true;
-  const Vec3d u{detail::exactDifference(b.x, a.x, exact), detail::exactDifference(b.y, a.y, exact),
-                detail::exactDifference(b.z, a.z, exact)};
-  const Vec3d v{detail::exactDifference(c.x, a.x, exact), detail::exactDifference(c.y, a.y, exact),
-                detail::exactDifference(c.z, a.z, exact)};
-  const Vec3d w{detail::exactDifference(d.x, a.x, exact), detail::exactDifference(d.y, a.y, exact),
-                detail::exactDifference(d.z, a.z, exact)};
-  if (exact) {
-    Expansion<24> sum;
-    detail::addDeterminant(sum, u, v, w, 1);
-    return sum.sign();
-  }
-  // Coordinates of very different size: the four minors of the 4x4 determinant.
+DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                            const Vec3f& d) {
+  // The four minors of the 4x4 determinant.
   Expansion<48> sum;
   detail::addDeterminant(sum, toDouble(b), toDouble(c), toDouble(d), 1);
   detail::addDeterminant(sum, toDouble(a), toDouble(c), toDouble(d), -1);
   detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(d), 1);
   detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(c), -1);
   return sum.sign();
+}
+
+DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                         const Vec3f& d) {
+  const float x[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
+  std::int64_t i[12];
+  if (!toIntegers(x, i)) return orient3dExpanded(a, b, c, d);
+  for (int k = 3; k < 12; ++k) i[k] -= i[k % 3];
+  return determinantSign(i + 3, i + 6, i + 9);
 }
 
 constexpr int kUncertain = 2;
@@ -133,15 +122,18 @@ DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& 
   return permanent == 0 ? 0 : kUncertain;  // no term was rounded to zero: common in flat scenes
 }
 
+// The same in float32, with no bound on its error.
+DCM_HD inline int orient3dFast(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+  const Vec3f u = b - a, v = c - a, w = d - a;
+  return signOf(u.x * (v.y * w.z - v.z * w.y) + u.y * (v.z * w.x - v.x * w.z) +
+                u.z * (v.x * w.y - v.y * w.x));
+}
+
 // Sign of det[b-a; c-a; d-a]: positive iff d sees a, b, c counterclockwise from above, that is,
 // d lies on the side that (b-a) x (c-a) points to.
-DCM_HD inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
-                           PredicateState& state) {
-  if (state.mode == Predicates::kFast) {
-    const Vec3f u = b - a, v = c - a, w = d - a;
-    return signOf(u.x * (v.y * w.z - v.z * w.y) + u.y * (v.z * w.x - v.x * w.z) +
-                  u.z * (v.x * w.y - v.y * w.x));
-  }
+DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
+                                    PredicateState& state) {
+  if (state.mode == Predicates::kFast) return orient3dFast(a, b, c, d);
   const int filtered = orient3dFiltered(a, b, c, d);
   if (filtered != kUncertain) return filtered;
   if (state.mode == Predicates::kConservative) {
@@ -152,26 +144,14 @@ DCM_HD inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c, const
   return orient3dExact(a, b, c, d);
 }
 
-// Sign of det[b-a; c-a] of the points' projections along coordinate axis `axis` (0, 1, 2).
-DCM_HD inline int orient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis,
-                           PredicateState& state) {
-  const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
-  const float ax = a[i], ay = a[j], bx = b[i], by = b[j], cx = c[i], cy = c[j];
-  if (state.mode == Predicates::kFast) {
-    return signOf((bx - ax) * (cy - ay) - (by - ay) * (cx - ax));
+// Sign of det[b-a; c-a] by exact arithmetic alone.
+DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
+                                         float cy) {
+  const float x[6] = {ax, ay, bx, by, cx, cy};
+  std::int64_t i[6];
+  if (toIntegers(x, i)) {
+    return determinantSign2(i[2] - i[0], i[3] - i[1], i[4] - i[0], i[5] - i[1]);
   }
-  const double left = (static_cast<double>(bx) - ax) * (static_cast<double>(cy) - ay);
-  const double right = (static_cast<double>(by) - ay) * (static_cast<double>(cx) - ax);
-  constexpr double kBound = 3.3306690738754716e-16;  // (3 + 16 eps) eps
-  const double det = left - right, bound = kBound * (fabs(left) + fabs(right));
-  if (det > bound) return 1;
-  if (-det > bound) return -1;
-  if (left == 0 && right == 0) return 0;  // differences are never rounded to zero
-  if (state.mode == Predicates::kConservative) {
-    state.undecided = true;
-    return 0;
-  }
-  ++state.exact;
   Expansion<6> sum;  // each product of two float32 is exact in double
   sum.add(static_cast<double>(ax) * by);
   sum.add(-static_cast<double>(ay) * bx);
@@ -180,6 +160,49 @@ DCM_HD inline int orient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c, int a
   sum.add(static_cast<double>(cx) * ay);
   sum.add(-static_cast<double>(cy) * ax);
   return sum.sign();
+}
+
+// The coordinates of a projection along coordinate axis `axis` (0, 1, 2).
+DCM_HD inline void projected(const Vec3f& p, int axis, float& x, float& y) {
+  x = axis == 0 ? p.y : (axis == 1 ? p.z : p.x);
+  y = axis == 0 ? p.z : (axis == 1 ? p.x : p.y);
+}
+
+// Sign of det[b-a; c-a] of the points' projections along `axis` in double, or kUncertain.
+DCM_HD inline int orient2dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis) {
+  float ax, ay, bx, by, cx, cy;
+  projected(a, axis, ax, ay);
+  projected(b, axis, bx, by);
+  projected(c, axis, cx, cy);
+  const double left = (static_cast<double>(bx) - ax) * (static_cast<double>(cy) - ay);
+  const double right = (static_cast<double>(by) - ay) * (static_cast<double>(cx) - ax);
+  constexpr double kBound = 3.3306690738754716e-16;  // (3 + 16 eps) eps
+  const double det = left - right, bound = kBound * (fabs(left) + fabs(right));
+  if (det > bound) return 1;
+  if (-det > bound) return -1;
+  return left == 0 && right == 0 ? 0 : kUncertain;  // differences are never rounded to zero
+}
+
+// Sign of det[b-a; c-a] of the points' projections along `axis`.
+DCM_HD DCM_RARE inline int orient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis,
+                                    PredicateState& state) {
+  if (state.mode != Predicates::kFast) {
+    const int filtered = orient2dFiltered(a, b, c, axis);
+    if (filtered != kUncertain) return filtered;
+    if (state.mode == Predicates::kConservative) {
+      state.undecided = true;
+      return 0;
+    }
+    ++state.exact;
+  }
+  float ax, ay, bx, by, cx, cy;
+  projected(a, axis, ax, ay);
+  projected(b, axis, bx, by);
+  projected(c, axis, cx, cy);
+  if (state.mode == Predicates::kFast) {
+    return signOf((bx - ax) * (cy - ay) - (by - ay) * (cx - ax));
+  }
+  return orient2dExact(ax, ay, bx, by, cx, cy);
 }
 
 }  // namespace deformable_contact_monitor

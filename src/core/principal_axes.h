@@ -52,7 +52,8 @@ DCM_HD inline PrincipalAxes principalAxes(const Moments& m) {
   constexpr int kSweeps = 6;
   for (int rotation = 0; rotation < 3 * kSweeps; ++rotation) {
     const int p = rotation % 3 == 2 ? 1 : 0, q = rotation % 3 == 0 ? 1 : 2;
-    if (fabs(a[p][q]) < 1e-300) continue;
+    // Nothing left to turn, for all that float32 axes can tell.
+    if (fabs(a[p][q]) <= 1e-12 * (fabs(a[p][p]) + fabs(a[q][q])) + 1e-300) continue;
     const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
     const double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
     const double c = 1 / sqrt(t * t + 1), s = t * c;
@@ -122,7 +123,7 @@ constexpr std::uint32_t kPackedGuard = 0x80008000U;
 struct Quantiser {
   float origin = 0, scale = 0;
 
-  DCM_HD Quantiser() = default;
+  Quantiser() = default;
   DCM_HD Quantiser(float lo, float hi) : origin(lo), scale(32767.0F / (hi - lo)) {
     if (!(scale < 1e37F)) scale = 0;
   }

@@ -8,13 +8,6 @@
 #include "core/parallel.h"
 
 namespace deformable_contact_monitor {
-namespace {
-
-// Two prototypes closer than this, in a scene of size 2, would only share all their triangles.
-constexpr float kCoincident2 = 1e-12F;
-
-}  // namespace
-
 void Prototypes::build(const std::vector<Vec3f>& prototypes) {
   // Sorted by x, a prototype's duplicates are near in the order. The others keep theirs, so that a
   // cluster has the same number from cycle to cycle.
@@ -36,9 +29,13 @@ void Prototypes::build(const std::vector<Vec3f>& prototypes) {
   for (std::size_t g = 0; g < prototypes.size(); ++g) {
     if (!duplicate[g]) points_.push_back(prototypes[g]);
   }
-  constexpr std::size_t kNeighbours = 64;
-  neighbour_count_ = static_cast<std::uint32_t>(std::min(kNeighbours, points_.size() - 1));
-  neighbours_.resize(points_.size() * neighbour_count_);
+  constexpr std::size_t kLength = 64;  // longer ones cost more to build than they save here
+  static_assert(kLength <= kMostNeighbours);
+  const auto length = static_cast<std::uint32_t>(std::min(kLength, points_.size() - 1));
+  const bool all = length + 1 == points_.size();
+  list_reach_.resize(points_.size());
+  neighbours_.assign(points_.size() * kMostNeighbours, Neighbour());
+  neighbour_cluster_.resize(neighbours_.size());
   parallelBlocks(points_.size(), 16, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<std::pair<float, std::uint32_t>> others;
     for (std::size_t g = begin; g < end; ++g) {
@@ -46,13 +43,15 @@ void Prototypes::build(const std::vector<Vec3f>& prototypes) {
       for (std::uint32_t k = 0; k < points_.size(); ++k) {
         if (k != g) others.emplace_back(squaredDistance(points_[g], points_[k]), k);
       }
-      const auto last = others.begin() + neighbour_count_;
-      std::nth_element(others.begin(), last - (neighbour_count_ > 0 ? 1 : 0), others.end());
+      const auto last = others.begin() + length;
+      std::nth_element(others.begin(), last - (length > 0 ? 1 : 0), others.end());
       std::sort(others.begin(), last);
-      for (std::uint32_t i = 0; i < neighbour_count_; ++i) {
-        neighbours_[g * neighbour_count_ + i] = {points_[others[i].second],
-                                                 std::sqrt(others[i].first), others[i].second};
+      for (std::uint32_t i = 0; i < length; ++i) {
+        neighbours_[g * kMostNeighbours + i] = {points_[others[i].second],
+                                                std::sqrt(others[i].first)};
+        neighbour_cluster_[g * kMostNeighbours + i] = others[i].second;
       }
+      list_reach_[g] = all ? INFINITY : std::sqrt(others[length - 1].first);
     }
   });
 }

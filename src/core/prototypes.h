@@ -13,15 +13,16 @@ class Prototypes {
   void build(const std::vector<Vec3f>& prototypes);
 
   PrototypesView view() const {
-    return {points_.data(), neighbours_.data(), static_cast<std::uint32_t>(points_.size()),
-            neighbour_count_};
+    return {points_.data(), list_reach_.data(), neighbours_.data(), neighbour_cluster_.data(),
+            static_cast<std::uint32_t>(points_.size())};
   }
   std::size_t size() const { return points_.size(); }
 
  private:
   std::vector<Vec3f> points_;
+  std::vector<float> list_reach_;
   std::vector<Neighbour> neighbours_;
-  std::uint32_t neighbour_count_ = 0;
+  std::vector<std::uint32_t> neighbour_cluster_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -26,6 +26,7 @@ BodyId Scene::addBody(std::string name, TriangleMesh mesh) {
   bodies_.push_back(std::move(body));
   for (auto& row : enabled_) row.push_back(false);
   enabled_.emplace_back(bodies_.size(), false);
+  pairs_revision_ = nextRevision();
   return static_cast<BodyId>(bodies_.size() - 1);
 }
 
@@ -77,6 +78,8 @@ void Scene::setMargin(BodyId id, float margin_m) {
 void Scene::setPairEnabled(BodyId a, BodyId b, bool enabled) {
   checkedBody(a);
   checkedBody(b);
+  if (enabled_[a][b] == enabled) return;
+  pairs_revision_ = nextRevision();
   enabled_[a][b] = enabled;
   enabled_[b][a] = enabled;
 }

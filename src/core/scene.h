@@ -47,6 +47,8 @@ class Scene {
   // a == b: contacts of the body with itself.
   void setPairEnabled(BodyId a, BodyId b, bool enabled);
   bool pairEnabled(BodyId a, BodyId b) const;
+  // Like the bodies' revisions: of the enabled pairs and the number of bodies.
+  std::uint64_t pairsRevision() const { return pairs_revision_; }
 
   std::size_t bodyCount() const { return bodies_.size(); }
   std::size_t triangleCount() const;
@@ -58,6 +60,7 @@ class Scene {
 
   std::vector<Body> bodies_;
   std::vector<std::vector<bool>> enabled_;  // symmetric
+  std::uint64_t pairs_revision_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

@@ -38,8 +38,8 @@ void addPairs(const DetectionResult& result, std::size_t max_contacts, ContactAr
     pair.body_b = contact.body_b;
     pair.triangle_b = contact.triangle_b;
   }
-  message->pair_count = total;
-  message->truncated = kept < total;
+  message->pair_count = total + result.left_out;
+  message->truncated = kept < message->pair_count;
 }
 
 // Why a received link mesh cannot be used; empty if it can.

@@ -28,12 +28,6 @@ MeshInputs makeInputs(const MonitorParameters& parameters) {
   return inputs;
 }
 
-std::unique_ptr<Detector> makeDetector(BackendChoice choice) {
-  ChosenDetector chosen = makeDetectorFor(choice);
-  if (!chosen.warning.empty()) ROS_WARN_STREAM(chosen.warning);
-  return std::move(chosen.detector);
-}
-
 }  // namespace
 
 ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
@@ -47,7 +41,8 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       publisher_(parameters_, private_node),
       diagnostics_(parameters_, inputs_, robot_source_, node, private_node),
       scene_(parameters_),
-      detector_(makeDetector(parameters_.backend)) {
+      detector_(makeDetectorFor(parameters_.backend, parameters_.cuda,
+                                [](const std::string& why) { ROS_WARN_STREAM(why); })) {
   allowed_ = parameters_.allowed_contacts;
   subscribeToMeshes();
   advertiseServices();

@@ -166,6 +166,7 @@ void ContactMonitor::detectAndPublish(const ros::Time& t) {
   CycleReport report = makeReport(t);
   try {
     report.result = &detector_->detect(scene_.scene(), parameters_.detector);
+    report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
     diagnostics_.recordDetectorError("");
   } catch (const std::exception& error) {

@@ -1,16 +1,18 @@
-// Which backend runs, decided in one place.
 #include "node/detector_choice.h"
 
 #include "core/cpu_detector.h"
+#include "core/fallback_detector.h"
 
 namespace deformable_contact_monitor {
 
-ChosenDetector makeDetectorFor(BackendChoice choice) {
-  ChosenDetector chosen{makeCpuDetector(), ""};
-  if (choice != BackendChoice::kCpu) {
-    chosen.warning = "this build has no CUDA backend; contacts are found on the CPU";
-  }
-  return chosen;
+std::unique_ptr<Detector> makeDetectorFor(BackendChoice choice, const CudaSettings& settings,
+                                          const std::function<void(const std::string&)>& warn) {
+  if (choice == BackendChoice::kCpu) return makeCpuDetector();
+  return makeFallbackDetector(
+      [&settings] { return makeCudaDetector(settings); }, makeCpuDetector,
+      [warn](const std::string& why) {
+        warn("contacts are found on the CPU, for CUDA cannot be used: " + why);
+      });
 }
 
 }  // namespace deformable_contact_monitor

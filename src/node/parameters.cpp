@@ -105,6 +105,11 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   constexpr int kAny = 1 << 30;
   Options& o = p->detector;
   p->backend = static_cast<BackendChoice>(reader->choice("backend", {"auto", "cuda", "cpu"}, 0));
+  p->cuda.device = reader->integer("device", p->cuda.device, 0, 1023);
+  constexpr int kMebibyte = 1 << 20;
+  const int limit_mib = reader->integer(
+      "memory_limit_mib", static_cast<int>(p->cuda.memory_limit_bytes / kMebibyte), 1, kMebibyte);
+  p->cuda.memory_limit_bytes = static_cast<std::uint64_t>(limit_mib) * kMebibyte;
   o.adjacent =
       static_cast<AdjacentPairs>(reader->choice("adjacent_pairs", {"beyond_shared", "skip"}, 0));
   o.predicates =

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/options.h"
+#include "cuda/cuda_detector.h"
 #include "node/detector_choice.h"
 #include "node/pair_table.h"
 #include "robot/robot_geometry.h"
@@ -42,6 +43,7 @@ struct MonitorParameters {
   AllowedContacts allowed_contacts;
 
   BackendChoice backend = BackendChoice::kAuto;
+  CudaSettings cuda;
   Options detector;
 
   double max_rate_hz = 100;  // 0: every mesh

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/cpu_detector.h"
+#include "core/fallback_detector.h"
 #include "reference/brute_force_detector.h"
 #ifdef DCM_HAVE_FCL
 #include "reference/fcl_detector.h"
@@ -16,11 +17,16 @@ const std::vector<std::string>& backendNames() {
   return kNames;
 }
 
-std::unique_ptr<Detector> makeDetector(const std::string& backend) {
-  if (backend == "auto" || backend == "cpu") return makeCpuDetector();
+std::unique_ptr<Detector> makeDetector(const std::string& backend, const CudaSettings& settings,
+                                       const std::function<void(const std::string&)>& warn) {
+  if (backend == "cpu") return makeCpuDetector();
   if (backend == "brute_force") return makeBruteForceDetector();
-  if (backend == "cuda") {
-    throw std::runtime_error("this build has no CUDA backend; use --backend cpu");
+  if (backend == "auto" || backend == "cuda") {
+    const bool asked = backend == "cuda";
+    return makeFallbackDetector([&settings] { return makeCudaDetector(settings); }, makeCpuDetector,
+                                [warn, asked](const std::string& why) {
+                                  if (asked) warn("CUDA cannot be used, so on the CPU: " + why);
+                                });
   }
 #ifdef DCM_HAVE_FCL
   if (backend == "fcl") return makeFclDetector();

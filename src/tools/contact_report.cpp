@@ -113,7 +113,7 @@ void DetectionTimes::add(const DetectionResult& result) {
 }
 
 bool isComplete(const DetectionResult& result) {
-  return result.guaranteed && result.counters.rejected == 0;
+  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0;
 }
 
 std::string pairLines(const std::vector<TrianglePair>& contacts) {
@@ -143,7 +143,8 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["files"] = filesJson(scene);
   json["backend"] = backend;
   json["options"] = optionsJson(arguments);
-  json["contacts"] = last.contacts.size();
+  json["contacts"] = last.contacts.size() + last.left_out;
+  json["contacts_left_out"] = last.left_out;
   json["complete"] = isComplete(last);
   json["guaranteed"] = last.guaranteed;
   json["triangles"] = counters.triangles;
@@ -159,6 +160,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["candidates"] = counters.candidates;
   json["exact"] = counters.exact;
   json["undecided"] = counters.undecided;
+  json["memory_bytes"] = last.memory_bytes;
   json["repeat"] = arguments.repeat;
   json["detect_ms"] = timesJson(times.detect);
   json["round_trip_ms"] = timesJson(times.round_trip);

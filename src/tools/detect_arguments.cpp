@@ -49,6 +49,9 @@ void addOptions(CLI::App* app, DetectArguments* arguments) {
   app->add_option("--backend", arguments->backend, "What runs the detection")
       ->check(CLI::IsMember(backendNames()))
       ->capture_default_str();
+  app->add_option("--device", arguments->cuda.device, "Of the CUDA devices, which one")
+      ->check(CLI::Range(0, 1023))
+      ->capture_default_str();
   app->add_option("--overlap", options.overlap,
                   "Share of a triangle that decides its clusters, in [0, 1]; 1 finds every contact")
       ->capture_default_str();
@@ -82,6 +85,11 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   app.set_version_flag("--version", "detect_contacts " DCM_VERSION);
   addOptions(&app, arguments);
   std::string adjacent = "beyond_shared", predicates = "exact", clusters = "auto";
+  std::uint64_t memory_limit_mib = arguments->cuda.memory_limit_bytes >> 20;
+  app.add_option("--memory-limit", memory_limit_mib,
+                 "Device memory for candidates and contacts, in MiB")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
   app.add_option("--adjacent", adjacent,
                  "Triangles of one body that share a vertex: skip them, or report those that meet "
                  "beyond what they share")
@@ -105,6 +113,7 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   if (predicates == "conservative") options.predicates = Predicates::kConservative;
   if (predicates == "fast") options.predicates = Predicates::kFast;
   options.clusters = clustersFrom(clusters);
+  arguments->cuda.memory_limit_bytes = memory_limit_mib << 20;
   std::string found;
   for (const std::string& problem : problems(options)) {
     found += (found.empty() ? "" : "; ") + problem;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/options.h"
+#include "cuda/cuda_detector.h"
 
 namespace deformable_contact_monitor {
 
@@ -12,6 +13,7 @@ struct DetectArguments {
   std::vector<std::string> meshes;
   bool self = false;             // also contacts of each body with itself
   std::string backend = "auto";  // one of backendNames()
+  CudaSettings cuda;
   Options options;
   float margin_m = 0;
   int repeat = 1;

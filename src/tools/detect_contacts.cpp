@@ -54,6 +54,13 @@ void writeReports(const DetectArguments& arguments, const std::string& pairs,
 
 // What a user who reads the pairs alone would not see.
 void warn(const DetectArguments& arguments, const DetectionResult& result) {
+  if (result.left_out > 0) {
+    std::fprintf(
+        stderr,
+        "detect_contacts: note: %llu contacts more were found than --memory-limit has room "
+        "for\n",
+        static_cast<unsigned long long>(result.left_out));
+  }
   if (arguments.meshes.size() == 1 && !arguments.self) {
     std::fputs("detect_contacts: note: one mesh and no --self, so there is nothing to test\n",
                stderr);
@@ -67,7 +74,10 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
 }
 
 void run(const DetectArguments& arguments) {
-  const std::unique_ptr<Detector> detector = makeDetector(arguments.backend);
+  const std::unique_ptr<Detector> detector =
+      makeDetector(arguments.backend, arguments.cuda, [](const std::string& why) {
+        std::fprintf(stderr, "detect_contacts: warning: %s\n", why.c_str());
+      });
   if (arguments.margin_m != 0 && !supportsMargins(*detector)) {
     throw std::invalid_argument("--margin: backend " + detector->backend() +
                                 " has no margins; use --backend auto");

@@ -10,6 +10,8 @@
 
 #include "core/cpu_detector.h"
 #include "core/detector.h"
+#include "cuda/cuda_detector.h"
+#include "cuda/cuda_error.h"
 #include "pair_sets.h"
 #include "reference/brute_force_detector.h"
 
@@ -24,8 +26,16 @@ inline std::ostream& operator<<(std::ostream& out, const Backend& backend) {
   return out << backend.name;
 }
 
-// What users get. A new backend joins here.
-inline std::vector<Backend> productBackends() { return {{"cpu", makeCpuDetector}}; }
+// What users get. The CUDA backend joins where there is a device for it.
+inline std::vector<Backend> productBackends() {
+  std::vector<Backend> backends = {{"cpu", makeCpuDetector}};
+  try {
+    makeCudaDetector();
+    backends.push_back({"cuda", [] { return makeCudaDetector(); }});
+  } catch (const CudaError&) {
+  }
+  return backends;
+}
 
 // And brute force, for small scenes only.
 inline std::vector<Backend> allBackends() {

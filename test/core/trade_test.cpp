@@ -58,7 +58,11 @@ TEST_P(Trade, OverlapZeroLosesPairsAndSaysSo) {
     EXPECT_GT(result.contacts.size(), before) << "overlap " << overlap;
     EXPECT_GT(result.counters.cluster_entries, entries_before);
     if (overlap == 0) {
-      EXPECT_EQ(result.counters.clustered, result.counters.cluster_entries);
+      // But for a triangle whose centroid has two nearest prototypes, for all that rounding can
+      // tell.
+      EXPECT_GE(result.counters.cluster_entries, result.counters.clustered);
+      EXPECT_LE(result.counters.cluster_entries,
+                result.counters.clustered + result.counters.clustered / 1000);
       EXPECT_LT(result.contacts.size(), complete.size() - 500);
       EXPECT_GT(result.contacts.size(), complete.size() / 2);
     }

@@ -1,7 +1,11 @@
 // Builders of scenes and meshes for the tests.
 #include "scenes.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <utility>
 
 namespace deformable_contact_monitor {
@@ -45,6 +49,72 @@ TriangleMesh clothGrid(int n, float side, float height, float wave_height) {
     }
   }
   return mesh;
+}
+
+TriangleMesh splitThreeByThree(const TriangleMesh& mesh) {
+  TriangleMesh out;
+  const auto at = [&mesh](std::uint32_t i) {
+    return Vec3f{mesh.vertices[3 * i], mesh.vertices[3 * i + 1], mesh.vertices[3 * i + 2]};
+  };
+  const auto add = [&out](const Vec3f& v) {
+    out.vertices.insert(out.vertices.end(), {v.x, v.y, v.z});
+    return static_cast<std::uint32_t>(out.vertices.size() / 3 - 1);
+  };
+  out.vertices = mesh.vertices;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> thirds;  // from, to: nearer from
+  const auto third = [&](std::uint32_t from, std::uint32_t to) {
+    const auto [place, added] = thirds.emplace(std::make_pair(from, to), 0);
+    if (added) place->second = add(at(from) * (2.0F / 3) + at(to) * (1.0F / 3));
+    return place->second;
+  };
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+    const std::uint32_t* c = &mesh.triangles[3 * t];
+    const std::uint32_t ab = third(c[0], c[1]), ba = third(c[1], c[0]);
+    const std::uint32_t bc = third(c[1], c[2]), cb = third(c[2], c[1]);
+    const std::uint32_t ca = third(c[2], c[0]), ac = third(c[0], c[2]);
+    const std::uint32_t m = add((at(c[0]) + at(c[1]) + at(c[2])) * (1.0F / 3));
+    for (const auto& piece : {std::array<std::uint32_t, 3>{c[0], ab, ac},
+                              {ab, ba, m},
+                              {ab, m, ac},
+                              {ac, m, ca},
+                              {ba, c[1], bc},
+                              {ba, bc, m},
+                              {m, bc, cb},
+                              {m, cb, ca},
+                              {ca, cb, c[2]}}) {
+      out.triangles.insert(out.triangles.end(), piece.begin(), piece.end());
+    }
+  }
+  return out;
+}
+
+TriangleMesh sizedTo(const TriangleMesh& mesh, std::size_t triangles) {
+  TriangleMesh out;
+  if (triangles < mesh.triangleCount()) {
+    out.vertices = mesh.vertices;
+    out.triangles.assign(mesh.triangles.begin(),
+                         mesh.triangles.begin() + static_cast<std::ptrdiff_t>(3 * triangles));
+    return out;
+  }
+  float low = INFINITY, high = -INFINITY;
+  for (const float x : mesh.vertices) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+  const float step = 1.25F * (high - low);
+  const std::size_t copies = (triangles + mesh.triangleCount() - 1) / mesh.triangleCount();
+  const auto side = static_cast<std::size_t>(std::ceil(std::cbrt(static_cast<double>(copies))));
+  for (std::size_t k = 0; k < copies; ++k) {
+    const auto first = static_cast<std::uint32_t>(out.vertices.size() / 3);
+    const float shift[3] = {step * static_cast<float>(k % side),
+                            step * static_cast<float>(k / side % side),
+                            step * static_cast<float>(k / side / side)};
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      out.vertices.push_back(mesh.vertices[i] + shift[i % 3]);
+    }
+    for (const std::uint32_t corner : mesh.triangles) out.triangles.push_back(first + corner);
+  }
+  return out;
 }
 
 Scene selfScene(TriangleMesh mesh) {

@@ -1,6 +1,7 @@
 // Builders of scenes and meshes for the tests.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,13 @@ TriangleMesh soupOf(const TriangleMesh& mesh);
 // A square cloth of 2 n n triangles, [0, side] x [0, side] in the plane z = height, with waves of
 // the given height.
 TriangleMesh clothGrid(int n, float side, float height, float wave_height);
+
+// Every triangle as nine, by thirds of its edges; neighbours still fit.
+TriangleMesh splitThreeByThree(const TriangleMesh& mesh);
+
+// Copies of the mesh side by side, apart, until there are at least `triangles` of them; or the
+// first `triangles` of it.
+TriangleMesh sizedTo(const TriangleMesh& mesh, std::size_t triangles);
 
 // One body, looked at for contacts with itself.
 Scene selfScene(TriangleMesh mesh);

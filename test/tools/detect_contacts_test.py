@@ -238,13 +238,17 @@ class DetectContacts(unittest.TestCase):
         run.stderr.close()
         self.assertEqual(run.wait(timeout=60), 0)
 
-    def test_cuda_runs_or_says_that_it_is_not_built(self):
+    def test_cuda_runs_or_says_why_it_is_the_cpu(self):
         meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING)]
         done = self.run_tool("--backend", "cuda", "--pairs", "-", *meshes)
-        if done.returncode == 0:
-            self.assertEqual(done.stdout, "0 0 1 1\n")
+        self.assertEqual((done.returncode, done.stdout), (0, "0 0 1 1\n"))
+        report = json.loads(self.run_tool("--backend", "cuda", "--json", "-", *meshes).stdout)
+        if report["backend"] == "cuda":
+            self.assertEqual(done.stderr, "")
         else:
-            self.assert_refused(["--backend", "cuda", *meshes], "CUDA", "--backend cpu")
+            self.assertEqual(report["backend"], "cpu")
+            self.assertEqual(done.stderr.count("\n"), 1)
+            self.assertIn("warning: CUDA cannot be used, so on the CPU: ", done.stderr)
 
 
 @unittest.skipUnless(DATA.is_dir(), f"SKIPPED: no test data at {DATA}")

@@ -1,0 +1,100 @@
+#include "cuda/cycle_graph.cuh"
+#include "cuda/stages.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+void refine(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
+  for (int i = 0; i < shape.refinements; ++i) {
+    launchMovePrototypes(cycle, stream);
+    launchListNeighbours(cycle, stream);
+  }
+}
+
+}  // namespace
+
+void CycleGraph::forget() {
+  if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
+  graph_ = nullptr;
+}
+
+void CycleGraph::prepare(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
+  if (graph_ != nullptr && shape == shape_) return;
+  forget();
+  shape_ = shape;
+  // Other threads' detectors may allocate meanwhile.
+  checkCuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal),
+            "cudaStreamBeginCapture");
+  if (shape.identify) {
+    started_.record(stream);
+    started_.makeWait(identity_branch_.get());
+    launchIdentify(cycle, identity_branch_.get());
+    identified_.record(identity_branch_.get());
+  }
+  launchPose(cycle, stream);
+  launchAssign(cycle, shape.multiprocessors, stream);
+  assigned_.record(stream);
+  assigned_.makeWait(adapt_branch_.get());
+  launchSizeBins(cycle, adapt_branch_.get());
+  sized_.record(adapt_branch_.get());
+  if (shape.identify) identified_.makeWait(stream);
+  launchSort(cycle, stream);
+  sorted_.record(stream);
+  sorted_.makeWait(large_branch_.get());
+  launchLarge(cycle, large_branch_.get());
+  large_done_.record(large_branch_.get());
+  refine(cycle, shape, adapt_branch_.get());
+  sorted_.makeWait(adapt_branch_.get());
+  launchFrames(cycle, adapt_branch_.get());
+  adapted_.record(adapt_branch_.get());
+  launchSweep(cycle, shape.multiprocessors, stream);
+  large_done_.makeWait(stream);
+  sized_.makeWait(stream);
+  launchJudge(cycle, shape.multiprocessors, stream);
+  adapted_.makeWait(stream);
+
+  cudaGraph_t recorded = nullptr;
+  checkCuda(cudaStreamEndCapture(stream, &recorded), "cudaStreamEndCapture");
+  const cudaError_t status = cudaGraphInstantiate(&graph_, recorded, 0);
+  cudaGraphDestroy(recorded);
+  checkCuda(status, "cudaGraphInstantiate");
+}
+
+void CycleGraph::launch(cudaStream_t stream) {
+  checkCuda(cudaGraphLaunch(graph_, stream), "cudaGraphLaunch");
+}
+
+void CycleGraph::runTimed(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
+  mark_[0].record(stream);
+  launchPose(cycle, stream);
+  mark_[1].record(stream);
+  launchAssign(cycle, shape.multiprocessors, stream);
+  mark_[2].record(stream);
+  if (shape.identify) launchIdentify(cycle, stream);
+  mark_[3].record(stream);
+  launchSort(cycle, stream);
+  mark_[4].record(stream);
+  launchSweep(cycle, shape.multiprocessors, stream);
+  mark_[5].record(stream);
+  launchLarge(cycle, stream);
+  launchSizeBins(cycle, stream);
+  mark_[6].record(stream);
+  launchJudge(cycle, shape.multiprocessors, stream);
+  mark_[7].record(stream);
+  refine(cycle, shape, stream);
+  launchFrames(cycle, stream);
+  mark_[8].record(stream);
+  checkCuda(cudaGetLastError(), "a stage of the cycle");
+}
+
+std::vector<std::pair<std::string, double>> CycleGraph::times() const {
+  constexpr const char* kNames[kStages] = {"pose",  "assign", "identify", "sort",
+                                           "sweep", "large",  "judge",    "adapt"};
+  std::vector<std::pair<std::string, double>> times;
+  for (int i = 0; i < kStages; ++i) {
+    times.emplace_back(kNames[i], CudaEvent::between(mark_[i], mark_[i + 1]));
+  }
+  return times;
+}
+
+}  // namespace deformable_contact_monitor

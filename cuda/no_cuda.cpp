@@ -1,0 +1,11 @@
+// Stands in for the CUDA backend in builds without nvcc.
+#include "cuda/cuda_detector.h"
+#include "cuda/cuda_error.h"
+
+namespace deformable_contact_monitor {
+
+std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& /*settings*/) {
+  throw CudaError("this build has no CUDA backend: nvcc was not there, or WITH_CUDA was off");
+}
+
+}  // namespace deformable_contact_monitor

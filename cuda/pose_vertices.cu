@@ -1,0 +1,155 @@
+// First stage: vertices into the scene frame, boxes of the bodies, nearest prototypes.
+#include "cuda/stages.cuh"
+#include "cuda/warp.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr unsigned kThreads = 128;
+
+__device__ Vec3f receivedAt(const CycleView& c, std::uint32_t i) {
+  const float* v = c.received + 3 * std::size_t{i};
+  return {v[0], v[1], v[2]};
+}
+
+// Zero stands for the empty box, so that clearing is one fill.
+__device__ void growBox(std::uint32_t* box, const Vec3f& v, bool counts) {
+  const float xyz[3] = {v.x, v.y, v.z};
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t bits = orderedBits(xyz[k]);
+    const std::uint32_t low = warpMost(counts ? ~bits : 0);
+    const std::uint32_t high = warpMost(counts ? bits : 0);
+    if (laneId() == 0 && high != 0) {
+      atomicMax(&box[k], low);
+      atomicMax(&box[3 + k], high);
+    }
+  }
+}
+
+__device__ void putPosed(const CycleView& c, std::uint32_t i, const Vec3f& v,
+                         const Winner& winner) {
+  c.posed[i] =
+      make_float4(v.x, v.y, v.z, __uint_as_float(winner.cluster << 1 | (winner.tied ? 1U : 0U)));
+}
+
+// By a whole warp.
+__device__ Nearest nearestOfAll(const PrototypesView& view, const Vec3f& v) {
+  Nearest nearest;
+#pragma unroll 4
+  for (std::uint32_t g = laneId(); g < view.count; g += kWarp) {
+    nearest.consider(g, squaredDistance(v, view.prototypes[g]));
+  }
+  for (unsigned o = kWarp / 2; o > 0; o /= 2) {
+    Nearest other;
+    other.cluster = __shfl_xor_sync(kFullWarp, nearest.cluster, o);
+    other.least2 = __shfl_xor_sync(kFullWarp, nearest.least2, o);
+    other.second2 = __shfl_xor_sync(kFullWarp, nearest.second2, o);
+    const float second2 =
+        fminf(fmaxf(nearest.least2, other.least2), fminf(nearest.second2, other.second2));
+    if (other.least2 < nearest.least2) nearest = other;
+    nearest.second2 = second2;
+  }
+  return nearest;
+}
+
+__global__ void __launch_bounds__(kThreads) poseKernel(CycleView c) {
+  const std::uint32_t thread = blockIdx.x * kThreads + threadIdx.x;
+  if (thread <= c.cluster_count) {
+    c.bins[thread] = c.next_bins[thread];
+    countOf(c, thread) = 0;
+  }
+  if (thread == 0) *c.counters = CycleCounters{};
+  if (blockIdx.x >= c.vertex_block_count) return;
+
+  const BodyBlock block = c.vertex_blocks[blockIdx.x];
+  const DeviceBody& body = c.bodies[block.body];
+  const bool inside = threadIdx.x < block.count;
+  const std::uint32_t i = block.first + (inside ? threadIdx.x : 0);
+  Vec3f v = receivedAt(c, i);
+  if (body.identity_pose == 0) v = apply(body.pose, v);
+  const bool finite = isFinite(v);
+  if (body.partner_count > 0) growBox(c.body_boxes + 6 * block.body, v, inside && finite);
+  const bool wanted = inside && finite;
+  const PrototypesView view = prototypesView(c);
+  const Vec3f scaled = c.params->scale.apply(v);
+  Nearest nearest;
+  bool found = !wanted;
+  if (wanted) {
+    // Last cycle's winner is the best guess, where there was one.
+    std::uint32_t start = __float_as_uint(c.posed[i].w) >> 1;
+    if (start >= c.cluster_count) start = 0;
+    found = nearestListed(view, scaled, start, body.slack, nearest);
+  }
+  // Where the lists do not reach far enough, a warp will go over all prototypes.
+  const std::uint32_t place = warpReserve(c.far_count, !found);
+  if (!found) c.far_vertices[place] = make_uint2(i, block.body);
+  if (inside) putPosed(c, i, v, wanted ? nearest.winner(scaled, body.slack) : Winner());
+}
+
+__global__ void __launch_bounds__(kThreads) farKernel(CycleView c) {
+  const PrototypesView view = prototypesView(c);
+  const std::uint32_t count = *c.far_count;
+  const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
+  for (std::uint32_t k = (blockIdx.x * kThreads + threadIdx.x) / kWarp; k < count; k += warps) {
+    const std::uint32_t i = c.far_vertices[k].x;
+    const float4 p = c.posed[i];
+    const Vec3f v{p.x, p.y, p.z};
+    const Vec3f scaled = c.params->scale.apply(v);
+    const Nearest nearest = nearestOfAll(view, scaled);
+    if (laneId() == 0) {
+      putPosed(c, i, v, nearest.winner(scaled, c.bodies[c.far_vertices[k].y].slack));
+    }
+  }
+}
+
+__device__ std::uint64_t mixed(std::uint64_t x) {  // the finaliser of MurmurHash3
+  x ^= x >> 33;
+  x *= 0xff51afd7ed558ccdU;
+  x ^= x >> 33;
+  x *= 0xc4ceb9fe1a85ec53U;
+  return x ^ x >> 33;
+}
+
+// An open-addressing table into which each vertex puts its number + 1, unless one with equal
+// coordinates is there. Slots are filled once and never emptied, so a reader sees all it needs.
+__global__ void __launch_bounds__(kThreads) identifyKernel(CycleView c) {
+  const BodyBlock block = c.vertex_blocks[blockIdx.x];
+  if (threadIdx.x >= block.count) return;
+  const DeviceBody& body = c.bodies[block.body];
+  const std::uint32_t i = block.first + threadIdx.x;
+  const Vec3f v = receivedAt(c, i);
+  c.vertex_id[i] = i;
+  if (body.has_self == 0 || !isFinite(v)) return;
+  const auto bits = [](float x) { return std::uint64_t{__float_as_uint(x + 0.0F)}; };  // -0 is 0
+  const std::uint64_t hash =
+      mixed((bits(v.x) << 32 | bits(v.y)) ^ mixed(bits(v.z) << 32 | block.body));
+  std::uint32_t slot = static_cast<std::uint32_t>(hash) & c.identity_mask;
+  while (true) {
+    const std::uint32_t found = atomicCAS(&c.identity_table[slot], 0U, i + 1);
+    if (found == 0) return;
+    const std::uint32_t other = found - 1;
+    const bool same_body = other - body.first_vertex < body.vertex_count;
+    if (same_body && receivedAt(c, other) == v) {
+      c.vertex_id[i] = other;
+      return;
+    }
+    slot = (slot + 1) & c.identity_mask;
+  }
+}
+
+}  // namespace
+
+void launchPose(const CycleView& cycle, cudaStream_t stream) {
+  const unsigned for_bins = cycle.cluster_count / kThreads + 1;
+  poseKernel<<<max(cycle.vertex_block_count, for_bins), kThreads, 0, stream>>>(cycle);
+  constexpr unsigned kFarBlocks = 528;
+  farKernel<<<kFarBlocks, kThreads, 0, stream>>>(cycle);
+}
+
+void launchIdentify(const CycleView& cycle, cudaStream_t stream) {
+  cudaMemsetAsync(cycle.identity_table, 0,
+                  (std::size_t{cycle.identity_mask} + 1) * sizeof(std::uint32_t), stream);
+  identifyKernel<<<cycle.vertex_block_count, kThreads, 0, stream>>>(cycle);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,31 @@
+// How many clusters a scene is worth.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/options.h"
+
+namespace deformable_contact_monitor {
+
+// What a backend likes best; found by measurement.
+struct ClusterCountPolicy {
+  std::size_t triangles_each;
+  std::size_t most;
+  std::size_t one_below;  // triangles below which one cluster does
+};
+
+// For `triangles` in clusters; `current`: how many clusters there are, or 0. Keeps what is about
+// right, for a new count costs a cold start.
+inline std::size_t clusterCountFor(const Options& options, const ClusterCountPolicy& policy,
+                                   std::size_t triangles, std::size_t current) {
+  if (options.clusters > 0) {
+    return std::min<std::size_t>(static_cast<std::size_t>(options.clusters), triangles);
+  }
+  const std::size_t one_below = current > 1 ? policy.one_below / 2 : policy.one_below;
+  if (triangles < one_below) return std::min<std::size_t>(triangles, 1);
+  const std::size_t wanted = std::min(policy.most, triangles / policy.triangles_each + 1);
+  return 3 * current > 2 * wanted && 2 * current < 3 * wanted ? current : wanted;
+}
+
+}  // namespace deformable_contact_monitor

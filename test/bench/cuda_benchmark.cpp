@@ -1,0 +1,191 @@
+// Prints tables of the CUDA backend on real scenes: whole cycles and stages, moving input, medians
+// and 95th percentiles; pair sets are compared with the CPU backend's in the same run.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/cpu_detector.h"
+#include "core/mesh_file.h"
+#include "cuda/cuda_detector.h"
+#include "panda_scene.h"
+#include "scenes.h"
+#include "test_data.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr int kWarmUp = 40, kRepeats = 100;
+
+// A scene of which body 0 moves between two states.
+struct Moving {
+  std::string name;
+  Scene scene;
+  std::vector<float> state[2];
+  double at_most_ms = 0;  // the figure to reach; 0: none
+};
+
+struct Quantiles {
+  double median = 0, p95 = 0;
+
+  explicit Quantiles(std::vector<double> values) {
+    if (values.empty()) return;
+    std::sort(values.begin(), values.end());
+    median = values[values.size() / 2];
+    p95 = values[values.size() * 95 / 100];
+  }
+};
+
+const DetectionResult& step(Moving& moving, int i, Detector& detector, const Options& options) {
+  const std::vector<float>& state = moving.state[i % 2];
+  moving.scene.setVertices(0, state.data(), state.size() / 3);
+  return detector.detect(moving.scene, options);
+}
+
+bool setsEqual(Moving& moving, Detector& detector, Detector& reference, const Options& options) {
+  bool equal = true;
+  for (int i = 0; i < 2; ++i) {
+    const std::vector<TrianglePair> expected = step(moving, i, reference, options).contacts;
+    equal = equal && step(moving, i, detector, options).contacts == expected;
+  }
+  return equal;
+}
+
+void whole(Moving& moving, const Options& options, bool check) {
+  const auto detector = makeCudaDetector();
+  for (int i = 0; i < kWarmUp; ++i) step(moving, i, *detector, options);
+  std::vector<double> detect, round_trip;
+  DetectionResult last;
+  for (int i = 0; i < 2 * kRepeats; ++i) {
+    const DetectionResult& result = step(moving, i, *detector, options);
+    if (i % 2 == 1) continue;  // both states move; the first is the scene that is named
+    detect.push_back(result.detect_ms);
+    round_trip.push_back(result.round_trip_ms);
+    if (i + 2 >= 2 * kRepeats) last = result;
+  }
+  const char* sets = "-";
+  if (check) {
+    Options on_cpu = options;
+    on_cpu.clusters = 0;
+    sets = setsEqual(moving, *detector, *makeCpuDetector(), on_cpu) ? "equal" : "DIFFERENT";
+  }
+  const Counters& c = last.counters;
+  const Quantiles d(detect), r(round_trip);
+  std::printf(
+      "| %s | %s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %llu | %llu | %.2f | %llu | "
+      "%llu | %.0f | %s |\n",
+      moving.name.c_str(), options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond shared",
+      static_cast<unsigned long long>(c.triangles), last.contacts.size(), moving.at_most_ms,
+      d.median, d.p95, r.median, r.p95, static_cast<unsigned long long>(c.interval_overlaps),
+      static_cast<unsigned long long>(c.candidates),
+      c.clustered > 0 ? static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered)
+                      : 0,
+      static_cast<unsigned long long>(c.clusters), static_cast<unsigned long long>(c.exact),
+      static_cast<double>(last.memory_bytes) / static_cast<double>(c.triangles), sets);
+  std::fflush(stdout);
+}
+
+void stages(Moving& moving, const Options& options) {
+  CudaSettings settings;
+  settings.time_stages = true;
+  const auto detector = makeCudaDetector(settings);
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> times;
+  for (int i = 0; i < kWarmUp + 2 * kRepeats; ++i) {
+    const DetectionResult& result = step(moving, i, *detector, options);
+    if (i < kWarmUp || i % 2 == 1) continue;
+    names.clear();
+    for (const auto& [name, ms] : result.stages_ms) {
+      names.push_back(name);
+      times[name].push_back(ms);
+    }
+  }
+  std::printf("| %s |", moving.name.c_str());
+  for (const std::string& name : names) {
+    const Quantiles q(times[name]);
+    std::printf(" %s %.1f (%.1f) |", name.c_str(), 1e3 * q.median, 1e3 * q.p95);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+Moving selfMoving(const std::string& name, const TriangleMesh& a, const TriangleMesh& b,
+                  double at_most_ms) {
+  Moving moving{name, selfScene(a), {a.vertices, b.vertices}, at_most_ms};
+  return moving;
+}
+
+int run(const std::string& only) {
+  if (!testDataIsThere()) {
+    std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
+    return 0;
+  }
+  const auto mesh = [](const char* file) { return readMeshFile(testDataFile(file)); };
+  const TriangleMesh ball92 = mesh("cloth-ball/cloth_ball92.ply");
+  const TriangleMesh ball93 = mesh("cloth-ball/cloth_ball93.ply");
+  std::vector<std::function<Moving()>> scenes = {
+      [&] { return selfMoving("cloth_ball92", ball92, ball93, 0.20); },
+      [&] { return selfMoving("cloth_ball93", ball93, ball92, 0.28); },
+      [&] {
+        return selfMoving("cloth-funnel 227", mesh("cloth-funnel/227.ply"),
+                          mesh("cloth-funnel/228.ply"), 0.10);
+      },
+      [&] {
+        return selfMoving("cloth_ball92 split 3 x 3", splitThreeByThree(ball92),
+                          splitThreeByThree(ball93), 0.75);
+      },
+      [] {
+        Moving moving{"Panda and a cloth", pandaAndCloth(), {}, 0.08};
+        moving.state[0] = moving.state[1] = moving.scene.body(0).mesh.vertices;
+        for (std::size_t i = 2; i < moving.state[1].size(); i += 3) moving.state[1][i] += 0.002F;
+        return moving;
+      }};
+  Options options;
+  options.adjacent = AdjacentPairs::kSkip;
+  if (const char* clusters = std::getenv("DCM_BENCH_CLUSTERS"))
+    options.clusters = std::atoi(clusters);
+  std::printf(
+      "| scene | adjacent | triangles | contacts | at most ms | detect ms | p95 | round trip ms | "
+      "p95 | overlaps | candidates | clusters a triangle | clusters | exact | bytes a triangle | "
+      "sets |\n");
+  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  if (only == "growth") {
+    for (const std::size_t n :
+         {1000U, 3000U, 10000U, 30000U, 92230U, 300000U, 1000000U, 3000000U, 10000000U}) {
+      Moving moving =
+          selfMoving("copies of cloth_ball92", sizedTo(ball92, n), sizedTo(ball93, n), 0);
+      whole(moving, options, n < 2000000);
+    }
+    return 0;
+  }
+  for (const auto& make : scenes) {
+    Moving moving = make();
+    if (!only.empty() && moving.name.find(only) == std::string::npos) continue;
+    if (std::getenv("DCM_BENCH_STAGES")) {
+      stages(moving, options);
+      break;
+    }
+    whole(moving, options, true);
+    options.adjacent = AdjacentPairs::kBeyondShared;
+    whole(moving, options, true);
+    options.adjacent = AdjacentPairs::kSkip;
+    stages(moving, options);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main(int argc, char** argv) {
+  try {
+    return deformable_contact_monitor::run(argc > 1 ? argv[1] : "");
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "cuda_benchmark: %s\n", e.what());
+    return 2;
+  }
+}

@@ -1,0 +1,129 @@
+// What is special to the CUDA backend; that its results are right, the detector suite shows.
+#include "cuda/cuda_detector.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "core/cpu_detector.h"
+#include "cuda/cuda_error.h"
+#include "pair_sets.h"
+#include "random_scenes.h"
+#include "scenes.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Null where there is no device; then what must happen is that making one says why.
+std::unique_ptr<Detector> makeOrSayWhy(const CudaSettings& settings = CudaSettings()) {
+  try {
+    return makeCudaDetector(settings);
+  } catch (const CudaError& error) {
+    EXPECT_GT(std::string(error.what()).size(), 20U) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    return nullptr;
+  }
+}
+
+TEST(CudaDetector, ADeviceThatIsNotThereIsRefused) {
+  CudaSettings settings;
+  settings.device = 1000;
+  EXPECT_THROW(makeCudaDetector(settings), CudaError);
+}
+
+// Layers of cloth through each other: many contacts.
+Scene denseScene() {
+  Scene scene;
+  for (int i = 0; i < 6; ++i) {
+    scene.addBody("layer", clothGrid(40, 1, 0.002F * static_cast<float>(i), 0.05F));
+    for (int k = 0; k < i; ++k) {
+      scene.setPairEnabled(static_cast<BodyId>(k), static_cast<BodyId>(i), true);
+    }
+  }
+  return scene;
+}
+
+TEST(CudaDetector, WithLittleMemoryTheCountStaysExactAndTheListIsPartOfIt) {
+  CudaSettings settings;
+  settings.memory_limit_bytes = 1 << 16;
+  const auto detector = makeOrSayWhy(settings);
+  if (detector == nullptr) return;
+  const Scene scene = denseScene();
+  const auto all = makeCpuDetector()->detect(scene, Options()).contacts;
+  for (int i = 0; i < 3; ++i) {
+    const DetectionResult& result = detector->detect(scene, Options());
+    EXPECT_EQ(result.contacts.size() + result.left_out, all.size());
+    EXPECT_GT(result.left_out, 0U);
+    EXPECT_TRUE(isOrdered(result.contacts));
+    EXPECT_TRUE(
+        std::includes(all.begin(), all.end(), result.contacts.begin(), result.contacts.end()));
+  }
+}
+
+TEST(CudaDetector, RepeatsGiveTheSameSetAHundredTimes) {
+  const auto detector = makeOrSayWhy();
+  if (detector == nullptr) return;
+  Scene scene = denseScene();
+  const std::vector<float> vertices = scene.body(0).mesh.vertices;
+  const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+  for (int i = 0; i < 100; ++i) {
+    scene.setVertices(0, vertices.data(), vertices.size() / 3);
+    ASSERT_TRUE(samePairs(expected, detector->detect(scene, Options()).contacts)) << i;
+  }
+}
+
+TEST(CudaDetector, SeveralInOneProcessOnThreadsOfTheirOwn) {
+  if (makeOrSayWhy() == nullptr) return;
+  std::vector<std::thread> threads;
+  std::vector<int> wrong(4, 0);
+  for (unsigned k = 0; k < wrong.size(); ++k) {
+    threads.emplace_back([k, &wrong] {
+      const auto detector = makeCudaDetector();
+      for (std::uint32_t seed = 0; seed < 30; ++seed) {
+        const Scene scene = largeRandomScene((seed + 7 * k) % 16);
+        const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+        if (detector->detect(scene, Options()).contacts != expected) ++wrong[k];
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, std::vector<int>(wrong.size(), 0));
+}
+
+// What a warm start remembers does not fit after a jump: it must cost time, never contacts.
+TEST(CudaDetector, ScenesThatJumpGrowAndShrink) {
+  const auto detector = makeOrSayWhy();
+  if (detector == nullptr) return;
+  Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
+  scene.addBody("other", clothGrid(30, 1, 0.1F, 0));
+  scene.setPairEnabled(0, 1, true);
+  const std::vector<float> vertices = scene.body(0).mesh.vertices;
+  for (const float scale : {1.0F, 100.0F, 1e-3F, 1.0F, 1e20F, 1e-20F, 1.0F}) {
+    for (const float shift : {0.0F, 50.0F}) {
+      std::vector<float> moved = vertices;
+      for (float& x : moved) x = x * scale + shift;
+      scene.setVertices(0, moved.data(), moved.size() / 3);
+      const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+      for (int i = 0; i < 2; ++i) {
+        ASSERT_TRUE(samePairs(expected, detector->detect(scene, Options()).contacts))
+            << "scale " << scale << ", shift " << shift;
+      }
+    }
+  }
+}
+
+TEST(CudaDetector, TimesItsStagesOnRequest) {
+  CudaSettings settings;
+  settings.time_stages = true;
+  const auto detector = makeOrSayWhy(settings);
+  if (detector == nullptr) return;
+  const Scene scene = denseScene();
+  const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+  const DetectionResult& result = detector->detect(scene, Options());
+  EXPECT_TRUE(samePairs(expected, result.contacts));
+  EXPECT_EQ(result.stages_ms.size(), 8U);
+  for (const auto& [name, ms] : result.stages_ms) EXPECT_GT(ms, 0) << name;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
