@@ -42,10 +42,13 @@ class CudaDetector : public Detector {
   void sendParams();
   void sizeBinsFirst();
   void runCycle(const Options& options);
-  std::uint32_t withinLimit(std::uint32_t wanted, std::uint64_t bytes_each) const;
+  std::uint32_t withinLimit(std::uint64_t wanted, std::uint64_t bytes_each) const;
   bool makeRoom();
   void sweepInPasses();
   void fetchContacts(std::uint32_t count);
+  std::uint32_t listable(std::uint64_t contacts) const {
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
+  }
   void publish(const Options& options);
   void prepareView();
   bool needsColdStart(const Options& options);
@@ -73,7 +76,7 @@ class CudaDetector : public Detector {
   int asked_clusters_ = -1;  // by the options
   std::uint32_t clusters_ = 0;
   std::uint32_t large_at_start_ = 0;
-  std::uint32_t last_contacts_ = 0;
+  std::uint64_t last_contacts_ = 0;
   int cycles_since_refresh_ = 0;
   DetectionResult result_;
 };
@@ -228,8 +231,9 @@ void CudaDetector::runCycle(const Options& options) {
 }
 
 // Candidates and contacts share the memory limit by halves.
-std::uint32_t CudaDetector::withinLimit(std::uint32_t wanted, std::uint64_t bytes_each) const {
-  const std::uint64_t most = settings_.memory_limit_bytes / 2 / bytes_each;
+std::uint32_t CudaDetector::withinLimit(std::uint64_t wanted, std::uint64_t bytes_each) const {
+  constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 31;
+  const std::uint64_t most = std::min(kMostPlaces, settings_.memory_limit_bytes / 2 / bytes_each);
   return static_cast<std::uint32_t>(
       std::clamp<std::uint64_t>(wanted, 1, std::max<std::uint64_t>(1, most)));
 }
@@ -237,7 +241,7 @@ std::uint32_t CudaDetector::withinLimit(std::uint32_t wanted, std::uint64_t byte
 // After a cycle that may have overflown: true if it fitted, else there is more room now.
 bool CudaDetector::makeRoom() {
   const CycleCounters& c = *view_.host_counters;
-  const auto more = [](std::uint32_t wanted) { return wanted + wanted / 4 + 256; };
+  const auto more = [](auto wanted) { return wanted + wanted / 4 + 256; };
   const CycleSizes before = sizes_;
   bool fits = c.bin_overflow == 0;
   if (c.bins_wanted > sizes_.members) sizes_.members = more(c.bins_wanted);
@@ -251,6 +255,10 @@ bool CudaDetector::makeRoom() {
     sizes_.contacts =
         std::max(sizes_.contacts, withinLimit(more(c.contacts), CycleBuffers::kContactBytes));
   }
+  constexpr std::uint32_t kMostMembers = 1U << 29;  // the sweep packs their places
+  if (sizes_.members >= kMostMembers || sizes_.units > kMostMembers) {
+    throw CudaError("the scene is too crowded for the CUDA backend");
+  }
   const bool grown = before.members != sizes_.members || before.list_words != sizes_.list_words ||
                      before.units != sizes_.units || before.candidates != sizes_.candidates ||
                      before.contacts != sizes_.contacts;
@@ -262,7 +270,7 @@ bool CudaDetector::makeRoom() {
 void CudaDetector::sweepInPasses() {
   const cudaStream_t stream = stream_.get();
   const auto multiprocessors = static_cast<unsigned>(multiprocessors_);
-  std::uint32_t passes = view_.host_counters->candidates / sizes_.candidates + 2;
+  auto passes = static_cast<std::uint32_t>(view_.host_counters->candidates / sizes_.candidates + 2);
   while (true) {
     bool fits = true;
     for (std::uint32_t pass = 0; pass < passes && fits; ++pass) {
@@ -273,6 +281,7 @@ void CudaDetector::sweepInPasses() {
       launchSweep(view_, multiprocessors, stream);
       launchLarge(view_, stream);
       launchJudge(view_, multiprocessors, stream);
+      checkCuda(cudaGetLastError(), "a launch");
       stream_.synchronise();
       fits = view_.host_counters->candidates <= sizes_.candidates;
     }
@@ -330,7 +339,7 @@ bool CudaDetector::needsColdStart(const Options& options) {
 // Contacts as the result lists them, and what the next cycle should know.
 void CudaDetector::publish(const Options& options) {
   const CycleCounters& c = *view_.host_counters;
-  const std::uint32_t listed = std::min(c.contacts, sizes_.contacts);
+  const std::uint32_t listed = listable(c.contacts);
   const unsigned bits = params_[0].index_bits;
   const std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
   result_.contacts.resize(listed);
@@ -382,7 +391,8 @@ void CudaDetector::run(const Scene& scene, const Options& options) {
   constexpr int kMostTries = 16;
   for (int tries = 1;; ++tries) {
     runCycle(options);
-    fetchContacts(std::min(last_contacts_, sizes_.contacts));
+    fetchContacts(listable(last_contacts_));
+    checkCuda(cudaGetLastError(), "a launch");
     stream_.synchronise();
     if (makeRoom()) break;
     if (tries == kMostTries) throw CudaError("the sizes of a cycle do not settle");
@@ -393,8 +403,8 @@ void CudaDetector::run(const Scene& scene, const Options& options) {
     sweepInPasses();
     if (makeRoom()) break;
   }
-  if (in_passes || std::min(counters.contacts, sizes_.contacts) > fetched_) {
-    fetchContacts(std::min(counters.contacts, sizes_.contacts));
+  if (in_passes || listable(counters.contacts) > fetched_) {
+    fetchContacts(listable(counters.contacts));
     stream_.synchronise();
   }
   result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);

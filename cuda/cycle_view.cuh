@@ -114,9 +114,9 @@ struct alignas(kLine) CycleCounters {
   alignas(kLine) std::uint32_t list_words;
   alignas(kLine) std::uint32_t units;
   alignas(kLine) std::uint32_t units_taken;
-  alignas(kLine) std::uint32_t candidates;
+  alignas(kLine) unsigned long long candidates;
   alignas(kLine) std::uint32_t open;
-  alignas(kLine) std::uint32_t contacts;
+  alignas(kLine) unsigned long long contacts;
 };
 
 // Places in CycleView::member_count from one cluster's to the next one's.

@@ -12,6 +12,7 @@ namespace deformable_contact_monitor {
 
 inline void checkCuda(cudaError_t status, const char* call) {
   if (status != cudaSuccess) {
+    cudaGetLastError();  // or the next check of it would report this again
     throw CudaError(std::string(call) + ": " + cudaGetErrorString(status));
   }
 }

@@ -36,7 +36,7 @@ __device__ Verdict fullVerdict(const CycleView& c, const Candidate& candidate, c
 // A whole warp, of which some lanes have a contact.
 __device__ void reportContacts(const CycleView& c, bool contact, std::uint32_t a, std::uint32_t b,
                                float separation_m) {
-  const std::uint32_t place = warpReserve(&c.counters->contacts, contact);
+  const unsigned long long place = warpReserve(&c.counters->contacts, contact);
   if (!contact || place >= c.contact_capacity) return;
   c.contacts[place] = std::uint64_t{min(a, b)} << c.params->index_bits | max(a, b);
   if (c.params->margins != 0) c.separations_m[place] = separation_m;
@@ -44,7 +44,8 @@ __device__ void reportContacts(const CycleView& c, bool contact, std::uint32_t a
 
 // Settles most candidates; the others are put off.
 __global__ void __launch_bounds__(kThreads) quickKernel(CycleView c) {
-  const std::uint32_t count = min(c.counters->candidates, c.candidate_capacity);
+  const auto count = static_cast<std::uint32_t>(
+      min(c.counters->candidates, static_cast<unsigned long long>(c.candidate_capacity)));
   for (std::uint32_t first = blockIdx.x * kThreads; first < count; first += gridDim.x * kThreads) {
     const std::uint32_t i = first + threadIdx.x;
     PartVerdict verdict = PartVerdict::kApart;
@@ -110,9 +111,11 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleView c) {
 
 __global__ void restartKernel(CycleView c, bool first) {
   CycleCounters* counters = c.counters;
-  counters->candidates = counters->open = counters->blocks_done = counters->units_taken = 0;
+  counters->candidates = 0;
+  counters->open = counters->blocks_done = counters->units_taken = 0;
   if (!first) return;
-  counters->contacts = counters->exact = counters->undecided = 0;
+  counters->contacts = 0;
+  counters->exact = counters->undecided = 0;
   counters->judged = 0;
 }
 

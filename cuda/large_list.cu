@@ -36,7 +36,7 @@ __device__ void meet(const CycleView& c, std::uint32_t at_a, std::uint32_t at_b)
                    candidate)) {
     return;
   }
-  const std::uint32_t place = atomicAdd(&c.counters->candidates, 1U);
+  const unsigned long long place = atomicAdd(&c.counters->candidates, 1ULL);
   if (place < c.candidate_capacity) c.candidates[place] = candidate;
 }
 

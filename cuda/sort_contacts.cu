@@ -11,8 +11,8 @@ constexpr unsigned kThreads = 256;
 
 // Keys that sort behind all contacts, for a sort of fixed size.
 __global__ void __launch_bounds__(kThreads) padKernel(CycleView c, std::uint32_t capacity) {
-  const std::uint32_t count = c.counters->contacts;
-  const std::uint32_t i = count + blockIdx.x * kThreads + threadIdx.x;
+  const std::uint64_t count = c.counters->contacts;
+  const std::uint64_t i = count + blockIdx.x * kThreads + threadIdx.x;
   if (i >= count && i < capacity) c.contacts[i] = ~std::uint64_t{0};
 }
 

@@ -165,7 +165,7 @@ class Sweeper {
   __device__ void emitCandidates() {
     Candidate candidate;
     const bool has = candidates_.pop(candidate);
-    const std::uint32_t place = warpReserve(&c_.counters->candidates, has);
+    const unsigned long long place = warpReserve(&c_.counters->candidates, has);
     if (has && place < c_.candidate_capacity) c_.candidates[place] = candidate;
   }
 

@@ -37,20 +37,24 @@ __device__ inline std::uint32_t warpPrefix(std::uint32_t x, std::uint32_t& total
 }
 
 // Reserves `count` places for each lane of a whole warp, with one atomic; returns the lane's first.
-__device__ inline std::uint32_t warpReserve(std::uint32_t* counter, std::uint32_t count) {
-  std::uint32_t total, base = 0;
+// Counter is an unsigned integer of 32 or 64 bits.
+template <class Counter>
+__device__ inline Counter warpReserve(Counter* counter, std::uint32_t count) {
+  std::uint32_t total;
+  Counter base = 0;
   const std::uint32_t before = warpPrefix(count, total);
   if (total == 0) return 0;
-  if (laneId() == 0) base = atomicAdd(counter, total);
+  if (laneId() == 0) base = atomicAdd(counter, static_cast<Counter>(total));
   return __shfl_sync(kFullWarp, base, 0) + before;
 }
 
 // Likewise one place for each lane that wants it.
-__device__ inline std::uint32_t warpReserve(std::uint32_t* counter, bool wanted) {
+template <class Counter>
+__device__ inline Counter warpReserve(Counter* counter, bool wanted) {
   const unsigned mask = __ballot_sync(kFullWarp, wanted);
-  std::uint32_t base = 0;
+  Counter base = 0;
   if (mask == 0) return 0;
-  if (laneId() == 0) base = atomicAdd(counter, __popc(mask));
+  if (laneId() == 0) base = atomicAdd(counter, static_cast<Counter>(__popc(mask)));
   return __shfl_sync(kFullWarp, base, 0) + __popc(mask & ((1U << laneId()) - 1));
 }
 

@@ -72,7 +72,7 @@ TEST(BatchVerdicts, AreTheHostsOrSayWhyNot) {
       EXPECT_EQ(wrong, 0U) << "predicates " << toString(predicates);
       EXPECT_GT(contacts, pairs.size() / 10);
       if (predicates == Predicates::kExact) {
-        EXPECT_GT(exact, pairs.size() / 20);
+        EXPECT_GT(exact, pairs.size() / 40);
       }
     }
   }
