@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "core/cluster_count.h"
-#include "core/working_set.h"
+#include "cuda/cold_start.h"
+#include "cuda/contact_output.cuh"
 #include "cuda/cuda_detector.h"
 #include "cuda/cycle_buffers.cuh"
 #include "cuda/cycle_graph.cuh"
@@ -42,10 +43,9 @@ class CudaDetector : public Detector {
   void sendParams();
   void sizeBinsFirst();
   void runCycle(const Options& options);
-  std::uint32_t withinLimit(std::uint64_t wanted, std::uint64_t bytes_each) const;
   bool makeRoom();
   void sweepInPasses();
-  void fetchContacts(std::uint32_t count);
+  void fetchContacts(std::uint64_t count);
   std::uint32_t listable(std::uint64_t contacts) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
   }
@@ -64,12 +64,7 @@ class CudaDetector : public Detector {
   CycleGraph graphs_[2];  // with and without refinement of the prototypes
   CycleShape shape_;
   PinnedBuffer<CycleParams> params_;
-  DeviceBuffer<std::uint64_t> sorted_keys_;
-  DeviceBuffer<float> sorted_separations_;
-  DeviceBuffer<unsigned char> scratch_;
-  PinnedBuffer<std::uint64_t> keys_;
-  PinnedBuffer<float> separations_;
-  std::uint32_t fetched_ = 0;  // keys that the last output brought
+  ContactOutput output_;
   SceneScale scale_;
   SizeRule size_rule_;
   bool cold_ = true;
@@ -100,37 +95,14 @@ const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& o
   return result_;
 }
 
-// Sizes, scale and seeds as the CPU backend finds them. Costs milliseconds: for first cycles and
-// changes of the scene's make-up.
 void CudaDetector::startCold(const Scene& scene, const Options& options) {
-  WorkingSet set;
-  SizeSplit split;
-  Counters counters;
-  WorkingSetBuilder().build(scene, set, counters);
-  splitBySize(set, split);
-  scale_ = split.scale;
-  size_rule_ = split.rule;
-  large_at_start_ = static_cast<std::uint32_t>(split.large.size());
-  const std::size_t regular = split.regular.size();
-  clusters_ = static_cast<std::uint32_t>(
-      std::max<std::size_t>(1, clusterCountFor(options, kClusterCounts, regular, 0)));
-  std::vector<Vec3f> seeds(clusters_);
-  for (std::size_t g = 0; g < seeds.size() && regular > 0; ++g) {
-    const Triangle t = set.posed(split.regular[(2 * g + 1) * regular / (2 * seeds.size())]);
-    seeds[g] = (scale_.apply(t.v[0]) + scale_.apply(t.v[1]) + scale_.apply(t.v[2])) * (1.0F / 3);
-  }
-  const std::uint32_t n = scene_.triangleCount();
-  sizes_.triangles = n;
-  sizes_.clusters = clusters_;
-  sizes_.samples = std::min(n, std::max(1024U, 8 * clusters_));
-  const auto in_clusters = static_cast<std::uint32_t>(regular);
-  sizes_.members = std::max(sizes_.members, in_clusters * 2 + 48 * clusters_ + 256);
-  sizes_.list_words = std::max(sizes_.list_words, in_clusters + 256);
-  sizes_.units = std::max(sizes_.units, in_clusters / 6 + 4 * clusters_ + 256);
-  sizes_.candidates = std::max(sizes_.candidates,
-                               withinLimit(2 * in_clusters + 256, CycleBuffers::kCandidateBytes));
-  sizes_.contacts =
-      std::max(sizes_.contacts, withinLimit(in_clusters + 256, CycleBuffers::kContactBytes));
+  const ColdStart start = measureScene(scene, options, kClusterCounts);
+  scale_ = start.scale;
+  size_rule_ = start.size_rule;
+  large_at_start_ = static_cast<std::uint32_t>(start.large);
+  clusters_ = static_cast<std::uint32_t>(start.seeds.size());
+  sizes_.prepare(scene_.triangleCount(), static_cast<std::uint32_t>(start.regular), clusters_,
+                 settings_.memory_limit_bytes);
   for (CycleGraph& graph : graphs_) graph.forget();
   prepareView();
 
@@ -150,7 +122,7 @@ void CudaDetector::startCold(const Scene& scene, const Options& options) {
   const auto clear = [&](auto* what, std::size_t count) {
     checkCuda(cudaMemsetAsync(what, 0, count * sizeof(*what), stream), "cudaMemsetAsync");
   };
-  put(view_.prototypes, seeds);
+  put(view_.prototypes, start.seeds);
   put(view_.frames, frames);
   clear(view_.bins, clusters_ + 1);
   clear(view_.next_bins, clusters_ + 1);
@@ -176,31 +148,9 @@ void CudaDetector::prepareView() {
 
 void CudaDetector::setParams(const Options& options) {
   params_.grow(1);
-  CycleParams& p = params_[0];
-  p = CycleParams();
-  p.scale = scale_;
-  p.size = size_rule_;
-  p.overlap = options.overlap;
-  p.fuzzifier = options.fuzzifier;
-  p.adjacent = options.adjacent;
-  p.predicates = options.predicates;
-  p.margins = scene_.anyMargin() ? 1 : 0;
-  p.class_count = scene_.classCount();
-  p.classes_exact = scene_.classesExact() ? 1 : 0;
-  std::uint32_t buckets = kBuckets;
-  while (buckets * p.class_count > kBuckets) buckets /= 2;
-  p.bucket_shift = 15;
-  while (buckets > 1) {
-    buckets /= 2;
-    --p.bucket_shift;
-  }
-  // Small scenes have few units, which must be small to share them out evenly.
-  constexpr std::uint32_t kManyTriangles = 300000;
-  p.unit_columns = scene_.triangleCount() < kManyTriangles ? 32 : 64;
-  p.pass = 0;
-  p.passes = 1;
-  p.index_bits = 1;
-  while ((std::uint64_t{1} << p.index_bits) <= scene_.triangleCount()) ++p.index_bits;
+  params_[0] = scene_.params(options);
+  params_[0].scale = scale_;
+  params_[0].size = size_rule_;
 }
 
 void CudaDetector::sendParams() {
@@ -230,38 +180,10 @@ void CudaDetector::runCycle(const Options& options) {
   cycle_end_.record(stream);
 }
 
-// Candidates and contacts share the memory limit by halves.
-std::uint32_t CudaDetector::withinLimit(std::uint64_t wanted, std::uint64_t bytes_each) const {
-  constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 31;
-  const std::uint64_t most = std::min(kMostPlaces, settings_.memory_limit_bytes / 2 / bytes_each);
-  return static_cast<std::uint32_t>(
-      std::clamp<std::uint64_t>(wanted, 1, std::max<std::uint64_t>(1, most)));
-}
-
 // After a cycle that may have overflown: true if it fitted, else there is more room now.
 bool CudaDetector::makeRoom() {
-  const CycleCounters& c = *view_.host_counters;
-  const auto more = [](auto wanted) { return wanted + wanted / 4 + 256; };
-  const CycleSizes before = sizes_;
-  bool fits = c.bin_overflow == 0;
-  if (c.bins_wanted > sizes_.members) sizes_.members = more(c.bins_wanted);
-  if (c.list_words > sizes_.list_words) sizes_.list_words = more(c.list_words);
-  if (c.units > sizes_.units) sizes_.units = more(c.units);
-  if (c.candidates > sizes_.candidates) {
-    sizes_.candidates =
-        std::max(sizes_.candidates, withinLimit(more(c.candidates), CycleBuffers::kCandidateBytes));
-  }
-  if (c.contacts > sizes_.contacts) {
-    sizes_.contacts =
-        std::max(sizes_.contacts, withinLimit(more(c.contacts), CycleBuffers::kContactBytes));
-  }
-  constexpr std::uint32_t kMostMembers = 1U << 29;  // the sweep packs their places
-  if (sizes_.members >= kMostMembers || sizes_.units > kMostMembers) {
-    throw CudaError("the scene is too crowded for the CUDA backend");
-  }
-  const bool grown = before.members != sizes_.members || before.list_words != sizes_.list_words ||
-                     before.units != sizes_.units || before.candidates != sizes_.candidates ||
-                     before.contacts != sizes_.contacts;
+  const bool fits = view_.host_counters->bin_overflow == 0;
+  const bool grown = sizes_.growFor(*view_.host_counters, settings_.memory_limit_bytes);
   if (grown) prepareView();
   return fits && !grown;
 }
@@ -270,7 +192,7 @@ bool CudaDetector::makeRoom() {
 void CudaDetector::sweepInPasses() {
   const cudaStream_t stream = stream_.get();
   const auto multiprocessors = static_cast<unsigned>(multiprocessors_);
-  auto passes = static_cast<std::uint32_t>(view_.host_counters->candidates / sizes_.candidates + 2);
+  auto passes = static_cast<std::uint32_t>(view_.host_counters->judged / sizes_.candidates + 2);
   while (true) {
     bool fits = true;
     for (std::uint32_t pass = 0; pass < passes && fits; ++pass) {
@@ -285,6 +207,7 @@ void CudaDetector::sweepInPasses() {
       stream_.synchronise();
       fits = view_.host_counters->candidates <= sizes_.candidates;
     }
+    cycle_end_.record(stream);
     if (fits) return;
     if (passes > view_.host_counters->units) {
       throw CudaError("a single work unit has more candidates than the memory limit allows");
@@ -293,27 +216,8 @@ void CudaDetector::sweepInPasses() {
   }
 }
 
-// Sorts on the device and copies; a little more than last time's, so that the host need not know
-// the count before.
-void CudaDetector::fetchContacts(std::uint32_t count) {
-  const cudaStream_t stream = stream_.get();
-  const bool separations = scene_.anyMargin();
-  const std::uint32_t capacity = std::min(sizes_.contacts, count + count / 4 + 1024);
-  if (sorted_keys_.grow(capacity)) keys_.grow(sorted_keys_.size());
-  if (separations && sorted_separations_.grow(sorted_keys_.size())) {
-    separations_.grow(sorted_keys_.size());
-  }
-  float* const separations_out = separations ? sorted_separations_.data() : nullptr;
-  const unsigned bits = params_[0].index_bits;
-  std::size_t scratch_bytes = 0;
-  sortContacts(view_, capacity, bits, sorted_keys_.data(), separations_out, nullptr, scratch_bytes,
-               stream);
-  scratch_.grow(scratch_bytes + 1);
-  sortContacts(view_, capacity, bits, sorted_keys_.data(), separations_out, scratch_.data(),
-               scratch_bytes, stream);
-  sorted_keys_.download(keys_.data(), capacity, stream);
-  if (separations) sorted_separations_.download(separations_.data(), capacity, stream);
-  fetched_ = capacity;
+void CudaDetector::fetchContacts(std::uint64_t count) {
+  output_.fetch(view_, scene_.anyMargin(), params_[0].index_bits, listable(count), stream_.get());
 }
 
 // Without a cycle before, the bins have no size: part of one finds it.
@@ -340,18 +244,7 @@ bool CudaDetector::needsColdStart(const Options& options) {
 void CudaDetector::publish(const Options& options) {
   const CycleCounters& c = *view_.host_counters;
   const std::uint32_t listed = listable(c.contacts);
-  const unsigned bits = params_[0].index_bits;
-  const std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
-  result_.contacts.resize(listed);
-  for (std::uint32_t i = 0; i < listed; ++i) {
-    const auto a = static_cast<std::uint32_t>(keys_[i] >> bits);
-    const auto b = static_cast<std::uint32_t>(keys_[i] & mask);
-    result_.contacts[i] = {scene_.bodyOf(a), scene_.localOf(a), scene_.bodyOf(b),
-                           scene_.localOf(b)};
-  }
-  if (scene_.anyMargin()) {
-    result_.separations_m.assign(separations_.data(), separations_.data() + listed);
-  }
+  output_.list(scene_, listed, result_);
   result_.left_out = c.contacts - listed;
   last_contacts_ = c.contacts;
 
@@ -391,20 +284,21 @@ void CudaDetector::run(const Scene& scene, const Options& options) {
   constexpr int kMostTries = 16;
   for (int tries = 1;; ++tries) {
     runCycle(options);
-    fetchContacts(listable(last_contacts_));
+    fetchContacts(last_contacts_);
     checkCuda(cudaGetLastError(), "a launch");
     stream_.synchronise();
     if (makeRoom()) break;
     if (tries == kMostTries) throw CudaError("the sizes of a cycle do not settle");
   }
   const CycleCounters& counters = *view_.host_counters;
-  const bool in_passes = counters.candidates > sizes_.candidates;
-  while (counters.candidates > sizes_.candidates) {
-    sweepInPasses();
-    if (makeRoom()) break;
+  bool listed = listable(counters.contacts) <= output_.fetched();
+  if (counters.candidates > sizes_.candidates) {
+    do sweepInPasses();
+    while (!makeRoom());
+    listed = false;
   }
-  if (in_passes || listable(counters.contacts) > fetched_) {
-    fetchContacts(listable(counters.contacts));
+  if (!listed) {
+    fetchContacts(counters.contacts);
     stream_.synchronise();
   }
   result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);

@@ -3,16 +3,11 @@
 
 #include <cstdint>
 
+#include "cuda/cycle_sizes.cuh"
 #include "cuda/cycle_view.cuh"
 #include "cuda/device_buffer.cuh"
 
 namespace deformable_contact_monitor {
-
-// Capacities.
-struct CycleSizes {
-  std::uint32_t triangles = 0, clusters = 0, samples = 0;
-  std::uint32_t members = 0, list_words = 0, units = 0, candidates = 0, contacts = 0;
-};
 
 class CycleBuffers {
  public:
@@ -20,10 +15,6 @@ class CycleBuffers {
   bool grow(const CycleSizes& sizes);
   void view(CycleView& cycle);
   std::uint64_t bytes() const;
-
-  // What a candidate and a contact take [bytes].
-  static constexpr std::uint64_t kCandidateBytes = sizeof(Candidate) + sizeof(std::uint32_t);
-  static constexpr std::uint64_t kContactBytes = 2 * (sizeof(std::uint64_t) + sizeof(float));
 
  private:
   CycleSizes sizes_;

@@ -75,7 +75,9 @@ class PinnedBuffer {
   ~PinnedBuffer() { cudaFreeHost(data_); }
 
   T* data() { return data_; }
+  const T* data() const { return data_; }
   T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t size() const { return size_; }
 
   // To at least `size` elements, uninitialised.

@@ -185,6 +185,29 @@ void DeviceScene::view(CycleView& cycle) {
   cycle.identity_mask = table - 1;
 }
 
+CycleParams DeviceScene::params(const Options& options) const {
+  CycleParams p{};
+  p.overlap = options.overlap;
+  p.fuzzifier = options.fuzzifier;
+  p.adjacent = options.adjacent;
+  p.predicates = options.predicates;
+  p.margins = any_margin_ ? 1 : 0;
+  p.class_count = class_count_;
+  p.classes_exact = classes_exact_ ? 1 : 0;
+  // As many buckets for each class as there are, in powers of two.
+  p.bucket_shift = 15;
+  for (std::uint32_t buckets = 2; buckets * class_count_ <= kBuckets; buckets *= 2) {
+    --p.bucket_shift;
+  }
+  // Small scenes have few units, which must be small to share them out evenly.
+  constexpr std::uint32_t kManyTriangles = 300000;
+  p.unit_columns = triangle_count_ < kManyTriangles ? 32 : 64;
+  p.passes = 1;
+  p.index_bits = 1;
+  while ((std::uint64_t{1} << p.index_bits) <= triangle_count_) ++p.index_bits;
+  return p;
+}
+
 std::uint64_t DeviceScene::bytes() const {
   return bodies_.bytes() + partners_.bytes() + class_mask_.bytes() + pair_enabled_.bytes() +
          vertex_blocks_.bytes() + triangle_blocks_.bytes() + received_.bytes() + corners_.bytes() +

@@ -23,9 +23,10 @@ class DeviceScene {
   // Fills in the scene's part of the view.
   void view(CycleView& cycle);
 
+  // A cycle's settings, but for scale and size rule.
+  CycleParams params(const Options& options) const;
+
   std::uint32_t triangleCount() const { return triangle_count_; }
-  std::uint32_t classCount() const { return class_count_; }
-  bool classesExact() const { return classes_exact_; }
   bool anySelf() const { return any_self_; }
   bool anyMargin() const { return any_margin_; }
   bool empty() const { return triangle_count_ == 0; }

@@ -1,0 +1,26 @@
+// What a first cycle needs to know of the scene, found on the host by the CPU backend's stages.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/cluster_count.h"
+#include "core/large_triangles.h"
+#include "core/scene.h"
+
+namespace deformable_contact_monitor {
+
+struct ColdStart {
+  SceneScale scale;
+  SizeRule size_rule;
+  std::vector<Vec3f> seeds;  // prototypes [scaled], at least one
+  std::size_t regular = 0;   // triangles for the clusters
+  std::size_t large = 0;     // triangles for the list of their own
+};
+
+// Costs milliseconds: for first cycles and changes of the scene's make-up. Seeds are centroids of
+// triangles evenly spread over their order.
+ColdStart measureScene(const Scene& scene, const Options& options,
+                       const ClusterCountPolicy& policy);
+
+}  // namespace deformable_contact_monitor
