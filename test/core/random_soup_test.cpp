@@ -1,5 +1,8 @@
 // Thousands of small random scenes, and some larger ones, as sets against the oracle.
+// $DCM_FUZZ_SOUPS says how many.
 #include <gtest/gtest.h>
+
+#include <cstdlib>
 
 #include "cgal_oracle.h"
 #include "detector_suite.h"
@@ -8,7 +11,10 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::uint32_t kScenes = 4000;
+const std::uint32_t kScenes = [] {
+  const char* wanted = std::getenv("DCM_FUZZ_SOUPS");
+  return wanted != nullptr ? static_cast<std::uint32_t>(std::atoi(wanted)) : 4000U;
+}();
 
 // Knobs that must not change any result, different for every seed.
 Options knobs(std::uint32_t seed, AdjacentPairs adjacent) {
