@@ -80,7 +80,7 @@ class MarkerBuilder {
 
   // False, and nothing added, for a triangle that rviz would refuse.
   bool addTriangle(BodyId body, std::uint32_t triangle, Marker* marker) const {
-    const std::array<Vec3f, 3> corners = posedTriangle(report_.scene->body(body), triangle);
+    const std::array<Vec3f, 3> corners = PosedBody(report_.scene->body(body)).triangle(triangle);
     if (!std::all_of(corners.begin(), corners.end(), isFinite)) return false;
     for (const Vec3f& corner : corners) {
       geometry_msgs::Point point;

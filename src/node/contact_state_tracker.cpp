@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <unordered_map>
+#include <vector>
 
 #include "core/vector3.h"
 #include "node/posed_triangle.h"
@@ -34,26 +35,37 @@ Vec3d cornerSum(const std::array<Vec3f, 3>& t) {
   return toDouble(t[0]) + toDouble(t[1]) + toDouble(t[2]);
 }
 
-// Contacts are sorted, so those of one triangle of body_a stand together.
+// Contacts are sorted, so those of one triangle of body_a stand together, and so do many of one
+// pair of bodies: what they have in common is looked up once.
 std::unordered_map<std::uint64_t, Summary> summarize(const CycleReport& report) {
   std::unordered_map<std::uint64_t, Summary> summaries;
   if (report.scene == nullptr || report.result == nullptr) return summaries;
+  std::vector<PosedBody> bodies;
+  for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
   const std::vector<float>& separations = report.result->separations_m;
   const std::vector<TrianglePair>& contacts = report.result->contacts;
+  Summary* summary = nullptr;
+  Vec3d corners_of_a;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const TrianglePair& contact = contacts[i];
-    Summary& summary = summaries[key(contact.body_a, contact.body_b)];
-    const auto a = posedTriangle(report.scene->body(contact.body_a), contact.triangle_a);
-    const auto b = posedTriangle(report.scene->body(contact.body_b), contact.triangle_b);
-    ++summary.count;
-    summary.min_separation_m =
-        std::min(summary.min_separation_m, separations.empty() ? 0.0 : double{separations[i]});
-    summary.corner_sum = summary.corner_sum + cornerSum(a) + cornerSum(b);
-    if (summary.last_triangle_a == contact.triangle_a) continue;
-    summary.last_triangle_a = contact.triangle_a;
-    const Vec3d normal = doubleAreaNormal(a);
-    summary.normal_sum = summary.normal_sum + normal;
-    summary.area_sum += std::sqrt(dot(normal, normal));
+    const bool other_bodies = i == 0 || contact.body_a != contacts[i - 1].body_a ||
+                              contact.body_b != contacts[i - 1].body_b;
+    if (other_bodies) summary = &summaries[key(contact.body_a, contact.body_b)];
+    if (other_bodies || contact.triangle_a != contacts[i - 1].triangle_a) {
+      const auto a = bodies[contact.body_a].triangle(contact.triangle_a);
+      corners_of_a = cornerSum(a);
+      if (summary->last_triangle_a != contact.triangle_a) {
+        summary->last_triangle_a = contact.triangle_a;
+        const Vec3d normal = doubleAreaNormal(a);
+        summary->normal_sum = summary->normal_sum + normal;
+        summary->area_sum += std::sqrt(dot(normal, normal));
+      }
+    }
+    ++summary->count;
+    summary->min_separation_m =
+        std::min(summary->min_separation_m, separations.empty() ? 0.0 : double{separations[i]});
+    summary->corner_sum = summary->corner_sum + corners_of_a +
+                          cornerSum(bodies[contact.body_b].triangle(contact.triangle_b));
   }
   return summaries;
 }
