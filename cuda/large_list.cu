@@ -47,11 +47,11 @@ struct BlockBox {
     if (threadIdx.x < 3) low[threadIdx.x] = high[threadIdx.x] = 0;
     __syncthreads();
   }
-  __device__ void include(const Aabb& box, bool counts) {
+  __device__ void include(const Aabb& box) {
+    if (box.empty()) return;
     const float lo[3] = {box.min.x, box.min.y, box.min.z};
     const float hi[3] = {box.max.x, box.max.y, box.max.z};
     for (int k = 0; k < 3; ++k) {
-      if (!counts) continue;
       atomicMax(&low[k], ~orderedBits(lo[k]));
       atomicMax(&high[k], orderedBits(hi[k]));
     }
@@ -87,10 +87,12 @@ __global__ void __launch_bounds__(kThreads) largeKernel(CycleView c) {
   const Bin bin = c.bins[blockIdx.x];
   const std::uint32_t count = min(countOf(c, blockIdx.x), bin.capacity);
   shared_box.clear();
+  Aabb own;  // of this thread's members
   for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
     const Member member = c.members[bin.begin + m];
-    shared_box.include(memberBox(c, member), (member.body_and_home & 1) != 0);
+    if ((member.body_and_home & 1) != 0) own.include(memberBox(c, member));
   }
+  shared_box.include(own);
   __syncthreads();
   const Aabb cluster_box = shared_box.get();
   unsigned long long pairs = 0;

@@ -1,0 +1,81 @@
+// How buffers grow; on the host alone.
+#include <gtest/gtest.h>
+
+#include "cuda/cuda_error.h"
+#include "cuda/cycle_sizes.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::uint64_t kAmple = std::uint64_t{1} << 40;
+
+TEST(CycleSizes, WhatFitsDoesNotGrow) {
+  CycleSizes sizes;
+  sizes.prepare(10000, 9000, 20, kAmple);
+  EXPECT_EQ(sizes.triangles, 10000U);
+  EXPECT_EQ(sizes.samples, 1024U);
+  EXPECT_GE(sizes.members, 18000U);
+  CycleCounters counters{};
+  counters.bins_wanted = sizes.members;
+  counters.list_words = sizes.list_words;
+  counters.units = sizes.units;
+  counters.candidates = sizes.candidates;
+  counters.contacts = sizes.contacts;
+  EXPECT_FALSE(sizes.growFor(counters, kAmple));
+}
+
+TEST(CycleSizes, EachGrowsByItsOwnNeed) {
+  CycleSizes sizes;
+  sizes.prepare(1000, 1000, 2, kAmple);
+  const CycleSizes before = sizes;
+  CycleCounters counters{};
+  counters.units = before.units + 1;
+  EXPECT_TRUE(sizes.growFor(counters, kAmple));
+  EXPECT_GT(sizes.units, before.units);
+  EXPECT_EQ(sizes.members, before.members);
+  EXPECT_EQ(sizes.candidates, before.candidates);
+  counters.candidates = 3000000;
+  counters.contacts = 5 * before.contacts;
+  counters.list_words = 4000;
+  counters.bins_wanted = 100000;
+  EXPECT_TRUE(sizes.growFor(counters, kAmple));
+  EXPECT_GE(sizes.candidates, 3000000U);
+  EXPECT_GE(sizes.contacts, 5 * before.contacts);
+  EXPECT_GE(sizes.list_words, 4000U);
+  EXPECT_GE(sizes.members, 100000U);
+  EXPECT_FALSE(sizes.growFor(counters, kAmple));
+}
+
+TEST(CycleSizes, CandidatesAndContactsStopAtTheLimit) {
+  constexpr std::uint64_t kLimit = 1 << 20;
+  CycleSizes sizes;
+  sizes.prepare(1000000, 1000000, 2000, kLimit);
+  EXPECT_LE(sizes.candidates * std::uint64_t{16}, kLimit / 2);
+  EXPECT_LE(sizes.contacts * std::uint64_t{24}, kLimit / 2);
+  CycleCounters counters{};
+  counters.candidates = std::uint64_t{1} << 36;  // more than 32 bits count
+  counters.contacts = std::uint64_t{1} << 35;
+  while (sizes.growFor(counters, kLimit)) {
+  }
+  EXPECT_LE(sizes.candidates * std::uint64_t{16}, kLimit / 2);
+  EXPECT_GT(sizes.candidates * std::uint64_t{16}, kLimit / 2 - 32);
+  EXPECT_LE(sizes.contacts * std::uint64_t{24}, kLimit / 2);
+  EXPECT_GT(sizes.contacts, 0U);
+}
+
+TEST(CycleSizes, WithHardlyAnyMemoryThereIsAPlaceEach) {
+  CycleSizes sizes;
+  sizes.prepare(100, 100, 1, 1);
+  EXPECT_EQ(sizes.candidates, 1U);
+  EXPECT_EQ(sizes.contacts, 1U);
+}
+
+TEST(CycleSizes, MoreMembersThanTheirBitsAreRefused) {
+  CycleSizes sizes;
+  CycleCounters counters{};
+  counters.bins_wanted = 1U << 29;
+  EXPECT_THROW(sizes.growFor(counters, kAmple), CudaError);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
