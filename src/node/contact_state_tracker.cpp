@@ -87,12 +87,16 @@ geometry_msgs::Point32 meanNormal(const Summary& summary) {
 }
 
 // Why the pair's state is UNKNOWN; empty if it is known.
-std::string unknownBecause(const CycleReport& report, const MonitoredPair& pair) {
+std::string unknownBecause(const CycleReport& report, const MonitoredPair& pair,
+                           const Summary& summary) {
   for (const BodyId id : {pair.a, pair.b}) {
     const BodyStatus& body = report.bodies.at(id);
     if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
   }
-  return report.result == nullptr ? "no detection ran" : "";
+  if (report.result == nullptr) return "no detection ran";
+  // The pair's contacts may be among those that are not listed.
+  const bool touching = summary.count > 0 && summary.min_separation_m == 0;
+  return report.result->left_out > 0 && !touching ? "contacts were left out: memory_limit_mib" : "";
 }
 
 void describe(const Summary& summary, bool has_link, ContactState* state) {
@@ -127,16 +131,16 @@ ContactStates ContactStateTracker::update(const CycleReport& report) {
     state.body_a = names.first;
     state.body_b = names.second;
     state.min_separation = std::numeric_limits<float>::quiet_NaN();
+    const auto found = summaries.find(key(pair.a, pair.b));
+    const Summary summary = found == summaries.end() ? Summary() : found->second;
     std::string interruption;
     if (pair.allowed) {
       state.state = ContactState::ALLOWED;
       interruption = "allowed";
-    } else if (interruption = unknownBecause(report, pair); !interruption.empty()) {
+    } else if (interruption = unknownBecause(report, pair, summary); !interruption.empty()) {
       state.state = ContactState::UNKNOWN;
     } else {
-      const auto found = summaries.find(key(pair.a, pair.b));
-      const bool has_link = a.kind == BodyKind::kLink;
-      describe(found == summaries.end() ? Summary() : found->second, has_link, &state);
+      describe(summary, a.kind == BodyKind::kLink, &state);
     }
     const auto [entry, is_new] = tracks_.try_emplace(names);
     Track& track = entry->second;

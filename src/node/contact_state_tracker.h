@@ -25,8 +25,9 @@ class ContactStateTracker {
   ContactStateTracker(int debounce_on_cycles, int debounce_off_cycles);
 
   // One state per report.pairs, in that order; states follow each cycle at once (only events are
-  // debounced). ALLOWED pairs are not computed; else UNKNOWN if either body is unknown or no
-  // detection ran; else CONTACT, or NEAR when every triangle pair is apart (within the margin).
+  // debounced). ALLOWED pairs are not computed; else UNKNOWN if either body is unknown, if no
+  // detection ran, or if it left contacts out of its list and none that is listed is the pair's;
+  // else CONTACT, or NEAR when every triangle pair is apart (within the margin).
   // centroid [m]: mean over the triangle pairs of the mean of their six corners. mean_normal: from
   // link triangles' own normals weighted by area; zero without a link, or where they cancel out.
   // min_separation [m] is +inf without a triangle pair and NaN where the state is UNKNOWN or

@@ -63,6 +63,16 @@ TEST(ContactArrayTest, truncationKeepsTheFirstPairsAndTheCount) {
   EXPECT_TRUE(whole.complete);
 }
 
+TEST(ContactArrayTest, contactsThatTheDetectorLeftOutAreCounted) {
+  SampleReport sample;
+  sample.result.left_out = 40;
+  const ContactArray message = toContactArray(sample.report, 0);
+  EXPECT_EQ(message.pairs.size(), 3U);
+  EXPECT_EQ(message.pair_count, 43U);
+  EXPECT_TRUE(message.truncated);
+  EXPECT_FALSE(message.complete);
+}
+
 TEST(ContactArrayTest, whateverIsMissingMakesItIncomplete) {
   SampleReport skipped;
   skipped.report.bodies[1].unknown_because = "no transform at 100.5";

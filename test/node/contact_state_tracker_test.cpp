@@ -132,6 +132,22 @@ TEST(ContactStateTrackerTest, unknownIsNeverNoContact) {
   EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
 }
 
+// A contact may be among those that did not fit: no pair without one in the list is known.
+TEST(ContactStateTrackerTest, contactsThatWereLeftOutAreNotNoContact) {
+  SampleReport sample;
+  sample.result.left_out = 1;
+  ContactStateTracker tracker(1, 2);
+  ContactStates message = tracker.update(sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  sample.result.separations_m = {.1F, .2F, .3F};
+  message = tracker.update(sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::UNKNOWN);
+  EXPECT_TRUE(std::isnan(message.states[kHandCloth].min_separation));
+  EXPECT_EQ(texts(tracker.takeEvents()).back(),
+            "END arm/hand cloth 0 contacts were left out: memory_limit_mib");
+}
+
 TEST(ContactStateTrackerTest, sinceCountsStampsInTheSameState) {
   SampleReport sample;
   ContactStateTracker tracker(1, 1);

@@ -76,6 +76,8 @@ TEST(Parameters, ValuesArrive) {
   tree["robot_source"] = "topic";
   tree["geometry"] = "visual";
   tree["backend"] = "cpu";
+  tree["device"] = 2;
+  tree["memory_limit_mib"] = 8192;
   tree["predicates"] = "fast";
   tree["adjacent_pairs"] = "skip";
   tree["links"] = list("hand", "arm");
@@ -95,6 +97,8 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_EQ(p.geometry.kind, GeometryKind::kVisual);
   EXPECT_EQ(p.geometry.links, (std::vector<std::string>{"hand", "arm"}));
   EXPECT_EQ(p.backend, BackendChoice::kCpu);
+  EXPECT_EQ(p.cuda.device, 2);
+  EXPECT_EQ(p.cuda.memory_limit_bytes, std::uint64_t{8192} << 20);
   EXPECT_EQ(p.detector.predicates, Predicates::kFast);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kSkip);
   EXPECT_EQ(p.max_contacts, 7U);
@@ -106,6 +110,8 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   tree["tf_timeout_s"] = std::numeric_limits<double>::quiet_NaN();
   tree["max_mesh_age_s"] = std::numeric_limits<double>::infinity();
   tree["backend"] = "gpu";
+  tree["device"] = -1;
+  tree["memory_limit_mib"] = 0;
   tree["overlap"] = 1.5;
   tree["iterations"] = 101;
   tree["debounce_on_cycles"] = 0;
@@ -118,10 +124,11 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   const std::string all = refusalOf(tree);
   for (const char* name :
        {"~max_rate_hz is -1", "~tf_timeout_s is nan", "~max_mesh_age_s is inf",
-        "~backend is 'gpu', must be one of: auto, cuda, cpu", "~overlap is 1.5",
-        "~iterations is 101", "~debounce_on_cycles is 0", "~strict_geometry", "~links",
-        "~reference_frame is '/base'", "robot_cloth", "~objects[1]/name is 'cloth'",
-        "~objects[2]/name is '*'", "~objects[3]/topic", "~objects[4]/ must be a map"}) {
+        "~backend is 'gpu', must be one of: auto, cuda, cpu", "~overlap is 1.5", "~device is -1",
+        "~memory_limit_mib is 0", "~iterations is 101", "~debounce_on_cycles is 0",
+        "~strict_geometry", "~links", "~reference_frame is '/base'", "robot_cloth",
+        "~objects[1]/name is 'cloth'", "~objects[2]/name is '*'", "~objects[3]/topic",
+        "~objects[4]/ must be a map"}) {
     expectIn(name, all);
   }
 }
