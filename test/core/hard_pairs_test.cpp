@@ -64,6 +64,15 @@ Pair edgeThroughEdge(Dice* dice) {
   return {a, b};
 }
 
+Pair edgeInPlane(Dice* dice) {
+  const Triangle a = dice->triangle(500);
+  Triangle b = dice->triangle(500);
+  const int k = dice->within(0, 2);
+  b.v[k] = inPlane(a, dice->eighths(-4, 12), dice->eighths(-4, 12));
+  b.v[k == 2 ? 0 : k + 1] = inPlane(a, dice->eighths(-4, 12), dice->eighths(-4, 12));
+  return {a, b};
+}
+
 Pair inOnePlane(Dice* dice) {
   const Triangle plane = dice->triangle(60);
   Pair pair;
@@ -171,6 +180,7 @@ INSTANTIATE_TEST_SUITE_P(, HardPairs,
                          testing::Values(PairClass{"vertex_on_face", vertexOnFace},
                                          PairClass{"vertex_on_edge", vertexOnEdge},
                                          PairClass{"edge_through_edge", edgeThroughEdge},
+                                         PairClass{"edge_in_plane", edgeInPlane},
                                          PairClass{"in_one_plane", inOnePlane},
                                          PairClass{"nearly_in_one_plane", nearlyInOnePlane},
                                          PairClass{"small_grid", smallGrid},
