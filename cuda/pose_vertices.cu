@@ -1,4 +1,5 @@
 // First stage: vertices into the scene frame, boxes of the bodies, nearest prototypes.
+#include "core/vertex_hash.h"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
 
@@ -102,14 +103,6 @@ __global__ void __launch_bounds__(kThreads) farKernel(CycleView c) {
   }
 }
 
-__device__ std::uint64_t mixed(std::uint64_t x) {  // the finaliser of MurmurHash3
-  x ^= x >> 33;
-  x *= 0xff51afd7ed558ccdU;
-  x ^= x >> 33;
-  x *= 0xc4ceb9fe1a85ec53U;
-  return x ^ x >> 33;
-}
-
 // An open-addressing table into which each vertex puts its number + 1, unless one with equal
 // coordinates is there. Slots are filled once and never emptied, so a reader sees all it needs.
 __global__ void __launch_bounds__(kThreads) identifyKernel(CycleView c) {
@@ -120,10 +113,7 @@ __global__ void __launch_bounds__(kThreads) identifyKernel(CycleView c) {
   const Vec3f v = receivedAt(c, i);
   c.vertex_id[i] = i;
   if (body.has_self == 0 || !isFinite(v)) return;
-  const auto bits = [](float x) { return std::uint64_t{__float_as_uint(x + 0.0F)}; };  // -0 is 0
-  const std::uint64_t hash =
-      mixed((bits(v.x) << 32 | bits(v.y)) ^ mixed(bits(v.z) << 32 | block.body));
-  std::uint32_t slot = static_cast<std::uint32_t>(hash) & c.identity_mask;
+  std::uint32_t slot = static_cast<std::uint32_t>(vertexHash(v, block.body)) & c.identity_mask;
   while (true) {
     const std::uint32_t found = atomicCAS(&c.identity_table[slot], 0U, i + 1);
     if (found == 0) return;
