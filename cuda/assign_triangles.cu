@@ -1,5 +1,6 @@
 // Second stage: every triangle into each cluster that it may share a contact in.
 #include "core/aabb.h"
+#include "core/ordered_bits.h"
 #include "cuda/device_buffer.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"

@@ -19,6 +19,10 @@ class ContactOutput {
   // How many contacts the last fetch could bring.
   std::uint32_t fetched() const { return fetched_; }
 
+  std::uint64_t bytes() const {
+    return sorted_keys_.bytes() + sorted_separations_.bytes() + scratch_.bytes();
+  }
+
   // The first `count` of them, once the stream has been waited for.
   void list(const DeviceScene& scene, std::uint32_t count, DetectionResult& result) const;
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -76,9 +75,7 @@ class CudaDetector : public Detector {
 };
 
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
-  std::string refused;
-  for (const std::string& line : problems(options)) refused += (refused.empty() ? "" : "; ") + line;
-  if (!refused.empty()) throw std::invalid_argument(refused);
+  requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
   const auto start = Clock::now();
   result_.contacts.clear();
@@ -301,7 +298,7 @@ void CudaDetector::run(const Scene& scene, const Options& options) {
     stream_.synchronise();
   }
   result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);
-  result_.memory_bytes = scene_.bytes() + buffers_.bytes();
+  result_.memory_bytes = scene_.bytes() + buffers_.bytes() + output_.bytes();
   publish(options);
   if (settings_.time_stages) {
     result_.stages_ms = graphs_[0].times();

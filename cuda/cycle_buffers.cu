@@ -1,19 +1,8 @@
-#include <algorithm>
-
 #include "cuda/cycle_buffers.cuh"
 
 namespace deformable_contact_monitor {
 
-bool CycleBuffers::grow(const CycleSizes& wanted) {
-  CycleSizes& s = sizes_;
-  s.triangles = std::max(s.triangles, wanted.triangles);
-  s.clusters = std::max(s.clusters, wanted.clusters);
-  s.samples = std::max(s.samples, wanted.samples);
-  s.members = std::max(s.members, wanted.members);
-  s.list_words = std::max(s.list_words, wanted.list_words);
-  s.units = std::max(s.units, wanted.units);
-  s.candidates = std::max(s.candidates, wanted.candidates);
-  s.contacts = std::max(s.contacts, wanted.contacts);
+bool CycleBuffers::grow(const CycleSizes& s) {
   const std::size_t clusters = s.clusters;
   bool moved = counters_.grow(1);
   moved |= params_.grow(1);
@@ -61,10 +50,10 @@ void CycleBuffers::view(CycleView& cycle) {
   cycle.next_bins = next_bins_.data();
   cycle.member_count = member_count_.data();
   cycle.members = members_.data();
-  cycle.member_capacity = sizes_.members;
+  cycle.member_capacity = static_cast<std::uint32_t>(members_.size());
   cycle.wide = wide_.data();
   cycle.lists = lists_.data();
-  cycle.list_capacity = sizes_.list_words;
+  cycle.list_capacity = static_cast<std::uint32_t>(lists_.size());
   cycle.frames = frames_.data();
   cycle.moments = moments_.data();
   cycle.sweep_boxes = sweep_boxes_.data();
@@ -73,13 +62,13 @@ void CycleBuffers::view(CycleView& cycle) {
   cycle.sweep_ids = sweep_ids_.data();
   cycle.bucket_begin = bucket_begin_.data();
   cycle.units = units_.data();
-  cycle.unit_capacity = sizes_.units;
+  cycle.unit_capacity = static_cast<std::uint32_t>(units_.size());
   cycle.candidates = candidates_.data();
-  cycle.candidate_capacity = sizes_.candidates;
+  cycle.candidate_capacity = static_cast<std::uint32_t>(candidates_.size());
   cycle.open = open_.data();
   cycle.contacts = contacts_.data();
   cycle.separations_m = separations_m_.data();
-  cycle.contact_capacity = sizes_.contacts;
+  cycle.contact_capacity = static_cast<std::uint32_t>(contacts_.size());
 }
 
 std::uint64_t CycleBuffers::bytes() const {

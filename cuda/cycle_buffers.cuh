@@ -17,7 +17,6 @@ class CycleBuffers {
   std::uint64_t bytes() const;
 
  private:
-  CycleSizes sizes_;
   DeviceBuffer<CycleCounters> counters_;
   DeviceBuffer<CycleParams> params_;
   DeviceBuffer<Vec3f> prototypes_, live_prototypes_;

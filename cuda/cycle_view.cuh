@@ -122,7 +122,7 @@ struct alignas(kLine) CycleCounters {
 // Places in CycleView::member_count from one cluster's to the next one's.
 constexpr std::uint32_t kCountStride = 8;
 
-// All arrays live on the device. `n` vertices and triangles are of the bodies that take part.
+// All arrays live on the device. Vertices and triangles are of the bodies that take part.
 struct CycleView {
   const CycleParams* params;
   CycleCounters* counters;
@@ -136,7 +136,7 @@ struct CycleView {
   const BodyBlock* vertex_blocks;
   const BodyBlock* triangle_blocks;
   std::uint32_t vertex_block_count, triangle_block_count;
-  std::uint32_t vertex_count, triangle_count;
+  std::uint32_t triangle_count;
   const float* received;         // x y z per vertex, in the body's frame [m]
   const std::uint32_t* corners;  // three vertices per triangle
   float4* posed;                 // x, y, z [m], scene frame; w: nearest prototype * 2 + tied

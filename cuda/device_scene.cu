@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "core/body_groups.h"
 #include "cuda/device_scene.cuh"
@@ -50,9 +48,7 @@ void DeviceScene::layOutPairs(const Scene& scene, cudaStream_t stream) {
   body_.clear();
   any_self_ = false;
   for (BodyId a = 0; a < count; ++a) {
-    bool takes_part = false;
-    for (BodyId b = 0; b < count && !takes_part; ++b) takes_part = scene.pairEnabled(a, b);
-    if (takes_part) taking_part_.push_back(a);
+    if (scene.takesPart(a)) taking_part_.push_back(a);
   }
   const BodyGroups groups(scene);
   const auto group_count = static_cast<std::uint32_t>(groups.enabled.size());
@@ -126,7 +122,7 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   vertex_id_.grow(vertex_count_);
   far_vertices_.grow(vertex_count_);
   far_count_.grow(1);
-  std::size_t table = 16;
+  std::size_t table = 16;  // a power of two, as is what it may have been before
   while (any_self_ && table < 2 * std::size_t{vertex_count_}) table *= 2;
   identity_table_.grow(table);
   body_boxes_.grow(6 * taking_part_.size());
@@ -143,11 +139,8 @@ void DeviceScene::send(const Scene& scene, const SceneScale& scale, cudaStream_t
     body.pose = from.pose;
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
     body.margin_m = from.margin_m;
-    body.slack = 0;
-    if (from.margin_m > 0) {
-      any_margin_ = true;
-      body.slack = std::nextafter(static_cast<float>(2 * from.margin_m * scale.scale), INFINITY);
-    }
+    body.slack = scaledSlack(from.margin_m, scale);
+    any_margin_ = any_margin_ || from.margin_m > 0;
     staged_bodies_[i] = body;
     if (vertices_[id] == from.vertices_revision) continue;
     const std::size_t first = 3 * std::size_t{body.first_vertex};
@@ -170,7 +163,6 @@ void DeviceScene::view(CycleView& cycle) {
   cycle.triangle_blocks = triangle_blocks_.data();
   cycle.vertex_block_count = vertex_block_count_;
   cycle.triangle_block_count = triangle_block_count_;
-  cycle.vertex_count = vertex_count_;
   cycle.triangle_count = triangle_count_;
   cycle.received = received_.data();
   cycle.corners = corners_.data();
@@ -180,9 +172,7 @@ void DeviceScene::view(CycleView& cycle) {
   cycle.body_boxes = body_boxes_.data();
   cycle.vertex_id = vertex_id_.data();
   cycle.identity_table = identity_table_.data();
-  std::uint32_t table = 16;
-  while (any_self_ && table < 2 * std::uint64_t{vertex_count_}) table *= 2;
-  cycle.identity_mask = table - 1;
+  cycle.identity_mask = static_cast<std::uint32_t>(identity_table_.size() - 1);
 }
 
 CycleParams DeviceScene::params(const Options& options) const {

@@ -1,6 +1,7 @@
 // The pairs with a very large or far-off triangle: boxes against the clusters, their members, and
 // each other.
 #include "core/aabb.h"
+#include "core/ordered_bits.h"
 #include "cuda/screen.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"

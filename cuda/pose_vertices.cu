@@ -1,4 +1,5 @@
 // First stage: vertices into the scene frame, boxes of the bodies, nearest prototypes.
+#include "core/ordered_bits.h"
 #include "core/vertex_hash.h"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"

@@ -56,20 +56,11 @@ __device__ inline Aabb memberBox(const CycleView& c, const Member& m) {
 __device__ inline bool ownedBy(const CycleView& c, std::uint32_t cluster, const Member& a,
                                const Member& b) {
   if (a.list == kNone || b.list == kNone) return true;
-  const std::uint32_t* x = c.lists + a.list + 1;
-  const std::uint32_t* y = c.lists + b.list + 1;
-  while (*x != *y) {  // both lists hold this cluster, so this ends
-    if (*x < *y) {
-      ++x;
-    } else {
-      ++y;
-    }
-  }
-  return *x == cluster;
+  return lowestCommon(c.lists + a.list + 1, c.lists + b.list + 1) == cluster;
 }
 
-// Whether two members are a candidate; `shared_a` and `shared_b` are the bits
-// of their shared vertices. `cluster`: where they met; kNone: no other place could have.
+// Whether two members are a candidate; `shared_a` and `shared_b` are the bits of their shared
+// vertices. `cluster`: where they met; kNone: they could meet nowhere else.
 __device__ inline bool isCandidate(const CycleView& c, std::uint32_t cluster, std::uint32_t at_a,
                                    std::uint32_t at_b, std::uint32_t shared_a,
                                    std::uint32_t shared_b, Candidate& candidate) {

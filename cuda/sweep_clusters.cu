@@ -36,9 +36,6 @@ struct WarpQueue {
   }
 };
 
-struct Hit {
-  std::uint32_t row, column;  // places among the sorted members
-};
 struct Meeting {
   std::uint32_t a, b;  // members | shared vertices << 29
   std::uint32_t cluster;

@@ -64,13 +64,4 @@ __device__ inline void warpCount(std::uint32_t* counter, bool counted) {
   if (mask != 0 && laneId() == 0) atomicAdd(counter, __popc(mask));
 }
 
-// Unsigned integers that order as the floats do.
-__device__ inline std::uint32_t orderedBits(float x) {
-  const std::uint32_t bits = __float_as_uint(x);
-  return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
-}
-__device__ inline float fromOrderedBits(std::uint32_t bits) {
-  return __uint_as_float((bits & 0x80000000U) != 0 ? bits ^ 0x80000000U : ~bits);
-}
-
 }  // namespace deformable_contact_monitor

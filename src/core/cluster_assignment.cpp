@@ -1,7 +1,6 @@
 #include "core/cluster_assignment.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/parallel.h"
 
@@ -14,11 +13,8 @@ constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 }  // namespace
 
 std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale) {
-  std::vector<float> slack(scene.bodyCount(), 0.0F);
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    const double margin = scene.body(id).margin_m * scale.scale;
-    if (margin > 0) slack[id] = std::nextafter(static_cast<float>(2 * margin), INFINITY);
-  }
+  std::vector<float> slack;
+  for (const Body& body : scene.bodies()) slack.push_back(scaledSlack(body.margin_m, scale));
   return slack;
 }
 

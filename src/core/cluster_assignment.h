@@ -60,7 +60,7 @@ class ClusterAssigner {
   std::vector<std::uint32_t> owner_;  // per vertex: a body that uses it, or kUnused
 };
 
-// Slack of the half-space rule for each body [scaled]: twice its margin.
+// Of each body.
 std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale);
 
 }  // namespace deformable_contact_monitor

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
+
+#include "core/half_space_rule.h"
+#include "core/ordered_bits.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -11,13 +13,6 @@ using Clock = std::chrono::steady_clock;
 
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-// Unsigned integers that order as the floats do; -0 before 0.
-std::uint32_t orderedBits(float x) {
-  std::uint32_t bits;
-  std::memcpy(&bits, &x, sizeof bits);
-  return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
 }
 
 }  // namespace
@@ -127,15 +122,7 @@ void ClusterSweeper::sweepAcross(const Segment& rows, const Segment& columns, bo
 
 // A pair is reported only in the lowest cluster that its triangles have in common.
 bool ClusterSweeper::owns(std::uint32_t a, std::uint32_t b) const {
-  const std::uint32_t *x = clusters_[a], *y = clusters_[b];
-  while (*x != *y) {  // both lists hold this cluster, so this ends
-    if (*x < *y) {
-      ++x;
-    } else {
-      ++y;
-    }
-  }
-  return *x == cluster_;
+  return lowestCommon(clusters_[a], clusters_[b]) == cluster_;
 }
 
 void ClusterSweeper::judgeHits() {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <stdexcept>
 
 #include "core/cluster_count.h"
 #include "core/cluster_sweep.h"
@@ -70,9 +69,7 @@ class CpuDetector : public Detector {
 };
 
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
-  std::string refused;
-  for (const std::string& line : problems(options)) refused += (refused.empty() ? "" : "; ") + line;
-  if (!refused.empty()) throw std::invalid_argument(refused);
+  requireValid(options);
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] { run(scene, options); });
   return result_;

@@ -223,6 +223,18 @@ DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3]
   return rule;
 }
 
+// The lowest cluster on both of two ascending lists, which have one in common.
+DCM_HD inline std::uint32_t lowestCommon(const std::uint32_t* x, const std::uint32_t* y) {
+  while (*x != *y) {
+    if (*x < *y) {
+      ++x;
+    } else {
+      ++y;
+    }
+  }
+  return *x;
+}
+
 // Whether the list of the first competitor holds all clusters that the rule may admit.
 DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRule& rule,
                                 std::uint32_t first, float& radius) {

@@ -1,5 +1,7 @@
 #include "core/options.h"
 
+#include <stdexcept>
+
 namespace deformable_contact_monitor {
 
 std::vector<std::string> problems(const Options& options) {
@@ -21,6 +23,12 @@ std::vector<std::string> problems(const Options& options) {
   require(options.threads >= 0 && options.threads <= 1024,
           "threads is " + std::to_string(options.threads) + ", must be in [0, 1024] (0: all)");
   return found;
+}
+
+void requireValid(const Options& options) {
+  std::string lines;
+  for (const std::string& line : problems(options)) lines += (lines.empty() ? "" : "; ") + line;
+  if (!lines.empty()) throw std::invalid_argument(lines);
 }
 
 const char* toString(Predicates predicates) {

@@ -38,6 +38,9 @@ constexpr int kMaxClusters = 65535;
 // One clear line for each value out of range; empty if there is none.
 std::vector<std::string> problems(const Options& options);
 
+// Throws std::invalid_argument, listing all problems(options).
+void requireValid(const Options& options);
+
 // "exact", "conservative", "fast".
 const char* toString(Predicates predicates);
 

@@ -86,6 +86,11 @@ void Scene::setPairEnabled(BodyId a, BodyId b, bool enabled) {
 
 bool Scene::pairEnabled(BodyId a, BodyId b) const { return enabled_.at(a).at(b); }
 
+bool Scene::takesPart(BodyId id) const {
+  const std::vector<bool>& row = enabled_.at(id);
+  return std::find(row.begin(), row.end(), true) != row.end();
+}
+
 std::size_t Scene::triangleCount() const {
   std::size_t count = 0;
   for (const Body& body : bodies_) count += body.mesh.triangleCount();

@@ -47,6 +47,8 @@ class Scene {
   // a == b: contacts of the body with itself.
   void setPairEnabled(BodyId a, BodyId b, bool enabled);
   bool pairEnabled(BodyId a, BodyId b) const;
+  // Whether some pair of the body, or the body with itself, is enabled.
+  bool takesPart(BodyId id) const;
   // Like the bodies' revisions: of the enabled pairs and the number of bodies.
   std::uint64_t pairsRevision() const { return pairs_revision_; }
 

@@ -94,13 +94,6 @@ Partners partnersOf(const Scene& scene, BodyId a, const std::vector<Aabb>& boxes
   return partners;
 }
 
-bool hasPartner(const Scene& scene, BodyId a) {
-  for (BodyId b = 0; b < scene.bodyCount(); ++b) {
-    if (scene.pairEnabled(a, b)) return true;
-  }
-  return false;
-}
-
 // What one block of a body's triangles contributes.
 struct Block {
   std::vector<std::uint32_t> triangle;
@@ -115,7 +108,7 @@ void WorkingSetBuilder::updateLocalBoxes(const Scene& scene) {
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     const Body& body = scene.body(id);
     LocalBox& local = local_boxes_[id];
-    if (!hasPartner(scene, id)) continue;
+    if (!scene.takesPart(id)) continue;
     if (local.vertices_revision == body.vertices_revision) continue;
     local = {body.vertices_revision, Aabb(), true};
     local.all_finite = boundFinite(body.mesh.vertices, local.box);
@@ -172,7 +165,7 @@ void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& cou
   for (BodyId id = 0; id < body_count; ++id) {
     const Body& body = scene.body(id);
     const TriangleMesh& mesh = body.mesh;
-    if (!hasPartner(scene, id)) continue;
+    if (!scene.takesPart(id)) continue;
     const Partners partners = partnersOf(scene, id, boxes);
     if (!partners.self && partners.boxes.empty()) {
       std::uint64_t rejected = 0;

@@ -40,7 +40,7 @@ class BruteForceDetector : public Detector {
 
     std::vector<std::vector<PosedTriangle>> bodies(scene.bodyCount());
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
-      if (!takesPart(scene, b)) continue;
+      if (!scene.takesPart(b)) continue;
       bodies[b] = finiteTriangles(scene.body(b));
       result_.counters.posed += scene.body(b).mesh.triangleCount();
       result_.counters.rejected += scene.body(b).mesh.triangleCount() - bodies[b].size();

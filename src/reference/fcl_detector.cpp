@@ -53,7 +53,7 @@ class FclDetector : public Detector {
 
     std::vector<std::unique_ptr<FclBody>> bodies;
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
-      if (!takesPart(scene, b)) {
+      if (!scene.takesPart(b)) {
         bodies.push_back(nullptr);
         continue;
       }

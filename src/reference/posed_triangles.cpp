@@ -1,7 +1,6 @@
 // What the references share: finite triangles of a body, received and posed.
 #include "reference/posed_triangles.h"
 
-#include <stdexcept>
 #include <string>
 
 namespace deformable_contact_monitor {
@@ -24,19 +23,6 @@ std::vector<PosedTriangle> finiteTriangles(const Body& body) {
     if (finite) triangles.push_back(triangle);
   }
   return triangles;
-}
-
-bool takesPart(const Scene& scene, BodyId id) {
-  for (BodyId other = 0; other < scene.bodyCount(); ++other) {
-    if (scene.pairEnabled(id, other)) return true;
-  }
-  return false;
-}
-
-void requireValid(const Options& options) {
-  std::string lines;
-  for (const std::string& line : problems(options)) lines += (lines.empty() ? "" : "; ") + line;
-  if (!lines.empty()) throw std::invalid_argument(lines);
 }
 
 }  // namespace deformable_contact_monitor

@@ -20,10 +20,4 @@ struct PosedTriangle {
 // In ascending order of index; triangles with a non-finite vertex are left out.
 std::vector<PosedTriangle> finiteTriangles(const Body& body);
 
-// Whether some pair of the body, or the body with itself, is enabled.
-bool takesPart(const Scene& scene, BodyId id);
-
-// Throws std::invalid_argument, listing all problems(options).
-void requireValid(const Options& options);
-
 }  // namespace deformable_contact_monitor
