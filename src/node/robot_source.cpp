@@ -5,11 +5,11 @@
 #include <ros/param.h>
 
 #include <algorithm>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "node/contact_messages.h"
+#include "node/robot_checks.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -33,10 +33,6 @@ void log(const RobotGeometry& robot) {
     }
   }
   for (const std::string& warning : geometryWarnings(robot)) ROS_WARN_STREAM(warning);
-}
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 }  // namespace
@@ -86,56 +82,19 @@ RobotGeometry RobotSource::loadFromDescription() const {
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error("parameter '" + found + "': " + error.what());
   }
-  check(robot);
+  checkRobot(robot, parameters_);
   return robot;
 }
 
 void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
   try {
-    RobotGeometry robot = selected(fromLinkMeshes(*message));
-    check(robot);
+    RobotGeometry robot = selectedLinks(fromLinkMeshes(*message), parameters_.geometry);
+    checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("link meshes refused, the robot stays as it was: " << error.what());
     const std::lock_guard<std::mutex> lock(mutex_);
     problem_ = error.what();
-  }
-}
-
-RobotGeometry RobotSource::selected(RobotGeometry robot) const {
-  const RobotGeometryOptions& options = parameters_.geometry;
-  std::set<std::string> sent;
-  for (const LinkGeometry& link : robot.links) {
-    if (!sent.insert(link.link).second) {
-      throw std::runtime_error("link '" + link.link + "' was sent twice in one message");
-    }
-  }
-  for (const std::string& link : options.links) {
-    if (sent.count(link) == 0)
-      throw std::runtime_error("link '" + link + "' of ~links is not there");
-  }
-  const auto unwanted = [&options](const LinkGeometry& link) {
-    return (!options.links.empty() && !contains(options.links, link.link)) ||
-           contains(options.ignored_links, link.link);
-  };
-  robot.links.erase(std::remove_if(robot.links.begin(), robot.links.end(), unwanted),
-                    robot.links.end());
-  return robot;
-}
-
-void RobotSource::check(const RobotGeometry& robot) const {
-  std::string bad;
-  for (const LinkGeometry& link : robot.links) {
-    for (const ObjectParameters& object : parameters_.objects) {
-      if (link.link == object.name) {
-        throw std::runtime_error("link and object have the same name '" + object.name + "'");
-      }
-    }
-    if (!link.problem.empty()) bad += "\n  " + link.problem;
-  }
-  if (parameters_.strict_geometry && !bad.empty()) {
-    throw std::runtime_error("strict_geometry is on, and these links have no usable geometry:" +
-                             bad);
   }
 }
 

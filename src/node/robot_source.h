@@ -37,8 +37,6 @@ class RobotSource {
  private:
   RobotGeometry loadFromDescription() const;
   void receive(const LinkMeshes::ConstPtr& message);
-  RobotGeometry selected(RobotGeometry robot) const;
-  void check(const RobotGeometry& robot) const;
   // Keeps the robot unless it is what is there already; returns whether it did.
   bool use(RobotGeometry robot);
 

@@ -2,7 +2,8 @@
 # works on the project's own scope.
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
-  resource_retriever roscpp roslib sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_ros visualization_msgs)
+  resource_retriever rosbag_storage roscpp roslib sensor_msgs std_msgs std_srvs tf2 tf2_eigen
+  tf2_msgs tf2_ros visualization_msgs)
 
 add_message_files(DIRECTORY msg FILES
   AllowedContact.msg ContactArray.msg ContactEvent.msg ContactGeometry.msg ContactPair.msg

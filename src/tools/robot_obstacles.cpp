@@ -98,16 +98,21 @@ Capsule fitCapsule(const TriangleMesh& mesh) {
   return {middle + (shift - half) * axis, middle + (shift + half) * axis, radius};
 }
 
+std::map<std::string, Capsule> linkCapsules(const RobotGeometry& robot) {
+  std::map<std::string, Capsule> capsules;
+  for (const LinkGeometry& link : robot.links) {
+    if (!link.problem.empty() || sampleSurface(link.mesh).empty()) continue;
+    capsules[link.link] = fitCapsule(link.mesh);
+  }
+  return capsules;
+}
+
 RobotObstacles::RobotObstacles(urdf::ModelInterfaceSharedPtr robot, const RobotGeometry& geometry,
                                std::string frame)
-    : robot_(std::move(robot)), frame_(std::move(frame)) {
+    : robot_(std::move(robot)), capsules_(linkCapsules(geometry)), frame_(std::move(frame)) {
   if (robot_->getLink(frame_) == nullptr) {
     throw std::invalid_argument("frame '" + frame_ + "' is no link of robot '" + robot_->getName() +
                                 "'");
-  }
-  for (const LinkGeometry& link : geometry.links) {
-    if (!link.problem.empty() || sampleSurface(link.mesh).empty()) continue;
-    capsules_[link.link] = fitCapsule(link.mesh);
   }
 }
 

@@ -18,6 +18,9 @@ namespace deformable_contact_monitor {
 // the capsule touches the mesh. `mesh` must have an area above zero.
 Capsule fitCapsule(const TriangleMesh& mesh);
 
+// A capsule for each link with a usable mesh of some area, in the link's frame.
+std::map<std::string, Capsule> linkCapsules(const RobotGeometry& robot);
+
 class RobotObstacles {
  public:
   // Obstacles will be in the frame of link `frame`. Links without usable geometry are none. Throws

@@ -1,0 +1,55 @@
+// What a robot from any source must be like before it is monitored.
+#include "node/robot_checks.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+namespace {
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& options) {
+  std::set<std::string> sent;
+  for (const LinkGeometry& link : robot.links) {
+    if (!sent.insert(link.link).second) {
+      throw std::runtime_error("link '" + link.link + "' was sent twice in one message");
+    }
+  }
+  for (const std::string& link : options.links) {
+    if (sent.count(link) == 0)
+      throw std::runtime_error("link '" + link + "' of ~links is not there");
+  }
+  const auto unwanted = [&options](const LinkGeometry& link) {
+    return (!options.links.empty() && !contains(options.links, link.link)) ||
+           contains(options.ignored_links, link.link);
+  };
+  robot.links.erase(std::remove_if(robot.links.begin(), robot.links.end(), unwanted),
+                    robot.links.end());
+  return robot;
+}
+
+void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters) {
+  std::string bad;
+  for (const LinkGeometry& link : robot.links) {
+    for (const ObjectParameters& object : parameters.objects) {
+      if (link.link == object.name) {
+        throw std::runtime_error("link and object have the same name '" + object.name + "'");
+      }
+    }
+    if (!link.problem.empty()) bad += "\n  " + link.problem;
+  }
+  if (parameters.strict_geometry && !bad.empty()) {
+    throw std::runtime_error("strict_geometry is on, and these links have no usable geometry:" +
+                             bad);
+  }
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,16 @@
+// What a robot from any source must be like before it is monitored.
+#pragma once
+
+#include "node/parameters.h"
+#include "robot/robot_geometry.h"
+
+namespace deformable_contact_monitor {
+
+// Keeps the links that the options ask for, in order. Throws std::runtime_error if a link is there
+// twice, or one that `options.links` names is not there.
+RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& options);
+
+// Throws std::runtime_error if a link has an object's name or, with strict_geometry, a problem.
+void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters);
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,236 @@
+#!/usr/bin/python3
+"""Turns the tables of evaluate_bag into report.html, one file with its plots inside.
+
+Usage: evaluation_report.py FOLDER, with frames.csv, links.csv and summary.json in it.
+"""
+import csv
+import html
+import io
+import json
+import os
+import sys
+
+try:
+    import matplotlib
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+except ImportError as error:
+    sys.exit(f"evaluation_report.py: {error}; install python3-matplotlib")
+
+MOST_ROWS = 40  # of the timeline
+COLORS = {"CONTACT": "#c62828", "NEAR": "#f9a825", "UNKNOWN": "#bdbdbd", "ALLOWED": "#90caf9"}
+STYLE = """
+body { font: 15px/1.45 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
+table { border-collapse: collapse; margin: .5rem 0 1.5rem; }
+td, th { padding: .25rem .8rem .25rem 0; text-align: left; border-bottom: 1px solid #ddd;
+         font-variant-numeric: tabular-nums; vertical-align: top; }
+.bad { color: #c62828; font-weight: bold; } .good { color: #2e7d32; font-weight: bold; }
+svg { width: 100%; height: auto; } h2 { margin-top: 2rem; } code { background: #f4f4f4; }
+"""
+
+
+def read_table(path):
+    with open(path, newline="", errors="replace") as file:
+        return list(csv.DictReader(file))
+
+
+def to_svg(figure):
+    out = io.StringIO()
+    figure.savefig(out, format="svg", bbox_inches="tight", metadata={"Date": None})
+    plt.close(figure)
+    text = out.getvalue()
+    return text[text.index("<svg"):]
+
+
+def runs_of(frames):
+    """{run: its rows}, in order."""
+    runs = {}
+    for row in frames:
+        runs.setdefault(row["run"], []).append(row)
+    return runs
+
+
+def since(rows, start):
+    return [float(row["stamp"]) - start for row in rows]
+
+
+def plot_latency(runs):
+    figure, axes = plt.subplots(figsize=(9, 3.2))
+    for i, (name, rows) in enumerate(runs.items()):
+        for column, style in (("detect_ms", "-"), ("round_trip_ms", ":")):
+            times = sorted(float(row[column]) for row in rows)
+            shares = [(k + 1) / len(times) for k in range(len(times))]
+            label = f"{name}: " + ("detection" if style == "-" else "from host to host")
+            axes.step(times, shares, style, where="post", color=f"C{i}", label=label)
+    axes.set(xlabel="time of a cycle [ms]", ylabel="share of cycles", ylim=(0, 1.02))
+    axes.set_xscale("log")
+    axes.grid(alpha=.3, which="both")
+    axes.legend(fontsize=8)
+    return to_svg(figure)
+
+
+def plot_pairs(runs, start):
+    figure, axes = plt.subplots(figsize=(9, 3.2))
+    for name, rows in runs.items():
+        axes.plot(since(rows, start), [int(row["pairs"]) for row in rows], lw=1, label=name)
+    first = next(iter(runs.values()))
+    incomplete = [t for t, row in zip(since(first, start), first) if row["complete"] == "no"]
+    if incomplete:
+        axes.plot(incomplete, [0] * len(incomplete), "|", color="#888", ms=8,
+                  label="not complete: something was unknown")
+    axes.set(xlabel="time since the first cycle [s]", ylabel="triangle pairs")
+    axes.set_ylim(bottom=0)
+    axes.grid(alpha=.3)
+    axes.legend(fontsize=8)
+    return to_svg(figure)
+
+
+def plot_timeline(links, run, start):
+    """Pairs of bodies that were ever in contact or near, those in contact longest first."""
+    rows = {}
+    for row in links:
+        if row["run"] == run:
+            rows.setdefault((row["body_a"], row["body_b"]), []).append(row)
+
+    def contact_cycles(stretches):
+        return sum(int(s["cycles"]) for s in stretches if s["state"] in ("CONTACT", "NEAR"))
+    touched = sorted((item for item in rows.items() if contact_cycles(item[1]) > 0),
+                     key=lambda item: (-contact_cycles(item[1]), item[0]))
+    if not touched:
+        return "<p>No pair of bodies was ever in contact or near.</p>"
+    shown = touched[:MOST_ROWS]
+    figure, axes = plt.subplots(figsize=(9, .9 + .26 * len(shown)))
+    for y, (_, stretches) in enumerate(shown):
+        for s in stretches:
+            if s["state"] not in COLORS:
+                continue
+            begin = float(s["from"]) - start
+            axes.barh(y, max(float(s["to"]) - float(s["from"]), .01), left=begin, height=.7,
+                      color=COLORS[s["state"]], linewidth=0)
+    axes.set_yticks(range(len(shown)), [" / ".join(bodies) for bodies, _ in shown], fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlabel("time since the first cycle [s]")
+    axes.grid(alpha=.3, axis="x")
+    handles = [plt.Rectangle((0, 0), 1, 1, color=color) for color in COLORS.values()]
+    axes.legend(handles, [name.lower() for name in COLORS], fontsize=8, ncol=4,
+                loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
+    more = len(touched) - len(shown)
+    return to_svg(figure) + (f"<p>And {more} more pairs of bodies.</p>" if more > 0 else "")
+
+
+def plot_stages(summary):
+    figure, axes = plt.subplots(figsize=(9, .8 + .4 * len(summary["times"]["runs"])))
+    names = []
+    for run in summary["times"]["runs"]:
+        names += [stage for stage in run["median_stages_ms"] if stage not in names]
+    colors = {name: plt.get_cmap("tab20")(i % 20) for i, name in enumerate(names)}
+    for y, run in enumerate(summary["times"]["runs"]):
+        left = 0
+        for stage, ms in run["median_stages_ms"].items():
+            axes.barh(y, ms, left=left, color=colors[stage], height=.6)
+            left += ms
+    axes.set_yticks(range(len(summary["times"]["runs"])),
+                    [run["name"] for run in summary["times"]["runs"]], fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlabel("median time of each stage [ms]")
+    handles = [plt.Rectangle((0, 0), 1, 1, color=colors[name]) for name in names]
+    axes.legend(handles, names, fontsize=8, ncol=8, loc="lower left", bbox_to_anchor=(0, 1),
+                frameon=False)
+    return to_svg(figure)
+
+
+def table(titles, rows):
+    head = "".join(f"<th>{html.escape(title)}</th>" for title in titles)
+    body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def verdict(good, yes, no):
+    return f'<span class="{"good" if good else "bad"}">{html.escape(yes if good else no)}</span>'
+
+
+def runs_table(summary):
+    times = {run["name"]: run for run in summary["times"]["runs"]}
+    rows = []
+    for run in summary["runs"]:
+        ms = times[run["name"]]["detect_ms"]
+        rows.append([html.escape(run["name"]), run["backend"], run["pairs"],
+                     f'{run["complete_cycles"]} of {run["cycles"]}', f'{ms["median"]:.3f}',
+                     f'{ms["p95"]:.3f}', f'{ms["most"]:.3f}'])
+    return table(["run", "ran on", "pairs", "complete cycles", "detect, median [ms]", "p95", "most"],
+                 rows)
+
+
+def comparisons_table(summary):
+    rows = []
+    for c in summary["comparisons"]:
+        same = c["cycles_that_differ"] == 0
+        word = "DISAGREE" if c["must_agree"] else "differ"
+        rows.append([html.escape(f'{c["first"]} and {c["second"]}'),
+                     verdict(same or not c["must_agree"], "the same pairs" if same else word, word),
+                     c["cycles_that_differ"], c["only_first"], c["only_second"],
+                     html.escape(c["example"])])
+    return table(["runs", "", "cycles that differ", "only the first has", "only the second",
+                  "for example"], rows)
+
+
+def expectations_table(summary):
+    return table(["expectation", "", ""],
+                 [[html.escape(e["text"]), verdict(e["holds"], "holds", "FAILS"),
+                   html.escape(e["failure"])] for e in summary["expectations"]])
+
+
+def about_table(summary):
+    machine, configuration = summary["machine"], summary["configuration"]
+    objects = ", ".join(f'{o["name"]} on {o["topic"]}' for o in configuration["objects"])
+    rows = [("Robot", configuration["robot"] + f', {len(configuration["links"])} links'),
+            ("Objects", objects), ("Reference frame", configuration["reference_frame"]),
+            ("Pairs looked at", ", ".join(configuration["pair_classes"])),
+            ("Configuration", summary["configuration_hash"]),
+            ("Messages", ", ".join(f'{name}: {topic["messages"]}'
+                                   for name, topic in summary["topics"].items())),
+            ("Machine", ", ".join([machine["cpu"], f'{machine["cores"]} cores'] + machine["gpus"])),
+            ("Speed", f'{summary["times"]["cycles_per_s"]:.1f} cycles a second, '
+                      f'{summary["times"]["elapsed_s"]:.1f} s in all')]
+    damage = summary["problem"] or (f'{summary["damaged_messages"]} messages'
+                                    if summary["damaged_messages"] else "")
+    if damage:
+        rows.insert(0, ("Damaged", damage + "; what could be read is below"))
+    return table(["", ""], [[html.escape(name), html.escape(text)] for name, text in rows])
+
+
+def report(folder):
+    with open(os.path.join(folder, "summary.json"), errors="replace") as file:
+        summary = json.load(file)
+    runs = runs_of(read_table(os.path.join(folder, "frames.csv")))
+    links = read_table(os.path.join(folder, "links.csv"))
+    bags = ", ".join(os.path.basename(bag) for bag in summary["bags"])
+    parts = [f"<h1>Contacts in {html.escape(bags)}</h1>",
+             f'<p>{summary["cycles"]} cycles. '
+             + verdict(summary["passed"], "Passed.", "Failed.") + "</p>", runs_table(summary)]
+    if summary["comparisons"]:
+        parts += ["<h2>Runs compared as sets</h2>", comparisons_table(summary)]
+    if summary["expectations"]:
+        parts += ["<h2>Expectations</h2>", expectations_table(summary)]
+    if runs:
+        first = next(iter(runs))
+        start = float(runs[first][0]["stamp"])
+        parts += [f"<h2>Who touches whom</h2><p>{html.escape(first)}</p>",
+                  plot_timeline(links, first, start),
+                  "<h2>Pairs over time</h2>", plot_pairs(runs, start),
+                  "<h2>Latency</h2>", plot_latency(runs), plot_stages(summary)]
+    parts += ["<h2>What was evaluated</h2>", about_table(summary)]
+    with open(os.path.join(folder, "report.html"), "w") as file:
+        file.write(f'<!DOCTYPE html><meta charset="utf-8"><title>{html.escape(bags)}</title>'
+                   f"<style>{STYLE}</style>" + "\n".join(parts) + "\n")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    plt.rcParams.update({"svg.hashsalt": "evaluate_bag", "axes.spines.top": False,
+                         "axes.spines.right": False})
+    try:
+        report(sys.argv[1])
+    except OSError as error:
+        sys.exit(f"evaluation_report.py: {error}")

@@ -1,0 +1,59 @@
+// Who must touch whom in a bag, and when.
+#pragma once
+
+#include <deformable_contact_monitor/ContactStates.h>
+#include <ros/time.h>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+struct Expectation {
+  enum class Touches { kSometime, kAlways, kNever };
+
+  std::string link, object;  // any two bodies, in any order; equal: the body with itself
+  Touches touches = Touches::kSometime;
+  double from_s = 0, to_s = std::numeric_limits<double>::infinity();  // since the first cycle
+  std::uint32_t min_pairs = 1;                                        // that make a touch
+};
+
+// From a yaml list of {link, object, touches: sometime|always|never, from_s, to_s, min_pairs}.
+// Throws std::runtime_error that names the file and every problem, in one line.
+std::vector<Expectation> readExpectations(const std::string& path);
+
+// Judges one run's cycles. A cycle in which the pair is UNKNOWN, ALLOWED or not monitored is no
+// proof of anything: `always` and `never` fail by it. So do expectations without a single cycle in
+// their time.
+class ExpectationJudge {
+ public:
+  explicit ExpectationJudge(std::vector<Expectation> expectations);
+
+  // Cycles in the order of their stamps.
+  void look(const ContactStates& states);
+
+  struct Verdict {
+    std::string text;     // the expectation, for people
+    std::string failure;  // empty: it holds
+  };
+  // After the last cycle.
+  std::vector<Verdict> verdicts() const;
+
+ private:
+  struct Record {
+    Expectation expectation;
+    std::uint64_t cycles = 0, touching = 0, unknown = 0;
+    std::string first_break;  // of always or never: when and what was seen
+    std::uint32_t most_pairs = 0;
+  };
+
+  void look(const ContactStates& states, double since_s, Record* record) const;
+
+  std::vector<Record> records_;
+  ros::Time start_;
+  bool started_ = false;
+};
+
+}  // namespace deformable_contact_monitor
