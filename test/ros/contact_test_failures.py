@@ -13,6 +13,7 @@ import xml.etree.ElementTree as ElementTree
 
 import rospy
 import rostest
+from rosgraph_msgs.msg import Clock
 
 import boxes_scene
 from boxes_scene import CLOTH, REFERENCE_FRAME
@@ -130,13 +131,22 @@ class ContactTestFailures(unittest.TestCase):
             self.check({"no_master": ({}, f"master missing: no ROS master at {uri}")},
                        {"ROS_MASTER_URI": uri})
 
-    def test_no_clock(self):
+    def test_simulated_time(self):
         rospy.set_param("/use_sim_time", True)  # nobody else starts meanwhile
-        try:
-            self.check({"no_clock": ({"state": "none", "wait_s": SHORT_S},
-                                     "clock missing: use_sim_time is set, but nothing came on")})
-        finally:
-            rospy.delete_param("/use_sim_time")
+        self.addCleanup(rospy.delete_param, "/use_sim_time")
+        self.check({"no_clock": ({"state": "none", "wait_s": SHORT_S},
+                                 "clock missing: use_sim_time is set, but nothing came on")})
+        begun = rospy.Time.now()
+
+        def at_half_speed(now, _=None):
+            return rospy.Time(1000) + (now - begun) * 0.5
+        clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        timer = rospy.Timer(rospy.Duration(0.01),
+                            lambda event: clock.publish(Clock(at_half_speed(event.current_real))))
+        self.addCleanup(timer.shutdown)
+        self.check_played({"half_speed": (
+            {"state": "none", "within_s": 0, "hold_s": 1, "max_age_s": 0.5}, "",
+            {"play": lambda t: state("NONE"), "stamp": at_half_speed})})
 
     def test_of_a_real_monitor(self):
         Monitor()  # waits for it

@@ -120,6 +120,10 @@ class Verdicts(unittest.TestCase):
                          "^wrong state: not palm and cloth in state contact within 0.5 s; seen in "
                          "3 messages from 1000.250 to 1000.750: none 3; 0 to 0 pairs")
 
+    def test_a_state_that_comes_after_within_s_is_too_late(self):
+        self.assertRegex(self.fails({"state": "contact", "within_s": 0.3}, NONE, NONE, CONTACT),
+                         "^too late: .* in state contact within 0.3 s; .* last contact")
+
     def test_hold_s_has_no_gap(self):
         wanted = {"state": "contact", "hold_s": 0.75}
         self.assertEqual(self.fails(wanted, NONE, CONTACT, CONTACT, CONTACT), "")  # not over yet
