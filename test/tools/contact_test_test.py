@@ -65,12 +65,17 @@ class Parameters(unittest.TestCase):
             contact_test.parse(bad)
         for name in bad:
             self.assertRegex(str(refused.exception), rf"(^|; ){name} (must|is)")
+        with self.assertRaisesRegex(ValueError, r"^state must be a name, not \['none'\]$"):
+            contact_test.parse({**PAIR, "state": ["none"]})
         with self.assertRaisesRegex(ValueError, "link is not set; object is not set; state is not"):
             contact_test.parse({})
 
     def test_what_no_monitor_can_meet_is_refused(self):
         with self.assertRaisesRegex(ValueError, "max_pairs 2 is less than min_pairs 3"):
             contact_test.parse({**PAIR, "state": "contact", "min_pairs": 3, "max_pairs": 2})
+        for state in ("near", "contact"):
+            with self.assertRaisesRegex(ValueError, "max_pairs must not be 0"):
+                contact_test.parse({**PAIR, "state": state, "max_pairs": 0})
         for state in ("none", "allowed", "unknown"):
             with self.assertRaisesRegex(ValueError, "min_pairs must be 0"):
                 contact_test.parse({**PAIR, "state": state, "min_pairs": 1})
@@ -145,8 +150,8 @@ class Verdicts(unittest.TestCase):
         wanted = {"state": "none", "hold_s": 0.5, "max_age_s": 0.2}
         self.passes(wanted, NONE, NONE, NONE, age_s=0.2)
         self.assertRegex(self.fails(wanted, NONE, NONE, NONE, age_s=0.3),
-                         "^too old: .*greatest age 0.300 s; .*; 3 of them came later than "
-                         "max_age_s 0.2 ")
+                         "^too old: palm and cloth in state none, but 3 messages came more than "
+                         "max_age_s 0.2 after their stamp; .*greatest age 0.300 s")
 
     def test_a_pair_that_is_gone_is_not_there(self):
         verdict = contact_test.Judge(contact_test.parse({**PAIR, "state": "none", "hold_s": 1}))
