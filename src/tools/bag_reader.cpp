@@ -14,8 +14,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <deque>
+#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -92,7 +92,7 @@ void sendMessage(int pipe, const rosbag::MessageInstance& message) {
 void checkStart(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string start(13, '\0');
-  if (!file || !file.read(start.data(), 0)) throw std::runtime_error("cannot be read");
+  if (!file || std::filesystem::is_directory(path)) throw std::runtime_error("cannot be read");
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(file.gcount()));
   if (start.empty()) throw std::runtime_error("is empty");

@@ -46,6 +46,7 @@ bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--pairs", arguments->pairs, "Also write every triangle pair to pairs.csv");
+  app.add_flag("!--no-report", arguments->report, "Draw no report.html");
   describe(&app, &arguments->object);
   try {
     app.parse(argc, argv);

@@ -20,6 +20,7 @@ struct EvaluateArguments {
   std::vector<std::string> backends, predicates;
   std::vector<float> overlaps;
   bool pairs = false;  // also pairs.csv
+  bool report = true;  // report.html
   SceneObject object;  // one that is not in the bags
 };
 

@@ -165,7 +165,7 @@ int evaluate(const EvaluateArguments& arguments) {
   end.refused_transforms = cycles.refusedTransforms();
   end.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   OutputFile(arguments.out + "/summary.json").write(summaryJson(end));
-  runScriptBeside("evaluation_report.py", {arguments.out}, warn);
+  if (arguments.report) runScriptBeside("evaluation_report.py", {arguments.out}, warn);
   OutputFile("-").write(summaryText(end));
   if (!end.problem.empty() || contents.damaged() > 0) {
     throw std::runtime_error(

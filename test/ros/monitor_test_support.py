@@ -96,6 +96,33 @@ class Monitor:
         return Log(self.name + "/robot_meshes", LinkMeshes)
 
 
+def transform_message(stamp, edges):
+    """edges: {child: (parent, (translation, quaternion))}."""
+    message = TFMessage()
+    for child, (parent, (translation, quaternion)) in edges.items():
+        transform = TransformStamped()
+        transform.header.stamp = stamp
+        transform.header.frame_id = parent
+        transform.child_frame_id = child
+        t, r = transform.transform.translation, transform.transform.rotation
+        t.x, t.y, t.z = (float(value) for value in translation)
+        r.x, r.y, r.z, r.w = (float(value) for value in quaternion)
+        message.transforms.append(transform)
+    return message
+
+
+def mesh_message(name, stamp, frame, mesh, topology_id=1, keyframe=True):
+    """A DeformableMesh; its triangles are left out if it is no keyframe."""
+    message = DeformableMesh()
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    message.object = name
+    message.topology_id = topology_id
+    message.vertices = mesh[0].flatten().tolist()
+    message.triangles = mesh[1].flatten().tolist() if keyframe else []
+    return message
+
+
 class Transforms:
     """Publishes transforms, and knows what tf2 makes of them."""
 
@@ -105,17 +132,8 @@ class Transforms:
         wait_until(lambda: self.publisher.get_num_connections() >= listeners, "listeners of /tf")
 
     def send(self, stamp, edges):
-        """edges: {child: (parent, (translation, quaternion))}."""
-        message = TFMessage()
-        for child, (parent, (translation, quaternion)) in edges.items():
-            transform = TransformStamped()
-            transform.header.stamp = stamp
-            transform.header.frame_id = parent
-            transform.child_frame_id = child
-            t, r = transform.transform.translation, transform.transform.rotation
-            t.x, t.y, t.z = (float(value) for value in translation)
-            r.x, r.y, r.z, r.w = (float(value) for value in quaternion)
-            message.transforms.append(transform)
+        message = transform_message(stamp, edges)
+        for transform in message.transforms:
             self.buffer.set_transform(transform, "test")
         self.publisher.publish(message)
 
@@ -141,15 +159,8 @@ class MeshPublisher:
         wait_until(lambda: self.publisher.get_num_connections() >= listeners,
                    f"{listeners} subscriber(s) of {topic}")
 
-    def send(self, stamp, frame, mesh, topology_id=1, keyframe=True):
-        message = DeformableMesh()
-        message.header.stamp = stamp
-        message.header.frame_id = frame
-        message.object = self.name
-        message.topology_id = topology_id
-        message.vertices = mesh[0].flatten().tolist()
-        message.triangles = mesh[1].flatten().tolist() if keyframe else []
-        self.publisher.publish(message)
+    def send(self, stamp, frame, mesh, **arguments):
+        self.publisher.publish(mesh_message(self.name, stamp, frame, mesh, **arguments))
 
 
 def to_mesh(vertices, triangles):

@@ -21,7 +21,8 @@ def quaternion_product(a, b):
             aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
 
 
-class PandaScene:
+class Panda:
+    """Its links, and where they and the shirt's frame are."""
 
     def __init__(self, data):
         folder = os.path.join(data, "robots/panda_description")
@@ -29,16 +30,6 @@ class PandaScene:
         self.data = data
         self.links = read_stl_links(self.urdf, folder)
         self.joints = ElementTree.parse(self.urdf).getroot().findall("joint")
-        self.transforms = Transforms()
-        self.shirt = MeshPublisher("tshirt", "/tshirt")
-
-    def show_until_seen(self, monitor):
-        """Until the monitor knows the frames."""
-        def cycle():
-            stamp = now()
-            self.show(stamp, 0, 0, (0, 0, 5))
-            return monitor.contacts_at(stamp)
-        until_frames_are_seen(cycle)
 
     def shirt_mesh(self, frame):
         return read_obj(os.path.join(self.data, f"tshirt/{frame:03d}.obj"), SHIRT_SCALE)
@@ -60,12 +51,33 @@ class PandaScene:
                                                       (translation, quaternion))
         return edges
 
-    def show(self, stamp, frame, step, shirt_at):
-        """Sends transforms and the T-shirt; the robot and the shirt move with `step`."""
+    def edges_at(self, step, shirt_at):
+        """The robot and the shirt, which move with `step`."""
         angles = [angle + 0.02 * step for angle in READY]
         turned = np.array([np.sin(0.1 * step), 0.1, 0.0, np.cos(0.1 * step)])
         turned /= np.linalg.norm(turned)
-        self.transforms.send(stamp, self.edges(angles, 0.02, (shirt_at, turned)))
+        return self.edges(angles, 0.02, (shirt_at, turned))
+
+
+class PandaScene(Panda):
+    """Published."""
+
+    def __init__(self, data):
+        super().__init__(data)
+        self.transforms = Transforms()
+        self.shirt = MeshPublisher("tshirt", "/tshirt")
+
+    def show_until_seen(self, monitor):
+        """Until the monitor knows the frames."""
+        def cycle():
+            stamp = now()
+            self.show(stamp, 0, 0, (0, 0, 5))
+            return monitor.contacts_at(stamp)
+        until_frames_are_seen(cycle)
+
+    def show(self, stamp, frame, step, shirt_at):
+        """Sends transforms and the T-shirt."""
+        self.transforms.send(stamp, self.edges_at(step, shirt_at))
         self.shirt.send(stamp, SHIRT_FRAME, self.shirt_mesh(frame))
 
     def expected(self, stamp, frame, meshes):
