@@ -8,8 +8,10 @@ namespace deformable_contact_monitor {
 void ContactOutput::fetch(const CycleView& cycle, bool separations, unsigned index_bits,
                           std::uint32_t count, cudaStream_t stream) {
   const std::uint32_t capacity = std::min(cycle.contact_capacity, count + count / 4 + 1024);
-  if (sorted_keys_.grow(capacity)) keys_.grow(sorted_keys_.size());
-  if (separations && sorted_separations_.grow(sorted_keys_.size())) {
+  sorted_keys_.grow(capacity);
+  keys_.grow(sorted_keys_.size());
+  if (separations) {
+    sorted_separations_.grow(sorted_keys_.size());
     separations_.grow(sorted_keys_.size());
   }
   float* const separations_out = separations ? sorted_separations_.data() : nullptr;

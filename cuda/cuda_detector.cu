@@ -184,7 +184,7 @@ bool CudaDetector::makeRoom() {
   return fits && !grown;
 }
 
-// More candidates than memory: judges them in several passes over the work units.
+// More candidates than memory: judges them in several passes over the work units and blocks.
 void CudaDetector::sweepInPasses() {
   const cudaStream_t stream = stream_.get();
   const auto multiprocessors = static_cast<unsigned>(multiprocessors_);
@@ -205,8 +205,8 @@ void CudaDetector::sweepInPasses() {
     }
     cycle_end_.record(stream);
     if (fits) return;
-    if (passes > view_.host_counters->units) {
-      throw CudaError("a single work unit has more candidates than the memory limit allows");
+    if (passes > std::max(view_.host_counters->units, largeBlocks(view_))) {
+      throw CudaError("a single block has more candidates than the memory limit allows");
     }
     passes *= 2;
   }

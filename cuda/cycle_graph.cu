@@ -25,6 +25,21 @@ void CycleGraph::prepare(const CycleView& cycle, const CycleShape& shape, cudaSt
   // Other threads' detectors may allocate meanwhile.
   checkCuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal),
             "cudaStreamBeginCapture");
+  cudaGraph_t recorded = nullptr;
+  try {
+    enqueue(cycle, shape, stream);
+  } catch (...) {  // a stream that went on recording would fail for ever
+    cudaStreamEndCapture(stream, &recorded);
+    cudaGraphDestroy(recorded);
+    throw;
+  }
+  checkCuda(cudaStreamEndCapture(stream, &recorded), "cudaStreamEndCapture");
+  const cudaError_t status = cudaGraphInstantiate(&graph_, recorded, 0);
+  cudaGraphDestroy(recorded);
+  checkCuda(status, "cudaGraphInstantiate");
+}
+
+void CycleGraph::enqueue(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (shape.identify) {
     started_.record(stream);
     started_.makeWait(identity_branch_.get());
@@ -52,12 +67,6 @@ void CycleGraph::prepare(const CycleView& cycle, const CycleShape& shape, cudaSt
   sized_.makeWait(stream);
   launchJudge(cycle, shape.multiprocessors, stream);
   adapted_.makeWait(stream);
-
-  cudaGraph_t recorded = nullptr;
-  checkCuda(cudaStreamEndCapture(stream, &recorded), "cudaStreamEndCapture");
-  const cudaError_t status = cudaGraphInstantiate(&graph_, recorded, 0);
-  cudaGraphDestroy(recorded);
-  checkCuda(status, "cudaGraphInstantiate");
 }
 
 void CycleGraph::launch(cudaStream_t stream) {

@@ -41,6 +41,9 @@ class CycleGraph {
   std::vector<std::pair<std::string, double>> times() const;
 
  private:
+  // The cycle, on `stream` and the branches.
+  void enqueue(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream);
+
   CycleShape shape_;
   cudaGraphExec_t graph_ = nullptr;
   CudaStream identity_branch_, large_branch_, adapt_branch_;

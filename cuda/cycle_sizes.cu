@@ -9,7 +9,8 @@ namespace {
 
 // What a candidate and a contact take, with the arrays that go with them [bytes].
 constexpr std::uint64_t kCandidateBytes = sizeof(Candidate) + sizeof(std::uint32_t);
-constexpr std::uint64_t kContactBytes = 2 * (sizeof(std::uint64_t) + sizeof(float));
+constexpr std::uint64_t kContactBytes =  // the list, the sorted one, and what sorting needs
+    3 * (sizeof(std::uint64_t) + sizeof(float));
 
 std::uint32_t withinLimit(std::uint64_t wanted, std::uint64_t bytes_each, std::uint64_t limit) {
   constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 30;

@@ -91,9 +91,10 @@ struct CycleParams {
   std::uint32_t class_count;    // <= kMostClasses
   std::uint32_t bucket_shift;   // from 15 bits along the first axis to a bucket of a class
   std::uint32_t classes_exact;  // no two groups of bodies share a class
-  std::uint32_t pass, passes;   // this one sweeps the work units u with u % passes == pass
-  std::uint32_t unit_columns;   // a multiple of 32
-  std::uint32_t index_bits;     // of a triangle's number in a contact's key
+  std::uint32_t pass,
+      passes;  // this one sweeps the work units u with u % passes == pass; large list: blocks
+  std::uint32_t unit_columns;  // a multiple of 32
+  std::uint32_t index_bits;    // of a triangle's number in a contact's key
 };
 
 // Counters that many warps add to keep apart, in memory lines of their own.

@@ -186,7 +186,8 @@ CycleParams DeviceScene::params(const Options& options) const {
   p.classes_exact = classes_exact_ ? 1 : 0;
   // As many buckets for each class as there are, in powers of two.
   p.bucket_shift = 15;
-  for (std::uint32_t buckets = 2; buckets * class_count_ <= kBuckets; buckets *= 2) {
+  for (std::uint32_t buckets = 2; buckets * class_count_ <= kBuckets && buckets <= kBuckets;
+       buckets *= 2) {
     --p.bucket_shift;
   }
   // Small scenes have few units, which must be small to share them out evenly.

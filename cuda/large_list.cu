@@ -64,10 +64,13 @@ struct BlockBox {
   }
 };
 
+// Passes over the same pairs again are the same work to who reads the counters.
+__device__ bool isFirstSweep(const CycleView& c) { return c.params->passes == 1; }
+
 __global__ void __launch_bounds__(kThreads) largeKernel(CycleView c) {
   const Bin large = c.bins[c.cluster_count];
   const std::uint32_t large_count = min(c.counters->large, large.capacity);
-  if (large_count == 0 || c.params->pass != 0) return;
+  if (large_count == 0 || blockIdx.x % c.params->passes != c.params->pass) return;
   if (blockIdx.x >= c.cluster_count) {  // rows of the large list, each against the later ones
     unsigned long long pairs = 0;
     for (std::uint32_t i = blockIdx.x - c.cluster_count; i < large_count; i += kBlocksAmong) {
@@ -79,7 +82,7 @@ __global__ void __launch_bounds__(kThreads) largeKernel(CycleView c) {
         }
       }
     }
-    if (pairs != 0) atomicAdd(&c.counters->interval_overlaps, pairs);
+    if (pairs != 0 && isFirstSweep(c)) atomicAdd(&c.counters->interval_overlaps, pairs);
     return;
   }
 
@@ -116,13 +119,15 @@ __global__ void __launch_bounds__(kThreads) largeKernel(CycleView c) {
     }
     __syncthreads();
   }
-  if (pairs != 0) atomicAdd(&c.counters->interval_overlaps, pairs);
+  if (pairs != 0 && isFirstSweep(c)) atomicAdd(&c.counters->interval_overlaps, pairs);
 }
 
 }  // namespace
 
+std::uint32_t largeBlocks(const CycleView& cycle) { return cycle.cluster_count + kBlocksAmong; }
+
 void launchLarge(const CycleView& cycle, cudaStream_t stream) {
-  largeKernel<<<cycle.cluster_count + kBlocksAmong, kThreads, 0, stream>>>(cycle);
+  largeKernel<<<largeBlocks(cycle), kThreads, 0, stream>>>(cycle);
 }
 
 }  // namespace deformable_contact_monitor

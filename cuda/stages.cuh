@@ -25,6 +25,8 @@ void launchSort(const CycleView& cycle, cudaStream_t stream);
 void launchSweep(const CycleView& cycle, unsigned multiprocessors, cudaStream_t stream);
 
 // Likewise for the pairs with a large triangle. Independent of the sweep.
+// In several passes each of its blocks has its turn in one.
+std::uint32_t largeBlocks(const CycleView& cycle);
 void launchLarge(const CycleView& cycle, cudaStream_t stream);
 
 // Judges the candidates; the last block leaves the counters on the host.

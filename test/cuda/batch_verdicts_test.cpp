@@ -7,6 +7,7 @@
 
 #include "core/narrow_phase.h"
 #include "cuda/cuda_error.h"
+#include "test_data.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -50,6 +51,7 @@ constexpr std::size_t kPairs = 200000;
 TEST(BatchVerdicts, AreTheHostsOrSayWhyNot) {
   const std::vector<VerdictQuestion> pairs = hardPairs(kPairs);
   if (!deviceIsThere()) {
+    EXPECT_FALSE(isCudaRequired());
     EXPECT_THROW(batchVerdicts(pairs, AdjacentPairs::kSkip, Predicates::kExact, 0), CudaError);
     return;
   }

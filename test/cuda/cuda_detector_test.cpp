@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <thread>
 
 #include "core/cpu_detector.h"
@@ -10,6 +11,7 @@
 #include "pair_sets.h"
 #include "random_scenes.h"
 #include "scenes.h"
+#include "test_data.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -19,6 +21,7 @@ std::unique_ptr<Detector> makeOrSayWhy(const CudaSettings& settings = CudaSettin
   try {
     return makeCudaDetector(settings);
   } catch (const CudaError& error) {
+    EXPECT_FALSE(isCudaRequired()) << error.what();
     EXPECT_GT(std::string(error.what()).size(), 20U) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     return nullptr;
@@ -59,6 +62,53 @@ TEST(CudaDetector, WithLittleMemoryTheCountStaysExactAndTheListIsPartOfIt) {
     EXPECT_TRUE(isOrdered(result.contacts));
     EXPECT_TRUE(
         std::includes(all.begin(), all.end(), result.contacts.begin(), result.contacts.end()));
+  }
+}
+
+// Random triangles in a box, every vertex within a unit of the first.
+Scene crowdedScene(int count, float margin_m) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(0, 1);
+  TriangleMesh mesh;
+  for (int i = 0; i < count; ++i) {
+    const float corner[3] = {2 * unit(random), 2 * unit(random), 2 * unit(random)};
+    for (std::uint32_t v = 0; v < 3; ++v) {
+      mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.vertexCount()));
+      for (const float start : corner) mesh.vertices.push_back(start + unit(random));
+    }
+  }
+  Scene scene = selfScene(mesh);
+  scene.setMargin(0, margin_m);
+  return scene;
+}
+
+// The first cycle finds too few contacts to tell how long the list will be, so passes start again.
+TEST(CudaDetector, PassesThatOutgrowTheListOfContactsStartAgain) {
+  CudaSettings settings;
+  settings.memory_limit_bytes = 60000;
+  for (const float margin_m : {0.0F, 0.05F}) {
+    const auto detector = makeOrSayWhy(settings);
+    if (detector == nullptr) return;
+    for (const bool with_huge : {false, true}) {
+      Scene scene = crowdedScene(500, margin_m);
+      if (with_huge) {  // they are on the large list, whose blocks take turns too
+        scene.addBody("huge", {{-99, -99, 1.5F, 199, -99, 1.4F, 50, 199, 1.6F, -99, 99, 1, 199, 99,
+                                1.1F, 50, -199, 0.9F},
+                               {0, 1, 2, 3, 4, 5}});
+        scene.setPairEnabled(0, 1, true);
+        scene.setMargin(1, margin_m);
+      }
+      const auto all = makeCpuDetector()->detect(scene, Options()).contacts;
+      ASSERT_GT(all.size(), 3000U);
+      for (int i = 0; i < 3; ++i) {
+        const DetectionResult& result = detector->detect(scene, Options());
+        EXPECT_EQ(result.contacts.size() + result.left_out, all.size());
+        EXPECT_EQ(result.separations_m.size(), margin_m > 0 ? result.contacts.size() : 0);
+        EXPECT_TRUE(isOrdered(result.contacts));
+        EXPECT_TRUE(
+            std::includes(all.begin(), all.end(), result.contacts.begin(), result.contacts.end()));
+      }
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-// Where the tests find real data, and how they say that it is not there.
+// What the tests are given: real data, and a GPU; and how they say that it is not there.
 #include "test_data.h"
 
 #include <cstdlib>
@@ -21,5 +21,7 @@ std::string testDataFile(const std::string& relative_path) {
   }
   return path.string();
 }
+
+bool isCudaRequired() { return std::getenv("DCM_REQUIRE_CUDA") != nullptr; }
 
 }  // namespace deformable_contact_monitor

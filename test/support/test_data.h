@@ -1,4 +1,4 @@
-// Where the tests find real data, and how they say that it is not there.
+// What the tests are given: real data, and a GPU; and how they say that it is not there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,6 +14,9 @@ std::string testDataDir();
 std::string testDataFile(const std::string& relative_path);
 
 bool testDataIsThere();
+
+// Whether $DCM_REQUIRE_CUDA is set: then it is a failure if no CUDA device can be used.
+bool isCudaRequired();
 
 }  // namespace deformable_contact_monitor
 
