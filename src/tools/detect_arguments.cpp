@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "core/mesh_file.h"
 #include "tools/backend_choice.h"
+#include "tools/output_file.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -33,13 +33,6 @@ int clustersFrom(const std::string& text) {
            std::to_string(kMaxClusters) + "]");
   }
   return clusters;
-}
-
-// "--pairs a.obj b.obj", the file forgotten, must not write over a mesh.
-void refuseMeshAsOutput(const std::string& option, const std::string& file) {
-  if (isMeshFileName(file)) {
-    refuse(option + ": would write over the mesh file " + file + "; it takes a file to write or -");
-  }
 }
 
 void addOptions(CLI::App* app, DetectArguments* arguments) {

@@ -2,7 +2,10 @@
 #include "tools/output_file.h"
 
 #include <cerrno>
+#include <stdexcept>
 #include <system_error>
+
+#include "core/mesh_file.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -27,6 +30,12 @@ void OutputFile::write(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0) {
     fail(name_);
   }
+}
+
+void refuseMeshAsOutput(const std::string& option, const std::string& file) {
+  if (!isMeshFileName(file)) return;
+  throw std::invalid_argument(option + ": would write over the mesh file " + file +
+                              "; it takes a file to write or - (see --help)");
 }
 
 }  // namespace deformable_contact_monitor

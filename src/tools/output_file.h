@@ -24,4 +24,8 @@ class OutputFile {
   std::FILE* file_;
 };
 
+// A forgotten file name, as in "--pairs a.obj b.obj", must not cost a mesh. Throws
+// std::invalid_argument, one line, if the file's name is a mesh's.
+void refuseMeshAsOutput(const std::string& option, const std::string& file);
+
 }  // namespace deformable_contact_monitor

@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""Draws what measure_trade measured: one picture a question, one panel a scene.
+
+accuracy.png  recall and precision in the worst frame against time, with the Pareto front
+work.png      candidates and clusters per triangle against overlap
+clusters.png  time against the number of clusters
+exact.png     the share of candidate pairs that reached the exact stage
+"""
+import argparse
+import csv
+import pathlib
+import sys
+
+try:
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+except ImportError:
+    sys.exit(f"plot_trade.py: {sys.executable} has no matplotlib; "
+             "install it (Debian: python3-matplotlib)")
+
+COLOURS = {"exact": "#0072b2", "conservative": "#e69f00", "fast": "#cc3311"}
+MARKERS = {"cpu": "o", "cuda": "^"}
+WIDTH, HEIGHT = 3.2, 2.5  # of a panel [inches]
+USUAL = {"fuzzifier": "2", "iterations": "1", "refresh_period": "1"}
+
+
+class Scene:
+    """One folder that measure_trade wrote."""
+
+    def __init__(self, folder):
+        self.name = folder.resolve().name
+        with open(folder / "settings.csv", newline="", encoding="utf-8") as file:
+            self.rows = list(csv.DictReader(file))
+        if not self.rows:
+            raise ValueError(f"{folder / 'settings.csv'}: has no row")
+        self.backends = [b for b in MARKERS if any(row["backend"] == b for row in self.rows)]
+
+    def select(self, **wanted):
+        return [row for row in self.rows if all(row[key] == value for key, value in wanted.items())]
+
+    def usual(self, **wanted):
+        """Rows with the speed knobs that the grid varies one at a time at their first value."""
+        first = {key: self.rows[0][key] for key in USUAL}
+        return self.select(**first, **wanted)
+
+
+def recall(row):
+    return min(float(row[key] or 1) for key in ("recall_external_worst", "recall_self_worst"))
+
+
+def numbers(rows, key):
+    return [float(row[key]) for row in rows]
+
+
+def panels(scenes, rows, **options):
+    figure, axes = pyplot.subplots(rows, len(scenes), squeeze=False, layout="constrained",
+                                   figsize=(WIDTH * max(len(scenes), 1.6), HEIGHT * rows), **options)
+    for axis, scene in zip(axes[0], scenes):
+        axis.set_title(scene.name, fontsize=10)
+    for axis in axes.flat:
+        axis.grid(alpha=0.3)
+        axis.tick_params(labelsize=8)
+    return figure, axes
+
+
+def legend(figure, axes):
+    """One for all panels, each label once."""
+    entries = {}
+    for axis in axes.flat:
+        for handle, label in zip(*axis.get_legend_handles_labels()):
+            entries.setdefault(label, handle)
+    figure.legend(entries.values(), entries.keys(), loc="upper center", bbox_to_anchor=(0.5, 0),
+                  ncol=min(len(entries), 6 if axes.shape[1] > 2 else 2), fontsize=8, frameon=False)
+
+
+def percent_axis(axis, values):
+    low = min(values)
+    axis.set_ylim(100 * low - max(0.08 * (100 - 100 * low), 0.002),
+                  100 + max(0.08 * (100 - 100 * low), 0.002))
+    axis.ticklabel_format(axis="y", useOffset=False)
+
+
+def plot_accuracy(scenes):
+    figure, axes = panels(scenes, 2, sharex="col")
+    for column, scene in enumerate(scenes):
+        for axis, rate in zip(axes[:, column], (recall, lambda row: float(row["precision_worst"]))):
+            for backend in scene.backends:
+                for predicates, colour in COLOURS.items():
+                    rows = scene.select(backend=backend, predicates=predicates)
+                    axis.plot(numbers(rows, "median_ms"), [100 * rate(row) for row in rows],
+                              MARKERS[backend], color=colour, markersize=4, alpha=0.6,
+                              markeredgewidth=0, label=f"{backend}, {predicates}" if rows else None)
+            percent_axis(axis, [rate(row) for row in scene.rows])
+        front = sorted(scene.select(pareto_front="true"), key=lambda row: float(row["median_ms"]))
+        axes[0, column].plot(numbers(front, "median_ms"), [100 * recall(row) for row in front],
+                             "-", color="black", linewidth=0.8, label="Pareto front", zorder=0)
+        axes[1, column].set_xlabel("median time [ms]", fontsize=9)
+        axes[1, column].set_xscale("log")
+    axes[0, 0].set_ylabel("worst recall [%]", fontsize=9)
+    axes[1, 0].set_ylabel("worst precision [%]", fontsize=9)
+    legend(figure, axes)
+    return figure
+
+
+def plot_work(scenes):
+    """By the strictest predicates: others change what candidates become, not which there are."""
+    figure, axes = panels(scenes, 2, sharex="col")
+    for column, scene in enumerate(scenes):
+        rows = scene.usual(backend=scene.backends[0], predicates=scene.rows[0]["predicates"])
+        counts = sorted({row["clusters"] for row in rows}, key=int)
+        for place, clusters in enumerate(counts):
+            line = sorted((row for row in rows if row["clusters"] == clusters),
+                          key=lambda row: float(row["overlap"]))
+            colour = pyplot.get_cmap("viridis")(0.9 * place / max(len(counts) - 1, 1))
+            label = "clusters auto" if clusters == "0" else f"{clusters} clusters"
+            for axis, key in zip(axes[:, column],
+                                 ("candidates_per_triangle", "clusters_per_triangle")):
+                axis.plot(numbers(line, "overlap"), numbers(line, key), "o-", color=colour,
+                          markersize=3, linewidth=1, label=label)
+        axes[1, column].set_xlabel("overlap", fontsize=9)
+    axes[0, 0].set_ylabel("candidates per triangle", fontsize=9)
+    axes[1, 0].set_ylabel("clusters per triangle", fontsize=9)
+    legend(figure, axes)
+    return figure
+
+
+def plot_clusters(scenes):
+    figure, axes = panels(scenes, 1)
+    for axis, scene in zip(axes[0], scenes):
+        largest = max((row["overlap"] for row in scene.rows), key=float)
+        for backend in scene.backends:
+            for overlap, style in ((largest, "-"), ("0", ":")):
+                rows = scene.usual(backend=backend, predicates=scene.rows[0]["predicates"],
+                                   overlap=overlap)
+                rows.sort(key=lambda row: float(row["clusters_used"]))
+                axis.plot(numbers(rows, "clusters_used"), numbers(rows, "median_ms"), style,
+                          marker=MARKERS[backend], markersize=4, linewidth=1,
+                          color=COLOURS["exact"] if backend == "cpu" else COLOURS["fast"],
+                          label=f"{backend}, overlap {overlap}" if rows else None)
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set_xlabel("clusters", fontsize=9)
+    axes[0, 0].set_ylabel("median time [ms]", fontsize=9)
+    legend(figure, axes)
+    return figure
+
+
+def plot_exact(scenes):
+    figure, axes = panels(scenes, 1, sharey=True)
+    for axis, scene in zip(axes[0], scenes):
+        for backend in scene.backends:
+            for predicates, colour in COLOURS.items():
+                rows = scene.usual(backend=backend, predicates=predicates,
+                                   clusters=scene.rows[0]["clusters"])
+                rows.sort(key=lambda row: float(row["overlap"]))
+                axis.plot(numbers(rows, "overlap"),
+                          [100 * float(row["exact_share"]) for row in rows], "-", linewidth=1,
+                          marker=MARKERS[backend], markersize=4, color=colour,
+                          label=f"{backend}, {predicates}" if rows else None)
+        axis.set_xlabel("overlap", fontsize=9)
+        axis.set_ylim(bottom=0)
+    axes[0, 0].set_ylabel("candidates that reach\nthe exact stage [%]", fontsize=9)
+    legend(figure, axes)
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", nargs="+", type=pathlib.Path,
+                        help="what measure_trade wrote: one panel each, titled by its name")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("."),
+                        help="folder for the pictures (default: the current one)")
+    arguments = parser.parse_args()
+    scenes = [Scene(folder) for folder in arguments.folder]
+    for name, plot in (("accuracy", plot_accuracy), ("work", plot_work),
+                       ("clusters", plot_clusters), ("exact", plot_exact)):
+        figure = plot(scenes)
+        figure.savefig(arguments.out / f"{name}.png", dpi=100, bbox_inches="tight")
+        pyplot.close(figure)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (OSError, KeyError, ValueError) as error:
+        sys.exit(f"plot_trade.py: {error}")
