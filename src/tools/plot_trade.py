@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws what measure_trade measured: one picture a question, one panel a scene.
+"""Draws what measure_trade measured: one picture a question, all scenes in each.
 
 accuracy.png  recall and precision in the worst frame against time, with the Pareto front
 work.png      candidates and clusters per triangle against overlap
@@ -14,13 +14,14 @@ import sys
 try:
     import matplotlib
     matplotlib.use("Agg")
-    from matplotlib import pyplot
+    from matplotlib import pyplot, ticker
 except ImportError:
     sys.exit(f"plot_trade.py: {sys.executable} has no matplotlib; "
              "install it (Debian: python3-matplotlib)")
 
-COLOURS = {"exact": "#0072b2", "conservative": "#e69f00", "fast": "#cc3311"}
-MARKERS = {"cpu": "o", "cuda": "^"}
+BACKENDS = {"cpu": "#0072b2", "cuda": "#009e73"}
+STYLES = {"cpu": "o-", "cuda": "^--"}
+PREDICATES = {"exact": "o", "conservative": "s", "fast": "x"}
 WIDTH, HEIGHT = 3.2, 2.5  # of a panel [inches]
 USUAL = {"fuzzifier": "2", "iterations": "1", "refresh_period": "1"}
 
@@ -34,7 +35,7 @@ class Scene:
             self.rows = list(csv.DictReader(file))
         if not self.rows:
             raise ValueError(f"{folder / 'settings.csv'}: has no row")
-        self.backends = [b for b in MARKERS if any(row["backend"] == b for row in self.rows)]
+        self.backends = [b for b in BACKENDS if any(row["backend"] == b for row in self.rows)]
 
     def select(self, **wanted):
         return [row for row in self.rows if all(row[key] == value for key, value in wanted.items())]
@@ -53,15 +54,28 @@ def numbers(rows, key):
     return [float(row[key]) for row in rows]
 
 
-def panels(scenes, rows, **options):
-    figure, axes = pyplot.subplots(rows, len(scenes), squeeze=False, layout="constrained",
-                                   figsize=(WIDTH * max(len(scenes), 1.6), HEIGHT * rows), **options)
-    for axis, scene in zip(axes[0], scenes):
-        axis.set_title(scene.name, fontsize=10)
+def panels(rows, columns, **options):
+    figure, axes = pyplot.subplots(rows, columns, squeeze=False, layout="constrained",
+                                   figsize=(WIDTH * max(columns, 1.6), HEIGHT * rows), **options)
     for axis in axes.flat:
         axis.grid(alpha=0.3)
         axis.tick_params(labelsize=8)
     return figure, axes
+
+
+def scene_panels(scenes):
+    """Two rows, a column a scene."""
+    figure, axes = panels(2, len(scenes), sharex="col")
+    for axis, scene in zip(axes[0], scenes):
+        axis.set_title(scene.name, fontsize=10)
+    return figure, axes
+
+
+def log_axis(axis):
+    """With plain numbers at 1, 2, 5."""
+    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(ticker.NullFormatter())
 
 
 def legend(figure, axes):
@@ -75,28 +89,38 @@ def legend(figure, axes):
 
 
 def percent_axis(axis, values):
-    low = min(values)
-    axis.set_ylim(100 * low - max(0.08 * (100 - 100 * low), 0.002),
-                  100 + max(0.08 * (100 - 100 * low), 0.002))
-    axis.ticklabel_format(axis="y", useOffset=False)
+    """Not so fine that nothing looks like something."""
+    low = min(100 * min(values), 99)
+    margin = 0.08 * (100 - low)
+    axis.set_ylim(low - margin, 100 + margin)
+
+
+def rising(rows):
+    """By time, those that find more than all faster ones."""
+    kept = []
+    for row in sorted(rows, key=lambda row: float(row["median_ms"])):
+        if not kept or recall(row) > recall(kept[-1]):
+            kept.append(row)
+    return kept
 
 
 def plot_accuracy(scenes):
-    figure, axes = panels(scenes, 2, sharex="col")
+    figure, axes = scene_panels(scenes)
     for column, scene in enumerate(scenes):
         for axis, rate in zip(axes[:, column], (recall, lambda row: float(row["precision_worst"]))):
             for backend in scene.backends:
-                for predicates, colour in COLOURS.items():
+                for predicates, marker in PREDICATES.items():
                     rows = scene.select(backend=backend, predicates=predicates)
-                    axis.plot(numbers(rows, "median_ms"), [100 * rate(row) for row in rows],
-                              MARKERS[backend], color=colour, markersize=4, alpha=0.6,
-                              markeredgewidth=0, label=f"{backend}, {predicates}" if rows else None)
+                    axis.plot(numbers(rows, "median_ms"), [100 * rate(row) for row in rows], marker,
+                              color=BACKENDS[backend], fillstyle="none", markersize=5, alpha=0.8,
+                              label=f"{backend}, {predicates}" if rows else None)
             percent_axis(axis, [rate(row) for row in scene.rows])
-        front = sorted(scene.select(pareto_front="true"), key=lambda row: float(row["median_ms"]))
+        front = rising(scene.select(pareto_front="true"))
         axes[0, column].plot(numbers(front, "median_ms"), [100 * recall(row) for row in front],
                              "-", color="black", linewidth=0.8, label="Pareto front", zorder=0)
         axes[1, column].set_xlabel("median time [ms]", fontsize=9)
         axes[1, column].set_xscale("log")
+        log_axis(axes[1, column].xaxis)
     axes[0, 0].set_ylabel("worst recall [%]", fontsize=9)
     axes[1, 0].set_ylabel("worst precision [%]", fontsize=9)
     legend(figure, axes)
@@ -105,7 +129,7 @@ def plot_accuracy(scenes):
 
 def plot_work(scenes):
     """By the strictest predicates: others change what candidates become, not which there are."""
-    figure, axes = panels(scenes, 2, sharex="col")
+    figure, axes = scene_panels(scenes)
     for column, scene in enumerate(scenes):
         rows = scene.usual(backend=scene.backends[0], predicates=scene.rows[0]["predicates"])
         counts = sorted({row["clusters"] for row in rows}, key=int)
@@ -125,43 +149,53 @@ def plot_work(scenes):
     return figure
 
 
+def plot_lines(scenes, lines, x_label, y_label):
+    """One panel; lines(scene) gives label, style, x and y of each of its lines."""
+    figure, axes = panels(1, 1)
+    axis = axes[0, 0]
+    for place, scene in enumerate(scenes):
+        for label, style, x, y in lines(scene):
+            axis.plot(x, y, style, color=f"C{place}", markersize=4, linewidth=1,
+                      label=f"{scene.name}: {label}")
+    axis.set_xlabel(x_label, fontsize=9)
+    axis.set_ylabel(y_label, fontsize=9)
+    legend(figure, axes)
+    return figure, axis
+
+
 def plot_clusters(scenes):
-    figure, axes = panels(scenes, 1)
-    for axis, scene in zip(axes[0], scenes):
+    """At the largest overlap and the strictest predicates."""
+    def lines(scene):
         largest = max((row["overlap"] for row in scene.rows), key=float)
         for backend in scene.backends:
-            for overlap, style in ((largest, "-"), ("0", ":")):
-                rows = scene.usual(backend=backend, predicates=scene.rows[0]["predicates"],
-                                   overlap=overlap)
-                rows.sort(key=lambda row: float(row["clusters_used"]))
-                axis.plot(numbers(rows, "clusters_used"), numbers(rows, "median_ms"), style,
-                          marker=MARKERS[backend], markersize=4, linewidth=1,
-                          color=COLOURS["exact"] if backend == "cpu" else COLOURS["fast"],
-                          label=f"{backend}, overlap {overlap}" if rows else None)
-        axis.set_xscale("log")
-        axis.set_yscale("log")
-        axis.set_xlabel("clusters", fontsize=9)
-    axes[0, 0].set_ylabel("median time [ms]", fontsize=9)
-    legend(figure, axes)
+            rows = scene.usual(backend=backend, predicates=scene.rows[0]["predicates"],
+                               overlap=largest)
+            rows.sort(key=lambda row: float(row["clusters_used"]))
+            yield (f"{backend}, overlap {largest}", STYLES[backend],
+                   numbers(rows, "clusters_used"), numbers(rows, "median_ms"))
+
+    figure, axis = plot_lines(scenes, lines, "clusters", "median time [ms]")
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    log_axis(axis.xaxis)
+    log_axis(axis.yaxis)
     return figure
 
 
 def plot_exact(scenes):
-    figure, axes = panels(scenes, 1, sharey=True)
-    for axis, scene in zip(axes[0], scenes):
+    """With the first number of clusters; only exact predicates have that stage."""
+    def lines(scene):
         for backend in scene.backends:
-            for predicates, colour in COLOURS.items():
-                rows = scene.usual(backend=backend, predicates=predicates,
-                                   clusters=scene.rows[0]["clusters"])
-                rows.sort(key=lambda row: float(row["overlap"]))
-                axis.plot(numbers(rows, "overlap"),
-                          [100 * float(row["exact_share"]) for row in rows], "-", linewidth=1,
-                          marker=MARKERS[backend], markersize=4, color=colour,
-                          label=f"{backend}, {predicates}" if rows else None)
-        axis.set_xlabel("overlap", fontsize=9)
-        axis.set_ylim(bottom=0)
-    axes[0, 0].set_ylabel("candidates that reach\nthe exact stage [%]", fontsize=9)
-    legend(figure, axes)
+            rows = scene.usual(backend=backend, predicates=scene.rows[0]["predicates"],
+                               clusters=scene.rows[0]["clusters"])
+            rows.sort(key=lambda row: float(row["overlap"]))
+            yield (f"{backend}, {rows[0]['predicates']}", STYLES[backend],
+                   numbers(rows, "overlap"), [100 * float(row["exact_share"]) for row in rows])
+
+    figure, axis = plot_lines(scenes, lines, "overlap", "candidates that reach\nthe exact stage [%]")
+    axis.set_yscale("symlog", linthresh=0.001)  # it may be none
+    axis.set_ylim(bottom=0)
+    axis.yaxis.set_major_formatter("{x:g}")
     return figure
 
 
@@ -169,7 +203,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="+", type=pathlib.Path,
-                        help="what measure_trade wrote: one panel each, titled by its name")
+                        help="what measure_trade wrote; the scene is called as the folder")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("."),
                         help="folder for the pictures (default: the current one)")
     arguments = parser.parse_args()

@@ -1,0 +1,18 @@
+// The papers' rule for which clusters a triangle belongs to: one radius for all.
+#pragma once
+
+#include "core/cluster_assignment.h"
+#include "core/large_triangles.h"
+#include "core/prototypes.h"
+#include "core/working_set.h"
+
+namespace deformable_contact_monitor {
+
+// Every cluster whose Voronoi cell, its borders moved outwards by the largest radius of all regular
+// triangles about their centroids, holds the triangle's centroid. In that reading ("overlap between
+// clusters >= max_i max_k |C_i - vertex_i,k|") the papers' rule loses no contact: where two
+// triangles meet, the centroid of neither is farther than that from the cell of the place.
+ClusterAssignment assignByGlobalRadius(const WorkingSet& set, const SizeSplit& split,
+                                       const Prototypes& prototypes);
+
+}  // namespace deformable_contact_monitor

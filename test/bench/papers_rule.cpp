@@ -1,0 +1,177 @@
+// Prints a table: the papers' rule for the clusters of a triangle, one radius for all, beside the
+// half-space rule. All else, prototypes included, is the same.
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/body_groups.h"
+#include "core/cluster_sweep.h"
+#include "core/fuzzy_clustering.h"
+#include "core/large_sweep.h"
+#include "core/mesh_file.h"
+#include "global_radius.h"
+#include "scenes.h"
+#include "test_data.h"
+#include "tools/sample_statistics.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Contacts = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+using Assign = std::function<ClusterAssignment(const SizeSplit&, const Prototypes&)>;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// The papers have no list of large triangles.
+SizeSplit withoutLargeList(const WorkingSet& set, SizeSplit split) {
+  split.regular.insert(split.regular.end(), split.large.begin(), split.large.end());
+  std::sort(split.regular.begin(), split.regular.end());
+  split.large.clear();
+  double reach = 0;
+  for (const Aabb& box : set.boxes) {
+    for (const Vec3f& corner : {box.min, box.max}) {
+      const Vec3d d = toDouble(corner) - split.scale.origin;
+      reach = std::max({reach, std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
+    }
+  }
+  split.scale.scale = std::ldexp(1.0, -(std::ilogb(reach) + 1));
+  return split;
+}
+
+// As the CPU backend's, warmed up.
+Prototypes prototypesOf(const WorkingSet& set, const SizeSplit& split, std::size_t count) {
+  const std::size_t samples =
+      std::min(split.regular.size(), std::max<std::size_t>(2048, 8 * count));
+  std::vector<Vec3f> centroids;
+  for (std::size_t i = 0; i < samples; ++i) {
+    const Triangle t = set.posed(split.regular[i * split.regular.size() / samples]);
+    Vec3f sum;
+    for (const Vec3f& v : t.v) sum = sum + split.scale.apply(v);
+    centroids.push_back(sum * (1.0F / 3));
+  }
+  FuzzyClustering clustering(Options().fuzzifier);
+  clustering.initialise(centroids, count);
+  for (int i = 0; i < 10; ++i) clustering.iterate(centroids);
+  Prototypes prototypes;
+  prototypes.build(clustering.prototypes());
+  return prototypes;
+}
+
+struct Rule {
+  const char* name;
+  SizeSplit split;
+  Assign assign;
+};
+
+// Prints a row; returns the contacts, to be compared.
+Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, const Rule& rule,
+                 std::size_t count) {
+  constexpr int kRepeats = 5;
+  const Prototypes prototypes = prototypesOf(set, rule.split, count);
+  const BodyGroups groups(scene);
+  const std::vector<float> slack = scaledSlack(scene, rule.split.scale);
+  const Options options;
+  std::vector<double> assign_ms, sweep_ms;
+  SweepOutput output;
+  std::size_t entries = 0, largest = 0;
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    const auto start = Clock::now();
+    const ClusterAssignment assignment = rule.assign(rule.split, prototypes);
+    assign_ms.push_back(millisecondsSince(start));
+    const auto sweep_start = Clock::now();
+    const SweepInput input{scene, set, rule.split, assignment, groups, slack, options};
+    ClusterSweeper sweeper(input);
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
+    output = std::move(sweeper.output());
+    sweepLargeTriangles(input, output);
+    sweep_ms.push_back(millisecondsSince(sweep_start));
+    entries = assignment.members.size();
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) {
+      largest = std::max<std::size_t>(largest,
+                                      assignment.member_begin[g + 1] - assignment.member_begin[g]);
+    }
+  }
+  Contacts contacts;
+  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a, c.b);
+  std::printf("| %s | %zu | %s | %.2f | %zu | %.1f | %.0f | %.0f | %zu |\n", name, count, rule.name,
+              static_cast<double>(entries) / static_cast<double>(rule.split.regular.size()),
+              largest, static_cast<double>(output.interval_overlaps) * 1e-6, median(assign_ms),
+              median(sweep_ms), contacts.size());
+  std::fflush(stdout);
+  return contacts;
+}
+
+void compareRules(const char* name, const Scene& scene, const std::vector<std::size_t>& counts) {
+  WorkingSetBuilder builder;
+  WorkingSet set;
+  Counters counters;
+  builder.build(scene, set, counters);
+  SizeSplit split;
+  splitBySize(set, split);
+  ClusterAssigner assigner;
+  const Rule rules[] = {
+      {"one radius", withoutLargeList(set, split),
+       [&set](const SizeSplit& s, const Prototypes& p) { return assignByGlobalRadius(set, s, p); }},
+      {"half-spaces", split, [&](const SizeSplit& s, const Prototypes& p) {
+         ClusterAssignment assignment;
+         assigner.assign(scene, set, s, p, 1, assignment);
+         return assignment;
+       }}};
+  for (const std::size_t count : counts) {
+    const auto by_radius = measure(scene, name, set, rules[0], count);
+    if (by_radius != measure(scene, name, set, rules[1], count)) {
+      throw std::runtime_error("the two rules find different contacts");
+    }
+  }
+}
+
+int run() {
+  if (!testDataIsThere()) {
+    std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
+    return 0;
+  }
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  std::printf(
+      "| scene | clusters | rule | clusters a triangle | largest cluster | interval overlaps [M] | "
+      "assign [ms] | sort, sweep, judge [ms] | contacts "
+      "|\n|---|---|---|---|---|---|---|---|---|\n");
+  TriangleMesh cloth = readMeshFile(testDataFile("cloth-ball/cloth_ball92.ply"));
+  compareRules("cloth_ball92", selfScene(cloth), {16, 64, 256, 1024});
+
+  const auto [least, most] = std::minmax_element(cloth.vertices.begin(), cloth.vertices.end());
+  const float size = 50 * (*most - *least);
+  float floor = *most;
+  for (std::size_t i = 1; i < cloth.vertices.size(); i += 3) {
+    floor = std::min(floor, cloth.vertices[i]);
+  }
+  const auto first = static_cast<std::uint32_t>(cloth.vertexCount());
+  cloth.vertices.insert(cloth.vertices.end(),
+                        {-size, floor, -size, size, floor, -size, 0, floor, size});
+  cloth.triangles.insert(cloth.triangles.end(), {first, first + 1, first + 2});
+  compareRules("with a huge floor triangle", selfScene(std::move(cloth)), {16, 64});
+  return 0;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main() {
+  try {
+    return deformable_contact_monitor::run();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "papers_rule: %s\n", e.what());
+    return 2;
+  }
+}

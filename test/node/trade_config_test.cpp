@@ -1,0 +1,83 @@
+// What measure_trade writes is what the node reads.
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+#include <vector>
+
+#include "node/parameters.h"
+#include "tools/trade_report.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// A flat map of scalars, typed as rosparam types them: integers, numbers, else text.
+XmlRpc::XmlRpcValue parameterTree(const std::string& yaml) {
+  XmlRpc::XmlRpcValue tree;
+  for (const auto& entry : YAML::Load(yaml)) {
+    const auto name = entry.first.as<std::string>();
+    int integer;
+    double number;
+    if (YAML::convert<int>::decode(entry.second, integer)) {
+      tree[name] = integer;
+    } else if (YAML::convert<double>::decode(entry.second, number)) {
+      tree[name] = number;
+    } else {
+      tree[name] = entry.second.as<std::string>();
+    }
+  }
+  return tree;
+}
+
+TradeResults chosen(const Setting& setting) {
+  TradeResults results;
+  results.measurements.resize(1);
+  results.measurements[0].setting = setting;
+  results.measurements[0].round_trip_ms = {1, 2, 3};
+  results.chosen = 0;
+  return results;
+}
+
+// The corners of the ranges, and what is not exact in binary.
+TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
+  std::size_t read = 0;
+  for (const char* backend : {"cpu", "cuda"}) {
+    for (const Predicates predicates :
+         {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+      for (const float overlap : {0.0F, 1e-6F, 0.3F, 1.0F}) {
+        for (const float fuzzifier : {1.05F, 2.0F, 4.0F}) {
+          Setting setting{backend, Options()};
+          setting.options.predicates = predicates;
+          setting.options.overlap = overlap;
+          setting.options.fuzzifier = fuzzifier;
+          setting.options.clusters = overlap == 1 ? 0 : kMaxClusters;
+          setting.options.iterations = 100;
+          setting.options.refresh_period = 7;
+          const std::string yaml = configYaml(TradeArguments(), chosen(setting));
+          std::vector<std::string> warnings;
+          const MonitorParameters p = parseParameters(parameterTree(yaml), &warnings);
+          EXPECT_TRUE(warnings.empty()) << warnings.front();
+          EXPECT_EQ(p.backend == BackendChoice::kCuda, setting.backend == "cuda");
+          EXPECT_EQ(p.backend == BackendChoice::kCpu, setting.backend == "cpu");
+          EXPECT_EQ(p.detector.predicates, predicates);
+          EXPECT_EQ(p.detector.overlap, overlap);
+          EXPECT_EQ(p.detector.fuzzifier, fuzzifier);
+          EXPECT_EQ(p.detector.clusters, setting.options.clusters);
+          EXPECT_EQ(p.detector.iterations, 100);
+          EXPECT_EQ(p.detector.refresh_period, 7);
+          ++read;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(read, 72U);
+}
+
+TEST(TradeConfig, WithoutAChoiceThereIsACommentAlone) {
+  TradeResults results = chosen({"cpu", Options()});
+  results.chosen.reset();
+  EXPECT_TRUE(YAML::Load(configYaml(TradeArguments(), results)).IsNull());
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
