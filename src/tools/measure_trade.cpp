@@ -55,7 +55,7 @@ std::unique_ptr<Detector> makeBackend(const std::string& backend) {
 
 TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Progress* progress) {
   const std::vector<Setting> settings = settingsOf(arguments.grid, arguments.base);
-  for (const std::string& backend : arguments.grid.backends) makeBackend(backend);
+  for (const std::string& backend : arguments.grid.backends) makeBackend(backend);  // or fail now
   TradeResults results;
   results.exact = exactResults(frames, arguments.base.adjacent,
                                [&](const std::string& what) { progress->set(what); });

@@ -117,7 +117,8 @@ def plot_accuracy(scenes):
             percent_axis(axis, [rate(row) for row in scene.rows])
         front = rising(scene.select(pareto_front="true"))
         axes[0, column].plot(numbers(front, "median_ms"), [100 * recall(row) for row in front],
-                             "-", color="black", linewidth=0.8, label="Pareto front", zorder=0)
+                             ".-", color="black", linewidth=0.8, markersize=3,
+                             label="Pareto front")
         axes[1, column].set_xlabel("median time [ms]", fontsize=9)
         axes[1, column].set_xscale("log")
         log_axis(axes[1, column].xaxis)

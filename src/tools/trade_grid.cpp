@@ -56,11 +56,20 @@ std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base) {
     options.overlap = *std::max_element(grid.overlaps.begin(), grid.overlaps.end());
     options.predicates = *std::min_element(grid.predicates.begin(), grid.predicates.end());
     options.clusters = grid.clusters.front();
-    for (const float fuzzifier : grid.fuzzifiers) options.fuzzifier = fuzzifier, add(setting);
+    for (const float fuzzifier : grid.fuzzifiers) {
+      options.fuzzifier = fuzzifier;
+      add(setting);
+    }
     reset_rest();
-    for (const int iterations : grid.iterations) options.iterations = iterations, add(setting);
+    for (const int iterations : grid.iterations) {
+      options.iterations = iterations;
+      add(setting);
+    }
     reset_rest();
-    for (const int period : grid.refresh_periods) options.refresh_period = period, add(setting);
+    for (const int period : grid.refresh_periods) {
+      options.refresh_period = period;
+      add(setting);
+    }
   }
   return settings;
 }

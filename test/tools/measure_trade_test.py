@@ -277,6 +277,7 @@ class MeasureTrade(Case):
                 ([state, "--self", "--warm-up", "-1"], "--warm-up"),
                 ([state, "--self", "--budget-ms", "0"], "--budget-ms"),
                 ([state, "--self", "--budget-ms", "nan"], "--budget-ms"),
+                ([state, "--self", "--budget-ms", "inf"], "--budget-ms"),
                 ([state, "--self", "--adjacent", "no"], "--adjacent"),
                 ([state, "--self", "--out", ""], "--out"),
                 (["--bag", "x.bag", "--self"], "--bag"),
