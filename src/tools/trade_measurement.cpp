@@ -69,7 +69,7 @@ void addOnsets(const std::vector<FrameCounts>& pass, const ExactResults& exact, 
 
 Worth Measurement::worth() const {
   return {median(round_trip_ms), percentile(round_trip_ms, 0.95),
-          std::min(external.worst, self.worst), precision.worst, guaranteed};
+          std::min(external.worst, self.worst), precision.worst, guaranteed && broken.empty()};
 }
 
 ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,

@@ -103,6 +103,7 @@ TEST_F(TradeMeasurement, ABrokenGuaranteeIsSaid) {
   EXPECT_NE(lost.broken.find("misses 1 of the exact contacts and adds 0 in frame 3"),
             std::string::npos)
       << lost.broken;
+  EXPECT_FALSE(lost.worth().guaranteed) << "it is not to be chosen for its guarantee";
   const auto add = [](DetectionResult* result, std::size_t cycle) {
     if (cycle == 0) result->contacts.push_back({0, 0, 1, 0});
   };
