@@ -42,4 +42,11 @@ const char* toString(Predicates predicates) {
   }
 }
 
+Predicates toPredicates(const std::string& name) {
+  for (const Predicates p : {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+    if (name == toString(p)) return p;
+  }
+  throw std::invalid_argument("no predicates are called '" + name + "'");
+}
+
 }  // namespace deformable_contact_monitor

@@ -43,5 +43,7 @@ void requireValid(const Options& options);
 
 // "exact", "conservative", "fast".
 const char* toString(Predicates predicates);
+// The inverse. Throws std::invalid_argument at any other name.
+Predicates toPredicates(const std::string& name);
 
 }  // namespace deformable_contact_monitor

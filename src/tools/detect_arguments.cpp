@@ -103,8 +103,7 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
 
   Options& options = arguments->options;
   if (adjacent == "skip") options.adjacent = AdjacentPairs::kSkip;
-  if (predicates == "conservative") options.predicates = Predicates::kConservative;
-  if (predicates == "fast") options.predicates = Predicates::kFast;
+  options.predicates = toPredicates(predicates);
   options.clusters = clustersFrom(clusters);
   arguments->cuda.memory_limit_bytes = memory_limit_mib << 20;
   std::string found;

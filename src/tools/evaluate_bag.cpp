@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "cuda/cuda_error.h"
 #include "tools/backend_choice.h"
 #include "tools/bag_contents.h"
 #include "tools/bag_cycles.h"
@@ -41,11 +42,14 @@ std::string backendOf(const MonitorParameters& parameters) {
   return kNames[static_cast<int>(parameters.backend)];
 }
 
-Predicates predicatesFrom(const std::string& name) {
-  for (const Predicates p : {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
-    if (name == toString(p)) return p;
+// Unlike the node, no fall-back: what is called cuda ran with CUDA.
+std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSettings& settings) {
+  if (backend != "cuda") return makeDetector(backend, settings, warn);
+  try {
+    return makeCudaDetector(settings);
+  } catch (const CudaError& error) {
+    throw std::runtime_error(std::string(error.what()) + "; --backends cpu needs no GPU");
   }
-  throw std::invalid_argument("no predicates are called '" + name + "'");
 }
 
 bool hasMargins(const MonitorParameters& parameters) {
@@ -60,7 +64,7 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
   std::vector<std::string> backends = arguments.backends;
   if (backends.empty()) backends = {backendOf(parameters)};
   std::vector<Predicates> predicates;
-  for (const std::string& name : arguments.predicates) predicates.push_back(predicatesFrom(name));
+  for (const std::string& name : arguments.predicates) predicates.push_back(toPredicates(name));
   if (predicates.empty()) predicates = {parameters.detector.predicates};
   std::vector<float> overlaps = arguments.overlaps;
   if (overlaps.empty()) overlaps = {parameters.detector.overlap};
@@ -72,7 +76,7 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
         options.predicates = p;
         options.overlap = overlap;
         runs.push_back(std::make_unique<EvaluationRun>(
-            backend, makeDetector(backend, parameters.cuda, warn), options, expectations));
+            backend, makeBackend(backend, parameters.cuda), options, expectations));
         if (hasMargins(parameters) && !supportsMargins(*runs.back()->detector)) {
           throw std::invalid_argument("backend " + backend + " has no margins; set margin_m to 0");
         }

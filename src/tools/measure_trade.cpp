@@ -1,5 +1,4 @@
 // measure_trade: what each setting of the detector costs and finds on a scene.
-#include <boost/process.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -15,14 +14,13 @@
 #include "tools/mesh_frames.h"
 #include "tools/output_file.h"
 #include "tools/progress.h"
+#include "tools/script.h"
 #include "tools/trade_arguments.h"
 #include "tools/trade_measurement.h"
 #include "tools/trade_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-namespace fs = std::filesystem;
 
 // What is written, opened before the measuring starts, so that it is not in vain.
 struct Outputs {
@@ -38,13 +36,17 @@ struct Outputs {
 
 void makeFolder(const std::string& folder) {
   std::error_code error;
-  fs::create_directories(folder, error);
+  std::filesystem::create_directories(folder, error);
   if (error) throw std::system_error(error, folder + ": cannot be made");
+}
+
+void note(const std::string& what) {
+  std::fprintf(stderr, "measure_trade: note: %s\n", what.c_str());
 }
 
 std::unique_ptr<FrameSource> openFrames(const TradeArguments& arguments,
                                         const SayProgress& progress) {
-  if (!arguments.bag.empty()) return makeBagFrames(arguments.bag, progress);
+  if (!arguments.recorded.bags.empty()) return makeBagFrames(arguments.recorded, progress, note);
   return makeMeshFrames(arguments.meshes, progress);
 }
 
@@ -76,19 +78,6 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
   results.chosen = choose(worth, arguments.budget_ms);
   results.fastest = fastest(worth);
   return results;
-}
-
-// By the script beside this program. Plots that cannot be drawn cost the plots alone.
-void plot(const std::string& folder) {
-  const fs::path script = fs::read_symlink("/proc/self/exe").parent_path() / "plot_trade.py";
-  std::error_code error;
-  const int code = boost::process::system(script.string(), "--out", folder, folder, error);
-  if (error) {
-    std::fprintf(stderr, "measure_trade: note: no plots: %s: %s\n", script.c_str(),
-                 error.message().c_str());
-  } else if (code != 0) {
-    std::fputs("measure_trade: note: there are no plots; the line above says why\n", stderr);
-  }
 }
 
 // What a reader of the tables alone would not see.
@@ -126,7 +115,7 @@ int run(const TradeArguments& arguments) {
     outputs.summary.write(summaryJson(arguments, results, *frames));
     if (outputs.config) outputs.config->write(configYaml(arguments, results));
     progress.set("drawing");
-    plot(arguments.out_folder);
+    runScriptBeside("plot_trade.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
   }
   warn(results);
   if (arguments.config_file != "-") OutputFile("-").write(choiceText(arguments, results));

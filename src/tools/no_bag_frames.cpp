@@ -6,8 +6,10 @@
 namespace deformable_contact_monitor {
 
 std::unique_ptr<FrameSource> makeBagFrames(
-    const std::string& bag, const std::function<void(const std::string&)>& /*progress*/) {
-  throw std::runtime_error(bag + ": this build reads no bags");
+    const BagFrameFiles& files, const std::function<void(const std::string&)>& /*progress*/,
+    const std::function<void(const std::string&)>& /*warn*/) {
+  throw std::runtime_error(files.bags.front() +
+                           ": this build reads no bags: it was made without ROS");
 }
 
 }  // namespace deformable_contact_monitor

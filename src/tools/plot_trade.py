@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws what measure_trade measured: one picture a question, all scenes in each.
 
 accuracy.png  recall and precision in the worst frame against time, with the Pareto front

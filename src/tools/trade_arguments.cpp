@@ -50,10 +50,19 @@ void addScene(CLI::App* app, TradeArguments* arguments) {
   auto* against = app->add_option("--against", meshes.against,
                                   "Mesh files, each a body that stands still, as a robot's link");
   auto* self = app->add_flag("--self", meshes.self, "Also contacts of the body with itself");
-  app->add_option("--bag", arguments->bag, "A recorded bag instead of mesh files")
-      ->excludes(states)
-      ->excludes(against)
-      ->excludes(self);
+  BagFrameFiles& recorded = arguments->recorded;
+  auto* bags = app->add_option("--bag", recorded.bags, "Recorded bags instead of mesh files")
+                   ->excludes(states)
+                   ->excludes(against)
+                   ->excludes(self);
+  app->add_option("--config", recorded.config, "With --bag: parameters of contact_monitor, yaml")
+      ->needs(bags);
+  app->add_option("--robot-description", recorded.robot_description,
+                  "With --bag: URDF, or a rosparam dump of it, unless the bags have the robot")
+      ->needs(bags);
+  app->add_option("--reference-frame", recorded.reference_frame,
+                  "With --bag: frame of the contacts, instead of the configuration's")
+      ->needs(bags);
 }
 
 void addRun(CLI::App* app, TradeArguments* arguments) {
@@ -77,17 +86,13 @@ void addRun(CLI::App* app, TradeArguments* arguments) {
 
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   std::vector<Predicates> all;
-  for (const std::string& name : names) {
-    for (const Predicates p : {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
-      if (name == toString(p)) all.push_back(p);
-    }
-  }
+  for (const std::string& name : names) all.push_back(toPredicates(name));
   return all;
 }
 
 void check(const TradeArguments& arguments) {
   const MeshFrameFiles& meshes = arguments.meshes;
-  if (arguments.bag.empty()) {
+  if (arguments.recorded.bags.empty()) {
     if (meshes.states.empty()) refuse("STATE: a mesh file, or --bag, is required");
     if (meshes.against.empty() && !meshes.self) {
       refuse("there is nothing to test: no --against and no --self");

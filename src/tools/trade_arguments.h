@@ -5,14 +5,15 @@
 #include <string>
 
 #include "core/options.h"
+#include "tools/bag_frames.h"
 #include "tools/mesh_frames.h"
 #include "tools/trade_grid.h"
 
 namespace deformable_contact_monitor {
 
 struct TradeArguments {
-  MeshFrameFiles meshes;  // no states if there is a bag
-  std::string bag;
+  MeshFrameFiles meshes;   // no states if there is a bag
+  BagFrameFiles recorded;  // no bags if there are meshes
   TradeGrid grid;
   Options base;          // what the grid does not vary
   int least_cycles = 0;  // measured for each setting; 0: 20, or a pass through all frames

@@ -2,7 +2,6 @@
 """What contact_test makes of its parameters and of messages, without a ROS master."""
 import importlib.machinery
 import importlib.util
-import os
 import pathlib
 import sys
 import types
@@ -12,7 +11,7 @@ import rospy
 from deformable_contact_monitor.msg import ContactState, ContactStates
 
 sys.dont_write_bytecode = True  # beside the tool
-TOOL = pathlib.Path(os.environ["DCM_SOURCE_DIR"]) / "src/tools/contact_test"
+TOOL = pathlib.Path(__file__).resolve().parents[2] / "src/tools/contact_test"
 
 
 def load_tool():

@@ -299,6 +299,17 @@ class EvaluateBag(unittest.TestCase):
         os.remove(self.path("out"))
         self.assert_refused(["--config", config, bag, "--backends", "gpu"], "gpu")
 
+    def test_what_is_called_cuda_ran_with_cuda(self):
+        done = self.run_tool("--config", self.text("config.yaml", CONFIG), self.bag(), "--backends",
+                             "cpu,cuda")
+        if done.returncode == 2:  # no device here
+            self.assertIn("CUDA", done.stderr.splitlines()[-1])
+            return
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = read_table(self.path("out/frames.csv"))
+        self.assertEqual({row["backend"] for row in rows}, {"cpu", "cuda"})
+        self.assertEqual({row["differs"] for row in rows}, {"no"})
+
 
 if __name__ == "__main__":
     if not DATA.is_dir():
