@@ -155,6 +155,25 @@ class EvaluateBag(unittest.TestCase):
         self.evaluate(*reversed(parts))
         self.assert_oracle_pairs()
 
+    def test_meshes_of_one_stamp_share_a_cycle(self):
+        """The second object's are recorded three seconds later."""
+        events = list(self.events)
+        for received, topic, message in self.events:
+            if topic == "/tshirt":
+                frame = round((message.header.stamp - START).to_sec() / 0.04)
+                other = self.scene.shirt(frame)
+                other.object = "other"
+                events.append((received + rospy.Duration(3), "/other", other))
+        events.sort(key=lambda event: event[0])
+        config = CONFIG.replace("}]", "}, {name: other, topic: /other}]")
+        done = self.run_tool("--config", self.text("two.yaml", config), "--pairs",
+                             self.bag("two.bag", events))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        frames = read_table(self.path("out/frames.csv"))
+        self.assertEqual([row["objects"] for row in frames], ["tshirt other"] * FRAMES)
+        for row, pairs in zip(frames, self.expected.values()):
+            self.assertEqual(int(row["pairs"]), 2 * len(pairs))
+
     def test_static_transforms_count_wherever_they_are(self):
         moving, static = [], TFMessage()
         for received, topic, message in self.events:

@@ -11,6 +11,7 @@
 #include "reference/brute_force_detector.h"
 #include "scenes.h"
 #include "tools/evaluation_summary.h"
+#include "tools/evaluation_tables.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -78,6 +79,13 @@ TEST(EvaluationEnd, PassesUnlessExactRunsDisagreeOrAnExpectationFails) {
       }
     }
   }
+}
+
+TEST(CsvField, IsQuotedWhereItMustBe) {
+  EXPECT_EQ(csvField("hand: no mesh yet"), "hand: no mesh yet");
+  EXPECT_EQ(csvField("a,b"), "\"a,b\"");
+  EXPECT_EQ(csvField("the \"hand\""), "\"the \"\"hand\"\"\"");
+  EXPECT_EQ(csvField("two\nlines"), "\"two\nlines\"");
 }
 
 TEST(EvaluationRun, CompleteMeansThatNothingCanBeMissing) {
