@@ -20,6 +20,8 @@
 #include <system_error>
 #include <utility>
 
+#include "tools/bag_index.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -99,11 +101,20 @@ void checkStart(const std::string& path) {
   if (start.compare(0, 8, "#ROSBAG ") != 0) throw std::runtime_error("is no bag");
 }
 
+void checkIndex(const std::string& path) {
+  try {
+    checkBagIndex(path);
+  } catch (const std::exception& error) {
+    throw rosbag::BagFormatException(error.what());
+  }
+}
+
 void openBag(const std::string& path, rosbag::Bag* bag) {
   const std::string mend = "; mend it with: rosbag reindex " + path;
   try {
     checkStart(path);
     bag->open(path, rosbag::bagmode::Read);
+    if (bag->getMajorVersion() == 2) checkIndex(path);
   } catch (const rosbag::BagUnindexedException&) {
     throw std::runtime_error(path + ": has no index, as if its recording was cut off" + mend);
   } catch (const rosbag::BagException& error) {

@@ -134,6 +134,11 @@ std::string runLine(const EvaluationRun& run) {
   return line;
 }
 
+// A name in a bag need not be UTF-8, but JSON must.
+std::string dumped(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 std::string summaryJson(const EvaluationEnd& end) {
@@ -146,7 +151,7 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["refused_transforms"] = end.refused_transforms;
   json["configuration"] = configurationJson(end);
   const boost::uuids::name_generator_sha1 hash(boost::uuids::ns::oid());
-  json["configuration_hash"] = to_string(hash(json["configuration"].dump()));
+  json["configuration_hash"] = to_string(hash(dumped(json["configuration"])));
   json["cycles"] = end.runs->empty() ? 0 : (*end.runs)[0]->cycles;
   json["runs"] = Json::array();
   for (const auto& run : *end.runs) json["runs"].push_back(runJson(*run));
@@ -159,8 +164,7 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["passed"] = isPassed(end);
   json["machine"] = machineJson();
   json["times"] = timesJson(end);
-  // A name in a bag need not be UTF-8, but JSON must.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return dumped(json);
 }
 
 std::string summaryText(const EvaluationEnd& end) {

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import subprocess
 import tempfile
@@ -98,6 +99,20 @@ class DamagedBags(unittest.TestCase):
         # Not all of it may go unnoticed, or this test looks at nothing.
         for where in "index", "headers":
             self.assertGreater(len(outcomes.get((where, 2), [])), COUNT / 10, where)
+    def test_a_lower_count_in_an_index_is_no_silent_loss(self):
+        content = self.bags["none"]
+        changed = 0
+        for field in re.finditer(rb"count=(.{4})", content, re.DOTALL):
+            count = int.from_bytes(field.group(1), "little")
+            if not 2 <= count < 1000:
+                continue
+            lower = (count - 1).to_bytes(4, "little")
+            code, error, _ = self.evaluate(content[:field.start(1)] + lower + content[field.end(1):])
+            self.assertEqual(code, 2)
+            self.assertIn("rosbag reindex", error)
+            changed += 1
+        self.assertGreater(changed, 5)
+
     def test_what_came_before_the_damage_is_kept(self):
         """The last chunks are destroyed: messages in them are lost, those before are not."""
         for compression in "bz2", "lz4":
