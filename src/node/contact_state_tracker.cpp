@@ -10,8 +10,10 @@
 #include <optional>
 #include <stdexcept>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/vector3.h"
 #include "node/posed_triangle.h"
 #include "node/time_difference.h"
@@ -35,20 +37,24 @@ Vec3d cornerSum(const std::array<Vec3f, 3>& t) {
   return toDouble(t[0]) + toDouble(t[1]) + toDouble(t[2]);
 }
 
+using Summaries = std::unordered_map<std::uint64_t, Summary>;
+
+bool sameTriangleA(const TrianglePair& a, const TrianglePair& b) {
+  return a.body_a == b.body_a && a.triangle_a == b.triangle_a;
+}
+
 // Contacts are sorted, so those of one triangle of body_a stand together, and so do many of one
 // pair of bodies: what they have in common is looked up once.
-std::unordered_map<std::uint64_t, Summary> summarize(const CycleReport& report) {
-  std::unordered_map<std::uint64_t, Summary> summaries;
-  if (report.scene == nullptr || report.result == nullptr) return summaries;
-  std::vector<PosedBody> bodies;
-  for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
-  const std::vector<float>& separations = report.result->separations_m;
-  const std::vector<TrianglePair>& contacts = report.result->contacts;
+Summaries summarize(const DetectionResult& result, const std::vector<PosedBody>& bodies,
+                    std::size_t begin, std::size_t end) {
+  Summaries summaries;
+  const std::vector<float>& separations = result.separations_m;
+  const std::vector<TrianglePair>& contacts = result.contacts;
   Summary* summary = nullptr;
   Vec3d corners_of_a;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     const TrianglePair& contact = contacts[i];
-    const bool other_bodies = i == 0 || contact.body_a != contacts[i - 1].body_a ||
+    const bool other_bodies = i == begin || contact.body_a != contacts[i - 1].body_a ||
                               contact.body_b != contacts[i - 1].body_b;
     if (other_bodies) summary = &summaries[key(contact.body_a, contact.body_b)];
     if (other_bodies || contact.triangle_a != contacts[i - 1].triangle_a) {
@@ -66,6 +72,38 @@ std::unordered_map<std::uint64_t, Summary> summarize(const CycleReport& report) 
         std::min(summary->min_separation_m, separations.empty() ? 0.0 : double{separations[i]});
     summary->corner_sum = summary->corner_sum + corners_of_a +
                           cornerSum(bodies[contact.body_b].triangle(contact.triangle_b));
+  }
+  return summaries;
+}
+
+void add(const Summary& part, Summary* sum) {
+  sum->count += part.count;
+  sum->min_separation_m = std::min(sum->min_separation_m, part.min_separation_m);
+  sum->corner_sum = sum->corner_sum + part.corner_sum;
+  sum->normal_sum = sum->normal_sum + part.normal_sum;
+  sum->area_sum += part.area_sum;
+}
+
+// On threads, in blocks that leave the contacts of one triangle of body_a together.
+Summaries summarize(const CycleReport& report) {
+  constexpr std::size_t kBlock = 8192;
+  if (report.scene == nullptr || report.result == nullptr) return {};
+  std::vector<PosedBody> bodies;
+  for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
+  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  const auto start = [&contacts](std::size_t i) {
+    while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
+    return i;
+  };
+  std::vector<Summaries> parts(blockCount(contacts.size(), kBlock));
+  parallelBlocks(contacts.size(), kBlock,
+                 [&](std::size_t block, std::size_t begin, std::size_t end) {
+                   parts[block] = summarize(*report.result, bodies, start(begin), start(end));
+                 });
+  if (parts.size() == 1) return std::move(parts.front());
+  Summaries summaries;
+  for (const Summaries& part : parts) {
+    for (const auto& [bodies_key, summary] : part) add(summary, &summaries[bodies_key]);
   }
   return summaries;
 }

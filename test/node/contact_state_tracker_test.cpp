@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "node/posed_triangle.h"
 #include "sample_report.h"
 
 namespace deformable_contact_monitor {
@@ -83,6 +85,45 @@ TEST(ContactStateTrackerTest, aNormalIsWeightedByAreaOncePerTriangle) {
   const ContactState state = tracker.update(sample.report).states[kHandCloth];
   EXPECT_NEAR(state.mean_normal.x, 2 / std::sqrt(5.), 1e-6);
   EXPECT_NEAR(state.mean_normal.z, 1 / std::sqrt(5.), 1e-6);
+}
+
+// So many that they are summed up on threads; one triangle has more than a thread's share.
+TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
+  constexpr std::uint32_t kTriangles = 3000, kInContact = 30000;
+  SampleReport sample;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(0, 1);
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 3 * kTriangles; ++i) {
+    mesh.triangles.push_back(i);
+    for (int axis = 0; axis < 3; ++axis) mesh.vertices.push_back(unit(random));
+  }
+  sample.scene.setMesh(0, mesh);
+  sample.scene.setMesh(2, mesh);
+  sample.result.contacts.clear();
+  for (std::uint32_t t = 0; t < kTriangles; ++t) {
+    for (std::uint32_t k = 0; k < (t == 777 ? kInContact : t % 9); ++k) {
+      sample.result.contacts.push_back({0, t, 2, k % kTriangles});
+    }
+  }
+  Vec3d corners, normals;
+  for (std::size_t i = 0; i < sample.result.contacts.size(); ++i) {
+    const TrianglePair& pair = sample.result.contacts[i];
+    const auto a = PosedBody(sample.scene.body(0)).triangle(pair.triangle_a);
+    const auto b = PosedBody(sample.scene.body(2)).triangle(pair.triangle_b);
+    for (const Vec3f& corner : a) corners = corners + toDouble(corner);
+    for (const Vec3f& corner : b) corners = corners + toDouble(corner);
+    const bool first = i == 0 || pair.triangle_a != sample.result.contacts[i - 1].triangle_a;
+    if (first) normals = normals + doubleAreaNormal(a);
+  }
+  ContactStateTracker tracker(1, 1);
+  const ContactState state = tracker.update(sample.report).states[kHandCloth];
+  ASSERT_EQ(state.pair_count, sample.result.contacts.size());
+  const double share = 1 / (6.0 * state.pair_count);
+  EXPECT_NEAR(state.centroid.x, corners.x * share, 1e-5);
+  EXPECT_NEAR(state.centroid.z, corners.z * share, 1e-5);
+  EXPECT_NEAR(state.mean_normal.x, normals.x / std::sqrt(dot(normals, normals)), 1e-5);
+  EXPECT_NEAR(state.mean_normal.z, normals.z / std::sqrt(dot(normals, normals)), 1e-5);
 }
 
 TEST(ContactStateTrackerTest, aNormalIsZeroWhereItIsUndefined) {
