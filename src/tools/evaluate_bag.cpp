@@ -34,7 +34,7 @@ namespace {
 using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
 
 void warn(const std::string& what) {
-  std::fprintf(stderr, "evaluate_bag: warning: %s\n", what.c_str());
+  std::fprintf(stderr, "evaluate_bag: warning: %s\n", oneLine(what).c_str());
 }
 
 std::string backendOf(const MonitorParameters& parameters) {
@@ -191,7 +191,7 @@ int main(int argc, char** argv) {
     if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
     return dcm::evaluate(arguments);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "evaluate_bag: %s\n", error.what());
+    std::fprintf(stderr, "evaluate_bag: %s\n", dcm::oneLine(error.what()).c_str());
   }
   return 2;
 }

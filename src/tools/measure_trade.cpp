@@ -41,7 +41,7 @@ void makeFolder(const std::string& folder) {
 }
 
 void note(const std::string& what) {
-  std::fprintf(stderr, "measure_trade: note: %s\n", what.c_str());
+  std::fprintf(stderr, "measure_trade: note: %s\n", oneLine(what).c_str());
 }
 
 std::unique_ptr<FrameSource> openFrames(const TradeArguments& arguments,
@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
     dcm::TradeArguments arguments;
     return dcm::parseArguments(argc, argv, &arguments) ? dcm::run(arguments) : 0;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "measure_trade: %s\n", error.what());
+    std::fprintf(stderr, "measure_trade: %s\n", dcm::oneLine(error.what()).c_str());
   }
   return 2;
 }

@@ -24,6 +24,9 @@ class OutputFile {
   std::FILE* file_;
 };
 
+// For messages: control characters, which names in foreign files may have, as '?'.
+std::string oneLine(std::string text);
+
 // A forgotten file name, as in "--pairs a.obj b.obj", must not cost a mesh. Throws
 // std::invalid_argument, one line, if the file's name is a mesh's.
 void refuseMeshAsOutput(const std::string& option, const std::string& file);

@@ -47,8 +47,9 @@ class DamagedBags(unittest.TestCase):
                               check=False)
         self.assertIn(done.returncode, (0, 2), done)
         error = done.stderr.decode(errors="replace").splitlines()
-        if done.returncode == 2:
-            self.assertTrue(error and error[-1].startswith("evaluate_bag: "), done)
+        for line in error:  # names in a damaged bag may hold anything
+            self.assertRegex(line, r"^evaluate_bag: |\(\d+ s\)$")  # the latter: progress
+        self.assertTrue(done.returncode == 0 or error, done)
         summary = None
         if os.path.exists(out + "/summary.json"):
             with open(out + "/summary.json") as file:
