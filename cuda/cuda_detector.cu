@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr ClusterCountPolicy kClusterCounts{500, 8192, 600};
+constexpr ClusterCountPolicy kClusterCounts{500, 8192, 600, 1};
 
 class CudaDetector : public Detector {
  public:

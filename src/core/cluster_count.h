@@ -13,6 +13,7 @@ struct ClusterCountPolicy {
   std::size_t triangles_each;
   std::size_t most;
   std::size_t one_below;  // triangles below which one cluster does
+  std::size_t multiple;   // from this many clusters on, a multiple of it: vectors are filled
 };
 
 // For `triangles` in clusters; `current`: how many clusters there are, or 0. Keeps what is about
@@ -24,7 +25,8 @@ inline std::size_t clusterCountFor(const Options& options, const ClusterCountPol
   }
   const std::size_t one_below = current > 1 ? policy.one_below / 2 : policy.one_below;
   if (triangles < one_below) return std::min<std::size_t>(triangles, 1);
-  const std::size_t wanted = std::min(policy.most, triangles / policy.triangles_each + 1);
+  std::size_t wanted = std::min(policy.most, triangles / policy.triangles_each + 1);
+  if (wanted > policy.multiple) wanted -= wanted % policy.multiple;
   return 3 * current > 2 * wanted && 2 * current < 3 * wanted ? current : wanted;
 }
 

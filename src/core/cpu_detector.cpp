@@ -25,7 +25,7 @@ double milliseconds(Clock::duration d) {
   return std::chrono::duration<double, std::milli>(d).count();
 }
 
-constexpr ClusterCountPolicy kClusterCounts{360, 2048, 600};
+constexpr ClusterCountPolicy kClusterCounts{1000, 2048, 600, 8};
 
 class CpuDetector : public Detector {
  public:

@@ -86,7 +86,7 @@ void BagCycles::plan(const BagContents& contents) {
 }
 
 std::string BagCycles::run(BagReader* reader, const std::function<void(CycleReport*)>& visit) {
-  const std::string problem = reader->read([&](const BagMessage& message) {
+  std::string problem = reader->read([&](const BagMessage& message) {
     take(message);
     release(visit);
   });

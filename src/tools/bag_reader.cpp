@@ -225,7 +225,7 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
     gone_ = false;
     if (header.bytes > kLongest) break;
     if (header.kind != Header::kMessage) {
-      const std::string text = receiveText(header.bytes);
+      std::string text = receiveText(header.bytes);
       if (header.kind == Header::kCannotOpen) throw std::runtime_error(text);
       return text;
     }

@@ -23,8 +23,8 @@ struct BagMessage {
 // messages over a pipe, and whose end is the end of the bag. One thread at a time.
 class BagReader {
  public:
-  // Only messages of these types are read. Starts the process: to be called before the caller has
-  // other threads, or has used CUDA.
+  // Only messages of these types are read. Forks: to be called before CUDA or a detector's threads
+  // are in use.
   BagReader(std::vector<std::string> paths, std::set<std::string> types);
   BagReader(const BagReader&) = delete;
   BagReader& operator=(const BagReader&) = delete;

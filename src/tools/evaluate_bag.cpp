@@ -133,7 +133,7 @@ std::string makeFolder(const std::string& folder) {
 
 int evaluate(const EvaluateArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
-  // Before anything that has threads.
+  // First, because it forks.
   BagReader reader(arguments.bags, evaluatedTypes());
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform

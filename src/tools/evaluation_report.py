@@ -7,6 +7,7 @@ import csv
 import html
 import io
 import json
+import math
 import os
 import sys
 
@@ -72,12 +73,13 @@ def plot_latency(runs):
 def plot_pairs(runs, start):
     figure, axes = plt.subplots(figsize=(9, 3.2))
     for name, rows in runs.items():
-        axes.plot(since(rows, start), [int(row["pairs"]) for row in rows], lw=1, label=name)
+        # Where a body was unknown, its pairs are missing, and the rest is no number of pairs.
+        pairs = [math.nan if row["skipped"] else int(row["pairs"]) for row in rows]
+        axes.plot(since(rows, start), pairs, lw=1, label=name)
     first = next(iter(runs.values()))
-    incomplete = [t for t, row in zip(since(first, start), first) if row["complete"] == "no"]
-    if incomplete:
-        axes.plot(incomplete, [0] * len(incomplete), "|", color="#888", ms=8,
-                  label="not complete: something was unknown")
+    unknown = [t for t, row in zip(since(first, start), first) if row["skipped"]]
+    if unknown:
+        axes.plot(unknown, [0] * len(unknown), "|", color="#888", ms=8, label="some body unknown")
     axes.set(xlabel="time since the first cycle [s]", ylabel="triangle pairs")
     axes.set_ylim(bottom=0)
     axes.grid(alpha=.3)

@@ -86,6 +86,7 @@ void addRun(CLI::App* app, TradeArguments* arguments) {
 
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   std::vector<Predicates> all;
+  all.reserve(names.size());
   for (const std::string& name : names) all.push_back(toPredicates(name));
   return all;
 }

@@ -75,7 +75,7 @@ XmlRpc::XmlRpcValue readYamlParameters(const std::string& path) {
 
 std::string readRobotDescription(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file || text.empty()) throw std::runtime_error(path + ": cannot be read, or is empty");
   if (text[text.find_first_not_of(" \t\r\n")] == '<') return text;
   const YAML::Node root = load(path);
