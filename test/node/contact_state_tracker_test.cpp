@@ -126,6 +126,31 @@ TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
   EXPECT_NEAR(state.mean_normal.z, normals.z / std::sqrt(dot(normals, normals)), 1e-5);
 }
 
+// Each triangle is there once more, turned round: what is left of the normals is rounding.
+TEST(ContactStateTrackerTest, normalsThatCancelOutAmongManyAreZero) {
+  constexpr std::uint32_t kTriangles = 20000;
+  SampleReport sample;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(0, 1);
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 3 * kTriangles; ++i) {
+    mesh.triangles.push_back(i);
+    for (int axis = 0; axis < 3; ++axis) mesh.vertices.push_back(unit(random));
+  }
+  for (std::uint32_t i = 3 * kTriangles; i > 0; --i) mesh.triangles.push_back(i - 1);
+  sample.scene.setMesh(0, mesh);
+  sample.result.contacts.clear();
+  for (std::uint32_t t = 0; t < 2 * kTriangles; ++t) {
+    sample.result.contacts.push_back({0, t, 2, 0});
+  }
+  ContactStateTracker tracker(1, 1);
+  const ContactState state = tracker.update(sample.report).states[kHandCloth];
+  EXPECT_EQ(state.pair_count, 2 * kTriangles);
+  EXPECT_EQ(state.mean_normal.x, 0);
+  EXPECT_EQ(state.mean_normal.y, 0);
+  EXPECT_EQ(state.mean_normal.z, 0);
+}
+
 TEST(ContactStateTrackerTest, aNormalIsZeroWhereItIsUndefined) {
   SampleReport opposed;  // two triangles back to back
   opposed.scene.setMesh(0, {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2, 0, 2, 1}});
