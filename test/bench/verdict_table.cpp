@@ -1,14 +1,19 @@
 // Prints how often verdicts on hard pairs of triangles are wrong, class by class: this package's
-// predicates, FCL's and a plain float32 Moeller test, against CGAL's exact predicates.
+// predicates on the host and, where there is one, on a CUDA device, FCL's and a plain float32
+// Moeller test, against CGAL's exact predicates.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "cgal_oracle.h"
 #include "core/narrow_phase.h"
+#include "cuda/batch_verdicts.h"
+#include "cuda/cuda_error.h"
 #include "moller.h"
 #include "scenes.h"
 #ifdef DCM_HAVE_FCL
@@ -107,31 +112,100 @@ Pair parallelMillimetres(Dice* dice) {
 
 Pair general(Dice* dice) { return {dice->triangle(kDecimetre), dice->triangle(kDecimetre)}; }
 
+using Pairs = std::vector<Pair>;
+using Verdicts = std::vector<bool>;
+
 struct Method {
   std::string name;
-  std::function<bool(const Triangle&, const Triangle&)> intersects;
+  std::function<Verdicts(const Pairs&)> judge;
 };
 
-std::function<bool(const Triangle&, const Triangle&)> ours(Predicates mode) {
-  return [mode](const Triangle& a, const Triangle& b) {
+Verdicts oneByOne(const Pairs& pairs,
+                  const std::function<bool(const Triangle&, const Triangle&)>& intersects) {
+  Verdicts verdicts;
+  verdicts.reserve(pairs.size());
+  for (const Pair& pair : pairs) verdicts.push_back(intersects(pair.a, pair.b));
+  return verdicts;
+}
+
+Verdicts onHost(const Pairs& pairs, Predicates mode) {
+  return oneByOne(pairs, [mode](const Triangle& a, const Triangle& b) {
     PredicateState state;
     state.mode = mode;
     return pairVerdict(a, b, false, AdjacentPairs::kSkip, 0, state).contact;
-  };
+  });
+}
+
+Verdicts onDevice(const Pairs& pairs, Predicates mode) {
+  std::vector<VerdictQuestion> questions;
+  for (const Pair& pair : pairs) questions.push_back({pair.a, pair.b, false});
+  Verdicts verdicts;
+  for (const BatchVerdict& verdict : batchVerdicts(questions, AdjacentPairs::kSkip, mode, 0)) {
+    verdicts.push_back(verdict.contact == 1);
+  }
+  return verdicts;
+}
+
+bool hasDevice() {
+  try {
+    batchVerdicts({{}}, AdjacentPairs::kSkip, Predicates::kExact, 0);
+    return true;
+  } catch (const CudaError& error) {
+    std::fprintf(stderr, "without CUDA: %s\n", error.what());
+    return false;
+  }
+}
+
+// Exact, then conservative, first on the host and then on the device, if there is one.
+std::vector<Method> allMethods() {
+  std::vector<Method> methods;
+  const bool with_device = hasDevice();
+  for (const Predicates mode : {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+    methods.push_back({toString(mode), [mode](const Pairs& p) { return onHost(p, mode); }});
+    if (!with_device) continue;
+    methods.push_back({std::string(toString(mode)) + ", cuda",
+                       [mode](const Pairs& p) { return onDevice(p, mode); }});
+  }
+#ifdef DCM_HAVE_FCL
+  const std::shared_ptr<Detector> fcl = makeFclDetector();
+  methods.push_back({"FCL", [fcl](const Pairs& pairs) {
+                       return oneByOne(pairs, [&fcl](const Triangle& a, const Triangle& b) {
+                         const Scene scene = pairScene(meshOf({a}), meshOf({b}));
+                         return !fcl->detect(scene, Options()).contacts.empty();
+                       });
+                     }});
+#endif
+  methods.push_back(
+      {"Moeller float32", [](const Pairs& pairs) { return oneByOne(pairs, mollerIntersects); }});
+  return methods;
+}
+
+// The table's row; whether what must not err did not.
+bool printRow(const char* name, const Pairs& pairs, const std::vector<Method>& methods) {
+  const Verdicts truth = oneByOne(pairs, [](const Triangle& a, const Triangle& b) {
+    return meetBeyondByConstruction({a.v[0], a.v[1], a.v[2]}, {b.v[0], b.v[1], b.v[2]}, {});
+  });
+  const auto contacts = std::count(truth.begin(), truth.end(), true);
+  std::printf("| %s | %.1f %% |", name, 100.0 * static_cast<double>(contacts) / kPairs);
+  bool as_promised = true;
+  for (const Method& method : methods) {
+    const Verdicts found = method.judge(pairs);
+    int missed = 0, added = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      missed += truth[i] && !found[i] ? 1 : 0;
+      added += !truth[i] && found[i] ? 1 : 0;
+    }
+    std::printf(" %.2f / %.2f |", 100.0 * missed / kPairs, 100.0 * added / kPairs);
+    const bool exact = method.name.rfind("exact", 0) == 0;
+    const bool conservative = method.name.rfind("conservative", 0) == 0;
+    as_promised &= (missed == 0 || !(exact || conservative)) && (added == 0 || !exact);
+  }
+  std::printf("\n");
+  return as_promised;
 }
 
 int run() {
-  std::vector<Method> methods = {{"exact", ours(Predicates::kExact)},
-                                 {"conservative", ours(Predicates::kConservative)},
-                                 {"fast", ours(Predicates::kFast)}};
-#ifdef DCM_HAVE_FCL
-  const auto fcl = makeFclDetector();
-  methods.push_back({"FCL", [&fcl](const Triangle& a, const Triangle& b) {
-                       const Scene scene = pairScene(meshOf({a}), meshOf({b}));
-                       return !fcl->detect(scene, Options()).contacts.empty();
-                     }});
-#endif
-  methods.push_back({"Moeller float32", mollerIntersects});
+  const std::vector<Method> methods = allMethods();
   const std::vector<std::pair<const char*, Pair (*)(Dice*)>> classes = {
       {"general position", general},          {"vertex on face", vertexOnFace},
       {"vertex on edge", vertexOnEdge},       {"coplanar", coplanar},
@@ -144,26 +218,10 @@ int run() {
   std::printf("\n");
   for (const auto& [name, make] : classes) {
     Dice dice;
-    std::vector<int> missed(methods.size()), added(methods.size());
-    int contacts = 0;
-    for (int i = 0; i < kPairs; ++i) {
-      const Pair pair = make(&dice);
-      const Triangle &a = pair.a, &b = pair.b;
-      const bool truth =
-          meetBeyondByConstruction({a.v[0], a.v[1], a.v[2]}, {b.v[0], b.v[1], b.v[2]}, {});
-      contacts += truth ? 1 : 0;
-      for (std::size_t m = 0; m < methods.size(); ++m) {
-        const bool found = methods[m].intersects(a, b);
-        missed[m] += truth && !found ? 1 : 0;
-        added[m] += !truth && found ? 1 : 0;
-      }
-    }
-    std::printf("| %s | %.1f %% |", name, 100.0 * contacts / kPairs);
-    for (std::size_t m = 0; m < methods.size(); ++m) {
-      std::printf(" %.2f / %.2f |", 100.0 * missed[m] / kPairs, 100.0 * added[m] / kPairs);
-    }
-    std::printf("\n");
-    if (missed[0] + added[0] + missed[1] > 0) return 1;
+    Pairs pairs;
+    pairs.reserve(kPairs);
+    for (int i = 0; i < kPairs; ++i) pairs.push_back(make(&dice));
+    if (!printRow(name, pairs, methods)) return 1;
   }
   return 0;
 }
