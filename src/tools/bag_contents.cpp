@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "node/time_difference.h"
+#include "node/transform_lookup.h"
 #include "tools/bag_messages.h"
 
 namespace deformable_contact_monitor {
@@ -20,6 +21,7 @@ using FirstStamps = std::map<std::string, ros::Time>;  // of each frame
 
 void lookAtTransforms(const BagMessage& message, FirstStamps* first, BagContents* contents) {
   for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
+    contents->parents[plainFrame(transform.child_frame_id)] = plainFrame(transform.header.frame_id);
     if (isStatic(message.topic)) {
       contents->static_transforms.push_back(transform);
       continue;
@@ -70,6 +72,18 @@ std::uint64_t BagContents::damaged() const {
   std::uint64_t sum = 0;
   for (const auto& [name, topic] : topics) sum += topic.damaged;
   return sum;
+}
+
+bool BagContents::hasFrame(const std::string& frame) const {
+  return parents.count(frame) > 0 || rootFrames().count(frame) > 0;
+}
+
+std::set<std::string> BagContents::rootFrames() const {
+  std::set<std::string> roots;
+  for (const auto& [frame, parent] : parents) {
+    if (parents.count(parent) == 0) roots.insert(parent);
+  }
+  return roots;
 }
 
 bool isStatic(const std::string& topic) { return endsWith(topic, "tf_static"); }

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ struct BagContents {
   // Stamps of transforms that move; zero: there are none. Publishers start one after the other:
   // by `settled` every frame is there that comes within the first seconds.
   ros::Time first_transform, settled, last_transform;
+  std::map<std::string, std::string> parents;  // of each frame that has one, the latest
   // How far the newest transform's stamp was ahead of a mesh's that came then, at most [s].
   double transforms_ahead_s = 0;
   std::optional<LinkMeshes> link_meshes;  // the newest
@@ -44,6 +46,9 @@ struct BagContents {
   std::string problem;                    // why not everything could be read; empty: it was
 
   std::uint64_t damaged() const;
+  bool hasFrame(const std::string& frame) const;
+  // Frames without a parent.
+  std::set<std::string> rootFrames() const;
 };
 
 // `progress` is called with the number of messages so far. Throws as BagReader::read does. What can

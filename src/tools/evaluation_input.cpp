@@ -84,6 +84,25 @@ void loadRobot(const EvaluateArguments& arguments, const BagContents& contents,
   }
 }
 
+// The default frame is many robots', not all's. A frame that no transform knows leaves everything
+// UNKNOWN that is not in it already.
+void checkReferenceFrame(const EvaluateArguments& arguments, const BagContents& contents,
+                         MonitorParameters* parameters, const Warn& warn) {
+  std::string& frame = parameters->reference_frame;
+  const std::set<std::string> roots = contents.rootFrames();
+  if (roots.empty() || contents.hasFrame(frame)) return;
+  const bool by_default = arguments.config.empty() && arguments.reference_frame.empty();
+  if (by_default && roots.size() == 1) {
+    frame = *roots.begin();
+    return warn("contacts are in frame '" + frame +
+                "', the root of the transforms; choose another "
+                "with --reference-frame");
+  }
+  std::string all;
+  for (const std::string& root : roots) all += (all.empty() ? "" : ", ") + root;
+  warn("no transform knows the reference frame '" + frame + "'; their roots are: " + all);
+}
+
 PlayedObject playedObject(const SceneObject& settings, const EvaluationInput& input) {
   PlayedObject played;
   played.object = settings.name;
@@ -168,6 +187,7 @@ EvaluationInput prepareEvaluation(const EvaluateArguments& arguments, const BagC
   if (parameters.pair_classes.needRobot()) loadRobot(arguments, contents, &input);
   warnOfLinks(input.robot, warn);
   checkRobot(input.robot, parameters);
+  checkReferenceFrame(arguments, contents, &parameters, warn);
   if (arguments.object.isWanted()) {
     if (contents.last_transform.isZero()) {
       throw std::runtime_error("no moving transform in the bags: no time to play an object in");

@@ -21,7 +21,8 @@ struct EvaluationInput {
 };
 
 // Without a configuration the objects are the bags' deformable meshes, each named as its messages
-// say or else by its topic, and the reference frame is the robot's root link. `warn` gets what a
+// say or else by its topic, and the reference frame is the root link of a robot that comes as URDF,
+// else base_link, or the transforms' root if they do not know that. `warn` gets what a
 // user should know, a line each. Throws std::exceptions, one line, on anything that keeps an
 // evaluation from making sense: no mesh, no robot, a bad value.
 EvaluationInput prepareEvaluation(const EvaluateArguments& arguments, const BagContents& contents,

@@ -221,6 +221,14 @@ class EvaluateBag(unittest.TestCase):
         done = self.run_tool("--reference-frame", "panda_link0", "--pairs", self.bag())
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assert_oracle_pairs()
+        # The root of the transforms is panda_link0; base_link, the default, is not there.
+        done = self.run_tool("--pairs", self.bag())
+        self.assertIn("'panda_link0', the root", done.stderr)
+        self.assert_oracle_pairs()
+        done = self.run_tool("--reference-frame", "elsewhere", self.bag())
+        self.assertIn("no transform knows the reference frame 'elsewhere'", done.stderr)
+        self.assertEqual({row["complete"] for row in read_table(self.path("out/frames.csv"))},
+                         {"no"})
 
     def test_expectations(self):
         good = self.text("good.yaml", """
