@@ -124,6 +124,23 @@ void evaluateCycle(CycleReport* cycle, Runs* runs, std::vector<RunComparison>* c
   if (tables->pairs) tables->pairs->add(*cycle, *(*runs)[0]->result);
 }
 
+// Why the bags were not read to their end, or whole; empty: they were.
+std::string damage(const BagContents& contents) {
+  if (!contents.problem.empty()) return contents.problem;
+  return contents.damaged() > 0 ? std::to_string(contents.damaged()) + " messages" : "";
+}
+
+// What is missing may have been in what could not be read.
+EvaluationInput prepare(const EvaluateArguments& arguments, const BagContents& contents) {
+  try {
+    return prepareEvaluation(arguments, contents, warn);
+  } catch (const std::exception& error) {
+    const std::string damaged = damage(contents);
+    if (damaged.empty()) throw;
+    throw std::runtime_error("damaged: " + damaged + "; " + error.what());
+  }
+}
+
 std::string makeFolder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -144,7 +161,7 @@ int evaluate(const EvaluateArguments& arguments) {
   const BagContents contents = scanBags(&reader, [&](std::uint64_t count) {
     if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
   });
-  const EvaluationInput input = prepareEvaluation(arguments, contents, warn);
+  const EvaluationInput input = prepare(arguments, contents);
   Runs runs = makeRuns(arguments, input.parameters, expectations);
   std::vector<RunComparison> compared = comparisons(runs);
   Tables tables(makeFolder(arguments.out), arguments.pairs);
@@ -159,6 +176,8 @@ int evaluate(const EvaluateArguments& arguments) {
   });
   tables.finish();
   progress.reset();
+  // The two readings of a damaged bag need not end alike.
+  if (end.problem.empty()) end.problem = contents.problem;
 
   end.arguments = &arguments;
   end.contents = &contents;
@@ -171,11 +190,9 @@ int evaluate(const EvaluateArguments& arguments) {
   OutputFile(arguments.out + "/summary.json").write(summaryJson(end));
   if (arguments.report) runScriptBeside("evaluation_report.py", {arguments.out}, warn);
   OutputFile("-").write(summaryText(end));
-  if (!end.problem.empty() || contents.damaged() > 0) {
-    throw std::runtime_error(
-        "damaged: " +
-        (end.problem.empty() ? std::to_string(contents.damaged()) + " messages" : end.problem) +
-        "; what could be read is in " + arguments.out);
+  const std::string damaged = end.problem.empty() ? damage(contents) : end.problem;
+  if (!damaged.empty()) {
+    throw std::runtime_error("damaged: " + damaged + "; what could be read is in " + arguments.out);
   }
   return isPassed(end) ? 0 : 1;
 }

@@ -114,6 +114,14 @@ class DamagedBags(unittest.TestCase):
             changed += 1
         self.assertGreater(changed, 5)
 
+    def test_without_the_mesh_the_damage_is_named(self):
+        content = bytearray(self.bags["bz2"])
+        first = content.index(b"BZh")
+        content[first + 40:first + 400] = bytes(360)
+        code, error, _ = self.evaluate(bytes(content))
+        self.assertEqual(code, 2)
+        self.assertIn("damaged: ", error)
+
     def test_what_came_before_the_damage_is_kept(self):
         """The last chunks are destroyed: messages in them are lost, those before are not."""
         for compression in "bz2", "lz4":
