@@ -145,6 +145,10 @@ std::string makeFolder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
+  // What this evaluation may not write must not be an earlier one's.
+  for (const char* name : {"/summary.json", "/pairs.csv", "/report.html"}) {
+    std::filesystem::remove(folder + name, error);
+  }
   return folder;
 }
 

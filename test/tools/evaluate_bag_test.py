@@ -293,6 +293,14 @@ class EvaluateBag(unittest.TestCase):
         self.assertEqual(report.count("<svg"), 4)
         self.assertIn("panda_hand / tshirt", re.sub(r"<!--|-->", "", report))
 
+    def test_nothing_of_an_earlier_evaluation_is_left(self):
+        self.evaluate(self.bag())
+        self.assertTrue(os.path.exists(self.path("out/report.html")))
+        done = self.run_tool("--config", self.path("config.yaml"), "--no-report", self.bag())
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(set(os.listdir(self.path("out"))),
+                         {"frames.csv", "links.csv", "summary.json"})
+
     def test_bad_input(self):
         config = self.text("config.yaml", CONFIG)
         bag = self.bag()
