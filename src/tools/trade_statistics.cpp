@@ -89,6 +89,7 @@ std::vector<bool> paretoFront(const std::vector<Worth>& settings) {
            (a.median_ms < b.median_ms || a.recall > b.recall || a.precision > b.precision);
   };
   std::vector<bool> front;
+  front.reserve(settings.size());
   for (const Worth& setting : settings) {
     front.push_back(std::none_of(settings.begin(), settings.end(),
                                  [&](const Worth& other) { return beats(other, setting); }));
