@@ -31,6 +31,10 @@ void requireValid(const Options& options) {
   if (!lines.empty()) throw std::invalid_argument(lines);
 }
 
+const char* toString(AdjacentPairs adjacent) {
+  return adjacent == AdjacentPairs::kSkip ? "skip" : "beyond_shared";
+}
+
 const char* toString(Predicates predicates) {
   switch (predicates) {
     case Predicates::kConservative:

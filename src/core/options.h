@@ -41,6 +41,9 @@ std::vector<std::string> problems(const Options& options);
 // Throws std::invalid_argument, listing all problems(options).
 void requireValid(const Options& options);
 
+// "beyond_shared", "skip".
+const char* toString(AdjacentPairs adjacent);
+
 // "exact", "conservative", "fast".
 const char* toString(Predicates predicates);
 // The inverse. Throws std::invalid_argument at any other name.

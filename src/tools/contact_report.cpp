@@ -50,7 +50,7 @@ Json optionsJson(const DetectArguments& arguments) {
   Json json;
   json["backend"] = arguments.backend;
   json["self"] = arguments.self;
-  json["adjacent"] = options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond_shared";
+  json["adjacent"] = toString(options.adjacent);
   json["predicates"] = toString(options.predicates);
   json["overlap"] = options.overlap;
   json["margin"] = arguments.margin_m;

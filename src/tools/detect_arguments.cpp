@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "tools/backend_choice.h"
+#include "tools/command_line.h"
 #include "tools/output_file.h"
 
 namespace deformable_contact_monitor {
@@ -92,14 +93,7 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
       ->check(CLI::IsMember({"exact", "conservative", "fast"}))
       ->capture_default_str();
   app.add_option("--clusters", clusters, "Number of clusters, or auto")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {  // --help, --version
-    app.exit(asked);
-    return false;
-  } catch (const CLI::ParseError& error) {
-    refuse(error.what());
-  }
+  if (!parsed(&app, argc, argv)) return false;
 
   Options& options = arguments->options;
   if (adjacent == "skip") options.adjacent = AdjacentPairs::kSkip;

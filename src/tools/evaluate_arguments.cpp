@@ -2,9 +2,9 @@
 #include "tools/evaluate_arguments.h"
 
 #include <CLI/CLI.hpp>
-#include <stdexcept>
 
 #include "tools/backend_choice.h"
+#include "tools/command_line.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -48,15 +48,7 @@ bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   app.add_flag("--pairs", arguments->pairs, "Also write every triangle pair to pairs.csv");
   app.add_flag("!--no-report", arguments->report, "Draw no report.html");
   describe(&app, &arguments->object);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {  // --help, --version
-    app.exit(asked);
-    return false;
-  } catch (const CLI::ParseError& error) {
-    throw std::invalid_argument(std::string(error.what()) + " (see --help)");
-  }
-  return true;
+  return parsed(&app, argc, argv);
 }
 
 }  // namespace deformable_contact_monitor

@@ -5,6 +5,8 @@
 #include <sstream>
 #include <utility>
 
+#include "tools/contact_report.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -68,7 +70,7 @@ std::string EvaluationRun::name() const {
 }
 
 bool isComplete(const CycleReport& cycle, const DetectionResult& result) {
-  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0 &&
+  return isComplete(result) &&
          std::all_of(cycle.bodies.begin(), cycle.bodies.end(),
                      [](const BodyStatus& body) { return body.unknown_because.empty(); });
 }

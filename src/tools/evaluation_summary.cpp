@@ -60,7 +60,7 @@ Json configurationJson(const EvaluationEnd& end) {
     json["allowed_contacts"].push_back(
         {{"body_a", rule.body_a}, {"body_b", rule.body_b}, {"allowed", rule.allowed != 0}});
   }
-  json["adjacent_pairs"] = p.detector.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond_shared";
+  json["adjacent_pairs"] = toString(p.detector.adjacent);
   json["max_mesh_age_s"] = p.max_mesh_age_s;
   return json;
 }
@@ -113,12 +113,6 @@ Json comparisonsJson(const EvaluationEnd& end) {
                     {"example", comparison.example}});
   }
   return json;
-}
-
-Json machineJson() {
-  const Machine machine = thisMachine();
-  return {{"system", machine.system},         {"cpu", machine.cpu},   {"cores", machine.cores},
-          {"gpu_driver", machine.gpu_driver}, {"gpus", machine.gpus}, {"compiler", __VERSION__}};
 }
 
 std::string runLine(const EvaluationRun& run) {

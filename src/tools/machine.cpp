@@ -39,4 +39,10 @@ Machine thisMachine() {
   return machine;
 }
 
+nlohmann::ordered_json machineJson() {
+  const Machine machine = thisMachine();
+  return {{"system", machine.system},         {"cpu", machine.cpu},   {"cores", machine.cores},
+          {"gpu_driver", machine.gpu_driver}, {"gpus", machine.gpus}, {"compiler", __VERSION__}};
+}
+
 }  // namespace deformable_contact_monitor

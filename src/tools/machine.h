@@ -1,6 +1,7 @@
 // Where something was measured.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,8 @@ struct Machine {
 };
 
 Machine thisMachine();
+
+// The same for a file, with the compiler.
+nlohmann::ordered_json machineJson();
 
 }  // namespace deformable_contact_monitor

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tools/command_line.h"
 #include "tools/output_file.h"
 
 namespace deformable_contact_monitor {
@@ -136,14 +137,7 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   addList(&app, "--iterations", &grid.iterations, "In [0, 100]");
   addList(&app, "--refresh-periods", &grid.refresh_periods, "In cycles, >= 1");
   addRun(&app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {  // --help, --version
-    app.exit(asked);
-    return false;
-  } catch (const CLI::ParseError& error) {
-    refuse(error.what());
-  }
+  if (!parsed(&app, argc, argv)) return false;
   grid.predicates = predicatesFrom(predicates);
   if (adjacent == "skip") arguments->base.adjacent = AdjacentPairs::kSkip;
   for (int i = 0; i < argc; ++i) {

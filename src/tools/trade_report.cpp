@@ -35,15 +35,6 @@ std::string worthText(const Worth& worth) {
 
 std::string budgetText(double budget_ms) { return "a budget of " + numberText(budget_ms) + " ms"; }
 
-Json machineJson() {
-  const Machine machine = thisMachine();
-  return {{"system", machine.system},
-          {"cpu", machine.cpu},
-          {"cores", machine.cores},
-          {"gpus", machine.gpus},
-          {"gpu_driver", machine.gpu_driver}};
-}
-
 Json bodiesJson(const FrameSource& frames) {
   Json json = Json::array();
   const Scene& scene = frames.scene();
@@ -86,13 +77,11 @@ std::string summaryJson(const TradeArguments& arguments, const TradeResults& res
                         const FrameSource& frames) {
   Json json;
   json["version"] = DCM_VERSION;
-  json["compiler"] = __VERSION__;
   json["command"] = arguments.command;
   json["machine"] = machineJson();
   json["bodies"] = bodiesJson(frames);
   json["frames"] = contactsJson(results.exact);
-  const bool skip = arguments.base.adjacent == AdjacentPairs::kSkip;
-  json["adjacent"] = skip ? "skip" : "beyond_shared";
+  json["adjacent"] = toString(arguments.base.adjacent);
   json["threads"] = arguments.base.threads;
   json["warm_up"] = arguments.warm_up;
   json["cycles"] = results.measurements.front().round_trip_ms.size();

@@ -87,17 +87,22 @@ TEST(ContactStateTrackerTest, aNormalIsWeightedByAreaOncePerTriangle) {
   EXPECT_NEAR(state.mean_normal.z, 1 / std::sqrt(5.), 1e-6);
 }
 
+TriangleMesh randomTriangles(std::uint32_t count) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(0, 1);
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 3 * count; ++i) {
+    mesh.triangles.push_back(i);
+    for (int axis = 0; axis < 3; ++axis) mesh.vertices.push_back(unit(random));
+  }
+  return mesh;
+}
+
 // So many that they are summed up on threads; one triangle has more than a thread's share.
 TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
   constexpr std::uint32_t kTriangles = 3000, kInContact = 30000;
   SampleReport sample;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<float> unit(0, 1);
-  TriangleMesh mesh;
-  for (std::uint32_t i = 0; i < 3 * kTriangles; ++i) {
-    mesh.triangles.push_back(i);
-    for (int axis = 0; axis < 3; ++axis) mesh.vertices.push_back(unit(random));
-  }
+  const TriangleMesh mesh = randomTriangles(kTriangles);
   sample.scene.setMesh(0, mesh);
   sample.scene.setMesh(2, mesh);
   sample.result.contacts.clear();
@@ -130,13 +135,7 @@ TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
 TEST(ContactStateTrackerTest, normalsThatCancelOutAmongManyAreZero) {
   constexpr std::uint32_t kTriangles = 20000;
   SampleReport sample;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<float> unit(0, 1);
-  TriangleMesh mesh;
-  for (std::uint32_t i = 0; i < 3 * kTriangles; ++i) {
-    mesh.triangles.push_back(i);
-    for (int axis = 0; axis < 3; ++axis) mesh.vertices.push_back(unit(random));
-  }
+  TriangleMesh mesh = randomTriangles(kTriangles);
   for (std::uint32_t i = 3 * kTriangles; i > 0; --i) mesh.triangles.push_back(i - 1);
   sample.scene.setMesh(0, mesh);
   sample.result.contacts.clear();
