@@ -1,6 +1,5 @@
 // Second stage: every triangle into each cluster that it may share a contact in.
-#include "core/aabb.h"
-#include "core/ordered_bits.h"
+#include "cuda/boxes.cuh"
 #include "cuda/device_buffer.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
@@ -13,14 +12,6 @@ constexpr unsigned kThreads = 128;
 constexpr unsigned kMostPartnerBoxes = 32;
 // Triangles in more clusters than this are done by a warp each.
 constexpr unsigned kShortList = 12;
-
-__device__ Aabb bodyBox(const CycleView& c, std::uint32_t body) {
-  const std::uint32_t* box = c.body_boxes + 6 * body;
-  if (box[3] == 0) return {};
-  const Aabb tight{{fromOrderedBits(~box[0]), fromOrderedBits(~box[1]), fromOrderedBits(~box[2])},
-                   {fromOrderedBits(box[3]), fromOrderedBits(box[4]), fromOrderedBits(box[5])}};
-  return inflated(tight, c.bodies[body].margin_m);
-}
 
 // The boxes of a body's partners that meet its own, for all triangles of a block.
 struct PartnerBoxes {

@@ -8,7 +8,10 @@ namespace deformable_contact_monitor {
 void ContactOutput::fetch(const CycleView& cycle, bool separations, unsigned index_bits,
                           std::uint32_t count, cudaStream_t stream) {
   const std::uint32_t capacity = std::min(cycle.contact_capacity, count + count / 4 + 1024);
-  sorted_keys_.grow(capacity);
+  if (capacity > sorted_keys_.size()) {
+    // With room to spare, or contacts that creep up would allocate in every cycle.
+    sorted_keys_.grow(std::min(cycle.contact_capacity, capacity + capacity / 2));
+  }
   keys_.grow(sorted_keys_.size());
   if (separations) {
     sorted_separations_.grow(sorted_keys_.size());
@@ -18,7 +21,7 @@ void ContactOutput::fetch(const CycleView& cycle, bool separations, unsigned ind
   std::size_t scratch_bytes = 0;
   sortContacts(cycle, capacity, index_bits, sorted_keys_.data(), separations_out, nullptr,
                scratch_bytes, stream);
-  scratch_.grow(scratch_bytes + 1);
+  if (scratch_bytes > scratch_.size()) scratch_.grow(scratch_bytes + scratch_bytes / 2);
   sortContacts(cycle, capacity, index_bits, sorted_keys_.data(), separations_out, scratch_.data(),
                scratch_bytes, stream);
   sorted_keys_.download(keys_.data(), capacity, stream);
@@ -39,6 +42,8 @@ void ContactOutput::list(const DeviceScene& scene, std::uint32_t count,
   }
   if (with_separations_) {
     result.separations_m.assign(separations_.data(), separations_.data() + count);
+  } else {
+    result.separations_m.clear();
   }
 }
 

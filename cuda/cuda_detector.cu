@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/cluster_count.h"
+#include "cuda/boxes.cuh"
 #include "cuda/cold_start.h"
 #include "cuda/contact_output.cuh"
 #include "cuda/cuda_detector.h"
@@ -78,8 +79,6 @@ const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& o
   requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
   const auto start = Clock::now();
-  result_.contacts.clear();
-  result_.separations_m.clear();
   result_.stages_ms.clear();
   result_.left_out = 0;
   result_.detect_ms = 0;
@@ -125,7 +124,7 @@ void CudaDetector::startCold(const Scene& scene, const Options& options) {
   clear(view_.member_count, (clusters_ + 1) * std::size_t{kCountStride});
   clear(view_.membership_sums, clusters_);
   clear(view_.list_reach, clusters_);
-  clear(view_.body_boxes, 6 * std::size_t{view_.body_count});
+  clear(view_.body_boxes, kSides * std::size_t{view_.body_count});
   clear(view_.far_count, 1);
   launchListNeighbours(view_, stream);
   stream_.synchronise();  // the host's arrays go
@@ -225,7 +224,7 @@ void CudaDetector::sizeBinsFirst() {
   launchAssign(view_, static_cast<unsigned>(multiprocessors_), stream);
   launchSizeBins(view_, stream);
   checkCuda(cudaMemsetAsync(view_.body_boxes, 0,
-                            6 * sizeof(std::uint32_t) * std::size_t{view_.body_count}, stream),
+                            kSides * sizeof(std::uint32_t) * std::size_t{view_.body_count}, stream),
             "cudaMemsetAsync");
   checkCuda(cudaMemsetAsync(view_.far_count, 0, sizeof(std::uint32_t), stream), "cudaMemsetAsync");
 }
@@ -271,7 +270,11 @@ void CudaDetector::run(const Scene& scene, const Options& options) {
   const bool start_cold = needsColdStart(options);
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
   const bool laid_out_anew = scene_.layOut(scene, stream);
-  if (scene_.empty()) return;
+  if (scene_.empty()) {
+    result_.contacts.clear();
+    result_.separations_m.clear();
+    return;
+  }
   if (start_cold || laid_out_anew) startCold(scene, options);
   scene_.send(scene, scale_, stream);
   setParams(options);

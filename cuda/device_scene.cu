@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "core/body_groups.h"
+#include "cuda/boxes.cuh"
 #include "cuda/device_scene.cuh"
 
 namespace deformable_contact_monitor {
@@ -125,7 +126,7 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   std::size_t table = 16;  // a power of two, as is what it may have been before
   while (any_self_ && table < 2 * std::size_t{vertex_count_}) table *= 2;
   identity_table_.grow(table);
-  body_boxes_.grow(6 * taking_part_.size());
+  body_boxes_.grow(kSides * taking_part_.size());
   bodies_.grow(body_.size());
   staged_bodies_.grow(body_.size());
 }

@@ -1,7 +1,6 @@
 // The pairs with a very large or far-off triangle: boxes against the clusters, their members, and
 // each other.
-#include "core/aabb.h"
-#include "core/ordered_bits.h"
+#include "cuda/boxes.cuh"
 #include "cuda/screen.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
@@ -41,29 +40,6 @@ __device__ void meet(const CycleView& c, std::uint32_t at_a, std::uint32_t at_b)
   if (place < c.candidate_capacity) c.candidates[place] = candidate;
 }
 
-struct BlockBox {
-  std::uint32_t low[3], high[3];  // ordered bits, the low ones turned round
-
-  __device__ void clear() {
-    if (threadIdx.x < 3) low[threadIdx.x] = high[threadIdx.x] = 0;
-    __syncthreads();
-  }
-  __device__ void include(const Aabb& box) {
-    if (box.empty()) return;
-    const float lo[3] = {box.min.x, box.min.y, box.min.z};
-    const float hi[3] = {box.max.x, box.max.y, box.max.z};
-    for (int k = 0; k < 3; ++k) {
-      atomicMax(&low[k], ~orderedBits(lo[k]));
-      atomicMax(&high[k], orderedBits(hi[k]));
-    }
-  }
-  __device__ Aabb get() const {
-    if (high[0] == 0) return {};
-    return {{fromOrderedBits(~low[0]), fromOrderedBits(~low[1]), fromOrderedBits(~low[2])},
-            {fromOrderedBits(high[0]), fromOrderedBits(high[1]), fromOrderedBits(high[2])}};
-  }
-};
-
 // Passes over the same pairs again are the same work to who reads the counters.
 __device__ bool isFirstSweep(const CycleView& c) { return c.params->passes == 1; }
 
@@ -97,7 +73,6 @@ __global__ void __launch_bounds__(kThreads) largeKernel(CycleView c) {
     if ((member.body_and_home & 1) != 0) own.include(memberBox(c, member));
   }
   shared_box.include(own);
-  __syncthreads();
   const Aabb cluster_box = shared_box.get();
   unsigned long long pairs = 0;
   for (std::uint32_t first = 0; first < large_count; first += kThreads) {

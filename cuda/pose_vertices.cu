@@ -1,6 +1,6 @@
 // First stage: vertices into the scene frame, boxes of the bodies, nearest prototypes.
-#include "core/ordered_bits.h"
 #include "core/vertex_hash.h"
+#include "cuda/boxes.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
 
@@ -12,20 +12,6 @@ constexpr unsigned kThreads = 128;
 __device__ Vec3f receivedAt(const CycleView& c, std::uint32_t i) {
   const float* v = c.received + 3 * std::size_t{i};
   return {v[0], v[1], v[2]};
-}
-
-// Zero stands for the empty box, so that clearing is one fill.
-__device__ void growBox(std::uint32_t* box, const Vec3f& v, bool counts) {
-  const float xyz[3] = {v.x, v.y, v.z};
-  for (int k = 0; k < 3; ++k) {
-    const std::uint32_t bits = orderedBits(xyz[k]);
-    const std::uint32_t low = warpMost(counts ? ~bits : 0);
-    const std::uint32_t high = warpMost(counts ? bits : 0);
-    if (laneId() == 0 && high != 0) {
-      atomicMax(&box[k], low);
-      atomicMax(&box[3 + k], high);
-    }
-  }
 }
 
 __device__ void putPosed(const CycleView& c, std::uint32_t i, const Vec3f& v,
@@ -70,8 +56,13 @@ __global__ void __launch_bounds__(kThreads) poseKernel(CycleView c) {
   Vec3f v = receivedAt(c, i);
   if (body.identity_pose == 0) v = apply(body.pose, v);
   const bool finite = isFinite(v);
-  if (body.partner_count > 0) growBox(c.body_boxes + 6 * block.body, v, inside && finite);
   const bool wanted = inside && finite;
+  if (body.partner_count > 0) {
+    __shared__ BlockBox box;
+    box.clear();
+    box.include(wanted ? Aabb{v, v} : Aabb{});
+    box.addTo(c.body_boxes + kSides * block.body);
+  }
   const PrototypesView view = prototypesView(c);
   const Vec3f scaled = c.params->scale.apply(v);
   Nearest nearest;
@@ -94,6 +85,7 @@ __global__ void __launch_bounds__(kThreads) farKernel(CycleView c) {
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
   for (std::uint32_t k = (blockIdx.x * kThreads + threadIdx.x) / kWarp; k < count; k += warps) {
     const std::uint32_t i = c.far_vertices[k].x;
+    if (isOutOfReach(c, c.far_vertices[k].y)) continue;
     const float4 p = c.posed[i];
     const Vec3f v{p.x, p.y, p.z};
     const Vec3f scaled = c.params->scale.apply(v);

@@ -1,4 +1,5 @@
 // Third stage: each cluster's members along its principal axes, sorted by where they begin.
+#include "cuda/boxes.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
 
@@ -109,7 +110,7 @@ __global__ void __launch_bounds__(kThreads) sortKernel(CycleView c) {
   std::uint32_t* const place = bucket_begin + 1;
   const std::uint32_t g = blockIdx.x;
   if (g == 0) {  // for the next cycle; the stages that read them are over
-    for (unsigned k = threadIdx.x; k < 6 * c.body_count; k += kThreads) c.body_boxes[k] = 0;
+    for (unsigned k = threadIdx.x; k < kSides * c.body_count; k += kThreads) c.body_boxes[k] = 0;
     if (threadIdx.x == 0) *c.far_count = 0;
   }
   const Bin bin = c.bins[g];

@@ -66,7 +66,7 @@ class ContactMonitor {
   bool isAhead(const ros::Time& stamp) const;  // of the clock
   void dropLeftovers();
   void cycleFor(MeshInput* input);
-  void detectAndPublish(const ros::Time& t);
+  void detectAndPublish(const ros::Time& t, Clock::time_point mesh_arrival);
   void heartbeat();
   CycleReport makeReport(const ros::Time& stamp);
   void warnOf(const TransformReport& transforms);

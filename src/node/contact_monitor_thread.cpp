@@ -142,6 +142,7 @@ void ContactMonitor::dropLeftovers() {
 void ContactMonitor::cycleFor(MeshInput* input) {
   if (input->waitingJumpsBack()) reset("time jump: mesh stamps went back");
   const ros::Time stamp = input->waitingStamp().value_or(last_now_);
+  const Clock::time_point arrival = input->waitingSince();
   bool anything_new = false;
   for (const auto& other : inputs_) {
     if (other->waitingStamp() == stamp) anything_new |= other->take(last_now_);
@@ -149,10 +150,10 @@ void ContactMonitor::cycleFor(MeshInput* input) {
   // A refused mesh may have a senseless stamp, yet its object must become UNKNOWN at once.
   const bool sensible = !stamp.isZero() && (last_now_.isZero() || stamp <= last_now_ ||
                                             input->counters().refusal.empty());
-  if (anything_new) detectAndPublish(sensible ? stamp : last_now_);
+  if (anything_new) detectAndPublish(sensible ? stamp : last_now_, arrival);
 }
 
-void ContactMonitor::detectAndPublish(const ros::Time& t) {
+void ContactMonitor::detectAndPublish(const ros::Time& t, Clock::time_point mesh_arrival) {
   const Clock::time_point start = Clock::now();
   earliest_cycle_ = start;
   if (parameters_.max_rate_hz > 0) earliest_cycle_ += seconds(1 / parameters_.max_rate_hz);
@@ -174,8 +175,10 @@ void ContactMonitor::detectAndPublish(const ros::Time& t) {
     diagnostics_.recordDetectorError(error.what());
   }
   const CyclePublisher::Latest sent = publisher_.publish(&report);
-  const double cycle_s = std::chrono::duration<double>(Clock::now() - start).count();
-  diagnostics_.recordCycle(report, *sent.contacts, cycle_s);
+  const auto since = [](Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+  };
+  diagnostics_.recordCycle(report, *sent.contacts, since(start), since(mesh_arrival));
 }
 
 void ContactMonitor::heartbeat() {
@@ -190,7 +193,7 @@ void ContactMonitor::heartbeat() {
   scene_.markUnknown(why);
   CycleReport report = makeReport(last_now_);
   const CyclePublisher::Latest sent = publisher_.publish(&report);
-  diagnostics_.recordCycle(report, *sent.contacts, 0);
+  diagnostics_.recordCycle(report, *sent.contacts, 0, 0);
 }
 
 CycleReport ContactMonitor::makeReport(const ros::Time& stamp) {

@@ -27,6 +27,7 @@ void MeshInput::store(const DeformableMesh::ConstPtr& message) {
   ++counters_.received;
   if (waiting_) ++counters_.dropped;
   waiting_ = message;
+  waiting_since_ = std::chrono::steady_clock::now();
   if (!message->triangles.empty() && isOurs(*message)) keyframe_ = message;
 }
 
@@ -43,6 +44,11 @@ std::optional<ros::Time> MeshInput::waitingStamp() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!waiting_) return std::nullopt;
   return waiting_->header.stamp;
+}
+
+std::chrono::steady_clock::time_point MeshInput::waitingSince() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return waiting_since_;
 }
 
 bool MeshInput::waitingJumpsBack() const {

@@ -4,6 +4,7 @@
 #include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -54,6 +55,8 @@ class MeshInput {
 
   // Stamp of the mesh that waits, if one does.
   std::optional<ros::Time> waitingStamp() const;
+  // When it was stored; of use only while one waits.
+  std::chrono::steady_clock::time_point waitingSince() const;
   // The mesh that waits is older than the newest accepted one by more than max_age_s.
   bool waitingJumpsBack() const;
 
@@ -82,6 +85,7 @@ class MeshInput {
 
   mutable std::mutex mutex_;  // guards what follows, up to accepted_
   DeformableMesh::ConstPtr waiting_;
+  std::chrono::steady_clock::time_point waiting_since_;
   DeformableMesh::ConstPtr keyframe_;  // newest message with triangles, not yet learned
   MeshCounters counters_;
 

@@ -51,7 +51,7 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters, const Mesh
 }
 
 void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray& sent,
-                                  double cycle_s) {
+                                  double cycle_s, double latency_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++cycles_;
   backend_ = report.backend;
@@ -70,6 +70,7 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
     times.push_back(ms);
     if (times.size() > kTimedCycles) times.pop_front();
   };
+  add("latency [ms]", 1e3 * latency_s);
   add("cycle [ms]", 1e3 * cycle_s);
   add("detection [ms]", report.result->round_trip_ms);
   for (const auto& [stage, ms] : report.result->stages_ms) add("stage " + stage + " [ms]", ms);

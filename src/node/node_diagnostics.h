@@ -28,8 +28,10 @@ class NodeDiagnostics {
                   const RobotSource& robot, const ros::NodeHandle& node,
                   const ros::NodeHandle& private_node);
 
-  // `cycle_s`: from taking the mesh to the end of publishing.
-  void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s);
+  // `cycle_s`: the work, from taking transforms to the end of publishing; `latency_s`: to there
+  // from the arrival of the mesh that asked for the cycle.
+  void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s,
+                   double latency_s);
   void recordTransforms(const TransformReport& report);
   // A detection that failed; empty: it did not.
   void recordDetectorError(const std::string& error);

@@ -44,6 +44,10 @@ struct Quantiles {
   }
 };
 
+int repeatsFor(const Moving& moving) {
+  return only_growth && moving.scene.triangleCount() > kManyTriangles ? kRepeats / 10 : kRepeats;
+}
+
 const DetectionResult& step(Moving& moving, int i, Detector& detector, const Options& options) {
   const std::vector<float>& state = moving.state[i % 2];
   moving.scene.setVertices(0, state.data(), state.size() / 3);
@@ -64,8 +68,7 @@ void whole(Moving& moving, const Options& options, bool check) {
   for (int i = 0; i < (only_growth ? 10 : kWarmUp); ++i) step(moving, i, *detector, options);
   std::vector<double> detect, round_trip;
   DetectionResult last;
-  const int repeats =
-      only_growth && moving.scene.triangleCount() > kManyTriangles ? kRepeats / 10 : kRepeats;
+  const int repeats = repeatsFor(moving);
   for (int i = 0; i < 2 * repeats; ++i) {
     const DetectionResult& result = step(moving, i, *detector, options);
     if (i % 2 == 1) continue;  // both states move; the first is the scene that is named
@@ -103,7 +106,7 @@ void stages(Moving& moving, const Options& options) {
   const auto detector = makeCudaDetector(settings);
   std::vector<std::string> names;
   std::map<std::string, std::vector<double>> times;
-  for (int i = 0; i < kWarmUp + 2 * kRepeats; ++i) {
+  for (int i = 0; i < kWarmUp + 2 * repeatsFor(moving); ++i) {
     const DetectionResult& result = step(moving, i, *detector, options);
     if (i < kWarmUp || i % 2 == 1) continue;
     names.clear();
@@ -201,6 +204,7 @@ int run(const std::string& only) {
       Moving moving =
           selfMoving("copies of cloth_ball92", sizedTo(ball92, n), sizedTo(ball93, n), 0);
       whole(moving, options, n < kManyTriangles);
+      stages(moving, options);
     }
     return all_equal ? 0 : 1;
   }
@@ -220,7 +224,9 @@ int run(const std::string& only) {
   const Moving cloth = selfMoving("cloth_ball92", ball92, ball93, 0);
   for (const auto& change : {withHugeTriangles, withOutlier, withFarBodies}) {
     Moving moving = change(cloth);
-    if (only.empty()) whole(moving, options, true);
+    if (!only.empty()) continue;
+    whole(moving, options, true);
+    stages(moving, options);
   }
   return all_equal ? 0 : 1;
 }

@@ -99,7 +99,7 @@ TEST(CudaDetector, PassesThatOutgrowTheListOfContactsStartAgain) {
         scene.setMargin(1, margin_m);
       }
       const auto all = makeCpuDetector()->detect(scene, Options()).contacts;
-      ASSERT_GT(all.size(), 3000U);
+      ASSERT_GT(all.size(), 1000U);  // the limit leaves room for 833
       for (int i = 0; i < 3; ++i) {
         const DetectionResult& result = detector->detect(scene, Options());
         EXPECT_EQ(result.contacts.size() + result.left_out, all.size());

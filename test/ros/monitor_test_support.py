@@ -79,7 +79,10 @@ class Monitor:
         self.events = Log(name + "/contact_events", ContactEvent)
 
     def contacts_at(self, stamp):
-        return self.contacts.wait(f"contacts at {stamp}", lambda m: m.header.stamp == stamp)
+        contacts = self.contacts.wait(f"contacts at {stamp}", lambda m: m.header.stamp == stamp)
+        if "DCM_REQUIRE_CUDA" in os.environ and contacts.backend != "cuda":
+            raise AssertionError(f"these contacts were found by {contacts.backend}")
+        return contacts
 
     def states_at(self, stamp):
         """{(body_a, body_b): state} of the cycle at that stamp."""
