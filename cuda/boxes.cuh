@@ -52,16 +52,4 @@ __device__ inline Aabb bodyBox(const CycleView& c, std::uint32_t body) {
   return inflated(boxOf(c.body_boxes + kSides * body), c.bodies[body].margin_m);
 }
 
-// By a whole warp: whether none of the body's triangles can be in contact with any other.
-__device__ inline bool isOutOfReach(const CycleView& c, std::uint32_t b) {
-  const DeviceBody& body = c.bodies[b];
-  if (body.has_self != 0) return false;
-  const Aabb own = bodyBox(c, b);
-  bool near = false;
-  for (unsigned p = laneId(); p < body.partner_count; p += kWarp) {
-    near = near || overlap(own, bodyBox(c, c.partners[body.partner_begin + p]));
-  }
-  return !__any_sync(kFullWarp, near);
-}
-
 }  // namespace deformable_contact_monitor

@@ -125,7 +125,6 @@ void CudaDetector::startCold(const Scene& scene, const Options& options) {
   clear(view_.membership_sums, clusters_);
   clear(view_.list_reach, clusters_);
   clear(view_.body_boxes, kSides * std::size_t{view_.body_count});
-  clear(view_.far_count, 1);
   launchListNeighbours(view_, stream);
   stream_.synchronise();  // the host's arrays go
   cycles_since_refresh_ = 0;
@@ -226,7 +225,6 @@ void CudaDetector::sizeBinsFirst() {
   checkCuda(cudaMemsetAsync(view_.body_boxes, 0,
                             kSides * sizeof(std::uint32_t) * std::size_t{view_.body_count}, stream),
             "cudaMemsetAsync");
-  checkCuda(cudaMemsetAsync(view_.far_count, 0, sizeof(std::uint32_t), stream), "cudaMemsetAsync");
 }
 
 bool CudaDetector::needsColdStart(const Options& options) {

@@ -140,11 +140,9 @@ struct CycleView {
   std::uint32_t triangle_count;
   const float* received;         // x y z per vertex, in the body's frame [m]
   const std::uint32_t* corners;  // three vertices per triangle
-  float4* posed;                 // x, y, z [m], scene frame; w: nearest prototype * 2 + tied
-  uint2* far_vertices;           // vertex, body: where the lists of neighbours did not do
-  std::uint32_t* far_count;      // of them; zero at the start of a cycle, as are the body boxes
-  std::uint32_t* body_boxes;     // per body: six ordered numbers, the least three turned round
-  std::uint32_t* vertex_id;      // equal iff of one body and equal as received
+  float4* posed;              // x, y, z [m], scene frame; w: nearest prototype * 2 + tied or unsure
+  std::uint32_t* body_boxes;  // per body, see cuda/boxes.cuh; zero at the start of a cycle
+  std::uint32_t* vertex_id;   // equal iff of one body and equal as received
   std::uint32_t* identity_table;
   std::uint32_t identity_mask;
 

@@ -121,8 +121,6 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   staged_vertices_.grow(3 * std::size_t{vertex_count_});
   posed_.grow(vertex_count_);
   vertex_id_.grow(vertex_count_);
-  far_vertices_.grow(vertex_count_);
-  far_count_.grow(1);
   std::size_t table = 16;  // a power of two, as is what it may have been before
   while (any_self_ && table < 2 * std::size_t{vertex_count_}) table *= 2;
   identity_table_.grow(table);
@@ -168,8 +166,6 @@ void DeviceScene::view(CycleView& cycle) {
   cycle.received = received_.data();
   cycle.corners = corners_.data();
   cycle.posed = posed_.data();
-  cycle.far_vertices = far_vertices_.data();
-  cycle.far_count = far_count_.data();
   cycle.body_boxes = body_boxes_.data();
   cycle.vertex_id = vertex_id_.data();
   cycle.identity_table = identity_table_.data();
@@ -203,8 +199,7 @@ CycleParams DeviceScene::params(const Options& options) const {
 std::uint64_t DeviceScene::bytes() const {
   return bodies_.bytes() + partners_.bytes() + class_mask_.bytes() + pair_enabled_.bytes() +
          vertex_blocks_.bytes() + triangle_blocks_.bytes() + received_.bytes() + corners_.bytes() +
-         body_boxes_.bytes() + vertex_id_.bytes() + identity_table_.bytes() + posed_.bytes() +
-         far_vertices_.bytes() + far_count_.bytes();
+         body_boxes_.bytes() + vertex_id_.bytes() + identity_table_.bytes() + posed_.bytes();
 }
 
 }  // namespace deformable_contact_monitor

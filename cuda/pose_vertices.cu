@@ -20,26 +20,6 @@ __device__ void putPosed(const CycleView& c, std::uint32_t i, const Vec3f& v,
       make_float4(v.x, v.y, v.z, __uint_as_float(winner.cluster << 1 | (winner.tied ? 1U : 0U)));
 }
 
-// By a whole warp.
-__device__ Nearest nearestOfAll(const PrototypesView& view, const Vec3f& v) {
-  Nearest nearest;
-#pragma unroll 4
-  for (std::uint32_t g = laneId(); g < view.count; g += kWarp) {
-    nearest.consider(g, squaredDistance(v, view.prototypes[g]));
-  }
-  for (unsigned o = kWarp / 2; o > 0; o /= 2) {
-    Nearest other;
-    other.cluster = __shfl_xor_sync(kFullWarp, nearest.cluster, o);
-    other.least2 = __shfl_xor_sync(kFullWarp, nearest.least2, o);
-    other.second2 = __shfl_xor_sync(kFullWarp, nearest.second2, o);
-    const float second2 =
-        fminf(fmaxf(nearest.least2, other.least2), fminf(nearest.second2, other.second2));
-    if (other.least2 < nearest.least2) nearest = other;
-    nearest.second2 = second2;
-  }
-  return nearest;
-}
-
 __global__ void __launch_bounds__(kThreads) poseKernel(CycleView c) {
   const std::uint32_t thread = blockIdx.x * kThreads + threadIdx.x;
   if (thread <= c.cluster_count) {
@@ -65,35 +45,18 @@ __global__ void __launch_bounds__(kThreads) poseKernel(CycleView c) {
   }
   const PrototypesView view = prototypesView(c);
   const Vec3f scaled = c.params->scale.apply(v);
-  Nearest nearest;
-  bool found = !wanted;
+  Winner winner;
   if (wanted) {
     // Last cycle's winner is the best guess, where there was one.
     std::uint32_t start = __float_as_uint(c.posed[i].w) >> 1;
     if (start >= c.cluster_count) start = 0;
-    found = nearestListed(view, scaled, start, body.slack, nearest);
+    Nearest nearest;
+    const bool sure = nearestListed(view, scaled, start, body.slack, nearest);
+    winner = nearest.winner(scaled, body.slack);
+    // The half-space rule takes any competitor; only who is certain may do without the rule.
+    if (!sure) winner.tied = true;
   }
-  // Where the lists do not reach far enough, a warp will go over all prototypes.
-  const std::uint32_t place = warpReserve(c.far_count, !found);
-  if (!found) c.far_vertices[place] = make_uint2(i, block.body);
-  if (inside) putPosed(c, i, v, wanted ? nearest.winner(scaled, body.slack) : Winner());
-}
-
-__global__ void __launch_bounds__(kThreads) farKernel(CycleView c) {
-  const PrototypesView view = prototypesView(c);
-  const std::uint32_t count = *c.far_count;
-  const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
-  for (std::uint32_t k = (blockIdx.x * kThreads + threadIdx.x) / kWarp; k < count; k += warps) {
-    const std::uint32_t i = c.far_vertices[k].x;
-    if (isOutOfReach(c, c.far_vertices[k].y)) continue;
-    const float4 p = c.posed[i];
-    const Vec3f v{p.x, p.y, p.z};
-    const Vec3f scaled = c.params->scale.apply(v);
-    const Nearest nearest = nearestOfAll(view, scaled);
-    if (laneId() == 0) {
-      putPosed(c, i, v, nearest.winner(scaled, c.bodies[c.far_vertices[k].y].slack));
-    }
-  }
+  if (inside) putPosed(c, i, v, winner);
 }
 
 // An open-addressing table into which each vertex puts its number + 1, unless one with equal
@@ -125,8 +88,6 @@ __global__ void __launch_bounds__(kThreads) identifyKernel(CycleView c) {
 void launchPose(const CycleView& cycle, cudaStream_t stream) {
   const unsigned for_bins = cycle.cluster_count / kThreads + 1;
   poseKernel<<<max(cycle.vertex_block_count, for_bins), kThreads, 0, stream>>>(cycle);
-  constexpr unsigned kFarBlocks = 528;
-  farKernel<<<kFarBlocks, kThreads, 0, stream>>>(cycle);
 }
 
 void launchIdentify(const CycleView& cycle, cudaStream_t stream) {

@@ -111,7 +111,6 @@ __global__ void __launch_bounds__(kThreads) sortKernel(CycleView c) {
   const std::uint32_t g = blockIdx.x;
   if (g == 0) {  // for the next cycle; the stages that read them are over
     for (unsigned k = threadIdx.x; k < kSides * c.body_count; k += kThreads) c.body_boxes[k] = 0;
-    if (threadIdx.x == 0) *c.far_count = 0;
   }
   const Bin bin = c.bins[g];
   const std::uint32_t count = min(countOf(c, g), bin.capacity);
