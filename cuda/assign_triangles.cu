@@ -1,6 +1,6 @@
 // Second stage: every triangle into each cluster that it may share a contact in.
 #include "cuda/boxes.cuh"
-#include "cuda/device_buffer.cuh"
+#include "cuda/launch.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
 
@@ -12,6 +12,9 @@ constexpr unsigned kThreads = 128;
 constexpr unsigned kMostPartnerBoxes = 32;
 // Triangles in more clusters than this are done by a warp each.
 constexpr unsigned kShortList = 12;
+// Lanes that find the clusters of one triangle together; a power of two.
+constexpr unsigned kTeam = 2;
+constexpr unsigned kTeams = kWarp / kTeam;  // in a warp
 
 // The boxes of a body's partners that meet its own, for all triangles of a block.
 struct PartnerBoxes {
@@ -115,7 +118,7 @@ struct Entry {
   std::uint32_t cluster_and_home;  // cluster * 2 + 1 if it is the lowest
 };
 
-// By a whole warp: the triangles that may be in several clusters.
+// By a whole warp, a team for each: triangles that may be in several clusters.
 __device__ void assignBorder(const CycleView& c, std::uint32_t body, std::uint32_t t, bool wanted,
                              Entry* entries) {
   const std::uint32_t* vertices = c.corners + 3 * std::size_t{t};
@@ -126,26 +129,28 @@ __device__ void assignBorder(const CycleView& c, std::uint32_t body, std::uint32
   bool in_first = false;
   std::uint64_t places[2] = {0, 0};  // bits: in the list of the first competitor
   static_assert(kMostNeighbours == 128);
-  std::uint32_t length = 0;
+  bool is_short = false;
   if (wanted) {
     float radius;
     const HalfSpaceRule rule = ruleOf(c, view, corner, c.bodies[body].slack, first);
-    bool is_short = listSuffices(view, rule, first, radius);
+    is_short = listSuffices(view, rule, first, radius);
     if (is_short) {
       in_first = rule.admits(view.prototypes[first]);
-      forEachListed(view, rule, first, radius, [&places](std::uint32_t place) {
+      const Share share{laneId() % kTeam, kTeam};
+      forEachListed(view, rule, first, radius, share, [&places](std::uint32_t place) {
         places[place < 64 ? 0 : 1] |= std::uint64_t{1} << place % 64;
       });
-      length = __popcll(places[0]) + __popcll(places[1]) + (in_first ? 1 : 0);
-      is_short = length <= kShortList;
-    }
-    if (!is_short) {
-      length = 0;
-      places[0] = places[1] = 0;
-      in_first = false;
-      c.wide[atomicAdd(&c.counters->wide, 1U)] = make_uint2(t, body);
     }
   }
+  for (unsigned o = 1; o < kTeam; o *= 2) {
+    for (std::uint64_t& half : places) half |= __shfl_xor_sync(kFullWarp, half, o);
+  }
+  // From here on the first of each team is alone.
+  wanted = wanted && laneId() % kTeam == 0;
+  std::uint32_t length = __popcll(places[0]) + __popcll(places[1]) + (in_first ? 1 : 0);
+  is_short = is_short && length <= kShortList;
+  if (wanted && !is_short) c.wide[atomicAdd(&c.counters->wide, 1U)] = make_uint2(t, body);
+  if (!wanted || !is_short) length = 0;
   const std::uint32_t words = length > 1 ? length + 1 : 0;
   const std::uint32_t place = warpReserve(&c.counters->list_words, words);
   const bool listed = words > 0 && place + words <= c.list_capacity;
@@ -179,9 +184,12 @@ __device__ void assignBorder(const CycleView& c, std::uint32_t body, std::uint32
                  entry.list,
                  body << 1 | (entry.cluster_and_home & 1)});
   }
+  __syncwarp();  // before the next entries
 }
 
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleView c) {
+  awaitKernelAhead();
+  letNextStart();
   __shared__ PartnerBoxes partners;
   const BodyBlock block = c.triangle_blocks[blockIdx.x];
   const DeviceBody& body = c.bodies[block.body];
@@ -210,23 +218,25 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleView c) {
                         !corner[0].winner.tied && !corner[1].winner.tied && !corner[2].winner.tied;
   if (regular && interior) putTogether(c, home, member);
 
-  // The others, closed up, so that few warps are busy with them.
+  // The others, closed up.
   __shared__ std::uint32_t border[kThreads], border_count;
-  __shared__ Entry entries[kThreads / kWarp][kWarp * kShortList];
+  __shared__ Entry entries[kThreads / kWarp][kTeams * kShortList];
   if (threadIdx.x == 0) border_count = 0;
   __syncthreads();
   const std::uint32_t at = warpReserve(&border_count, regular && !interior);
   if (regular && !interior) border[at] = t;
   __syncthreads();
-  if (threadIdx.x / kWarp * kWarp < border_count) {
-    const bool mine = threadIdx.x < border_count;
-    assignBorder(c, block.body, mine ? border[threadIdx.x] : block.first, mine,
-                 entries[threadIdx.x / kWarp]);
+  const std::uint32_t warp = threadIdx.x / kWarp;
+  for (std::uint32_t first = warp * kTeams; first < border_count; first += kThreads / kTeam) {
+    const std::uint32_t mine = first + laneId() / kTeam;
+    const bool there = mine < border_count;
+    assignBorder(c, block.body, there ? border[mine] : block.first, there, entries[warp]);
   }
 }
 
 // A warp for each of the triangles that were left, over all prototypes in ascending order.
 __global__ void __launch_bounds__(kThreads) assignWideKernel(CycleView c) {
+  awaitKernelAhead();
   const PrototypesView view = prototypesView(c);
   const std::uint32_t count = c.counters->wide;
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
@@ -267,10 +277,10 @@ __global__ void __launch_bounds__(kThreads) assignWideKernel(CycleView c) {
 
 }  // namespace
 
-void launchAssign(const CycleView& cycle, unsigned multiprocessors, cudaStream_t stream) {
-  assignKernel<<<cycle.triangle_block_count, kThreads, 0, stream>>>(cycle);
-  assignWideKernel<<<blocksInOneWave(assignWideKernel, kThreads, 0, multiprocessors), kThreads, 0,
-                     stream>>>(cycle);
+void launchAssign(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream) {
+  launchEarly(assignKernel, cycle.triangle_block_count, kThreads, 0, device, stream, cycle);
+  launchEarly(assignWideKernel, blocksInOneWave(assignWideKernel, kThreads, 0, device), kThreads, 0,
+              device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -18,15 +18,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr ClusterCountPolicy kClusterCounts{500, 8192, 600, 1};
-
 class CudaDetector : public Detector {
  public:
-  explicit CudaDetector(const CudaSettings& settings) : settings_(settings) {
-    checkCuda(
-        cudaDeviceGetAttribute(&multiprocessors_, cudaDevAttrMultiProcessorCount, settings.device),
-        "cudaDeviceGetAttribute");
-  }
+  explicit CudaDetector(const CudaSettings& settings)
+      : settings_(settings),
+        device_(DeviceTraits::of(settings.device)),
+        cluster_counts_{500, 8192, 1600, device_.multiprocessors} {}
   ~CudaDetector() override {
     cudaSetDevice(settings_.device);
     cudaStreamSynchronize(stream_.get());
@@ -53,7 +50,8 @@ class CudaDetector : public Detector {
   bool needsColdStart(const Options& options);
 
   CudaSettings settings_;
-  int multiprocessors_ = 1;
+  const DeviceTraits device_;
+  const ClusterCountPolicy cluster_counts_;
   CudaStream stream_;
   CudaEvent cycle_start_, cycle_end_;
   DeviceScene scene_;
@@ -91,7 +89,7 @@ const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& o
 }
 
 void CudaDetector::startCold(const Scene& scene, const Options& options) {
-  const ColdStart start = measureScene(scene, options, kClusterCounts);
+  const ColdStart start = measureScene(scene, options, cluster_counts_);
   scale_ = start.scale;
   size_rule_ = start.size_rule;
   large_at_start_ = static_cast<std::uint32_t>(start.large);
@@ -125,6 +123,7 @@ void CudaDetector::startCold(const Scene& scene, const Options& options) {
   clear(view_.membership_sums, clusters_);
   clear(view_.list_reach, clusters_);
   clear(view_.body_boxes, kSides * std::size_t{view_.body_count});
+  clear(view_.far_count, 1);
   launchListNeighbours(view_, stream);
   stream_.synchronise();  // the host's arrays go
   cycles_since_refresh_ = 0;
@@ -158,7 +157,7 @@ void CudaDetector::runCycle(const Options& options) {
   sendParams();
   const bool refresh = clusters_ > 1 && ++cycles_since_refresh_ >= options.refresh_period;
   if (refresh) cycles_since_refresh_ = 0;
-  shape_.multiprocessors = static_cast<unsigned>(multiprocessors_);
+  shape_.device = device_;
   shape_.identify = scene_.anySelf();
   shape_.refinements = refresh ? options.iterations : 0;
   if (settings_.time_stages) {
@@ -185,7 +184,6 @@ bool CudaDetector::makeRoom() {
 // More candidates than memory: judges them in several passes over the work units and blocks.
 void CudaDetector::sweepInPasses() {
   const cudaStream_t stream = stream_.get();
-  const auto multiprocessors = static_cast<unsigned>(multiprocessors_);
   auto passes = static_cast<std::uint32_t>(view_.host_counters->judged / sizes_.candidates + 2);
   while (true) {
     bool fits = true;
@@ -194,9 +192,9 @@ void CudaDetector::sweepInPasses() {
       params_[0].passes = passes;
       sendParams();
       launchRestart(view_, pass == 0, stream);
-      launchSweep(view_, multiprocessors, stream);
+      launchSweep(view_, device_, stream);
       launchLarge(view_, stream);
-      launchJudge(view_, multiprocessors, stream);
+      launchJudge(view_, device_, stream);
       checkCuda(cudaGetLastError(), "a launch");
       stream_.synchronise();
       fits = view_.host_counters->candidates <= sizes_.candidates;
@@ -219,12 +217,13 @@ void CudaDetector::sizeBinsFirst() {
   const cudaStream_t stream = stream_.get();
   sendParams();
   if (!scene_.anySelf()) launchIdentify(view_, stream);  // once is enough then
-  launchPose(view_, stream);
-  launchAssign(view_, static_cast<unsigned>(multiprocessors_), stream);
+  launchPose(view_, device_, stream);
+  launchAssign(view_, device_, stream);
   launchSizeBins(view_, stream);
   checkCuda(cudaMemsetAsync(view_.body_boxes, 0,
                             kSides * sizeof(std::uint32_t) * std::size_t{view_.body_count}, stream),
             "cudaMemsetAsync");
+  checkCuda(cudaMemsetAsync(view_.far_count, 0, sizeof(std::uint32_t), stream), "cudaMemsetAsync");
 }
 
 bool CudaDetector::needsColdStart(const Options& options) {
@@ -257,7 +256,7 @@ void CudaDetector::publish(const Options& options) {
 
   // A scene that has outgrown its clusters or its scale starts anew.
   const bool more_large = c.large > 2 * large_at_start_ + 64 + c.clustered / 64;
-  const std::size_t wanted = clusterCountFor(options, kClusterCounts, c.clustered, clusters_);
+  const std::size_t wanted = clusterCountFor(options, cluster_counts_, c.clustered, clusters_);
   const bool other_count = options.clusters == 0 && std::max<std::size_t>(1, wanted) != clusters_;
   cold_ = more_large || other_count;
 }

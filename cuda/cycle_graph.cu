@@ -46,8 +46,8 @@ void CycleGraph::enqueue(const CycleView& cycle, const CycleShape& shape, cudaSt
     launchIdentify(cycle, identity_branch_.get());
     identified_.record(identity_branch_.get());
   }
-  launchPose(cycle, stream);
-  launchAssign(cycle, shape.multiprocessors, stream);
+  launchPose(cycle, shape.device, stream);
+  launchAssign(cycle, shape.device, stream);
   assigned_.record(stream);
   assigned_.makeWait(adapt_branch_.get());
   launchSizeBins(cycle, adapt_branch_.get());
@@ -62,10 +62,10 @@ void CycleGraph::enqueue(const CycleView& cycle, const CycleShape& shape, cudaSt
   sorted_.makeWait(adapt_branch_.get());
   launchFrames(cycle, adapt_branch_.get());
   adapted_.record(adapt_branch_.get());
-  launchSweep(cycle, shape.multiprocessors, stream);
+  launchSweep(cycle, shape.device, stream);
   large_done_.makeWait(stream);
   sized_.makeWait(stream);
-  launchJudge(cycle, shape.multiprocessors, stream);
+  launchJudge(cycle, shape.device, stream);
   adapted_.makeWait(stream);
 }
 
@@ -75,20 +75,20 @@ void CycleGraph::launch(cudaStream_t stream) {
 
 void CycleGraph::runTimed(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
   mark_[0].record(stream);
-  launchPose(cycle, stream);
+  launchPose(cycle, shape.device, stream);
   mark_[1].record(stream);
-  launchAssign(cycle, shape.multiprocessors, stream);
+  launchAssign(cycle, shape.device, stream);
   mark_[2].record(stream);
   if (shape.identify) launchIdentify(cycle, stream);
   mark_[3].record(stream);
   launchSort(cycle, stream);
   mark_[4].record(stream);
-  launchSweep(cycle, shape.multiprocessors, stream);
+  launchSweep(cycle, shape.device, stream);
   mark_[5].record(stream);
   launchLarge(cycle, stream);
   launchSizeBins(cycle, stream);
   mark_[6].record(stream);
-  launchJudge(cycle, shape.multiprocessors, stream);
+  launchJudge(cycle, shape.device, stream);
   mark_[7].record(stream);
   refine(cycle, shape, stream);
   launchFrames(cycle, stream);

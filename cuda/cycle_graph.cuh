@@ -7,18 +7,18 @@
 
 #include "cuda/cycle_view.cuh"
 #include "cuda/device_buffer.cuh"
+#include "cuda/launch.cuh"
 
 namespace deformable_contact_monitor {
 
 // What a cycle consists of; with the view, all that a recorded graph depends on.
 struct CycleShape {
-  unsigned multiprocessors = 1;
+  DeviceTraits device;
   bool identify = false;  // some body has self contact
   int refinements = 0;    // of the prototypes, for the next cycle
 
   bool operator==(const CycleShape& o) const {
-    return multiprocessors == o.multiprocessors && identify == o.identify &&
-           refinements == o.refinements;
+    return device == o.device && identify == o.identify && refinements == o.refinements;
   }
 };
 

@@ -17,6 +17,8 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 // Classes of bodies that the sweeps tell apart. Scenes with more groups of bodies share the last.
 constexpr std::uint32_t kMostClasses = 32;
+// What work units' columns are counted in.
+constexpr std::uint32_t kLeastUnitColumns = 8;
 // Buckets along a cluster's first axis, divided evenly among the classes.
 constexpr std::uint32_t kBuckets = 1024;
 
@@ -93,7 +95,7 @@ struct CycleParams {
   std::uint32_t classes_exact;  // no two groups of bodies share a class
   std::uint32_t pass,
       passes;  // this one sweeps the work units u with u % passes == pass; large list: blocks
-  std::uint32_t unit_columns;  // a multiple of 32
+  std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number in a contact's key
 };
 
@@ -140,9 +142,11 @@ struct CycleView {
   std::uint32_t triangle_count;
   const float* received;         // x y z per vertex, in the body's frame [m]
   const std::uint32_t* corners;  // three vertices per triangle
-  float4* posed;              // x, y, z [m], scene frame; w: nearest prototype * 2 + tied or unsure
-  std::uint32_t* body_boxes;  // per body, see cuda/boxes.cuh; zero at the start of a cycle
-  std::uint32_t* vertex_id;   // equal iff of one body and equal as received
+  float4* posed;                 // x, y, z [m], scene frame; w: nearest prototype * 2 + tied
+  uint2* far_vertices;           // vertex, body: where the lists of neighbours did not do
+  std::uint32_t* far_count;      // of them; zero at the start of a cycle
+  std::uint32_t* body_boxes;     // per body, see cuda/boxes.cuh; zero at the start of a cycle
+  std::uint32_t* vertex_id;      // equal iff of one body and equal as received
   std::uint32_t* identity_table;
   std::uint32_t identity_mask;
 

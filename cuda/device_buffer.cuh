@@ -137,15 +137,4 @@ class CudaEvent {
   cudaEvent_t event_ = nullptr;
 };
 
-// How many blocks of a kernel the device holds at once.
-template <class Kernel>
-unsigned blocksInOneWave(Kernel kernel, unsigned threads, std::size_t shared_bytes,
-                         unsigned multiprocessors) {
-  int each = 0;
-  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, kernel, static_cast<int>(threads),
-                                                          shared_bytes),
-            "cudaOccupancyMaxActiveBlocksPerMultiprocessor");
-  return multiprocessors * static_cast<unsigned>(each > 0 ? each : 1);
-}
-
 }  // namespace deformable_contact_monitor

@@ -121,6 +121,8 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   staged_vertices_.grow(3 * std::size_t{vertex_count_});
   posed_.grow(vertex_count_);
   vertex_id_.grow(vertex_count_);
+  far_vertices_.grow(vertex_count_);
+  far_count_.grow(1);
   std::size_t table = 16;  // a power of two, as is what it may have been before
   while (any_self_ && table < 2 * std::size_t{vertex_count_}) table *= 2;
   identity_table_.grow(table);
@@ -166,6 +168,8 @@ void DeviceScene::view(CycleView& cycle) {
   cycle.received = received_.data();
   cycle.corners = corners_.data();
   cycle.posed = posed_.data();
+  cycle.far_vertices = far_vertices_.data();
+  cycle.far_count = far_count_.data();
   cycle.body_boxes = body_boxes_.data();
   cycle.vertex_id = vertex_id_.data();
   cycle.identity_table = identity_table_.data();
@@ -187,9 +191,11 @@ CycleParams DeviceScene::params(const Options& options) const {
        buckets *= 2) {
     --p.bucket_shift;
   }
-  // Small scenes have few units, which must be small to share them out evenly.
-  constexpr std::uint32_t kManyTriangles = 300000;
-  p.unit_columns = triangle_count_ < kManyTriangles ? 32 : 64;
+  // The fewer units a scene has, the smaller they must be to share them out evenly.
+  constexpr std::uint32_t kFewTriangles = 40000, kManyTriangles = 300000;
+  p.unit_columns = triangle_count_ < kFewTriangles    ? kLeastUnitColumns
+                   : triangle_count_ < kManyTriangles ? 2 * kLeastUnitColumns
+                                                      : 8 * kLeastUnitColumns;
   p.passes = 1;
   p.index_bits = 1;
   while ((std::uint64_t{1} << p.index_bits) <= triangle_count_) ++p.index_bits;
@@ -199,7 +205,8 @@ CycleParams DeviceScene::params(const Options& options) const {
 std::uint64_t DeviceScene::bytes() const {
   return bodies_.bytes() + partners_.bytes() + class_mask_.bytes() + pair_enabled_.bytes() +
          vertex_blocks_.bytes() + triangle_blocks_.bytes() + received_.bytes() + corners_.bytes() +
-         body_boxes_.bytes() + vertex_id_.bytes() + identity_table_.bytes() + posed_.bytes();
+         body_boxes_.bytes() + vertex_id_.bytes() + identity_table_.bytes() + posed_.bytes() +
+         far_vertices_.bytes() + far_count_.bytes();
 }
 
 }  // namespace deformable_contact_monitor

@@ -59,8 +59,9 @@ class DeviceScene {
   DeviceBuffer<std::uint32_t> partners_, class_mask_, pair_enabled_;
   DeviceBuffer<BodyBlock> vertex_blocks_, triangle_blocks_;
   DeviceBuffer<float> received_;
-  DeviceBuffer<std::uint32_t> corners_, body_boxes_, vertex_id_, identity_table_;
+  DeviceBuffer<std::uint32_t> corners_, body_boxes_, far_count_, vertex_id_, identity_table_;
   DeviceBuffer<float4> posed_;
+  DeviceBuffer<uint2> far_vertices_;
 };
 
 }  // namespace deformable_contact_monitor

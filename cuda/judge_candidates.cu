@@ -1,5 +1,5 @@
 // Last stages: verdicts. First by filters alone, then in full on the few pairs they leave.
-#include "cuda/device_buffer.cuh"
+#include "cuda/launch.cuh"
 #include "cuda/screen.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
@@ -8,6 +8,8 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
+constexpr unsigned kFullBlocksEach =
+    2;  // of a multiprocessor; more of that long code disturb each other
 
 // By floating-point filters alone.
 __device__ PartVerdict quickVerdict(const CycleView& c, const Candidate& candidate, const Member& a,
@@ -25,12 +27,14 @@ __device__ PartVerdict quickVerdict(const CycleView& c, const Candidate& candida
   return near ? PartVerdict::kOpen : verdict;
 }
 
+// What the filters left open, without asking them again: most of this code's time goes into
+// fetching it.
 __device__ Verdict fullVerdict(const CycleView& c, const Candidate& candidate, const Member& a,
                                const Member& b, PredicateState& state) {
   const SharedVertices shared = unpackShared(candidate.signs);
-  if (shared.any) return adjacentVerdict(a.posed, b.posed, shared, state);
-  const float margin_m = c.params->margins == 0 ? 0 : marginOf(c, a, b);
-  return separateVerdict(a.posed, b.posed, unpackSides(candidate.signs), margin_m, state);
+  if (shared.any) return {meetBeyondShared(a.posed, b.posed, shared, state), 0};
+  if (robustIntersection(a.posed, b.posed, unpackSides(candidate.signs), state)) return {true, 0};
+  return nearVerdict(a.posed, b.posed, c.params->margins == 0 ? 0 : marginOf(c, a, b));
 }
 
 // A whole warp, of which some lanes have a contact.
@@ -44,6 +48,7 @@ __device__ void reportContacts(const CycleView& c, bool contact, std::uint32_t a
 
 // Settles most candidates; the others are put off.
 __global__ void __launch_bounds__(kThreads) quickKernel(CycleView c) {
+  letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   const auto count = static_cast<std::uint32_t>(
       min(c.counters->candidates, static_cast<unsigned long long>(c.candidate_capacity)));
   for (std::uint32_t first = blockIdx.x * kThreads; first < count; first += gridDim.x * kThreads) {
@@ -65,6 +70,7 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleView c) {
 }
 
 __global__ void __launch_bounds__(kThreads) fullKernel(CycleView c) {
+  awaitKernelAhead();
   const std::uint32_t count = c.counters->open;
   // Few pairs are spread over many warps, for their long paths differ.
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
@@ -125,11 +131,10 @@ void launchRestart(const CycleView& cycle, bool first, cudaStream_t stream) {
   restartKernel<<<1, 1, 0, stream>>>(cycle, first);
 }
 
-void launchJudge(const CycleView& cycle, unsigned multiprocessors, cudaStream_t stream) {
-  quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, multiprocessors), kThreads, 0, stream>>>(
-      cycle);
-  fullKernel<<<blocksInOneWave(fullKernel, kThreads, 0, multiprocessors), kThreads, 0, stream>>>(
-      cycle);
+void launchJudge(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream) {
+  quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, device), kThreads, 0, stream>>>(cycle);
+  launchEarly(fullKernel, kFullBlocksEach * device.multiprocessors, kThreads, 0, device, stream,
+              cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,12 +1,13 @@
 // Third stage: each cluster's members along its principal axes, sorted by where they begin.
 #include "cuda/boxes.cuh"
+#include "cuda/launch.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kThreads = 512;
 constexpr unsigned kWarps = kThreads / kWarp;
 static_assert(kBuckets % kThreads == 0);
 
@@ -103,7 +104,8 @@ __device__ void cutUnits(const CycleView& c, std::uint32_t cluster,
   }
 }
 
-__global__ void __launch_bounds__(kThreads) sortKernel(CycleView c) {
+__global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleView c) {
+  letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   // While members are put into their buckets, each bucket's place moves on to where the next
   // begins.
   __shared__ std::uint32_t bucket_begin[kBuckets + 1];
@@ -111,6 +113,7 @@ __global__ void __launch_bounds__(kThreads) sortKernel(CycleView c) {
   const std::uint32_t g = blockIdx.x;
   if (g == 0) {  // for the next cycle; the stages that read them are over
     for (unsigned k = threadIdx.x; k < kSides * c.body_count; k += kThreads) c.body_boxes[k] = 0;
+    if (threadIdx.x == 0) *c.far_count = 0;
   }
   const Bin bin = c.bins[g];
   const std::uint32_t count = min(countOf(c, g), bin.capacity);

@@ -1,28 +1,31 @@
-// The stages of a cycle, as launches into a stream. None allocates or waits for the device.
+// The stages of a cycle, as launches into a stream. None allocates or waits for the device. Those
+// that launch early do so behind a kernel of their own, or where what comes ahead is said.
 #pragma once
 
 #include <cuda_runtime.h>
 
 #include "cuda/cycle_view.cuh"
+#include "cuda/launch.cuh"
 
 namespace deformable_contact_monitor {
 
 // Starts a cycle: clears its counters; brings the vertices into the scene frame, bounds the bodies,
 // and finds each vertex's nearest prototype.
-void launchPose(const CycleView& cycle, cudaStream_t stream);
+void launchPose(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
 
 // Vertex identities, for bodies with self contact. Independent of the other stages up to the sort.
 void launchIdentify(const CycleView& cycle, cudaStream_t stream);
 
-// Drops triangles that are not finite or outside every partner's box; puts the others into their
-// clusters' bins, or on the large list; takes samples.
-void launchAssign(const CycleView& cycle, unsigned multiprocessors, cudaStream_t stream);
+// Right behind the pose. Drops triangles that are not finite or outside every partner's box; puts
+// the others into their clusters' bins, or on the large list; takes samples.
+void launchAssign(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
 
 // Projects each cluster's members, sorts them along its first axis, and cuts the sweep into units.
 void launchSort(const CycleView& cycle, cudaStream_t stream);
 
-// Sweeps the clusters: pairs that boxes, owners and planes leave become candidates.
-void launchSweep(const CycleView& cycle, unsigned multiprocessors, cudaStream_t stream);
+// Right behind the sort. Sweeps the clusters: pairs that boxes, owners and planes leave become
+// candidates.
+void launchSweep(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
 
 // Likewise for the pairs with a large triangle. Independent of the sweep.
 // In several passes each of its blocks has its turn in one.
@@ -30,7 +33,7 @@ std::uint32_t largeBlocks(const CycleView& cycle);
 void launchLarge(const CycleView& cycle, cudaStream_t stream);
 
 // Judges the candidates; the last block leaves the counters on the host.
-void launchJudge(const CycleView& cycle, unsigned multiprocessors, cudaStream_t stream);
+void launchJudge(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
 
 // Before another pass over the work units: drops the candidates; before the `first`, the contacts.
 void launchRestart(const CycleView& cycle, bool first, cudaStream_t stream);

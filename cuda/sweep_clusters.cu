@@ -1,6 +1,6 @@
 // Fourth stage: the sweep. Warps take work units; what their boxes leave goes through two short
 // queues, so that every test runs on full warps.
-#include "cuda/device_buffer.cuh"
+#include "cuda/launch.cuh"
 #include "cuda/screen.cuh"
 #include "cuda/stages.cuh"
 #include "cuda/warp.cuh"
@@ -103,14 +103,18 @@ class Sweeper {
     return true;
   }
 
-  // A warp of columns for each of the rows.
+  // Up to a warp of columns for each of the rows.
   __device__ void sweepColumns() {
     // A row that is done reads on from its end; places beyond the last member are there.
     const PackedBox* columns = c_.sweep_boxes + min(begin_ + step_, end_);
     unsigned mask = 0;
 #pragma unroll
-    for (unsigned k = 0; k < kWarp; ++k) {
-      if (overlap(box_, columns[k])) mask |= 1U << k;
+    for (unsigned first = 0; first < kWarp; first += kLeastUnitColumns) {
+      if (first > 0 && step_ + first >= longest_) break;
+#pragma unroll
+      for (unsigned k = first; k < first + kLeastUnitColumns; ++k) {
+        if (overlap(box_, columns[k])) mask |= 1U << k;
+      }
     }
     const std::uint32_t left = length_ > step_ ? length_ - step_ : 0;
     if (left < kWarp) mask &= (1U << left) - 1;
@@ -177,6 +181,7 @@ class Sweeper {
 };
 
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleView c) {
+  awaitKernelAhead();
   extern __shared__ __align__(16) unsigned char shared_memory[];
   Sweeper sweeper(c, reinterpret_cast<WarpMemory*>(shared_memory)[threadIdx.x / kWarp]);
   sweeper.run();
@@ -184,11 +189,11 @@ __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleView c
 
 }  // namespace
 
-void launchSweep(const CycleView& cycle, unsigned multiprocessors, cudaStream_t stream) {
+void launchSweep(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream) {
   constexpr unsigned kBytes = kWarps * sizeof(WarpMemory);
   static_assert(kBytes <= 48 * 1024);
-  sweepKernel<<<blocksInOneWave(sweepKernel, kThreads, kBytes, multiprocessors), kThreads, kBytes,
-                stream>>>(cycle);
+  launchEarly(sweepKernel, blocksInOneWave(sweepKernel, kThreads, kBytes, device), kThreads, kBytes,
+              device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -13,7 +13,8 @@ struct ClusterCountPolicy {
   std::size_t triangles_each;
   std::size_t most;
   std::size_t one_below;  // triangles below which one cluster does
-  std::size_t multiple;   // from this many clusters on, a multiple of it: vectors are filled
+  // From this many clusters on, a multiple of it: vectors or processors have equal shares.
+  std::size_t multiple;
 };
 
 // For `triangles` in clusters; `current`: how many clusters there are, or 0. Keeps what is about

@@ -125,19 +125,26 @@ struct Nearest {
   }
 };
 
-// Calls visit(place, neighbour) along the list of prototype g while neighbours are not farther from
-// it than limit(), which may fall meanwhile. Some at a time, so that their loads overlap.
+// Which places of a list are one's own, where several walk it together: every `of`-th from `first`
+// on. `of` is a power of two, not above 16.
+struct Share {
+  std::uint32_t first = 0, of = 1;
+};
+
+// Calls visit(place, neighbour) along a share of the list of prototype g while neighbours are not
+// farther from it than limit(), which may fall meanwhile. Some at a time, so that their loads
+// overlap.
 template <class Limit, class Visit>
-DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, const Limit& limit,
-                            const Visit& visit) {
+DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, Share share,
+                            const Limit& limit, const Visit& visit) {
   constexpr std::uint32_t kAtATime = 8;
   const std::size_t begin = view.listBegin(g);
-  for (std::uint32_t i = 0; i < kMostNeighbours; i += kAtATime) {
+  for (std::uint32_t i = share.first; i < kMostNeighbours; i += kAtATime * share.of) {
     Neighbour n[kAtATime];
-    for (std::uint32_t k = 0; k < kAtATime; ++k) n[k] = view.neighbours[begin + i + k];
+    for (std::uint32_t k = 0; k < kAtATime; ++k) n[k] = view.neighbours[begin + i + k * share.of];
     for (std::uint32_t k = 0; k < kAtATime; ++k) {
       if (!(n[k].distance <= limit())) return;
-      visit(i + k, n[k].prototype);
+      visit(i + k * share.of, n[k].prototype);
     }
   }
 }
@@ -149,15 +156,17 @@ DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std
   constexpr std::uint32_t kAtStart = ~std::uint32_t{0};
   float least2_before = INFINITY;
   while (true) {
-    nearest = {kAtStart, squaredDistance(v, view.prototypes[start])};
+    nearest = {start, squaredDistance(v, view.prototypes[start])};
     const float start_distance = sqrtf(nearest.least2);
+    if (!(start_distance < view.list_reach[start])) return false;  // it is long, and in vain
+    nearest.cluster = kAtStart;
     // A prototype that wins or ties is at most this far from the starting one.
     const auto bound = [&] {
       return (start_distance + sqrtf(reach2(v, nearest.least2, slack))) * (1 + 1e-5F);
     };
     float limit = bound();
     walkList(
-        view, start, [&limit] { return limit; },
+        view, start, Share(), [&limit] { return limit; },
         [&](std::uint32_t place, const Vec3f& prototype) {
           const float d2 = squaredDistance(v, prototype);
           const bool nearer = d2 < nearest.least2;
@@ -176,16 +185,19 @@ DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std
   }
 }
 
+DCM_HD inline Nearest nearestOfAll(const PrototypesView& view, const Vec3f& v) {
+  Nearest nearest;
+  for (std::uint32_t g = 0; g < view.count; ++g) {
+    nearest.consider(g, squaredDistance(v, view.prototypes[g]));
+  }
+  return nearest;
+}
+
 // A good guess is fast, any is right.
 DCM_HD inline Winner nearestPrototype(const PrototypesView& view, const Vec3f& v,
                                       std::uint32_t start, float slack) {
   Nearest nearest;
-  if (!nearestListed(view, v, start, slack, nearest)) {
-    nearest = {0, squaredDistance(v, view.prototypes[0])};
-    for (std::uint32_t g = 1; g < view.count; ++g) {
-      nearest.consider(g, squaredDistance(v, view.prototypes[g]));
-    }
-  }
+  if (!nearestListed(view, v, start, slack, nearest)) nearest = nearestOfAll(view, v);
   return nearest.winner(v, slack);
 }
 
@@ -245,9 +257,9 @@ DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRule&
 // Calls add(place) for each of the neighbours of the first competitor that the rule admits.
 template <class Add>
 DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRule& rule,
-                                 std::uint32_t first, float radius, const Add& add) {
+                                 std::uint32_t first, float radius, Share share, const Add& add) {
   walkList(
-      view, first, [radius] { return radius; },
+      view, first, share, [radius] { return radius; },
       [&](std::uint32_t place, const Vec3f& prototype) {
         if (rule.admits(prototype)) add(place);
       });
@@ -260,7 +272,7 @@ DCM_HD inline void forEachAdmitted(const PrototypesView& view, const HalfSpaceRu
   float radius;
   if (listSuffices(view, rule, first, radius)) {
     if (rule.admits(view.prototypes[first])) add(first);
-    forEachListed(view, rule, first, radius, [&](std::uint32_t place) {
+    forEachListed(view, rule, first, radius, Share(), [&](std::uint32_t place) {
       add(view.neighbour_cluster[view.listBegin(first) + place]);
     });
     return;

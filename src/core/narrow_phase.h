@@ -12,14 +12,18 @@ struct Verdict {
   float separation_m = 0;  // 0: they intersect
 };
 
-// Two triangles that share no vertex, with what the plane filters said. `margin_m` is the larger of
-// their bodies' margins.
-DCM_HD inline Verdict separateVerdict(const Triangle& a, const Triangle& b, const KnownSides& sides,
-                                      float margin_m, PredicateState& state) {
-  if (trianglesIntersect(a, b, sides, state)) return {true, 0};
+// Two triangles that do not intersect. `margin_m` is the larger of their bodies' margins.
+DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float margin_m) {
   if (margin_m == 0) return {};
   const double distance = separation(a, b);
   return {distance <= margin_m, static_cast<float>(distance)};
+}
+
+// Two triangles that share no vertex, with what the plane filters said.
+DCM_HD inline Verdict separateVerdict(const Triangle& a, const Triangle& b, const KnownSides& sides,
+                                      float margin_m, PredicateState& state) {
+  if (trianglesIntersect(a, b, sides, state)) return {true, 0};
+  return nearVerdict(a, b, margin_m);
 }
 
 // The float32 filters of two triangles that share no vertex: true if one is certainly strictly on

@@ -165,6 +165,23 @@ TEST(CudaDetector, ScenesThatJumpGrowAndShrink) {
   }
 }
 
+// Lists of neighbours do not lead from piece to piece, nor from where it was to where it is.
+TEST(CudaDetector, TrianglesAreInFewClustersEvenAtFirst) {
+  const auto detector = makeOrSayWhy();
+  if (detector == nullptr) return;
+  Options options;
+  options.clusters = 300;
+  Scene scene = selfScene(sizedTo(clothGrid(20, 1, 0, 0.1F), 60000));
+  std::vector<float> moved = scene.body(0).mesh.vertices;
+  for (std::size_t i = 0; i < moved.size(); i += 3) moved[i] += 30;
+  for (int i = 0; i < 2; ++i) {
+    const Counters& counters = detector->detect(scene, options).counters;
+    EXPECT_EQ(counters.clusters, 300U);
+    EXPECT_LT(counters.cluster_entries, 3 * counters.clustered) << "cycle " << i;
+    scene.setVertices(0, moved.data(), moved.size() / 3);
+  }
+}
+
 TEST(CudaDetector, TimesItsStagesOnRequest) {
   CudaSettings settings;
   settings.time_stages = true;
