@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,14 +34,30 @@ std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {
   return kind == BodyKind::kLink ? color(1, 0.1F, 0.1F, alpha) : color(1, 0.8F, 0, alpha);
 }
 
-// The triangles to draw of one pair of bodies, by body.
-using Drawn = std::map<BodyId, std::set<std::uint32_t>>;
+// Triangles of one body, each once. Contacts are many, and controllers wait behind the markers.
+class TriangleSet {
+ public:
+  explicit TriangleSet(const Body& body) : has_(body.mesh.triangleCount()) {}
+  bool has(std::uint32_t triangle) const { return has_[triangle]; }
+  void insert(std::uint32_t triangle) {
+    if (has_[triangle]) return;
+    has_[triangle] = true;
+    list_.push_back(triangle);
+  }
+  const std::vector<std::uint32_t>& list() const { return list_; }
 
-std::size_t size(const Drawn& drawn) {
-  std::size_t triangles = 0;
-  for (const auto& [body, set] : drawn) triangles += set.size();
-  return triangles;
-}
+ private:
+  std::vector<bool> has_;
+  std::vector<std::uint32_t> list_;
+};
+
+// The triangles to draw of one pair of bodies; of a body with itself, all in `a`.
+struct Drawn {
+  TriangleSet a, b;
+  std::size_t size() const { return a.list().size() + b.list().size(); }
+};
+
+using BodyPair = std::pair<BodyId, BodyId>;
 
 class MarkerBuilder {
  public:
@@ -79,8 +94,8 @@ class MarkerBuilder {
   }
 
   // False, and nothing added, for a triangle that rviz would refuse.
-  bool addTriangle(BodyId body, std::uint32_t triangle, Marker* marker) const {
-    const std::array<Vec3f, 3> corners = PosedBody(report_.scene->body(body)).triangle(triangle);
+  bool addTriangle(BodyId id, std::uint32_t triangle, Marker* marker) const {
+    const std::array<Vec3f, 3> corners = PosedBody(body(id)).triangle(triangle);
     if (!std::all_of(corners.begin(), corners.end(), isFinite)) return false;
     for (const Vec3f& corner : corners) {
       geometry_msgs::Point point;
@@ -92,16 +107,35 @@ class MarkerBuilder {
     return true;
   }
 
-  std::map<std::pair<BodyId, BodyId>, Drawn> drawnPairs() const {
-    std::map<std::pair<BodyId, BodyId>, Drawn> pairs;
-    for (const TrianglePair& c : report_.result->contacts) pairs[{c.body_a, c.body_b}];
-    const std::size_t share = pairs.empty() ? 0 : budget_ / pairs.size();
+  const Body& body(BodyId id) const { return report_.scene->body(id); }
+
+  // Calls visit(contact, what is drawn of its pair of bodies). Those of a pair mostly follow one
+  // another.
+  template <class Visit>
+  void forEachContact(std::map<BodyPair, Drawn>* pairs, const Visit& visit) const {
+    auto of_last = pairs->end();
     for (const TrianglePair& c : report_.result->contacts) {
-      Drawn& drawn = pairs[{c.body_a, c.body_b}];
-      if (size(drawn) + 2 > share) continue;
-      drawn[c.body_a].insert(c.triangle_a);
-      drawn[c.body_b].insert(c.triangle_b);
+      const BodyPair pair{c.body_a, c.body_b};
+      if (of_last == pairs->end() || of_last->first != pair) {
+        of_last = pairs->find(pair);
+        if (of_last == pairs->end()) {
+          const Drawn nothing{TriangleSet(body(c.body_a)), TriangleSet(body(c.body_b))};
+          of_last = pairs->emplace(pair, nothing).first;
+        }
+      }
+      visit(c, &of_last->second);
     }
+  }
+
+  std::map<BodyPair, Drawn> drawnPairs() const {
+    std::map<BodyPair, Drawn> pairs;
+    forEachContact(&pairs, [](const TrianglePair&, Drawn*) {});
+    const std::size_t share = pairs.empty() ? 0 : budget_ / pairs.size();
+    forEachContact(&pairs, [share](const TrianglePair& c, Drawn* drawn) {
+      if (drawn->size() + 2 > share) return;
+      drawn->a.insert(c.triangle_a);
+      (c.body_a == c.body_b ? drawn->a : drawn->b).insert(c.triangle_b);
+    });
     return pairs;
   }
 
@@ -110,30 +144,36 @@ class MarkerBuilder {
       const auto& [a, b] = pair;
       Marker marker = triangleList(report_.bodies[a].name + "/" + report_.bodies[b].name,
                                    std::size_t{a} * report_.bodies.size() + b);
-      for (const auto& [body, triangles] : drawn) {
-        const auto tint = contactColor(report_.bodies[body].kind, options_.alpha);
-        for (const std::uint32_t triangle : triangles) {
-          if (!addTriangle(body, triangle, &marker)) continue;
-          marker.colors.insert(marker.colors.end(), 3, tint);
-          highlighted_[body].insert(triangle);
-        }
-      }
+      marker.points.reserve(3 * drawn.size());
+      marker.colors.reserve(3 * drawn.size());
+      highlight(a, drawn.a, &marker);
+      highlight(b, drawn.b, &marker);
       marker.color = contactColor(BodyKind::kLink, options_.alpha);
       add(std::move(marker));
     }
   }
 
+  void highlight(BodyId id, const TriangleSet& triangles, Marker* marker) {
+    TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
+    const auto tint = contactColor(report_.bodies[id].kind, options_.alpha);
+    for (const std::uint32_t triangle : triangles.list()) {
+      if (!addTriangle(id, triangle, marker)) continue;
+      marker->colors.insert(marker->colors.end(), 3, tint);
+      highlighted.insert(triangle);
+    }
+  }
+
   // Highlighted triangles are left out: two coplanar triangles flicker.
   void addSurface(BodyId id) {
-    const std::size_t triangles = report_.scene->body(id).mesh.triangleCount();
+    const std::size_t triangles = body(id).mesh.triangleCount();
     if (budget_ == 0 || triangles == 0) return;
     const std::size_t stride = (triangles + budget_ - 1) / budget_;
-    const std::set<std::uint32_t>& highlighted = highlighted_[id];
+    const TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
     const std::size_t bodies = report_.bodies.size();
     Marker marker = triangleList(report_.bodies[id].name, bodies * bodies + id);
     for (std::size_t t = 0; t < triangles; t += stride) {
       const auto triangle = static_cast<std::uint32_t>(t);
-      if (highlighted.count(triangle) == 0) addTriangle(id, triangle, &marker);
+      if (!highlighted.has(triangle)) addTriangle(id, triangle, &marker);
     }
     marker.color = color(0.45F, 0.7F, 1, options_.surface_alpha);
     add(std::move(marker));
@@ -148,7 +188,7 @@ class MarkerBuilder {
   const CycleReport& report_;
   const MarkerOptions& options_;
   std::size_t budget_;  // triangles that may still be drawn
-  std::map<BodyId, std::set<std::uint32_t>> highlighted_;
+  std::map<BodyId, TriangleSet> highlighted_;
   visualization_msgs::MarkerArray array_;
 };
 

@@ -178,7 +178,9 @@ void ContactMonitor::detectAndPublish(const ros::Time& t, Clock::time_point mesh
   const auto since = [](Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
   };
-  diagnostics_.recordCycle(report, *sent.contacts, since(start), since(mesh_arrival));
+  const double latency_s = since(mesh_arrival);
+  publisher_.publishMarkers(report);
+  diagnostics_.recordCycle(report, *sent.contacts, since(start), latency_s);
 }
 
 void ContactMonitor::heartbeat() {
@@ -193,6 +195,7 @@ void ContactMonitor::heartbeat() {
   scene_.markUnknown(why);
   CycleReport report = makeReport(last_now_);
   const CyclePublisher::Latest sent = publisher_.publish(&report);
+  publisher_.publishMarkers(report);
   diagnostics_.recordCycle(report, *sent.contacts, 0, 0);
 }
 

@@ -37,7 +37,6 @@ CyclePublisher::Latest CyclePublisher::publish(CycleReport* report) {
   states_publisher_.publish(latest.states);
   contacts_publisher_.publish(latest.contacts);
   publishEvents();
-  publishMarkers(*report);
   const std::lock_guard<std::mutex> lock(mutex_);
   latest_ = latest;
   return latest;

@@ -27,9 +27,11 @@ class CyclePublisher {
 
   CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node);
 
-  // ~contact_states, ~contacts, ~contact_events, and ~markers if somebody looks, not too often.
-  // Sets the report's age. Returns what went out.
+  // ~contact_states, ~contacts and ~contact_events. Sets the report's age. Returns what went out.
   Latest publish(CycleReport* report);
+
+  // ~markers if somebody looks, not too often.
+  void publishMarkers(const CycleReport& report);
 
   // Ends every open contact with `reason`.
   void endContacts(const std::string& reason);
@@ -41,7 +43,6 @@ class CyclePublisher {
 
  private:
   void publishEvents();
-  void publishMarkers(const CycleReport& report);
 
   const std::size_t max_contacts_;
   const std::chrono::duration<double> marker_period_;

@@ -28,8 +28,8 @@ class NodeDiagnostics {
                   const RobotSource& robot, const ros::NodeHandle& node,
                   const ros::NodeHandle& private_node);
 
-  // `cycle_s`: the work, from taking transforms to the end of publishing; `latency_s`: to there
-  // from the arrival of the mesh that asked for the cycle.
+  // `cycle_s`: the work, from taking transforms to the markers; `latency_s`: from the arrival of
+  // the mesh that asked for the cycle until all but the markers is published.
   void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s,
                    double latency_s);
   void recordTransforms(const TransformReport& report);
