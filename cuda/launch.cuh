@@ -49,6 +49,10 @@ template <class Argument>
 void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
                  std::size_t shared_bytes, const DeviceTraits& device, cudaStream_t stream,
                  const Argument& argument) {
+  // Code for older devices, which newer ones may run too, does not await anything.
+  cudaFuncAttributes code{};
+  checkCuda(cudaFuncGetAttributes(&code, kernel), "cudaFuncGetAttributes");
+  const bool awaits = code.ptxVersion >= 90;
   cudaLaunchAttribute early{};
   early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
   early.val.programmaticStreamSerializationAllowed = 1;
@@ -58,7 +62,7 @@ void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
   config.dynamicSmemBytes = shared_bytes;
   config.stream = stream;
   config.attrs = &early;
-  config.numAttrs = device.overlaps_launches ? 1 : 0;
+  config.numAttrs = device.overlaps_launches && awaits ? 1 : 0;
   checkCuda(cudaLaunchKernelEx(&config, kernel, argument), "cudaLaunchKernelEx");
 }
 
