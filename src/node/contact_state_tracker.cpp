@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
@@ -28,7 +27,6 @@ struct Summary {
   Vec3d corner_sum;     // over six corners a triangle pair [m]
   Vec3d normal_sum;     // of body_a's distinct triangles, doubled areas [m^2]
   double area_sum = 0;  // of the same, to tell "cancels out" from "small"
-  std::optional<std::uint32_t> last_triangle_a;
 };
 
 std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
@@ -43,37 +41,9 @@ bool sameTriangleA(const TrianglePair& a, const TrianglePair& b) {
   return a.body_a == b.body_a && a.triangle_a == b.triangle_a;
 }
 
-// Contacts are sorted, so those of one triangle of body_a stand together, and so do many of one
-// pair of bodies: what they have in common is looked up once.
-Summaries summarize(const DetectionResult& result, const std::vector<PosedBody>& bodies,
-                    std::size_t begin, std::size_t end) {
-  Summaries summaries;
-  const std::vector<float>& separations = result.separations_m;
-  const std::vector<TrianglePair>& contacts = result.contacts;
-  Summary* summary = nullptr;
-  Vec3d corners_of_a;
-  for (std::size_t i = begin; i < end; ++i) {
-    const TrianglePair& contact = contacts[i];
-    const bool other_bodies = i == begin || contact.body_a != contacts[i - 1].body_a ||
-                              contact.body_b != contacts[i - 1].body_b;
-    if (other_bodies) summary = &summaries[key(contact.body_a, contact.body_b)];
-    if (other_bodies || contact.triangle_a != contacts[i - 1].triangle_a) {
-      const auto a = bodies[contact.body_a].triangle(contact.triangle_a);
-      corners_of_a = cornerSum(a);
-      if (summary->last_triangle_a != contact.triangle_a) {
-        summary->last_triangle_a = contact.triangle_a;
-        const Vec3d normal = doubleAreaNormal(a);
-        summary->normal_sum = summary->normal_sum + normal;
-        summary->area_sum += std::sqrt(dot(normal, normal));
-      }
-    }
-    ++summary->count;
-    summary->min_separation_m =
-        std::min(summary->min_separation_m, separations.empty() ? 0.0 : double{separations[i]});
-    summary->corner_sum = summary->corner_sum + corners_of_a +
-                          cornerSum(bodies[contact.body_b].triangle(contact.triangle_b));
-  }
-  return summaries;
+// Only links, which are body_a of their pairs, have a side that faces the other body.
+bool hasNormal(const CycleReport& report, BodyId body_a) {
+  return report.bodies.at(body_a).kind == BodyKind::kLink;
 }
 
 void add(const Summary& part, Summary* sum) {
@@ -82,6 +52,47 @@ void add(const Summary& part, Summary* sum) {
   sum->corner_sum = sum->corner_sum + part.corner_sum;
   sum->normal_sum = sum->normal_sum + part.normal_sum;
   sum->area_sum += part.area_sum;
+}
+
+// Contacts are sorted, so those of one triangle of body_a with one body_b stand together, and so do
+// many of one pair of bodies: they are summed up apart from the map.
+Summaries summarize(const CycleReport& report, const std::vector<PosedBody>& bodies,
+                    std::size_t begin, std::size_t end) {
+  Summaries summaries;
+  const std::vector<float>& separations = report.result->separations_m;
+  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  for (std::size_t i = begin; i < end;) {
+    const BodyId body_a = contacts[i].body_a, body_b = contacts[i].body_b;
+    const auto isOfPair = [&](std::size_t k) {
+      return k < end && contacts[k].body_a == body_a && contacts[k].body_b == body_b;
+    };
+    const bool has_normal = hasNormal(report, body_a);
+    Summary sum;
+    const std::size_t first = i;
+    while (isOfPair(i)) {
+      const std::uint32_t triangle_a = contacts[i].triangle_a;
+      const std::array<Vec3f, 3> a = bodies[body_a].triangle(triangle_a);
+      if (has_normal) {
+        const Vec3d normal = doubleAreaNormal(a);
+        sum.normal_sum = sum.normal_sum + normal;
+        sum.area_sum += std::sqrt(dot(normal, normal));
+      }
+      const std::size_t run = i;
+      for (; isOfPair(i) && contacts[i].triangle_a == triangle_a; ++i) {
+        sum.corner_sum =
+            sum.corner_sum + cornerSum(bodies[body_b].triangle(contacts[i].triangle_b));
+      }
+      sum.corner_sum = sum.corner_sum + cornerSum(a) * static_cast<double>(i - run);
+    }
+    sum.count = static_cast<std::uint32_t>(i - first);
+    sum.min_separation_m =
+        separations.empty()
+            ? 0.0
+            : double{*std::min_element(separations.begin() + static_cast<std::ptrdiff_t>(first),
+                                       separations.begin() + static_cast<std::ptrdiff_t>(i))};
+    add(sum, &summaries[key(body_a, body_b)]);
+  }
+  return summaries;
 }
 
 // On threads, in blocks that leave the contacts of one triangle of body_a together.
@@ -98,7 +109,7 @@ Summaries summarize(const CycleReport& report) {
   std::vector<Summaries> parts(blockCount(contacts.size(), kBlock));
   parallelBlocks(contacts.size(), kBlock,
                  [&](std::size_t block, std::size_t begin, std::size_t end) {
-                   parts[block] = summarize(*report.result, bodies, start(begin), start(end));
+                   parts[block] = summarize(report, bodies, start(begin), start(end));
                  });
   if (parts.size() == 1) return std::move(parts.front());
   Summaries summaries;
@@ -137,13 +148,13 @@ std::string unknownBecause(const CycleReport& report, const MonitoredPair& pair,
   return report.result->left_out > 0 && !touching ? "contacts were left out: memory_limit_mib" : "";
 }
 
-void describe(const Summary& summary, bool has_link, ContactState* state) {
+void describe(const Summary& summary, bool has_normal, ContactState* state) {
   state->pair_count = summary.count;
   state->min_separation = static_cast<float>(summary.min_separation_m);
   if (summary.count == 0) return;
   state->state = summary.min_separation_m > 0 ? ContactState::NEAR : ContactState::CONTACT;
   state->centroid = toPoint32(summary.corner_sum * (1.0 / (6.0 * summary.count)));
-  if (has_link) state->mean_normal = meanNormal(summary);
+  if (has_normal) state->mean_normal = meanNormal(summary);
 }
 
 }  // namespace
@@ -178,7 +189,7 @@ ContactStates ContactStateTracker::update(const CycleReport& report) {
     } else if (interruption = unknownBecause(report, pair, summary); !interruption.empty()) {
       state.state = ContactState::UNKNOWN;
     } else {
-      describe(summary, a.kind == BodyKind::kLink, &state);
+      describe(summary, hasNormal(report, pair.a), &state);
     }
     const auto [entry, is_new] = tracks_.try_emplace(names);
     Track& track = entry->second;

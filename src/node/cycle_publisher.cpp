@@ -3,6 +3,7 @@
 
 #include <boost/make_shared.hpp>
 
+#include "core/parallel.h"
 #include "node/contact_messages.h"
 #include "node/time_difference.h"
 
@@ -31,11 +32,17 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
 
 CyclePublisher::Latest CyclePublisher::publish(CycleReport* report) {
   Latest latest;
-  latest.states = boost::make_shared<const ContactStates>(tracker_.update(*report));
   report->age_s = secondsBetween(ros::Time::now(), report->header.stamp);
-  latest.contacts = boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
-  states_publisher_.publish(latest.states);
-  contacts_publisher_.publish(latest.contacts);
+  parallelBoth(
+      [&] {
+        latest.contacts =
+            boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
+        contacts_publisher_.publish(latest.contacts);
+      },
+      [&] {
+        latest.states = boost::make_shared<const ContactStates>(tracker_.update(*report));
+        states_publisher_.publish(latest.states);
+      });
   publishEvents();
   const std::lock_guard<std::mutex> lock(mutex_);
   latest_ = latest;
