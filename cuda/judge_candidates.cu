@@ -8,8 +8,8 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-constexpr unsigned kFullBlocksEach =
-    2;  // of a multiprocessor; more of that long code disturb each other
+// Of a multiprocessor; more of them, with so long a code, disturb each other.
+constexpr unsigned kFullBlocksEach = 2;
 
 // By floating-point filters alone.
 __device__ PartVerdict quickVerdict(const CycleView& c, const Candidate& candidate, const Member& a,

@@ -73,8 +73,8 @@ __device__ inline void awaitKernelAhead() {
 #endif
 }
 
-// To be called after awaitKernelAhead(), if at all: else what comes next could overtake the kernel
-// before this one.
+// In a kernel that was itself launched early, only after awaitKernelAhead(): else what comes next
+// could overtake the kernel before this one.
 __device__ inline void letNextStart() {
 #if __CUDA_ARCH__ >= 900
   cudaTriggerProgrammaticLaunchCompletion();
