@@ -69,20 +69,20 @@ Summaries summarize(const CycleReport& report, const std::vector<PosedBody>& bod
     const bool has_normal = hasNormal(report, body_a);
     Summary sum;
     const std::size_t first = i;
-    while (isOfPair(i)) {
-      const std::uint32_t triangle_a = contacts[i].triangle_a;
-      const std::array<Vec3f, 3> a = bodies[body_a].triangle(triangle_a);
-      if (has_normal) {
-        const Vec3d normal = doubleAreaNormal(a);
-        sum.normal_sum = sum.normal_sum + normal;
-        sum.area_sum += std::sqrt(dot(normal, normal));
+    const PosedBody &of_a = bodies[body_a], &of_b = bodies[body_b];
+    Vec3d corners_of_a;
+    for (; isOfPair(i); ++i) {
+      if (i == first || contacts[i].triangle_a != contacts[i - 1].triangle_a) {
+        const std::array<Vec3f, 3> a = of_a.triangle(contacts[i].triangle_a);
+        corners_of_a = cornerSum(a);
+        if (has_normal) {
+          const Vec3d normal = doubleAreaNormal(a);
+          sum.normal_sum = sum.normal_sum + normal;
+          sum.area_sum += std::sqrt(dot(normal, normal));
+        }
       }
-      const std::size_t run = i;
-      for (; isOfPair(i) && contacts[i].triangle_a == triangle_a; ++i) {
-        sum.corner_sum =
-            sum.corner_sum + cornerSum(bodies[body_b].triangle(contacts[i].triangle_b));
-      }
-      sum.corner_sum = sum.corner_sum + cornerSum(a) * static_cast<double>(i - run);
+      sum.corner_sum =
+          sum.corner_sum + (corners_of_a + cornerSum(of_b.triangle(contacts[i].triangle_b)));
     }
     sum.count = static_cast<std::uint32_t>(i - first);
     sum.min_separation_m =
