@@ -1,5 +1,5 @@
-// The stages of a cycle, as launches into a stream. None allocates or waits for the device. Those
-// that launch early do so behind a kernel of their own, or where what comes ahead is said.
+// The stages of a cycle, as launches into a stream. None allocates or waits for the device. Some
+// must stand right behind another, for they launch early: see cuda/launch.cuh.
 #pragma once
 
 #include <cuda_runtime.h>

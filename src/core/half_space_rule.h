@@ -158,7 +158,7 @@ DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std
   while (true) {
     nearest = {start, squaredDistance(v, view.prototypes[start])};
     const float start_distance = sqrtf(nearest.least2);
-    if (!(start_distance < view.list_reach[start])) return false;  // it is long, and in vain
+    if (!(start_distance < view.list_reach[start])) return false;  // all of it would not do
     nearest.cluster = kAtStart;
     // A prototype that wins or ties is at most this far from the starting one.
     const auto bound = [&] {

@@ -34,7 +34,7 @@ std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {
   return kind == BodyKind::kLink ? color(1, 0.1F, 0.1F, alpha) : color(1, 0.8F, 0, alpha);
 }
 
-// Triangles of one body, each once. Contacts are many, and controllers wait behind the markers.
+// Triangles of one body, each once. Contacts are many, and the next cycle waits for the markers.
 class TriangleSet {
  public:
   explicit TriangleSet(const Body& body) : has_(body.mesh.triangleCount()) {}

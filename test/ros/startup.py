@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 """How the monitor starts: as a nodelet; and not at all, saying all that is wrong, with parameters
 or a robot that it cannot use."""
+import re
 import subprocess
 import sys
 import unittest
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 
 import boxes_scene
 from boxes_scene import CLOTH, REFERENCE_FRAME
 from monitor_test_support import (
-    PACKAGE, WAIT_S, MeshPublisher, Monitor, Transforms, executable, now, pairs_of, touching,
+    PACKAGE, WAIT_S, Log, MeshPublisher, Monitor, Transforms, executable, now, pairs_of, touching,
     until_frames_are_seen)
 
 GOOD = {"reference_frame": "base", "objects": [{"name": "cloth", "topic": "/cloth"}]}
@@ -25,6 +27,14 @@ def start_and_fail(name, parameters):
                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=WAIT_S,
                            universal_newlines=True)
     return ended.returncode, ended.stdout
+
+
+def mean_times_ms(diagnostics):
+    """{what: mean} of the timing in a DiagnosticArray; empty if it has none yet."""
+    values = [value for status in diagnostics.status if status.name.endswith("timing")
+              for value in status.values if value.key.endswith(" [ms]")]
+    return {value.key[:-len(" [ms]")]: float(re.match(r"mean ([\d.]+), ", value.value).group(1))
+            for value in values}
 
 
 class Startup(unittest.TestCase):
@@ -46,6 +56,13 @@ class Startup(unittest.TestCase):
         self.assertEqual(touching(expected), {"palm", "finger"})
         self.assertEqual(pairs_of(contacts), expected)
         self.assertTrue(contacts.complete, contacts.skipped)
+
+        timed = Log("/diagnostics", DiagnosticArray).wait("times", mean_times_ms)
+        times = mean_times_ms(timed)
+        self.assertGreater(times["detection"], 0)
+        self.assertGreater(times["cycle"], times["detection"])
+        self.assertGreater(times["latency"], times["detection"])
+        self.assertTrue(any(what.startswith("stage ") for what in times), times)
 
     def test_bad_parameters_are_refused_all_of_them(self):
         bad = {"tf_timeout_s": 7.5, "predicates": "sloppy", "max_contacts": -3,

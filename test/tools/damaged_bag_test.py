@@ -100,6 +100,7 @@ class DamagedBags(unittest.TestCase):
         # Not all of it may go unnoticed, or this test looks at nothing.
         for where in "index", "headers":
             self.assertGreater(len(outcomes.get((where, 2), [])), COUNT / 10, where)
+
     def test_a_lower_count_in_an_index_is_no_silent_loss(self):
         content = self.bags["none"]
         changed = 0
