@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/working_set.h"
+#include "core/cpu/pose.h"
 
 namespace deformable_contact_monitor {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/cluster_count.h"
-#include "core/large_triangles.h"
+#include "core/cpu/size_split.h"
+#include "core/rules/cluster_count.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {

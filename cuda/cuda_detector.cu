@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "core/cluster_count.h"
-#include "cuda/boxes.cuh"
+#include "core/rules/cluster_count.h"
 #include "cuda/cold_start.h"
-#include "cuda/contact_output.cuh"
 #include "cuda/cuda_detector.h"
-#include "cuda/cycle_buffers.cuh"
 #include "cuda/cycle_graph.cuh"
-#include "cuda/device_scene.cuh"
-#include "cuda/stages.cuh"
+#include "cuda/device/boxes.cuh"
+#include "cuda/memory/cycle_buffers.cuh"
+#include "cuda/memory/device_scene.cuh"
+#include "cuda/stages/contact_output.cuh"
+#include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
 namespace {

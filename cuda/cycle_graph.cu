@@ -1,5 +1,5 @@
 #include "cuda/cycle_graph.cuh"
-#include "cuda/stages.cuh"
+#include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
 namespace {

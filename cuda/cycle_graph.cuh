@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "cuda/cycle_view.cuh"
-#include "cuda/device_buffer.cuh"
-#include "cuda/launch.cuh"
+#include "cuda/device/launch.cuh"
+#include "cuda/memory/cycle_view.cuh"
+#include "cuda/memory/device_buffer.cuh"
 
 namespace deformable_contact_monitor {
 

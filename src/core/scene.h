@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/rigid_transform.h"
+#include "core/rules/rigid_transform.h"
 #include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {

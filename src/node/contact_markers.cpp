@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/vector3.h"
+#include "core/predicates/vector3.h"
 #include "node/posed_triangle.h"
 
 namespace deformable_contact_monitor {

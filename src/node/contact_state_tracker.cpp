@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "core/vector3.h"
+#include "core/predicates/vector3.h"
 #include "node/posed_triangle.h"
 #include "node/time_difference.h"
 

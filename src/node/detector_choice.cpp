@@ -1,6 +1,6 @@
 #include "node/detector_choice.h"
 
-#include "core/cpu_detector.h"
+#include "core/cpu/cpu_detector.h"
 #include "core/fallback_detector.h"
 
 namespace deformable_contact_monitor {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/predicates/vector3.h"
 #include "core/scene.h"
-#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

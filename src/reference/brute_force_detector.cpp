@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/triangle_distance.h"
+#include "core/predicates/triangle_distance.h"
 #include "reference/posed_triangles.h"
 
 namespace deformable_contact_monitor {

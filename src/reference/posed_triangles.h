@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/adjacency.h"
 #include "core/options.h"
+#include "core/predicates/adjacency.h"
+#include "core/predicates/triangle.h"
 #include "core/scene.h"
-#include "core/triangle.h"
 
 namespace deformable_contact_monitor {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu_detector.h"
-#include "core/mesh_file.h"
+#include "core/cpu/cpu_detector.h"
+#include "core/mesh_files/mesh_file.h"
 #include "cuda/cuda_detector.h"
 #include "panda_scene.h"
 #include "scenes.h"

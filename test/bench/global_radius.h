@@ -1,10 +1,10 @@
 // The papers' rule for which clusters a triangle belongs to: one radius for all.
 #pragma once
 
-#include "core/cluster_assignment.h"
-#include "core/large_triangles.h"
-#include "core/prototypes.h"
-#include "core/working_set.h"
+#include "core/cpu/assign.h"
+#include "core/cpu/pose.h"
+#include "core/cpu/prototypes.h"
+#include "core/cpu/size_split.h"
 
 namespace deformable_contact_monitor {
 

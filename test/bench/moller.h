@@ -2,7 +2,7 @@
 // float32 with its customary absolute tolerance: what many engines run, for comparison.
 #pragma once
 
-#include "core/triangle.h"
+#include "core/predicates/triangle.h"
 
 namespace deformable_contact_monitor {
 

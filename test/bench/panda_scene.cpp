@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/mesh_file.h"
+#include "core/mesh_files/mesh_file.h"
 #include "scenes.h"
 #include "test_data.h"
 

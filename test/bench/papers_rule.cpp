@@ -14,14 +14,14 @@
 #include <vector>
 
 #include "core/body_groups.h"
-#include "core/cluster_sweep.h"
-#include "core/fuzzy_clustering.h"
-#include "core/large_sweep.h"
-#include "core/mesh_file.h"
+#include "core/cpu/fuzzy_clustering.h"
+#include "core/cpu/large.h"
+#include "core/cpu/sweep.h"
+#include "core/mesh_files/mesh_file.h"
 #include "global_radius.h"
 #include "scenes.h"
 #include "test_data.h"
-#include "tools/sample_statistics.h"
+#include "tools/common/sample_statistics.h"
 
 namespace deformable_contact_monitor {
 namespace {

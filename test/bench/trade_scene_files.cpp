@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <string>
 
-#include "core/mesh_file.h"
-#include "core/triangle.h"
+#include "core/mesh_files/mesh_file.h"
+#include "core/predicates/triangle.h"
 #include "panda_scene.h"
 #include "scenes.h"
 #include "test_data.h"
-#include "tools/output_file.h"
+#include "tools/common/output_file.h"
 
 namespace deformable_contact_monitor {
 namespace {

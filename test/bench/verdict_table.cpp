@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "batch_verdicts.h"
 #include "cgal_oracle.h"
-#include "core/narrow_phase.h"
-#include "cuda/batch_verdicts.h"
+#include "core/predicates/narrow_phase.h"
 #include "cuda/cuda_error.h"
 #include "moller.h"
 #include "scenes.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu_detector.h"
+#include "core/cpu/cpu_detector.h"
 #include "core/detector.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/cuda_error.h"

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "core/cpu_detector.h"
+#include "core/cpu/cpu_detector.h"
 #include "pair_sets.h"
 #include "scenes.h"
 

@@ -1,11 +1,11 @@
 // The device's verdicts are the host's, pair by pair.
-#include "cuda/batch_verdicts.h"
+#include "batch_verdicts.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "core/narrow_phase.h"
+#include "core/predicates/narrow_phase.h"
 #include "cuda/cuda_error.h"
 #include "test_data.h"
 

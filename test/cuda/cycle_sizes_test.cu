@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cuda/cuda_error.h"
-#include "cuda/cycle_sizes.cuh"
+#include "cuda/memory/cycle_sizes.cuh"
 
 namespace deformable_contact_monitor {
 namespace {

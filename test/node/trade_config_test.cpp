@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "node/parameters.h"
-#include "tools/trade_report.h"
+#include "tools/measure_trade/trade_report.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "core/detector.h"
 #include "core/options.h"
+#include "core/predicates/triangle.h"
 #include "core/scene.h"
-#include "core/triangle.h"
 #include "exact_clip.h"
 
 namespace deformable_contact_monitor {

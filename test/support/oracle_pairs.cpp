@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cgal_oracle.h"
-#include "core/mesh_file.h"
+#include "core/mesh_files/mesh_file.h"
 
 int main(int argc, char** argv) {
   using namespace deformable_contact_monitor;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/predicates/triangle.h"
 #include "core/scene.h"
-#include "core/triangle.h"
 
 namespace deformable_contact_monitor {
 

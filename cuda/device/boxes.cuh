@@ -1,0 +1,67 @@
+// Boxes that many threads grow together, and those of bodies.
+#pragma once
+
+#include "core/predicates/aabb.h"
+#include "core/rules/ordered_bits.h"
+#include "cuda/device/warp.cuh"
+#include "cuda/memory/cycle_view.cuh"
+
+namespace deformable_contact_monitor {
+
+// Such a box: the ordered bits of its least x, y, z turned round, then those of its greatest; so
+// each side grows by atomicMax, and zeros are the empty box.
+constexpr unsigned kSides = 6;
+
+__device__ inline Aabb boxOf(const std::uint32_t* sides) {
+  if (sides[3] == 0) return {};
+  return {{fromOrderedBits(~sides[0]), fromOrderedBits(~sides[1]), fromOrderedBits(~sides[2])},
+          {fromOrderedBits(sides[3]), fromOrderedBits(sides[4]), fromOrderedBits(sides[5])}};
+}
+
+// Of a block, in shared memory. All its threads make each of the calls.
+struct BlockBox {
+  std::uint32_t sides[kSides];
+
+  __device__ void clear() {
+    if (threadIdx.x < kSides) sides[threadIdx.x] = 0;
+    __syncthreads();
+  }
+  // A warp's boxes take one atomic for each side.
+  __device__ void include(const Aabb& box) {
+    const bool counts = !box.empty();
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t low = warpMost(counts ? ~orderedBits(box.min[k]) : 0);
+      const std::uint32_t high = warpMost(counts ? orderedBits(box.max[k]) : 0);
+      if (laneId() == 0 && high != 0) {
+        atomicMax(&sides[k], low);
+        atomicMax(&sides[3 + k], high);
+      }
+    }
+    __syncthreads();
+  }
+  __device__ Aabb get() const { return boxOf(sides); }
+  __device__ void addTo(std::uint32_t* box) const {
+    if (threadIdx.x < kSides && sides[threadIdx.x] != 0) {
+      atomicMax(&box[threadIdx.x], sides[threadIdx.x]);
+    }
+  }
+};
+
+// Of a body's finite vertices, with its margin; once the first stage is over.
+__device__ inline Aabb bodyBox(const CycleView& c, std::uint32_t body) {
+  return inflated(boxOf(c.body_boxes + kSides * body), c.bodies[body].margin_m);
+}
+
+// Whether no triangle of the body can be in contact with any other one; once the first stage is
+// over.
+__device__ inline bool isOutOfReach(const CycleView& c, std::uint32_t b) {
+  const DeviceBody& body = c.bodies[b];
+  if (body.has_self != 0) return false;
+  const Aabb own = bodyBox(c, b);
+  for (unsigned p = 0; p < body.partner_count; ++p) {
+    if (overlap(own, bodyBox(c, c.partners[body.partner_begin + p]))) return false;
+  }
+  return true;
+}
+
+}  // namespace deformable_contact_monitor

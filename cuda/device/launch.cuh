@@ -1,0 +1,84 @@
+// How many blocks a kernel takes, and kernels that are launched before the one ahead has ended.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+
+#include "cuda/memory/device_buffer.cuh"
+
+namespace deformable_contact_monitor {
+
+struct DeviceTraits {
+  unsigned multiprocessors = 1;
+  bool overlaps_launches = false;  // programmatic dependent launch: compute capability 9.0
+
+  // Of the device with that number; throws CudaError.
+  static DeviceTraits of(int device) {
+    const auto get = [device](cudaDeviceAttr attribute) {
+      int value = 0;
+      checkCuda(cudaDeviceGetAttribute(&value, attribute, device), "cudaDeviceGetAttribute");
+      return value;
+    };
+    DeviceTraits traits;
+    traits.multiprocessors = static_cast<unsigned>(get(cudaDevAttrMultiProcessorCount));
+    // Recorded graphs know of it from CUDA 12.3 on.
+    traits.overlaps_launches =
+        CUDART_VERSION >= 12030 && get(cudaDevAttrComputeCapabilityMajor) >= 9;
+    return traits;
+  }
+  bool operator==(const DeviceTraits& o) const {
+    return multiprocessors == o.multiprocessors && overlaps_launches == o.overlaps_launches;
+  }
+};
+
+// How many blocks of a kernel the device holds at once.
+template <class Kernel>
+unsigned blocksInOneWave(Kernel kernel, unsigned threads, std::size_t shared_bytes,
+                         const DeviceTraits& device) {
+  int each = 0;
+  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, kernel, static_cast<int>(threads),
+                                                          shared_bytes),
+            "cudaOccupancyMaxActiveBlocksPerMultiprocessor");
+  return device.multiprocessors * static_cast<unsigned>(each > 0 ? each : 1);
+}
+
+// Launches a kernel that begins with awaitKernelAhead(), right behind another kernel of the stream.
+// The device may start it once all blocks of that one have ended or called letNextStart().
+template <class Argument>
+void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
+                 std::size_t shared_bytes, const DeviceTraits& device, cudaStream_t stream,
+                 const Argument& argument) {
+  // Code for older devices, which newer ones may run too, does not await anything.
+  cudaFuncAttributes code{};
+  checkCuda(cudaFuncGetAttributes(&code, kernel), "cudaFuncGetAttributes");
+  const bool awaits = code.ptxVersion >= 90;
+  cudaLaunchAttribute early{};
+  early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+  early.val.programmaticStreamSerializationAllowed = 1;
+  cudaLaunchConfig_t config{};
+  config.gridDim = dim3(blocks);
+  config.blockDim = dim3(threads);
+  config.dynamicSmemBytes = shared_bytes;
+  config.stream = stream;
+  config.attrs = &early;
+  config.numAttrs = device.overlaps_launches && awaits ? 1 : 0;
+  checkCuda(cudaLaunchKernelEx(&config, kernel, argument), "cudaLaunchKernelEx");
+}
+
+// Until the kernel ahead has ended and all that it wrote can be read; before anything else.
+__device__ inline void awaitKernelAhead() {
+#if __CUDA_ARCH__ >= 900
+  cudaGridDependencySynchronize();
+#endif
+}
+
+// In a kernel that was itself launched early, only after awaitKernelAhead(): else what comes next
+// could overtake the kernel before this one.
+__device__ inline void letNextStart() {
+#if __CUDA_ARCH__ >= 900
+  cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
+
+}  // namespace deformable_contact_monitor

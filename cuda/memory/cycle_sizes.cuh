@@ -1,0 +1,26 @@
+// How much room a cycle has, and how that grows.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "cuda/memory/cycle_view.cuh"
+
+namespace deformable_contact_monitor {
+
+// Capacities of the arrays in CycleBuffers. Those of candidates and contacts share a memory limit
+// by halves; the others grow by need.
+struct CycleSizes {
+  std::uint32_t triangles = 0, clusters = 0, samples = 0;
+  std::uint32_t members = 0, list_words = 0, units = 0, candidates = 0, contacts = 0;
+
+  // For a scene of `all` triangles, of which `clustered` are for the clusters: a guess.
+  void prepare(std::uint32_t all, std::uint32_t clustered, std::uint32_t cluster_count,
+               std::uint64_t memory_limit_bytes);
+
+  // After a cycle that counted so. True if some capacity grew; candidates and contacts do not
+  // beyond the limit. Throws CudaError where the places of members would not fit their bits.
+  bool growFor(const CycleCounters& counters, std::uint64_t memory_limit_bytes);
+};
+
+}  // namespace deformable_contact_monitor

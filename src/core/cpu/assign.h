@@ -1,0 +1,66 @@
+// Every regular triangle into each cluster that it may share a contact in.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/cpu/pose.h"
+#include "core/cpu/prototypes.h"
+#include "core/cpu/size_split.h"
+#include "core/scene.h"
+
+namespace deformable_contact_monitor {
+
+// One triangle in one cluster, with all that the sweep needs of it in one place.
+struct ClusterMember {
+  Triangle posed;
+  std::uint32_t vertex_id[3];
+  std::uint32_t triangle;  // in the working set
+  std::uint32_t body;
+  // The clusters that the triangle is in, ascending: lists[list_begin ... + list_size).
+  std::uint32_t list_begin, list_size;
+};
+
+struct ClusterAssignment {
+  std::vector<std::uint32_t> lists;
+  // Members of cluster g, in ascending order of triangles: [member_begin[g], member_begin[g + 1]).
+  std::vector<std::uint32_t> member_begin;
+  std::vector<ClusterMember> members;
+
+  std::size_t clusterCount() const { return member_begin.size() - 1; }
+  // Every triangle is at home in its lowest cluster alone.
+  bool isHome(const ClusterMember& member, std::uint32_t cluster) const {
+    return lists[member.list_begin] == cluster;
+  }
+};
+
+class ClusterAssigner {
+ public:
+  // overlap in [0, 1]: the share of each triangle, about its centroid, that decides. Margins are
+  // the bodies'.
+  void assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
+              const Prototypes& prototypes, float overlap, ClusterAssignment& assignment);
+
+ private:
+  // Lists of one block of triangles, to be joined in order.
+  struct Block {
+    std::vector<std::uint32_t> length, lists;  // per triangle; joined
+    std::vector<std::uint32_t> members;        // per cluster: how many; later: where they begin
+  };
+
+  void findWinners(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
+                   const std::vector<float>& slack);
+  void collectMembers(const WorkingSet& set, const SizeSplit& split, std::size_t cluster_count,
+                      ClusterAssignment& assignment);
+
+  std::vector<Block> blocks_;
+
+  std::vector<Vec3f> scaled_;         // per vertex that is in use
+  std::vector<Winner> winners_;       // per vertex
+  std::vector<std::uint32_t> owner_;  // per vertex: a body that uses it, or kUnused
+};
+
+// Of each body.
+std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale);
+
+}  // namespace deformable_contact_monitor

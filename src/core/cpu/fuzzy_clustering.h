@@ -1,0 +1,55 @@
+// Fuzzy c-means (Bezdek 1981) on a subsample of the triangles' centroids.
+//
+// The prototypes steer speed only: the half-space rule is complete for any of them, converged or
+// not. Memberships are computed in the ratio form, which is total: no division by zero, no
+// overflow.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/predicates/host_device.h"
+#include "core/predicates/vector3.h"
+
+namespace deformable_contact_monitor {
+
+// The powers that the fuzzifier m asks for: w = (d_min^2 / d^2)^(1 / (m - 1)) and u^m.
+struct FuzzyPowers {
+  float m = 2;
+
+  // `ratio` in [0, 1].
+  DCM_HD float weight(float ratio) const { return powf(ratio, 1 / (m - 1)); }
+  // `u` in [0, 1].
+  DCM_HD float power(float u) const { return powf(u, m); }
+};
+
+// Points and prototypes are in scaled coordinates; up to 1e6 off the origin is fine.
+class FuzzyClustering {
+ public:
+  // m in [1.05, 4]: towards 1 hard k-means, upwards ever softer.
+  explicit FuzzyClustering(float fuzzifier) : powers_{fuzzifier} {}
+
+  // Starts from the means of the points nearest to each of `count` of them, evenly spread over
+  // their order. (A prototype on a point would hardly move from there.)
+  void initialise(const std::vector<Vec3f>& points, std::size_t count);
+
+  // Starts from given prototypes.
+  void setPrototypes(std::vector<Vec3f> prototypes) { prototypes_ = std::move(prototypes); }
+  const std::vector<Vec3f>& prototypes() const { return prototypes_; }
+
+  // One alternation: memberships of all points, then prototypes. Returns the objective
+  // sum u^m d^2 at the prototypes before the step, with their optimal memberships; it does not rise
+  // from call to call on the same points. A prototype that no point belongs to stays.
+  double iterate(const std::vector<Vec3f>& points);
+
+  // Of one point, one per prototype, in [0, 1], their sum 1.
+  std::vector<float> memberships(const Vec3f& point) const;
+
+ private:
+  FuzzyPowers powers_;
+  std::vector<Vec3f> prototypes_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,71 @@
+// A triangle spread over vector lanes: the CPU's form for the filters that most pairs end in.
+#pragma once
+
+#include <cstdint>
+
+#include "core/predicates/plane_filter.h"
+#include "core/predicates/triangle.h"
+
+namespace deformable_contact_monitor {
+
+using FloatLanes = float __attribute__((vector_size(16)));
+using IntLanes = int __attribute__((vector_size(16)));
+
+// One bit per lane of a mask.
+inline int laneBits(const IntLanes& mask) {
+#ifdef __SSE__
+  return __builtin_ia32_movmskps(reinterpret_cast<const FloatLanes&>(mask));
+#else
+  return (mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8);
+#endif
+}
+
+// The fourth lane repeats the third vertex.
+struct LaneTriangle {
+  FloatLanes x, y, z;
+
+  LaneTriangle() = default;
+  explicit LaneTriangle(const Triangle& t)
+      : x{t.v[0].x, t.v[1].x, t.v[2].x, t.v[2].x},
+        y{t.v[0].y, t.v[1].y, t.v[2].y, t.v[2].y},
+        z{t.v[0].z, t.v[1].z, t.v[2].z, t.v[2].z} {}
+};
+
+// Are all vertices certainly strictly on one side of the plane?
+inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t) {
+  FloatLanes value, error;
+  plane.distance(t.x, t.y, t.z, value, error);
+  return (laneBits(value > error) == 15) | (laneBits(value < -error) == 15);
+}
+
+// As PlaneFilter::side, for the three vertices; true if all are on one side.
+inline bool sidesOf(const PlaneFilter& plane, const LaneTriangle& t, int side[3]) {
+  FloatLanes value, error;
+  plane.distance(t.x, t.y, t.z, value, error);
+  const int plus = laneBits(value > error), minus = laneBits(value < -error);
+  for (int i = 0; i < 3; ++i) side[i] = (plus >> i & 1) - (minus >> i & 1);
+  return (plus == 15) | (minus == 15);
+}
+
+// Identities of three vertices; the fourth lane repeats the third.
+inline IntLanes identityLanes(const std::uint32_t id[3]) {
+  return IntLanes{static_cast<int>(id[0]), static_cast<int>(id[1]), static_cast<int>(id[2]),
+                  static_cast<int>(id[2])};
+}
+
+// Which of a's vertices, as bits, are also b's.
+inline int sharedBits(const IntLanes& a, const IntLanes& b) {
+  return laneBits((a == b) | (a == __builtin_shufflevector(b, b, 1, 2, 0, 0)) |
+                  (a == __builtin_shufflevector(b, b, 2, 0, 1, 1)));
+}
+
+// Are the vertices that are not shared certainly all on one side of a plane through the shared
+// ones? True also if there are none.
+inline bool restOnOneSide(const PlaneFilter& plane, const LaneTriangle& t, int shared_bits) {
+  FloatLanes value, error;
+  plane.distance(t.x, t.y, t.z, value, error);
+  return ((laneBits(value > error) | shared_bits) == 15) |
+         ((laneBits(value < -error) | shared_bits) == 15);
+}
+
+}  // namespace deformable_contact_monitor

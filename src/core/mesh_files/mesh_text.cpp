@@ -1,0 +1,165 @@
+// Text scanning shared by the mesh readers. Independent of the locale.
+#include "core/mesh_files/mesh_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <stdexcept>
+#include <system_error>
+
+namespace deformable_contact_monitor {
+namespace {
+
+bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+// Neither ends a word nor might: spares the slower tests for almost every character.
+bool isOrdinary(char c) { return static_cast<unsigned char>(c) > ' ' && c != '#' && c != '\\'; }
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+// Whether a decimal number that float32 cannot hold is too large (else it is too small), from the
+// decimal exponent of its first digit other than 0.
+bool isOverflow(std::string_view number) {
+  std::int64_t exponent = 0;
+  const std::size_t e = std::min(number.find_first_of("eE"), number.size());
+  if (e < number.size()) {
+    const char* first = number.data() + e + 1;
+    if (*first == '+') ++first;
+    const auto parsed = std::from_chars(first, number.data() + number.size(), exponent);
+    if (parsed.ec == std::errc::result_out_of_range) return *first != '-';
+  }
+  const std::string_view mantissa = number.substr(0, e);
+  const auto point = static_cast<std::int64_t>(std::min(mantissa.find('.'), mantissa.size()));
+  const auto leading = static_cast<std::int64_t>(mantissa.find_first_of("123456789"));
+  // Written so that no sum overflows: positions are small, the exponent may be anything.
+  return exponent > leading - point;
+}
+
+}  // namespace
+
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string text = "'";
+  for (const char c : word.substr(0, kLongest)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text + (word.size() > kLongest ? "...'" : "'");
+}
+
+bool equalIgnoringCase(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
+                                            [](char x, char y) { return lower(x) == lower(y); });
+}
+
+MeshText::MeshText(const std::string& path, std::string_view text, MeshTextRules rules,
+                   std::size_t first_line)
+    : path_(path),
+      begin_(text.data()),
+      at_(begin_),
+      end_(begin_ + text.size()),
+      line_(first_line),
+      rules_(rules) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) at_ += kByteOrderMark.size();
+}
+
+void MeshText::failOnLine(std::size_t line, const std::string& what) const {
+  throw std::runtime_error(path_ + ":" + std::to_string(line) + ": " + what);
+}
+
+void MeshText::failAt(std::string_view word, const std::string& wanted) const {
+  const char* ending = at_ == end_ ? "the file ends" : "the line ends";
+  fail(wanted + " expected, but " + (word.empty() ? ending : "there is " + quoted(word)));
+}
+
+// The character after a backslash and line end at p; null if that is not what stands there.
+const char* MeshText::continuation(const char* p) const {
+  if (!rules_.backslash_continues || p == end_ || *p != '\\') return nullptr;
+  ++p;
+  if (p != end_ && *p == '\r') ++p;
+  return p != end_ && *p == '\n' ? p + 1 : nullptr;
+}
+
+bool MeshText::isDelimiter(const char* p) const {
+  return p == end_ || isBlank(*p) || *p == '\n' || (*p == '#' && rules_.hash_comments) ||
+         (*p == '\\' && continuation(p) != nullptr);
+}
+
+void MeshText::skipBlanks() {
+  while (at_ != end_ && !isOrdinary(*at_)) {
+    if (isBlank(*at_)) {
+      ++at_;
+    } else if (const char* next_line = continuation(at_)) {
+      at_ = next_line;
+      ++line_;
+    } else {
+      return;
+    }
+  }
+}
+
+bool MeshText::atLineEnd() {
+  skipBlanks();
+  return at_ == end_ || *at_ == '\n' || (*at_ == '#' && rules_.hash_comments);
+}
+
+// Stops before the line's LF. A comment does not continue, whatever it ends with.
+void MeshText::skipRestOfLine() {
+  while (!atLineEnd()) word();
+  at_ = std::find(at_, end_, '\n');
+}
+
+bool MeshText::skipToWord() {
+  while (atLineEnd()) {
+    at_ = std::find(at_, end_, '\n');
+    if (at_ == end_) return false;
+    ++at_;
+    ++line_;
+  }
+  return true;
+}
+
+bool MeshText::nextLine() {
+  skipRestOfLine();
+  return skipToWord();
+}
+
+std::string_view MeshText::word() {
+  if (atLineEnd()) return {};
+  const char* first = at_;
+  while (at_ != end_ && (isOrdinary(*at_) || !isDelimiter(at_))) ++at_;
+  return {first, static_cast<std::size_t>(at_ - first)};
+}
+
+std::string_view MeshText::wordOnAnyLine() { return skipToWord() ? word() : std::string_view(); }
+
+float MeshText::real(const char* what) {
+  if (atLineEnd()) failAt({}, what);
+  const char* first = at_;
+  if (*first == '+' && first + 1 != end_ && first[1] != '-') ++first;
+  float value = 0;
+  const auto parsed = std::from_chars(first, end_, value);
+  if (parsed.ec == std::errc::invalid_argument || !isDelimiter(parsed.ptr)) {
+    failAt(word(), what);
+  }
+  if (parsed.ec == std::errc::result_out_of_range) {
+    const std::string_view text(first, static_cast<std::size_t>(parsed.ptr - first));
+    value = isOverflow(text) ? std::numeric_limits<float>::infinity() : 0.0F;
+    if (*first == '-') value = -value;
+  }
+  at_ = parsed.ptr;
+  return value;
+}
+
+std::uint64_t MeshText::count(const char* what, std::uint64_t limit) {
+  if (atLineEnd()) failAt({}, what);
+  std::uint64_t value = 0;
+  const auto parsed = std::from_chars(at_ + (*at_ == '+' ? 1 : 0), end_, value);
+  const bool is_number = parsed.ec != std::errc::invalid_argument && isDelimiter(parsed.ptr);
+  if (!is_number && !(*at_ == '-' && at_ + 1 != end_ && isDigit(at_[1]))) failAt(word(), what);
+  if (!is_number || parsed.ec != std::errc() || value >= limit) {
+    fail(std::string(what) + " " + quoted(word()) + " is out of range, must be in [0, " +
+         std::to_string(limit) + ")");
+  }
+  at_ = parsed.ptr;
+  return value;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,161 @@
+// Reads a PLY header and finds in it what a mesh needs.
+#include "core/mesh_files/ply_header.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/mesh_files/mesh_text.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+PlyType readType(MeshText& text) {
+  constexpr std::pair<std::string_view, PlyType> kNames[] = {
+      {"char", PlyType::kInt8},     {"int8", PlyType::kInt8},     {"uchar", PlyType::kUint8},
+      {"uint8", PlyType::kUint8},   {"short", PlyType::kInt16},   {"int16", PlyType::kInt16},
+      {"ushort", PlyType::kUint16}, {"uint16", PlyType::kUint16}, {"int", PlyType::kInt32},
+      {"int32", PlyType::kInt32},   {"uint", PlyType::kUint32},   {"uint32", PlyType::kUint32},
+      {"float", PlyType::kFloat},   {"float32", PlyType::kFloat}, {"double", PlyType::kDouble},
+      {"float64", PlyType::kDouble}};
+  const std::string_view word = text.word();
+  const auto* found = std::find_if(std::begin(kNames), std::end(kNames),
+                                   [word](const auto& entry) { return entry.first == word; });
+  if (found == std::end(kNames)) text.failAt(word, "a property type");
+  return found->second;
+}
+
+PlyFormat readFormat(MeshText& text) {
+  const std::string_view word = text.word();
+  if (word == "ascii") return PlyFormat::kAscii;
+  if (word == "binary_little_endian") return PlyFormat::kLittleEndian;
+  if (word == "binary_big_endian") return PlyFormat::kBigEndian;
+  text.failAt(word, "ascii, binary_little_endian or binary_big_endian");
+}
+
+PlyElement readElement(MeshText& text) {
+  PlyElement element;
+  element.name = quoted(text.word());
+  if (element.name == "'vertex'") element.kind = PlyElementKind::kVertex;
+  if (element.name == "'face'") element.kind = PlyElementKind::kFace;
+  element.count = text.count("the number of elements", UINT64_MAX);
+  return element;
+}
+
+PlyRole roleOf(std::string_view name, PlyElementKind kind) {
+  if (kind == PlyElementKind::kVertex) {
+    if (name == "x") return PlyRole::kX;
+    if (name == "y") return PlyRole::kY;
+    if (name == "z") return PlyRole::kZ;
+  } else if (kind == PlyElementKind::kFace &&
+             (name == "vertex_indices" || name == "vertex_index")) {
+    return PlyRole::kVertexIndices;
+  }
+  return PlyRole::kIgnored;
+}
+
+PlyProperty readProperty(MeshText& text, PlyElementKind kind) {
+  PlyProperty property;
+  MeshText ahead = text;
+  property.is_list = ahead.word() == "list";
+  if (property.is_list) {
+    text.word();
+    property.count_type = readType(text);
+  }
+  property.type = readType(text);
+  const std::string_view name = text.word();
+  if (name.empty()) text.failAt(name, "the property's name");
+  property.role = roleOf(name, kind);
+  if (property.role != PlyRole::kIgnored &&
+      property.is_list != (property.role == PlyRole::kVertexIndices)) {
+    text.fail("property " + quoted(name) + (property.is_list ? " is a list" : " is no list"));
+  }
+  return property;
+}
+
+bool hasRole(const PlyElement& element, PlyRole role) {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [role](const PlyProperty& property) { return property.role == role; });
+}
+
+void requireRoles(const MeshText& text, const PlyElement& element) {
+  if (element.count > 0 && element.properties.empty()) {
+    text.fail("element " + element.name + " has no properties");
+  }
+  const bool complete =
+      element.kind == PlyElementKind::kVertex
+          ? hasRole(element, PlyRole::kX) && hasRole(element, PlyRole::kY) &&
+                hasRole(element, PlyRole::kZ)
+          : element.kind != PlyElementKind::kFace || hasRole(element, PlyRole::kVertexIndices);
+  if (!complete) {
+    text.fail("element " + element.name +
+              (element.kind == PlyElementKind::kFace ? " has no list vertex_indices"
+                                                     : " has no properties x, y and z"));
+  }
+}
+
+void addElement(const MeshText& text, PlyElement element, PlyHeader* header) {
+  const auto same_kind = [&element](const PlyElement& o) { return o.kind == element.kind; };
+  if (element.kind != PlyElementKind::kOther &&
+      std::any_of(header->elements.begin(), header->elements.end(), same_kind)) {
+    text.fail("element " + element.name + " is announced twice");
+  }
+  if (element.kind == PlyElementKind::kVertex) header->vertex_count = element.count;
+  header->elements.push_back(std::move(element));
+}
+
+void addProperty(const MeshText& text, const PlyProperty& property, PlyElement* element) {
+  if (property.role != PlyRole::kIgnored && hasRole(*element, property.role)) {
+    text.fail("element " + element->name + " has this property twice");
+  }
+  element->properties.push_back(property);
+}
+
+}  // namespace
+
+std::size_t sizeOf(PlyType type) {
+  switch (type) {
+    case PlyType::kInt8:
+    case PlyType::kUint8:
+      return 1;
+    case PlyType::kInt16:
+    case PlyType::kUint16:
+      return 2;
+    case PlyType::kDouble:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+PlyHeader readPlyHeader(const std::string& path, std::string_view content) {
+  MeshText text(path, content, MeshTextRules{});
+  const std::string_view magic = text.word();
+  if (magic != "ply") text.failAt(magic, "'ply'");
+  PlyHeader header;
+  bool has_format = false;
+  while (text.nextLine()) {
+    const std::string_view keyword = text.word();
+    if (keyword == "format") {
+      header.format = readFormat(text);
+      has_format = true;
+    } else if (keyword == "element") {
+      addElement(text, readElement(text), &header);
+    } else if (keyword == "property") {
+      if (header.elements.empty()) text.fail("a property before the first element");
+      PlyElement& element = header.elements.back();
+      addProperty(text, readProperty(text, element.kind), &element);
+    } else if (keyword == "end_header") {
+      if (!has_format) text.fail("the header has no 'format' line");
+      for (const PlyElement& element : header.elements) requireRoles(text, element);
+      const std::size_t line_end = content.find('\n', text.offset());
+      header.size = line_end == std::string_view::npos ? content.size() : line_end + 1;
+      header.line_count = text.line();
+      return header;
+    } else if (keyword != "comment" && keyword != "obj_info") {
+      text.failAt(keyword, "a PLY header's keyword");
+    }
+  }
+  text.fail("the header does not end: no 'end_header'");
+}
+
+}  // namespace deformable_contact_monitor

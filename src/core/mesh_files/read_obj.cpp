@@ -1,0 +1,93 @@
+// Wavefront OBJ: vertices and faces. Other statements say nothing about triangles and are skipped.
+#include <charconv>
+#include <system_error>
+#include <utility>
+
+#include "core/mesh_files/mesh_readers.h"
+#include "core/mesh_files/mesh_text.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::int64_t kIndexLimit = std::int64_t{1} << 31;
+
+bool isIndexList(const char* at, const char* end) {
+  for (; at != end; ++at) {
+    if ((*at < '0' || *at > '9') && *at != '/' && *at != '-') return false;
+  }
+  return true;
+}
+
+class ObjReader {
+ public:
+  ObjReader(const std::string& path, std::string_view content)
+      : text_(path, content, MeshTextRules{true, true}) {}
+
+  TriangleMesh read() {
+    if (!text_.skipToWord()) return {};
+    do {
+      const std::string_view statement = text_.word();
+      if (statement == "v") {
+        readVertex();
+      } else if (statement == "f" || statement == "fo") {  // fo: a face, in old files
+        readFace();
+      }
+    } while (text_.nextLine());
+    if (farthest_index_ > static_cast<std::int64_t>(mesh_.vertexCount())) {
+      text_.failOnLine(farthest_line_, "the face refers to vertex " +
+                                           std::to_string(farthest_index_) + ", but there are " +
+                                           std::to_string(mesh_.vertexCount()) + " vertices");
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  void readVertex() {
+    for (int i = 0; i < 3; ++i) mesh_.vertices.push_back(text_.real("a coordinate"));
+    while (!text_.atLineEnd()) text_.real("a weight or a colour");
+  }
+
+  void readFace() {
+    PolygonFan fan(&mesh_.triangles);
+    while (!text_.atLineEnd()) fan.add(vertexIndex(text_.word()));
+    if (fan.size() < 3) {
+      text_.fail("a face needs 3 vertices or more, this one has " + std::to_string(fan.size()));
+    }
+  }
+
+  // From "v", "v/vt", "v//vn" or "v/vt/vn"; 1 is the first vertex, -1 the last one so far.
+  std::uint32_t vertexIndex(std::string_view word) {
+    std::int64_t index = 0;
+    const char* end = word.data() + word.size();
+    const auto parsed = std::from_chars(word.data(), end, index);
+    if (parsed.ec == std::errc::invalid_argument || !isIndexList(parsed.ptr, end) ||
+        (parsed.ptr != end && *parsed.ptr != '/')) {
+      text_.failAt(word, "a vertex index");
+    }
+    const auto count = static_cast<std::int64_t>(mesh_.vertexCount());
+    if (parsed.ec != std::errc() || index == 0 || index < -count || index > kIndexLimit) {
+      text_.fail("vertex index " + quoted(word) + " is out of range; there are " +
+                 std::to_string(count) + " vertices up to here, the first is 1");
+    }
+    if (index < 0) return static_cast<std::uint32_t>(count + index);
+    if (index > farthest_index_) {
+      farthest_index_ = index;
+      farthest_line_ = text_.line();
+    }
+    return static_cast<std::uint32_t>(index - 1);
+  }
+
+  MeshText text_;
+  TriangleMesh mesh_;
+  // A face may come before its vertices, so the largest index is checked at the end.
+  std::int64_t farthest_index_ = 0;
+  std::size_t farthest_line_ = 0;
+};
+
+}  // namespace
+
+TriangleMesh readObj(const std::string& path, std::string_view content) {
+  return ObjReader(path, content).read();
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,51 @@
+// Axis-aligned bounding boxes of float32 points; closed, and never rounded inwards.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "core/predicates/host_device.h"
+#include "core/predicates/triangle.h"
+#include "core/predicates/vector3.h"
+
+namespace deformable_contact_monitor {
+
+// Empty as constructed: overlaps nothing.
+struct Aabb {
+  Vec3f min{INFINITY, INFINITY, INFINITY};
+  Vec3f max{-INFINITY, -INFINITY, -INFINITY};
+
+  DCM_HD void include(const Vec3f& p) {
+    min = {least(min.x, p.x), least(min.y, p.y), least(min.z, p.z)};
+    max = {most(max.x, p.x), most(max.y, p.y), most(max.z, p.z)};
+  }
+  DCM_HD void include(const Aabb& o) {
+    min = {least(min.x, o.min.x), least(min.y, o.min.y), least(min.z, o.min.z)};
+    max = {most(max.x, o.max.x), most(max.y, o.max.y), most(max.z, o.max.z)};
+  }
+  DCM_HD bool empty() const { return !(min.x <= max.x); }
+};
+
+// Touching counts. Single & on purpose: the comparisons are cheaper than branches.
+DCM_HD inline bool overlap(const Aabb& a, const Aabb& b) {
+  return (a.min.x <= b.max.x) & (b.min.x <= a.max.x) & (a.min.y <= b.max.y) & (b.min.y <= a.max.y) &
+         (a.min.z <= b.max.z) & (b.min.z <= a.max.z);
+}
+
+DCM_HD inline Aabb boxOf(const Triangle& t) {
+  Aabb box{t.v[0], t.v[0]};
+  box.include(t.v[1]);
+  box.include(t.v[2]);
+  return box;
+}
+
+// The box grown by `distance` >= 0 in every direction, rounded outwards; 0 leaves it untouched.
+DCM_HD inline Aabb inflated(const Aabb& box, float distance) {
+  if (distance == 0) return box;
+  const auto down = [distance](float x) { return nextafterf(x - distance, -INFINITY); };
+  const auto up = [distance](float x) { return nextafterf(x + distance, INFINITY); };
+  return {{down(box.min.x), down(box.min.y), down(box.min.z)},
+          {up(box.max.x), up(box.max.y), up(box.max.z)}};
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,141 @@
+// Triangles of one body that share vertices: what counts as a contact between them.
+#pragma once
+
+#include "core/predicates/triangle_intersection.h"
+
+namespace deformable_contact_monitor {
+
+// Which vertices two triangles have in common.
+struct SharedVertices {
+  bool in_a[3] = {false, false, false};
+  bool in_b[3] = {false, false, false};
+  bool any = false;
+};
+
+// By equality of coordinates as received, so that soups behave like welded meshes.
+DCM_HD inline SharedVertices sharedVertices(const Triangle& a, const Triangle& b) {
+  SharedVertices shared;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (a.v[i] == b.v[j]) shared.in_a[i] = shared.in_b[j] = shared.any = true;
+    }
+  }
+  return shared;
+}
+
+namespace detail {
+
+// The triangle (p, x[0], x[1]) as one piece whose edge opposite to p is (x[0], x[1]) and does not
+// contain p, or, if it is degenerate, as the segments from p to x[0] and to x[1].
+struct Fan {
+  Triangle piece[2];
+  int count = 0;
+
+  DCM_HD Fan(const Vec3f& p, const Vec3f x[2], int x_count, PredicateState& state) {
+    if (x_count == 2 && projectionAxis(p, x[0], x[1], state) >= 0) {
+      piece[count++] = {{p, x[0], x[1]}};
+      return;
+    }
+    for (int i = 0; i < x_count; ++i) {
+      if (x[i] != p) piece[count++] = {{p, x[i], x[i]}};
+    }
+  }
+};
+
+// Coplanar triangles pab and pcd with area along `axis`: they meet beyond p iff their angles at p
+// do, that is, iff an edge from p of one lies in the other's angle. Common in flat meshes.
+DCM_HD inline bool anglesMeet(const Vec3f& p, const Vec3f a[2], const Vec3f b[2], int axis,
+                              PredicateState& state) {
+  const int side_a = orient2d(p, a[0], a[1], axis, state);
+  const int side_b = orient2d(p, b[0], b[1], axis, state);
+  int s[2][2];
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) s[i][j] = orient2d(p, a[i], b[j], axis, state);
+  }
+  for (int i = 0; i < 2; ++i) {
+    if (-s[i][0] * side_b >= 0 && s[i][1] * side_b >= 0) return true;
+    if (s[0][i] * side_a >= 0 && -s[1][i] * side_a >= 0) return true;
+  }
+  return false;
+}
+
+// A convex set with p that meets another one with p elsewhere too reaches, along that ray, the edge
+// opposite to p in one of the two pieces while it is still in the other.
+DCM_HD inline bool meetBeyondPoint(const Vec3f& p, const Vec3f a[2], int a_count, const Vec3f b[2],
+                                   int b_count, PredicateState& state) {
+  if (a_count == 2 && b_count == 2) {
+    const int axis = projectionAxis(p, a[0], a[1], state);
+    if (axis >= 0 && orient2d(p, b[0], b[1], axis, state) != 0 &&
+        orient3d(p, a[0], a[1], b[0], state) == 0 && orient3d(p, a[0], a[1], b[1], state) == 0) {
+      return anglesMeet(p, a, b, axis, state);
+    }
+  }
+  const Fan fan_a(p, a, a_count, state), fan_b(p, b, b_count, state);
+  for (int i = 0; i < fan_a.count; ++i) {
+    for (int j = 0; j < fan_b.count; ++j) {
+      const Triangle& s = fan_a.piece[i];
+      const Triangle& t = fan_b.piece[j];
+      if (segmentIntersectsTriangle(s.v[1], s.v[2], t, state) ||
+          segmentIntersectsTriangle(t.v[1], t.v[2], s, state)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// For a collinear with the segment pq: 0 if it lies on it, else -1 (beyond p) or 1 (beyond q).
+DCM_HD inline int beyondEnd(const Vec3f& p, const Vec3f& q, const Vec3f& a) {
+  if (inBox(a, p, q)) return 0;
+  return inBox(p, a, q) ? -1 : 1;
+}
+
+// Triangles pqa and pqb meet beyond pq iff they are folded onto each other: coplanar with a and b
+// on one side of pq. Degenerate ones, iff they stick out of pq at the same end.
+DCM_HD inline bool meetBeyondEdge(const Vec3f& p, const Vec3f& q, const Vec3f& a, const Vec3f& b,
+                                  PredicateState& state) {
+  if (state.mode != Predicates::kFast) {
+    const int side = orient3dFiltered(p, q, a, b);
+    if (side == 1 || side == -1) return false;  // not coplanar
+  }
+  const int axis = projectionAxis(p, q, a, state);
+  if (axis < 0) {
+    if (projectionAxis(p, q, b, state) >= 0) return false;
+    return beyondEnd(p, q, a) * beyondEnd(p, q, b) > 0;
+  }
+  const int side_a = orient2d(p, q, a, axis, state);
+  const int side_b = orient2d(p, q, b, axis, state);
+  if (side_a * side_b < 0) return false;  // coplanar or not, they only share pq
+  // With side_b == 0 they are coplanar only if b is on the line pq: then pqb is in that line.
+  if (side_b == 0 && !state.undecided) return false;
+  return orient3d(p, q, a, b, state) == 0;
+}
+
+}  // namespace detail
+
+// Do two triangles of one body that share vertices meet anywhere beyond the convex hull of the
+// distinct shared points? `a` and `b` are posed. In conservative mode an undecided sign makes it
+// true.
+DCM_HD inline bool meetBeyondShared(const Triangle& a, const Triangle& b,
+                                    const SharedVertices& shared, PredicateState& state) {
+  Vec3f common[3], rest_a[3], rest_b[3];
+  int common_count = 0, a_count = 0, b_count = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!shared.in_b[i]) rest_b[b_count++] = b.v[i];
+    if (!shared.in_a[i]) {
+      rest_a[a_count++] = a.v[i];
+      continue;
+    }
+    bool known = false;
+    for (int k = 0; k < common_count; ++k) known = known || common[k] == a.v[i];
+    if (!known) common[common_count++] = a.v[i];
+  }
+  if (a_count == 0 || b_count == 0) return false;  // one of them is the hull of the shared points
+  const bool meet =
+      common_count == 1
+          ? detail::meetBeyondPoint(common[0], rest_a, a_count, rest_b, b_count, state)
+          : detail::meetBeyondEdge(common[0], common[1], rest_a[0], rest_b[0], state);
+  return meet || state.undecided;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,159 @@
+// The verdict on one candidate pair.
+#pragma once
+
+#include "core/predicates/adjacency.h"
+#include "core/predicates/plane_filter.h"
+#include "core/predicates/triangle_distance.h"
+
+namespace deformable_contact_monitor {
+
+struct Verdict {
+  bool contact = false;
+  float separation_m = 0;  // 0: they intersect
+};
+
+// Two triangles that do not intersect. `margin_m` is the larger of their bodies' margins.
+DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float margin_m) {
+  if (margin_m == 0) return {};
+  const double distance = separation(a, b);
+  return {distance <= margin_m, static_cast<float>(distance)};
+}
+
+// Two triangles that share no vertex, with what the plane filters said.
+DCM_HD inline Verdict separateVerdict(const Triangle& a, const Triangle& b, const KnownSides& sides,
+                                      float margin_m, PredicateState& state) {
+  if (trianglesIntersect(a, b, sides, state)) return {true, 0};
+  return nearVerdict(a, b, margin_m);
+}
+
+// The float32 filters of two triangles that share no vertex: true if one is certainly strictly on
+// one side of the other's plane. Fills in the sides that they tell.
+DCM_HD inline bool certainlyApart(const Triangle& a, const PlaneFilter& plane_a, const Triangle& b,
+                                  const PlaneFilter& plane_b, KnownSides& sides) {
+  int sum_a = 0, sum_b = 0;
+  for (int i = 0; i < 3; ++i) {
+    sum_a += sides.a[i] = plane_b.side(a.v[i]);
+    sum_b += sides.b[i] = plane_a.side(b.v[i]);
+  }
+  return sum_a == 3 || sum_a == -3 || sum_b == 3 || sum_b == -3;
+}
+
+// Likewise of two that share vertices: true if they certainly do not meet beyond them. Others
+// strictly on one side of a plane through the shared vertices settle it. The functions tell a
+// point's side of the plane of a and of b: 1, -1, or anything else where that is open.
+template <class SideOfA, class SideOfB>
+DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const Triangle& b,
+                                            const SharedVertices& shared, const SideOfA& side_of_a,
+                                            const SideOfB& side_of_b) {
+  int plus_a = 0, minus_a = 0, plus_b = 0, minus_b = 0, rest_a = 0, rest_b = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!shared.in_a[i]) {
+      const int side = side_of_b(a.v[i]);
+      plus_a += side == 1;
+      minus_a += side == -1;
+      ++rest_a;
+    }
+    if (!shared.in_b[i]) {
+      const int side = side_of_a(b.v[i]);
+      plus_b += side == 1;
+      minus_b += side == -1;
+      ++rest_b;
+    }
+  }
+  return plus_a == rest_a || minus_a == rest_a || plus_b == rest_b || minus_b == rest_b;
+}
+
+DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const PlaneFilter& plane_a,
+                                            const Triangle& b, const PlaneFilter& plane_b,
+                                            const SharedVertices& shared) {
+  return certainlyNotBeyondShared(
+      a, b, shared, [&plane_a](const Vec3f& p) { return plane_a.side(p); },
+      [&plane_b](const Vec3f& p) { return plane_b.side(p); });
+}
+
+namespace detail {
+
+// Projected along `axis`, is there a line through p, a vertex of both, along an edge from p, that
+// has the rest of a and the rest of b strictly on different sides, but for the edge itself?
+DCM_HD inline bool edgeLineSeparatesAngles(const Vec3f& p, const Vec3f a[2], const Vec3f b[2],
+                                           int axis) {
+  const int turn = orient2dFiltered(p, a[0], a[1], axis);
+  if (turn != 1 && turn != -1) return false;
+  const bool beyond_first = orient2dFiltered(p, a[0], b[0], axis) == -turn &&
+                            orient2dFiltered(p, a[0], b[1], axis) == -turn;
+  return beyond_first || (orient2dFiltered(p, a[1], b[0], axis) == turn &&
+                          orient2dFiltered(p, a[1], b[1], axis) == turn);
+}
+
+// The axis along which a triangle's projection is about the largest.
+DCM_HD inline int broadAxis(const Triangle& t) {
+  const PlaneFilter plane(t);
+  const float x = fabsf(plane.normal.x), y = fabsf(plane.normal.y), z = fabsf(plane.normal.z);
+  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+}
+
+}  // namespace detail
+
+// By double arithmetic, and in a projection too: there neighbours in a flat surface, of which space
+// says nothing, lie side by side. What does not meet in a projection does not meet.
+DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const Triangle& b,
+                                            const SharedVertices& shared) {
+  if (certainlyNotBeyondShared(
+          a, b, shared,
+          [&a](const Vec3f& p) { return orient3dFiltered(a.v[0], a.v[1], a.v[2], p); },
+          [&b](const Vec3f& p) { return orient3dFiltered(b.v[0], b.v[1], b.v[2], p); })) {
+    return true;
+  }
+  Vec3f common[2], rest_a[3], rest_b[3];
+  int common_count = 0, a_count = 0, b_count = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!shared.in_a[i]) {
+      rest_a[a_count < 2 ? a_count : 2] = a.v[i];
+      ++a_count;
+    } else {
+      common[common_count < 1 ? 0 : 1] = a.v[i];
+      ++common_count;
+    }
+    if (!shared.in_b[i]) {
+      rest_b[b_count < 2 ? b_count : 2] = b.v[i];
+      ++b_count;
+    }
+  }
+  const int axis = detail::broadAxis(a);
+  if (a_count == 1 && b_count == 1 && common_count == 2) {
+    const int side_a = orient2dFiltered(common[0], common[1], rest_a[0], axis);
+    const int side_b = orient2dFiltered(common[0], common[1], rest_b[0], axis);
+    return side_a * side_b == -1;
+  }
+  if (a_count == 2 && b_count == 2) {
+    return detail::edgeLineSeparatesAngles(common[0], rest_a, rest_b, axis) ||
+           detail::edgeLineSeparatesAngles(common[0], rest_b, rest_a, axis);
+  }
+  return false;
+}
+
+// Two triangles of one body that share vertices. Margins do not apply: neighbours in a mesh are
+// always near.
+DCM_HD inline Verdict adjacentVerdict(const Triangle& a, const Triangle& b,
+                                      const SharedVertices& shared, PredicateState& state) {
+  if (state.mode != Predicates::kFast && certainlyNotBeyondShared(a, b, shared)) return {};
+  return {meetBeyondShared(a, b, shared, state), 0};
+}
+
+// A pair as received (not posed otherwise), by the scalar filters; `same_body`: equal vertices are
+// shared.
+DCM_HD inline Verdict pairVerdict(const Triangle& a, const Triangle& b, bool same_body,
+                                  AdjacentPairs adjacent, float margin_m, PredicateState& state) {
+  const PlaneFilter plane_a(a), plane_b(b);
+  const SharedVertices shared = same_body ? sharedVertices(a, b) : SharedVertices();
+  if (shared.any) {
+    if (adjacent == AdjacentPairs::kSkip) return {};
+    if (certainlyNotBeyondShared(a, plane_a, b, plane_b, shared)) return {};
+    return adjacentVerdict(a, b, shared, state);
+  }
+  KnownSides sides;
+  if (certainlyApart(a, plane_a, b, plane_b, sides) && margin_m == 0) return {};
+  return separateVerdict(a, b, sides, margin_m, state);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,208 @@
+// Signs of orientation determinants of float32 points: a filter, then exact arithmetic.
+//
+// Filters follow Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates" (1997). For finite float32 input nothing here overflows or underflows in double:
+// every term is a multiple of 2^-447 and at most 2^390.
+#pragma once
+
+#include <cstdint>
+
+#include "core/options.h"
+#include "core/predicates/exact_integers.h"
+#include "core/predicates/host_device.h"
+#include "core/predicates/vector3.h"
+
+namespace deformable_contact_monitor {
+
+// How verdicts are reached, and what it took. One per thread; not shared.
+struct PredicateState {
+  Predicates mode = Predicates::kExact;
+  std::uint32_t exact = 0;  // determinants that reached exact arithmetic
+  bool undecided = false;   // conservative: a filter left a sign open since this was last cleared
+};
+
+// A sum of doubles kept exactly: nonoverlapping components of growing magnitude.
+template <int kCapacity>
+class Expansion {
+ public:
+  DCM_HD void add(double term) {
+    if (term == 0) return;
+    int kept = 0;
+    double sum = term;
+    for (int i = 0; i < size_; ++i) {
+      const double s = sum + component_[i];
+      const double b = s - sum;
+      const double error = (sum - (s - b)) + (component_[i] - b);
+      sum = s;
+      if (error != 0) component_[kept++] = error;
+    }
+    if (sum != 0) component_[kept++] = sum;
+    size_ = kept;
+  }
+
+  // Adds x * y exactly, for factors whose product has an exact double remainder.
+  DCM_HD void addProduct(double x, double y) {
+    const double high = x * y;
+    add(fma(x, y, -high));
+    add(high);
+  }
+
+  DCM_HD int sign() const {
+    if (size_ == 0) return 0;
+    return component_[size_ - 1] > 0 ? 1 : -1;
+  }
+
+ private:
+  double component_[kCapacity];
+  int size_ = 0;
+};
+
+DCM_HD inline int signOf(double value) { return (value > 0) - (value < 0); }
+
+namespace detail {
+
+// Adds sign * x * y * z exactly.
+template <int N>
+DCM_HD inline void addTriple(Expansion<N>& sum, double x, double y, double z) {
+  const double high = x * y;
+  const double low = fma(x, y, -high);
+  sum.addProduct(high, z);
+  if (low != 0) sum.addProduct(low, z);
+}
+
+template <int N>
+DCM_HD inline void addDeterminant(Expansion<N>& sum, const Vec3d& a, const Vec3d& b, const Vec3d& c,
+                                  double sign) {
+  addTriple(sum, sign * a.x, b.y, c.z);
+  addTriple(sum, -sign * a.x, b.z, c.y);
+  addTriple(sum, sign * a.y, b.z, c.x);
+  addTriple(sum, -sign * a.y, b.x, c.z);
+  addTriple(sum, sign * a.z, b.x, c.y);
+  addTriple(sum, -sign * a.z, b.y, c.x);
+}
+
+}  // namespace detail
+
+// Sign of det[b-a; c-a; d-a] by exact arithmetic alone.
+DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                            const Vec3f& d) {
+  // The four minors of the 4x4 determinant.
+  Expansion<48> sum;
+  detail::addDeterminant(sum, toDouble(b), toDouble(c), toDouble(d), 1);
+  detail::addDeterminant(sum, toDouble(a), toDouble(c), toDouble(d), -1);
+  detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(d), 1);
+  detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(c), -1);
+  return sum.sign();
+}
+
+DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                         const Vec3f& d) {
+  const float x[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
+  std::int64_t i[12];
+  if (!toIntegers(x, i)) return orient3dExpanded(a, b, c, d);
+  for (int k = 3; k < 12; ++k) i[k] -= i[k % 3];
+  return determinantSign(i + 3, i + 6, i + 9);
+}
+
+constexpr int kUncertain = 2;
+
+// Sign of det[b-a; c-a; d-a] in double, or kUncertain.
+DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+  const Vec3d o = toDouble(a);
+  const Vec3d u = toDouble(b) - o, v = toDouble(c) - o, w = toDouble(d) - o;
+  const double m1 = v.y * w.z, m2 = v.z * w.y, m3 = v.z * w.x;
+  const double m4 = v.x * w.z, m5 = v.x * w.y, m6 = v.y * w.x;
+  const double det = u.x * (m1 - m2) + u.y * (m3 - m4) + u.z * (m5 - m6);
+  const double permanent = fabs(u.x) * (fabs(m1) + fabs(m2)) + fabs(u.y) * (fabs(m3) + fabs(m4)) +
+                           fabs(u.z) * (fabs(m5) + fabs(m6));
+  constexpr double kBound = 7.7715611723761e-16;  // (7 + 56 eps) eps, eps = 2^-53
+  const double bound = kBound * permanent;
+  if (det > bound) return 1;
+  if (-det > bound) return -1;
+  return permanent == 0 ? 0 : kUncertain;  // no term was rounded to zero: common in flat scenes
+}
+
+// The same in float32, with no bound on its error.
+DCM_HD inline int orient3dFast(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+  const Vec3f u = b - a, v = c - a, w = d - a;
+  return signOf(u.x * (v.y * w.z - v.z * w.y) + u.y * (v.z * w.x - v.x * w.z) +
+                u.z * (v.x * w.y - v.y * w.x));
+}
+
+// Sign of det[b-a; c-a; d-a]: positive iff d sees a, b, c counterclockwise from above, that is,
+// d lies on the side that (b-a) x (c-a) points to.
+DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
+                                    PredicateState& state) {
+  if (state.mode == Predicates::kFast) return orient3dFast(a, b, c, d);
+  const int filtered = orient3dFiltered(a, b, c, d);
+  if (filtered != kUncertain) return filtered;
+  if (state.mode == Predicates::kConservative) {
+    state.undecided = true;
+    return 0;
+  }
+  ++state.exact;
+  return orient3dExact(a, b, c, d);
+}
+
+// Sign of det[b-a; c-a] by exact arithmetic alone.
+DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
+                                         float cy) {
+  const float x[6] = {ax, ay, bx, by, cx, cy};
+  std::int64_t i[6];
+  if (toIntegers(x, i)) {
+    return determinantSign2(i[2] - i[0], i[3] - i[1], i[4] - i[0], i[5] - i[1]);
+  }
+  Expansion<6> sum;  // each product of two float32 is exact in double
+  sum.add(static_cast<double>(ax) * by);
+  sum.add(-static_cast<double>(ay) * bx);
+  sum.add(static_cast<double>(bx) * cy);
+  sum.add(-static_cast<double>(by) * cx);
+  sum.add(static_cast<double>(cx) * ay);
+  sum.add(-static_cast<double>(cy) * ax);
+  return sum.sign();
+}
+
+// The coordinates of a projection along coordinate axis `axis` (0, 1, 2).
+DCM_HD inline void projected(const Vec3f& p, int axis, float& x, float& y) {
+  x = axis == 0 ? p.y : (axis == 1 ? p.z : p.x);
+  y = axis == 0 ? p.z : (axis == 1 ? p.x : p.y);
+}
+
+// Sign of det[b-a; c-a] of the points' projections along `axis` in double, or kUncertain.
+DCM_HD inline int orient2dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis) {
+  float ax, ay, bx, by, cx, cy;
+  projected(a, axis, ax, ay);
+  projected(b, axis, bx, by);
+  projected(c, axis, cx, cy);
+  const double left = (static_cast<double>(bx) - ax) * (static_cast<double>(cy) - ay);
+  const double right = (static_cast<double>(by) - ay) * (static_cast<double>(cx) - ax);
+  constexpr double kBound = 3.3306690738754716e-16;  // (3 + 16 eps) eps
+  const double det = left - right, bound = kBound * (fabs(left) + fabs(right));
+  if (det > bound) return 1;
+  if (-det > bound) return -1;
+  return left == 0 && right == 0 ? 0 : kUncertain;  // differences are never rounded to zero
+}
+
+// Sign of det[b-a; c-a] of the points' projections along `axis`.
+DCM_HD DCM_RARE inline int orient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis,
+                                    PredicateState& state) {
+  if (state.mode != Predicates::kFast) {
+    const int filtered = orient2dFiltered(a, b, c, axis);
+    if (filtered != kUncertain) return filtered;
+    if (state.mode == Predicates::kConservative) {
+      state.undecided = true;
+      return 0;
+    }
+    ++state.exact;
+  }
+  float ax, ay, bx, by, cx, cy;
+  projected(a, axis, ax, ay);
+  projected(b, axis, bx, by);
+  projected(c, axis, cx, cy);
+  if (state.mode == Predicates::kFast) {
+    return signOf((bx - ax) * (cy - ay) - (by - ay) * (cx - ax));
+  }
+  return orient2dExact(ax, ay, bx, by, cx, cy);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,195 @@
+// Do two triangles, as closed sets, intersect? The narrow phase.
+#pragma once
+
+#include "core/predicates/segment_intersection.h"
+
+namespace deformable_contact_monitor {
+
+// True iff some edge of one meets the other: for closed triangles of any shape that is the same as
+// intersecting.
+DCM_HD inline bool edgesMeetTriangles(const Triangle& a, const Triangle& b, PredicateState& state) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = i == 2 ? 0 : i + 1;
+    if (segmentIntersectsTriangle(a.v[i], a.v[j], b, state) ||
+        segmentIntersectsTriangle(b.v[i], b.v[j], a, state)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Turns a triangle with the given sides (none zero, not all alike) of the other's plane so that its
+// first vertex is the one alone on its side; returns that side.
+DCM_HD inline int loneVertexFirst(Triangle& t, const int side[3]) {
+  if (side[0] == side[1]) {
+    t = {{t.v[2], t.v[0], t.v[1]}};
+    return side[2];
+  }
+  if (side[0] == side[2]) {
+    t = {{t.v[1], t.v[2], t.v[0]}};
+    return side[1];
+  }
+  return side[0];
+}
+
+// Sides of a plane that are known already: 1, -1, or 0 for those that are not.
+struct KnownSides {
+  int a[3] = {0, 0, 0};  // of a's vertices, of b's plane
+  int b[3] = {0, 0, 0};  // of b's vertices, of a's plane
+};
+
+// What a part of the test can say.
+enum class PartVerdict { kApart, kMeet, kOpen };
+
+namespace detail {
+
+// Fills in the sides of `points` of the plane of t that are not known, by orient(a, b, c, d).
+template <class Orient>
+DCM_HD inline void fillSides(const Triangle& t, const Triangle& points, int side[3],
+                             const Orient& orient) {
+  for (int i = 0; i < 3; ++i) {
+    if (side[i] == 0) side[i] = orient(t.v[0], t.v[1], t.v[2], points.v[i]);
+  }
+}
+
+DCM_HD inline bool isStrict(int sign) { return sign == 1 || sign == -1; }
+
+DCM_HD inline bool allStrict(const int side[3]) {
+  return isStrict(side[0]) && isStrict(side[1]) && isStrict(side[2]);
+}
+
+DCM_HD inline bool strictlyOnOneSide(const int side[3]) {
+  return isStrict(side[0]) && side[0] == side[1] && side[0] == side[2];
+}
+
+// Both triangles cross the other's plane with no vertex on it: their intervals on the common line
+// overlap iff two determinants say so (Guigue and Devillers, "Fast and Robust Triangle-Triangle
+// Overlap Test Using Orientation Predicates", 2003).
+template <class Orient>
+DCM_HD inline PartVerdict crossingVerdict(Triangle a, const int side_a[3], Triangle b,
+                                          const int side_b[3], const Orient& orient) {
+  const bool flip_b = loneVertexFirst(a, side_a) < 0;
+  const bool flip_a = loneVertexFirst(b, side_b) < 0;
+  if (flip_a) a = {{a.v[0], a.v[2], a.v[1]}};
+  if (flip_b) b = {{b.v[0], b.v[2], b.v[1]}};
+  const int first = orient(a.v[0], a.v[1], b.v[0], b.v[1]);
+  if (first == 1) return PartVerdict::kApart;
+  const int second = orient(a.v[0], a.v[2], b.v[2], b.v[0]);
+  if (second == 1) return PartVerdict::kApart;
+  return first == kUncertain || second == kUncertain ? PartVerdict::kOpen : PartVerdict::kMeet;
+}
+
+// By an orientation that may answer kUncertain; open also if a vertex is on the other's plane.
+template <class Orient>
+DCM_HD inline PartVerdict generalVerdict(const Triangle& a, const Triangle& b, KnownSides& side,
+                                         const Orient& orient) {
+  fillSides(b, a, side.a, orient);
+  if (strictlyOnOneSide(side.a)) return PartVerdict::kApart;
+  fillSides(a, b, side.b, orient);
+  if (strictlyOnOneSide(side.b)) return PartVerdict::kApart;
+  if (!allStrict(side.a) || !allStrict(side.b)) return PartVerdict::kOpen;
+  return crossingVerdict(a, side.a, b, side.b, orient);
+}
+
+}  // namespace detail
+
+// The usual cases, by the floating-point filters alone.
+DCM_HD inline PartVerdict quickIntersection(const Triangle& a, const Triangle& b, KnownSides side,
+                                            Predicates mode) {
+  if (mode == Predicates::kFast) return detail::generalVerdict(a, b, side, orient3dFast);
+  return detail::generalVerdict(a, b, side, orient3dFiltered);
+}
+
+namespace detail {
+
+// In a common plane, projected along `axis`: is some edge line of t, which has area there, one that
+// has all of `points` strictly on its outer side?
+DCM_HD inline bool edgeLineSeparates(const Triangle& t, const Vec3f* points, int count, int axis,
+                                     PredicateState& state) {
+  const int inner = orient2d(t.v[0], t.v[1], t.v[2], axis, state);
+  for (int i = 0; i < 3; ++i) {
+    bool outside = true;
+    for (int k = 0; k < count && outside; ++k) {
+      outside = orient2d(t.v[i], t.v[i == 2 ? 0 : i + 1], points[k], axis, state) == -inner;
+    }
+    if (outside) return true;
+  }
+  return false;
+}
+
+// A segment in the plane of t: they are disjoint iff a line along the segment or along an edge
+// separates them, for the edges of their Minkowski difference are parallel to these.
+DCM_HD inline bool coplanarSegmentMeets(const Vec3f& p, const Vec3f& q, const Triangle& t, int axis,
+                                        PredicateState& state) {
+  const Vec3f ends[2] = {p, q};
+  if (edgeLineSeparates(t, ends, 2, axis, state)) return false;
+  const int side = orient2d(p, q, t.v[0], axis, state);
+  return side == 0 || orient2d(p, q, t.v[1], axis, state) != side ||
+         orient2d(p, q, t.v[2], axis, state) != side;
+}
+
+// Does some edge of t meet u, which has area along `axis`? `side`: of t's vertices of u's plane;
+// not all are zero.
+DCM_HD inline bool edgesMeet(const Triangle& t, const int side[3], const Triangle& u, int axis,
+                             PredicateState& state) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = i == 2 ? 0 : i + 1;
+    if (side[i] * side[j] > 0) continue;
+    const Vec3f &p = t.v[i], &q = t.v[j];
+    bool meets;
+    if (side[i] == 0 && side[j] == 0) {
+      meets = coplanarSegmentMeets(p, q, u, axis, state);
+    } else if (side[i] == 0) {
+      meets = pointInTriangle(p, u, axis, state);
+    } else if (side[j] == 0) {
+      meets = false;  // its turn comes with the next edge
+    } else {
+      meets = sameSide(orient3d(p, q, u.v[0], u.v[1], state), orient3d(p, q, u.v[1], u.v[2], state),
+                       orient3d(p, q, u.v[2], u.v[0], state));
+    }
+    if (meets) return true;
+  }
+  return false;
+}
+
+}  // namespace detail
+
+// What these leave open: any two triangles with finite vertices. In conservative mode an undecided
+// sign makes it true.
+DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle& b,
+                                               KnownSides side, PredicateState& state) {
+  const auto orient = [&state](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
+    return orient3d(p, q, r, s, state);
+  };
+  const PartVerdict general = detail::generalVerdict(a, b, side, orient);
+  if (general == PartVerdict::kApart) return false;  // certain, whatever was left open
+  if (general == PartVerdict::kMeet || state.undecided) return true;
+  detail::fillSides(a, b, side.b, orient);
+  const int axis_a = projectionAxis(a.v[0], a.v[1], a.v[2], state);
+  const int axis_b = projectionAxis(b.v[0], b.v[1], b.v[2], state);
+  bool meet;
+  if (axis_a < 0 || axis_b < 0) {
+    meet = edgesMeetTriangles(a, b, state);  // one is a segment or a point
+  } else if (side.a[0] == 0 && side.a[1] == 0 && side.a[2] == 0) {
+    meet = !detail::edgeLineSeparates(a, b.v, 3, axis_a, state) &&
+           !detail::edgeLineSeparates(b, a.v, 3, axis_a, state);
+  } else {
+    meet = detail::edgesMeet(a, side.a, b, axis_b, state) ||
+           detail::edgesMeet(b, side.b, a, axis_a, state);
+  }
+  return meet || state.undecided;
+}
+
+// Closed-set intersection of any two triangles with finite vertices.
+DCM_HD inline bool trianglesIntersect(const Triangle& a, const Triangle& b, const KnownSides& side,
+                                      PredicateState& state) {
+  const PartVerdict quick = quickIntersection(a, b, side, state.mode);
+  if (quick != PartVerdict::kOpen) return quick == PartVerdict::kMeet;
+  return robustIntersection(a, b, side, state);
+}
+
+DCM_HD inline bool trianglesIntersect(const Triangle& a, const Triangle& b, PredicateState& state) {
+  return trianglesIntersect(a, b, KnownSides(), state);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,285 @@
+// Which clusters a triangle belongs to: the half-space rule.
+//
+// Theorem: give each prototype p_g its closed Voronoi cell. A triangle T is put into cluster g
+// unless for some competitor k every point of T is strictly nearer to p_k than to p_g. Since
+// |x - p_g|^2 - |x - p_k|^2 is affine in x, its three vertices decide. If two triangles meet in x,
+// and x lies in the cell of g, then neither can have been kept out of g: they share a cluster. That
+// holds for any prototypes and any choice of competitors; more competitors only make it tighter.
+//
+// Here distances are of scaled, rounded coordinates. With |v' - v| <= d, |v - p_g| <= |v - p_k|
+// implies |v' - p_g| <= |v' - p_k| + 2 d; a margin m enters likewise, as d + m.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/predicates/host_device.h"
+#include "core/predicates/vector3.h"
+#include "core/rules/scene_scale.h"
+
+namespace deformable_contact_monitor {
+
+DCM_HD inline float squaredDistance(const Vec3f& a, const Vec3f& b) {
+  const Vec3f d = a - b;
+  return d.x * d.x + d.y * d.y + d.z * d.z;
+}
+
+// The largest squared distance to p_g at which a vertex `v` at squared distance `d2` from a
+// competitor may still be on the side of p_g. `slack` is twice the margin [scaled].
+DCM_HD inline float reach2(const Vec3f& v, float d2, float slack) {
+  const float error = (fabsf(v.x) + fabsf(v.y) + fabsf(v.z)) * (2 * kScaledError);
+  const float reach = sqrtf(d2) + error + slack;
+  constexpr float kRounding = 1 + 4e-6F;  // both squared distances, the root and this line
+  return reach * reach * kRounding + 1e-37F;
+}
+
+// A triangle before the rule: its scaled vertices and, for each competitor, how far each vertex
+// reaches.
+struct HalfSpaceRule {
+  static constexpr int kCompetitors = 4;
+  Vec3f v[3];
+  float reach2[kCompetitors][3] = {};
+  int competitors = 0;
+
+  // Places in the array are constants in these two, so that it can live in registers.
+  DCM_HD void addCompetitor(const Vec3f& prototype, float slack) {
+    for (int k = 0; k < kCompetitors; ++k) {
+      if (k != competitors) continue;
+      for (int i = 0; i < 3; ++i) {
+        reach2[k][i] =
+            deformable_contact_monitor::reach2(v[i], squaredDistance(v[i], prototype), slack);
+      }
+    }
+    ++competitors;
+  }
+
+  DCM_HD bool admits(const Vec3f& prototype) const {
+    float d2[3];
+    for (int i = 0; i < 3; ++i) d2[i] = squaredDistance(v[i], prototype);
+    bool admitted = true;
+    for (int k = 0; k < kCompetitors; ++k) {
+      // Written so that NaN admits.
+      const bool beyond = d2[0] > reach2[k][0] && d2[1] > reach2[k][1] && d2[2] > reach2[k][2];
+      admitted = admitted && (k >= competitors || !beyond);
+    }
+    return admitted;
+  }
+
+  // No admitted prototype is farther than this from the first competitor, `prototype`.
+  DCM_HD float searchRadius(const Vec3f& prototype) const {
+    float radius = 0;
+    for (int i = 0; i < 3; ++i) {
+      radius = most(radius, sqrtf(reach2[0][i]) + sqrtf(squaredDistance(v[i], prototype)));
+    }
+    return radius * (1 + 1e-5F);
+  }
+};
+
+// One entry of a prototype's list of neighbours, nearest first.
+struct alignas(16) Neighbour {
+  Vec3f prototype;
+  float distance = NAN;  // between the two prototypes; NaN: the list has ended
+};
+
+constexpr std::uint32_t kMostNeighbours = 128;
+
+// The square of a distance: two prototypes closer than this, in a scene of size 2, would only share
+// all their triangles.
+constexpr float kCoincident2 = 1e-12F;
+
+// Prototypes and, for each, its nearest others. A list that does not reach far enough is no error:
+// the search then goes on elsewhere.
+struct PrototypesView {
+  const Vec3f* prototypes;
+  const float* list_reach;  // per prototype: all others that are nearer than this are on its list
+  const Neighbour* neighbours;             // kMostNeighbours per prototype
+  const std::uint32_t* neighbour_cluster;  // likewise: whose prototype it is
+  std::uint32_t count;
+
+  DCM_HD std::size_t listBegin(std::uint32_t g) const { return std::size_t{g} * kMostNeighbours; }
+};
+
+// The nearest prototype of a point, and whether another one is as near, for all that rounding can
+// tell: then the point may lie in either cell.
+struct Winner {
+  std::uint32_t cluster = 0;
+  bool tied = false;
+};
+
+// The least and the second least squared distance of a point, and whose the least is.
+struct Nearest {
+  std::uint32_t cluster = 0;
+  float least2 = 3e38F, second2 = 3e38F;
+
+  DCM_HD void consider(std::uint32_t g, float d2) {
+    if (d2 < least2) {
+      second2 = least2;
+      least2 = d2;
+      cluster = g;
+    } else {
+      second2 = least(second2, d2);
+    }
+  }
+  DCM_HD Winner winner(const Vec3f& v, float slack) const {
+    return {cluster, !(second2 > reach2(v, least2, slack))};
+  }
+};
+
+// Which places of a list are one's own, where several walk it together: every `of`-th from `first`
+// on. `of` is a power of two, not above 16.
+struct Share {
+  std::uint32_t first = 0, of = 1;
+};
+
+// Calls visit(place, neighbour) along a share of the list of prototype g while neighbours are not
+// farther from it than limit(), which may fall meanwhile. Some at a time, so that their loads
+// overlap.
+template <class Limit, class Visit>
+DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, Share share,
+                            const Limit& limit, const Visit& visit) {
+  constexpr std::uint32_t kAtATime = 8;
+  const std::size_t begin = view.listBegin(g);
+  for (std::uint32_t i = share.first; i < kMostNeighbours; i += kAtATime * share.of) {
+    Neighbour n[kAtATime];
+    for (std::uint32_t k = 0; k < kAtATime; ++k) n[k] = view.neighbours[begin + i + k * share.of];
+    for (std::uint32_t k = 0; k < kAtATime; ++k) {
+      if (!(n[k].distance <= limit())) return;
+      visit(i + k * share.of, n[k].prototype);
+    }
+  }
+}
+
+// Walks from the list of `start` to the list of the nearest that is on it, until a list reaches far
+// enough to be sure. False if none does; then `nearest` is a good guess.
+DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std::uint32_t start,
+                                 float slack, Nearest& nearest) {
+  constexpr std::uint32_t kAtStart = ~std::uint32_t{0};
+  float least2_before = INFINITY;
+  while (true) {
+    nearest = {start, squaredDistance(v, view.prototypes[start])};
+    const float start_distance = sqrtf(nearest.least2);
+    if (!(start_distance < view.list_reach[start])) return false;  // all of it would not do
+    nearest.cluster = kAtStart;
+    // A prototype that wins or ties is at most this far from the starting one.
+    const auto bound = [&] {
+      return (start_distance + sqrtf(reach2(v, nearest.least2, slack))) * (1 + 1e-5F);
+    };
+    float limit = bound();
+    walkList(
+        view, start, Share(), [&limit] { return limit; },
+        [&](std::uint32_t place, const Vec3f& prototype) {
+          const float d2 = squaredDistance(v, prototype);
+          const bool nearer = d2 < nearest.least2;
+          nearest.consider(place, d2);
+          if (nearer) limit = bound();
+        });
+    const bool moved = nearest.cluster != kAtStart;
+    nearest.cluster =
+        moved ? view.neighbour_cluster[view.listBegin(start) + nearest.cluster] : start;
+    if (view.list_reach[start] > limit) return true;
+    // Nearer from step to step, by numbers of one kind: a rounded distance need not be the same
+    // wherever it is computed, and the walk must end.
+    if (!moved || !(nearest.least2 < least2_before)) return false;
+    least2_before = nearest.least2;
+    start = nearest.cluster;
+  }
+}
+
+DCM_HD inline Nearest nearestOfAll(const PrototypesView& view, const Vec3f& v) {
+  Nearest nearest;
+  for (std::uint32_t g = 0; g < view.count; ++g) {
+    nearest.consider(g, squaredDistance(v, view.prototypes[g]));
+  }
+  return nearest;
+}
+
+// A good guess is fast, any is right.
+DCM_HD inline Winner nearestPrototype(const PrototypesView& view, const Vec3f& v,
+                                      std::uint32_t start, float slack) {
+  Nearest nearest;
+  if (!nearestListed(view, v, start, slack, nearest)) nearest = nearestOfAll(view, v);
+  return nearest.winner(v, slack);
+}
+
+// The rule for a triangle with scaled vertices `v`, whose nearest prototypes are `w`; `overlap` in
+// [0, 1] is the share of it, about its centroid, that decides. `first` becomes the first
+// competitor.
+DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3], const Winner w[3],
+                                    float overlap, float slack, std::uint32_t& first) {
+  HalfSpaceRule rule;
+  for (int k = 0; k < 3; ++k) rule.v[k] = v[k];
+  std::uint32_t competitor[3] = {w[0].cluster, w[1].cluster, w[2].cluster};
+  if (overlap < 1) {
+    const Vec3f centroid = (v[0] + v[1] + v[2]) * (1.0F / 3);
+    for (Vec3f& x : rule.v) x = centroid + (x - centroid) * overlap;
+    first = nearestPrototype(view, centroid, competitor[0], slack).cluster;
+    rule.addCompetitor(view.prototypes[first], slack);
+  } else {
+    // The one whose farthest vertex is the nearest comes first: the search about it is the
+    // shortest.
+    float least2 = INFINITY;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3f p = view.prototypes[competitor[k]];
+      const float farthest2 =
+          most(squaredDistance(v[0], p), most(squaredDistance(v[1], p), squaredDistance(v[2], p)));
+      if (k > 0 && farthest2 < least2) {
+        const std::uint32_t former = competitor[0];
+        competitor[0] = competitor[k];
+        competitor[k] = former;
+      }
+      least2 = least(least2, farthest2);
+    }
+    first = competitor[0];
+  }
+  for (int k = 0; k < 3; ++k) rule.addCompetitor(view.prototypes[competitor[k]], slack);
+  return rule;
+}
+
+// The lowest cluster on both of two ascending lists, which have one in common.
+DCM_HD inline std::uint32_t lowestCommon(const std::uint32_t* x, const std::uint32_t* y) {
+  while (*x != *y) {
+    if (*x < *y) {
+      ++x;
+    } else {
+      ++y;
+    }
+  }
+  return *x;
+}
+
+// Whether the list of the first competitor holds all clusters that the rule may admit.
+DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRule& rule,
+                                std::uint32_t first, float& radius) {
+  radius = rule.searchRadius(view.prototypes[first]);
+  return view.list_reach[first] > radius;
+}
+
+// Calls add(place) for each of the neighbours of the first competitor that the rule admits.
+template <class Add>
+DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRule& rule,
+                                 std::uint32_t first, float radius, Share share, const Add& add) {
+  walkList(
+      view, first, share, [radius] { return radius; },
+      [&](std::uint32_t place, const Vec3f& prototype) {
+        if (rule.admits(prototype)) add(place);
+      });
+}
+
+// Calls add(g) for every cluster g that the rule admits. In no particular order, each once.
+template <class Add>
+DCM_HD inline void forEachAdmitted(const PrototypesView& view, const HalfSpaceRule& rule,
+                                   std::uint32_t first, const Add& add) {
+  float radius;
+  if (listSuffices(view, rule, first, radius)) {
+    if (rule.admits(view.prototypes[first])) add(first);
+    forEachListed(view, rule, first, radius, Share(), [&](std::uint32_t place) {
+      add(view.neighbour_cluster[view.listBegin(first) + place]);
+    });
+    return;
+  }
+  for (std::uint32_t g = 0; g < view.count; ++g) {
+    if (rule.admits(view.prototypes[g])) add(g);
+  }
+}
+
+}  // namespace deformable_contact_monitor

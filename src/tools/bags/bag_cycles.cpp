@@ -1,0 +1,183 @@
+// The monitor's cycles for what bags hold: every deformable mesh at its own stamp.
+#include "tools/bags/bag_cycles.h"
+
+#include <tf2/exceptions.h>
+#include <tf2_eigen/tf2_eigen.h>
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <exception>
+#include <memory>
+
+#include "node/time_difference.h"
+#include "tools/bags/bag_messages.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// How much later than a mesh a transform of its stamp may have been recorded.
+constexpr double kLookAheadS = 2;
+constexpr double kUsualCacheS = 10;     // tf2's own
+constexpr double kLongestCacheS = 600;  // one senseless stamp must not fill the memory
+
+ros::Time plus(const ros::Time& time, double seconds) {
+  const std::int64_t ns = static_cast<std::int64_t>(time.toNSec()) + std::llround(1e9 * seconds);
+  return ros::Time().fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(ns, 0)));
+}
+
+// Transforms stay known until the last mesh that may need them has had its cycle. A mesh waits for
+// those before it in the order of stamps.
+ros::Duration cacheTime(const BagContents& contents) {
+  double waits_s = 0;
+  ros::Time read_up_to;
+  for (const BagContents::Mesh& mesh : contents.meshes) {
+    read_up_to = std::max(read_up_to, mesh.received);
+    waits_s = std::max(waits_s, secondsBetween(read_up_to, mesh.received));
+  }
+  return ros::Duration(
+      std::min(kUsualCacheS + kLookAheadS + contents.transforms_ahead_s + waits_s, kLongestCacheS));
+}
+
+}  // namespace
+
+std::string topicOf(const ObjectParameters& object) {
+  const std::string& topic = object.topic;
+  if (topic.empty()) return "/contact_monitor/objects/" + object.name + "/mesh";
+  if (topic.front() == '~') return "/contact_monitor/" + topic.substr(1);
+  return topic.front() == '/' ? topic : "/" + topic;
+}
+
+BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& contents,
+                     const RobotGeometry& robot, const PlayedObject* played)
+    : parameters_(parameters),
+      played_(played),
+      scene_(parameters),
+      buffer_(cacheTime(contents)),
+      lookup_(buffer_, parameters.reference_frame, 0) {
+  for (const ObjectParameters& object : parameters.objects) {
+    input_of_topic_[topicOf(object)] = inputs_.size();
+    inputs_.push_back(std::make_unique<MeshInput>(object.name, parameters.max_mesh_age_s));
+  }
+  if (parameters.pair_classes.needRobot()) scene_.setRobot(robot);
+  for (const geometry_msgs::TransformStamped& transform : contents.static_transforms) {
+    if (!buffer_.setTransform(transform, "bag", true)) ++refused_transforms_;
+  }
+  plan(contents);
+}
+
+void BagCycles::plan(const BagContents& contents) {
+  for (const BagContents::Mesh& mesh : contents.meshes) {
+    const auto input = input_of_topic_.find(mesh.topic);
+    if (input == input_of_topic_.end()) continue;
+    events_.push_back(
+        {mesh.stamp, plus(mesh.received, kLookAheadS), false, input->second, mesh.number});
+  }
+  if (played_ == nullptr || contents.last_transform.isZero()) return;
+  std::size_t input = 0;
+  while (parameters_.objects[input].name != played_->object) ++input;
+  for (std::uint64_t i = 0;; ++i) {
+    const double since_s = static_cast<double>(i) / played_->rate_hz;
+    const ros::Time stamp = plus(contents.settled, since_s);
+    if (stamp > contents.last_transform) break;
+    events_.push_back({stamp, plus(stamp, kLookAheadS), true, input, 0});
+  }
+  std::stable_sort(events_.begin(), events_.end(),
+                   [](const Event& a, const Event& b) { return a.stamp < b.stamp; });
+}
+
+std::string BagCycles::run(BagReader* reader, const std::function<void(CycleReport*)>& visit) {
+  std::string problem = reader->read([&](const BagMessage& message) {
+    take(message);
+    release(visit);
+  });
+  at_end_ = true;
+  release(visit);
+  return problem;
+}
+
+void BagCycles::take(const BagMessage& message) {
+  received_ = std::max(received_, message.received);
+  const bool is_mesh = isDeformableMesh(message);
+  const std::uint64_t number = is_mesh ? meshes_read_++ : 0;
+  try {
+    if (is_mesh && input_of_topic_.count(message.topic) > 0) {
+      held_[number] = toDeformableMesh(message);
+    }
+    if (!isTransforms(message) || isStatic(message.topic)) return;
+    for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
+      if (!buffer_.setTransform(transform, "bag")) ++refused_transforms_;
+      newest_transform_ = std::max(newest_transform_, transform.header.stamp);
+    }
+  } catch (const std::exception&) {  // it was counted when the bag was scanned
+    if (is_mesh) held_[number] = nullptr;
+  }
+}
+
+bool BagCycles::isReady(const Event& event) const {
+  if (at_end_) return true;
+  if (event.played) return newest_transform_ >= event.ready;
+  return held_.count(event.number) > 0 && received_ >= event.ready;
+}
+
+void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
+  while (next_ < events_.size() && isReady(events_[next_])) {
+    const ros::Time stamp = events_[next_].stamp;
+    std::size_t end = next_;
+    for (; end < events_.size() && events_[end].stamp == stamp; ++end) {
+      if (!isReady(events_[end])) return;
+    }
+    bool anything_new = false;
+    for (; next_ < end; ++next_) {
+      const Event& event = events_[next_];
+      DeformableMesh::ConstPtr mesh;
+      if (event.played) {
+        mesh = nextPlayed(stamp);
+      } else if (const auto held = held_.find(event.number); held != held_.end()) {
+        mesh = held->second;
+        held_.erase(held);
+      }
+      if (!mesh) continue;
+      inputs_[event.input]->store(mesh);
+      anything_new |= inputs_[event.input]->take(ros::Time());
+    }
+    if (anything_new) detectAt(stamp, visit);
+  }
+}
+
+DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
+  if (played_out_) return nullptr;
+  const std::optional<MeshFrame> frame =
+      played_->next([&](const std::string& link) -> std::optional<Eigen::Isometry3d> {
+        try {
+          return tf2::transformToEigen(buffer_.lookupTransform(played_->frame, link, stamp));
+        } catch (const tf2::TransformException&) {
+          return std::nullopt;
+        }
+      });
+  if (!frame) {
+    played_out_ = true;
+    return nullptr;
+  }
+  const auto message = boost::make_shared<DeformableMesh>();
+  message->header.stamp = stamp;
+  message->header.frame_id = played_->frame;
+  message->object = played_->object;
+  message->topology_id = frame->topology_id;
+  message->vertices = frame->mesh.vertices;
+  message->triangles = frame->mesh.triangles;
+  return message;
+}
+
+void BagCycles::detectAt(const ros::Time& stamp, const std::function<void(CycleReport*)>& visit) {
+  scene_.prepare(stamp, inputs_, lookup_);
+  CycleReport report;
+  report.header.stamp = stamp;
+  report.header.frame_id = parameters_.reference_frame;
+  report.cycle = ++cycle_;
+  report.bodies = scene_.bodies();
+  report.pairs = scene_.pairs();
+  report.scene = &scene_.scene();
+  visit(&report);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,32 @@
+// From a bag's bytes to messages, every size checked before memory is asked for.
+#pragma once
+
+#include <deformable_contact_monitor/DeformableMesh.h>
+#include <deformable_contact_monitor/LinkMeshes.h>
+#include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <set>
+#include <string>
+
+#include "tools/bags/bag_reader.h"
+
+namespace deformable_contact_monitor {
+
+// The types that an evaluation looks at; tf/tfMessage is how transforms were recorded before tf2,
+// and reads as tf2_msgs/TFMessage.
+const std::set<std::string>& evaluatedTypes();
+
+bool isTransforms(const BagMessage& message);
+bool isDeformableMesh(const BagMessage& message);
+bool isLinkMeshes(const BagMessage& message);
+bool isText(const BagMessage& message);
+
+// They throw std::runtime_error, "<topic>: <what>", if the bytes are not exactly one message of the
+// type, or the type was defined otherwise when it was recorded.
+tf2_msgs::TFMessage toTransforms(const BagMessage& message);
+DeformableMesh::ConstPtr toDeformableMesh(const BagMessage& message);
+LinkMeshes toLinkMeshes(const BagMessage& message);
+std::string toText(const BagMessage& message);
+
+}  // namespace deformable_contact_monitor

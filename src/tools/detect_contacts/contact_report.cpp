@@ -1,0 +1,182 @@
+// What detect_contacts writes: pairs, JSON, and a summary for people.
+#include "tools/detect_contacts/contact_report.h"
+
+#include <charconv>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "tools/common/sample_statistics.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json timesJson(const std::vector<double>& ms) {
+  return {{"first", ms.front()}, {"median", median(ms)}, {"p95", percentile(ms, 0.95)}};
+}
+
+// A stage that a cycle left out took no time in it.
+Json stagesJson(const DetectionTimes& times) {
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> samples;
+  for (std::size_t cycle = 0; cycle < times.stages.size(); ++cycle) {
+    for (const auto& [name, ms] : times.stages[cycle]) {
+      std::vector<double>& of_stage = samples[name];
+      if (of_stage.empty()) names.push_back(name);
+      of_stage.resize(times.stages.size());
+      of_stage[cycle] += ms;
+    }
+  }
+  Json json = Json::object();
+  for (const std::string& name : names) json[name] = median(samples[name]);
+  return json;
+}
+
+Json filesJson(const Scene& scene) {
+  Json json = Json::array();
+  for (const Body& body : scene.bodies()) {
+    json.push_back({{"path", body.name},
+                    {"vertices", body.mesh.vertexCount()},
+                    {"triangles", body.mesh.triangleCount()}});
+  }
+  return json;
+}
+
+Json optionsJson(const DetectArguments& arguments) {
+  const Options& options = arguments.options;
+  Json json;
+  json["backend"] = arguments.backend;
+  json["self"] = arguments.self;
+  json["adjacent"] = toString(options.adjacent);
+  json["predicates"] = toString(options.predicates);
+  json["overlap"] = options.overlap;
+  json["margin"] = arguments.margin_m;
+  json["clusters"] = options.clusters == 0 ? Json("auto") : Json(options.clusters);
+  json["fuzzifier"] = options.fuzzifier;
+  json["iterations"] = options.iterations;
+  json["refresh_period"] = options.refresh_period;
+  json["threads"] = options.threads;
+  return json;
+}
+
+std::string milliseconds(const char* name, const std::vector<double>& ms) {
+  char line[160];
+  if (ms.size() == 1) {
+    std::snprintf(line, sizeof line, "%s: %.3f ms\n", name, ms.front());
+  } else {
+    std::snprintf(line, sizeof line, "%s: first %.3f ms, median %.3f ms, p95 %.3f ms of %zu\n",
+                  name, ms.front(), median(ms), percentile(ms, 0.95), ms.size());
+  }
+  return line;
+}
+
+std::string bodyPairs(const Scene& scene, const std::vector<TrianglePair>& contacts) {
+  constexpr std::size_t kShown = 20;
+  std::map<std::pair<BodyId, BodyId>, std::uint64_t> counts;
+  for (const TrianglePair& pair : contacts) ++counts[{pair.body_a, pair.body_b}];
+  std::string text;
+  std::size_t shown = 0;
+  for (const auto& [bodies, count] : counts) {
+    if (shown++ == kShown) {
+      return text + "  and " + std::to_string(counts.size() - kShown) + " more pairs of bodies\n";
+    }
+    text += "  " + scene.body(bodies.first).name +
+            (bodies.first == bodies.second ? " with itself"
+                                           : " with " + scene.body(bodies.second).name) +
+            ": " + std::to_string(count) + "\n";
+  }
+  return text;
+}
+
+std::string completeness(const DetectionResult& result) {
+  std::string text = isComplete(result) ? "complete: yes" : "complete: no";
+  if (!result.guaranteed) text += "; these settings or this backend may err";
+  if (result.counters.rejected > 0) {
+    text += "; " + std::to_string(result.counters.rejected) +
+            " triangles have a NaN or infinite vertex and took no part";
+  }
+  if (result.counters.undecided > 0) {
+    text += "; " + std::to_string(result.counters.undecided) + " undecided pairs count as contacts";
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+void DetectionTimes::add(const DetectionResult& result) {
+  detect.push_back(result.detect_ms);
+  round_trip.push_back(result.round_trip_ms);
+  stages.push_back(result.stages_ms);
+}
+
+bool isComplete(const DetectionResult& result) {
+  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0;
+}
+
+std::string pairLines(const std::vector<TrianglePair>& contacts) {
+  constexpr std::size_t kLongestLine = 44;  // four numbers of ten digits, three blanks, LF
+  std::string text(contacts.size() * kLongestLine, '\0');
+  char* at = text.data();
+  char* const end = at + text.size();
+  const auto put = [&at, end](std::uint32_t number, char after) {
+    at = std::to_chars(at, end, number).ptr;
+    *at++ = after;
+  };
+  for (const TrianglePair& pair : contacts) {
+    put(pair.body_a, ' ');
+    put(pair.triangle_a, ' ');
+    put(pair.body_b, ' ');
+    put(pair.triangle_b, '\n');
+  }
+  text.resize(static_cast<std::size_t>(at - text.data()));
+  return text;
+}
+
+std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
+                       const std::string& backend, const DetectionResult& last,
+                       const DetectionTimes& times) {
+  const Counters& counters = last.counters;
+  Json json;
+  json["files"] = filesJson(scene);
+  json["backend"] = backend;
+  json["options"] = optionsJson(arguments);
+  json["contacts"] = last.contacts.size() + last.left_out;
+  json["contacts_left_out"] = last.left_out;
+  json["complete"] = isComplete(last);
+  json["guaranteed"] = last.guaranteed;
+  json["triangles"] = counters.triangles;
+  json["rejected_triangles"] = counters.rejected;
+  json["posed"] = counters.posed;
+  json["culled"] = counters.culled;
+  json["clustered"] = counters.clustered;
+  json["large"] = counters.large;
+  json["clusters"] = counters.clusters;
+  json["cluster_entries"] = counters.cluster_entries;
+  json["largest_cluster"] = counters.largest_cluster;
+  json["interval_overlaps"] = counters.interval_overlaps;
+  json["candidates"] = counters.candidates;
+  json["exact"] = counters.exact;
+  json["undecided"] = counters.undecided;
+  json["memory_bytes"] = last.memory_bytes;
+  json["repeat"] = arguments.repeat;
+  json["detect_ms"] = timesJson(times.detect);
+  json["round_trip_ms"] = timesJson(times.round_trip);
+  json["stages_ms"] = stagesJson(times);
+  // A file name need not be UTF-8, but JSON must.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string summary(const Scene& scene, const std::string& backend, const DetectionResult& last,
+                    const DetectionTimes& times) {
+  return std::to_string(last.contacts.size()) + " contacts\n" + bodyPairs(scene, last.contacts) +
+         completeness(last) + std::to_string(scene.bodyCount()) + " bodies, " +
+         std::to_string(last.counters.triangles) + " triangles, " +
+         std::to_string(last.counters.clusters) + " clusters, " +
+         std::to_string(last.counters.candidates) + " candidate pairs, backend " + backend + "\n" +
+         milliseconds("detect", times.detect) + milliseconds("round trip", times.round_trip);
+}
+
+}  // namespace deformable_contact_monitor

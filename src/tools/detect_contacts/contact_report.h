@@ -1,0 +1,36 @@
+// What detect_contacts writes: pairs, JSON, and a summary for people.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/detector.h"
+#include "tools/detect_contacts/detect_arguments.h"
+
+namespace deformable_contact_monitor {
+
+// The times of repeated detections of one scene [ms].
+struct DetectionTimes {
+  std::vector<double> detect, round_trip;
+  std::vector<std::vector<std::pair<std::string, double>>> stages;
+
+  void add(const DetectionResult& result);
+};
+
+// The settings are complete by proof and every triangle took part.
+bool isComplete(const DetectionResult& result);
+
+// A line "bodyA triA bodyB triB" for each contact, sorted, 0-based, nothing else.
+std::string pairLines(const std::vector<TrianglePair>& contacts);
+
+// One JSON object: counts are of the last detection, times of all of them: `first` the first alone,
+// `median` and `p95` over all.
+std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
+                       const std::string& backend, const DetectionResult& last,
+                       const DetectionTimes& times);
+
+// A few lines; which bodies touch and in how many pairs.
+std::string summary(const Scene& scene, const std::string& backend, const DetectionResult& last,
+                    const DetectionTimes& times);
+
+}  // namespace deformable_contact_monitor

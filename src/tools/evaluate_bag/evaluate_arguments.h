@@ -1,0 +1,31 @@
+// The command line of evaluate_bag.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/options.h"
+#include "tools/common/scene_object.h"
+
+namespace deformable_contact_monitor {
+
+struct EvaluateArguments {
+  std::vector<std::string> bags;
+  std::string config;             // the node's parameters, yaml; empty: defaults
+  std::string expectations;       // yaml; empty: none
+  std::string robot_description;  // URDF or rosparam dump; empty: from the bags
+  std::string reference_frame;    // empty: the configuration's
+  std::string out = "evaluation";
+  // What to run, each with each; empty: as the configuration says.
+  std::vector<std::string> backends, predicates;
+  std::vector<float> overlaps;
+  bool pairs = false;  // also pairs.csv
+  bool report = true;  // report.html
+  SceneObject object;  // one that is not in the bags
+};
+
+// False if there is nothing to do, because --help or --version was asked for and is printed.
+// Throws std::invalid_argument, one line, on bad usage.
+bool parseArguments(int argc, char** argv, EvaluateArguments* arguments);
+
+}  // namespace deformable_contact_monitor

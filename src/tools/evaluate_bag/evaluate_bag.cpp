@@ -1,0 +1,218 @@
+// evaluate_bag: the contacts of every deformable mesh in ROS bags. Needs no ROS master.
+#include <console_bridge/console.h>
+#include <ros/time.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cuda/cuda_error.h"
+#include "tools/bags/bag_contents.h"
+#include "tools/bags/bag_cycles.h"
+#include "tools/bags/bag_messages.h"
+#include "tools/common/backend_choice.h"
+#include "tools/common/output_file.h"
+#include "tools/common/progress.h"
+#include "tools/common/script.h"
+#include "tools/evaluate_bag/evaluate_arguments.h"
+#include "tools/evaluate_bag/evaluation_input.h"
+#include "tools/evaluate_bag/evaluation_run.h"
+#include "tools/evaluate_bag/evaluation_summary.h"
+#include "tools/evaluate_bag/evaluation_tables.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
+
+void warn(const std::string& what) {
+  std::fprintf(stderr, "evaluate_bag: warning: %s\n", oneLine(what).c_str());
+}
+
+std::string backendOf(const MonitorParameters& parameters) {
+  constexpr const char* kNames[] = {"auto", "cuda", "cpu"};
+  return kNames[static_cast<int>(parameters.backend)];
+}
+
+// Unlike the node, no fall-back: what is called cuda ran with CUDA.
+std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSettings& settings) {
+  if (backend != "cuda") return makeDetector(backend, settings, warn);
+  try {
+    return makeCudaDetector(settings);
+  } catch (const CudaError& error) {
+    throw std::runtime_error(std::string(error.what()) + "; --backends cpu needs no GPU");
+  }
+}
+
+bool hasMargins(const MonitorParameters& parameters) {
+  bool any = parameters.margin_m > 0;
+  for (const ObjectParameters& object : parameters.objects) any |= object.margin_m > 0;
+  for (const auto& [link, margin_m] : parameters.link_margin_m) any |= margin_m > 0;
+  return any;
+}
+
+Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& parameters,
+              const std::vector<Expectation>& expectations) {
+  std::vector<std::string> backends = arguments.backends;
+  if (backends.empty()) backends = {backendOf(parameters)};
+  std::vector<Predicates> predicates;
+  for (const std::string& name : arguments.predicates) predicates.push_back(toPredicates(name));
+  if (predicates.empty()) predicates = {parameters.detector.predicates};
+  std::vector<float> overlaps = arguments.overlaps;
+  if (overlaps.empty()) overlaps = {parameters.detector.overlap};
+  Runs runs;
+  for (const Predicates p : predicates) {
+    for (const float overlap : overlaps) {
+      for (const std::string& backend : backends) {
+        Options options = parameters.detector;
+        options.predicates = p;
+        options.overlap = overlap;
+        runs.push_back(std::make_unique<EvaluationRun>(
+            backend, makeBackend(backend, parameters.cuda), options, expectations));
+        if (hasMargins(parameters) && !supportsMargins(*runs.back()->detector)) {
+          throw std::invalid_argument("backend " + backend + " has no margins; set margin_m to 0");
+        }
+      }
+    }
+  }
+  return runs;
+}
+
+// Everything that is written while the evaluation goes.
+struct Tables {
+  Tables(const std::string& folder, bool with_pairs) : frames(folder), links(folder) {
+    if (with_pairs) pairs.emplace(folder);
+  }
+
+  void finish() {
+    frames.finish();
+    links.finish();
+    if (pairs) pairs->finish();
+  }
+
+  FramesTable frames;
+  LinksTable links;
+  std::optional<PairsTable> pairs;
+};
+
+void evaluateCycle(CycleReport* cycle, Runs* runs, std::vector<RunComparison>* compared,
+                   Tables* tables) {
+  for (auto& run : *runs) run->detect(cycle);
+  std::vector<bool> differing(runs->size(), false);
+  for (RunComparison& comparison : *compared) {
+    const SetDifference found =
+        difference(*cycle->scene, *(*runs)[comparison.a]->result, *(*runs)[comparison.b]->result);
+    if (found.isEmpty()) continue;
+    differing[comparison.b] = true;
+    ++comparison.cycles;
+    comparison.only_a += found.only_a;
+    comparison.only_b += found.only_b;
+    if (comparison.example.empty()) {
+      comparison.example = "at " + stampText(cycle->header.stamp) + " " + found.example;
+    }
+  }
+  tables->frames.add(*cycle, *runs, differing);
+  for (std::size_t i = 0; i < runs->size(); ++i) tables->links.add(i, *(*runs)[i]);
+  if (tables->pairs) tables->pairs->add(*cycle, *(*runs)[0]->result);
+}
+
+// Why the bags were not read to their end, or whole; empty: they were.
+std::string damage(const BagContents& contents) {
+  if (!contents.problem.empty()) return contents.problem;
+  return contents.damaged() > 0 ? std::to_string(contents.damaged()) + " messages" : "";
+}
+
+// What is missing may have been in what could not be read.
+EvaluationInput prepare(const EvaluateArguments& arguments, const BagContents& contents) {
+  try {
+    return prepareEvaluation(arguments, contents, warn);
+  } catch (const std::exception& error) {
+    const std::string damaged = damage(contents);
+    if (damaged.empty()) throw;
+    throw std::runtime_error("damaged: " + damaged + "; " + error.what());
+  }
+}
+
+std::string makeFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
+  // What this evaluation may not write must not be an earlier one's.
+  for (const char* name : {"/summary.json", "/pairs.csv", "/report.html"}) {
+    std::filesystem::remove(folder + name, error);
+  }
+  return folder;
+}
+
+int evaluate(const EvaluateArguments& arguments) {
+  const auto start = std::chrono::steady_clock::now();
+  // First, because it forks.
+  BagReader reader(arguments.bags, evaluatedTypes());
+  ros::Time::init();
+  console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
+  std::vector<Expectation> expectations;
+  if (!arguments.expectations.empty()) expectations = readExpectations(arguments.expectations);
+
+  std::optional<Progress> progress("reading the bags");
+  const BagContents contents = scanBags(&reader, [&](std::uint64_t count) {
+    if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
+  });
+  const EvaluationInput input = prepare(arguments, contents);
+  Runs runs = makeRuns(arguments, input.parameters, expectations);
+  std::vector<RunComparison> compared = comparisons(runs);
+  Tables tables(makeFolder(arguments.out), arguments.pairs);
+  BagCycles cycles(input.parameters, contents, input.robot,
+                   input.played ? &*input.played : nullptr);
+
+  EvaluationEnd end;
+  end.problem = cycles.run(&reader, [&](CycleReport* cycle) {
+    progress->set("cycle " + std::to_string(cycle->cycle) + ", stamp " +
+                  stampText(cycle->header.stamp));
+    evaluateCycle(cycle, &runs, &compared, &tables);
+  });
+  tables.finish();
+  progress.reset();
+  // The two readings of a damaged bag need not end alike.
+  if (end.problem.empty()) end.problem = contents.problem;
+
+  end.arguments = &arguments;
+  end.contents = &contents;
+  end.input = &input;
+  end.runs = &runs;
+  end.comparisons = &compared;
+  end.expectations = runs[0]->judge.verdicts();
+  end.refused_transforms = cycles.refusedTransforms();
+  end.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  OutputFile(arguments.out + "/summary.json").write(summaryJson(end));
+  if (arguments.report) runScriptBeside("evaluation_report.py", {arguments.out}, warn);
+  OutputFile("-").write(summaryText(end));
+  const std::string damaged = end.problem.empty() ? damage(contents) : end.problem;
+  if (!damaged.empty()) {
+    throw std::runtime_error("damaged: " + damaged + "; what could be read is in " + arguments.out);
+  }
+  return isPassed(end) ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main(int argc, char** argv) {
+  namespace dcm = deformable_contact_monitor;
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    dcm::EvaluateArguments arguments;
+    if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
+    return dcm::evaluate(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "evaluate_bag: %s\n", dcm::oneLine(error.what()).c_str());
+  }
+  return 2;
+}

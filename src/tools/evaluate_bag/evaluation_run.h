@@ -1,0 +1,71 @@
+// One backend with one setting, through all cycles of an evaluation.
+#pragma once
+
+#include <deformable_contact_monitor/ContactStates.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/detector.h"
+#include "node/contact_state_tracker.h"
+#include "node/cycle_report.h"
+#include "tools/evaluate_bag/expectations.h"
+
+namespace deformable_contact_monitor {
+
+struct EvaluationRun {
+  EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made, const Options& with,
+                std::vector<Expectation> expectations);
+
+  // Detects in the cycle's scene, keeps its times and states, and fills the report.
+  void detect(CycleReport* cycle);
+
+  // "cpu exact", "cuda exact, overlap 0.5", "fcl": what was asked for, which is not always what
+  // ran.
+  std::string name() const;
+
+  const std::string asked;  // backend
+  const std::unique_ptr<Detector> detector;
+  const Options options;
+  ContactStateTracker tracker;
+  ExpectationJudge judge;
+
+  // Of the latest cycle.
+  const DetectionResult* result = nullptr;
+  ContactStates states;
+
+  // Of all cycles.
+  std::uint64_t cycles = 0, complete = 0, pairs = 0;
+  std::vector<double> detect_ms, round_trip_ms;
+  std::vector<std::pair<std::string, std::vector<double>>> stages_ms;  // in order of execution
+};
+
+// Whether nothing can be missing: as ContactArray.complete says it.
+bool isComplete(const CycleReport& cycle, const DetectionResult& result);
+
+// How two runs' contacts differ in a cycle, as sets.
+struct SetDifference {
+  std::uint64_t only_a = 0, only_b = 0;
+  std::string example;  // the first pair that only one has
+
+  bool isEmpty() const { return only_a == 0 && only_b == 0; }
+};
+
+SetDifference difference(const Scene& scene, const DetectionResult& a, const DetectionResult& b);
+
+// Two runs over all cycles.
+struct RunComparison {
+  std::size_t a = 0, b = 0;  // of the runs
+  // Both are exact by design, so that a difference is a defect; else it is a matter of settings.
+  bool must_agree = false;
+  std::uint64_t cycles = 0;              // in which they differ
+  std::uint64_t only_a = 0, only_b = 0;  // pairs, of all cycles
+  std::string example;                   // of the first cycle that differs, with its stamp
+};
+
+// Every run with the first.
+std::vector<RunComparison> comparisons(const std::vector<std::unique_ptr<EvaluationRun>>& runs);
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,139 @@
+// Who must touch whom in a bag, and when.
+#include "tools/evaluate_bag/expectations.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include "node/parameter_reader.h"
+#include "node/time_difference.h"
+#include "tools/common/yaml_parameters.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr double kLongestS = 1e9;
+
+std::string seconds(double s) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f s", s);
+  return text;
+}
+
+std::string describe(const Expectation& e) {
+  const char* const kWords[] = {" touches ", " always touches ", " never touches "};
+  std::string text = e.link + kWords[static_cast<int>(e.touches)] + e.object;
+  if (e.min_pairs > 1) text += " in " + std::to_string(e.min_pairs) + " pairs or more";
+  if (e.from_s > 0) text += " from " + seconds(e.from_s);
+  if (e.to_s < kLongestS) text += " to " + seconds(e.to_s);
+  return text;
+}
+
+const ContactState* find(const ContactStates& states, const Expectation& e) {
+  for (const ContactState& state : states.states) {
+    if ((state.body_a == e.link && state.body_b == e.object) ||
+        (state.body_a == e.object && state.body_b == e.link)) {
+      return &state;
+    }
+  }
+  return nullptr;
+}
+
+std::string seen(const ContactState* state) {
+  if (state == nullptr) return "not monitored";
+  const char* const kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN"};
+  return std::string(kNames[state->state]) + ", " + std::to_string(state->pair_count) + " pairs";
+}
+
+}  // namespace
+
+std::vector<Expectation> readExpectations(const std::string& path) {
+  XmlRpc::XmlRpcValue tree;
+  tree["expectations"] = readYamlParameters(path);
+  std::vector<std::string> problems;
+  ParameterReader root(tree, "", &problems);
+  std::vector<Expectation> expectations;
+  for (ParameterReader& entry : root.structs("expectations")) {
+    Expectation e;
+    e.link = entry.text("link", "");
+    e.object = entry.text("object", "");
+    e.touches = static_cast<Expectation::Touches>(
+        entry.choice("touches", {"sometime", "always", "never"}, 0));
+    e.from_s = entry.number("from_s", 0, 0, kLongestS);
+    e.to_s = entry.number("to_s", kLongestS, 0, kLongestS);
+    e.min_pairs = static_cast<std::uint32_t>(entry.integer("min_pairs", 1, 1, 1 << 30));
+    if (e.link.empty() || e.object.empty()) {
+      entry.addProblem("link and object", "must both be there");
+    }
+    if (e.to_s < e.from_s) entry.addProblem("to_s", "is before from_s");
+    for (const std::string& name : entry.unknown()) {
+      problems.push_back(name + " is nothing that an expectation has");
+    }
+    expectations.push_back(std::move(e));
+  }
+  if (problems.empty() && expectations.empty()) problems.push_back("it holds no expectation");
+  if (problems.empty()) return expectations;
+  std::string all;
+  for (const std::string& problem : problems) all += (all.empty() ? "" : "; ") + problem;
+  throw std::runtime_error(path + ": " + all);
+}
+
+ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations) {
+  for (Expectation& expectation : expectations) {
+    Record record;
+    record.expectation = std::move(expectation);
+    records_.push_back(std::move(record));
+  }
+}
+
+void ExpectationJudge::look(const ContactStates& states) {
+  if (!started_) start_ = states.header.stamp;
+  started_ = true;
+  const double since_s = secondsBetween(states.header.stamp, start_);
+  for (Record& record : records_) {
+    const Expectation& e = record.expectation;
+    if (since_s >= e.from_s && since_s <= e.to_s) look(states, since_s, &record);
+  }
+}
+
+void ExpectationJudge::look(const ContactStates& states, double since_s, Record* record) const {
+  const Expectation& e = record->expectation;
+  const ContactState* const state = find(states, e);
+  const bool known = state != nullptr &&
+                     (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
+                      state->state == ContactState::CONTACT);
+  const bool touching =
+      known && state->state == ContactState::CONTACT && state->pair_count >= e.min_pairs;
+  ++record->cycles;
+  record->touching += touching;
+  record->unknown += !known;
+  if (known && state->state == ContactState::CONTACT) {
+    record->most_pairs = std::max(record->most_pairs, state->pair_count);
+  }
+  const bool wanted = e.touches == Expectation::Touches::kAlways;
+  if (record->first_break.empty() && e.touches != Expectation::Touches::kSometime &&
+      (!known || touching != wanted)) {
+    record->first_break = "at " + seconds(since_s) + ": " + seen(state);
+  }
+}
+
+std::vector<ExpectationJudge::Verdict> ExpectationJudge::verdicts() const {
+  std::vector<Verdict> verdicts;
+  for (const Record& record : records_) {
+    Verdict verdict{describe(record.expectation), ""};
+    if (record.cycles == 0) {
+      verdict.failure = "no cycle in that time";
+    } else if (record.expectation.touches != Expectation::Touches::kSometime) {
+      verdict.failure = record.first_break;
+    } else if (record.touching == 0) {
+      verdict.failure = "not once in " + std::to_string(record.cycles) + " cycles, " +
+                        std::to_string(record.unknown) + " of them unknown, most pairs " +
+                        std::to_string(record.most_pairs);
+    }
+    verdicts.push_back(std::move(verdict));
+  }
+  return verdicts;
+}
+
+}  // namespace deformable_contact_monitor

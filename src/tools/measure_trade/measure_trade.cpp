@@ -1,0 +1,141 @@
+// measure_trade: what each setting of the detector costs and finds on a scene.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include "core/cpu/cpu_detector.h"
+#include "cuda/cuda_detector.h"
+#include "tools/common/output_file.h"
+#include "tools/common/progress.h"
+#include "tools/common/script.h"
+#include "tools/measure_trade/bag_frames.h"
+#include "tools/measure_trade/mesh_frames.h"
+#include "tools/measure_trade/trade_arguments.h"
+#include "tools/measure_trade/trade_measurement.h"
+#include "tools/measure_trade/trade_report.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// What is written, opened before the measuring starts, so that it is not in vain.
+struct Outputs {
+  explicit Outputs(const TradeArguments& arguments)
+      : settings(arguments.out_folder + "/settings.csv"),
+        links(arguments.out_folder + "/links.csv"),
+        summary(arguments.out_folder + "/summary.json") {
+    if (!arguments.config_file.empty()) config.emplace(arguments.config_file);
+  }
+  OutputFile settings, links, summary;
+  std::optional<OutputFile> config;
+};
+
+void makeFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::system_error(error, folder + ": cannot be made");
+}
+
+void note(const std::string& what) {
+  std::fprintf(stderr, "measure_trade: note: %s\n", oneLine(what).c_str());
+}
+
+std::unique_ptr<FrameSource> openFrames(const TradeArguments& arguments,
+                                        const SayProgress& progress) {
+  if (!arguments.recorded.bags.empty()) return makeBagFrames(arguments.recorded, progress, note);
+  return makeMeshFrames(arguments.meshes, progress);
+}
+
+// No fall-back: what is called cuda was measured with CUDA.
+std::unique_ptr<Detector> makeBackend(const std::string& backend) {
+  return backend == "cuda" ? makeCudaDetector() : makeCpuDetector();
+}
+
+TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Progress* progress) {
+  const std::vector<Setting> settings = settingsOf(arguments.grid, arguments.base);
+  for (const std::string& backend : arguments.grid.backends) makeBackend(backend);  // or fail now
+  TradeResults results;
+  results.exact = exactResults(frames, arguments.base.adjacent,
+                               [&](const std::string& what) { progress->set(what); });
+  const int frame_count = static_cast<int>(results.exact.labels.size());
+  const int least_cycles = arguments.least_cycles > 0 ? arguments.least_cycles : 20;
+  const CycleCounts cycles{arguments.warm_up, (least_cycles - 1) / frame_count + 1};
+  std::vector<Worth> worth;
+  for (const Setting& setting : settings) {
+    const std::string place = "setting " + std::to_string(worth.size() + 1) + " of " +
+                              std::to_string(settings.size()) + ": " + describe(setting) + ": ";
+    const std::unique_ptr<Detector> detector = makeBackend(setting.backend);
+    results.measurements.push_back(
+        measure(frames, results.exact, setting, cycles, detector.get(),
+                [&](const std::string& what) { progress->set(place + what); }));
+    worth.push_back(results.measurements.back().worth());
+  }
+  results.front = paretoFront(worth);
+  results.chosen = choose(worth, arguments.budget_ms);
+  results.fastest = fastest(worth);
+  return results;
+}
+
+// What a reader of the tables alone would not see.
+void warn(const TradeResults& results) {
+  if (results.exact.bodies.empty()) {
+    std::fputs("measure_trade: note: no frame has a contact, so recall says nothing\n", stderr);
+  }
+  for (const Measurement& m : results.measurements) {
+    if (m.broken.empty()) continue;
+    std::fprintf(stderr, "measure_trade: BROKEN GUARANTEE, please report it: %s\n",
+                 m.broken.c_str());
+  }
+}
+
+bool allGuaranteesHold(const TradeResults& results) {
+  for (const Measurement& m : results.measurements) {
+    if (!m.broken.empty()) return false;
+  }
+  return true;
+}
+
+// The exit code.
+int run(const TradeArguments& arguments) {
+  TradeResults results;
+  {
+    Progress progress("starting");
+    const std::unique_ptr<FrameSource> frames =
+        openFrames(arguments, [&](const std::string& what) { progress.set(what); });
+    makeFolder(arguments.out_folder);
+    Outputs outputs(arguments);
+    results = measureAll(arguments, frames.get(), &progress);
+    progress.set("writing");
+    outputs.settings.write(settingsCsv(results));
+    outputs.links.write(linksCsv(results, *frames));
+    outputs.summary.write(summaryJson(arguments, results, *frames));
+    if (outputs.config) outputs.config->write(configYaml(arguments, results));
+    progress.set("drawing");
+    runScriptBeside("plot_trade.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
+  }
+  warn(results);
+  if (arguments.config_file != "-") OutputFile("-").write(choiceText(arguments, results));
+  if (!allGuaranteesHold(results)) return 1;
+  if (!results.chosen && !arguments.config_file.empty()) {
+    throw std::runtime_error(arguments.config_file + ": there is no setting to write");
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main(int argc, char** argv) {
+  namespace dcm = deformable_contact_monitor;
+  try {
+    dcm::TradeArguments arguments;
+    return dcm::parseArguments(argc, argv, &arguments) ? dcm::run(arguments) : 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "measure_trade: %s\n", dcm::oneLine(error.what()).c_str());
+  }
+  return 2;
+}

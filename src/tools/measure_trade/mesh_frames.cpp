@@ -1,0 +1,74 @@
+// Mesh files as the states of one deforming body among bodies that stand still.
+#include "tools/measure_trade/mesh_frames.h"
+
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "core/mesh_files/mesh_file.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr BodyId kDeforming = 0;
+
+class MeshFrames : public FrameSource {
+ public:
+  MeshFrames(const MeshFrameFiles& files, const std::function<void(const std::string&)>& progress)
+      : files_(files.states) {
+    for (const std::string& file : files.states) {
+      progress("reading " + file);
+      states_.push_back(readMeshFile(file));
+    }
+    addBody(files.states.front(), states_.front());
+    scene_.setPairEnabled(kDeforming, kDeforming, files.self);
+    for (const std::string& file : files.against) {
+      progress("reading " + file);
+      scene_.setPairEnabled(kDeforming, addBody(file, readMeshFile(file)), true);
+    }
+  }
+
+  bool next() override {
+    if (next_ == states_.size()) return false;
+    const TriangleMesh& state = states_[next_];
+    const TriangleMesh& now = scene_.body(kDeforming).mesh;
+    if (state.triangles == now.triangles && state.vertices.size() == now.vertices.size()) {
+      scene_.setVertices(kDeforming, state.vertices.data(), state.vertexCount());
+    } else {
+      scene_.setMesh(kDeforming, state);
+    }
+    ++next_;
+    return true;
+  }
+  void rewind() override { next_ = 0; }
+  const Scene& scene() const override { return scene_; }
+  bool isDeformable(BodyId body) const override { return body == kDeforming; }
+  std::string label() const override { return next_ == 0 ? "" : files_[next_ - 1]; }
+
+ private:
+  BodyId addBody(const std::string& file, TriangleMesh mesh) {
+    const std::string name = std::filesystem::path(file).stem().string();
+    const auto [other, is_new] = file_of_name_.emplace(name, file);
+    if (!is_new) {
+      throw std::invalid_argument(file + ": would be called " + name + ", as " + other->second +
+                                  " is");
+    }
+    return scene_.addBody(name, std::move(mesh));
+  }
+
+  std::vector<std::string> files_;
+  std::vector<TriangleMesh> states_;
+  std::map<std::string, std::string> file_of_name_;
+  Scene scene_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> makeMeshFrames(
+    const MeshFrameFiles& files, const std::function<void(const std::string&)>& progress) {
+  return std::make_unique<MeshFrames>(files, progress);
+}
+
+}  // namespace deformable_contact_monitor

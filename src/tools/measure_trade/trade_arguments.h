@@ -1,0 +1,31 @@
+// The command line of measure_trade.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/options.h"
+#include "tools/measure_trade/bag_frames.h"
+#include "tools/measure_trade/mesh_frames.h"
+#include "tools/measure_trade/trade_grid.h"
+
+namespace deformable_contact_monitor {
+
+struct TradeArguments {
+  MeshFrameFiles meshes;   // no states if there is a bag
+  BagFrameFiles recorded;  // no bags if there are meshes
+  TradeGrid grid;
+  Options base;          // what the grid does not vary
+  int least_cycles = 0;  // measured for each setting; 0: 20, or a pass through all frames
+  int warm_up = 5;       // cycles before them
+  std::optional<double> budget_ms;
+  std::string out_folder = "trade";
+  std::string config_file;  // empty: not wanted
+  std::string command;      // all of it, to be typed again
+};
+
+// False if there is nothing to do, because --help or --version was asked for and is printed.
+// Throws std::invalid_argument, one line, on bad usage.
+bool parseArguments(int argc, char** argv, TradeArguments* arguments);
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,93 @@
+// The settings that measure_trade tries.
+#include "tools/measure_trade/trade_grid.h"
+
+#include <algorithm>
+#include <charconv>
+#include <tuple>
+
+namespace deformable_contact_monitor {
+namespace {
+
+bool same(const Setting& a, const Setting& b) {
+  const auto values = [](const Setting& s) {
+    const Options& o = s.options;
+    return std::tie(s.backend, o.overlap, o.predicates, o.clusters, o.fuzzifier, o.iterations,
+                    o.refresh_period);
+  };
+  return values(a) == values(b);
+}
+
+template <class Number>
+std::string shortest(Number value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+}  // namespace
+
+std::string numberText(double value) { return shortest(value); }
+std::string numberText(float value) { return shortest(value); }
+
+std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base) {
+  std::vector<Setting> settings;
+  const auto add = [&settings](const Setting& setting) {
+    const auto is_same = [&setting](const Setting& other) { return same(setting, other); };
+    if (std::none_of(settings.begin(), settings.end(), is_same)) settings.push_back(setting);
+  };
+  for (const std::string& backend : grid.backends) {
+    Setting setting{backend, base};
+    Options& options = setting.options;
+    const auto reset_rest = [&] {
+      options.fuzzifier = grid.fuzzifiers.front();
+      options.iterations = grid.iterations.front();
+      options.refresh_period = grid.refresh_periods.front();
+    };
+    reset_rest();
+    for (const Predicates predicates : grid.predicates) {
+      for (const float overlap : grid.overlaps) {
+        for (const int clusters : grid.clusters) {
+          options.predicates = predicates;
+          options.overlap = overlap;
+          options.clusters = clusters;
+          add(setting);
+        }
+      }
+    }
+    options.overlap = *std::max_element(grid.overlaps.begin(), grid.overlaps.end());
+    options.predicates = *std::min_element(grid.predicates.begin(), grid.predicates.end());
+    options.clusters = grid.clusters.front();
+    for (const float fuzzifier : grid.fuzzifiers) {
+      options.fuzzifier = fuzzifier;
+      add(setting);
+    }
+    reset_rest();
+    for (const int iterations : grid.iterations) {
+      options.iterations = iterations;
+      add(setting);
+    }
+    reset_rest();
+    for (const int period : grid.refresh_periods) {
+      options.refresh_period = period;
+      add(setting);
+    }
+  }
+  return settings;
+}
+
+std::string describe(const Setting& setting) {
+  const Options& options = setting.options;
+  const Options usual;
+  std::string text = setting.backend + ", " + toString(options.predicates) + ", overlap " +
+                     numberText(options.overlap) + ", clusters " +
+                     (options.clusters == 0 ? "auto" : std::to_string(options.clusters));
+  if (options.fuzzifier != usual.fuzzifier) text += ", fuzzifier " + numberText(options.fuzzifier);
+  if (options.iterations != usual.iterations) {
+    text += ", iterations " + std::to_string(options.iterations);
+  }
+  if (options.refresh_period != usual.refresh_period) {
+    text += ", refresh period " + std::to_string(options.refresh_period);
+  }
+  return text;
+}
+
+}  // namespace deformable_contact_monitor

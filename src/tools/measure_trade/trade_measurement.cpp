@@ -1,0 +1,132 @@
+// Runs settings over a sequence of frames and holds what they find against the exact contacts.
+#include "tools/measure_trade/trade_measurement.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "core/cpu/cpu_detector.h"
+#include "tools/common/sample_statistics.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+PairCounts countsOf(const FrameCounts& counts, const BodyPair& bodies) {
+  const auto found = counts.find(bodies);
+  return found == counts.end() ? PairCounts() : found->second;
+}
+
+void addWork(const Counters& cycle, Counters* sum) {
+  sum->triangles += cycle.triangles;
+  sum->clustered += cycle.clustered;
+  sum->large += cycle.large;
+  sum->clusters += cycle.clusters;
+  sum->cluster_entries += cycle.cluster_entries;
+  sum->interval_overlaps += cycle.interval_overlaps;
+  sum->candidates += cycle.candidates;
+  sum->exact += cycle.exact;
+  sum->undecided += cycle.undecided;
+}
+
+// Empty where the guarantee holds: nothing may be missing, and exact predicates add nothing.
+std::string howBroken(const Setting& setting, const PairCounts& pairs, const std::string& frame) {
+  const std::uint64_t missing = pairs.truth - pairs.common, added = pairs.found - pairs.common;
+  if (missing == 0 && (added == 0 || setting.options.predicates != Predicates::kExact)) return "";
+  return describe(setting) + " is guaranteed, but misses " + std::to_string(missing) +
+         " of the exact contacts and adds " + std::to_string(added) + " in " + frame;
+}
+
+void addFrame(const FrameCounts& counts, const ExactResults& exact, std::size_t frame,
+              Measurement* sum) {
+  sum->external.add(total(counts, ContactKind::kExternal).recall(), frame);
+  sum->self.add(total(counts, ContactKind::kSelf).recall(), frame);
+  const PairCounts all = total(counts, ContactKind::kAny);
+  sum->precision.add(all.precision(), frame);
+  for (const BodyPair& bodies : exact.bodies) {
+    sum->bodies[bodies].recall.add(countsOf(counts, bodies).recall(), frame);
+  }
+  if (sum->guaranteed && sum->broken.empty()) {
+    sum->broken = howBroken(sum->setting, all, exact.labels[frame]);
+  }
+}
+
+// Of one pass through the frames.
+void addOnsets(const std::vector<FrameCounts>& pass, const ExactResults& exact, Measurement* sum) {
+  for (const BodyPair& bodies : exact.bodies) {
+    std::vector<bool> truth, found;
+    for (const FrameCounts& counts : pass) {
+      const PairCounts pairs = countsOf(counts, bodies);
+      truth.push_back(pairs.truth > 0);
+      found.push_back(pairs.found > 0);
+    }
+    const OnsetDelay delay = onsetDelay(truth, found);
+    sum->bodies[bodies].onset.add(delay);
+    sum->onset.add(delay);
+  }
+}
+
+}  // namespace
+
+Worth Measurement::worth() const {
+  return {median(round_trip_ms), percentile(round_trip_ms, 0.95),
+          std::min(external.worst, self.worst), precision.worst, guaranteed && broken.empty()};
+}
+
+ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,
+                          const SayProgress& progress) {
+  Options options;
+  options.adjacent = adjacent;
+  ExactResults exact;
+  std::set<BodyPair> bodies;
+  const std::unique_ptr<Detector> detector = makeCpuDetector();
+  frames->rewind();
+  while (frames->next()) {
+    progress("exact contacts of " + frames->label());
+    exact.contacts.push_back(detector->detect(frames->scene(), options).contacts);
+    exact.labels.push_back(frames->label());
+    for (const TrianglePair& pair : exact.contacts.back()) bodies.emplace(pair.body_a, pair.body_b);
+  }
+  if (exact.contacts.empty()) throw std::runtime_error("there is no frame to measure");
+  exact.bodies.assign(bodies.begin(), bodies.end());
+  return exact;
+}
+
+Measurement measure(FrameSource* frames, const ExactResults& exact, const Setting& setting,
+                    const CycleCounts& cycles, Detector* detector, const SayProgress& progress) {
+  const auto detect = [&]() -> const DetectionResult& {
+    const DetectionResult& result = detector->detect(frames->scene(), setting.options);
+    if (result.left_out == 0) return result;
+    throw std::runtime_error(describe(setting) + ": " + std::to_string(result.left_out) +
+                             " contacts did not fit into the device memory allowed for them");
+  };
+  frames->rewind();
+  progress("warming up");
+  for (int cycle = 0; cycle < cycles.warm_up; ++cycle) {
+    if (!frames->next()) {
+      frames->rewind();
+      frames->next();
+    }
+    detect();
+  }
+  Measurement sum;
+  sum.setting = setting;
+  for (int pass = 0; pass < cycles.passes; ++pass) {
+    frames->rewind();
+    std::vector<FrameCounts> counts;
+    while (frames->next()) {
+      progress("pass " + std::to_string(pass + 1) + " of " + std::to_string(cycles.passes) + ", " +
+               frames->label());
+      const DetectionResult& result = detect();
+      const std::size_t frame = counts.size();
+      counts.push_back(compare(exact.contacts.at(frame), result.contacts));
+      sum.round_trip_ms.push_back(result.round_trip_ms);
+      sum.guaranteed = sum.guaranteed && result.guaranteed;
+      addWork(result.counters, &sum.work);
+      addFrame(counts.back(), exact, frame, &sum);
+    }
+    addOnsets(counts, exact, &sum);
+  }
+  return sum;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,112 @@
+// What fuzzy c-means is for: with its prototypes the sweeps visit fewer pairs than with random or
+// frozen ones. The contacts are the same with any.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/cpu/fuzzy_clustering.h"
+#include "core/cpu/sweep.h"
+#include "core/mesh_files/mesh_file.h"
+#include "test_data.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::size_t kClusters = 256;
+
+// One mesh against itself, ready to be swept with any prototypes.
+class Frame {
+ public:
+  explicit Frame(const std::string& file) {
+    scene_.addBody(file, readMeshFile(testDataFile(file)));
+    scene_.setPairEnabled(0, 0, true);
+    Counters counters;
+    builder_.build(scene_, set_, counters);
+    splitBySize(set_, split_);
+  }
+
+  Vec3f centroid(std::size_t triangle) const {
+    const Triangle t = set_.posed(triangle);
+    const Vec3f a = split_.scale.apply(t.v[0]), b = split_.scale.apply(t.v[1]);
+    return (a + b + split_.scale.apply(t.v[2])) * (1.0F / 3);
+  }
+
+  std::vector<Vec3f> sample() const {
+    std::vector<Vec3f> points;
+    for (std::size_t t = 0; t < set_.size(); t += set_.size() / 4096) points.push_back(centroid(t));
+    return points;
+  }
+
+  // In this frame's scaled coordinates, of those of another.
+  std::vector<Vec3f> converted(const std::vector<Vec3f>& prototypes, const Frame& from) const {
+    std::vector<Vec3f> here;
+    for (const Vec3f& p : prototypes) {
+      const Vec3d s = split_.scale.applyExact(from.split_.scale.invert(p));
+      here.push_back({static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)});
+    }
+    return here;
+  }
+
+  std::vector<Vec3f> randomPrototypes(unsigned seed) const {
+    std::mt19937 random(seed);
+    std::vector<Vec3f> prototypes(kClusters);
+    for (Vec3f& p : prototypes) p = centroid(random() % set_.size());
+    return prototypes;
+  }
+
+  SweepOutput sweep(const std::vector<Vec3f>& points) const {
+    Prototypes prototypes;
+    prototypes.build(points);
+    ClusterAssignment assignment;
+    ClusterAssigner().assign(scene_, set_, split_, prototypes, 1, assignment);
+    const BodyGroups groups(scene_);
+    const std::vector<float> slack = scaledSlack(scene_, split_.scale);
+    const Options options;
+    const SweepInput input{scene_, set_, split_, assignment, groups, slack, options};
+    ClusterSweeper sweeper(input);
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
+    return sweeper.output();
+  }
+
+ private:
+  Scene scene_;
+  WorkingSetBuilder builder_;
+  WorkingSet set_;
+  SizeSplit split_;
+};
+
+std::vector<Vec3f> clustered(const Frame& frame, int iterations) {
+  FuzzyClustering clustering(Options().fuzzifier);
+  const std::vector<Vec3f> sample = frame.sample();
+  clustering.initialise(sample, kClusters);
+  for (int i = 0; i < iterations; ++i) clustering.iterate(sample);
+  return clustering.prototypes();
+}
+
+TEST(PrototypeQuality, BetterThanRandomOnes) {
+  DCM_REQUIRE_TEST_DATA();
+  const Frame frame("cloth-ball/cloth_ball92.ply");
+  const SweepOutput fuzzy = frame.sweep(clustered(frame, 5));
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const SweepOutput random = frame.sweep(frame.randomPrototypes(seed));
+    EXPECT_LT(fuzzy.interval_overlaps, random.interval_overlaps) << "seed " << seed;
+    EXPECT_EQ(fuzzy.contacts.size(), random.contacts.size());
+  }
+}
+
+TEST(PrototypeQuality, FollowingTheSceneBeatsFrozenOnes) {
+  DCM_REQUIRE_TEST_DATA();
+  const Frame before("cloth-ball/cloth_ball93.ply"), now("cloth-ball/cloth_ball92.ply");
+  // Frozen where they started, and frozen where the scene was a frame ago.
+  const std::vector<Vec3f> started = clustered(now, 0);
+  const std::vector<Vec3f> old = now.converted(clustered(before, 5), before);
+  FuzzyClustering following(Options().fuzzifier);
+  following.setPrototypes(old);
+  for (int i = 0; i < 5; ++i) following.iterate(now.sample());
+  const std::uint64_t followed = now.sweep(following.prototypes()).interval_overlaps;
+  EXPECT_LT(followed, now.sweep(started).interval_overlaps);
+  EXPECT_LT(followed, now.sweep(old).interval_overlaps);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,95 @@
+// Signs by integers against signs by expansions, and both against what must hold of determinants.
+#include "core/predicates/orientation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace deformable_contact_monitor {
+namespace {
+
+// `spread`: of the coordinates' exponents; small grids make zero determinants common.
+class Points {
+ public:
+  Points(unsigned seed, int spread, int grid) : random_(seed), spread_(spread), grid_(grid) {}
+  Vec3f next() { return {coordinate(), coordinate(), coordinate()}; }
+
+ private:
+  float coordinate() {
+    const int exponent = static_cast<int>(random_() % static_cast<unsigned>(spread_ + 1));
+    const int range = 2 * grid_ + 1;
+    const int step = static_cast<int>(random_() % static_cast<unsigned>(range)) - grid_;
+    return std::ldexp(static_cast<float>(step), exponent - 60);
+  }
+  std::mt19937 random_;
+  int spread_, grid_;
+};
+
+TEST(Orientation, IntegersAgreeWithExpansions) {
+  std::size_t by_integers = 0, by_expansions = 0, zeros = 0;
+  for (const int spread : {0, 1, 10, 20, 30, 40, 100, 150}) {
+    for (const int grid : {1, 2, 16777215}) {
+      Points points(static_cast<unsigned>(spread + grid), spread, grid);
+      for (int i = 0; i < 3000; ++i) {
+        const Vec3f a = points.next(), b = points.next(), c = points.next(), d = points.next();
+        const float x[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
+        std::int64_t integers[12];
+        (toIntegers(x, integers) ? by_integers : by_expansions) += 1;
+        const int sign = orient3dExact(a, b, c, d);
+        ASSERT_EQ(sign, orient3dExpanded(a, b, c, d)) << "spread " << spread << ", grid " << grid;
+        ASSERT_EQ(sign, -orient3dExact(b, a, c, d));
+        ASSERT_EQ(sign, -orient3dExact(a, b, d, c));
+        zeros += sign == 0;
+      }
+    }
+  }
+  EXPECT_GT(by_integers, 20000U);
+  EXPECT_GT(by_expansions, 5000U);
+  EXPECT_GT(zeros, 2000U);
+}
+
+TEST(Orientation, TheLargestDifferencesFit) {
+  // Exponents as far apart as integers take, mantissas full.
+  const float big = std::ldexp(16777215.0F, 37), small = 8388609;
+  const Vec3f a{-big, -big, -big}, b{big, -big, small}, c{small, big, -big}, d{big, big, big};
+  const float x[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
+  std::int64_t integers[12];
+  ASSERT_TRUE(toIntegers(x, integers));
+  EXPECT_EQ(orient3dExact(a, b, c, d), orient3dExpanded(a, b, c, d));
+  EXPECT_NE(orient3dExact(a, b, c, d), 0);
+  float beyond[2] = {2 * big, small};
+  std::int64_t two[2];
+  EXPECT_FALSE(toIntegers(beyond, two));
+}
+
+TEST(Orientation, IntegersAreTheNumbers) {
+  const float subnormal = std::numeric_limits<float>::denorm_min();
+  const float x[6] = {
+      0.0F, -0.0F, subnormal, -3 * subnormal, std::ldexp(1.0F, -126), -std::ldexp(1.5F, -120)};
+  std::int64_t integers[6];
+  ASSERT_TRUE(toIntegers(x, integers));
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(static_cast<double>(integers[i]), static_cast<double>(x[i]) / subnormal) << i;
+  }
+}
+
+// A point on the line through two others, by construction, at every size that float32 has.
+TEST(Orientation, CollinearPointsAreExactlyCollinear) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 20000; ++i) {
+    const float scale = std::ldexp(1.0F, static_cast<int>(random() % 200) - 110);
+    const auto pick = [&] { return static_cast<float>(static_cast<int>(random() % 2001) - 1000); };
+    const float px = pick(), py = pick(), ux = pick(), uy = pick(), t = pick();
+    const float ax = px * scale, ay = py * scale;
+    const float bx = (px + ux) * scale, by = (py + uy) * scale;
+    const float cx = (px + t * ux) * scale, cy = (py + t * uy) * scale;
+    ASSERT_EQ(orient2dExact(ax, ay, bx, by, cx, cy), 0);
+    const float off = std::nextafter(cy, INFINITY);
+    const int expected = ux > 0 ? 1 : (ux < 0 ? -1 : 0);
+    ASSERT_EQ(orient2dExact(ax, ay, bx, by, cx, off), expected);
+  }
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

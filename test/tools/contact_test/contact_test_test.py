@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""What contact_test makes of its parameters and of messages, without a ROS master."""
+import importlib.machinery
+import importlib.util
+import pathlib
+import sys
+import types
+import unittest
+
+import rospy
+from deformable_contact_monitor.msg import ContactState, ContactStates
+
+sys.dont_write_bytecode = True  # beside the tool
+TOOL = pathlib.Path(__file__).resolve().parents[3] / "src/tools/contact_test/contact_test"
+
+
+def load_tool():
+    """The script as a module."""
+    loader = importlib.machinery.SourceFileLoader("contact_test", str(TOOL))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+contact_test = load_tool()
+NONE, NEAR, CONTACT = ContactState.NONE, ContactState.NEAR, ContactState.CONTACT
+ALLOWED, UNKNOWN = ContactState.ALLOWED, ContactState.UNKNOWN
+PAIR = {"link": "palm", "object": "cloth"}
+T0 = 1000  # [s]; stamps below are multiples of 1/4 s, which are exact
+
+
+def message(stamp_s, state, pairs=0, bodies=("palm", "cloth")):
+    """Of that pair, and of another that must not matter."""
+    return ContactStates(
+        header=types.SimpleNamespace(stamp=rospy.Time.from_sec(stamp_s)),
+        states=[ContactState(body_a="finger", body_b="cloth", state=CONTACT, pair_count=99),
+                ContactState(body_a=bodies[0], body_b=bodies[1], state=state, pair_count=pairs)])
+
+
+def judge(wanted, states, age_s=0.0):
+    """After messages every 1/4 s; states: (state, pairs) or a state."""
+    judge = contact_test.Judge(contact_test.parse({**PAIR, **wanted}))
+    for step, seen in enumerate(states):
+        if not judge.passed and not judge.failure:
+            seen = seen if isinstance(seen, tuple) else (seen, 0)
+            judge.take(message(T0 + step / 4, *seen), age_s)
+    return judge
+
+
+class Parameters(unittest.TestCase):
+
+    def test_defaults(self):
+        wanted = contact_test.parse({**PAIR, "state": "none"})
+        self.assertEqual((wanted.monitor, wanted.within_s, wanted.hold_s, wanted.wait_s),
+                         ("contact_monitor", 10, 0, 20))
+        contact_test.parse({**PAIR, "state": "contact", "min_pairs": 0, "max_pairs": 7, "hold_s": 3,
+                            "within_s": 0, "max_age_s": 0.1, "wait_s": 5, "monitor": "/a/b"})
+
+    def test_all_that_is_wrong_is_named_at_once(self):
+        bad = {"link": 7, "object": "", "state": "touching", "min_pairs": -1, "max_pairs": 1.5,
+               "within_s": "soon", "hold_s": float("nan"), "max_age_s": 0, "wait_s": True,
+               "monitor": "no name", "hold": 2}
+        with self.assertRaises(ValueError) as refused:
+            contact_test.parse(bad)
+        for name in bad:
+            self.assertRegex(str(refused.exception), rf"(^|; ){name} (must|is)")
+        with self.assertRaisesRegex(ValueError, r"^state must be a name, not \['none'\]$"):
+            contact_test.parse({**PAIR, "state": ["none"]})
+        with self.assertRaisesRegex(ValueError, "link is not set; object is not set; state is not"):
+            contact_test.parse({})
+
+    def test_what_no_monitor_can_meet_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "max_pairs 2 is less than min_pairs 3"):
+            contact_test.parse({**PAIR, "state": "contact", "min_pairs": 3, "max_pairs": 2})
+        for state in ("near", "contact"):
+            with self.assertRaisesRegex(ValueError, "max_pairs must not be 0"):
+                contact_test.parse({**PAIR, "state": state, "max_pairs": 0})
+        for state in ("none", "allowed", "unknown"):
+            with self.assertRaisesRegex(ValueError, "min_pairs must be 0"):
+                contact_test.parse({**PAIR, "state": state, "min_pairs": 1})
+
+
+class Verdicts(unittest.TestCase):
+
+    def passes(self, wanted, *states, **options):
+        verdict = judge(wanted, states, **options)
+        self.assertTrue(verdict.passed, verdict.failure)
+        self.assertEqual(verdict.failure, "")
+        return verdict
+
+    def fails(self, wanted, *states, **options):
+        verdict = judge(wanted, states, **options)
+        self.assertFalse(verdict.passed)
+        return verdict.failure
+
+    def test_every_state_is_itself_alone(self):
+        for name, value in (("none", NONE), ("near", NEAR), ("contact", CONTACT),
+                            ("allowed", ALLOWED), ("unknown", UNKNOWN)):
+            self.passes({"state": name}, value)
+            for other in {NONE, NEAR, CONTACT, ALLOWED} - {value}:
+                self.assertRegex(self.fails({"state": name, "within_s": 0}, other), "^wrong state:")
+
+    def test_unknown_is_never_no_contact(self):
+        self.assertEqual(self.fails({"state": "none"}, *[UNKNOWN] * 100), "")  # has not begun
+        self.assertRegex(self.fails({"state": "none", "hold_s": 1}, NONE, NONE, UNKNOWN),
+                         "^not held: .* until it was unknown with 0 pairs at 1000.500")
+        self.assertRegex(self.fails({"state": "near", "within_s": 0.5}, NONE, UNKNOWN, UNKNOWN),
+                         "^wrong state: .*: unknown 2, none 1;")
+
+    def test_bodies_in_either_order_or_one_with_itself(self):
+        for link, other, bodies in (("cloth", "palm", ("palm", "cloth")),
+                                    ("cloth", "cloth", ("cloth", "cloth"))):
+            wanted = contact_test.parse({"link": link, "object": other, "state": "near"})
+            verdict = contact_test.Judge(wanted)
+            verdict.take(message(T0, CONTACT, bodies=("cloth", "other")), 0)
+            self.assertIsNone(verdict.started_s)
+            verdict.take(message(T0, NEAR, bodies=bodies), 0)
+            self.assertTrue(verdict.passed)
+
+    def test_within_s_counts_from_the_first_known_state(self):
+        wanted = {"state": "contact", "within_s": 0.5}
+        self.passes(wanted, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, NONE, NONE, CONTACT)
+        self.assertRegex(self.fails(wanted, UNKNOWN, NONE, NONE, NONE, CONTACT),
+                         "^wrong state: not palm and cloth in state contact within 0.5 s; seen in "
+                         "3 messages from 1000.250 to 1000.750: none 3; 0 to 0 pairs")
+
+    def test_a_state_that_comes_after_within_s_is_too_late(self):
+        self.assertRegex(self.fails({"state": "contact", "within_s": 0.3}, NONE, NONE, CONTACT),
+                         "^too late: .* in state contact within 0.3 s; .* last contact")
+
+    def test_hold_s_has_no_gap(self):
+        wanted = {"state": "contact", "hold_s": 0.75}
+        self.assertEqual(self.fails(wanted, NONE, CONTACT, CONTACT, CONTACT), "")  # not over yet
+        self.passes(wanted, NONE, CONTACT, CONTACT, CONTACT, CONTACT)
+        self.assertRegex(self.fails(wanted, CONTACT, CONTACT, CONTACT, NEAR, CONTACT),
+                         "^not held: .* since 1000.000, for 0.750 of 0.75 s, until it was near")
+
+    def test_pairs(self):
+        wanted = {"state": "contact", "min_pairs": 3, "max_pairs": 5, "within_s": 0.5}
+        for pairs in (3, 5):
+            self.passes(wanted, (CONTACT, 1), (CONTACT, 9), (CONTACT, pairs))
+        self.assertRegex(self.fails(wanted, (CONTACT, 9), (CONTACT, 6), (CONTACT, 2)),
+                         "^too few pairs: .* at least 3 pairs, at most 5 pairs .* 2 to 9 pairs")
+        self.assertRegex(self.fails(wanted, (CONTACT, 1), (CONTACT, 6), NONE), "^too many pairs: ")
+        self.assertRegex(self.fails({**wanted, "hold_s": 1}, (CONTACT, 3), (CONTACT, 6)),
+                         "^not held: .* until it was contact with 6 pairs")
+
+    def test_age(self):
+        wanted = {"state": "none", "hold_s": 0.5, "max_age_s": 0.2}
+        self.passes(wanted, NONE, NONE, NONE, age_s=0.2)
+        self.assertRegex(self.fails(wanted, NONE, NONE, NONE, age_s=0.3),
+                         "^too old: palm and cloth in state none, but 3 messages came more than "
+                         "max_age_s 0.2 after their stamp; .*greatest age 0.300 s")
+
+    def test_a_pair_that_is_gone_is_not_there(self):
+        verdict = contact_test.Judge(contact_test.parse({**PAIR, "state": "none", "hold_s": 1}))
+        verdict.take(message(T0, NONE), 0)
+        verdict.take(message(T0 + 0.25, NONE, bodies=("fist", "cloth")), 0)
+        self.assertRegex(verdict.failure, "^not held: .* until it was not listed")
+
+    def test_stamps_of_several_meshes_interleave_but_time_does_not_jump(self):
+        for jump_to_s in (T0 - 5, T0 + 7):
+            verdict = contact_test.Judge(contact_test.parse({**PAIR, "state": "none", "hold_s": 6}))
+            for stamp_s in (T0, T0 - 1, T0 + 1, T0 - 2):
+                verdict.take(message(stamp_s, NONE), 0)
+                self.assertEqual(verdict.failure, "")
+            verdict.take(message(jump_to_s, NONE), 0)
+            self.assertRegex(verdict.failure,
+                             f"^time jump: stamps went from 1001.000 to {jump_to_s}.000")
+            self.assertFalse(verdict.passed)
+
+
+class Reasons(unittest.TestCase):
+    """In the monitor's words: src/node/mesh_input.cpp, transform_lookup.cpp, monitor_scene.cpp."""
+
+    def test_each_has_its_phrase(self):
+        for reason, phrase in (
+                ("no mesh yet", "mesh missing"),
+                ("mesh refused: header.stamp is zero", "mesh refused"),
+                ("newest mesh is 2.0 s old", "mesh stale"), ("no new mesh", "mesh stale"),
+                ("no mesh as old as this cycle", "mesh stale"),
+                ("TF frame 'palm' never seen", "TF missing"),
+                ("TF from 'palm' to 'base' never seen", "TF missing"),
+                ("TF from 'palm' to 'base' is late: wanted 3, newest available 2", "TF late"),
+                ("TF from 'palm' to 'base' no longer reaches back: wanted 1", "TF late"),
+                ("disabled", "monitor disabled"),
+                ("cannot read lost.stl: TF frame never seen", "body unusable")):
+            self.assertEqual(contact_test.why_unknown([f"palm: {reason}"], ["cloth", "palm"]),
+                             (phrase, f"palm: {reason}"))
+
+    def test_of_these_bodies_alone(self):
+        skipped = ["palm_2: no mesh yet", "sheet: disabled"]
+        self.assertEqual(contact_test.why_unknown(skipped, ["palm", "cloth"])[0], "state unknown")
+        self.assertEqual(contact_test.why_unknown(["palm: x", *skipped, "cloth: y"],
+                                                  ["palm", "cloth"])[1], "palm: x; cloth: y")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,109 @@
+// How runs are compared and judged, against the standard library's sets.
+#include "tools/evaluate_bag/evaluation_run.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iterator>
+#include <random>
+#include <set>
+
+#include "reference/brute_force_detector.h"
+#include "scenes.h"
+#include "tools/evaluate_bag/evaluation_summary.h"
+#include "tools/evaluate_bag/evaluation_tables.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+TEST(SetDifference, IsTheStandardLibrarys) {
+  const Scene scene = pairScene(clothGrid(4, 1, 0, 0), clothGrid(4, 1, 0, 0));
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 500; ++trial) {
+    std::set<TrianglePair> sets[2];
+    for (auto& set : sets) {
+      for (auto i = random() % 8; i > 0; --i) {
+        set.insert({0, static_cast<std::uint32_t>(random() % 3), 1,
+                    static_cast<std::uint32_t>(random() % 3)});
+      }
+    }
+    DetectionResult results[2];
+    for (int k = 0; k < 2; ++k) results[k].contacts.assign(sets[k].begin(), sets[k].end());
+    std::vector<TrianglePair> only[2];
+    for (int k = 0; k < 2; ++k) {
+      std::set_difference(sets[k].begin(), sets[k].end(), sets[1 - k].begin(), sets[1 - k].end(),
+                          std::back_inserter(only[k]));
+    }
+    const SetDifference found = difference(scene, results[0], results[1]);
+    EXPECT_EQ(found.only_a, only[0].size());
+    EXPECT_EQ(found.only_b, only[1].size());
+    EXPECT_EQ(found.isEmpty(), sets[0] == sets[1]);
+    EXPECT_EQ(found.example.empty(), found.isEmpty());
+  }
+}
+
+using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
+
+void addRun(const std::string& backend, Predicates predicates, float overlap, Runs* runs) {
+  Options options;
+  options.predicates = predicates;
+  options.overlap = overlap;
+  runs->push_back(std::make_unique<EvaluationRun>(backend, makeBruteForceDetector(), options,
+                                                  std::vector<Expectation>()));
+}
+
+TEST(RunComparison, OnlyExactRunsMustAgree) {
+  Runs runs;
+  addRun("cpu", Predicates::kExact, 1, &runs);
+  addRun("cuda", Predicates::kExact, 1, &runs);
+  addRun("cuda", Predicates::kFast, 1, &runs);
+  addRun("cpu", Predicates::kConservative, 1, &runs);
+  addRun("cpu", Predicates::kExact, 0.5F, &runs);
+  addRun("fcl", Predicates::kExact, 1, &runs);
+  const std::vector<RunComparison> all = comparisons(runs);
+  ASSERT_EQ(all.size(), 5U);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].must_agree, i == 0) << runs[all[i].b]->name();
+  }
+}
+
+TEST(EvaluationEnd, PassesUnlessExactRunsDisagreeOrAnExpectationFails) {
+  for (const bool must_agree : {false, true}) {
+    for (const std::uint64_t differing : {0, 3}) {
+      for (const char* failure : {"", "not once"}) {
+        const std::vector<RunComparison> compared = {{0, 1, must_agree, differing, 0, 0, ""}};
+        EvaluationEnd end;
+        end.comparisons = &compared;
+        end.expectations = {{"a touches b", failure}};
+        EXPECT_EQ(isPassed(end), (!must_agree || differing == 0) && *failure == '\0');
+      }
+    }
+  }
+}
+
+TEST(CsvField, IsQuotedWhereItMustBe) {
+  EXPECT_EQ(csvField("hand: no mesh yet"), "hand: no mesh yet");
+  EXPECT_EQ(csvField("a,b"), "\"a,b\"");
+  EXPECT_EQ(csvField("the \"hand\""), "\"the \"\"hand\"\"\"");
+  EXPECT_EQ(csvField("two\nlines"), "\"two\nlines\"");
+}
+
+TEST(EvaluationRun, CompleteMeansThatNothingCanBeMissing) {
+  CycleReport cycle;
+  cycle.bodies = {{"hand", BodyKind::kLink, ros::Time(1), 0, ""}};
+  DetectionResult result;
+  EXPECT_FALSE(isComplete(cycle, result));
+  result.guaranteed = true;
+  EXPECT_TRUE(isComplete(cycle, result));
+  result.left_out = 1;
+  EXPECT_FALSE(isComplete(cycle, result));
+  result.left_out = 0;
+  result.counters.rejected = 1;
+  EXPECT_FALSE(isComplete(cycle, result));
+  result.counters.rejected = 0;
+  cycle.bodies[0].unknown_because = "no mesh yet";
+  EXPECT_FALSE(isComplete(cycle, result));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

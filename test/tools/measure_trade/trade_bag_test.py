@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""measure_trade on a bag: the frames are evaluate_bag's, the contacts the oracle's."""
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
+from panda_bag import DATA, FRAMES, PandaBag, write_bag
+
+TOOL = os.environ["MEASURE_TRADE"]
+CONFIG = "reference_frame: panda_link0\nobjects: [{name: tshirt, topic: /tshirt}]\n"
+
+
+class TradeBag(unittest.TestCase):
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.scene = PandaBag()
+        pathlib.Path(self.path("config.yaml")).write_text(CONFIG)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def run_tool(self, *arguments):
+        return subprocess.run([TOOL, "--out", self.path("out"), *arguments], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, timeout=300, check=False)
+
+    def rows(self, name):
+        with open(self.path("out/" + name), newline="") as file:
+            return list(csv.DictReader(file))
+
+    def test_a_bag(self):
+        bag = write_bag(self.path("panda.bag"), self.scene.events())
+        done = self.run_tool("--bag", bag, "--config", self.path("config.yaml"), "--overlaps", "0,1",
+                             "--clusters", "0,64", "--predicates", "exact")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        expected = self.scene.expected()
+        with open(self.path("out/summary.json")) as file:
+            frames = json.load(file)["frames"]
+        self.assertEqual([frame["contacts"] for frame in frames],
+                         [len(expected[frame]) for frame in range(FRAMES)])
+        links = {row["link"] for row in self.rows("links.csv")}
+        self.assertEqual(links, {pair[0] for pairs in expected.values() for pair in pairs})
+        recalls = {(row["overlap"], row["clusters"]): float(row["recall_external_worst"])
+                   for row in self.rows("settings.csv")}
+        self.assertEqual({recalls["1", clusters] for clusters in ("0", "64")}, {1.0})
+        self.assertLess(recalls["0", "64"], 1)
+
+    def test_refusals(self):
+        bag = write_bag(self.path("bare.bag"), [e for e in self.scene.events() if e[1] == "/tf"])
+        for arguments, words in ((["--bag", bag], "no robot"),
+                                 (["--bag", self.path("none.bag")], "cannot be read"),
+                                 (["--config", self.path("config.yaml")], "--bag")):
+            done = self.run_tool(*arguments)
+            self.assertEqual(done.returncode, 2, done)
+            self.assertIn(words, done.stderr.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    if not DATA.is_dir():
+        print(f"SKIPPED: there are no test data at {DATA}")
+        raise SystemExit(77)
+    unittest.main()

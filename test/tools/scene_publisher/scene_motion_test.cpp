@@ -1,0 +1,127 @@
+// Tests of what scene_publisher moves: joints, obstacles, mesh files.
+#include <gtest/gtest.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tools/common/mesh_player.h"
+#include "tools/common/robot_obstacles.h"
+#include "tools/scene_publisher/joint_mover.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// An upright cylinder on a post, turned about y, with a slide and its mimic.
+const char* const kUrdf = R"(<robot name="r">
+  <link name="base"/>
+  <link name="arm"><collision><origin xyz="0 0 0.5"/>
+    <geometry><cylinder radius="0.05" length="1"/></geometry></collision></link>
+  <link name="slide"/><link name="follower"/><link name="wheel"/>
+  <joint name="lift" type="revolute"><parent link="base"/><child link="arm"/>
+    <origin xyz="0 0 2"/><axis xyz="0 1 0"/>
+    <limit lower="-0.2" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="push" type="prismatic"><parent link="arm"/><child link="slide"/>
+    <axis xyz="1 0 0"/><limit lower="0" upper="0.04" velocity="0.01" effort="1"/></joint>
+  <joint name="echo" type="prismatic"><parent link="arm"/><child link="follower"/>
+    <axis xyz="1 0 0"/><mimic joint="push" multiplier="2"/>
+    <limit lower="0" upper="0.08" velocity="1" effort="1"/></joint>
+  <joint name="roll" type="continuous"><parent link="arm"/><child link="wheel"/>
+    <axis xyz="0 0 1"/></joint></robot>)";
+
+TEST(JointMoverTest, staysWithinTheLimitsAndMovesSmoothly) {
+  const auto robot = urdf::parseURDF(kUrdf);
+  const JointMover mover(*robot, 1);
+  EXPECT_EQ(mover.names(), (std::vector<std::string>{"lift", "push", "roll"}));
+  std::vector<double> last = mover.positions(0);
+  double travelled = 0;
+  for (int i = 1; i < 6000; ++i) {
+    const std::vector<double> now = mover.positions(i * 0.01);
+    EXPECT_GT(now[0], -0.2);
+    EXPECT_LT(now[0], 1);
+    EXPECT_GT(now[1], 0);
+    EXPECT_LT(now[1], 0.04);
+    EXPECT_LT(std::abs(now[0] - last[0]), 0.01 * 0.51);
+    EXPECT_LT(std::abs(now[1] - last[1]), 0.01 * 0.0051);
+    travelled += std::abs(now[0] - last[0]);
+    last = now;
+  }
+  EXPECT_GT(travelled, 1);
+  EXPECT_EQ(JointMover(*robot, 1).positions(3), mover.positions(3));
+  EXPECT_NE(JointMover(*robot, 2).positions(3), mover.positions(3));
+}
+
+TriangleMesh tube() {  // about z, from 0 to 1, radius 0.05
+  TriangleMesh mesh;
+  constexpr std::uint32_t kSides = 64;
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const double angle = 2 * M_PI * i / kSides;
+    for (const float z : {0.F, 1.F}) {
+      mesh.vertices.insert(mesh.vertices.end(), {static_cast<float>(0.05 * std::cos(angle)),
+                                                 static_cast<float>(0.05 * std::sin(angle)), z});
+    }
+    const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % kSides);
+    mesh.triangles.insert(mesh.triangles.end(), {a, b, a + 1, b, b + 1, a + 1});
+  }
+  return mesh;
+}
+
+TEST(RobotObstaclesTest, aCapsuleLiesALittleInsideTheMesh) {
+  const Capsule capsule = fitCapsule(tube());
+  EXPECT_GT(capsule.radius_m, 0.04);
+  EXPECT_LT(capsule.radius_m, 0.05);
+  EXPECT_NEAR(capsule.a.head<2>().norm(), 0, 1e-6);
+  EXPECT_NEAR(capsule.b.head<2>().norm(), 0, 1e-6);
+  EXPECT_NEAR((capsule.a.z() + capsule.b.z()) / 2, 0.5, 1e-6);
+  EXPECT_GT(std::abs(capsule.b.z() - capsule.a.z()), 0.7);
+  EXPECT_LT(std::abs(capsule.b.z() - capsule.a.z()), 1 - 2 * capsule.radius_m);
+}
+
+TEST(RobotObstaclesTest, followTheJointsAndTheirMimics) {
+  RobotGeometry geometry;
+  for (const char* link : {"arm", "follower"}) geometry.links.push_back({link, "", tube(), ""});
+  geometry.links.push_back({"slide", "", {}, "its file is missing"});
+  const RobotObstacles obstacles(urdf::parseURDF(kUrdf), geometry, "base");
+  const auto upright = obstacles.at({});
+  ASSERT_EQ(upright.size(), 2U);
+  EXPECT_NEAR(((upright[0].a + upright[0].b) / 2 - Eigen::Vector3d(0, 0, 2.5)).norm(), 0, 1e-6);
+  // A quarter turn about y lays the tube along x, and the slide's axis along -z.
+  const auto laid = obstacles.at({{"lift", M_PI / 2}, {"push", 0.03}});
+  EXPECT_NEAR(((laid[0].a + laid[0].b) / 2 - Eigen::Vector3d(0.5, 0, 2)).norm(), 0, 1e-6);
+  EXPECT_NEAR(((laid[1].a + laid[1].b) / 2 - Eigen::Vector3d(0.5, 0, 1.94)).norm(), 0, 1e-6);
+  EXPECT_THROW(RobotObstacles(urdf::parseURDF(kUrdf), geometry, "camera"), std::invalid_argument);
+
+  const auto seen_from_arm =
+      RobotObstacles(urdf::parseURDF(kUrdf), geometry, "arm").at({{"lift", 0.7}});
+  EXPECT_NEAR(((seen_from_arm[0].a + seen_from_arm[0].b) / 2).x(), 0, 1e-6);
+}
+
+TEST(MeshPlayerTest, scalesShiftsAndTellsTopologiesApart) {
+  const std::string base = ::testing::TempDir() + "dcm_mesh_player_";
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(base + name) << text;
+    return base + name;
+  };
+  const std::string a = write("a.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n");
+  const std::string b = write("b.obj", "v 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n");
+  const std::string c = write("c.obj", "v 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\n");
+  std::size_t read = 0;
+  const auto frames =
+      readMeshFrames({a, b, c}, 0.5, {10, 20, 30}, [&](std::size_t n) { read = n; });
+  EXPECT_EQ(read, 3U);
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[1].mesh.vertices,
+            (std::vector<float>{11, 20, 30, 10, 20.5F, 30, 10, 20, 30.5F}));
+  EXPECT_EQ(frames[0].topology_id, frames[1].topology_id);
+  EXPECT_NE(frames[1].topology_id, frames[2].topology_id);
+  EXPECT_THROW(readMeshFrames({a, base + "none.obj"}, 1, {0, 0, 0}, [](std::size_t) {}),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
