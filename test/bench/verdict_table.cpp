@@ -12,11 +12,11 @@
 
 #include "batch_verdicts.h"
 #include "cgal_oracle.h"
-#include "core/predicates/narrow_phase.h"
 #include "cuda/cuda_error.h"
 #include "moller.h"
 #include "scenes.h"
 #ifdef DCM_HAVE_FCL
+#include "pair_verdict.h"
 #include "reference/fcl_detector.h"
 #endif
 
