@@ -1,10 +1,10 @@
-// Contacts from the device's unsorted list to the result's sorted one.
+// Stage output: contacts from the device's unsorted list to the result's sorted one.
 #pragma once
 
 #include <cstdint>
 
 #include "core/detector.h"
-#include "cuda/memory/cycle_view.cuh"
+#include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_scene.cuh"
 
@@ -14,7 +14,8 @@ class ContactOutput {
  public:
   // Sorts on the device and copies, behind what is in the stream. A little more than `count`
   // contacts: as last cycle's count says, for the host does not know this one's before.
-  void fetch(const CycleView& cycle, bool separations, unsigned index_bits, std::uint32_t count,
+  // `index_bits` as in CycleParams.
+  void fetch(const CycleArrays& cycle, bool separations, unsigned index_bits, std::uint32_t count,
              cudaStream_t stream);
   // How many contacts the last fetch could bring.
   std::uint32_t fetched() const { return fetched_; }
@@ -27,6 +28,8 @@ class ContactOutput {
   void list(const DeviceScene& scene, std::uint32_t count, DetectionResult& result) const;
 
  private:
+  void makeRoom(std::uint32_t count, std::uint32_t most, bool separations);
+
   DeviceBuffer<std::uint64_t> sorted_keys_;
   DeviceBuffer<float> sorted_separations_;
   DeviceBuffer<unsigned char> scratch_;
