@@ -7,7 +7,7 @@
 // holds for any prototypes and any choice of competitors; more competitors only make it tighter.
 //
 // Here distances are of scaled, rounded coordinates. With |v' - v| <= d, |v - p_g| <= |v - p_k|
-// implies |v' - p_g| <= |v' - p_k| + 2 d; a margin m enters likewise, as d + m.
+// implies |v' - p_g| <= |v' - p_k| + 2 d; with a margin m, d + m stands for d.
 #pragma once
 
 #include <cmath>
