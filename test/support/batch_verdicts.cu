@@ -1,4 +1,5 @@
 #include "batch_verdicts.h"
+#include "cuda/device/stream.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "pair_verdict.h"
 
