@@ -70,12 +70,11 @@ void ContactOutput::fetch(const CycleArrays& cycle, bool separations, unsigned i
 void ContactOutput::list(const DeviceScene& scene, std::uint32_t count,
                          DetectionResult& result) const {
   const std::uint64_t mask = (std::uint64_t{1} << index_bits_) - 1;
-  result.contacts.reserve(count);
+  result.contacts.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const TriangleIndex a(static_cast<std::uint32_t>(keys_[i] >> index_bits_));
     const TriangleIndex b(static_cast<std::uint32_t>(keys_[i] & mask));
-    result.contacts.push_back(
-        {scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)});
+    result.contacts[i] = {scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)};
   }
   if (with_separations_) {
     result.separations_m.assign(separations_.data(), separations_.data() + count);

@@ -17,6 +17,15 @@ namespace deformable_contact_monitor {
 struct TrianglePair {
   std::uint32_t body_a, triangle_a, body_b, triangle_b;
 
+  // Uninitialised: to resize a list that is about to be filled costs nothing.
+  TrianglePair() {}
+  TrianglePair(std::uint32_t in_body_a, std::uint32_t in_triangle_a, std::uint32_t in_body_b,
+               std::uint32_t in_triangle_b)
+      : body_a(in_body_a),
+        triangle_a(in_triangle_a),
+        body_b(in_body_b),
+        triangle_b(in_triangle_b) {}
+
   bool operator==(const TrianglePair& o) const {
     return body_a == o.body_a && triangle_a == o.triangle_a && body_b == o.body_b &&
            triangle_b == o.triangle_b;
