@@ -26,7 +26,6 @@
 #include "tools/common/script.h"
 #include "tools/evaluate_bag/evaluate_arguments.h"
 #include "tools/evaluate_bag/evaluation_run.h"
-#include "tools/evaluate_bag/evaluation_setup.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
 #include "tools/evaluate_bag/evaluation_tables.h"
 
@@ -150,7 +149,7 @@ std::string cleanFolder(const std::string& folder) {
 int evaluate(const EvaluateArguments& arguments) {
   const Stopwatch stopwatch;
   // First, because it forks.
-  BagReader reader(arguments.files.bags, evaluatedTypes());
+  BagReader reader(arguments.files.bags, neededTypes());
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   std::vector<Expectation> expectations;

@@ -113,7 +113,7 @@ class BagFrames : public FrameSource {
 std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
                                            const std::function<void(const std::string&)>& progress,
                                            const std::function<void(const std::string&)>& warn) {
-  BagReader reader(files.bags, evaluatedTypes());
+  BagReader reader(files.bags, neededTypes());
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   progress("reading the bags");
