@@ -214,7 +214,7 @@ class MeasureTrade(Case):
         done = self.works(*self.scene(), *quick())
         if "no matplotlib" in done.stderr:
             self.skipTest("SKIPPED: no matplotlib")
-        self.assertEqual(done.stderr, "")
+        self.assertRegex(done.stderr, r"\A(drawing \(\d+ s\)\n)*\Z")  # progress, on a busy machine
         for name in "accuracy", "work", "clusters", "exact":
             content = pathlib.Path(self.path("trade", f"{name}.png")).read_bytes()
             self.assertTrue(content.startswith(b"\x89PNG"), name)
