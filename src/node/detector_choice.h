@@ -1,18 +1,15 @@
-// Which backend runs, decided in one place.
+// The backend that the node runs, and what it says where that is not the one asked for.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "core/detector.h"
-#include "cuda/cuda_detector.h"
+#include "cuda/detector_choice.h"
 
 namespace deformable_contact_monitor {
 
-enum class BackendChoice { kAuto, kCuda, kCpu };
-
-// auto and cuda: on the GPU; where that cannot be, or once it fails, one warn(why), and on the CPU.
+// A monitor goes on without CUDA, whatever was chosen, and says so: one warn(why), one line.
 std::unique_ptr<Detector> makeDetectorFor(BackendChoice choice, const CudaSettings& settings,
                                           const std::function<void(const std::string&)>& warn);
 

@@ -3,9 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <set>
 #include <stdexcept>
@@ -18,7 +16,9 @@
 #include "core/cpu/large.h"
 #include "core/cpu/sweep.h"
 #include "core/mesh_files/mesh_file.h"
+#include "core/stopwatch.h"
 #include "global_radius.h"
+#include "run_benchmark.h"
 #include "scenes.h"
 #include "test_data.h"
 #include "tools/common/sample_statistics.h"
@@ -26,13 +26,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Contacts = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 using Assign = std::function<ClusterAssignment(const SizeSplit&, const Prototypes&)>;
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // The papers have no list of large triangles.
 SizeSplit withoutLargeList(const WorkingSet& set, SizeSplit split) {
@@ -87,16 +82,15 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
   SweepOutput output;
   std::size_t entries = 0, largest = 0;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
-    const auto start = Clock::now();
+    Stopwatch stopwatch;
     const ClusterAssignment assignment = rule.assign(rule.split, prototypes);
-    assign_ms.push_back(millisecondsSince(start));
-    const auto sweep_start = Clock::now();
+    assign_ms.push_back(stopwatch.lapMs());
     const SweepInput input{scene, set, rule.split, assignment, groups, slack, options};
     ClusterSweeper sweeper(input);
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
     output = std::move(sweeper.output());
     sweepLargeTriangles(input, output);
-    sweep_ms.push_back(millisecondsSince(sweep_start));
+    sweep_ms.push_back(stopwatch.lapMs());
     entries = assignment.members.size();
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) {
       largest = std::max<std::size_t>(largest,
@@ -138,10 +132,6 @@ void compareRules(const char* name, const Scene& scene, const std::vector<std::s
 }
 
 int run() {
-  if (!testDataIsThere()) {
-    std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
-    return 0;
-  }
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   std::printf(
       "| scene | clusters | rule | clusters a triangle | largest cluster | interval overlaps [M] | "
@@ -168,10 +158,6 @@ int run() {
 }  // namespace deformable_contact_monitor
 
 int main() {
-  try {
-    return deformable_contact_monitor::run();
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "papers_rule: %s\n", e.what());
-    return 2;
-  }
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runBenchmark("papers_rule", dcm::run);
 }

@@ -1,5 +1,6 @@
-// What an evaluation is of: the configuration, the robot, and an object that is not in the bags.
-#include "tools/evaluate_bag/evaluation_input.h"
+// What the bags' cycles are made with: the configuration, the robot, and an object that is not in
+// the bags.
+#include "tools/bags/bag_setup.h"
 
 #include <urdf_parser/urdf_parser.h>
 
@@ -56,16 +57,15 @@ std::string rootOf(const std::string& urdf) {
 }
 
 // Also sets the frame of a robot whose root link is known, where nobody said another.
-void loadRobot(const EvaluateArguments& arguments, const BagContents& contents,
-               EvaluationInput* input) {
+void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup) {
   std::string urdf = contents.robot_description;
-  input->robot_from = "the bags' robot_description";
-  if (!arguments.robot_description.empty()) {
-    urdf = readRobotDescription(arguments.robot_description);
-    input->robot_from = arguments.robot_description;
+  setup->robot_from = "the bags' robot_description";
+  if (!files.robot_description.empty()) {
+    urdf = readRobotDescription(files.robot_description);
+    setup->robot_from = files.robot_description;
   } else if (contents.link_meshes) {
-    input->robot = selectedLinks(fromLinkMeshes(*contents.link_meshes), input->parameters.geometry);
-    input->robot_from = "the bags' link meshes";
+    setup->robot = selectedLinks(fromLinkMeshes(*contents.link_meshes), setup->parameters.geometry);
+    setup->robot_from = "the bags' link meshes";
     return;
   }
   if (urdf.empty()) {
@@ -74,24 +74,24 @@ void loadRobot(const EvaluateArguments& arguments, const BagContents& contents,
         "--robot-description FILE");
   }
   try {
-    input->robot = loadRobotGeometry(urdf, input->parameters.geometry, makeRosResolver());
+    setup->robot = loadRobotGeometry(urdf, setup->parameters.geometry, makeRosResolver());
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(input->robot_from + ": " + error.what());
+    throw std::runtime_error(setup->robot_from + ": " + error.what());
   }
-  if (arguments.config.empty() && arguments.reference_frame.empty()) {
+  if (files.config.empty() && files.reference_frame.empty()) {
     const std::string root = rootOf(urdf);
-    if (!root.empty()) input->parameters.reference_frame = root;
+    if (!root.empty()) setup->parameters.reference_frame = root;
   }
 }
 
 // The default frame is many robots', not all's. A frame that no transform knows leaves everything
 // UNKNOWN that is not in it already.
-void checkReferenceFrame(const EvaluateArguments& arguments, const BagContents& contents,
+void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
                          MonitorParameters* parameters, const Warn& warn) {
   std::string& frame = parameters->reference_frame;
   const std::set<std::string> roots = contents.rootFrames();
   if (roots.empty() || contents.hasFrame(frame)) return;
-  const bool by_default = arguments.config.empty() && arguments.reference_frame.empty();
+  const bool by_default = files.config.empty() && files.reference_frame.empty();
   if (by_default && roots.size() == 1) {
     frame = *roots.begin();
     return warn("contacts are in frame '" + frame +
@@ -103,14 +103,14 @@ void checkReferenceFrame(const EvaluateArguments& arguments, const BagContents& 
   warn("no transform knows the reference frame '" + frame + "'; their roots are: " + all);
 }
 
-PlayedObject playedObject(const SceneObject& settings, const EvaluationInput& input) {
+PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
   PlayedObject played;
   played.object = settings.name;
   played.frame =
-      settings.frame.empty() ? input.parameters.reference_frame : plainFrame(settings.frame);
+      settings.frame.empty() ? setup.parameters.reference_frame : plainFrame(settings.frame);
   played.rate_hz = settings.rate_hz;
   std::map<std::string, Capsule> capsules;
-  if (settings.cloth_triangles > 0) capsules = linkCapsules(input.robot);
+  if (settings.cloth_triangles > 0) capsules = linkCapsules(setup.robot);
   played.next = [source = makeMeshSource(settings, [](std::size_t) {}),
                  capsules](const LinkPose& pose_of) mutable {
     std::vector<Capsule> obstacles;
@@ -124,27 +124,27 @@ PlayedObject playedObject(const SceneObject& settings, const EvaluationInput& in
 }
 
 // A configuration that looks for other topics than there are is the commonest mistake.
-void checkObjects(const EvaluateArguments& arguments, const BagContents& contents,
-                  const EvaluationInput& input, const Warn& warn) {
+void checkObjects(const BagFiles& files, const BagContents& contents, const BagSetup& setup,
+                  const Warn& warn) {
   std::set<std::string> there;
   for (const BagContents::Mesh& mesh : contents.meshes) there.insert(mesh.topic);
   std::string recorded;
   for (const std::string& topic : there) recorded += (recorded.empty() ? "" : ", ") + topic;
-  if (there.empty() && !input.played) {
+  if (there.empty() && !setup.played) {
     throw std::runtime_error(
         "no deformable mesh in the bags: record the topic too (launch/record.launch), or give "
         "--meshes or --cloth");
   }
-  bool any = input.played.has_value();
-  for (const ObjectParameters& object : input.parameters.objects) {
-    if (input.played && input.played->object == object.name) continue;
+  bool any = setup.played.has_value();
+  for (const ObjectParameters& object : setup.parameters.objects) {
+    if (setup.played && setup.played->object == object.name) continue;
     any |= there.count(topicOf(object)) > 0;
     if (there.count(topicOf(object)) > 0) continue;
     warn("object '" + object.name + "': nothing was recorded on " + topicOf(object) +
          (recorded.empty() ? "" : "; there are meshes on " + recorded));
   }
   if (!any) {
-    throw std::runtime_error(arguments.config + ": no object of it is in the bags, which have " +
+    throw std::runtime_error(files.config + ": no object of it is in the bags, which have " +
                              recorded);
   }
 }
@@ -164,38 +164,38 @@ void warnOfLinks(const RobotGeometry& robot, const Warn& warn) {
 
 }  // namespace
 
-EvaluationInput prepareEvaluation(const EvaluateArguments& arguments, const BagContents& contents,
-                                  const Warn& warn) {
-  EvaluationInput input;
-  if (!arguments.config.empty()) {
+BagSetup setUpBags(const BagFiles& files, const SceneObject& object, const BagContents& contents,
+                   const Warn& warn) {
+  BagSetup setup;
+  if (!files.config.empty()) {
     std::vector<std::string> warnings;
     try {
-      input.parameters = parseParameters(readYamlParameters(arguments.config), &warnings);
+      setup.parameters = parseParameters(readYamlParameters(files.config), &warnings);
     } catch (const ParameterError& error) {
       std::string text = error.what();
       std::replace(text.begin(), text.end(), '\n', ' ');
-      throw std::runtime_error(arguments.config + ": " + text);
+      throw std::runtime_error(files.config + ": " + text);
     }
-    for (const std::string& warning : warnings) warn(arguments.config + ": " + warning);
+    for (const std::string& warning : warnings) warn(files.config + ": " + warning);
   }
-  MonitorParameters& parameters = input.parameters;
-  if (!arguments.reference_frame.empty()) {
-    parameters.reference_frame = plainFrame(arguments.reference_frame);
+  MonitorParameters& parameters = setup.parameters;
+  if (!files.reference_frame.empty()) {
+    parameters.reference_frame = plainFrame(files.reference_frame);
   }
   if (parameters.objects.empty()) addRecordedObjects(contents, &parameters);
-  if (arguments.object.isWanted()) addPlayedObject(arguments.object, &parameters);
-  if (parameters.pair_classes.needRobot()) loadRobot(arguments, contents, &input);
-  warnOfLinks(input.robot, warn);
-  checkRobot(input.robot, parameters);
-  checkReferenceFrame(arguments, contents, &parameters, warn);
-  if (arguments.object.isWanted()) {
+  if (object.isWanted()) addPlayedObject(object, &parameters);
+  if (parameters.pair_classes.needRobot()) loadRobot(files, contents, &setup);
+  warnOfLinks(setup.robot, warn);
+  checkRobot(setup.robot, parameters);
+  checkReferenceFrame(files, contents, &parameters, warn);
+  if (object.isWanted()) {
     if (contents.last_transform.isZero()) {
       throw std::runtime_error("no moving transform in the bags: no time to play an object in");
     }
-    input.played = playedObject(arguments.object, input);
+    setup.played = playedObject(object, setup);
   }
-  checkObjects(arguments, contents, input, warn);
-  return input;
+  checkObjects(files, contents, setup, warn);
+  return setup;
 }
 
 }  // namespace deformable_contact_monitor
