@@ -1,6 +1,7 @@
-// Every regular triangle into each cluster that it may share a contact in.
+// Stage `assign`: every regular triangle into each cluster that it may share a contact in.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace deformable_contact_monitor {
 // One triangle in one cluster, with all that the sweep needs of it in one place.
 struct ClusterMember {
   Triangle posed;
-  std::uint32_t vertex_id[3];
+  std::array<std::uint32_t, 3> vertex_id;
   std::uint32_t triangle;  // in the working set
   std::uint32_t body;
   // The clusters that the triangle is in, ascending: lists[list_begin ... + list_size).
@@ -48,19 +49,22 @@ class ClusterAssigner {
     std::vector<std::uint32_t> members;        // per cluster: how many; later: where they begin
   };
 
-  void findWinners(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
+  void findNearest(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
                    const std::vector<float>& slack);
+  void assignBlock(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
+                   float overlap, const std::vector<float>& slack, std::size_t begin,
+                   std::size_t end, Block& block) const;
   void collectMembers(const WorkingSet& set, const SizeSplit& split, std::size_t cluster_count,
                       ClusterAssignment& assignment);
 
   std::vector<Block> blocks_;
 
-  std::vector<Vec3f> scaled_;         // per vertex that is in use
-  std::vector<Winner> winners_;       // per vertex
-  std::vector<std::uint32_t> owner_;  // per vertex: a body that uses it, or kUnused
+  std::vector<Vec3f> scaled_;              // per vertex that is in use
+  std::vector<NearestPrototype> nearest_;  // per vertex; from cycle to cycle, as guesses
+  std::vector<std::uint32_t> user_;        // per vertex: the body that uses it, or kUnused
 };
 
-// Of each body.
-std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale);
+// Of each body [scaled].
+std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale);
 
 }  // namespace deformable_contact_monitor

@@ -1,9 +1,11 @@
-// From the scene to the triangles that can be in contact at all: poses, boxes, culling.
+// Stage `pose`: from the scene to the triangles that can be in contact at all.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/cpu/body_boxes.h"
 #include "core/cpu/vertex_identity.h"
 #include "core/detector.h"
 #include "core/predicates/aabb.h"
@@ -26,31 +28,39 @@ struct WorkingSet {
   Triangle posed(std::size_t t) const {
     return {{vertices[corners[3 * t]], vertices[corners[3 * t + 1]], vertices[corners[3 * t + 2]]}};
   }
+  // Of a triangle's three vertices.
+  std::array<std::uint32_t, 3> vertexIds(std::size_t t) const {
+    return {vertex_id[corners[3 * t]], vertex_id[corners[3 * t + 1]],
+            vertex_id[corners[3 * t + 2]]};
+  }
 };
 
-// Finds the working set; keeps its buffers, and the boxes of bodies whose vertices did not change,
-// from call to call.
+// Finds the working set; keeps its buffers from call to call.
 class WorkingSetBuilder {
  public:
   // A body takes part if its box meets a partner's; a triangle, if its box meets the box of a
-  // partner of its body. Fills counters.triangles, rejected, posed, culled.
+  // partner of its body. Adds to counters.rejected, posed and culled.
   void build(const Scene& scene, WorkingSet& set, Counters& counters);
 
  private:
-  struct LocalBox {
-    std::uint64_t vertices_revision = 0;  // none has 0
-    Aabb box;                             // of the finite vertices, body frame
-    bool all_finite = true;
+  // What one block of a body's triangles contributes.
+  struct Block {
+    std::vector<std::uint32_t> triangle;
+    std::vector<Aabb> boxes;
+    std::uint64_t rejected = 0;
   };
 
-  void updateLocalBoxes(const Scene& scene);
-  void poseBody(const Body& body, std::uint32_t first, std::vector<Vec3f>& vertices) const;
-
+  void countLeftOut(const Scene& scene, BodyId id, Counters& counters) const;
+  void addBody(const Scene& scene, BodyId id, const PartnerBoxes& partners, WorkingSet& set,
+               Counters& counters);
   void identifyVertices(const Body& body, bool self, std::uint32_t first, WorkingSet& set);
+  void chooseTriangles(const Body& body, std::uint32_t first, const PartnerBoxes& partners,
+                       const WorkingSet& set);
 
-  std::vector<LocalBox> local_boxes_;
+  BodyBoxes body_boxes_;
   VertexIdentity identity_;
   std::vector<std::uint32_t> least_equal_;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace deformable_contact_monitor
