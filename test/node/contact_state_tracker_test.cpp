@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/posed_body.h"
 #include "node/triangle_normal.h"
 #include "sample_report.h"
 

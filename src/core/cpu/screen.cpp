@@ -54,7 +54,7 @@ void PairScreen::screenSeparate(const PreparedTriangle& a, const PreparedTriangl
   facts.margin_m =
       pairMargin(input_.scene.body(a.body).margin_m, input_.scene.body(b.body).margin_m);
   const bool apart =
-      sidesOf(b.plane, a.lanes, facts.sides.a) || sidesOf(a.plane, b.lanes, facts.sides.b);
+      sidesOf(b.plane, a.lanes, facts.sides.a) | sidesOf(a.plane, b.lanes, facts.sides.b);
   if (!apart || facts.margin_m > 0) candidates.push_back({a.triangle, b.triangle, facts});
 }
 

@@ -15,7 +15,7 @@ void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t 
   pair_count_ +=
       scanRow(row, {sorted_.packed_lo[row], sorted_.packed_hi[row]}, sorted_.packed_lo.data(),
               sorted_.packed_hi.data(), begin, end, &pairs_[pair_count_]);
-  constexpr std::size_t kMostPairs = 1 << 20;  // bounds the memory of dense clusters
+  constexpr std::size_t kMostPairs = 1 << 18;  // bounds the memory of dense clusters
   if (pair_count_ > kMostPairs) judgePairs();
 }
 
