@@ -73,12 +73,10 @@ TEST_P(CountersTest, ExactIsPairsThatNoFilterDecides) {
 
 TEST_P(CountersTest, UndecidedIsContactsThatNoFilterDecides) {
   Scene scene = coplanarAndCrossingPairs();
-  // Apart, though a vertex lies in the other's plane and the boxes meet.
-  TriangleMesh a = meshOf({moved(kTilted, -100)}),
-               b = meshOf({{{{0, 0, 1}, {4, 0, 0}, {0, 4, 0}}}});
-  for (std::size_t i = 0; i < b.vertices.size(); i += 3) b.vertices[i] -= 97;
-  const BodyId first = scene.addBody("a vertex in its plane", a);
-  const BodyId second = scene.addBody("apart", b);
+  // Apart, though a vertex of the first lies in the plane of the second and their boxes meet.
+  const Triangle below{{{2, 1, 3}, {3, 0, 2}, {2, 0, 0}}};
+  const BodyId first = scene.addBody("a vertex in its plane", meshOf({moved(kTilted, -100)}));
+  const BodyId second = scene.addBody("below", meshOf({moved(below, -100)}));
   scene.setPairEnabled(first, second, true);
   Options options;
   options.predicates = Predicates::kConservative;
