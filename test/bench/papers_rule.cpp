@@ -83,7 +83,7 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     assign_ms.push_back(watch.lapMs());
     const CycleInput input{scene, set, rule.split, assignment, groups, slack, options};
     ClusterSweeper sweeper(input);
-    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
     output = std::move(sweeper.output());
     sweepLargeTriangles(input, output);
     sweep_ms.push_back(watch.lapMs());
@@ -94,7 +94,7 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     }
   }
   Contacts contacts;
-  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a, c.b);
+  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a.value, c.b.value);
   std::printf("| %s | %zu | %s | %.2f | %zu | %.1f | %.0f | %.0f | %zu |\n", name, count, rule.name,
               static_cast<double>(entries) / static_cast<double>(rule.split.regular.size()),
               largest, static_cast<double>(output.interval_overlaps) * 1e-6, median(assign_ms),

@@ -22,8 +22,8 @@ std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale) {
 void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
                                   const PrototypesView& view, const std::vector<float>& slack) {
   user_.assign(set.vertices.size(), kUnused);
-  for (const std::uint32_t t : split.regular) {
-    for (int k = 0; k < 3; ++k) user_[set.corners[3 * std::size_t{t} + k]] = set.body[t];
+  for (const TriangleIndex t : split.regular) {
+    for (int k = 0; k < 3; ++k) user_[set.cornersOf(t)[k]] = set.bodyOf(t).value;
   }
   scaled_.resize(set.vertices.size());
   nearest_.resize(set.vertices.size());
@@ -46,8 +46,8 @@ void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
   block.length.clear();
   block.lists.clear();
   for (std::size_t i = begin; i < end; ++i) {
-    const std::uint32_t t = split.regular[i];
-    const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
+    const TriangleIndex t = split.regular[i];
+    const std::uint32_t* corner = set.cornersOf(t);
     const NearestPrototype nearest[3] = {nearest_[corner[0]], nearest_[corner[1]],
                                          nearest_[corner[2]]};
     if (isInterior(nearest)) {
@@ -57,7 +57,8 @@ void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
     }
     const Vec3f v[3] = {scaled_[corner[0]], scaled_[corner[1]], scaled_[corner[2]]};
     std::uint32_t first;
-    const HalfSpaceRule rule = ruleFor(view, v, nearest, overlap, slack[set.body[t]], first);
+    const HalfSpaceRule rule =
+        ruleFor(view, v, nearest, overlap, slack[set.bodyOf(t).value], first);
     const std::size_t before = block.lists.size();
     forEachAdmitted(view, rule, first, [&](std::uint32_t g) { block.lists.push_back(g); });
     std::sort(block.lists.begin() + static_cast<std::ptrdiff_t>(before), block.lists.end());
@@ -108,8 +109,9 @@ void ClusterAssigner::collectMembers(const WorkingSet& set, const SizeSplit& spl
     std::copy(block.lists.begin(), block.lists.end(), assignment.lists.begin() + list_begin[b]);
     std::uint32_t list = list_begin[b];
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t t = split.regular[i], size = block.length[i - begin];
-      const ClusterMember member{set.posed(t), set.vertexIds(t), t, set.body[t], list, size};
+      const TriangleIndex t = split.regular[i];
+      const std::uint32_t size = block.length[i - begin];
+      const ClusterMember member{set.posed(t), set.vertexIds(t), t, set.bodyOf(t), list, size};
       for (std::uint32_t k = 0; k < size; ++k) {
         assignment.members[block.members[assignment.lists[list + k]]++] = member;
       }

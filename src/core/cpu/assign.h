@@ -8,6 +8,7 @@
 #include "core/cpu/pose.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
+#include "core/index.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -16,8 +17,8 @@ namespace deformable_contact_monitor {
 struct ClusterMember {
   Triangle posed;
   std::array<std::uint32_t, 3> vertex_id;
-  std::uint32_t triangle;  // in the working set
-  std::uint32_t body;
+  TriangleIndex triangle;
+  BodyIndex body;
   // The clusters that the triangle is in, ascending: lists[list_begin ... + list_size).
   std::uint32_t list_begin, list_size;
 };
@@ -30,8 +31,8 @@ struct ClusterAssignment {
 
   std::size_t clusterCount() const { return member_begin.size() - 1; }
   // Every triangle is at home in its lowest cluster alone.
-  bool isHome(const ClusterMember& member, std::uint32_t cluster) const {
-    return lists[member.list_begin] == cluster;
+  bool isHome(const ClusterMember& member, ClusterIndex cluster) const {
+    return lists[member.list_begin] == cluster.value;
   }
 };
 

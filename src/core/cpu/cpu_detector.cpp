@@ -24,8 +24,9 @@ namespace {
 
 void sweepClusters(const CycleInput& input, CycleOutput& output) {
   tbb::enumerable_thread_specific<ClusterSweeper> sweepers(std::cref(input));
-  tbb::parallel_for(std::size_t{0}, input.assignment.clusterCount(),
-                    [&](std::size_t g) { sweepers.local().sweep(static_cast<std::uint32_t>(g)); });
+  tbb::parallel_for(std::size_t{0}, input.assignment.clusterCount(), [&](std::size_t g) {
+    sweepers.local().sweep(ClusterIndex(static_cast<std::uint32_t>(g)));
+  });
   for (ClusterSweeper& sweeper : sweepers) output.add(sweeper.output());
 }
 

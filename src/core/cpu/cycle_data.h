@@ -8,6 +8,7 @@
 #include "core/cpu/assign.h"
 #include "core/cpu/pose.h"
 #include "core/cpu/size_split.h"
+#include "core/index.h"
 #include "core/options.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/scene.h"
@@ -28,13 +29,13 @@ struct CycleInput {
 
 // Two triangles of the working set that boxes and plane filters leave to the verdict.
 struct Candidate {
-  std::uint32_t a, b;
+  TriangleIndex a, b;
   PairFacts facts;
 };
 
 // A contact between two triangles of the working set, a < b.
 struct WorkingContact {
-  std::uint32_t a = 0, b = 0;
+  TriangleIndex a, b;
   float separation_m = 0;
 };
 

@@ -35,7 +35,7 @@ constexpr std::array<Flags, 256> kFlags = allFlags();
 
 }  // namespace
 
-DCM_WIDE_CLONES std::size_t scanRow(std::uint32_t row, PackedBox box, const std::uint32_t* lo,
+DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, PackedBox box, const std::uint32_t* lo,
                                     const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end,
                                     BoxPair* pairs) {
   const std::uint32_t guarded = box.hi | kPackedGuard;
@@ -57,11 +57,11 @@ DCM_WIDE_CLONES std::size_t scanRow(std::uint32_t row, PackedBox box, const std:
       std::uint64_t word;
       std::memcpy(&word, met + k, 8);
       const Flags& flags = kFlags[word * 0x0102040810204080U >> 56];
-      for (int i = 0; i < 8; ++i) next[i] = {row, chunk + k + flags.set[i]};
+      for (int i = 0; i < 8; ++i) next[i] = {row, SortedIndex(chunk + k + flags.set[i])};
       next += flags.count;
     }
   }
-  while (next != pairs && next[-1].b >= end) --next;  // read on past the end
+  while (next != pairs && next[-1].b.value >= end) --next;  // read on past the end
   return static_cast<std::size_t>(next - pairs);
 }
 

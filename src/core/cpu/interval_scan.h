@@ -4,13 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/index.h"
 #include "core/rules/intervals.h"
 
 namespace deformable_contact_monitor {
 
 // Two positions in a sorted cluster, whose boxes along its axes intersect.
 struct BoxPair {
-  std::uint32_t a, b;
+  SortedIndex a, b;
 };
 
 // The arrays may be read, and `pairs` written, this much past the range.
@@ -18,7 +19,7 @@ constexpr std::uint32_t kScanChunk = 32;
 
 // Writes {row, k} for each k in [begin, end) whose box intersects `box`, ascending; returns how
 // many.
-std::size_t scanRow(std::uint32_t row, PackedBox box, const std::uint32_t* lo,
+std::size_t scanRow(SortedIndex row, PackedBox box, const std::uint32_t* lo,
                     const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end,
                     BoxPair* pairs);
 

@@ -17,30 +17,32 @@ std::vector<Aabb> homeBoxes(const CycleInput& input) {
   for (std::uint32_t g = 0; g < boxes.size(); ++g) {
     for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1]; ++m) {
       const ClusterMember& member = assignment.members[m];
-      if (assignment.isHome(member, g)) boxes[g].include(input.set.boxes[member.triangle]);
+      if (!assignment.isHome(member, ClusterIndex(g))) continue;
+      boxes[g].include(input.set.box(member.triangle));
     }
   }
   return boxes;
 }
 
 // The large triangles by where their boxes begin along x.
-std::vector<std::uint32_t> sortedAlongX(const CycleInput& input) {
-  std::vector<std::uint32_t> large = input.split.large;
-  const std::vector<Aabb>& boxes = input.set.boxes;
-  std::sort(large.begin(), large.end(), [&boxes](std::uint32_t a, std::uint32_t b) {
-    return boxes[a].min.x != boxes[b].min.x ? boxes[a].min.x < boxes[b].min.x : a < b;
+std::vector<TriangleIndex> sortedAlongX(const CycleInput& input) {
+  std::vector<TriangleIndex> large = input.split.large;
+  const WorkingSet& set = input.set;
+  std::sort(large.begin(), large.end(), [&set](TriangleIndex a, TriangleIndex b) {
+    const float x_a = set.box(a).min.x, x_b = set.box(b).min.x;
+    return x_a != x_b ? x_a < x_b : a < b;
   });
   return large;
 }
 
-PreparedTriangle prepared(const WorkingSet& set, std::uint32_t t) {
-  return {set.posed(t), set.vertexIds(t), t, set.body[t]};
+PreparedTriangle prepared(const WorkingSet& set, TriangleIndex t) {
+  return {set.posed(t), set.vertexIds(t), t, set.bodyOf(t)};
 }
 
 // Takes large triangles, one after the other, through boxes, filters and verdicts. One per thread.
 class LargeSweeper {
  public:
-  LargeSweeper(const CycleInput& input, const std::vector<std::uint32_t>& large,
+  LargeSweeper(const CycleInput& input, const std::vector<TriangleIndex>& large,
                const std::vector<Aabb>& cluster_boxes, CycleOutput& output)
       : input_(input),
         large_(large),
@@ -61,9 +63,9 @@ class LargeSweeper {
 
  private:
   void meetLarge(const PreparedTriangle& triangle, std::size_t i) {
-    const std::vector<Aabb>& boxes = input_.set.boxes;
-    const float end = boxes[triangle.triangle].max.x;
-    for (std::size_t j = i + 1; j < large_.size() && boxes[large_[j]].min.x <= end; ++j) {
+    const float end = input_.set.box(triangle.triangle).max.x;
+    for (std::size_t j = i + 1; j < large_.size(); ++j) {
+      if (input_.set.box(large_[j]).min.x > end) break;
       meet(triangle, large_[j]);
     }
   }
@@ -71,26 +73,26 @@ class LargeSweeper {
   void meetMembers(const PreparedTriangle& triangle) {
     const ClusterAssignment& assignment = input_.assignment;
     for (std::uint32_t g = 0; g < cluster_boxes_.size(); ++g) {
-      if (!intersects(input_.set.boxes[triangle.triangle], cluster_boxes_[g])) continue;
+      if (!intersects(input_.set.box(triangle.triangle), cluster_boxes_[g])) continue;
       for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1]; ++m) {
         const ClusterMember& member = assignment.members[m];
-        if (assignment.isHome(member, g)) meet(triangle, member.triangle);
+        if (assignment.isHome(member, ClusterIndex(g))) meet(triangle, member.triangle);
       }
     }
   }
 
-  void meet(const PreparedTriangle& triangle, std::uint32_t other) {
+  void meet(const PreparedTriangle& triangle, TriangleIndex other) {
     ++output_.interval_overlaps;
     const WorkingSet& set = input_.set;
     const std::vector<std::uint32_t>& group = input_.groups.group;
-    if (intersects(set.boxes[triangle.triangle], set.boxes[other]) &&
-        input_.groups.enabled[group[triangle.body]][group[set.body[other]]]) {
+    if (intersects(set.box(triangle.triangle), set.box(other)) &&
+        input_.groups.enabled[group[triangle.body.value]][group[set.bodyOf(other).value]]) {
       screen_.screen(triangle, prepared(set, other), candidates_);
     }
   }
 
   const CycleInput& input_;
-  const std::vector<std::uint32_t>& large_;
+  const std::vector<TriangleIndex>& large_;
   const std::vector<Aabb>& cluster_boxes_;
   PairScreen screen_;
   std::vector<Candidate> candidates_;
@@ -104,7 +106,7 @@ void sweepLargeTriangles(const CycleInput& input, CycleOutput& output) {
   if (input.split.large.empty()) return;
   const Stopwatch watch;
   const std::vector<Aabb> cluster_boxes = homeBoxes(input);
-  const std::vector<std::uint32_t> large = sortedAlongX(input);
+  const std::vector<TriangleIndex> large = sortedAlongX(input);
   output.work.add(Stage::kLarge, watch.elapsedMs());
   constexpr std::size_t kBlock = 16;
   std::vector<CycleOutput> outputs(blockCount(large.size(), kBlock));

@@ -8,6 +8,7 @@
 #include "core/cpu/body_boxes.h"
 #include "core/cpu/vertex_identity.h"
 #include "core/detector.h"
+#include "core/index.h"
 #include "core/predicates/aabb.h"
 #include "core/scene.h"
 
@@ -25,13 +26,19 @@ struct WorkingSet {
   std::vector<std::uint32_t> first_vertex;  // per body: where its vertices begin in `vertices`
 
   std::size_t size() const { return triangle.size(); }
-  Triangle posed(std::size_t t) const {
-    return {{vertices[corners[3 * t]], vertices[corners[3 * t + 1]], vertices[corners[3 * t + 2]]}};
+  const std::uint32_t* cornersOf(TriangleIndex t) const {
+    return &corners[3 * std::size_t{t.value}];
   }
+  Triangle posed(TriangleIndex t) const {
+    const std::uint32_t* corner = cornersOf(t);
+    return {{vertices[corner[0]], vertices[corner[1]], vertices[corner[2]]}};
+  }
+  BodyIndex bodyOf(TriangleIndex t) const { return BodyIndex(body[t.value]); }
+  const Aabb& box(TriangleIndex t) const { return boxes[t.value]; }
   // Of a triangle's three vertices.
-  std::array<std::uint32_t, 3> vertexIds(std::size_t t) const {
-    return {vertex_id[corners[3 * t]], vertex_id[corners[3 * t + 1]],
-            vertex_id[corners[3 * t + 2]]};
+  std::array<std::uint32_t, 3> vertexIds(TriangleIndex t) const {
+    const std::uint32_t* corner = cornersOf(t);
+    return {vertex_id[corner[0]], vertex_id[corner[1]], vertex_id[corner[2]]};
   }
 };
 

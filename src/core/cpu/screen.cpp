@@ -17,7 +17,7 @@ void PairScreen::screen(const std::vector<PreparedTriangle>& triangles, BoxPair*
   std::size_t neighbours = 0, separate = 0, left = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const BoxPair pair = pairs[i];
-    const PreparedTriangle &a = triangles[pair.a], &b = triangles[pair.b];
+    const PreparedTriangle &a = triangles[pair.a.value], &b = triangles[pair.b.value];
     const bool share = sharedBits(a.vertex_id, b.vertex_id) != 0;
     neighbours_[neighbours] = pair;
     neighbours += share;
@@ -26,16 +26,17 @@ void PairScreen::screen(const std::vector<PreparedTriangle>& triangles, BoxPair*
   }
   for (std::size_t i = 0; i < separate; ++i) {
     const BoxPair pair = pairs[i];
-    const PreparedTriangle &a = triangles[pair.a], &b = triangles[pair.b];
+    const PreparedTriangle &a = triangles[pair.a.value], &b = triangles[pair.b.value];
     const bool apart = onOneSide(b.plane, a.lanes) | onOneSide(a.plane, b.lanes);
     pairs[left] = pair;
     left += !apart | margins_;
   }
   for (std::size_t i = 0; i < left; ++i) {
-    screenSeparate(triangles[pairs[i].a], triangles[pairs[i].b], candidates);
+    screenSeparate(triangles[pairs[i].a.value], triangles[pairs[i].b.value], candidates);
   }
   for (std::size_t i = 0; i < neighbours; ++i) {
-    screenNeighbours(triangles[neighbours_[i].a], triangles[neighbours_[i].b], candidates);
+    screenNeighbours(triangles[neighbours_[i].a.value], triangles[neighbours_[i].b.value],
+                     candidates);
   }
 }
 
@@ -51,8 +52,8 @@ void PairScreen::screen(const PreparedTriangle& a, const PreparedTriangle& b,
 void PairScreen::screenSeparate(const PreparedTriangle& a, const PreparedTriangle& b,
                                 std::vector<Candidate>& candidates) const {
   PairFacts facts;
-  facts.margin_m =
-      pairMargin(input_.scene.body(a.body).margin_m, input_.scene.body(b.body).margin_m);
+  facts.margin_m = pairMargin(input_.scene.body(a.body.value).margin_m,
+                              input_.scene.body(b.body.value).margin_m);
   const bool apart =
       sidesOf(b.plane, a.lanes, facts.sides.a) | sidesOf(a.plane, b.lanes, facts.sides.b);
   if (!apart || facts.margin_m > 0) candidates.push_back({a.triangle, b.triangle, facts});

@@ -18,12 +18,12 @@ struct PreparedTriangle {
   LaneTriangle lanes;
   IntLanes vertex_id;
   PlaneFilter plane;
-  std::uint32_t triangle = 0;  // in the working set
-  std::uint32_t body = 0;
+  TriangleIndex triangle;
+  BodyIndex body;
 
   PreparedTriangle() = default;
-  PreparedTriangle(const Triangle& posed, const std::array<std::uint32_t, 3>& id, std::uint32_t t,
-                   std::uint32_t body_of_t)
+  PreparedTriangle(const Triangle& posed, const std::array<std::uint32_t, 3>& id, TriangleIndex t,
+                   BodyIndex body_of_t)
       : lanes(posed), vertex_id(identityLanes(id)), plane(posed), triangle(t), body(body_of_t) {}
 };
 

@@ -1,18 +1,18 @@
 // The working set's very large triangles, and the scale of all the others.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "core/cpu/pose.h"
+#include "core/index.h"
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
 
 namespace deformable_contact_monitor {
 
 struct SizeSplit {
-  std::vector<std::uint32_t> large;    // indices into the working set, ascending
-  std::vector<std::uint32_t> regular;  // all other indices, ascending
+  std::vector<TriangleIndex> large;    // of the working set, ascending
+  std::vector<TriangleIndex> regular;  // all others, ascending
   SizeRule rule;                       // that told them apart
   SceneScale scale;                    // brings the regular triangles into [-1, 1]
 };

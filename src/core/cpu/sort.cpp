@@ -33,7 +33,7 @@ void ClusterSorter::project(const ClusterMember* members) {
   one_group_ = true;
   for (std::uint32_t m = 0; m < count; ++m) {
     Projected& projected = projected_[m];
-    const std::uint32_t body = members[m].body;
+    const std::uint32_t body = members[m].body.value;
     projected.group = input_.groups.group[body];
     one_group_ = one_group_ && projected.group == projected_[0].group;
     for (int k = 0; k < 3; ++k) {
@@ -79,7 +79,7 @@ void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) 
     sorted.packed_lo[i] = packed.lo;
     sorted.packed_hi[i] = packed.hi;
     // Not looked up: computing it is faster than a cache miss.
-    sorted.boxes[i] = inflated(boxOf(member.posed), input_.scene.body(member.body).margin_m);
+    sorted.boxes[i] = inflated(boxOf(member.posed), input_.scene.body(member.body.value).margin_m);
     sorted.triangles[i] =
         PreparedTriangle(member.posed, member.vertex_id, member.triangle, member.body);
     sorted.clusters[i] =
@@ -87,10 +87,10 @@ void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) 
   }
 }
 
-void ClusterSorter::sort(std::uint32_t cluster, SortedCluster& sorted) {
+void ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
   const ClusterAssignment& assignment = input_.assignment;
-  const std::uint32_t begin = assignment.member_begin[cluster];
-  const std::uint32_t count = assignment.member_begin[cluster + 1] - begin;
+  const std::uint32_t begin = assignment.member_begin[cluster.value];
+  const std::uint32_t count = assignment.member_begin[cluster.value + 1] - begin;
   const ClusterMember* const members = assignment.members.data() + begin;
   projected_.resize(count);
   order_.resize(count);

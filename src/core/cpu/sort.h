@@ -19,7 +19,7 @@ struct GroupRange {
 
 // One cluster's members by body group, and within it by where their intervals begin.
 struct SortedCluster {
-  std::uint32_t cluster = 0;
+  ClusterIndex cluster;
   std::vector<GroupRange> groups;  // ascending
   // All per position. Intervals along the first axis:
   std::vector<float> lo, hi;
@@ -35,7 +35,7 @@ class ClusterSorter {
  public:
   explicit ClusterSorter(const CycleInput& input) : input_(input) {}
 
-  void sort(std::uint32_t cluster, SortedCluster& sorted);
+  void sort(ClusterIndex cluster, SortedCluster& sorted);
 
  private:
   // What is computed for a member before its place in the order is known.

@@ -13,8 +13,8 @@ void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t 
   const std::size_t room = pair_count_ + (end - begin) + kScanChunk;
   if (pairs_.size() < room) pairs_.resize(2 * room);
   pair_count_ +=
-      scanRow(row, {sorted_.packed_lo[row], sorted_.packed_hi[row]}, sorted_.packed_lo.data(),
-              sorted_.packed_hi.data(), begin, end, &pairs_[pair_count_]);
+      scanRow(SortedIndex(row), {sorted_.packed_lo[row], sorted_.packed_hi[row]},
+              sorted_.packed_lo.data(), sorted_.packed_hi.data(), begin, end, &pairs_[pair_count_]);
   constexpr std::size_t kMostPairs = 1 << 18;  // bounds the memory of dense clusters
   if (pair_count_ > kMostPairs) judgePairs();
 }
@@ -59,10 +59,10 @@ void ClusterSweeper::judgePairs() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pair_count_; ++i) {
     const BoxPair pair = pairs_[i];
-    const bool owned =
-        ownsPair(sorted_.cluster, sorted_.clusters[pair.a], sorted_.clusters[pair.b]);
+    const bool owned = ownsPair(sorted_.cluster.value, sorted_.clusters[pair.a.value],
+                                sorted_.clusters[pair.b.value]);
     pairs_[kept] = pair;
-    kept += intersects(sorted_.boxes[pair.a], sorted_.boxes[pair.b]) & owned;
+    kept += intersects(sorted_.boxes[pair.a.value], sorted_.boxes[pair.b.value]) & owned;
   }
   pair_count_ = 0;
   candidates_.clear();
@@ -72,9 +72,9 @@ void ClusterSweeper::judgePairs() {
   output_.work.add(Stage::kJudge, watch_.lapMs());
 }
 
-void ClusterSweeper::sweep(std::uint32_t cluster) {
+void ClusterSweeper::sweep(ClusterIndex cluster) {
   const std::vector<std::uint32_t>& begin = input_.assignment.member_begin;
-  if (begin[cluster] == begin[cluster + 1]) return;
+  if (begin[cluster.value] == begin[cluster.value + 1]) return;
   watch_ = Stopwatch();
   sorter_.sort(cluster, sorted_);
   output_.work.add(Stage::kSort, watch_.lapMs());

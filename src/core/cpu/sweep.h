@@ -22,7 +22,7 @@ class ClusterSweeper {
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
-  void sweep(std::uint32_t cluster);
+  void sweep(ClusterIndex cluster);
 
   CycleOutput& output() { return output_; }
 

@@ -25,7 +25,7 @@ class Frame {
     splitBySize(set_, split_);
   }
 
-  Vec3f centroid(std::size_t triangle) const {
+  Vec3f centroid(TriangleIndex triangle) const {
     const Triangle t = set_.posed(triangle);
     const Vec3f scaled[3] = {split_.scale.apply(t.v[0]), split_.scale.apply(t.v[1]),
                              split_.scale.apply(t.v[2])};
@@ -34,7 +34,10 @@ class Frame {
 
   std::vector<Vec3f> sample() const {
     std::vector<Vec3f> points;
-    for (std::size_t t = 0; t < set_.size(); t += set_.size() / 4096) points.push_back(centroid(t));
+    const auto count = static_cast<std::uint32_t>(set_.size());
+    for (std::uint32_t t = 0; t < count; t += count / 4096) {
+      points.push_back(centroid(TriangleIndex(t)));
+    }
     return points;
   }
 
@@ -50,7 +53,8 @@ class Frame {
   std::vector<Vec3f> randomPrototypes(unsigned seed) const {
     std::mt19937 random(seed);
     std::vector<Vec3f> prototypes(kClusters);
-    for (Vec3f& p : prototypes) p = centroid(random() % set_.size());
+    for (Vec3f& p : prototypes)
+      p = centroid(TriangleIndex(static_cast<std::uint32_t>(random() % set_.size())));
     return prototypes;
   }
 
@@ -64,7 +68,7 @@ class Frame {
     const Options options;
     const CycleInput input{scene_, set_, split_, assignment, groups, slack, options};
     ClusterSweeper sweeper(input);
-    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
     return sweeper.output();
   }
 

@@ -35,7 +35,7 @@ Known known(const Candidate& c) {
     if (!c.facts.shared.any) facts.insert(facts.end(), {c.facts.sides.a[i], c.facts.sides.b[i]});
   }
   facts.insert(facts.end(), {c.facts.shared.any, c.facts.margin_m > 0});
-  return {c.a, c.b, facts};
+  return {c.a.value, c.b.value, facts};
 }
 
 std::vector<Known> sorted(const std::vector<Candidate>& candidates) {
@@ -66,21 +66,23 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
     PairScreen screen(input);
 
     std::vector<PreparedTriangle> triangles;
-    for (std::uint32_t t = 0; t < set.size(); ++t) {
-      triangles.emplace_back(set.posed(t), set.vertexIds(t), t, set.body[t]);
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+      const TriangleIndex t(i);
+      triangles.emplace_back(set.posed(t), set.vertexIds(t), t, set.bodyOf(t));
     }
     std::vector<BoxPair> pairs;
     std::vector<Candidate> by_rule, one_by_one, all_at_once;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
       for (std::uint32_t j = i + 1; j < set.size(); ++j) {
-        pairs.push_back({i, j});
+        pairs.push_back({SortedIndex(i), SortedIndex(j)});
+        const TriangleIndex a(i), b(j);
         screen.screen(triangles[i], triangles[j], one_by_one);
         PairFacts facts;
-        facts.shared = sharedVertices(set.posed(i), set.posed(j));
+        facts.shared = sharedVertices(set.posed(a), set.posed(b));
         if (facts.shared.any && options.adjacent == AdjacentPairs::kSkip) continue;
         if (!facts.shared.any) facts.margin_m = scene.body(0).margin_m;
-        const bool left = isCandidate(set.posed(i), set.posed(j), facts);
-        if (left) by_rule.push_back({i, j, facts});
+        const bool left = isCandidate(set.posed(a), set.posed(b), facts);
+        if (left) by_rule.push_back({a, b, facts});
         (left ? (facts.shared.any ? sharing : separate) : dropped) += 1;
       }
     }
