@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,13 @@ constexpr std::array<const char*, kStageCount> kStageNames = {
 class StageTimes {
  public:
   void add(Stage stage, double ms) { ms_[static_cast<std::size_t>(stage)] += ms; }
+
+  // All of another's times, each times `share`.
+  void add(const StageTimes& other, double share) {
+    for (std::size_t s = 0; s < kStageCount; ++s) ms_[s] += share * other.ms_[s];
+  }
+
+  double totalMs() const { return std::accumulate(ms_.begin(), ms_.end(), 0.0); }
 
   // [ms] by name, all stages in their order.
   std::vector<std::pair<std::string, double>> byName() const {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/body_groups.h"
+#include "core/cpu/cluster.h"
 #include "core/cpu/fuzzy_clustering.h"
 #include "core/cpu/large.h"
 #include "core/cpu/sweep.h"
@@ -47,15 +48,10 @@ SizeSplit withoutLargeList(const WorkingSet& set, SizeSplit split) {
 
 // As the CPU backend's, warmed up.
 Prototypes prototypesOf(const WorkingSet& set, const SizeSplit& split, std::size_t count) {
-  const std::size_t samples =
-      std::min(split.regular.size(), std::max<std::size_t>(2048, 8 * count));
-  std::vector<Vec3f> centroids;
-  for (std::size_t i = 0; i < samples; ++i) {
-    const Triangle t = set.posed(split.regular[i * split.regular.size() / samples]);
-    Vec3f sum;
-    for (const Vec3f& v : t.v) sum = sum + split.scale.apply(v);
-    centroids.push_back(sum * (1.0F / 3));
-  }
+  const std::vector<Vec3f> centroids =
+      sampleCentroids(set, split,
+                      samplingOf(static_cast<std::uint32_t>(split.regular.size()),
+                                 static_cast<std::uint32_t>(count), 2048));
   FuzzyClustering clustering(Options().fuzzifier);
   clustering.initialise(centroids, count);
   for (int i = 0; i < 10; ++i) clustering.iterate(centroids);
@@ -76,21 +72,21 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
   constexpr int kRepeats = 5;
   const Prototypes prototypes = prototypesOf(set, rule.split, count);
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlack(scene, rule.split.scale);
+  const std::vector<float> slack = scaledSlacks(scene, rule.split.scale);
   const Options options;
   std::vector<double> assign_ms, sweep_ms;
-  SweepOutput output;
+  CycleOutput output;
   std::size_t entries = 0, largest = 0;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
-    Stopwatch stopwatch;
+    Stopwatch watch;
     const ClusterAssignment assignment = rule.assign(rule.split, prototypes);
-    assign_ms.push_back(stopwatch.lapMs());
-    const SweepInput input{scene, set, rule.split, assignment, groups, slack, options};
+    assign_ms.push_back(watch.lapMs());
+    const CycleInput input{scene, set, rule.split, assignment, groups, slack, options};
     ClusterSweeper sweeper(input);
-    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
     output = std::move(sweeper.output());
     sweepLargeTriangles(input, output);
-    sweep_ms.push_back(stopwatch.lapMs());
+    sweep_ms.push_back(watch.lapMs());
     entries = assignment.members.size();
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) {
       largest = std::max<std::size_t>(largest,
@@ -98,7 +94,7 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     }
   }
   Contacts contacts;
-  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a, c.b);
+  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a.value, c.b.value);
   std::printf("| %s | %zu | %s | %.2f | %zu | %.1f | %.0f | %.0f | %zu |\n", name, count, rule.name,
               static_cast<double>(entries) / static_cast<double>(rule.split.regular.size()),
               largest, static_cast<double>(output.interval_overlaps) * 1e-6, median(assign_ms),

@@ -14,10 +14,7 @@ struct SceneScale {
 
   DCM_HD Vec3d applyExact(const Vec3d& v) const { return (v - origin) * scale; }
   // Each coordinate of the result is off by less than kScaledError times its own size.
-  DCM_HD Vec3f apply(const Vec3f& v) const {
-    const Vec3d s = applyExact(toDouble(v));
-    return {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)};
-  }
+  DCM_HD Vec3f apply(const Vec3f& v) const { return toFloat(applyExact(toDouble(v))); }
   DCM_HD Vec3d invert(const Vec3f& s) const { return toDouble(s) * (1 / scale) + origin; }
 };
 
