@@ -44,7 +44,7 @@ tidy() {
     mapfile -t files < <(find src cuda test/support -name '*.cpp' -o -name '*.cu' | sort)
   else
     [ -n "$commit" ] || commit=$(default_commit)
-    git rev-parse --verify --quiet "$commit^{commit}" >/dev/null || must "no commit '$commit'" false
+    git rev-parse --verify --quiet "$commit^{commit}" >/dev/null || must "there is no commit '$commit' to compare with" false
     mapfile -t files < <(changed_files "$commit")
   fi
   install_packages build run tidy
@@ -56,6 +56,7 @@ tidy() {
     --target deformable_contact_monitor_generate_messages_cpp
 
   say "clang-tidy on ${#files[@]} files"
+  [ ${#files[@]} -gt 0 ] || return 0
   CUDA_HEADERS=$(dirname "$(ls {/usr/local/cuda,/usr}/include/cuda_runtime.h 2>/dev/null | head -1)")
   if [ "$CUDA_HEADERS" = . ]; then
     skipped=$(printf '%s\n' "${files[@]}" | grep -cE '\.cuh?$')
@@ -65,8 +66,7 @@ tidy() {
   export CUDA_HEADERS
   export -f tidy_file
   log=build/tidy/clang-tidy.log
-  [ ${#files[@]} -eq 0 ] || printf '%s\n' "${files[@]}" |
-    xargs -d '\n' -P "$(nproc)" -I{} bash -c 'tidy_file {}' | tee "$log"
+  printf '%s\n' "${files[@]}" | xargs -r -d '\n' -P "$(nproc)" -I{} bash -c 'tidy_file {}' | tee "$log"
   passed=$(grep -c '^ok ' "$log")
   failed=$((${#files[@]} - passed))
   [ "$failed" -eq 0 ] || problems+=("clang-tidy: $failed of ${#files[@]} files")

@@ -1,6 +1,6 @@
 // Lets clang-tidy read .cu and .cuh files: clang 14 knows no CUDA behind 11.5, and its own wrapper
 // of CUDA's headers fails on later ones. Included ahead of a file that is read as CUDA for the
-// host, without that wrapper (test/run has the flags); nothing is ever built with it.
+// host, without that wrapper (test/tidy.sh has the flags); nothing is ever built with it.
 #pragma once
 
 // NOLINTBEGIN(bugprone-reserved-identifier): these names are CUDA's.
