@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "cuda/detector_choice.h"
 #include "node/cycle_publisher.h"
-#include "node/detector_choice.h"
 #include "node/monitor_sink.h"
 #include "node/time_difference.h"
 
@@ -71,8 +71,11 @@ std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
       parameters_,
       LoopSources{mailbox_, mesh_mailboxes_, buffer_, [this] { return robot_source_.newest(); }},
       LoopTime{std::chrono::steady_clock::now, ros::Time::now},
-      makeDetectorFor(parameters_.backend, parameters_.cuda,
-                      [](const std::string& why) { ROS_WARN_STREAM(why); }),
+      makeChosenDetector(parameters_.backend, WithoutCuda::kFallBack, parameters_.cuda,
+                         [](const std::string& why) {
+                           ROS_WARN_STREAM(
+                               "contacts are found on the CPU, for CUDA cannot be used: " << why);
+                         }),
       std::make_unique<MonitorSink>(std::move(publisher), diagnostics_));
 }
 
