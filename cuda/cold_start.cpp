@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "core/cpu/pose.h"
+#include "core/cpu/size_split.h"
+#include "core/rules/sampling.h"
 
 namespace deformable_contact_monitor {
 
@@ -18,13 +20,13 @@ ColdStart measureScene(const Scene& scene, const Options& options,
   start.size_rule = split.rule;
   start.regular = split.regular.size();
   start.large = split.large.size();
-  start.seeds.resize(std::max<std::size_t>(1, clusterCountFor(options, policy, start.regular, 0)));
+  start.seeds.resize(
+      std::max<std::size_t>(1, clusterCountFor(options.clusters, policy, start.regular, 0)));
   for (std::size_t g = 0; g < start.seeds.size() && start.regular > 0; ++g) {
-    const std::size_t place = (2 * g + 1) * start.regular / (2 * start.seeds.size());
-    const Triangle t = set.posed(split.regular[place]);
-    start.seeds[g] =
-        (split.scale.apply(t.v[0]) + split.scale.apply(t.v[1]) + split.scale.apply(t.v[2])) *
-        (1.0F / 3);
+    const Triangle t = set.posed(split.regular[seedOf(g, start.seeds.size(), start.regular)]);
+    const Vec3f scaled[3] = {split.scale.apply(t.v[0]), split.scale.apply(t.v[1]),
+                             split.scale.apply(t.v[2])};
+    start.seeds[g] = centroidOf(scaled);
   }
   return start;
 }

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/cpu/size_split.h"
+#include "core/options.h"
 #include "core/rules/cluster_count.h"
+#include "core/rules/scene_scale.h"
+#include "core/rules/size_rule.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {

@@ -1,14 +1,55 @@
 #include "cuda/cycle_graph.cuh"
-#include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-void refine(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
-  for (int i = 0; i < shape.refinements; ++i) {
-    launchMovePrototypes(cycle, stream);
-    launchListNeighbours(cycle, stream);
-  }
+enum StepNumber {
+  kIdentities,
+  kPose,
+  kAssign,
+  kBins,
+  kSort,
+  kLarge,
+  kCluster,
+  kFrames,
+  kSweep,
+  kJudge,
+  kStepCount
+};
+
+// Where a step runs: on the cycle's own stream, or beside it.
+enum Branch { kMain = -1, kIdentityBranch, kAdaptBranch, kLargeBranch, kBranchCount };
+
+constexpr unsigned behind(StepNumber step) { return 1U << step; }
+
+struct Step {
+  Stage stage;
+  Launch launch;
+  Branch branch;
+  unsigned behind;  // steps of other branches that must be over; those ahead on its own are
+};
+
+// A cycle, in an order in which the steps may also run one after the other. launchAssign stands
+// right behind launchPose on the main stream, and launchSweep behind launchSort, for they start
+// early.
+constexpr Step kList[kStepCount] = {
+    {Stage::kPose, launchPoseIdentities, kIdentityBranch, 0},
+    {Stage::kPose, launchPose, kMain, 0},
+    {Stage::kAssign, launchAssign, kMain, 0},
+    {Stage::kAssign, launchAssignBins, kAdaptBranch, behind(kAssign)},
+    {Stage::kSort, launchSort, kMain, behind(kIdentities)},
+    {Stage::kLarge, launchLarge, kLargeBranch, behind(kSort)},
+    {Stage::kCluster, launchCluster, kAdaptBranch, 0},
+    {Stage::kSort, launchSortFrames, kAdaptBranch, behind(kSort)},
+    {Stage::kSweep, launchSweep, kMain, 0},
+    {Stage::kJudge, launchJudge, kMain, behind(kLarge) | behind(kBins)},
+};
+
+// Steps whose end somebody on another branch waits for.
+constexpr unsigned awaited() {
+  unsigned steps = behind(kFrames);  // the end of the cycle does
+  for (const Step& step : kList) steps |= step.behind;
+  return steps;
 }
 
 }  // namespace
@@ -18,7 +59,7 @@ void CycleGraph::forget() {
   graph_ = nullptr;
 }
 
-void CycleGraph::prepare(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
+void CycleGraph::prepare(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (graph_ != nullptr && shape == shape_) return;
   forget();
   shape_ = shape;
@@ -39,69 +80,44 @@ void CycleGraph::prepare(const CycleView& cycle, const CycleShape& shape, cudaSt
   checkCuda(status, "cudaGraphInstantiate");
 }
 
-void CycleGraph::enqueue(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
-  if (shape.identify) {
-    started_.record(stream);
-    started_.makeWait(identity_branch_.get());
-    launchIdentify(cycle, identity_branch_.get());
-    identified_.record(identity_branch_.get());
+void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  static_assert(kStepCount == kSteps && kBranchCount == kBranches);
+  started_.record(stream);
+  unsigned forked = 0;
+  for (int s = 0; s < kStepCount; ++s) {
+    const Step& step = kList[s];
+    cudaStream_t on = stream;
+    if (step.branch != kMain) {
+      on = branch_[step.branch].get();
+      if ((forked >> step.branch & 1) == 0 && step.behind == 0) started_.makeWait(on);
+      forked |= 1U << step.branch;
+    }
+    for (int other = 0; other < s; ++other) {
+      if ((step.behind >> other & 1) != 0) done_[other].makeWait(on);
+    }
+    step.launch(cycle, shape, on);
+    if ((awaited() >> s & 1) != 0) done_[s].record(on);
   }
-  launchPose(cycle, shape.device, stream);
-  launchAssign(cycle, shape.device, stream);
-  assigned_.record(stream);
-  assigned_.makeWait(adapt_branch_.get());
-  launchSizeBins(cycle, adapt_branch_.get());
-  sized_.record(adapt_branch_.get());
-  if (shape.identify) identified_.makeWait(stream);
-  launchSort(cycle, stream);
-  sorted_.record(stream);
-  sorted_.makeWait(large_branch_.get());
-  launchLarge(cycle, large_branch_.get());
-  large_done_.record(large_branch_.get());
-  refine(cycle, shape, adapt_branch_.get());
-  sorted_.makeWait(adapt_branch_.get());
-  launchFrames(cycle, adapt_branch_.get());
-  adapted_.record(adapt_branch_.get());
-  launchSweep(cycle, shape.device, stream);
-  large_done_.makeWait(stream);
-  sized_.makeWait(stream);
-  launchJudge(cycle, shape.device, stream);
-  adapted_.makeWait(stream);
+  done_[kFrames].makeWait(stream);
 }
 
 void CycleGraph::launch(cudaStream_t stream) {
   checkCuda(cudaGraphLaunch(graph_, stream), "cudaGraphLaunch");
 }
 
-void CycleGraph::runTimed(const CycleView& cycle, const CycleShape& shape, cudaStream_t stream) {
-  mark_[0].record(stream);
-  launchPose(cycle, shape.device, stream);
-  mark_[1].record(stream);
-  launchAssign(cycle, shape.device, stream);
-  mark_[2].record(stream);
-  if (shape.identify) launchIdentify(cycle, stream);
-  mark_[3].record(stream);
-  launchSort(cycle, stream);
-  mark_[4].record(stream);
-  launchSweep(cycle, shape.device, stream);
-  mark_[5].record(stream);
-  launchLarge(cycle, stream);
-  launchSizeBins(cycle, stream);
-  mark_[6].record(stream);
-  launchJudge(cycle, shape.device, stream);
-  mark_[7].record(stream);
-  refine(cycle, shape, stream);
-  launchFrames(cycle, stream);
-  mark_[8].record(stream);
+void CycleGraph::runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  for (int s = 0; s < kStepCount; ++s) {
+    mark_[s].record(stream);
+    kList[s].launch(cycle, shape, stream);
+  }
+  mark_[kStepCount].record(stream);
   checkCuda(cudaGetLastError(), "a stage of the cycle");
 }
 
-std::vector<std::pair<std::string, double>> CycleGraph::times() const {
-  constexpr const char* kNames[kStages] = {"pose",  "assign", "identify", "sort",
-                                           "sweep", "large",  "judge",    "adapt"};
-  std::vector<std::pair<std::string, double>> times;
-  for (int i = 0; i < kStages; ++i) {
-    times.emplace_back(kNames[i], CudaEvent::between(mark_[i], mark_[i + 1]));
+StageTimes CycleGraph::times() const {
+  StageTimes times;
+  for (int s = 0; s < kStepCount; ++s) {
+    times.add(kList[s].stage, CudaEvent::between(mark_[s], mark_[s + 1]));
   }
   return times;
 }

@@ -1,10 +1,11 @@
-// Boxes that many threads grow together, and those of bodies.
+// Boxes that many threads grow together.
 #pragma once
+
+#include <cstdint>
 
 #include "core/predicates/aabb.h"
 #include "core/rules/ordered_bits.h"
 #include "cuda/device/warp.cuh"
-#include "cuda/memory/cycle_view.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -46,22 +47,5 @@ struct BlockBox {
     }
   }
 };
-
-// Of a body's finite vertices, with its margin; once the first stage is over.
-__device__ inline Aabb bodyBox(const CycleView& c, std::uint32_t body) {
-  return inflated(boxOf(c.body_boxes + kSides * body), c.bodies[body].margin_m);
-}
-
-// Whether no triangle of the body can be in contact with any other one; once the first stage is
-// over.
-__device__ inline bool isOutOfReach(const CycleView& c, std::uint32_t b) {
-  const DeviceBody& body = c.bodies[b];
-  if (body.has_self != 0) return false;
-  const Aabb own = bodyBox(c, b);
-  for (unsigned p = 0; p < body.partner_count; ++p) {
-    if (overlap(own, bodyBox(c, c.partners[body.partner_begin + p]))) return false;
-  }
-  return true;
-}
 
 }  // namespace deformable_contact_monitor

@@ -5,7 +5,7 @@
 
 #include <cstddef>
 
-#include "cuda/memory/device_buffer.cuh"
+#include "cuda/device/check.cuh"
 
 namespace deformable_contact_monitor {
 

@@ -48,7 +48,8 @@ __device__ inline Counter warpReserve(Counter* counter, std::uint32_t count) {
   return __shfl_sync(kFullWarp, base, 0) + before;
 }
 
-// Likewise one place for each lane that wants it.
+// Reserves one place for each lane of a whole warp that wants it, with one atomic; returns it.
+// Counter is an unsigned integer of 32 or 64 bits.
 template <class Counter>
 __device__ inline Counter warpReserve(Counter* counter, bool wanted) {
   const unsigned mask = __ballot_sync(kFullWarp, wanted);

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <string>
 
+#include "core/rules/sampling.h"
 #include "cuda/cuda_error.h"
+#include "cuda/memory/contact_arrays.cuh"
 #include "cuda/memory/cycle_sizes.cuh"
 
 namespace deformable_contact_monitor {
@@ -28,11 +30,11 @@ bool grow(std::uint32_t& size, std::uint64_t needed, std::uint64_t most) {
 
 }  // namespace
 
-void CycleSizes::prepare(std::uint32_t all, std::uint32_t clustered, std::uint32_t cluster_count,
+void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                          std::uint64_t memory_limit_bytes) {
-  triangles = all;
+  constexpr std::uint32_t kLeastSamples = 1024;
   clusters = cluster_count;
-  samples = std::min(all, std::max(1024U, 8 * cluster_count));
+  samples = samplingOf(triangles, cluster_count, kLeastSamples).samples;
   members = std::max(members, clustered * 2 + 48 * cluster_count + 256);
   list_words = std::max(list_words, clustered + 256);
   units = std::max(units, clustered / 6 + 4 * cluster_count + 256);

@@ -4,18 +4,23 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cuda/memory/cycle_view.cuh"
+#include "cuda/memory/cycle_params.cuh"
 
 namespace deformable_contact_monitor {
 
-// Capacities of the arrays in CycleBuffers. Those of candidates and contacts share a memory limit
-// by halves; the others grow by need.
+// Capacities of the arrays in CycleArrays.
 struct CycleSizes {
-  std::uint32_t triangles = 0, clusters = 0, samples = 0;
+  // Of the scene, as DeviceScene lays it out.
+  std::uint32_t bodies = 0, partners = 0, pair_words = 0;
+  std::uint32_t vertices = 0, triangles = 0, vertex_blocks = 0, triangle_blocks = 0;
+  std::uint32_t identity_slots = 0;
+  // Of what a cycle finds. Those of candidates and contacts share a memory limit by halves; the
+  // others grow by need.
+  std::uint32_t clusters = 0, samples = 0;
   std::uint32_t members = 0, list_words = 0, units = 0, candidates = 0, contacts = 0;
 
-  // For a scene of `all` triangles, of which `clustered` are for the clusters: a guess.
-  void prepare(std::uint32_t all, std::uint32_t clustered, std::uint32_t cluster_count,
+  // For the scene's triangles, of which `clustered` are for the clusters: a guess.
+  void prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                std::uint64_t memory_limit_bytes);
 
   // After a cycle that counted so. True if some capacity grew; candidates and contacts do not

@@ -1,21 +1,13 @@
-// Owning device and pinned memory, streams, and the check that every CUDA call goes through.
+// Owning device and pinned memory.
 #pragma once
 
 #include <cuda_runtime.h>
 
 #include <cstddef>
-#include <string>
 
-#include "cuda/cuda_error.h"
+#include "cuda/device/check.cuh"
 
 namespace deformable_contact_monitor {
-
-inline void checkCuda(cudaError_t status, const char* call) {
-  if (status != cudaSuccess) {
-    cudaGetLastError();  // or the next check of it would report this again
-    throw CudaError(std::string(call) + ": " + cudaGetErrorString(status));
-  }
-}
 
 // A device array on the current device. Not for use while the device works on it.
 template <class T>
@@ -93,48 +85,6 @@ class PinnedBuffer {
  private:
   T* data_ = nullptr;
   std::size_t size_ = 0;
-};
-
-// A stream of its own, so that nothing waits for the default one.
-class CudaStream {
- public:
-  CudaStream() {
-    checkCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
-  }
-  CudaStream(const CudaStream&) = delete;
-  CudaStream& operator=(const CudaStream&) = delete;
-  ~CudaStream() { cudaStreamDestroy(stream_); }
-
-  cudaStream_t get() const { return stream_; }
-  void synchronise() { checkCuda(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
-
- private:
-  cudaStream_t stream_ = nullptr;
-};
-
-class CudaEvent {
- public:
-  CudaEvent() { checkCuda(cudaEventCreate(&event_), "cudaEventCreate"); }
-  CudaEvent(const CudaEvent&) = delete;
-  CudaEvent& operator=(const CudaEvent&) = delete;
-  ~CudaEvent() { cudaEventDestroy(event_); }
-
-  void record(cudaStream_t stream) {
-    checkCuda(cudaEventRecord(event_, stream), "cudaEventRecord");
-  }
-  // Makes what is put into the stream from now on wait for what was before the record.
-  void makeWait(cudaStream_t stream) const {
-    checkCuda(cudaStreamWaitEvent(stream, event_), "cudaStreamWaitEvent");
-  }
-  // [ms], of two events that have passed.
-  static double between(const CudaEvent& start, const CudaEvent& end) {
-    float ms = 0;
-    checkCuda(cudaEventElapsedTime(&ms, start.event_, end.event_), "cudaEventElapsedTime");
-    return ms;
-  }
-
- private:
-  cudaEvent_t event_ = nullptr;
 };
 
 }  // namespace deformable_contact_monitor

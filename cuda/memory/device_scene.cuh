@@ -4,64 +4,68 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/body_groups.h"
 #include "core/scene.h"
-#include "cuda/memory/cycle_view.cuh"
+#include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 
 namespace deformable_contact_monitor {
 
-// Bodies of which some pair is enabled, and what is constant while topology and pairs are.
+// Bodies of which some pair is enabled, and what is constant while topology and pairs are. Their
+// vertices and triangles are numbered through, in the bodies' order.
 class DeviceScene {
  public:
-  // Lays the scene out anew if its topology or its pairs changed; true if so. Throws CudaError if
-  // it is too large.
+  // Fills in `arrays`, whose memory it makes grow by `sizes`. All must outlive this.
+  DeviceScene(DeviceMemory& memory, CycleSizes& sizes, SceneArrays& arrays)
+      : memory_(memory), sizes_(sizes), arrays_(arrays) {}
+
+  // Lays the scene out anew if its topology or its pairs changed; true if so. Then arrays may have
+  // moved. Throws CudaError if it is too large.
   bool layOut(const Scene& scene, cudaStream_t stream);
 
   // Sends vertices that changed, and all poses and margins. `scale`: of the clustering.
   void send(const Scene& scene, const SceneScale& scale, cudaStream_t stream);
 
-  // Fills in the scene's part of the view.
-  void view(CycleView& cycle);
-
-  // A cycle's settings, but for scale and size rule.
-  CycleParams params(const Options& options) const;
-
-  std::uint32_t triangleCount() const { return triangle_count_; }
+  std::uint32_t triangleCount() const { return arrays_.triangle_count; }
+  std::uint32_t groupCount() const { return group_count_; }
   bool anySelf() const { return any_self_; }
   bool anyMargin() const { return any_margin_; }
-  bool empty() const { return triangle_count_ == 0; }
-  std::uint64_t bytes() const;
 
-  // The scene's body and triangle of a number.
-  std::uint32_t bodyOf(std::uint32_t triangle) const { return body_of_[triangle]; }
-  std::uint32_t localOf(std::uint32_t triangle) const {
-    return triangle - first_triangle_[body_of_[triangle]];
+  // The body of the scene that a triangle is of, and its number there.
+  BodyId bodyOf(TriangleIndex triangle) const { return body_of_[triangle.value]; }
+  std::uint32_t localOf(TriangleIndex triangle) const {
+    return triangle.value - first_triangle_[body_of_[triangle.value]];
   }
 
  private:
+  // What the device gets of the pairs.
+  struct PairTables {
+    std::vector<BodyIndex> partners;
+    std::vector<std::uint32_t> group_mask, pair_enabled;
+  };
+
+  PairTables tabulatePairs(const Scene& scene);
+  void addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row, PairTables& tables);
   void layOutPairs(const Scene& scene, cudaStream_t stream);
+  void numberMeshes(const Scene& scene);
   void layOutMeshes(const Scene& scene, cudaStream_t stream);
+
+  DeviceMemory& memory_;
+  CycleSizes& sizes_;
+  SceneArrays& arrays_;
 
   std::uint64_t pairs_revision_ = 0;
   std::vector<std::uint64_t> topology_;        // revisions, per body of the scene
-  std::vector<std::uint64_t> vertices_;        // likewise: on the device
-  std::vector<std::uint32_t> taking_part_;     // bodies of the scene
-  std::vector<DeviceBody> body_;               // per body that takes part
+  std::vector<std::uint64_t> vertices_;        // revisions on the device, per body of the scene
+  std::vector<BodyId> taking_part_;            // bodies of the scene, per body on the device
+  std::vector<DeviceBody> body_;               // per body on the device
   std::vector<std::uint32_t> first_triangle_;  // per body of the scene
-  std::vector<std::uint32_t> body_of_;         // per triangle: body of the scene
-  std::uint32_t vertex_count_ = 0, triangle_count_ = 0, class_count_ = 0, pair_row_ = 0;
-  std::uint32_t vertex_block_count_ = 0, triangle_block_count_ = 0;
-  bool classes_exact_ = true, any_self_ = false, any_margin_ = false;
+  std::vector<BodyId> body_of_;                // per triangle
+  std::uint32_t vertex_count_ = 0, group_count_ = 0;
+  bool any_self_ = false, any_margin_ = false;
 
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;
-  DeviceBuffer<DeviceBody> bodies_;
-  DeviceBuffer<std::uint32_t> partners_, class_mask_, pair_enabled_;
-  DeviceBuffer<BodyBlock> vertex_blocks_, triangle_blocks_;
-  DeviceBuffer<float> received_;
-  DeviceBuffer<std::uint32_t> corners_, body_boxes_, far_count_, vertex_id_, identity_table_;
-  DeviceBuffer<float4> posed_;
-  DeviceBuffer<uint2> far_vertices_;
 };
 
 }  // namespace deformable_contact_monitor

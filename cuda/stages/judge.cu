@@ -1,4 +1,5 @@
-// Last stages: verdicts. First by filters alone, then in full on the few pairs they leave.
+// Stage judge: verdicts on the candidates. First by filters alone, then in full on the few pairs
+// that they leave.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/screen.cuh"
@@ -11,67 +12,80 @@ constexpr unsigned kThreads = 128;
 // Of a multiprocessor; more of them, with so long a code, disturb each other.
 constexpr unsigned kFullBlocksEach = 2;
 
-// By floating-point filters alone.
-__device__ PartVerdict quickVerdict(const CycleView& c, const Candidate& candidate, const Member& a,
-                                    const Member& b) {
-  const SharedVertices shared = unpackShared(candidate.signs);
-  if (shared.any) {
-    const bool apart = c.params->predicates != Predicates::kFast &&
-                       certainlyNotBeyondShared(a.posed, b.posed, shared);
-    return apart ? PartVerdict::kApart : PartVerdict::kOpen;
-  }
-  const PartVerdict verdict =
-      quickIntersection(a.posed, b.posed, unpackSides(candidate.signs), c.params->predicates);
-  // Within a margin, those that are apart may be contacts too.
-  const bool near = verdict == PartVerdict::kApart && c.params->margins != 0;
-  return near ? PartVerdict::kOpen : verdict;
+// By floating-point filters alone. Within a margin, pairs that are apart may be contacts too.
+__device__ PartVerdict quickVerdictOf(const CycleArrays& c, const Candidate& candidate,
+                                      const Member& a, const Member& b) {
+  const PairFacts facts = unpackFacts(candidate.facts);
+  const PartVerdict verdict = quickVerdict(a.posed, b.posed, facts, c.params().predicates);
+  const bool may_be_near =
+      verdict == PartVerdict::kApart && !facts.shared.any && c.params().margins != 0;
+  return may_be_near ? PartVerdict::kOpen : verdict;
 }
 
-// What the filters left open, without asking them again: most of this code's time goes into
-// fetching it.
-__device__ Verdict fullVerdict(const CycleView& c, const Candidate& candidate, const Member& a,
-                               const Member& b, PredicateState& state) {
-  const SharedVertices shared = unpackShared(candidate.signs);
-  if (shared.any) return {meetBeyondShared(a.posed, b.posed, shared, state), 0};
-  if (robustIntersection(a.posed, b.posed, unpackSides(candidate.signs), state)) return {true, 0};
-  return nearVerdict(a.posed, b.posed, c.params->margins == 0 ? 0 : marginOf(c, a, b));
-}
-
-// A whole warp, of which some lanes have a contact.
-__device__ void reportContacts(const CycleView& c, bool contact, std::uint32_t a, std::uint32_t b,
+// By a whole warp, of which some lanes have a contact: adds to contacts.contacts.
+__device__ void reportContacts(const CycleArrays& c, bool contact, TriangleIndex a, TriangleIndex b,
                                float separation_m) {
-  const unsigned long long place = warpReserve(&c.counters->contacts, contact);
-  if (!contact || place >= c.contact_capacity) return;
-  c.contacts[place] = std::uint64_t{min(a, b)} << c.params->index_bits | max(a, b);
-  if (c.params->margins != 0) c.separations_m[place] = separation_m;
+  const unsigned long long at = warpReserve(&c.counters().contacts, contact);
+  if (!contact || at >= c.contacts.contacts.size()) return;
+  const Place place(static_cast<std::uint32_t>(at));
+  c.contacts.contacts[place] =
+      std::uint64_t{min(a.value, b.value)} << c.params().index_bits | max(a.value, b.value);
+  if (c.params().margins != 0) c.contacts.separations_m[place] = separation_m;
 }
 
-// Settles most candidates; the others are put off.
-__global__ void __launch_bounds__(kThreads) quickKernel(CycleView c) {
+// A thread for each of contacts.candidates: settles most of them, and puts the places of the others
+// into contacts.open.
+__global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   const auto count = static_cast<std::uint32_t>(
-      min(c.counters->candidates, static_cast<unsigned long long>(c.candidate_capacity)));
+      min(c.counters().candidates, static_cast<unsigned long long>(c.contacts.candidates.size())));
   for (std::uint32_t first = blockIdx.x * kThreads; first < count; first += gridDim.x * kThreads) {
-    const std::uint32_t i = first + threadIdx.x;
+    const Place i(first + threadIdx.x);
     PartVerdict verdict = PartVerdict::kApart;
-    std::uint32_t a = 0, b = 0;
-    if (i < count) {
-      const Candidate candidate = c.candidates[i];
-      const Member member_a = c.members[candidate.a], member_b = c.members[candidate.b];
+    TriangleIndex a(0), b(0);
+    if (i.value < count) {
+      const Candidate candidate = c.contacts.candidates[i];
+      const Member member_a = c.members.members[candidate.a];
+      const Member member_b = c.members.members[candidate.b];
       a = member_a.triangle;
       b = member_b.triangle;
-      verdict = quickVerdict(c, candidate, member_a, member_b);
+      verdict = quickVerdictOf(c, candidate, member_a, member_b);
     }
     const bool open = verdict == PartVerdict::kOpen;
-    const std::uint32_t place = warpReserve(&c.counters->open, open);
-    if (open) c.open[place] = i;  // as many places as candidates
+    const Place place(warpReserve(&c.counters().open, open));
+    if (open) c.contacts.open[place] = i;  // as many places as candidates
     reportContacts(c, verdict == PartVerdict::kMeet, a, b, 0);
   }
 }
 
-__global__ void __launch_bounds__(kThreads) fullKernel(CycleView c) {
+// By the whole block, as its last act: the last block of the kernel leaves the counters on the
+// host, for it has seen all of them settle.
+__device__ void leaveCounters(const CycleArrays& c) {
+  __shared__ bool last;
+  CycleCounters& counters = c.counters();
+  __syncthreads();
+  if (threadIdx.x == 0) {
+    __threadfence();
+    last = atomicAdd(&counters.blocks_done, 1U) == gridDim.x - 1;
+    if (last) counters.judged += __ldcg(&counters.candidates);
+    __threadfence();
+  }
+  __syncthreads();
+  if (!last) return;
+  // Not through the first-level cache, which may hold older ones.
+  static_assert(sizeof(CycleCounters) % sizeof(std::uint32_t) == 0);
+  const auto* from = reinterpret_cast<const std::uint32_t*>(&counters);
+  auto* to = reinterpret_cast<std::uint32_t*>(c.host_counters.onHost());
+  for (unsigned k = threadIdx.x; k < sizeof(CycleCounters) / sizeof(std::uint32_t); k += kThreads) {
+    to[k] = __ldcg(from + k);
+  }
+}
+
+// A thread for each of contacts.open: the verdict in full, without asking the filters again, for
+// most of this code's time goes into fetching it.
+__global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   awaitKernelAhead();
-  const std::uint32_t count = c.counters->open;
+  const std::uint32_t count = c.counters().open;
   // Few pairs are spread over many warps, for their long paths differ.
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
   const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
@@ -80,61 +94,47 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleView c) {
     const std::uint32_t i = first + laneId();
     Verdict verdict;
     PredicateState state;
-    state.mode = c.params->predicates;
-    std::uint32_t a = 0, b = 0;
+    state.mode = c.params().predicates;
+    TriangleIndex a(0), b(0);
     if (laneId() < each && i < count) {
-      const Candidate candidate = c.candidates[c.open[i]];
-      const Member member_a = c.members[candidate.a], member_b = c.members[candidate.b];
+      const Candidate candidate = c.contacts.candidates[c.contacts.open[Place(i)]];
+      const Member member_a = c.members.members[candidate.a];
+      const Member member_b = c.members.members[candidate.b];
       a = member_a.triangle;
       b = member_b.triangle;
-      verdict = fullVerdict(c, candidate, member_a, member_b, state);
+      PairFacts facts = unpackFacts(candidate.facts);
+      facts.margin_m = marginOf(c, member_a, member_b);
+      verdict = fullVerdict(member_a.posed, member_b.posed, facts, state);
     }
     __syncwarp();
-    warpCount(&c.counters->exact, state.exact > 0);
-    warpCount(&c.counters->undecided, verdict.contact && state.undecided);
+    warpCount(&c.counters().exact, state.exact > 0);
+    warpCount(&c.counters().undecided, verdict.contact && state.undecided);
     reportContacts(c, verdict.contact, a, b, verdict.separation_m);
   }
-
-  // The last block to get here has seen all counters settle.
-  __shared__ bool last;
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    __threadfence();
-    last = atomicAdd(&c.counters->blocks_done, 1U) == gridDim.x - 1;
-    if (last) c.counters->judged += __ldcg(&c.counters->candidates);
-    __threadfence();
-  }
-  __syncthreads();
-  if (!last) return;
-  // Not through the first-level cache, which may hold older ones.
-  static_assert(sizeof(CycleCounters) % sizeof(std::uint32_t) == 0);
-  const auto* from = reinterpret_cast<const std::uint32_t*>(c.counters);
-  auto* to = reinterpret_cast<std::uint32_t*>(c.host_counters);
-  for (unsigned k = threadIdx.x; k < sizeof(CycleCounters) / sizeof(std::uint32_t); k += kThreads) {
-    to[k] = __ldcg(from + k);
-  }
+  leaveCounters(c);
 }
 
-__global__ void restartKernel(CycleView c, bool first) {
-  CycleCounters* counters = c.counters;
-  counters->candidates = 0;
-  counters->open = counters->blocks_done = counters->units_taken = 0;
+__global__ void restartKernel(CycleArrays c, bool first) {
+  CycleCounters& counters = c.counters();
+  counters.candidates = 0;
+  counters.open = counters.blocks_done = counters.units_taken = 0;
   if (!first) return;
-  counters->contacts = 0;
-  counters->exact = counters->undecided = 0;
-  counters->judged = 0;
+  counters.contacts = 0;
+  counters.exact = counters.undecided = 0;
+  counters.judged = 0;
 }
 
 }  // namespace
 
-void launchRestart(const CycleView& cycle, bool first, cudaStream_t stream) {
+void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream) {
   restartKernel<<<1, 1, 0, stream>>>(cycle, first);
 }
 
-void launchJudge(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream) {
-  quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, device), kThreads, 0, stream>>>(cycle);
-  launchEarly(fullKernel, kFullBlocksEach * device.multiprocessors, kThreads, 0, device, stream,
-              cycle);
+void launchJudge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, shape.device), kThreads, 0, stream>>>(
+      cycle);
+  launchEarly(fullKernel, kFullBlocksEach * shape.device.multiprocessors, kThreads, 0, shape.device,
+              stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

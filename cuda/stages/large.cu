@@ -1,5 +1,5 @@
-// The pairs with a very large or far-off triangle: boxes against the clusters, their members, and
-// each other.
+// Stage large: the pairs with a very large or far-off triangle: boxes against the clusters, their
+// members, and each other.
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/screen.cuh"
@@ -12,96 +12,119 @@ constexpr unsigned kThreads = 256;
 // Blocks beyond one per cluster, for the large triangles among themselves.
 constexpr unsigned kBlocksAmong = 64;
 
-__device__ bool classesMeet(const CycleView& c, const Member& a, const Member& b) {
-  const std::uint32_t x = c.bodies[a.body_and_home >> 1].class_of_body;
-  const std::uint32_t y = c.bodies[b.body_and_home >> 1].class_of_body;
-  return (c.class_mask[x] >> y & 1) != 0;
+__device__ bool groupsMeet(const SceneArrays& scene, const Member& a, const Member& b) {
+  const std::uint32_t x = scene.bodies[a.body()].group, y = scene.bodies[b.body()].group;
+  return (scene.group_mask[Place(x)] >> y & 1) != 0;
 }
 
-__device__ uint4 idsOf(const CycleView& c, const Member& m) {
-  const std::uint32_t* vertices = c.corners + 3 * std::size_t{m.triangle};
-  return make_uint4(c.vertex_id[vertices[0]], c.vertex_id[vertices[1]], c.vertex_id[vertices[2]],
-                    0);
+__device__ uint4 idsOf(const SceneArrays& scene, const Member& m) {
+  const VertexIndex* vertices = scene.corners.row(m.triangle);
+  return make_uint4(scene.vertex_id[vertices[0]].value, scene.vertex_id[vertices[1]].value,
+                    scene.vertex_id[vertices[2]].value, 0);
 }
 
-// Two members whose boxes overlap.
-__device__ void meet(const CycleView& c, std::uint32_t at_a, std::uint32_t at_b) {
-  const Member a = c.members[at_a], b = c.members[at_b];
-  if (!classesMeet(c, a, b)) return;
-  const uint4 ids_a = idsOf(c, a), ids_b = idsOf(c, b);
+// Two members whose boxes meet: adds to contacts.candidates if they are one.
+__device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b) {
+  const Member a = c.members.members[at_a], b = c.members.members[at_b];
+  if (!groupsMeet(c.scene, a, b)) return;
+  const uint4 ids_a = idsOf(c.scene, a), ids_b = idsOf(c.scene, b);
   const std::uint32_t shared_a = sharedBits(ids_a, ids_b);
-  if (shared_a != 0 && c.params->adjacent == AdjacentPairs::kSkip) return;
+  if (shared_a != 0 && c.params().adjacent == AdjacentPairs::kSkip) return;
   Candidate candidate;
-  if (!isCandidate(c, kNone, at_a, at_b, shared_a, shared_a == 0 ? 0 : sharedBits(ids_b, ids_a),
-                   candidate)) {
+  if (!screenPair(c, ClusterIndex(kNone), at_a, at_b, shared_a,
+                  shared_a == 0 ? 0 : sharedBits(ids_b, ids_a), candidate)) {
     return;
   }
-  const unsigned long long place = atomicAdd(&c.counters->candidates, 1ULL);
-  if (place < c.candidate_capacity) c.candidates[place] = candidate;
+  const unsigned long long place = atomicAdd(&c.counters().candidates, 1ULL);
+  if (place < c.contacts.candidates.size()) {
+    c.contacts.candidates[Place(static_cast<std::uint32_t>(place))] = candidate;
+  }
 }
 
-// Passes over the same pairs again are the same work to who reads the counters.
-__device__ bool isFirstSweep(const CycleView& c) { return c.params->passes == 1; }
-
-__global__ void __launch_bounds__(kThreads) largeKernel(CycleView c) {
-  const Bin large = c.bins[c.cluster_count];
-  const std::uint32_t large_count = min(c.counters->large, large.capacity);
-  if (large_count == 0 || blockIdx.x % c.params->passes != c.params->pass) return;
-  if (blockIdx.x >= c.cluster_count) {  // rows of the large list, each against the later ones
-    unsigned long long pairs = 0;
-    for (std::uint32_t i = blockIdx.x - c.cluster_count; i < large_count; i += kBlocksAmong) {
-      const Aabb box = memberBox(c, c.members[large.begin + i]);
-      for (std::uint32_t j = i + 1 + threadIdx.x; j < large_count; j += kThreads) {
-        ++pairs;
-        if (overlap(box, memberBox(c, c.members[large.begin + j]))) {
-          meet(c, large.begin + i, large.begin + j);
-        }
-      }
+// Each row of the large list from `first` on, in steps of kBlocksAmong, against the later ones.
+// Returns how many pairs of boxes this thread looked at.
+__device__ unsigned long long sweepAmong(const CycleArrays& c, const Bin& large,
+                                         std::uint32_t large_count, std::uint32_t first) {
+  unsigned long long pairs = 0;
+  for (std::uint32_t i = first; i < large_count; i += kBlocksAmong) {
+    const MemberIndex at(large.begin + i);
+    const Aabb box = memberBox(c, c.members.members[at]);
+    for (std::uint32_t j = i + 1 + threadIdx.x; j < large_count; j += kThreads) {
+      ++pairs;
+      const MemberIndex other(large.begin + j);
+      if (intersects(box, memberBox(c, c.members.members[other]))) screenBoxPair(c, at, other);
     }
-    if (pairs != 0 && isFirstSweep(c)) atomicAdd(&c.counters->interval_overlaps, pairs);
-    return;
   }
+  return pairs;
+}
 
+// By the whole block: of the members that are at home in the cluster.
+__device__ Aabb homeBox(const CycleArrays& c, std::uint32_t begin, std::uint32_t count) {
   __shared__ BlockBox shared_box;
-  __shared__ std::uint32_t near[kThreads], near_count;
-  const Bin bin = c.bins[blockIdx.x];
-  const std::uint32_t count = min(countOf(c, blockIdx.x), bin.capacity);
   shared_box.clear();
   Aabb own;  // of this thread's members
   for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
-    const Member member = c.members[bin.begin + m];
-    if ((member.body_and_home & 1) != 0) own.include(memberBox(c, member));
+    const Member member = c.members.members[MemberIndex(begin + m)];
+    if (member.isHome()) own.include(memberBox(c, member));
   }
   shared_box.include(own);
-  const Aabb cluster_box = shared_box.get();
+  return shared_box.get();
+}
+
+// The large list against the members that are at home in a cluster, by the whole block. Returns how
+// many pairs of boxes this thread looked at.
+__device__ unsigned long long sweepCluster(const CycleArrays& c, const Bin& large,
+                                           std::uint32_t large_count, ClusterIndex cluster) {
+  __shared__ MemberIndex near[kThreads];
+  __shared__ std::uint32_t near_count;
+  const std::uint32_t begin = c.members.bins[cluster].begin, count = c.members.present(cluster);
+  const Aabb cluster_box = homeBox(c, begin, count);
   unsigned long long pairs = 0;
   for (std::uint32_t first = 0; first < large_count; first += kThreads) {
     if (threadIdx.x == 0) near_count = 0;
     __syncthreads();
-    const std::uint32_t i = first + threadIdx.x;
-    if (i < large_count && overlap(cluster_box, memberBox(c, c.members[large.begin + i]))) {
-      near[atomicAdd(&near_count, 1U)] = large.begin + i;
+    const MemberIndex at(large.begin + first + threadIdx.x);
+    if (first + threadIdx.x < large_count &&
+        intersects(cluster_box, memberBox(c, c.members.members[at]))) {
+      near[atomicAdd(&near_count, 1U)] = at;
     }
     __syncthreads();
     for (std::uint32_t m = threadIdx.x; near_count > 0 && m < count; m += kThreads) {
-      const Member member = c.members[bin.begin + m];
-      if ((member.body_and_home & 1) == 0) continue;  // met at home
+      const Member member = c.members.members[MemberIndex(begin + m)];
+      if (!member.isHome()) continue;  // it has its turn there
       const Aabb box = memberBox(c, member);
       pairs += near_count;
       for (std::uint32_t k = 0; k < near_count; ++k) {
-        if (overlap(box, memberBox(c, c.members[near[k]]))) meet(c, bin.begin + m, near[k]);
+        if (intersects(box, memberBox(c, c.members.members[near[k]]))) {
+          screenBoxPair(c, MemberIndex(begin + m), near[k]);
+        }
       }
     }
     __syncthreads();
   }
-  if (pairs != 0 && isFirstSweep(c)) atomicAdd(&c.counters->interval_overlaps, pairs);
+  return pairs;
+}
+
+// A block for each cluster, and kBlocksAmong for the large list itself: reads members.members, adds
+// to contacts.candidates.
+__global__ void __launch_bounds__(kThreads) largeKernel(CycleArrays c) {
+  const ClusterIndex list(c.clusters.count);
+  const Bin large = c.members.bins[list];
+  const std::uint32_t large_count = min(c.counters().large, large.capacity);
+  const CycleParams& params = c.params();
+  if (large_count == 0 || blockIdx.x % params.passes != params.pass) return;
+  const unsigned long long pairs =
+      blockIdx.x < list.value ? sweepCluster(c, large, large_count, ClusterIndex(blockIdx.x))
+                              : sweepAmong(c, large, large_count, blockIdx.x - list.value);
+  // Passes over the same pairs again are the same work to who reads the counters.
+  if (pairs != 0 && params.passes == 1) atomicAdd(&c.counters().interval_overlaps, pairs);
 }
 
 }  // namespace
 
-std::uint32_t largeBlocks(const CycleView& cycle) { return cycle.cluster_count + kBlocksAmong; }
+std::uint32_t largeBlocks(const CycleArrays& cycle) { return cycle.clusters.count + kBlocksAmong; }
 
-void launchLarge(const CycleView& cycle, cudaStream_t stream) {
+void launchLarge(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
   largeKernel<<<largeBlocks(cycle), kThreads, 0, stream>>>(cycle);
 }
 

@@ -1,37 +1,84 @@
-// The list of contacts in ascending order.
+#include <algorithm>
 #include <cub/device/device_radix_sort.cuh>
 
-#include "cuda/memory/device_buffer.cuh"
-#include "cuda/stages/stages.cuh"
+#include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 256;
 
-// Keys that sort behind all contacts, for a sort of fixed size.
-__global__ void __launch_bounds__(kThreads) padKernel(CycleView c, std::uint32_t capacity) {
-  const std::uint64_t count = c.counters->contacts;
+// A thread for each place of contacts.contacts behind the last contact, up to `capacity`: fills it
+// with a key that sorts behind all contacts, for a sort of fixed size.
+__global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c, std::uint32_t capacity) {
+  const std::uint64_t count = c.counters().contacts;
   const std::uint64_t i = count + blockIdx.x * kThreads + threadIdx.x;
-  if (i >= count && i < capacity) c.contacts[i] = ~std::uint64_t{0};
+  if (i >= count && i < capacity) {
+    c.contacts.contacts[Place(static_cast<std::uint32_t>(i))] = ~std::uint64_t{0};
+  }
+}
+
+// The first `capacity` keys, with their separations if `separations_out` is not null. A null
+// `scratch` only asks for the bytes it needs.
+void sortKeys(const ContactArrays& contacts, std::uint32_t capacity, unsigned index_bits,
+              std::uint64_t* keys_out, float* separations_out, void* scratch,
+              std::size_t& scratch_bytes, cudaStream_t stream) {
+  const auto bits = static_cast<int>(2 * index_bits);
+  checkCuda(separations_out != nullptr
+                ? cub::DeviceRadixSort::SortPairs(scratch, scratch_bytes, contacts.contacts.data(),
+                                                  keys_out, contacts.separations_m.data(),
+                                                  separations_out, capacity, 0, bits, stream)
+                : cub::DeviceRadixSort::SortKeys(scratch, scratch_bytes, contacts.contacts.data(),
+                                                 keys_out, capacity, 0, bits, stream),
+            "cub::DeviceRadixSort");
 }
 
 }  // namespace
 
-void sortContacts(const CycleView& cycle, std::uint32_t capacity, unsigned index_bits,
-                  std::uint64_t* keys_out, float* separations_out, void* scratch,
-                  std::size_t& scratch_bytes, cudaStream_t stream) {
-  if (scratch != nullptr) {
-    padKernel<<<(capacity + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle, capacity);
+void ContactOutput::makeRoom(std::uint32_t count, std::uint32_t most, bool separations) {
+  if (count > sorted_keys_.size()) {
+    // With room to spare, or contacts that creep up would allocate in every cycle.
+    sorted_keys_.grow(std::min(most, count + count / 2));
   }
-  const auto bits = static_cast<int>(2 * index_bits);
-  checkCuda(separations_out != nullptr
-                ? cub::DeviceRadixSort::SortPairs(scratch, scratch_bytes, cycle.contacts, keys_out,
-                                                  cycle.separations_m, separations_out, capacity, 0,
-                                                  bits, stream)
-                : cub::DeviceRadixSort::SortKeys(scratch, scratch_bytes, cycle.contacts, keys_out,
-                                                 capacity, 0, bits, stream),
-            "cub::DeviceRadixSort");
+  keys_.grow(sorted_keys_.size());
+  if (!separations) return;
+  sorted_separations_.grow(sorted_keys_.size());
+  separations_.grow(sorted_keys_.size());
+}
+
+void ContactOutput::fetch(const CycleArrays& cycle, bool separations, unsigned index_bits,
+                          std::uint32_t count, cudaStream_t stream) {
+  const std::uint32_t most = cycle.contacts.contacts.size();
+  fetched_ = std::min(most, count + count / 4 + 1024);
+  index_bits_ = index_bits;
+  with_separations_ = separations;
+  makeRoom(fetched_, most, separations);
+  padKernel<<<(fetched_ + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle, fetched_);
+  float* const separations_out = separations ? sorted_separations_.data() : nullptr;
+  const auto sort = [&](void* scratch, std::size_t& bytes) {
+    sortKeys(cycle.contacts, fetched_, index_bits, sorted_keys_.data(), separations_out, scratch,
+             bytes, stream);
+  };
+  std::size_t scratch_bytes = 0;
+  sort(nullptr, scratch_bytes);
+  if (scratch_bytes > scratch_.size()) scratch_.grow(scratch_bytes + scratch_bytes / 2);
+  sort(scratch_.data(), scratch_bytes);
+  sorted_keys_.download(keys_.data(), fetched_, stream);
+  if (separations) sorted_separations_.download(separations_.data(), fetched_, stream);
+}
+
+void ContactOutput::list(const DeviceScene& scene, std::uint32_t count,
+                         DetectionResult& result) const {
+  const std::uint64_t mask = (std::uint64_t{1} << index_bits_) - 1;
+  result.contacts.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const TriangleIndex a(static_cast<std::uint32_t>(keys_[i] >> index_bits_));
+    const TriangleIndex b(static_cast<std::uint32_t>(keys_[i] & mask));
+    result.contacts[i] = {scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)};
+  }
+  if (with_separations_) {
+    result.separations_m.assign(separations_.data(), separations_.data() + count);
+  }
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,8 +1,10 @@
-// First stage: vertices into the scene frame, boxes of the bodies, nearest prototypes.
+// Stage pose: vertices into the scene frame, boxes of the bodies, nearest prototypes, equal
+// vertices.
 #include "core/rules/vertex_hash.h"
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
@@ -12,67 +14,77 @@ constexpr unsigned kThreads = 128;
 // With so few, lanes that all do the same are faster than a shorter search.
 constexpr std::uint32_t kFewPrototypes = 64;
 
-__device__ Vec3f receivedAt(const CycleView& c, std::uint32_t i) {
-  const float* v = c.received + 3 * std::size_t{i};
+__device__ Vec3f receivedAt(const SceneArrays& scene, VertexIndex i) {
+  const float* v = scene.received.row(i);
   return {v[0], v[1], v[2]};
 }
 
-__device__ void putPosed(const CycleView& c, std::uint32_t i, const Vec3f& v,
-                         const Winner& winner) {
-  c.posed[i] =
-      make_float4(v.x, v.y, v.z, __uint_as_float(winner.cluster << 1 | (winner.tied ? 1U : 0U)));
+__device__ void putPosed(const SceneArrays& scene, VertexIndex i, const Vec3f& v,
+                         const NearestPrototype& nearest) {
+  scene.posed[i] =
+      make_float4(v.x, v.y, v.z, __uint_as_float(nearest.cluster << 1 | (nearest.tied ? 1U : 0U)));
 }
 
-__global__ void __launch_bounds__(kThreads) poseKernel(CycleView c) {
-  letNextStart();  // the kernel ahead has ended: this one is launched the usual way
+// A thread for each bin, and for each side of each body's box: the one place where what the cycle
+// adds to becomes zero.
+__global__ void __launch_bounds__(kThreads) clearKernel(CycleArrays c) {
+  letNextStart();  // the first kernel of a cycle: nothing is ahead of it
   const std::uint32_t thread = blockIdx.x * kThreads + threadIdx.x;
-  if (thread <= c.cluster_count) {
-    c.bins[thread] = c.next_bins[thread];
-    countOf(c, thread) = 0;
+  if (thread == 0) c.counters() = CycleCounters{};
+  if (thread <= c.clusters.count) {
+    const ClusterIndex bin(thread);
+    c.members.bins[bin] = c.members.next_bins[bin];
+    c.members.count(bin) = 0;
   }
-  if (thread == 0) *c.counters = CycleCounters{};
-  if (blockIdx.x >= c.vertex_block_count) return;
+  if (thread < kSides * c.scene.body_count) c.scene.body_boxes.data()[thread] = 0;
+}
 
-  const BodyBlock block = c.vertex_blocks[blockIdx.x];
-  const DeviceBody& body = c.bodies[block.body];
+// A thread for each vertex, a block for each of scene.vertex_blocks: reads scene.received, writes
+// scene.posed, adds to scene.body_boxes and, where the lists of neighbours do not reach far enough
+// for a vertex, to scene.far_vertices.
+__global__ void __launch_bounds__(kThreads) poseKernel(CycleArrays c) {
+  const BodyBlock block = c.scene.vertex_blocks[Place(blockIdx.x)];
+  const DeviceBody& body = c.scene.bodies[block.body];
   const bool inside = threadIdx.x < block.count;
-  const std::uint32_t i = block.first + (inside ? threadIdx.x : 0);
-  Vec3f v = receivedAt(c, i);
-  if (body.identity_pose == 0) v = apply(body.pose, v);
-  const bool finite = isFinite(v);
-  const bool wanted = inside && finite;
-  if (body.partner_count > 0) {
-    __shared__ BlockBox box;
-    box.clear();
-    box.include(wanted ? Aabb{v, v} : Aabb{});
-    box.addTo(c.body_boxes + kSides * block.body);
-  }
-  const PrototypesView view = prototypesView(c);
-  const Vec3f scaled = c.params->scale.apply(v);
-  Nearest nearest;
+  const VertexIndex i(block.first + (inside ? threadIdx.x : 0));
+  const Vec3f v = posedVertex(body.pose, body.identity_pose != 0, receivedAt(c.scene, i));
+  const bool wanted = inside && isFinite(v);
+  const PrototypesView view = c.clusters.view();
+  const Vec3f scaled = c.params().scale.apply(v);
+  NearestSearch nearest;
   bool found = true;
   if (wanted && view.count <= kFewPrototypes) {
     nearest = nearestOfAll(view, scaled);
   } else if (wanted) {
-    // Last cycle's winner is the best guess, where there was one.
-    std::uint32_t start = __float_as_uint(c.posed[i].w) >> 1;
-    if (start >= c.cluster_count) start = 0;
+    // Last cycle's nearest is the best guess, where there was one.
+    std::uint32_t start = __float_as_uint(c.scene.posed[i].w) >> 1;
+    if (start >= view.count) start = 0;
     found = nearestListed(view, scaled, start, body.slack, nearest);
   }
-  const std::uint32_t place = warpReserve(c.far_count, !found);
-  if (!found) c.far_vertices[place] = make_uint2(i, block.body);
-  if (inside) putPosed(c, i, v, wanted ? nearest.winner(scaled, body.slack) : Winner());
+  awaitKernelAhead();
+  letNextStart();
+  if (body.partner_count > 0) {
+    __shared__ BlockBox box;
+    box.clear();
+    box.include(wanted ? Aabb{v, v} : Aabb{});
+    box.addTo(c.scene.body_boxes.row(block.body));
+  }
+  const Place place(warpReserve(&c.counters().far_vertices, !found));
+  if (!found) c.scene.far_vertices[place] = {i, block.body};
+  if (inside) {
+    putPosed(c.scene, i, v, wanted ? nearest.result(scaled, body.slack) : NearestPrototype());
+  }
 }
 
-// By a whole warp.
-__device__ Nearest nearestByWarp(const PrototypesView& view, const Vec3f& v) {
-  Nearest nearest;
+// By a whole warp, over all prototypes.
+__device__ NearestSearch nearestByWarp(const PrototypesView& view, const Vec3f& v) {
+  NearestSearch nearest;
 #pragma unroll 4
   for (std::uint32_t g = laneId(); g < view.count; g += kWarp) {
     nearest.consider(g, squaredDistance(v, view.prototypes[g]));
   }
   for (unsigned o = kWarp / 2; o > 0; o /= 2) {
-    Nearest other;
+    NearestSearch other;
     other.cluster = __shfl_xor_sync(kFullWarp, nearest.cluster, o);
     other.least2 = __shfl_xor_sync(kFullWarp, nearest.least2, o);
     other.second2 = __shfl_xor_sync(kFullWarp, nearest.second2, o);
@@ -84,71 +96,79 @@ __device__ Nearest nearestByWarp(const PrototypesView& view, const Vec3f& v) {
   return nearest;
 }
 
-// The vertices for which the lists did not reach far enough, over all prototypes; but for those
-// whose triangles will be culled. The rule would do with a worse guess, but in many more clusters.
-__global__ void __launch_bounds__(kThreads) farKernel(CycleView c) {
+// A warp for each of scene.far_vertices, but for those whose triangles will be dropped: writes the
+// nearest of all prototypes into scene.posed. The half-space rule would do with a worse guess, but
+// in many more clusters.
+__global__ void __launch_bounds__(kThreads) farKernel(CycleArrays c) {
   awaitKernelAhead();
   letNextStart();
-  const std::uint32_t count = *c.far_count;
+  const std::uint32_t count = c.counters().far_vertices;
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
   const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
   for (std::uint32_t first = warp * each; first < count; first += warps * each) {
     const std::uint32_t k = first + laneId();
     const bool mine = laneId() < each && k < count;
-    const uint2 far = mine ? c.far_vertices[k] : make_uint2(0, 0);
-    unsigned rest = __ballot_sync(kFullWarp, mine && !isOutOfReach(c, far.y));
+    const FarVertex far = mine ? c.scene.far_vertices[Place(k)] : FarVertex{};
+    unsigned rest = __ballot_sync(kFullWarp, mine && !isOutOfReach(c.scene, far.body));
     for (; rest != 0; rest &= rest - 1) {
       const int lane = __ffs(static_cast<int>(rest)) - 1;
-      const std::uint32_t i = __shfl_sync(kFullWarp, far.x, lane);
-      const std::uint32_t body = __shfl_sync(kFullWarp, far.y, lane);
-      const float4 p = c.posed[i];
+      const VertexIndex i(__shfl_sync(kFullWarp, far.vertex.value, lane));
+      const BodyIndex body(__shfl_sync(kFullWarp, far.body.value, lane));
+      const float4 p = c.scene.posed[i];
       const Vec3f v{p.x, p.y, p.z};
-      const Vec3f scaled = c.params->scale.apply(v);
-      const Nearest nearest = nearestByWarp(prototypesView(c), scaled);
-      if (laneId() == 0) putPosed(c, i, v, nearest.winner(scaled, c.bodies[body].slack));
+      const Vec3f scaled = c.params().scale.apply(v);
+      const NearestSearch nearest = nearestByWarp(c.clusters.view(), scaled);
+      if (laneId() == 0) {
+        putPosed(c.scene, i, v, nearest.result(scaled, c.scene.bodies[body].slack));
+      }
     }
   }
 }
 
-// An open-addressing table into which each vertex puts its number + 1, unless one with equal
-// coordinates is there. Slots are filled once and never emptied, so a reader sees all it needs.
-__global__ void __launch_bounds__(kThreads) identifyKernel(CycleView c) {
-  const BodyBlock block = c.vertex_blocks[blockIdx.x];
+// A thread for each vertex, a block for each of scene.vertex_blocks: puts the vertex's number + 1
+// into scene.identity_table, unless one with equal coordinates is there, and writes
+// scene.vertex_id. Slots are filled once and never emptied, so a reader sees all it needs.
+__global__ void __launch_bounds__(kThreads) identifyKernel(CycleArrays c) {
+  const BodyBlock block = c.scene.vertex_blocks[Place(blockIdx.x)];
   if (threadIdx.x >= block.count) return;
-  const DeviceBody& body = c.bodies[block.body];
-  const std::uint32_t i = block.first + threadIdx.x;
-  const Vec3f v = receivedAt(c, i);
-  c.vertex_id[i] = i;
+  const DeviceBody& body = c.scene.bodies[block.body];
+  const VertexIndex i(block.first + threadIdx.x);
+  const Vec3f v = receivedAt(c.scene, i);
+  c.scene.vertex_id[i] = i;
   if (body.has_self == 0 || !isFinite(v)) return;
-  std::uint32_t slot = static_cast<std::uint32_t>(vertexHash(v, block.body)) & c.identity_mask;
+  const std::uint32_t mask = c.scene.identity_mask;
+  Place slot(static_cast<std::uint32_t>(vertexHash(v, block.body.value)) & mask);
   while (true) {
-    const std::uint32_t found = atomicCAS(&c.identity_table[slot], 0U, i + 1);
+    const std::uint32_t found = atomicCAS(&c.scene.identity_table[slot], 0U, i.value + 1);
     if (found == 0) return;
-    const std::uint32_t other = found - 1;
-    const bool same_body = other - body.first_vertex < body.vertex_count;
-    if (same_body && receivedAt(c, other) == v) {
-      c.vertex_id[i] = other;
+    const VertexIndex other(found - 1);
+    const bool same_body = other.value - body.first_vertex < body.vertex_count;
+    if (same_body && receivedAt(c.scene, other) == v) {
+      c.scene.vertex_id[i] = other;
       return;
     }
-    slot = (slot + 1) & c.identity_mask;
+    slot = Place((slot.value + 1) & mask);
   }
 }
 
 }  // namespace
 
-void launchPose(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream) {
-  const unsigned for_bins = cycle.cluster_count / kThreads + 1;
-  poseKernel<<<max(cycle.vertex_block_count, for_bins), kThreads, 0, stream>>>(cycle);
-  constexpr unsigned kFarBlocksEach = 4;  // of a multiprocessor
-  launchEarly(farKernel, kFarBlocksEach * device.multiprocessors, kThreads, 0, device, stream,
-              cycle);
+void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  if (!shape.identify) return;
+  const SceneArrays& scene = cycle.scene;
+  cudaMemsetAsync(scene.identity_table.data(), 0,
+                  (std::size_t{scene.identity_mask} + 1) * sizeof(std::uint32_t), stream);
+  identifyKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
 }
 
-void launchIdentify(const CycleView& cycle, cudaStream_t stream) {
-  cudaMemsetAsync(cycle.identity_table, 0,
-                  (std::size_t{cycle.identity_mask} + 1) * sizeof(std::uint32_t), stream);
-  identifyKernel<<<cycle.vertex_block_count, kThreads, 0, stream>>>(cycle);
+void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  const unsigned to_clear = max(cycle.clusters.count + 1, kSides * cycle.scene.body_count);
+  clearKernel<<<(to_clear + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle);
+  launchEarly(poseKernel, cycle.scene.vertex_block_count, kThreads, 0, shape.device, stream, cycle);
+  constexpr unsigned kFarBlocksEach = 4;  // of a multiprocessor
+  launchEarly(farKernel, kFarBlocksEach * shape.device.multiprocessors, kThreads, 0, shape.device,
+              stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,90 +1,75 @@
-// The cheap tests between a sweep and the narrow phase.
+// From pairs whose boxes meet to candidates: the last part of the stages sweep and large.
 #pragma once
 
 #include "core/predicates/aabb.h"
 #include "core/predicates/narrow_phase.h"
-#include "cuda/memory/cycle_view.cuh"
+#include "core/rules/margins.h"
+#include "core/rules/ownership.h"
+#include "cuda/memory/cycle_arrays.cuh"
 
 namespace deformable_contact_monitor {
 
-// One bit per vertex of `a` that is also one of `b`.
+// One bit per vertex of `a` that is also one of `b`; x, y, z are vertices' identities.
 __device__ inline std::uint32_t sharedBits(const uint4& a, const uint4& b) {
-  const auto in_b = [&b](std::uint32_t id) { return id == b.x || id == b.y || id == b.z; };
-  return (in_b(a.x) ? 1U : 0U) | (in_b(a.y) ? 2U : 0U) | (in_b(a.z) ? 4U : 0U);
+  const std::uint32_t ids_a[3] = {a.x, a.y, a.z}, ids_b[3] = {b.x, b.y, b.z};
+  return sharedBits(ids_a, ids_b);
 }
 
-__device__ inline std::uint32_t packSigns(const KnownSides& sides) {
-  std::uint32_t signs = 0;
-  for (int k = 0; k < 3; ++k) {
-    signs |= static_cast<std::uint32_t>(sides.a[k] + 1) << (2 * k);
-    signs |= static_cast<std::uint32_t>(sides.b[k] + 1) << (6 + 2 * k);
-  }
-  return signs;
-}
-
-__device__ inline KnownSides unpackSides(std::uint32_t signs) {
-  KnownSides sides;
-  for (int k = 0; k < 3; ++k) {
-    sides.a[k] = static_cast<int>(signs >> (2 * k) & 3) - 1;
-    sides.b[k] = static_cast<int>(signs >> (6 + 2 * k) & 3) - 1;
-  }
-  return sides;
-}
-
+// The facts of a pair in one word: see Candidate::facts. The margin is not among them.
 constexpr unsigned kSharedShift = 12;
 
-__device__ inline SharedVertices unpackShared(std::uint32_t signs) {
-  SharedVertices shared;
+__device__ inline std::uint32_t packFacts(const PairFacts& facts) {
+  std::uint32_t packed = 0;
   for (int k = 0; k < 3; ++k) {
-    shared.in_a[k] = (signs >> (kSharedShift + k) & 1) != 0;
-    shared.in_b[k] = (signs >> (kSharedShift + 3 + k) & 1) != 0;
-    shared.any = shared.any || shared.in_a[k];
+    packed |= static_cast<std::uint32_t>(facts.sides.a[k] + 1) << (2 * k);
+    packed |= static_cast<std::uint32_t>(facts.sides.b[k] + 1) << (6 + 2 * k);
+    packed |= (facts.shared.in_a[k] ? 1U : 0U) << (kSharedShift + k);
+    packed |= (facts.shared.in_b[k] ? 1U : 0U) << (kSharedShift + 3 + k);
   }
-  return shared;
+  return packed;
 }
 
-__device__ inline float marginOf(const CycleView& c, const Member& a, const Member& b) {
-  return most(c.bodies[a.body_and_home >> 1].margin_m, c.bodies[b.body_and_home >> 1].margin_m);
+__device__ inline PairFacts unpackFacts(std::uint32_t packed) {
+  PairFacts facts;
+  for (int k = 0; k < 3; ++k) {
+    facts.sides.a[k] = static_cast<int>(packed >> (2 * k) & 3) - 1;
+    facts.sides.b[k] = static_cast<int>(packed >> (6 + 2 * k) & 3) - 1;
+  }
+  facts.shared = sharedByBits(packed >> kSharedShift & 7, packed >> (kSharedShift + 3) & 7);
+  return facts;
 }
 
-__device__ inline Aabb memberBox(const CycleView& c, const Member& m) {
-  return inflated(boxOf(m.posed),
-                  c.params->margins == 0 ? 0 : c.bodies[m.body_and_home >> 1].margin_m);
+// The margin of two members' bodies [m].
+__device__ inline float marginOf(const CycleArrays& c, const Member& a, const Member& b) {
+  if (c.params().margins == 0) return 0;
+  return pairMargin(c.scene.bodies[a.body()].margin_m, c.scene.bodies[b.body()].margin_m);
 }
 
-// A pair is reported only in the lowest cluster that its triangles have in common.
-__device__ inline bool ownedBy(const CycleView& c, std::uint32_t cluster, const Member& a,
-                               const Member& b) {
-  if (a.list == kNone || b.list == kNone) return true;
-  return lowestCommon(c.lists + a.list + 1, c.lists + b.list + 1) == cluster;
+__device__ inline Aabb memberBox(const CycleArrays& c, const Member& m) {
+  return inflated(boxOf(m.posed), c.params().margins == 0 ? 0 : c.scene.bodies[m.body()].margin_m);
+}
+
+// Whether the pair of these bodies is enabled, where groups of bodies share a number.
+__device__ inline bool pairEnabled(const SceneArrays& scene, BodyIndex a, BodyIndex b) {
+  const Place word(a.value * scene.pair_row + b.value / 32);
+  return (scene.pair_enabled[word] >> (b.value % 32) & 1) != 0;
 }
 
 // Whether two members are a candidate; `shared_a` and `shared_b` are the bits of their shared
 // vertices. `cluster`: where they met; kNone: they could meet nowhere else.
-__device__ inline bool isCandidate(const CycleView& c, std::uint32_t cluster, std::uint32_t at_a,
-                                   std::uint32_t at_b, std::uint32_t shared_a,
-                                   std::uint32_t shared_b, Candidate& candidate) {
-  const Member a = c.members[at_a], b = c.members[at_b];
-  if (c.params->classes_exact == 0) {
-    const std::uint32_t x = a.body_and_home >> 1, y = b.body_and_home >> 1;
-    if ((c.pair_enabled[x * c.pair_row + y / 32] >> (y % 32) & 1) == 0) return false;
-  }
-  const PlaneFilter plane_a(a.posed), plane_b(b.posed);
-  candidate = {at_a, at_b, 0};
-  if (shared_a != 0) {
-    candidate.signs = (shared_a | shared_b << 3) << kSharedShift;
-    if (certainlyNotBeyondShared(a.posed, plane_a, b.posed, plane_b,
-                                 unpackShared(candidate.signs))) {
-      return false;
-    }
-  } else {
-    KnownSides sides;
-    const bool apart = certainlyApart(a.posed, plane_a, b.posed, plane_b, sides);
-    if (apart && (c.params->margins == 0 || marginOf(c, a, b) == 0)) return false;
-    candidate.signs = packSigns(sides);
-  }
-  return overlap(memberBox(c, a), memberBox(c, b)) &&
-         (cluster == kNone || ownedBy(c, cluster, a, b));
+__device__ inline bool screenPair(const CycleArrays& c, ClusterIndex cluster, MemberIndex at_a,
+                                  MemberIndex at_b, std::uint32_t shared_a, std::uint32_t shared_b,
+                                  Candidate& candidate) {
+  const Member a = c.members.members[at_a], b = c.members.members[at_b];
+  if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body(), b.body())) return false;
+  PairFacts facts;
+  facts.shared = sharedByBits(shared_a, shared_b);
+  facts.margin_m = marginOf(c, a, b);
+  if (!isCandidate(a.posed, b.posed, facts)) return false;
+  candidate = {at_a, at_b, packFacts(facts)};
+  return intersects(memberBox(c, a), memberBox(c, b)) &&
+         (cluster.value == kNone ||
+          ownsPair(cluster.value, c.members.clustersOf(a), c.members.clustersOf(b)));
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,5 @@
-// Third stage: each cluster's members along its principal axes, sorted by where they begin.
-#include "cuda/device/boxes.cuh"
+// Stage sort: each cluster's members along its principal axes, sorted by where they begin.
+#include "core/rules/margins.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/stages.cuh"
@@ -14,17 +14,17 @@ static_assert(kBuckets % kThreads == 0);
 struct ScaledMember {
   Vec3f v[3];
   float margin;
-  std::uint32_t class_of_body;
+  std::uint32_t group;
 
-  __device__ ScaledMember(const CycleView& c, const SceneScale& scale, const Member& member) {
-    const DeviceBody& body = c.bodies[member.body_and_home >> 1];
+  __device__ ScaledMember(const CycleArrays& c, const SceneScale& scale, const Member& member) {
+    const DeviceBody& body = c.scene.bodies[member.body()];
     for (int k = 0; k < 3; ++k) v[k] = scale.apply(member.posed.v[k]);
     margin = body.slack / 2;
-    class_of_body = body.class_of_body;
+    group = body.group;
   }
 };
 
-// Where a member begins and ends along the first axis, within its class; and the class's bucket.
+// Where a member begins and ends along the first axis, within its group; and the group's bucket.
 struct Buckets {
   std::uint32_t first, last, place;
 
@@ -32,7 +32,7 @@ struct Buckets {
     const Interval along = project(frame.axes.axis[0], m.v, m.margin);
     first = frame.along[0](along.lo) >> params.bucket_shift;
     last = frame.along[0](along.hi) >> params.bucket_shift;
-    place = m.class_of_body * (32768U >> params.bucket_shift) + first;
+    place = m.group * params.bucketsOfGroup() + first;
   }
 };
 
@@ -54,6 +54,7 @@ __device__ void scanBuckets(std::uint32_t* place, std::uint32_t first) {
   __syncthreads();
 }
 
+// The sum of all threads' moments, by the whole block.
 __device__ void storeMoments(Moments m, Moments* out) {
   __shared__ double part[kWarps][10];
   double* const term[10] = {&m.sum[0],     &m.sum[1],     &m.sum[2],     &m.product[0],
@@ -72,17 +73,41 @@ __device__ void storeMoments(Moments m, Moments* out) {
   }
 }
 
-// Cuts the rows of class `rows` into chunks of a warp, and each chunk's partners into units.
-__device__ void cutUnits(const CycleView& c, std::uint32_t cluster,
+// Puts a member's boxes, keys and ids to its place in the order.
+__device__ void layOut(const CycleArrays& c, const CycleParams& params, const ClusterFrame& frame,
+                       MemberIndex at, std::uint32_t* place) {
+  const Member member = c.members.members[at];
+  const VertexIndex* vertices = c.scene.corners.row(member.triangle);
+  const uint4 ids =
+      make_uint4(c.scene.vertex_id[vertices[0]].value, c.scene.vertex_id[vertices[1]].value,
+                 c.scene.vertex_id[vertices[2]].value, at.value);
+  const ScaledMember scaled(c, params.scale, member);
+  const Buckets buckets(params, frame, scaled);
+  Interval along[2], world[4];
+  for (int k = 0; k < 2; ++k) along[k] = project(frame.axes.axis[1 + k], scaled.v, scaled.margin);
+  world[0] = project({1, 0, 0}, scaled.v, scaled.margin);
+  world[1] = project({0, 1, 0}, scaled.v, scaled.margin);
+  world[2] = world[3] = project({0, 0, 1}, scaled.v, scaled.margin);
+  const SortedIndex to(atomicAdd(&place[buckets.place], 1U));
+  c.sweep.boxes[to] = pack(frame.along + 1, along);
+  c.sweep.keys[to] = buckets.first | buckets.last << 16;
+  const PackedBox xy = pack(frame.world, world), z = pack(frame.world + 2, world + 2);
+  c.sweep.world_boxes[to] = make_uint4(xy.lo, xy.hi, z.lo, z.hi);
+  c.sweep.ids[to] = ids;
+}
+
+// Cuts the rows of group `rows` into chunks of a warp, and each chunk's partners into units.
+__device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
                          const std::uint32_t* bucket_begin, std::uint32_t buckets,
                          std::uint32_t rows, unsigned long long& overlaps) {
-  const std::uint32_t mask = c.class_mask[rows], unit_columns = c.params->unit_columns;
+  const std::uint32_t mask = c.scene.group_mask[Place(rows)];
+  const std::uint32_t unit_columns = c.params().unit_columns;
   const std::uint32_t begin = bucket_begin[rows * buckets];
   const std::uint32_t end = bucket_begin[(rows + 1) * buckets];
   for (std::uint32_t chunk = begin + threadIdx.x / kWarp * kWarp; chunk < end; chunk += kThreads) {
-    const std::uint32_t row = chunk + laneId();
-    const bool live = row < end;
-    const std::uint32_t key = live ? c.sweep_keys[row] : 0;
+    const SortedIndex row(chunk + laneId());
+    const bool live = row.value < end;
+    const std::uint32_t key = live ? c.sweep.keys[row] : 0;
     for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
       const auto columns = static_cast<std::uint32_t>(__ffs(static_cast<int>(rest)) - 1);
       std::uint32_t length = 0;
@@ -94,82 +119,101 @@ __device__ void cutUnits(const CycleView& c, std::uint32_t cluster,
       const std::uint32_t units = (warpMost(length) + unit_columns - 1) / unit_columns;
       if (units == 0) continue;
       std::uint32_t place = 0;
-      if (laneId() == 0) place = atomicAdd(&c.counters->units, units);
+      if (laneId() == 0) place = atomicAdd(&c.counters().units, units);
       place = __shfl_sync(kFullWarp, place, 0);
-      for (std::uint32_t u = laneId(); u < units && place + u < c.unit_capacity; u += kWarp) {
-        c.units[place + u] = {cluster, chunk, min(end - chunk, kWarp) | rows << 8 | columns << 16,
-                              u * unit_columns};
+      for (std::uint32_t u = laneId(); u < units && place + u < c.sweep.units.size(); u += kWarp) {
+        c.sweep.units[Place(place + u)] = {cluster, SortedIndex(chunk),
+                                           min(end - chunk, kWarp) | rows << 8 | columns << 16,
+                                           u * unit_columns};
       }
     }
   }
 }
 
-__global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleView c) {
+// A block for each cluster: reads its members; writes its part of the arrays of `sweep`, by a
+// counting sort into buckets, and adds to sweep.units.
+__global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   // While members are put into their buckets, each bucket's place moves on to where the next
   // begins.
   __shared__ std::uint32_t bucket_begin[kBuckets + 1];
   std::uint32_t* const place = bucket_begin + 1;
-  const std::uint32_t g = blockIdx.x;
-  if (g == 0) {  // for the next cycle; the stages that read them are over
-    for (unsigned k = threadIdx.x; k < kSides * c.body_count; k += kThreads) c.body_boxes[k] = 0;
-    if (threadIdx.x == 0) *c.far_count = 0;
-  }
-  const Bin bin = c.bins[g];
-  const std::uint32_t count = min(countOf(c, g), bin.capacity);
-  const CycleParams params = *c.params;
-  const ClusterFrame frame = c.frames[g];
+  const ClusterIndex g(blockIdx.x);
+  const std::uint32_t first = c.members.bins[g].begin;
+  const std::uint32_t count = c.members.present(g);
+  const CycleParams params = c.params();
+  const ClusterFrame frame = c.sweep.frames[g];
   for (unsigned k = threadIdx.x; k < kBuckets; k += kThreads) place[k] = 0;
   __syncthreads();
 
   Moments moments;
   for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
-    const ScaledMember scaled(c, params.scale, c.members[bin.begin + m]);
+    const ScaledMember scaled(c, params.scale, c.members.members[MemberIndex(first + m)]);
     atomicAdd(&place[Buckets(params, frame, scaled).place], 1U);
-    moments.add((scaled.v[0] + scaled.v[1] + scaled.v[2]) * (1.0F / 3) - frame.centre);
+    moments.add(centroidOf(scaled.v) - frame.centre);
   }
-  storeMoments(moments, &c.moments[g]);
+  storeMoments(moments, &c.sweep.moments[g]);
   if (count == 0) return;
   __syncthreads();
-  scanBuckets(place, bin.begin);
+  scanBuckets(place, first);
   for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
-    const Member member = c.members[bin.begin + m];
-    const std::uint32_t* vertices = c.corners + 3 * std::size_t{member.triangle};
-    const uint4 ids = make_uint4(c.vertex_id[vertices[0]], c.vertex_id[vertices[1]],
-                                 c.vertex_id[vertices[2]], bin.begin + m);
-    const ScaledMember scaled(c, params.scale, member);
-    const Buckets buckets(params, frame, scaled);
-    Interval along[2], world[4];
-    for (int k = 0; k < 2; ++k) {
-      along[k] = project(frame.axes.axis[1 + k], scaled.v, scaled.margin);
-    }
-    world[0] = project({1, 0, 0}, scaled.v, scaled.margin);
-    world[1] = project({0, 1, 0}, scaled.v, scaled.margin);
-    world[2] = world[3] = project({0, 0, 1}, scaled.v, scaled.margin);
-    const std::uint32_t to = atomicAdd(&place[buckets.place], 1U);
-    c.sweep_boxes[to] = pack(frame.along + 1, along);
-    c.sweep_keys[to] = buckets.first | buckets.last << 16;
-    const PackedBox xy = pack(frame.world, world), z = pack(frame.world + 2, world + 2);
-    c.world_boxes[to] = make_uint4(xy.lo, xy.hi, z.lo, z.hi);
-    c.sweep_ids[to] = ids;
+    layOut(c, params, frame, MemberIndex(first + m), place);
   }
   __syncthreads();
-  if (threadIdx.x == 0) bucket_begin[0] = bin.begin;
+  if (threadIdx.x == 0) bucket_begin[0] = first;
   __syncthreads();
-  std::uint32_t* const begin_for_sweep = c.bucket_begin + std::size_t{g} * (kBuckets + 1);
+  std::uint32_t* const begin_for_sweep = c.sweep.bucket_begin.row(g);
   for (unsigned k = threadIdx.x; k <= kBuckets; k += kThreads) begin_for_sweep[k] = bucket_begin[k];
   unsigned long long overlaps = 0;
-  for (std::uint32_t s = 0; s < params.class_count; ++s) {
-    cutUnits(c, g, bucket_begin, 32768U >> params.bucket_shift, s, overlaps);
+  for (std::uint32_t s = 0; s < params.group_count; ++s) {
+    cutUnits(c, g, bucket_begin, params.bucketsOfGroup(), s, overlaps);
   }
   overlaps = warpSum(overlaps);
-  if (laneId() == 0 && overlaps != 0) atomicAdd(&c.counters->interval_overlaps, overlaps);
+  if (laneId() == 0 && overlaps != 0) atomicAdd(&c.counters().interval_overlaps, overlaps);
+}
+
+__device__ Quantiser around(double mean, double variance) {
+  const double reach = 2.5 * sqrt(variance > 0 ? variance : 0);
+  return {static_cast<float>(mean - reach), static_cast<float>(mean + reach)};
+}
+
+// A thread for each cluster: reads sweep.moments, writes sweep.frames. A cluster without members
+// keeps its frame.
+__global__ void __launch_bounds__(kWarp) frameKernel(CycleArrays c) {
+  const ClusterIndex g(blockIdx.x * kWarp + threadIdx.x);
+  if (g.value >= c.clusters.count) return;
+  const Moments m = c.sweep.moments[g];
+  if (!(m.count > 0)) return;
+  const Covariance covariance = covarianceOf(m);
+  const Vec3f about = c.sweep.frames[g].centre;
+  const double origin[3] = {about.x, about.y, about.z};
+  const double* mean = covariance.mean;
+  ClusterFrame frame;
+  frame.axes = principalAxes(covariance);
+  frame.centre = about + Vec3f{static_cast<float>(mean[0]), static_cast<float>(mean[1]),
+                               static_cast<float>(mean[2])};
+  for (int k = 0; k < 3; ++k) {
+    const double a[3] = {frame.axes.axis[k].x, frame.axes.axis[k].y, frame.axes.axis[k].z};
+    double centre = 0, variance = 0;
+    for (int i = 0; i < 3; ++i) {
+      centre += a[i] * (mean[i] + origin[i]);
+      for (int j = 0; j < 3; ++j) variance += a[i] * a[j] * covariance.product[i][j];
+    }
+    frame.along[k] = around(centre, variance);
+    frame.world[k] = around(mean[k] + origin[k], covariance.product[k][k]);
+  }
+  frame.world[3] = frame.world[2];
+  c.sweep.frames[g] = frame;
 }
 
 }  // namespace
 
-void launchSort(const CycleView& cycle, cudaStream_t stream) {
-  sortKernel<<<cycle.cluster_count, kThreads, 0, stream>>>(cycle);
+void launchSort(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
+  sortKernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
+}
+
+void launchSortFrames(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
+  frameKernel<<<(cycle.clusters.count + kWarp - 1) / kWarp, kWarp, 0, stream>>>(cycle);
 }
 
 }  // namespace deformable_contact_monitor

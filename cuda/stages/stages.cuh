@@ -1,54 +1,76 @@
-// The stages of a cycle, as launches into a stream. None allocates or waits for the device. Some
-// must stand right behind another, for they launch early: see cuda/launch.cuh.
+// The stages of a cycle, as launches into a stream. None allocates or waits for the device. What of
+// them must stand right behind what is said in CycleGraph's list of steps.
 #pragma once
 
 #include <cuda_runtime.h>
 
 #include "cuda/device/launch.cuh"
-#include "cuda/memory/cycle_view.cuh"
+#include "cuda/memory/cycle_arrays.cuh"
 
 namespace deformable_contact_monitor {
 
-// Starts a cycle: clears its counters; brings the vertices into the scene frame, bounds the bodies,
-// and finds each vertex's nearest prototype.
-void launchPose(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
+// What a cycle consists of; with the arrays, all that a recorded graph depends on.
+struct CycleShape {
+  DeviceTraits device;
+  bool identify = false;  // some body has contacts with itself
+  int refinements = 0;    // of the prototypes, for the next cycle
 
-// Vertex identities, for bodies with self contact. Independent of the other stages up to the sort.
-void launchIdentify(const CycleView& cycle, cudaStream_t stream);
+  bool operator==(const CycleShape& o) const {
+    return device == o.device && identify == o.identify && refinements == o.refinements;
+  }
+};
 
-// Right behind the pose. Drops triangles that are not finite or outside every partner's box; puts
-// the others into their clusters' bins, or on the large list; takes samples.
-void launchAssign(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
+// One of the launches below.
+using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 
-// Projects each cluster's members, sorts them along its first axis, and cuts the sweep into units.
-void launchSort(const CycleView& cycle, cudaStream_t stream);
+// pose: finds vertices that are equal as received, where some body has contacts with itself: reads
+// scene.received; writes scene.vertex_id.
+void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// Right behind the sort. Sweeps the clusters: pairs that boxes, owners and planes leave become
-// candidates.
-void launchSweep(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
+// pose: starts a cycle, that is, clears what it adds to: the counters, the members' counts, the
+// boxes of the bodies; and takes over the bins that the last cycle sized. Brings the vertices into
+// the scene frame and bounds the bodies, and finds each vertex's nearest prototype: reads
+// scene.received; writes scene.posed, scene.body_boxes.
+void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// Likewise for the pairs with a large triangle. Independent of the sweep.
-// In several passes each of its blocks has its turn in one.
-std::uint32_t largeBlocks(const CycleView& cycle);
-void launchLarge(const CycleView& cycle, cudaStream_t stream);
+// assign: drops triangles that are not finite or outside every partner's box; puts the others into
+// their clusters' bins, or on the large list; takes samples. Reads scene.posed, scene.corners;
+// writes members.members, members.lists, clusters.samples. Right behind launchPose.
+void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// Judges the candidates; the last block leaves the counters on the host.
-void launchJudge(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream);
+// assign, for the next cycle: how much room each bin is to have. Reads members.counts; writes
+// members.next_bins.
+void launchAssignBins(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// sort: projects each cluster's members onto the cluster's frame, sorts them along its first axis,
+// and cuts the sweep into work units. Reads members.members; writes the arrays of `sweep`.
+void launchSort(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// sort, for the next cycle: principal axes and extents of each cluster, as they are now. Reads
+// sweep.moments; writes sweep.frames.
+void launchSortFrames(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// cluster, for the next cycle: shape.refinements steps of fuzzy c-means on this cycle's samples,
+// and the prototypes' lists of neighbours. Reads clusters.samples; writes the others of `clusters`.
+void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// The lists alone.
+void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
+
+// sweep: pairs of members whose intervals, packed boxes and boxes intersect, and which this cluster
+// owns, are filtered by planes; the rest are candidates. Reads the arrays of `sweep`; writes
+// contacts.candidates. Right behind launchSort where it is the next launch of the stream.
+void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// large: the same for the pairs with a triangle of the large list. Reads members.members; writes
+// contacts.candidates. In several passes each of its largeBlocks() blocks has its turn in one.
+void launchLarge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+std::uint32_t largeBlocks(const CycleArrays& cycle);
+
+// judge: verdicts on the candidates; the last block leaves the counters on the host. Reads
+// contacts.candidates; writes contacts.contacts and separations_m.
+void launchJudge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // Before another pass over the work units: drops the candidates; before the `first`, the contacts.
-void launchRestart(const CycleView& cycle, bool first, cudaStream_t stream);
-
-// For the next cycle, from what this one saw. Frames need the sort; the others, the assignment.
-void launchMovePrototypes(const CycleView& cycle, cudaStream_t stream);
-void launchListNeighbours(const CycleView& cycle, cudaStream_t stream);
-void launchSizeBins(const CycleView& cycle, cudaStream_t stream);
-void launchFrames(const CycleView& cycle, cudaStream_t stream);
-
-// Sorts the contacts' keys, of which there are counters->contacts but never more than `capacity`
-// looked at; what lies beyond them is filled with ones. With separations iff `separations_out`.
-// A null `scratch` asks for the bytes it needs.
-void sortContacts(const CycleView& cycle, std::uint32_t capacity, unsigned index_bits,
-                  std::uint64_t* keys_out, float* separations_out, void* scratch,
-                  std::size_t& scratch_bytes, cudaStream_t stream);
+void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream);
 
 }  // namespace deformable_contact_monitor

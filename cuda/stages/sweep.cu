@@ -1,5 +1,5 @@
-// Fourth stage: the sweep. Warps take work units; what their boxes leave goes through two short
-// queues, so that every test runs on full warps.
+// Stage sweep. Warps take work units; what their boxes leave goes through two short queues, so that
+// every test runs on full warps.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/screen.cuh"
@@ -36,28 +36,33 @@ struct WarpQueue {
   }
 };
 
-struct Meeting {
-  std::uint32_t a, b;  // members | shared vertices << 29
-  std::uint32_t cluster;
+// Two members whose boxes meet along the cluster's axes and in the scene frame.
+struct BoxPair {
+  std::uint32_t a, b;  // members | shared vertices << kSharedBitsAt
+  ClusterIndex cluster;
 };
 constexpr unsigned kSharedBitsAt = 29;
 constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
-constexpr unsigned kHitCapacity = kWarp * (kWarp + 1);
+constexpr unsigned kAxisPairCapacity = kWarp * (kWarp + 1);
 constexpr unsigned kQueueCapacity = 2 * kWarp;
 
 struct WarpMemory {
-  std::uint32_t hits[kHitCapacity];  // lane of the row | column in the unit << 5
-  Meeting meetings[kQueueCapacity];
+  // Pairs of a unit that meet along the cluster's axes: lane of the row | column in the unit << 5.
+  std::uint32_t axis_pairs[kAxisPairCapacity];
+  BoxPair box_pairs[kQueueCapacity];
   Candidate candidates[kQueueCapacity];
 };
 
 class Sweeper {
  public:
-  __device__ Sweeper(const CycleView& c, WarpMemory& memory)
-      : c_(c), hits_{memory.hits}, meetings_{memory.meetings}, candidates_{memory.candidates} {}
+  __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
+      : c_(c),
+        axis_pairs_{memory.axis_pairs},
+        box_pairs_{memory.box_pairs},
+        candidates_{memory.candidates} {}
 
-  // Each stage has one place in this loop: the code must fit the instruction cache.
+  // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
     const std::uint32_t warps = gridDim.x * kWarps;
     // The first units are dealt out; the others go to whoever is free.
@@ -65,15 +70,16 @@ class Sweeper {
     bool more_units = true;
     while (true) {
       const bool swept = step_ >= longest_;
-      if (meetings_.size >= kWarp || (!more_units && hits_.size == 0 && meetings_.size > 0)) {
-        screenMeetings();
-      } else if (hits_.size >= kWarp || (swept && hits_.size > 0)) {
-        screenHits();
+      if (box_pairs_.size >= kWarp ||
+          (!more_units && axis_pairs_.size == 0 && box_pairs_.size > 0)) {
+        screenBoxPairs();
+      } else if (axis_pairs_.size >= kWarp || (swept && axis_pairs_.size > 0)) {
+        screenAxisPairs();
       } else if (!swept) {
         sweepColumns();
       } else if (more_units) {
         more_units = takeUnit(turn);
-        if (more_units && laneId() == 0) turn = warps + atomicAdd(&c_.counters->units_taken, 1U);
+        if (more_units && laneId() == 0) turn = warps + atomicAdd(&c_.counters().units_taken, 1U);
         turn = __shfl_sync(kFullWarp, turn, 0);
       } else {
         break;
@@ -84,20 +90,19 @@ class Sweeper {
 
  private:
   __device__ bool takeUnit(std::uint32_t turn) {
-    const std::uint32_t index = turn * c_.params->passes + c_.params->pass;
-    if (index >= min(c_.counters->units, c_.unit_capacity)) return false;
-    unit_ = c_.units[index];
-    const std::uint32_t rows = unit_.rows_and_classes & 0xff;
-    const std::uint32_t row = unit_.first_row + min(laneId(), rows - 1);
+    const CycleParams& params = c_.params();
+    const std::uint32_t index = turn * params.passes + params.pass;
+    if (index >= min(c_.counters().units, c_.sweep.units.size())) return false;
+    unit_ = c_.sweep.units[Place(index)];
+    const SortedIndex row = unit_.first_row + min(laneId(), unit_.rows() - 1);
     const ColumnRange range =
-        columnsOf(c_.bucket_begin + std::size_t{unit_.cluster} * (kBuckets + 1),
-                  32768U >> c_.params->bucket_shift, unit_.rows_and_classes >> 8 & 0xff,
-                  unit_.rows_and_classes >> 16, row, c_.sweep_keys[row]);
+        columnsOf(c_.sweep.bucket_begin.row(unit_.cluster), params.bucketsOfGroup(),
+                  unit_.rowGroup(), unit_.columnGroup(), row, c_.sweep.keys[row]);
     begin_ = range.begin + unit_.first_column;
     end_ = range.end;
     length_ = 0;
-    if (laneId() < rows && begin_ < end_) length_ = min(end_ - begin_, c_.params->unit_columns);
-    box_ = c_.sweep_boxes[row];
+    if (laneId() < unit_.rows() && begin_ < end_) length_ = min(end_ - begin_, params.unit_columns);
+    box_ = c_.sweep.boxes[row];
     longest_ = warpMost(length_);
     step_ = 0;
     return true;
@@ -106,58 +111,60 @@ class Sweeper {
   // Up to a warp of columns for each of the rows.
   __device__ void sweepColumns() {
     // A row that is done reads on from its end; places beyond the last member are there.
-    const PackedBox* columns = c_.sweep_boxes + min(begin_ + step_, end_);
+    const PackedBox* columns = c_.sweep.boxes.data() + min(begin_ + step_, end_);
     unsigned mask = 0;
 #pragma unroll
     for (unsigned first = 0; first < kWarp; first += kLeastUnitColumns) {
       if (first > 0 && step_ + first >= longest_) break;
 #pragma unroll
       for (unsigned k = first; k < first + kLeastUnitColumns; ++k) {
-        if (overlap(box_, columns[k])) mask |= 1U << k;
+        if (intersects(box_, columns[k])) mask |= 1U << k;
       }
     }
     const std::uint32_t left = length_ > step_ ? length_ - step_ : 0;
     if (left < kWarp) mask &= (1U << left) - 1;
     std::uint32_t total;
-    std::uint32_t place = hits_.size + warpPrefix(__popc(mask), total);
+    std::uint32_t place = axis_pairs_.size + warpPrefix(__popc(mask), total);
     for (; mask != 0; mask &= mask - 1) {
       const std::uint32_t k = __ffs(static_cast<int>(mask)) - 1;
-      hits_.items[place++] = laneId() | (step_ + k) << 5;
+      axis_pairs_.items[place++] = laneId() | (step_ + k) << 5;
     }
-    hits_.size += total;
+    axis_pairs_.size += total;
     step_ += kWarp;
     __syncwarp();
   }
 
   // Boxes in the scene frame, and shared vertices.
-  __device__ void screenHits() {
-    std::uint32_t hit = 0;
-    bool met = hits_.pop(hit);
-    const std::uint32_t row = unit_.first_row + (hit & 31);
-    const std::uint32_t column = __shfl_sync(kFullWarp, begin_, hit & 31) + (hit >> 5);
-    Meeting meeting;
-    if (met) {
-      const uint4 a = c_.world_boxes[row], b = c_.world_boxes[column];
-      met = overlap(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &&
-            overlap(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
+  __device__ void screenAxisPairs() {
+    std::uint32_t pair = 0;
+    bool kept = axis_pairs_.pop(pair);
+    const SortedIndex row = unit_.first_row + (pair & 31);
+    const SortedIndex column(__shfl_sync(kFullWarp, begin_, pair & 31) + (pair >> 5));
+    BoxPair box_pair;
+    if (kept) {
+      const uint4 a = c_.sweep.world_boxes[row], b = c_.sweep.world_boxes[column];
+      kept = intersects(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &&
+             intersects(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
     }
-    if (met) {
-      const uint4 a = c_.sweep_ids[row], b = c_.sweep_ids[column];
+    if (kept) {
+      const uint4 a = c_.sweep.ids[row], b = c_.sweep.ids[column];
       const std::uint32_t shared_a = sharedBits(a, b);
-      met = shared_a == 0 || c_.params->adjacent == AdjacentPairs::kBeyondShared;
+      kept = shared_a == 0 || c_.params().adjacent == AdjacentPairs::kBeyondShared;
       const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(b, a);
-      meeting = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, unit_.cluster};
+      box_pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, unit_.cluster};
     }
-    meetings_.push(met, meeting);
+    box_pairs_.push(kept, box_pair);
   }
 
-  __device__ void screenMeetings() {
-    Meeting m;
+  // Planes, full boxes and owners.
+  __device__ void screenBoxPairs() {
+    BoxPair pair;
     Candidate candidate;
-    bool kept = meetings_.pop(m);
+    bool kept = box_pairs_.pop(pair);
     if (kept) {
-      kept = isCandidate(c_, m.cluster, m.a & kMemberMask, m.b & kMemberMask, m.a >> kSharedBitsAt,
-                         m.b >> kSharedBitsAt, candidate);
+      kept = screenPair(c_, pair.cluster, MemberIndex(pair.a & kMemberMask),
+                        MemberIndex(pair.b & kMemberMask), pair.a >> kSharedBitsAt,
+                        pair.b >> kSharedBitsAt, candidate);
     }
     candidates_.push(kept, candidate);
     if (candidates_.size >= kWarp) emitCandidates();
@@ -166,13 +173,15 @@ class Sweeper {
   __device__ void emitCandidates() {
     Candidate candidate;
     const bool has = candidates_.pop(candidate);
-    const unsigned long long place = warpReserve(&c_.counters->candidates, has);
-    if (has && place < c_.candidate_capacity) c_.candidates[place] = candidate;
+    const unsigned long long place = warpReserve(&c_.counters().candidates, has);
+    if (has && place < c_.contacts.candidates.size()) {
+      c_.contacts.candidates[Place(static_cast<std::uint32_t>(place))] = candidate;
+    }
   }
 
-  const CycleView& c_;
-  WarpQueue<std::uint32_t, kHitCapacity> hits_;
-  WarpQueue<Meeting, kQueueCapacity> meetings_;
+  const CycleArrays& c_;
+  WarpQueue<std::uint32_t, kAxisPairCapacity> axis_pairs_;
+  WarpQueue<BoxPair, kQueueCapacity> box_pairs_;
   WarpQueue<Candidate, kQueueCapacity> candidates_;
   WorkUnit unit_{};
   PackedBox box_{};
@@ -180,7 +189,9 @@ class Sweeper {
   std::uint32_t step_ = 0, longest_ = 0;
 };
 
-__global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleView c) {
+// Warps for sweep.units: reads the arrays of `sweep` and members.members, adds to
+// contacts.candidates.
+__global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
   awaitKernelAhead();
   extern __shared__ __align__(16) unsigned char shared_memory[];
   Sweeper sweeper(c, reinterpret_cast<WarpMemory*>(shared_memory)[threadIdx.x / kWarp]);
@@ -189,11 +200,11 @@ __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleView c
 
 }  // namespace
 
-void launchSweep(const CycleView& cycle, const DeviceTraits& device, cudaStream_t stream) {
+void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   constexpr unsigned kBytes = kWarps * sizeof(WarpMemory);
   static_assert(kBytes <= 48 * 1024);
-  launchEarly(sweepKernel, blocksInOneWave(sweepKernel, kThreads, kBytes, device), kThreads, kBytes,
-              device, stream, cycle);
+  launchEarly(sweepKernel, blocksInOneWave(sweepKernel, kThreads, kBytes, shape.device), kThreads,
+              kBytes, shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -17,6 +17,15 @@ namespace deformable_contact_monitor {
 struct TrianglePair {
   std::uint32_t body_a, triangle_a, body_b, triangle_b;
 
+  // Uninitialised: to resize a list that is about to be filled costs nothing.
+  TrianglePair() {}
+  TrianglePair(std::uint32_t in_body_a, std::uint32_t in_triangle_a, std::uint32_t in_body_b,
+               std::uint32_t in_triangle_b)
+      : body_a(in_body_a),
+        triangle_a(in_triangle_a),
+        body_b(in_body_b),
+        triangle_b(in_triangle_b) {}
+
   bool operator==(const TrianglePair& o) const {
     return body_a == o.body_a && triangle_a == o.triangle_a && body_b == o.body_b &&
            triangle_b == o.triangle_b;
@@ -29,7 +38,8 @@ struct TrianglePair {
   }
 };
 
-// Work done in one cycle [triangles or pairs].
+// Work done in one cycle [triangles or pairs]; the same on every backend, and 0 where one does not
+// do that work.
 struct Counters {
   std::uint64_t triangles = 0;        // in the scene
   std::uint64_t rejected = 0;         // left out for a non-finite vertex
@@ -41,9 +51,9 @@ struct Counters {
   std::uint64_t cluster_entries = 0;  // sum of the clusters' sizes
   std::uint64_t largest_cluster = 0;
   std::uint64_t interval_overlaps = 0;  // pairs that the sweeps along the principal axes visited
-  std::uint64_t candidates = 0;  // pairs that boxes and float32 plane filters left to predicates
-  std::uint64_t exact = 0;       // of them, undecided by the floating-point filters
-  std::uint64_t undecided = 0;   // conservative predicates: assumed to be contacts
+  std::uint64_t candidates = 0;         // pairs that came to the predicates
+  std::uint64_t exact = 0;              // of them, undecided by the floating-point filters
+  std::uint64_t undecided = 0;  // of the contacts: assumed to be some, by conservative predicates
 };
 
 struct DetectionResult {
@@ -56,11 +66,15 @@ struct DetectionResult {
   std::uint64_t left_out = 0;
   bool guaranteed = false;  // the settings in force cannot lose a contact
   Counters counters;
-  // Stage times [ms] of the cycle, in order of execution.
+  // Times [ms] of the stages (core/stages.h) in their order. A backend on which stages overlap
+  // gives several as one ("pose_to_judge"), one that has other stages gives those.
   std::vector<std::pair<std::string, double>> stages_ms;
   double detect_ms = 0;            // vertices in the backend's memory to contacts there
   std::uint64_t memory_bytes = 0;  // in use on a device; 0 where that is not counted
   double round_trip_ms = 0;        // scene on the host to sorted contacts on the host
+
+  // Forgets the last cycle and counts the scene's triangles: so every backend begins a cycle.
+  void begin(const Scene& scene, bool is_guaranteed);
 };
 
 // A detector keeps buffers and prototypes from cycle to cycle. One thread at a time.

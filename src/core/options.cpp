@@ -4,6 +4,10 @@
 
 namespace deformable_contact_monitor {
 
+bool isGuaranteed(const Options& options) {
+  return options.overlap == 1 && options.predicates != Predicates::kFast;
+}
+
 std::vector<std::string> problems(const Options& options) {
   std::vector<std::string> found;
   const auto require = [&found](bool ok, const std::string& line) {

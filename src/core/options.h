@@ -4,19 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "core/predicates/pair_settings.h"
+
 namespace deformable_contact_monitor {
-
-// Pairs of one body's triangles that share a vertex (bit-equal coordinates as received).
-enum class AdjacentPairs {
-  kBeyondShared,  // a contact iff they meet beyond the hull of the shared points
-  kSkip,          // never a contact
-};
-
-enum class Predicates {
-  kExact,         // the pair set equals the definition for every finite float32 input
-  kConservative,  // a verdict that double arithmetic cannot decide counts as contact
-  kFast,          // float32 only: may err either way
-};
 
 struct Options {
   AdjacentPairs adjacent = AdjacentPairs::kBeyondShared;
@@ -34,6 +24,9 @@ struct Options {
 };
 
 constexpr int kMaxClusters = 65535;
+
+// Whether the settings cannot lose a contact: complete by proof.
+bool isGuaranteed(const Options& options);
 
 // One clear line for each value out of range; empty if there is none.
 std::vector<std::string> problems(const Options& options);

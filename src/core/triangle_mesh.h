@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/predicates/vector3.h"
+
 namespace deformable_contact_monitor {
 
 struct TriangleMesh {
@@ -14,6 +16,9 @@ struct TriangleMesh {
 
   std::size_t vertexCount() const { return vertices.size() / 3; }
   std::size_t triangleCount() const { return triangles.size() / 3; }
+  Vec3f vertex(std::size_t i) const {
+    return {vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]};
+  }
 };
 
 // Throws std::invalid_argument, beginning with `name`, if an array's size is no multiple of three,

@@ -7,14 +7,13 @@
 #include <visualization_msgs/Marker.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/predicates/vector3.h"
-#include "node/posed_triangle.h"
+#include "core/posed_body.h"
+#include "core/predicates/triangle.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -95,9 +94,9 @@ class MarkerBuilder {
 
   // False, and nothing added, for a triangle that rviz would refuse.
   bool addTriangle(BodyId id, std::uint32_t triangle, Marker* marker) const {
-    const std::array<Vec3f, 3> corners = PosedBody(body(id)).triangle(triangle);
-    if (!std::all_of(corners.begin(), corners.end(), isFinite)) return false;
-    for (const Vec3f& corner : corners) {
+    const Triangle corners = PosedBody(body(id)).triangle(triangle);
+    if (!std::all_of(corners.v, corners.v + 3, isFinite)) return false;
+    for (const Vec3f& corner : corners.v) {
       geometry_msgs::Point point;
       point.x = corner.x;
       point.y = corner.y;

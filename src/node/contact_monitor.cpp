@@ -1,8 +1,14 @@
-// The monitor: how it is set up, and what its callbacks store.
+// The monitor: how it is set up, and what its callbacks do.
 #include "node/contact_monitor.h"
 
+#include <chrono>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
+#include "cuda/detector_choice.h"
+#include "node/cycle_publisher.h"
+#include "node/monitor_sink.h"
 #include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -20,12 +26,18 @@ MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   return parameters;
 }
 
-MeshInputs makeInputs(const MonitorParameters& parameters) {
-  MeshInputs inputs;
-  for (const ObjectParameters& object : parameters.objects) {
-    inputs.push_back(std::make_unique<MeshInput>(object.name, parameters.max_mesh_age_s));
-  }
-  return inputs;
+MeshMailboxes makeMeshMailboxes(const MonitorParameters& parameters) {
+  MeshMailboxes mailboxes;
+  for (const ObjectParameters& object : parameters.objects) mailboxes.emplace_back(object.name);
+  return mailboxes;
+}
+
+// The loop dies with its thread.
+std::thread startThread(Mailbox& mailbox, std::unique_ptr<DetectionLoop> loop) {
+  return std::thread([&mailbox, loop = std::move(loop)] {
+    CycleClock::SteadyTime wake_time = std::chrono::steady_clock::now();
+    while (mailbox.wait(wake_time)) wake_time = loop->step();
+  });
 }
 
 }  // namespace
@@ -34,40 +46,46 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
     : node_(node),
       private_node_(private_node),
       parameters_(readParameters(private_node)),
-      inputs_(makeInputs(parameters_)),
+      mailbox_(parameters_.allowed_contacts),
+      mesh_mailboxes_(makeMeshMailboxes(parameters_)),
       listener_(buffer_, node, true, ros::TransportHints().tcpNoDelay()),
-      lookup_(buffer_, parameters_.reference_frame, parameters_.tf_timeout_s),
-      robot_source_(parameters_, node, private_node, [this] { wake(); }),
-      publisher_(parameters_, private_node),
-      diagnostics_(parameters_, inputs_, robot_source_, node, private_node),
-      scene_(parameters_),
-      detector_(makeDetectorFor(parameters_.backend, parameters_.cuda,
-                                [](const std::string& why) { ROS_WARN_STREAM(why); })) {
-  allowed_ = parameters_.allowed_contacts;
+      robot_source_(parameters_, node, private_node, [this] { mailbox_.wake(); }),
+      diagnostics_(parameters_, mesh_mailboxes_, robot_source_, node, private_node) {
+  std::unique_ptr<DetectionLoop> loop = makeLoop();
   subscribeToMeshes();
   advertiseServices();
   diagnostics_timer_ = node_.createWallTimer(
       ros::WallDuration(1), [this](const ros::WallTimerEvent&) { diagnostics_.publish(); });
-  thread_ = std::thread(&ContactMonitor::run, this);
-  ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
-                                << parameters_.reference_frame << "' on the "
-                                << detector_->backend());
+  thread_ = startThread(mailbox_, std::move(loop));
 }
 
 ContactMonitor::~ContactMonitor() {
   diagnostics_timer_.stop();
-  stop_ = true;
-  wake();
+  mailbox_.stop();
   thread_.join();
 }
 
+std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
+  auto publisher = std::make_unique<CyclePublisher>(parameters_, private_node_, latest_);
+  return std::make_unique<DetectionLoop>(
+      parameters_,
+      LoopSources{mailbox_, mesh_mailboxes_, buffer_, [this] { return robot_source_.newest(); }},
+      LoopTime{std::chrono::steady_clock::now, ros::Time::now},
+      makeChosenDetector(parameters_.backend, WithoutCuda::kFallBack, parameters_.cuda,
+                         [](const std::string& why) {
+                           ROS_WARN_STREAM(
+                               "contacts are found on the CPU, for CUDA cannot be used: " << why);
+                         }),
+      std::make_unique<MonitorSink>(std::move(publisher), diagnostics_));
+}
+
 void ContactMonitor::subscribeToMeshes() {
-  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+  for (std::size_t i = 0; i < mesh_mailboxes_.size(); ++i) {
     const ObjectParameters& object = parameters_.objects[i];
     const boost::function<void(const DeformableMesh::ConstPtr&)> store =
         [this, i](const DeformableMesh::ConstPtr& message) {
-          inputs_[i]->store(message);
-          wake();
+          mesh_mailboxes_[i].store(message);
+          mailbox_.wake();
         };
     const bool is_private = object.topic.empty() || object.topic.front() == '~';
     const std::string topic = object.topic.empty() ? "objects/" + object.name + "/mesh"
@@ -88,36 +106,20 @@ void ContactMonitor::advertiseServices() {
                private_node_.advertiseService("reload_robot", &ContactMonitor::reloadRobot, this)};
 }
 
-void ContactMonitor::wake() {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    woken_ = true;
-  }
-  wake_.notify_one();
-}
-
 bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
                                         SetAllowedContacts::Response& response) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    AllowedContacts allowed = allowed_;
-    try {
-      for (const AllowedContact& rule : request.rules) allowed.add(rule);
-    } catch (const std::invalid_argument& error) {
-      ROS_ERROR_STREAM("~set_allowed_contacts: " << error.what() << "; no rule was changed");
-      return false;
-    }
-    allowed_ = std::move(allowed);
-    requests_.allowed_contacts = true;
-    response.rules = allowed_.rules();
+  try {
+    response.rules = mailbox_.addAllowedContacts(request.rules);
+  } catch (const std::invalid_argument& error) {
+    ROS_ERROR_STREAM("~set_allowed_contacts: " << error.what() << "; no rule was changed");
+    return false;
   }
-  wake();
   return true;
 }
 
 bool ContactMonitor::getContacts(GetContacts::Request& /*request*/,
                                  GetContacts::Response& response) {
-  const CyclePublisher::Latest latest = publisher_.latest();
+  const PublishedCycle latest = latest_.get();
   response.available = latest.contacts != nullptr;
   if (!response.available) return true;
   response.contacts = *latest.contacts;
@@ -128,8 +130,7 @@ bool ContactMonitor::getContacts(GetContacts::Request& /*request*/,
 
 bool ContactMonitor::setEnabled(std_srvs::SetBool::Request& request,
                                 std_srvs::SetBool::Response& response) {
-  enabled_ = request.data;
-  wake();
+  mailbox_.setEnabled(request.data);
   response.success = true;
   response.message = request.data ? "enabled" : "disabled: every pair is UNKNOWN";
   return true;
@@ -137,11 +138,7 @@ bool ContactMonitor::setEnabled(std_srvs::SetBool::Request& request,
 
 bool ContactMonitor::requestReset(std_srvs::Trigger::Request& /*request*/,
                                   std_srvs::Trigger::Response& response) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    requests_.reset = true;
-  }
-  wake();
+  mailbox_.requestReset();
   response.success = true;
   response.message = "meshes, transforms and contact states are forgotten";
   return true;

@@ -4,7 +4,6 @@
 #include <geometry_msgs/Point32.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -13,9 +12,11 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/posed_body.h"
+#include "core/predicates/triangle.h"
 #include "core/predicates/vector3.h"
-#include "node/posed_triangle.h"
 #include "node/time_difference.h"
+#include "node/triangle_normal.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -31,8 +32,8 @@ struct Summary {
 
 std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
 
-Vec3d cornerSum(const std::array<Vec3f, 3>& t) {
-  return toDouble(t[0]) + toDouble(t[1]) + toDouble(t[2]);
+Vec3d cornerSum(const Triangle& t) {
+  return toDouble(t.v[0]) + toDouble(t.v[1]) + toDouble(t.v[2]);
 }
 
 using Summaries = std::unordered_map<std::uint64_t, Summary>;
@@ -73,7 +74,7 @@ Summaries summarize(const CycleReport& report, const std::vector<PosedBody>& bod
     Vec3d corners_of_a;
     for (; isOfPair(i); ++i) {
       if (i == first || contacts[i].triangle_a != contacts[i - 1].triangle_a) {
-        const std::array<Vec3f, 3> a = of_a.triangle(contacts[i].triangle_a);
+        const Triangle a = of_a.triangle(contacts[i].triangle_a);
         corners_of_a = cornerSum(a);
         if (has_normal) {
           const Vec3d normal = doubleAreaNormal(a);

@@ -19,8 +19,10 @@ MarkerOptions markerOptions(const MonitorParameters& parameters) {
 
 }  // namespace
 
-CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node)
-    : max_contacts_(parameters.max_contacts),
+CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node,
+                               LatestCycle& latest)
+    : latest_(latest),
+      max_contacts_(parameters.max_contacts),
       marker_period_(1 / parameters.marker_rate_hz),
       tracker_(parameters.debounce_on_cycles, parameters.debounce_off_cycles),
       markers_(markerOptions(parameters)),
@@ -30,23 +32,22 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
       markers_publisher_(private_node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
       robot_publisher_(private_node.advertise<LinkMeshes>("robot_meshes", 1, true)) {}
 
-CyclePublisher::Latest CyclePublisher::publish(CycleReport* report) {
-  Latest latest;
+PublishedCycle CyclePublisher::publish(CycleReport* report) {
+  PublishedCycle cycle;
   report->age_s = secondsBetween(ros::Time::now(), report->header.stamp);
   parallelBoth(
       [&] {
-        latest.contacts =
+        cycle.contacts =
             boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
-        contacts_publisher_.publish(latest.contacts);
+        contacts_publisher_.publish(cycle.contacts);
       },
       [&] {
-        latest.states = boost::make_shared<const ContactStates>(tracker_.update(*report));
-        states_publisher_.publish(latest.states);
+        cycle.states = boost::make_shared<const ContactStates>(tracker_.update(*report));
+        states_publisher_.publish(cycle.states);
       });
   publishEvents();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  latest_ = latest;
-  return latest;
+  latest_.set(cycle);
+  return cycle;
 }
 
 void CyclePublisher::endContacts(const std::string& reason) {
@@ -67,11 +68,6 @@ void CyclePublisher::publishMarkers(const CycleReport& report) {
 
 void CyclePublisher::publishRobot(const RobotGeometry& robot) {
   robot_publisher_.publish(toLinkMeshes(robot, ros::Time::now()));
-}
-
-CyclePublisher::Latest CyclePublisher::latest() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return latest_;
 }
 
 }  // namespace deformable_contact_monitor

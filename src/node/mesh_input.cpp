@@ -1,4 +1,4 @@
-// The meshes of one deformable object: what arrived, what waits, what was accepted.
+// The meshes of one deformable object: which were accepted, and which is the newest at a time.
 #include "node/mesh_input.h"
 
 #include <algorithm>
@@ -22,72 +22,34 @@ constexpr double kMaxAheadS = 1;
 MeshInput::MeshInput(std::string object, double max_age_s)
     : object_(std::move(object)), max_age_ns_(std::llround(1e9 * max_age_s)) {}
 
-void MeshInput::store(const DeformableMesh::ConstPtr& message) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  ++counters_.received;
-  if (waiting_) ++counters_.dropped;
-  waiting_ = message;
-  waiting_since_ = std::chrono::steady_clock::now();
-  if (!message->triangles.empty() && isOurs(*message)) keyframe_ = message;
+bool MeshInput::jumpsBack(const ros::Time& stamp) const {
+  return !stamp.isZero() && !accepted_.empty() &&
+         nanosecondsBetween(accepted_.back().stamp(), stamp) > max_age_ns_;
 }
 
-bool MeshInput::isOurs(const DeformableMesh& message) const {
-  return message.object.empty() || message.object == object_;
-}
-
-MeshCounters MeshInput::counters() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return counters_;
-}
-
-std::optional<ros::Time> MeshInput::waitingStamp() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!waiting_) return std::nullopt;
-  return waiting_->header.stamp;
-}
-
-std::chrono::steady_clock::time_point MeshInput::waitingSince() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return waiting_since_;
-}
-
-bool MeshInput::waitingJumpsBack() const {
-  const std::optional<ros::Time> stamp = waitingStamp();
-  return stamp && !stamp->isZero() && !accepted_.empty() &&
-         nanosecondsBetween(accepted_.back().stamp(), *stamp) > max_age_ns_;
-}
-
-bool MeshInput::take(const ros::Time& now) {
-  DeformableMesh::ConstPtr message, keyframe;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    message.swap(waiting_);
-    keyframe.swap(keyframe_);
-  }
-  if (!message) return false;
+bool MeshInput::accept(const ArrivedMesh& mesh, const ros::Time& now) {
   std::string refusal;
   bool out_of_order = false;
-  const Topology* const topology = topology_.get();
+  const std::shared_ptr<const Topology> before = topology_;
   try {
-    if (keyframe) learnTopology(*keyframe);
-    checkHeader(*message, now);
-    out_of_order = !accepted_.empty() && message->header.stamp < accepted_.back().stamp();
-    if (!out_of_order) accept(message);
+    if (mesh.keyframe) learnTopology(*mesh.keyframe);
+    checkHeader(*mesh.message, now);
+    out_of_order = !accepted_.empty() && mesh.message->header.stamp < accepted_.back().stamp();
+    if (!out_of_order) keep(mesh.message);
   } catch (const std::exception& error) {
     refusal = error.what();
     accepted_.clear();
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
   if (out_of_order) ++counters_.dropped;
   if (!refusal.empty()) ++counters_.refused;
-  if (topology != nullptr && topology_ && topology != topology_.get()) ++counters_.topology_changes;
+  if (before && topology_ && before != topology_) ++counters_.topology_changes;
   if (!out_of_order) counters_.refusal = refusal;
   if (!accepted_.empty()) counters_.stamp = accepted_.back().stamp();
   return !out_of_order;
 }
 
 void MeshInput::checkHeader(const DeformableMesh& message, const ros::Time& now) const {
-  if (!isOurs(message)) refuse("the mesh is of object '" + message.object + "'");
+  if (!isMeshOf(object_, message)) refuse("the mesh is of object '" + message.object + "'");
   if (message.header.stamp.isZero()) refuse("header.stamp is zero");
   if (message.header.frame_id.empty()) refuse("header.frame_id is empty");
   const double ahead_s = secondsBetween(message.header.stamp, now);
@@ -116,7 +78,7 @@ void MeshInput::learnTopology(const DeformableMesh& keyframe) {
   }
 }
 
-void MeshInput::accept(const DeformableMesh::ConstPtr& message) {
+void MeshInput::keep(const DeformableMesh::ConstPtr& message) {
   if (!topology_ && !topology_refusal_.empty()) refuse(topology_refusal_);
   if (!topology_ || topology_->id != message->topology_id) {
     refuse("no triangles of topology_id " + std::to_string(message->topology_id) +
@@ -142,9 +104,8 @@ const AcceptedMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not
                                   [&t](const AcceptedMesh& mesh) { return mesh.stamp() <= t; });
   if (found != accepted_.rend() && nanosecondsBetween(t, found->stamp()) <= max_age_ns_)
     return &*found;
-  const MeshCounters counters = this->counters();
-  if (!counters.refusal.empty()) {
-    *why_not = "mesh refused: " + counters.refusal;
+  if (!counters_.refusal.empty()) {
+    *why_not = "mesh refused: " + counters_.refusal;
   } else if (accepted_.empty()) {
     *why_not = "no mesh yet";
   } else if (found == accepted_.rend()) {
@@ -153,12 +114,6 @@ const AcceptedMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not
     *why_not = "newest mesh is " + std::to_string(secondsBetween(t, found->stamp())) + " s old";
   }
   return nullptr;
-}
-
-void MeshInput::dropWaiting() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (waiting_) ++counters_.dropped;
-  waiting_ = nullptr;
 }
 
 void MeshInput::forget() { accepted_.clear(); }

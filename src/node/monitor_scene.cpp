@@ -16,6 +16,14 @@ RobotGeometry missingRobot(const std::string& why) {
 
 }  // namespace
 
+MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
+  MeshInputs inputs;
+  for (const ObjectParameters& object : parameters.objects) {
+    inputs.emplace_back(object.name, parameters.max_mesh_age_s);
+  }
+  return inputs;
+}
+
 MonitorScene::MonitorScene(const MonitorParameters& parameters)
     : parameters_(parameters), allowed_(parameters.allowed_contacts) {
   setRobot(parameters.pair_classes.needRobot() ? missingRobot("no robot received yet")
@@ -106,7 +114,7 @@ std::vector<const AcceptedMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
   std::vector<const AcceptedMesh*> meshes;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     BodyStatus& body = bodies_[first_object_ + i];
-    meshes.push_back(inputs[i]->newestAt(t, &body.unknown_because));
+    meshes.push_back(inputs[i].newestAt(t, &body.unknown_because));
   }
   return meshes;
 }

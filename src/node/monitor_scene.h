@@ -3,7 +3,6 @@
 
 #include <ros/time.h>
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,7 +15,9 @@
 
 namespace deformable_contact_monitor {
 
-using MeshInputs = std::vector<std::unique_ptr<MeshInput>>;  // in the order of the objects
+using MeshInputs = std::vector<MeshInput>;  // in the order of the objects
+
+MeshInputs makeMeshInputs(const MonitorParameters& parameters);
 
 // What the transforms of a cycle were like, for the diagnostics.
 struct TransformReport {

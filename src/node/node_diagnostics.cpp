@@ -31,17 +31,17 @@ std::string meanP95Max(const std::deque<double>& times_ms) {
 
 }  // namespace
 
-NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters, const MeshInputs& inputs,
-                                 const RobotSource& robot, const ros::NodeHandle& node,
-                                 const ros::NodeHandle& private_node)
+NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
+                                 const MeshMailboxes& mailboxes, const RobotSource& robot,
+                                 const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : parameters_(parameters),
-      inputs_(inputs),
+      mailboxes_(mailboxes),
       robot_(robot),
       updater_(node, private_node, private_node.getNamespace()),
-      watches_(inputs.size()) {
+      watches_(mailboxes.size()) {
   updater_.setHardwareID("none");
   updater_.add("status", this, &NodeDiagnostics::describeStatus);
-  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+  for (std::size_t i = 0; i < mailboxes_.size(); ++i) {
     updater_.add("mesh:" + parameters_.objects[i].name,
                  [this, i](Status& status) { describeMesh(i, status); });
   }
@@ -74,6 +74,11 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
   add("cycle [ms]", 1e3 * cycle_s);
   add("detection [ms]", report.result->round_trip_ms);
   for (const auto& [stage, ms] : report.result->stages_ms) add("stage " + stage + " [ms]", ms);
+}
+
+void NodeDiagnostics::recordMesh(std::size_t object, const MeshCounters& counters) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  watches_[object].counters = counters;
 }
 
 void NodeDiagnostics::recordTransforms(const TransformReport& report) {
@@ -139,16 +144,18 @@ void NodeDiagnostics::describeStatus(Status& status) {
 }
 
 void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
-  const MeshCounters counters = inputs_[object]->counters();
+  const std::lock_guard<std::mutex> lock(mutex_);
   MeshWatch& watch = watches_[object];
+  const MeshCounters& counters = watch.counters;
+  const ArrivalCounters arrived = mailboxes_[object].counters();
   const double rate_hz =
-      static_cast<double>(counters.received - watch.received) / secondsSince(watch.when);
-  watch.received = counters.received;
+      static_cast<double>(arrived.received - watch.received) / secondsSince(watch.when);
+  watch.received = arrived.received;
   watch.when = Clock::now();
 
   const auto bad =
       parameters_.objects[object].required ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
-  if (counters.received == 0) {
+  if (arrived.received == 0) {
     status.summary(bad, "no mesh received yet");
   } else if (!counters.refusal.empty()) {
     status.summary(bad, "mesh refused: " + counters.refusal);
@@ -163,8 +170,8 @@ void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
   if (!counters.stamp.isZero()) {
     status.add("age of newest [s]", secondsBetween(ros::Time::now(), counters.stamp));
   }
-  status.add("received", counters.received);
-  status.add("dropped", counters.dropped);
+  status.add("received", arrived.received);
+  status.add("dropped", arrived.dropped + counters.dropped);
   status.add("refused", counters.refused);
   status.add("topology changes", counters.topology_changes);
 }

@@ -13,18 +13,19 @@
 #include <vector>
 
 #include "node/cycle_report.h"
+#include "node/mesh_mailbox.h"
 #include "node/monitor_scene.h"
 #include "node/parameters.h"
 #include "node/robot_source.h"
 
 namespace deformable_contact_monitor {
 
-// Five kinds of status, once a second: status, mesh:<object>, tf, timing, output. The record
-// functions are for the detection thread; publish() is for a wall timer's.
+// Five kinds of status: status, mesh:<object>, tf, timing, output. Threads may call every function
+// at any time.
 class NodeDiagnostics {
  public:
   // All arguments but the handles must outlive this.
-  NodeDiagnostics(const MonitorParameters& parameters, const MeshInputs& inputs,
+  NodeDiagnostics(const MonitorParameters& parameters, const MeshMailboxes& mailboxes,
                   const RobotSource& robot, const ros::NodeHandle& node,
                   const ros::NodeHandle& private_node);
 
@@ -32,12 +33,15 @@ class NodeDiagnostics {
   // the mesh that asked for the cycle until all but the markers is published.
   void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s,
                    double latency_s);
+  // The last mesh of this object was looked at: what is counted since the start.
+  void recordMesh(std::size_t object, const MeshCounters& counters);
   void recordTransforms(const TransformReport& report);
   // A detection that failed; empty: it did not.
   void recordDetectorError(const std::string& error);
   void recordReset(const std::string& reason);
   void recordEnabled(bool enabled);
 
+  // To be called once a second.
   void publish() { updater_.force_update(); }
 
  private:
@@ -50,18 +54,19 @@ class NodeDiagnostics {
   void describeTiming(Status& status);
   void describeOutput(Status& status);
 
-  struct MeshWatch {  // for rates between two publications
-    std::uint64_t received = 0;
+  struct MeshWatch {
+    MeshCounters counters;
+    std::uint64_t received = 0;  // at the last publication
     Clock::time_point when = Clock::now();
   };
 
   const MonitorParameters& parameters_;
-  const MeshInputs& inputs_;
+  const MeshMailboxes& mailboxes_;
   const RobotSource& robot_;
   diagnostic_updater::Updater updater_;
-  std::vector<MeshWatch> watches_;  // publish() alone
 
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;                // guards what follows
+  std::vector<MeshWatch> watches_;  // by object
   bool enabled_ = true;
   std::string backend_, detector_error_, last_reset_;
   std::uint64_t cycles_ = 0, resets_ = 0;

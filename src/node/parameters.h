@@ -12,7 +12,7 @@
 
 #include "core/options.h"
 #include "cuda/cuda_detector.h"
-#include "node/detector_choice.h"
+#include "cuda/detector_choice.h"
 #include "node/pair_table.h"
 #include "robot/robot_geometry.h"
 

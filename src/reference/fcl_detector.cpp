@@ -6,21 +6,16 @@
 #include <fcl/narrowphase/collision.h>
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <vector>
 
+#include "core/stopwatch.h"
 #include "reference/posed_triangles.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // One body's finite triangles; FCL's triangle k is triangles[k].
 struct FclBody {
@@ -47,9 +42,9 @@ class FclDetector : public Detector {
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     requireValid(options);
-    const auto start = Clock::now();
-    result_ = DetectionResult();
-    result_.counters.triangles = scene.triangleCount();
+    const Stopwatch cycle;
+    Stopwatch watch;
+    result_.begin(scene, false);
 
     std::vector<std::unique_ptr<FclBody>> bodies;
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
@@ -62,20 +57,19 @@ class FclDetector : public Detector {
       result_.counters.posed += body.mesh.triangleCount();
       result_.counters.rejected += body.mesh.triangleCount() - bodies[b]->triangles.size();
     }
-    result_.stages_ms.emplace_back("build", millisecondsSince(start));
+    result_.stages_ms.emplace_back("build", watch.lapMs());
 
-    const auto collide_start = Clock::now();
     for (BodyId a = 0; a < scene.bodyCount(); ++a) {
       for (BodyId b = a; b < scene.bodyCount(); ++b) {
         if (scene.pairEnabled(a, b)) collide(*bodies[a], a, *bodies[b], b);
       }
     }
-    result_.stages_ms.emplace_back("collide", millisecondsSince(collide_start));
+    result_.stages_ms.emplace_back("collide", watch.lapMs());
 
     std::sort(result_.contacts.begin(), result_.contacts.end());
     result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
                            result_.contacts.end());
-    result_.detect_ms = result_.round_trip_ms = millisecondsSince(start);
+    result_.detect_ms = result_.round_trip_ms = cycle.elapsedMs();
     return result_;
   }
 
@@ -98,7 +92,6 @@ class FclDetector : public Detector {
       }
       result_.contacts.push_back({a, first->index, b, second->index});
     }
-    result_.counters.candidates += found.numContacts();
   }
 
   DetectionResult result_;

@@ -1,26 +1,20 @@
-// What the references share: finite triangles of a body, received and posed.
 #include "reference/posed_triangles.h"
 
-#include <string>
+#include <algorithm>
+
+#include "core/posed_body.h"
 
 namespace deformable_contact_monitor {
 
 std::vector<PosedTriangle> finiteTriangles(const Body& body) {
-  const TriangleMesh& mesh = body.mesh;
-  const bool identity = body.pose.isIdentity();
+  const auto count = static_cast<std::uint32_t>(body.mesh.triangleCount());
+  const PosedBody posed(body);
   std::vector<PosedTriangle> triangles;
-  triangles.reserve(mesh.triangleCount());
-  for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
-    PosedTriangle triangle{t, {}, {}};
-    bool finite = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float* v = &mesh.vertices[std::size_t{3} * mesh.triangles[3 * std::size_t{t} + k]];
-      const Vec3f received{v[0], v[1], v[2]};
-      triangle.received.v[k] = received;
-      triangle.posed.v[k] = identity ? received : apply(body.pose, received);
-      finite = finite && isFinite(triangle.posed.v[k]);
-    }
-    if (finite) triangles.push_back(triangle);
+  triangles.reserve(count);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    const PosedTriangle triangle{t, posed.received(t), posed.triangle(t)};
+    const Vec3f* v = triangle.posed.v;
+    if (std::all_of(v, v + 3, isFinite)) triangles.push_back(triangle);
   }
   return triangles;
 }

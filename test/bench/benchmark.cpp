@@ -2,20 +2,21 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "core/cpu/cpu_detector.h"
 #include "core/mesh_files/mesh_file.h"
+#include "core/stopwatch.h"
 #include "panda_scene.h"
 #include "reference/fcl_detector.h"
 #include "rivals.h"
+#include "run_benchmark.h"
 #include "scenes.h"
 #include "test_data.h"
+#include "tools/common/sample_statistics.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -31,14 +32,11 @@ Measured measure(int repeats, const std::function<double(std::size_t*)>& job) {
   std::size_t pairs = 0;
   job(&pairs);  // warm-up
   for (int i = 0; i < repeats; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    const double own = job(&pairs);
-    const std::chrono::duration<double, std::milli> outside =
-        std::chrono::steady_clock::now() - start;
-    ms.push_back(own < 0 ? outside.count() : own);
+    const Stopwatch stopwatch;
+    const double own_ms = job(&pairs);
+    ms.push_back(own_ms < 0 ? stopwatch.elapsedMs() : own_ms);
   }
-  std::sort(ms.begin(), ms.end());
-  return {ms[ms.size() / 2], ms.front(), pairs};
+  return {median(ms), *std::min_element(ms.begin(), ms.end()), pairs};
 }
 
 void row(const char* scene, const char* what, const Measured& m) {
@@ -59,10 +57,6 @@ Measured measureDetector(int repeats, Detector* detector, Scene* scene, const Op
 }
 
 int run() {
-  if (!testDataIsThere()) {
-    std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
-    return 0;
-  }
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   Options options;
   options.threads = 1;
@@ -108,10 +102,6 @@ int run() {
 }  // namespace deformable_contact_monitor
 
 int main() {
-  try {
-    return deformable_contact_monitor::run();
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "benchmark: %s\n", e.what());
-    return 2;
-  }
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runBenchmark("benchmark", dcm::run);
 }

@@ -1,9 +1,7 @@
 // Prints tables of the CUDA backend on real scenes: whole cycles and stages, moving input, medians
 // and 95th percentiles; pair sets are compared with the CPU backend's in the same run.
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <functional>
 #include <map>
 #include <string>
@@ -13,8 +11,10 @@
 #include "core/mesh_files/mesh_file.h"
 #include "cuda/cuda_detector.h"
 #include "panda_scene.h"
+#include "run_benchmark.h"
 #include "scenes.h"
 #include "test_data.h"
+#include "tools/common/sample_statistics.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -31,17 +31,6 @@ struct Moving {
   Scene scene;
   std::vector<float> state[2];
   double at_most_ms = 0;  // the figure to reach; 0: none
-};
-
-struct Quantiles {
-  double median = 0, p95 = 0;
-
-  explicit Quantiles(std::vector<double> values) {
-    if (values.empty()) return;
-    std::sort(values.begin(), values.end());
-    median = values[values.size() / 2];
-    p95 = values[values.size() * 95 / 100];
-  }
 };
 
 int repeatsFor(const Moving& moving) {
@@ -85,13 +74,13 @@ void whole(Moving& moving, const Options& options, bool check) {
     all_equal = all_equal && equal;
   }
   const Counters& c = last.counters;
-  const Quantiles d(detect), r(round_trip);
   std::printf(
       "| %s | %s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %llu | %llu | %.2f | %llu | "
       "%llu | %.0f | %s |\n",
       moving.name.c_str(), options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond shared",
       static_cast<unsigned long long>(c.triangles), last.contacts.size(), moving.at_most_ms,
-      d.median, d.p95, r.median, r.p95, static_cast<unsigned long long>(c.interval_overlaps),
+      median(detect), percentile(detect, 0.95), median(round_trip), percentile(round_trip, 0.95),
+      static_cast<unsigned long long>(c.interval_overlaps),
       static_cast<unsigned long long>(c.candidates),
       c.clustered > 0 ? static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered)
                       : 0,
@@ -117,8 +106,8 @@ void stages(Moving& moving, const Options& options) {
   }
   std::printf("| %s |", moving.name.c_str());
   for (const std::string& name : names) {
-    const Quantiles q(times[name]);
-    std::printf(" %s %.1f (%.1f) |", name.c_str(), 1e3 * q.median, 1e3 * q.p95);
+    std::printf(" %s %.1f (%.1f) |", name.c_str(), 1e3 * median(times[name]),
+                1e3 * percentile(times[name], 0.95));
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -164,50 +153,41 @@ Moving withFarBodies(Moving moving) {
   return moving;
 }
 
-int run(const std::string& only) {
-  if (!testDataIsThere()) {
-    std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
-    return 0;
+using MakeMoving = std::function<Moving()>;
+
+TriangleMesh readMesh(const char* file) { return readMeshFile(testDataFile(file)); }
+
+std::vector<MakeMoving> namedScenes(const TriangleMesh& ball92, const TriangleMesh& ball93) {
+  return {[&] { return selfMoving("cloth_ball92", ball92, ball93, 0.20); },
+          [&] { return selfMoving("cloth_ball93", ball93, ball92, 0.28); },
+          [] {
+            return selfMoving("cloth-funnel 227", readMesh("cloth-funnel/227.ply"),
+                              readMesh("cloth-funnel/228.ply"), 0.10);
+          },
+          [&] {
+            return selfMoving("cloth_ball92 split 3 x 3", splitThreeByThree(ball92),
+                              splitThreeByThree(ball93), 0.75);
+          },
+          [] {
+            Moving moving{"Panda and a cloth", pandaAndCloth(), {}, 0.08};
+            moving.state[0] = moving.state[1] = moving.scene.body(0).mesh.vertices;
+            for (std::size_t i = 2; i < moving.state[1].size(); i += 3) {
+              moving.state[1][i] += 0.002F;
+            }
+            return moving;
+          }};
+}
+
+void printGrowth(const TriangleMesh& ball92, const TriangleMesh& ball93, const Options& options) {
+  for (const std::size_t n : {1000U, 10000U, 92230U, 300000U, 1000000U, 3000000U, 10000000U}) {
+    Moving moving = selfMoving("copies of cloth_ball92", sizedTo(ball92, n), sizedTo(ball93, n), 0);
+    whole(moving, options, n < kManyTriangles);
+    stages(moving, options);
   }
-  const auto mesh = [](const char* file) { return readMeshFile(testDataFile(file)); };
-  const TriangleMesh ball92 = mesh("cloth-ball/cloth_ball92.ply");
-  const TriangleMesh ball93 = mesh("cloth-ball/cloth_ball93.ply");
-  std::vector<std::function<Moving()>> scenes = {
-      [&] { return selfMoving("cloth_ball92", ball92, ball93, 0.20); },
-      [&] { return selfMoving("cloth_ball93", ball93, ball92, 0.28); },
-      [&] {
-        return selfMoving("cloth-funnel 227", mesh("cloth-funnel/227.ply"),
-                          mesh("cloth-funnel/228.ply"), 0.10);
-      },
-      [&] {
-        return selfMoving("cloth_ball92 split 3 x 3", splitThreeByThree(ball92),
-                          splitThreeByThree(ball93), 0.75);
-      },
-      [] {
-        Moving moving{"Panda and a cloth", pandaAndCloth(), {}, 0.08};
-        moving.state[0] = moving.state[1] = moving.scene.body(0).mesh.vertices;
-        for (std::size_t i = 2; i < moving.state[1].size(); i += 3) moving.state[1][i] += 0.002F;
-        return moving;
-      }};
-  Options options;
-  options.adjacent = AdjacentPairs::kSkip;
-  if (const char* clusters = std::getenv("DCM_BENCH_CLUSTERS"))
-    options.clusters = std::atoi(clusters);
-  std::printf(
-      "| scene | adjacent | triangles | contacts | at most ms | detect ms | p95 | round trip ms | "
-      "p95 | overlaps | candidates | clusters a triangle | clusters | exact | bytes a triangle | "
-      "sets |\n");
-  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  if (only == "growth") {
-    only_growth = true;
-    for (const std::size_t n : {1000U, 10000U, 92230U, 300000U, 1000000U, 3000000U, 10000000U}) {
-      Moving moving =
-          selfMoving("copies of cloth_ball92", sizedTo(ball92, n), sizedTo(ball93, n), 0);
-      whole(moving, options, n < kManyTriangles);
-      stages(moving, options);
-    }
-    return all_equal ? 0 : 1;
-  }
+}
+
+// Those whose names hold `only`.
+void printScenes(const std::vector<MakeMoving>& scenes, const std::string& only, Options options) {
   for (const auto& make : scenes) {
     Moving moving = make();
     if (!only.empty() && moving.name.find(only) == std::string::npos) continue;
@@ -221,10 +201,31 @@ int run(const std::string& only) {
     options.adjacent = AdjacentPairs::kSkip;
     stages(moving, options);
   }
+}
+
+int run(const std::string& only) {
+  const TriangleMesh ball92 = readMesh("cloth-ball/cloth_ball92.ply");
+  const TriangleMesh ball93 = readMesh("cloth-ball/cloth_ball93.ply");
+  Options options;
+  options.adjacent = AdjacentPairs::kSkip;
+  if (const char* clusters = std::getenv("DCM_BENCH_CLUSTERS")) {
+    options.clusters = std::atoi(clusters);
+  }
+  std::printf(
+      "| scene | adjacent | triangles | contacts | at most ms | detect ms | p95 | round trip ms | "
+      "p95 | overlaps | candidates | clusters a triangle | clusters | exact | bytes a triangle | "
+      "sets |\n");
+  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  if (only == "growth") {
+    only_growth = true;
+    printGrowth(ball92, ball93, options);
+    return all_equal ? 0 : 1;
+  }
+  printScenes(namedScenes(ball92, ball93), only, options);
+  if (!only.empty()) return all_equal ? 0 : 1;
   const Moving cloth = selfMoving("cloth_ball92", ball92, ball93, 0);
   for (const auto& change : {withHugeTriangles, withOutlier, withFarBodies}) {
     Moving moving = change(cloth);
-    if (!only.empty()) continue;
     whole(moving, options, true);
     stages(moving, options);
   }
@@ -235,10 +236,7 @@ int run(const std::string& only) {
 }  // namespace deformable_contact_monitor
 
 int main(int argc, char** argv) {
-  try {
-    return deformable_contact_monitor::run(argc > 1 ? argv[1] : "");
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "cuda_benchmark: %s\n", e.what());
-    return 2;
-  }
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runBenchmark("cuda_benchmark",
+                           [argc, argv] { return dcm::run(argc > 1 ? argv[1] : ""); });
 }

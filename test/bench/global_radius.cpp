@@ -14,10 +14,10 @@ struct Centroids {
 Centroids centroidsOf(const WorkingSet& set, const SizeSplit& split) {
   Centroids out;
   float most2 = 0;
-  for (const std::uint32_t t : split.regular) {
+  for (const TriangleIndex t : split.regular) {
     Vec3f v[3];
     for (int k = 0; k < 3; ++k) v[k] = split.scale.apply(set.posed(t).v[k]);
-    out.scaled.push_back((v[0] + v[1] + v[2]) * (1.0F / 3));
+    out.scaled.push_back(centroidOf(v));
     for (const Vec3f& x : v) most2 = std::max(most2, squaredDistance(x, out.scaled.back()));
   }
   out.radius = std::sqrt(double{most2}) + 1e-6;
@@ -86,15 +86,9 @@ ClusterAssignment assignByGlobalRadius(const WorkingSet& set, const SizeSplit& s
   assignment.members.resize(assignment.lists.size());
   std::vector<std::uint32_t> next = assignment.member_begin;
   for (std::size_t i = 0; i < split.regular.size(); ++i) {
-    const std::uint32_t t = split.regular[i];
-    const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
-    const ClusterMember member{
-        set.posed(t),
-        {set.vertex_id[corner[0]], set.vertex_id[corner[1]], set.vertex_id[corner[2]]},
-        t,
-        set.body[t],
-        list_begin[i],
-        list_begin[i + 1] - list_begin[i]};
+    const TriangleIndex t = split.regular[i];
+    const ClusterMember member{set.posed(t),  set.vertexIds(t), t,
+                               set.bodyOf(t), list_begin[i],    list_begin[i + 1] - list_begin[i]};
     for (std::uint32_t k = list_begin[i]; k < list_begin[i + 1]; ++k) {
       assignment.members[next[assignment.lists[k]]++] = member;
     }

@@ -3,9 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <set>
 #include <stdexcept>
@@ -14,11 +12,14 @@
 #include <vector>
 
 #include "core/body_groups.h"
+#include "core/cpu/cluster.h"
 #include "core/cpu/fuzzy_clustering.h"
 #include "core/cpu/large.h"
 #include "core/cpu/sweep.h"
 #include "core/mesh_files/mesh_file.h"
+#include "core/stopwatch.h"
 #include "global_radius.h"
+#include "run_benchmark.h"
 #include "scenes.h"
 #include "test_data.h"
 #include "tools/common/sample_statistics.h"
@@ -26,13 +27,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Contacts = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 using Assign = std::function<ClusterAssignment(const SizeSplit&, const Prototypes&)>;
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // The papers have no list of large triangles.
 SizeSplit withoutLargeList(const WorkingSet& set, SizeSplit split) {
@@ -52,15 +48,10 @@ SizeSplit withoutLargeList(const WorkingSet& set, SizeSplit split) {
 
 // As the CPU backend's, warmed up.
 Prototypes prototypesOf(const WorkingSet& set, const SizeSplit& split, std::size_t count) {
-  const std::size_t samples =
-      std::min(split.regular.size(), std::max<std::size_t>(2048, 8 * count));
-  std::vector<Vec3f> centroids;
-  for (std::size_t i = 0; i < samples; ++i) {
-    const Triangle t = set.posed(split.regular[i * split.regular.size() / samples]);
-    Vec3f sum;
-    for (const Vec3f& v : t.v) sum = sum + split.scale.apply(v);
-    centroids.push_back(sum * (1.0F / 3));
-  }
+  const std::vector<Vec3f> centroids =
+      sampleCentroids(set, split,
+                      samplingOf(static_cast<std::uint32_t>(split.regular.size()),
+                                 static_cast<std::uint32_t>(count), 2048));
   FuzzyClustering clustering(Options().fuzzifier);
   clustering.initialise(centroids, count);
   for (int i = 0; i < 10; ++i) clustering.iterate(centroids);
@@ -81,22 +72,21 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
   constexpr int kRepeats = 5;
   const Prototypes prototypes = prototypesOf(set, rule.split, count);
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlack(scene, rule.split.scale);
+  const std::vector<float> slack = scaledSlacks(scene, rule.split.scale);
   const Options options;
   std::vector<double> assign_ms, sweep_ms;
-  SweepOutput output;
+  CycleOutput output;
   std::size_t entries = 0, largest = 0;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
-    const auto start = Clock::now();
+    Stopwatch watch;
     const ClusterAssignment assignment = rule.assign(rule.split, prototypes);
-    assign_ms.push_back(millisecondsSince(start));
-    const auto sweep_start = Clock::now();
-    const SweepInput input{scene, set, rule.split, assignment, groups, slack, options};
+    assign_ms.push_back(watch.lapMs());
+    const CycleInput input{scene, set, rule.split, assignment, groups, slack, options};
     ClusterSweeper sweeper(input);
-    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
     output = std::move(sweeper.output());
     sweepLargeTriangles(input, output);
-    sweep_ms.push_back(millisecondsSince(sweep_start));
+    sweep_ms.push_back(watch.lapMs());
     entries = assignment.members.size();
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) {
       largest = std::max<std::size_t>(largest,
@@ -104,7 +94,7 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     }
   }
   Contacts contacts;
-  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a, c.b);
+  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a.value, c.b.value);
   std::printf("| %s | %zu | %s | %.2f | %zu | %.1f | %.0f | %.0f | %zu |\n", name, count, rule.name,
               static_cast<double>(entries) / static_cast<double>(rule.split.regular.size()),
               largest, static_cast<double>(output.interval_overlaps) * 1e-6, median(assign_ms),
@@ -138,10 +128,6 @@ void compareRules(const char* name, const Scene& scene, const std::vector<std::s
 }
 
 int run() {
-  if (!testDataIsThere()) {
-    std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
-    return 0;
-  }
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   std::printf(
       "| scene | clusters | rule | clusters a triangle | largest cluster | interval overlaps [M] | "
@@ -168,10 +154,6 @@ int run() {
 }  // namespace deformable_contact_monitor
 
 int main() {
-  try {
-    return deformable_contact_monitor::run();
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "papers_rule: %s\n", e.what());
-    return 2;
-  }
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runBenchmark("papers_rule", dcm::run);
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <string>
 
@@ -14,6 +13,7 @@
 #include "scenes.h"
 #include "test_data.h"
 #include "tools/common/output_file.h"
+#include "tools/common/run_tool.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -75,14 +75,11 @@ int main(int argc, char** argv) {
     std::fputs("usage: trade_scene_files FOLDER\n", stderr);
     return 2;
   }
-  try {
+  return dcm::runTool("trade_scene_files", [argv] {
     const std::filesystem::path folder = argv[1];
     std::filesystem::create_directories(folder / "panda");
     dcm::writePanda(folder / "panda");
     dcm::writeFloor(folder / "floor.off");
     return 0;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "trade_scene_files: %s\n", e.what());
-    return 2;
-  }
+  });
 }

@@ -12,11 +12,12 @@
 
 #include "batch_verdicts.h"
 #include "cgal_oracle.h"
-#include "core/predicates/narrow_phase.h"
 #include "cuda/cuda_error.h"
 #include "moller.h"
 #include "scenes.h"
+#include "tools/common/run_tool.h"
 #ifdef DCM_HAVE_FCL
+#include "pair_verdict.h"
 #include "reference/fcl_detector.h"
 #endif
 
@@ -229,4 +230,7 @@ int run() {
 }  // namespace
 }  // namespace deformable_contact_monitor
 
-int main() { return deformable_contact_monitor::run(); }
+int main() {
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runTool("verdict_table", dcm::run);
+}

@@ -1,6 +1,8 @@
 // The references behind the detector's interface: what they find where arithmetic decides nothing.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "cgal_oracle.h"
 #include "detector_suite.h"
 #include "random_scenes.h"
@@ -44,6 +46,20 @@ TEST(FclDetector, SurvivesDegenerateAndNonFiniteTriangles) {
   const auto detector = makeFclDetector();
   for (std::uint32_t seed = 0; seed < 500; ++seed) {
     EXPECT_TRUE(isOrdered(detector->detect(randomScene(seed), Options()).contacts));
+  }
+}
+
+TEST(FclDetector, CountsWhatItHas) {
+  TriangleMesh broken = clothGrid(4, 1, 0, 0.1F);
+  broken.vertices[0] = NAN;
+  const Scene scene = pairScene(broken, clothGrid(4, 1, 0.01F, -0.1F));
+  const auto detector = makeFclDetector();
+  for (int cycle = 0; cycle < 2; ++cycle) {
+    const DetectionResult& result = detector->detect(scene, Options());
+    EXPECT_GT(result.contacts.size(), 0U);
+    EXPECT_EQ(scene.triangleCount(), result.counters.triangles);
+    EXPECT_EQ(2U, result.counters.rejected);
+    EXPECT_EQ(0U, result.counters.candidates) << "it does not tell which pairs came to its test";
   }
 }
 

@@ -5,8 +5,8 @@
 
 #include <random>
 
-#include "core/predicates/narrow_phase.h"
 #include "cuda/cuda_error.h"
+#include "pair_verdict.h"
 #include "test_data.h"
 
 namespace deformable_contact_monitor {

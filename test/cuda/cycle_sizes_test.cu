@@ -11,8 +11,8 @@ constexpr std::uint64_t kAmple = std::uint64_t{1} << 40;
 
 TEST(CycleSizes, WhatFitsDoesNotGrow) {
   CycleSizes sizes;
-  sizes.prepare(10000, 9000, 20, kAmple);
-  EXPECT_EQ(sizes.triangles, 10000U);
+  sizes.triangles = 10000;
+  sizes.prepare(9000, 20, kAmple);
   EXPECT_EQ(sizes.samples, 1024U);
   EXPECT_GE(sizes.members, 18000U);
   CycleCounters counters{};
@@ -26,7 +26,8 @@ TEST(CycleSizes, WhatFitsDoesNotGrow) {
 
 TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   CycleSizes sizes;
-  sizes.prepare(1000, 1000, 2, kAmple);
+  sizes.triangles = 1000;
+  sizes.prepare(1000, 2, kAmple);
   const CycleSizes before = sizes;
   CycleCounters counters{};
   counters.units = before.units + 1;
@@ -49,7 +50,8 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
 TEST(CycleSizes, CandidatesAndContactsStopAtTheLimit) {
   constexpr std::uint64_t kLimit = 1 << 20;
   CycleSizes sizes;
-  sizes.prepare(1000000, 1000000, 2000, kLimit);
+  sizes.triangles = 1000000;
+  sizes.prepare(1000000, 2000, kLimit);
   EXPECT_LE(sizes.candidates * std::uint64_t{16}, kLimit / 2);
   EXPECT_LE(sizes.contacts * std::uint64_t{24}, kLimit / 2);
   CycleCounters counters{};
@@ -65,7 +67,8 @@ TEST(CycleSizes, CandidatesAndContactsStopAtTheLimit) {
 
 TEST(CycleSizes, WithHardlyAnyMemoryThereIsAPlaceEach) {
   CycleSizes sizes;
-  sizes.prepare(100, 100, 1, 1);
+  sizes.triangles = 100;
+  sizes.prepare(100, 1, 1);
   EXPECT_EQ(sizes.candidates, 1U);
   EXPECT_EQ(sizes.contacts, 1U);
 }

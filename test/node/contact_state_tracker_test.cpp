@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "node/posed_triangle.h"
+#include "core/posed_body.h"
+#include "node/triangle_normal.h"
 #include "sample_report.h"
 
 namespace deformable_contact_monitor {
@@ -116,8 +117,8 @@ TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
     const TrianglePair& pair = sample.result.contacts[i];
     const auto a = PosedBody(sample.scene.body(0)).triangle(pair.triangle_a);
     const auto b = PosedBody(sample.scene.body(2)).triangle(pair.triangle_b);
-    for (const Vec3f& corner : a) corners = corners + toDouble(corner);
-    for (const Vec3f& corner : b) corners = corners + toDouble(corner);
+    for (const Vec3f& corner : a.v) corners = corners + toDouble(corner);
+    for (const Vec3f& corner : b.v) corners = corners + toDouble(corner);
     const bool first = i == 0 || pair.triangle_a != sample.result.contacts[i - 1].triangle_a;
     if (first) normals = normals + doubleAreaNormal(a);
   }

@@ -1,4 +1,4 @@
-// What a mesh input accepts, refuses, keeps and drops.
+// What a mesh input accepts, refuses and keeps.
 #include "node/mesh_input.h"
 
 #include <gtest/gtest.h>
@@ -33,8 +33,8 @@ boost::shared_ptr<DeformableMesh> keyframe(double stamp_s, std::uint32_t topolog
 class MeshInputTest : public ::testing::Test {
  protected:
   bool give(const DeformableMesh::ConstPtr& message) {
-    input_.store(message);
-    return input_.take(kNow);
+    mailbox_.store(message);
+    return input_.accept(*mailbox_.takeAt(message->header.stamp), kNow);
   }
 
   const AcceptedMesh* at(double t_s) { return input_.newestAt(ros::Time(t_s), &why_not_); }
@@ -46,12 +46,12 @@ class MeshInputTest : public ::testing::Test {
     EXPECT_NE(why_not_.find(what), std::string::npos) << why_not_;
   }
 
+  MeshMailbox mailbox_{"cloth"};
   MeshInput input_{"cloth", 0.5};
   std::string why_not_;
 };
 
 TEST_F(MeshInputTest, NothingYet) {
-  EXPECT_FALSE(input_.take(kNow));
   EXPECT_EQ(at(50), nullptr);
   EXPECT_EQ(why_not_, "no mesh yet");
 }
@@ -83,21 +83,9 @@ TEST_F(MeshInputTest, OtherTrianglesAreAChangeEvenUnderTheSameId) {
   EXPECT_EQ(input_.counters().topology_changes, 2U);
 }
 
-TEST_F(MeshInputTest, NewestWaitsOlderAreDroppedAndCounted) {
-  input_.store(keyframe(50));
-  input_.store(keyframe(50.1));
-  input_.store(keyframe(50.2));
-  EXPECT_EQ(input_.waitingStamp(), ros::Time(50.2));
-  EXPECT_TRUE(input_.take(kNow));
-  EXPECT_FALSE(input_.take(kNow));
-  EXPECT_EQ(input_.counters().received, 3U);
-  EXPECT_EQ(input_.counters().dropped, 2U);
-}
-
-TEST_F(MeshInputTest, TrianglesOfADroppedMessageAreKept) {
-  input_.store(keyframe(50));
-  input_.store(mesh(50.1));
-  EXPECT_TRUE(input_.take(kNow));
+TEST_F(MeshInputTest, TrianglesOfADroppedMessageAreLearned) {
+  mailbox_.store(keyframe(50));
+  EXPECT_TRUE(give(mesh(50.1)));
   ASSERT_NE(at(50.1), nullptr);
   EXPECT_EQ(at(50.1)->topology->triangles.size(), 3U);
 }
@@ -155,15 +143,13 @@ TEST_F(MeshInputTest, SenselessHeadersAreRefused) {
 TEST_F(MeshInputTest, AnotherObjectsTrianglesAreNotLearned) {
   auto other = keyframe(50);
   other->object = "cable";
-  input_.store(other);
-  input_.store(mesh(50.1));
-  input_.take(kNow);
+  mailbox_.store(other);
+  give(mesh(50.1));
   EXPECT_EQ(at(50.1), nullptr);
 }
 
 TEST_F(MeshInputTest, NoClockYetMeansNoFuture) {
-  input_.store(keyframe(101.5));
-  input_.take(ros::Time());
+  input_.accept({keyframe(101.5), keyframe(101.5), {}}, ros::Time());
   EXPECT_TRUE(input_.counters().refusal.empty());
 }
 
@@ -191,13 +177,12 @@ TEST_F(MeshInputTest, OutOfOrderIsDroppedAndAJumpBackIsSeen) {
   EXPECT_FALSE(give(mesh(49.9)));
   EXPECT_EQ(input_.counters().dropped, 1U);
   EXPECT_NE(at(50), nullptr);
-  input_.store(mesh(49.6));
-  EXPECT_FALSE(input_.waitingJumpsBack());
-  input_.store(mesh(49.4));
-  EXPECT_TRUE(input_.waitingJumpsBack());
+  EXPECT_FALSE(input_.jumpsBack(ros::Time(49.6)));
+  EXPECT_TRUE(input_.jumpsBack(ros::Time(49.4)));
+  EXPECT_FALSE(input_.jumpsBack(ros::Time())) << "a stamp of zero is no time";
   input_.forget();
-  EXPECT_FALSE(input_.waitingJumpsBack());
-  EXPECT_TRUE(input_.take(kNow));
+  EXPECT_FALSE(input_.jumpsBack(ros::Time(49.4)));
+  EXPECT_TRUE(give(mesh(49.4)));
   EXPECT_NE(at(49.4), nullptr) << "triangles outlive a time jump";
 }
 
@@ -205,9 +190,8 @@ TEST_F(MeshInputTest, OutOfOrderIsDroppedAndAJumpBackIsSeen) {
 TEST_F(MeshInputTest, StampsAtTheEndsOfTimeAreSurvived) {
   MeshInput input("cloth", 0.5);
   for (const double stamp_s : {4e9, 1.0, 4.2e9}) {
-    input.store(keyframe(stamp_s));
-    EXPECT_NO_THROW(input.waitingJumpsBack());
-    EXPECT_NO_THROW(input.take(ros::Time()));
+    EXPECT_NO_THROW(input.jumpsBack(ros::Time(stamp_s)));
+    EXPECT_NO_THROW(input.accept({keyframe(stamp_s), keyframe(stamp_s), {}}, ros::Time()));
     EXPECT_NO_THROW(input.newestAt(ros::Time(4.2e9), &why_not_));
     EXPECT_NO_THROW(input.newestAt(ros::Time(1), &why_not_));
   }
@@ -217,8 +201,8 @@ TEST_F(MeshInputTest, StampsAtTheEndsOfTimeAreSurvived) {
 TEST_F(MeshInputTest, MemoryIsBounded) {
   MeshInput input("cloth", 60);
   for (int i = 0; i < 100; ++i) {
-    input.store(keyframe(50 + 1e-3 * i));
-    input.take(kNow);
+    const auto message = keyframe(50 + 1e-3 * i);
+    input.accept({message, message, {}}, kNow);
   }
   EXPECT_EQ(input.newestAt(ros::Time(50.01), &why_not_), nullptr);
   EXPECT_NE(input.newestAt(ros::Time(50.09), &why_not_), nullptr);

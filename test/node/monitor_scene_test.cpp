@@ -30,12 +30,7 @@ RobotGeometry robot() {
 
 class MonitorSceneTest : public ::testing::Test {
  protected:
-  MonitorSceneTest() {
-    for (const ObjectParameters& object : parameters_.objects) {
-      inputs_.push_back(std::make_unique<MeshInput>(object.name, parameters_.max_mesh_age_s));
-    }
-    scene_.setRobot(robot());
-  }
+  MonitorSceneTest() { scene_.setRobot(robot()); }
 
   void give(std::size_t object, double stamp_s, const std::string& frame = "base", float x = 0) {
     auto message = boost::make_shared<DeformableMesh>();
@@ -44,8 +39,7 @@ class MonitorSceneTest : public ::testing::Test {
     message->topology_id = 3;
     message->vertices = {x, 0, 0, 1, 0, 0, 0, 1, 0};
     message->triangles = {0, 1, 2};
-    inputs_[object]->store(message);
-    inputs_[object]->take(ros::Time());
+    inputs_[object].accept({message, message, {}}, ros::Time());
   }
 
   void pose(const std::string& frame, double stamp_s, double x) {
@@ -66,7 +60,7 @@ class MonitorSceneTest : public ::testing::Test {
   bool on(BodyId a, BodyId b) const { return scene_.scene().pairEnabled(a, b); }
 
   MonitorParameters parameters_ = parameters();
-  MeshInputs inputs_;
+  MeshInputs inputs_ = makeMeshInputs(parameters_);
   tf2::BufferCore buffer_;
   MonitorScene scene_{parameters_};
 };

@@ -7,6 +7,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from visualization_msgs.msg import Marker, MarkerArray
 
 import boxes_scene
@@ -17,6 +18,16 @@ from monitor_test_support import (
 
 UNKNOWN, CONTACT, NONE = ContactState.UNKNOWN, ContactState.CONTACT, ContactState.NONE
 BOXES = ("palm", "finger")
+
+
+def counts_of_cloth(diagnostics):
+    """received, dropped, refused, topology changes; None if they are not in this message."""
+    for status in diagnostics.status:
+        if status.name == "contact_monitor: mesh:cloth":
+            values = {value.key: value.value for value in status.values}
+            return [int(values[key]) for key in ("received", "dropped", "refused",
+                                                 "topology changes")]
+    return None
 
 
 class BadMeshes(unittest.TestCase):
@@ -168,6 +179,17 @@ class BadMeshes(unittest.TestCase):
             contacts = self.send_cloth(turned, topology_id=4, keyframe=keyframe)
             self.assertEqual(contacts.topology_ids[contacts.bodies.index("cloth")], 4)
             self.assertEqual(pairs_of(contacts), self.expected(turned))
+
+    def test_the_diagnostics_count_what_was_sent(self):
+        log = Log("/diagnostics", DiagnosticArray)
+        before = counts_of_cloth(log.wait("counts", counts_of_cloth, log.count()))
+        self.send_cloth(CLOTH)
+        self.send_cloth(SMALL_CLOTH, keyframe=False)  # no triangles of its topology id
+        self.send_cloth(SMALL_CLOTH)
+        self.cloth.send(self.stamp - rospy.Duration(0.01), boxes_scene.REFERENCE_FRAME, CLOTH,
+                        topology_id=self.topology_id, keyframe=False)
+        wanted = [count + more for count, more in zip(before, (4, 1, 1, 2))]
+        log.wait(f"counts {wanted}", lambda m: counts_of_cloth(m) == wanted, log.count())
 
     def test_markers_come_with_contacts_and_go_with_them(self):
         log = Log("/contact_monitor/markers", MarkerArray)

@@ -1,6 +1,7 @@
 #include "batch_verdicts.h"
-#include "core/predicates/narrow_phase.h"
+#include "cuda/device/stream.cuh"
 #include "cuda/memory/device_buffer.cuh"
+#include "pair_verdict.h"
 
 namespace deformable_contact_monitor {
 namespace {

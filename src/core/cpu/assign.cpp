@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -12,65 +13,74 @@ constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 
 }  // namespace
 
-std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale) {
+std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale) {
   std::vector<float> slack;
   for (const Body& body : scene.bodies()) slack.push_back(scaledSlack(body.margin_m, scale));
   return slack;
 }
 
-void ClusterAssigner::findWinners(const WorkingSet& set, const SizeSplit& split,
+void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
                                   const PrototypesView& view, const std::vector<float>& slack) {
-  owner_.assign(set.vertices.size(), kUnused);
-  for (const std::uint32_t t : split.regular) {
-    for (int k = 0; k < 3; ++k) owner_[set.corners[3 * std::size_t{t} + k]] = set.body[t];
+  user_.assign(set.vertices.size(), kUnused);
+  for (const TriangleIndex t : split.regular) {
+    for (int k = 0; k < 3; ++k) user_[set.cornersOf(t)[k]] = set.bodyOf(t).value;
   }
   scaled_.resize(set.vertices.size());
-  winners_.resize(set.vertices.size());
+  nearest_.resize(set.vertices.size());
   parallelBlocks(set.vertices.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (owner_[i] == kUnused) continue;
+      if (user_[i] == kUnused) continue;
       scaled_[i] = split.scale.apply(set.vertices[i]);
-      // Last cycle's winner is the best guess, where there was one.
-      const std::uint32_t start = winners_[i].cluster < view.count ? winners_[i].cluster : 0;
-      winners_[i] = nearestPrototype(view, scaled_[i], start, slack[owner_[i]]);
+      // What was the nearest last cycle is the best guess, where there was one.
+      const std::uint32_t start = nearest_[i].cluster < view.count ? nearest_[i].cluster : 0;
+      nearest_[i] = nearestPrototype(view, scaled_[i], start, slack[user_[i]]);
     }
   });
+}
+
+// Fills block.length and block.lists for regular triangles [begin, end).
+void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
+                                  const PrototypesView& view, float overlap,
+                                  const std::vector<float>& slack, std::size_t begin,
+                                  std::size_t end, Block& block) const {
+  block.length.clear();
+  block.lists.clear();
+  for (std::size_t i = begin; i < end; ++i) {
+    const TriangleIndex t = split.regular[i];
+    const std::uint32_t* corner = set.cornersOf(t);
+    const NearestPrototype nearest[3] = {nearest_[corner[0]], nearest_[corner[1]],
+                                         nearest_[corner[2]]};
+    if (isInterior(nearest)) {
+      block.length.push_back(1);
+      block.lists.push_back(nearest[0].cluster);
+      continue;
+    }
+    const Vec3f v[3] = {scaled_[corner[0]], scaled_[corner[1]], scaled_[corner[2]]};
+    std::uint32_t first;
+    const HalfSpaceRule rule =
+        ruleFor(view, v, nearest, overlap, slack[set.bodyOf(t).value], first);
+    const std::size_t before = block.lists.size();
+    forEachAdmitted(view, rule, first, [&](std::uint32_t g) { block.lists.push_back(g); });
+    std::sort(block.lists.begin() + static_cast<std::ptrdiff_t>(before), block.lists.end());
+    block.length.push_back(static_cast<std::uint32_t>(block.lists.size() - before));
+  }
 }
 
 void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
                              const Prototypes& prototypes, float overlap,
                              ClusterAssignment& assignment) {
   const PrototypesView view = prototypes.view();
-  const std::vector<float> slack = scaledSlack(scene, split.scale);
-  findWinners(set, split, view, slack);
+  const std::vector<float> slack = scaledSlacks(scene, split.scale);
+  findNearest(set, split, view, slack);
 
-  blocks_.resize(blockCount(split.regular.size(), kBlock));
-  const auto assignBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
+  const std::size_t count = split.regular.size();
+  blocks_.resize(blockCount(count, kBlock));
+  parallelBlocks(count, kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
-    block.length.clear();
-    block.lists.clear();
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t t = split.regular[i];
-      const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
-      const Winner w[3] = {winners_[corner[0]], winners_[corner[1]], winners_[corner[2]]};
-      const bool inside = w[0].cluster == w[1].cluster && w[0].cluster == w[2].cluster;
-      if (inside && !w[0].tied && !w[1].tied && !w[2].tied) {  // in the interior of one cell
-        block.length.push_back(1);
-        block.lists.push_back(w[0].cluster);
-        continue;
-      }
-      const Vec3f v[3] = {scaled_[corner[0]], scaled_[corner[1]], scaled_[corner[2]]};
-      std::uint32_t first;
-      const HalfSpaceRule rule = ruleFor(view, v, w, overlap, slack[set.body[t]], first);
-      const std::size_t before = block.lists.size();
-      forEachAdmitted(view, rule, first, [&](std::uint32_t g) { block.lists.push_back(g); });
-      std::sort(block.lists.begin() + static_cast<std::ptrdiff_t>(before), block.lists.end());
-      block.length.push_back(static_cast<std::uint32_t>(block.lists.size() - before));
-    }
+    assignBlock(set, split, view, overlap, slack, begin, end, block);
     block.members.assign(prototypes.size(), 0);
     for (const std::uint32_t g : block.lists) ++block.members[g];
-  };
-  parallelBlocks(split.regular.size(), kBlock, assignBlock);
+  });
   collectMembers(set, split, prototypes.size(), assignment);
 }
 
@@ -99,15 +109,9 @@ void ClusterAssigner::collectMembers(const WorkingSet& set, const SizeSplit& spl
     std::copy(block.lists.begin(), block.lists.end(), assignment.lists.begin() + list_begin[b]);
     std::uint32_t list = list_begin[b];
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t t = split.regular[i], size = block.length[i - begin];
-      const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
-      const ClusterMember member{
-          set.posed(t),
-          {set.vertex_id[corner[0]], set.vertex_id[corner[1]], set.vertex_id[corner[2]]},
-          t,
-          set.body[t],
-          list,
-          size};
+      const TriangleIndex t = split.regular[i];
+      const std::uint32_t size = block.length[i - begin];
+      const ClusterMember member{set.posed(t), set.vertexIds(t), t, set.bodyOf(t), list, size};
       for (std::uint32_t k = 0; k < size; ++k) {
         assignment.members[block.members[assignment.lists[list + k]]++] = member;
       }

@@ -1,12 +1,14 @@
-// Every regular triangle into each cluster that it may share a contact in.
+// Stage `assign`: every regular triangle into each cluster that it may share a contact in.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/cpu/pose.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
+#include "core/index.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -14,9 +16,9 @@ namespace deformable_contact_monitor {
 // One triangle in one cluster, with all that the sweep needs of it in one place.
 struct ClusterMember {
   Triangle posed;
-  std::uint32_t vertex_id[3];
-  std::uint32_t triangle;  // in the working set
-  std::uint32_t body;
+  std::array<std::uint32_t, 3> vertex_id;
+  TriangleIndex triangle;
+  BodyIndex body;
   // The clusters that the triangle is in, ascending: lists[list_begin ... + list_size).
   std::uint32_t list_begin, list_size;
 };
@@ -29,8 +31,8 @@ struct ClusterAssignment {
 
   std::size_t clusterCount() const { return member_begin.size() - 1; }
   // Every triangle is at home in its lowest cluster alone.
-  bool isHome(const ClusterMember& member, std::uint32_t cluster) const {
-    return lists[member.list_begin] == cluster;
+  bool isHome(const ClusterMember& member, ClusterIndex cluster) const {
+    return lists[member.list_begin] == cluster.value;
   }
 };
 
@@ -48,19 +50,22 @@ class ClusterAssigner {
     std::vector<std::uint32_t> members;        // per cluster: how many; later: where they begin
   };
 
-  void findWinners(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
+  void findNearest(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
                    const std::vector<float>& slack);
+  void assignBlock(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
+                   float overlap, const std::vector<float>& slack, std::size_t begin,
+                   std::size_t end, Block& block) const;
   void collectMembers(const WorkingSet& set, const SizeSplit& split, std::size_t cluster_count,
                       ClusterAssignment& assignment);
 
   std::vector<Block> blocks_;
 
-  std::vector<Vec3f> scaled_;         // per vertex that is in use
-  std::vector<Winner> winners_;       // per vertex
-  std::vector<std::uint32_t> owner_;  // per vertex: a body that uses it, or kUnused
+  std::vector<Vec3f> scaled_;              // per vertex that is in use
+  std::vector<NearestPrototype> nearest_;  // per vertex; from cycle to cycle, as guesses
+  std::vector<std::uint32_t> user_;        // per vertex: the body that uses it, or kUnused
 };
 
-// Of each body.
-std::vector<float> scaledSlack(const Scene& scene, const SceneScale& scale);
+// Of each body [scaled].
+std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale);
 
 }  // namespace deformable_contact_monitor

@@ -1,9 +1,10 @@
 #include "core/cpu/fuzzy_clustering.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/parallel.h"
-#include "core/rules/half_space.h"
+#include "core/rules/sampling.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -122,7 +123,7 @@ void accumulateAll(const Powers& powers, const Lanes& p, const std::vector<Vec3f
 void FuzzyClustering::initialise(const std::vector<Vec3f>& points, std::size_t count) {
   prototypes_.resize(std::min(count, points.size()));
   for (std::size_t j = 0; j < prototypes_.size(); ++j) {
-    prototypes_[j] = points[(2 * j + 1) * points.size() / (2 * prototypes_.size())];
+    prototypes_[j] = points[seedOf(j, prototypes_.size(), points.size())];
   }
   const Lanes lanes(prototypes_);
   std::vector<float> d2(lanes.size());
@@ -137,9 +138,7 @@ void FuzzyClustering::initialise(const std::vector<Vec3f>& points, std::size_t c
   }
   for (std::size_t j = 0; j < prototypes_.size(); ++j) {
     if (members[j] == 0) continue;
-    const Vec3d mean = sums[j] * (1.0 / static_cast<double>(members[j]));
-    prototypes_[j] = {static_cast<float>(mean.x), static_cast<float>(mean.y),
-                      static_cast<float>(mean.z)};
+    prototypes_[j] = toFloat(sums[j] * (1.0 / static_cast<double>(members[j])));
   }
 }
 

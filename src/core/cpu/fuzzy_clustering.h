@@ -5,25 +5,14 @@
 // overflow.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
-#include "core/predicates/host_device.h"
 #include "core/predicates/vector3.h"
+#include "core/rules/fcm_powers.h"
 
 namespace deformable_contact_monitor {
-
-// The powers that the fuzzifier m asks for: w = (d_min^2 / d^2)^(1 / (m - 1)) and u^m.
-struct FuzzyPowers {
-  float m = 2;
-
-  // `ratio` in [0, 1].
-  DCM_HD float weight(float ratio) const { return powf(ratio, 1 / (m - 1)); }
-  // `u` in [0, 1].
-  DCM_HD float power(float u) const { return powf(u, m); }
-};
 
 // Points and prototypes are in scaled coordinates; up to 1e6 off the origin is fine.
 class FuzzyClustering {

@@ -35,34 +35,34 @@ constexpr std::array<Flags, 256> kFlags = allFlags();
 
 }  // namespace
 
-DCM_WIDE_CLONES std::size_t scanRow(std::uint32_t row, PackedBox box, const std::uint32_t* lo,
+DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, PackedBox box, const std::uint32_t* lo,
                                     const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end,
-                                    Hit* hits) {
+                                    BoxPair* pairs) {
   const std::uint32_t guarded = box.hi | kPackedGuard;
-  Hit* next = hits;
+  BoxPair* next = pairs;
   for (std::uint32_t chunk = begin; chunk < end; chunk += kScanChunk) {
-    // As overlap(PackedBox, PackedBox), for a whole chunk without a branch. (Pointers, because an
-    // unsigned index might wrap, and that would keep the loop from being vectorised.)
+    // As intersects(PackedBox, PackedBox), for a whole chunk without a branch. (Pointers, because
+    // an unsigned index might wrap, and that would keep the loop from being vectorised.)
     const std::uint32_t* chunk_lo = lo + chunk;
     const std::uint32_t* chunk_hi = hi + chunk;
-    std::uint8_t hit[kScanChunk];
+    std::uint8_t met[kScanChunk];
     for (std::size_t k = 0; k < kScanChunk; ++k) {
       const std::uint32_t both =
           (guarded - chunk_lo[k]) & ((chunk_hi[k] | kPackedGuard) - box.lo) & kPackedGuard;
-      hit[k] = both == kPackedGuard;
+      met[k] = both == kPackedGuard;
     }
-    // Nor a branch on what was found: eight hits are written, as many are kept as there are. The
+    // Nor a branch on what was found: eight pairs are written, as many are kept as there are. The
     // product gathers the eight flags as bits (little-endian).
     for (std::uint32_t k = 0; k < kScanChunk; k += 8) {
       std::uint64_t word;
-      std::memcpy(&word, hit + k, 8);
+      std::memcpy(&word, met + k, 8);
       const Flags& flags = kFlags[word * 0x0102040810204080U >> 56];
-      for (int i = 0; i < 8; ++i) next[i] = {row, chunk + k + flags.set[i]};
+      for (int i = 0; i < 8; ++i) next[i] = {row, SortedIndex(chunk + k + flags.set[i])};
       next += flags.count;
     }
   }
-  while (next != hits && next[-1].b >= end) --next;  // read on past the end
-  return static_cast<std::size_t>(next - hits);
+  while (next != pairs && next[-1].b.value >= end) --next;  // read on past the end
+  return static_cast<std::size_t>(next - pairs);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,19 +1,26 @@
-// The innermost loop of the sweep: which boxes of a range overlap a row's on the other two axes.
+// The innermost loop of the sweep: which packed boxes of a range intersect a row's.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "core/cpu/judge.h"
-#include "core/rules/principal_axes.h"
+#include "core/index.h"
+#include "core/rules/intervals.h"
 
 namespace deformable_contact_monitor {
 
-// The arrays may be read, and `hits` written, this much past the range.
+// Two positions in a sorted cluster, whose boxes along its axes intersect.
+struct BoxPair {
+  SortedIndex a, b;
+};
+
+// The arrays may be read, and `pairs` written, this much past the range.
 constexpr std::uint32_t kScanChunk = 32;
 
-// Writes {row, k} for each k in [begin, end) whose box overlaps `box`, ascending; returns how many.
-std::size_t scanRow(std::uint32_t row, PackedBox box, const std::uint32_t* lo,
-                    const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end, Hit* hits);
+// Writes {row, k} for each k in [begin, end) whose box intersects `box`, ascending; returns how
+// many.
+std::size_t scanRow(SortedIndex row, PackedBox box, const std::uint32_t* lo,
+                    const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end,
+                    BoxPair* pairs);
 
 }  // namespace deformable_contact_monitor

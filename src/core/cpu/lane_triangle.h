@@ -1,6 +1,7 @@
 // A triangle spread over vector lanes: the CPU's form for the filters that most pairs end in.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/predicates/plane_filter.h"
@@ -48,7 +49,7 @@ inline bool sidesOf(const PlaneFilter& plane, const LaneTriangle& t, int side[3]
 }
 
 // Identities of three vertices; the fourth lane repeats the third.
-inline IntLanes identityLanes(const std::uint32_t id[3]) {
+inline IntLanes identityLanes(const std::array<std::uint32_t, 3>& id) {
   return IntLanes{static_cast<int>(id[0]), static_cast<int>(id[1]), static_cast<int>(id[2]),
                   static_cast<int>(id[2])};
 }

@@ -1,92 +1,120 @@
 #include "core/cpu/large.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "core/cpu/judge.h"
+#include "core/cpu/screen.h"
 #include "core/parallel.h"
+#include "core/stopwatch.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 // Boxes of the triangles that are at home in each cluster.
-std::vector<Aabb> homeBoxes(const SweepInput& input) {
+std::vector<Aabb> homeBoxes(const CycleInput& input) {
   const ClusterAssignment& assignment = input.assignment;
   std::vector<Aabb> boxes(assignment.clusterCount());
   for (std::uint32_t g = 0; g < boxes.size(); ++g) {
     for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1]; ++m) {
       const ClusterMember& member = assignment.members[m];
-      if (assignment.isHome(member, g)) boxes[g].include(input.set.boxes[member.triangle]);
+      if (!assignment.isHome(member, ClusterIndex(g))) continue;
+      boxes[g].include(input.set.box(member.triangle));
     }
   }
   return boxes;
 }
 
-Contender contender(const WorkingSet& set, std::uint32_t t) {
-  const std::uint32_t* corner = &set.corners[3 * std::size_t{t}];
-  const std::uint32_t id[3] = {set.vertex_id[corner[0]], set.vertex_id[corner[1]],
-                               set.vertex_id[corner[2]]};
-  return {set.posed(t), id, t, set.body[t]};
+// The large triangles by where their boxes begin along x.
+std::vector<TriangleIndex> sortedAlongX(const CycleInput& input) {
+  std::vector<TriangleIndex> large = input.split.large;
+  const WorkingSet& set = input.set;
+  std::sort(large.begin(), large.end(), [&set](TriangleIndex a, TriangleIndex b) {
+    const float x_a = set.box(a).min.x, x_b = set.box(b).min.x;
+    return x_a != x_b ? x_a < x_b : a < b;
+  });
+  return large;
 }
 
-// One large triangle against others: boxes, then the verdict.
-class LargeTriangle {
- public:
-  LargeTriangle(const SweepInput& input, std::uint32_t t, SweepOutput& output)
-      : input_(input),
-        triangle_(contender(input.set, t)),
-        box_(input.set.boxes[t]),
-        output_(output),
-        judge_(input, output) {}
+PreparedTriangle prepared(const WorkingSet& set, TriangleIndex t) {
+  return {set.posed(t), set.vertexIds(t), t, set.bodyOf(t)};
+}
 
-  void meet(std::uint32_t other) {
-    ++output_.interval_overlaps;
-    const WorkingSet& set = input_.set;
-    const std::vector<std::uint32_t>& group = input_.groups.group;
-    if (overlap(box_, set.boxes[other]) &&
-        input_.groups.enabled[group[set.body[triangle_.triangle]]][group[set.body[other]]]) {
-      judge_.judge(triangle_, contender(set, other));
-    }
+// Takes large triangles, one after the other, through boxes, filters and verdicts. One per thread.
+class LargeSweeper {
+ public:
+  LargeSweeper(const CycleInput& input, const std::vector<TriangleIndex>& large,
+               const std::vector<Aabb>& cluster_boxes, CycleOutput& output)
+      : input_(input),
+        large_(large),
+        cluster_boxes_(cluster_boxes),
+        screen_(input),
+        output_(output) {}
+
+  // The i-th in the order along x.
+  void sweep(std::size_t i) {
+    const PreparedTriangle triangle = prepared(input_.set, large_[i]);
+    candidates_.clear();
+    meetLarge(triangle, i);
+    meetMembers(triangle);
+    output_.work.add(Stage::kLarge, watch_.lapMs());
+    judgeCandidates(input_, candidates_, output_);
+    output_.work.add(Stage::kJudge, watch_.lapMs());
   }
 
  private:
-  const SweepInput& input_;
-  Contender triangle_;
-  Aabb box_;
-  SweepOutput& output_;
-  CandidateJudge judge_;
+  void meetLarge(const PreparedTriangle& triangle, std::size_t i) {
+    const float end = input_.set.box(triangle.triangle).max.x;
+    for (std::size_t j = i + 1; j < large_.size(); ++j) {
+      if (input_.set.box(large_[j]).min.x > end) break;
+      meet(triangle, large_[j]);
+    }
+  }
+
+  void meetMembers(const PreparedTriangle& triangle) {
+    const ClusterAssignment& assignment = input_.assignment;
+    for (std::uint32_t g = 0; g < cluster_boxes_.size(); ++g) {
+      if (!intersects(input_.set.box(triangle.triangle), cluster_boxes_[g])) continue;
+      for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1]; ++m) {
+        const ClusterMember& member = assignment.members[m];
+        if (assignment.isHome(member, ClusterIndex(g))) meet(triangle, member.triangle);
+      }
+    }
+  }
+
+  void meet(const PreparedTriangle& triangle, TriangleIndex other) {
+    ++output_.interval_overlaps;
+    const WorkingSet& set = input_.set;
+    const std::vector<std::uint32_t>& group = input_.groups.group;
+    if (intersects(set.box(triangle.triangle), set.box(other)) &&
+        input_.groups.enabled[group[triangle.body.value]][group[set.bodyOf(other).value]]) {
+      screen_.screen(triangle, prepared(set, other), candidates_);
+    }
+  }
+
+  const CycleInput& input_;
+  const std::vector<TriangleIndex>& large_;
+  const std::vector<Aabb>& cluster_boxes_;
+  PairScreen screen_;
+  std::vector<Candidate> candidates_;
+  Stopwatch watch_;
+  CycleOutput& output_;
 };
 
 }  // namespace
 
-void sweepLargeTriangles(const SweepInput& input, SweepOutput& output) {
+void sweepLargeTriangles(const CycleInput& input, CycleOutput& output) {
   if (input.split.large.empty()) return;
-  const ClusterAssignment& assignment = input.assignment;
+  const Stopwatch watch;
   const std::vector<Aabb> cluster_boxes = homeBoxes(input);
-  std::vector<std::uint32_t> large = input.split.large;
-  const std::vector<Aabb>& boxes = input.set.boxes;
-  std::sort(large.begin(), large.end(), [&boxes](std::uint32_t a, std::uint32_t b) {
-    return boxes[a].min.x != boxes[b].min.x ? boxes[a].min.x < boxes[b].min.x : a < b;
-  });
+  const std::vector<TriangleIndex> large = sortedAlongX(input);
+  output.work.add(Stage::kLarge, watch.elapsedMs());
   constexpr std::size_t kBlock = 16;
-  std::vector<SweepOutput> outputs(blockCount(large.size(), kBlock));
+  std::vector<CycleOutput> outputs(blockCount(large.size(), kBlock));
   parallelBlocks(large.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      LargeTriangle triangle(input, large[i], outputs[block]);
-      const Aabb& box = boxes[large[i]];
-      for (std::size_t j = i + 1; j < large.size() && boxes[large[j]].min.x <= box.max.x; ++j) {
-        triangle.meet(large[j]);
-      }
-      for (std::uint32_t g = 0; g < cluster_boxes.size(); ++g) {
-        if (!overlap(box, cluster_boxes[g])) continue;
-        for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1];
-             ++m) {
-          const ClusterMember& member = assignment.members[m];
-          if (assignment.isHome(member, g)) triangle.meet(member.triangle);
-        }
-      }
-    }
+    LargeSweeper sweeper(input, large, cluster_boxes, outputs[block]);
+    for (std::size_t i = begin; i < end; ++i) sweeper.sweep(i);
   });
-  for (const SweepOutput& part : outputs) output.add(part);
+  for (const CycleOutput& part : outputs) output.add(part);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,12 +1,12 @@
-// The pairs that a large triangle is part of.
+// Stage `large`: the pairs that a large triangle is part of.
 #pragma once
 
-#include "core/cpu/judge.h"
+#include "core/cpu/cycle_data.h"
 
 namespace deformable_contact_monitor {
 
 // Tests each large triangle by boxes against the clusters and, where they meet, their members; and
 // the large ones against each other, by a sweep along x. Adds to `output`.
-void sweepLargeTriangles(const SweepInput& input, SweepOutput& output);
+void sweepLargeTriangles(const CycleInput& input, CycleOutput& output);
 
 }  // namespace deformable_contact_monitor

@@ -1,11 +1,14 @@
-// From the scene to the triangles that can be in contact at all: poses, boxes, culling.
+// Stage `pose`: from the scene to the triangles that can be in contact at all.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/cpu/body_boxes.h"
 #include "core/cpu/vertex_identity.h"
 #include "core/detector.h"
+#include "core/index.h"
 #include "core/predicates/aabb.h"
 #include "core/scene.h"
 
@@ -23,34 +26,48 @@ struct WorkingSet {
   std::vector<std::uint32_t> first_vertex;  // per body: where its vertices begin in `vertices`
 
   std::size_t size() const { return triangle.size(); }
-  Triangle posed(std::size_t t) const {
-    return {{vertices[corners[3 * t]], vertices[corners[3 * t + 1]], vertices[corners[3 * t + 2]]}};
+  const std::uint32_t* cornersOf(TriangleIndex t) const {
+    return &corners[3 * std::size_t{t.value}];
+  }
+  Triangle posed(TriangleIndex t) const {
+    const std::uint32_t* corner = cornersOf(t);
+    return {{vertices[corner[0]], vertices[corner[1]], vertices[corner[2]]}};
+  }
+  BodyIndex bodyOf(TriangleIndex t) const { return BodyIndex(body[t.value]); }
+  const Aabb& box(TriangleIndex t) const { return boxes[t.value]; }
+  // Of a triangle's three vertices.
+  std::array<std::uint32_t, 3> vertexIds(TriangleIndex t) const {
+    const std::uint32_t* corner = cornersOf(t);
+    return {vertex_id[corner[0]], vertex_id[corner[1]], vertex_id[corner[2]]};
   }
 };
 
-// Finds the working set; keeps its buffers, and the boxes of bodies whose vertices did not change,
-// from call to call.
+// Finds the working set; keeps its buffers from call to call.
 class WorkingSetBuilder {
  public:
   // A body takes part if its box meets a partner's; a triangle, if its box meets the box of a
-  // partner of its body. Fills counters.triangles, rejected, posed, culled.
+  // partner of its body. Adds to counters.rejected, posed and culled.
   void build(const Scene& scene, WorkingSet& set, Counters& counters);
 
  private:
-  struct LocalBox {
-    std::uint64_t vertices_revision = 0;  // none has 0
-    Aabb box;                             // of the finite vertices, body frame
-    bool all_finite = true;
+  // What one block of a body's triangles contributes.
+  struct Block {
+    std::vector<std::uint32_t> triangle;
+    std::vector<Aabb> boxes;
+    std::uint64_t rejected = 0;
   };
 
-  void updateLocalBoxes(const Scene& scene);
-  void poseBody(const Body& body, std::uint32_t first, std::vector<Vec3f>& vertices) const;
-
+  void countLeftOut(const Scene& scene, BodyId id, Counters& counters) const;
+  void addBody(const Scene& scene, BodyId id, const PartnerBoxes& partners, WorkingSet& set,
+               Counters& counters);
   void identifyVertices(const Body& body, bool self, std::uint32_t first, WorkingSet& set);
+  void chooseTriangles(const Body& body, std::uint32_t first, const PartnerBoxes& partners,
+                       const WorkingSet& set);
 
-  std::vector<LocalBox> local_boxes_;
+  BodyBoxes body_boxes_;
   VertexIdentity identity_;
   std::vector<std::uint32_t> least_equal_;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace deformable_contact_monitor

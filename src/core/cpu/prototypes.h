@@ -1,6 +1,9 @@
 // The clusters' prototypes, ready to be searched.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/rules/half_space.h"
@@ -19,6 +22,8 @@ class Prototypes {
   std::size_t size() const { return points_.size(); }
 
  private:
+  void listNeighbours(std::size_t g, std::vector<std::pair<float, std::uint32_t>>& others);
+
   std::vector<Vec3f> points_;
   std::vector<float> list_reach_;
   std::vector<Neighbour> neighbours_;

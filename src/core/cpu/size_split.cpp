@@ -89,7 +89,7 @@ void splitBySize(const WorkingSet& set, SizeSplit& split) {
     rule.most_reach = std::max(4 * rule.most_reach, 1e-44);
   }
   for (std::uint32_t i = 0; i < set.size(); ++i) {
-    (rule.isLarge(set.boxes[i]) ? split.large : split.regular).push_back(i);
+    (rule.isLarge(set.boxes[i]) ? split.large : split.regular).emplace_back(i);
   }
   split.scale.origin = usual.origin;
   const double reach = *std::max_element(reach_in.begin(), reach_in.end());

@@ -1,60 +1,47 @@
-// One cluster: principal axes, interval sort, sweep, and the verdicts on what it finds.
+// Stage `sweep`: which pairs of a cluster's triangles are candidates.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "core/cpu/cycle_data.h"
 #include "core/cpu/interval_scan.h"
-#include "core/cpu/judge.h"
-#include "core/rules/principal_axes.h"
+#include "core/cpu/screen.h"
+#include "core/cpu/sort.h"
+#include "core/stopwatch.h"
 
 namespace deformable_contact_monitor {
 
-// Sweeps clusters; keeps its buffers from cluster to cluster. One per thread.
+// Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache; keeps its
+// buffers from cluster to cluster. One per thread and cycle.
 class ClusterSweeper {
  public:
-  explicit ClusterSweeper(const SweepInput& input) : input_(input), judge_(input, output_) {}
+  explicit ClusterSweeper(const CycleInput& input)
+      : input_(input), sorter_(input), screen_(input) {}
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
-  void sweep(std::uint32_t cluster);
+  void sweep(ClusterIndex cluster);
 
-  SweepOutput& output() { return output_; }
+  CycleOutput& output() { return output_; }
 
  private:
-  // What is computed for a member before its place in the order is known.
-  struct Projected {
-    std::uint32_t group;
-    Vec3f scaled[3];
-    Interval interval[3];
-  };
-  // Members of one group of bodies: a range of the sorted arrays.
-  struct Segment {
-    std::uint32_t group, begin, end;
-  };
-
-  void sortMembers();
-  void sweepWithin(const Segment& s);
-  void sweepAcross(const Segment& rows, const Segment& columns, bool closed);
+  void sweepGroups();
+  void sweepWithin(const GroupRange& range);
+  void sweepAcross(const GroupRange& rows, const GroupRange& columns, bool closed);
   void scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
-  bool owns(std::uint32_t a, std::uint32_t b) const;
-  void judgeHits();
+  void judgePairs();
 
-  const SweepInput& input_;
-  SweepOutput output_;
-  CandidateJudge judge_;
-  std::uint32_t cluster_ = 0;
-  std::vector<Projected> projected_;
-  std::vector<std::uint64_t> order_;
-  std::vector<Segment> segments_;
-  std::vector<float> lo_, hi_;                        // along the first axis
-  std::vector<std::uint32_t> packed_lo_, packed_hi_;  // along the other two
-  std::vector<Aabb> boxes_;
-  std::vector<Contender> contenders_;
-  std::vector<const std::uint32_t*> clusters_;  // of each member, ascending
-  std::vector<char> alone_;                     // each member's only cluster is this one
-  std::vector<Hit> hits_;                       // of which hit_count_ are in use
-  std::size_t hit_count_ = 0;
+  const CycleInput& input_;
+  ClusterSorter sorter_;
+  SortedCluster sorted_;
+  PairScreen screen_;
+  std::vector<BoxPair> pairs_;  // of which pair_count_ are in use
+  std::size_t pair_count_ = 0;
+  std::vector<Candidate> candidates_;
+  Stopwatch watch_;
+  CycleOutput output_;
 };
 
 }  // namespace deformable_contact_monitor

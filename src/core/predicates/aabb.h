@@ -10,7 +10,7 @@
 
 namespace deformable_contact_monitor {
 
-// Empty as constructed: overlaps nothing.
+// Empty as constructed: intersects nothing.
 struct Aabb {
   Vec3f min{INFINITY, INFINITY, INFINITY};
   Vec3f max{-INFINITY, -INFINITY, -INFINITY};
@@ -27,7 +27,7 @@ struct Aabb {
 };
 
 // Touching counts. Single & on purpose: the comparisons are cheaper than branches.
-DCM_HD inline bool overlap(const Aabb& a, const Aabb& b) {
+DCM_HD inline bool intersects(const Aabb& a, const Aabb& b) {
   return (a.min.x <= b.max.x) & (b.min.x <= a.max.x) & (a.min.y <= b.max.y) & (b.min.y <= a.max.y) &
          (a.min.z <= b.max.z) & (b.min.z <= a.max.z);
 }

@@ -1,6 +1,8 @@
 // Triangles of one body that share vertices: what counts as a contact between them.
 #pragma once
 
+#include <cstdint>
+
 #include "core/predicates/triangle_intersection.h"
 
 namespace deformable_contact_monitor {
@@ -20,6 +22,26 @@ DCM_HD inline SharedVertices sharedVertices(const Triangle& a, const Triangle& b
       if (a.v[i] == b.v[j]) shared.in_a[i] = shared.in_b[j] = shared.any = true;
     }
   }
+  return shared;
+}
+
+// One bit for each of a's three vertices that is also one of b's, by the vertices' identities.
+DCM_HD inline std::uint32_t sharedBits(const std::uint32_t a[3], const std::uint32_t b[3]) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < 3; ++i) {
+    bits |= (a[i] == b[0] || a[i] == b[1] || a[i] == b[2] ? 1U : 0U) << i;
+  }
+  return bits;
+}
+
+// From sharedBits(a, b) and sharedBits(b, a).
+DCM_HD inline SharedVertices sharedByBits(std::uint32_t bits_a, std::uint32_t bits_b) {
+  SharedVertices shared;
+  for (int i = 0; i < 3; ++i) {
+    shared.in_a[i] = (bits_a >> i & 1) != 0;
+    shared.in_b[i] = (bits_b >> i & 1) != 0;
+  }
+  shared.any = bits_a != 0;
   return shared;
 }
 

@@ -65,7 +65,7 @@ DCM_HD inline int determinantSign(const std::int64_t u[3], const std::int64_t v[
   return sum.sign();
 }
 
-// Sign of det[u; v], likewise.
+// Sign of det[u; v], |each number| < 2^62.
 DCM_HD inline int determinantSign2(std::int64_t ux, std::int64_t uy, std::int64_t vx,
                                    std::int64_t vy) {
   const Int128 left = static_cast<Int128>(ux) * vy, right = static_cast<Int128>(uy) * vx;

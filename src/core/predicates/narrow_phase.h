@@ -1,4 +1,4 @@
-// The verdict on one candidate pair.
+// From a pair of triangles to its verdict: which pairs are candidates, and which of them contacts.
 #pragma once
 
 #include "core/predicates/adjacency.h"
@@ -19,13 +19,6 @@ DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float ma
   return {distance <= margin_m, static_cast<float>(distance)};
 }
 
-// Two triangles that share no vertex, with what the plane filters said.
-DCM_HD inline Verdict separateVerdict(const Triangle& a, const Triangle& b, const KnownSides& sides,
-                                      float margin_m, PredicateState& state) {
-  if (trianglesIntersect(a, b, sides, state)) return {true, 0};
-  return nearVerdict(a, b, margin_m);
-}
-
 // The float32 filters of two triangles that share no vertex: true if one is certainly strictly on
 // one side of the other's plane. Fills in the sides that they tell.
 DCM_HD inline bool certainlyApart(const Triangle& a, const PlaneFilter& plane_a, const Triangle& b,
@@ -38,9 +31,10 @@ DCM_HD inline bool certainlyApart(const Triangle& a, const PlaneFilter& plane_a,
   return sum_a == 3 || sum_a == -3 || sum_b == 3 || sum_b == -3;
 }
 
-// Likewise of two that share vertices: true if they certainly do not meet beyond them. Others
-// strictly on one side of a plane through the shared vertices settle it. The functions tell a
-// point's side of the plane of a and of b: 1, -1, or anything else where that is open.
+// The float32 filters of two triangles that share vertices: true if they certainly do not meet
+// beyond them. Others strictly on one side of a plane through the shared vertices settle it. The
+// functions tell a point's side of the plane of a and of b: 1, -1, or anything else where that is
+// open.
 template <class SideOfA, class SideOfB>
 DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const Triangle& b,
                                             const SharedVertices& shared, const SideOfA& side_of_a,
@@ -132,28 +126,48 @@ DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const Triangle& b
   return false;
 }
 
-// Two triangles of one body that share vertices. Margins do not apply: neighbours in a mesh are
-// always near.
-DCM_HD inline Verdict adjacentVerdict(const Triangle& a, const Triangle& b,
-                                      const SharedVertices& shared, PredicateState& state) {
-  if (state.mode != Predicates::kFast && certainlyNotBeyondShared(a, b, shared)) return {};
-  return {meetBeyondShared(a, b, shared, state), 0};
+// What is known of a pair before its verdict: the vertices that they share, else the sides that the
+// plane filters told, and the larger of their bodies' margins [m].
+struct PairFacts {
+  SharedVertices shared;
+  KnownSides sides;
+  float margin_m = 0;
+};
+
+// The verdict on a candidate as far as the floating-point filters alone can tell; in fast mode
+// float32 decides. Of triangles that share vertices: whether they meet beyond them. kApart says
+// nothing about margins.
+DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
+                                       Predicates mode) {
+  if (!facts.shared.any) return quickIntersection(a, b, facts.sides, mode);
+  const bool apart = mode != Predicates::kFast && certainlyNotBeyondShared(a, b, facts.shared);
+  return apart ? PartVerdict::kApart : PartVerdict::kOpen;
 }
 
-// A pair as received (not posed otherwise), by the scalar filters; `same_body`: equal vertices are
-// shared.
-DCM_HD inline Verdict pairVerdict(const Triangle& a, const Triangle& b, bool same_body,
-                                  AdjacentPairs adjacent, float margin_m, PredicateState& state) {
+// The verdict on any candidate, without asking the filters of quickVerdict again. Margins do not
+// apply to triangles that share vertices: neighbours in a mesh are always near.
+DCM_HD inline Verdict fullVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
+                                  PredicateState& state) {
+  if (facts.shared.any) return {meetBeyondShared(a, b, facts.shared, state), 0};
+  if (robustIntersection(a, b, facts.sides, state)) return {true, 0};
+  return nearVerdict(a, b, facts.margin_m);
+}
+
+// The verdict on any candidate: the filters, then what they leave.
+DCM_HD inline Verdict candidateVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
+                                       PredicateState& state) {
+  const PartVerdict quick = quickVerdict(a, b, facts, state.mode);
+  if (quick == PartVerdict::kOpen) return fullVerdict(a, b, facts, state);
+  if (quick == PartVerdict::kMeet) return {true, 0};
+  return facts.shared.any ? Verdict{} : nearVerdict(a, b, facts.margin_m);
+}
+
+// Whether the float32 plane filters leave a pair to the verdict: it is a candidate. Fills in the
+// sides that they tell.
+DCM_HD inline bool isCandidate(const Triangle& a, const Triangle& b, PairFacts& facts) {
   const PlaneFilter plane_a(a), plane_b(b);
-  const SharedVertices shared = same_body ? sharedVertices(a, b) : SharedVertices();
-  if (shared.any) {
-    if (adjacent == AdjacentPairs::kSkip) return {};
-    if (certainlyNotBeyondShared(a, plane_a, b, plane_b, shared)) return {};
-    return adjacentVerdict(a, b, shared, state);
-  }
-  KnownSides sides;
-  if (certainlyApart(a, plane_a, b, plane_b, sides) && margin_m == 0) return {};
-  return separateVerdict(a, b, sides, margin_m, state);
+  if (facts.shared.any) return !certainlyNotBeyondShared(a, plane_a, b, plane_b, facts.shared);
+  return !certainlyApart(a, plane_a, b, plane_b, facts.sides) || facts.margin_m > 0;
 }
 
 }  // namespace deformable_contact_monitor

@@ -7,9 +7,9 @@
 
 #include <cstdint>
 
-#include "core/options.h"
 #include "core/predicates/exact_integers.h"
 #include "core/predicates/host_device.h"
+#include "core/predicates/pair_settings.h"
 #include "core/predicates/vector3.h"
 
 namespace deformable_contact_monitor {

@@ -10,4 +10,7 @@ struct Triangle {
   Vec3f v[3];
 };
 
+// The mean of three vertices, rounded: for clustering, never for verdicts.
+DCM_HD inline Vec3f centroidOf(const Vec3f v[3]) { return (v[0] + v[1] + v[2]) * (1.0F / 3); }
+
 }  // namespace deformable_contact_monitor

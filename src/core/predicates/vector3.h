@@ -49,6 +49,9 @@ struct Vec3d {
 };
 
 DCM_HD inline Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
+DCM_HD inline Vec3f toFloat(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 DCM_HD inline Vec3d operator-(const Vec3d& a, const Vec3d& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/options.h"
-
 namespace deformable_contact_monitor {
 
 // What a backend likes best; found by measurement.
@@ -17,13 +15,12 @@ struct ClusterCountPolicy {
   std::size_t multiple;
 };
 
-// For `triangles` in clusters; `current`: how many clusters there are, or 0. Keeps what is about
-// right, for a new count costs a cold start.
-inline std::size_t clusterCountFor(const Options& options, const ClusterCountPolicy& policy,
+// For `triangles` in clusters. `asked`: how many the user wants, 0: as the scene asks for;
+// `current`: how many there are, or 0. Keeps what is about right, for a new count costs a cold
+// start.
+inline std::size_t clusterCountFor(int asked, const ClusterCountPolicy& policy,
                                    std::size_t triangles, std::size_t current) {
-  if (options.clusters > 0) {
-    return std::min<std::size_t>(static_cast<std::size_t>(options.clusters), triangles);
-  }
+  if (asked > 0) return std::min(static_cast<std::size_t>(asked), triangles);
   const std::size_t one_below = current > 1 ? policy.one_below / 2 : policy.one_below;
   if (triangles < one_below) return std::min<std::size_t>(triangles, 1);
   std::size_t wanted = std::min(policy.most, triangles / policy.triangles_each + 1);

@@ -7,13 +7,14 @@
 // holds for any prototypes and any choice of competitors; more competitors only make it tighter.
 //
 // Here distances are of scaled, rounded coordinates. With |v' - v| <= d, |v - p_g| <= |v - p_k|
-// implies |v' - p_g| <= |v' - p_k| + 2 d; a margin m enters likewise, as d + m.
+// implies |v' - p_g| <= |v' - p_k| + 2 d; with a margin m, d + m stands for d.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 
 #include "core/predicates/host_device.h"
+#include "core/predicates/triangle.h"
 #include "core/predicates/vector3.h"
 #include "core/rules/scene_scale.h"
 
@@ -93,7 +94,7 @@ struct PrototypesView {
   const Vec3f* prototypes;
   const float* list_reach;  // per prototype: all others that are nearer than this are on its list
   const Neighbour* neighbours;             // kMostNeighbours per prototype
-  const std::uint32_t* neighbour_cluster;  // likewise: whose prototype it is
+  const std::uint32_t* neighbour_cluster;  // kMostNeighbours per prototype: whose they are
   std::uint32_t count;
 
   DCM_HD std::size_t listBegin(std::uint32_t g) const { return std::size_t{g} * kMostNeighbours; }
@@ -101,13 +102,20 @@ struct PrototypesView {
 
 // The nearest prototype of a point, and whether another one is as near, for all that rounding can
 // tell: then the point may lie in either cell.
-struct Winner {
+struct NearestPrototype {
   std::uint32_t cluster = 0;
   bool tied = false;
 };
 
+// Whether a triangle, of whose vertices these are the nearest prototypes, lies in the interior of
+// one cell: then it belongs to that cluster alone, and needs no rule.
+DCM_HD inline bool isInterior(const NearestPrototype nearest[3]) {
+  return nearest[0].cluster == nearest[1].cluster && nearest[0].cluster == nearest[2].cluster &&
+         !nearest[0].tied && !nearest[1].tied && !nearest[2].tied;
+}
+
 // The least and the second least squared distance of a point, and whose the least is.
-struct Nearest {
+struct NearestSearch {
   std::uint32_t cluster = 0;
   float least2 = 3e38F, second2 = 3e38F;
 
@@ -120,31 +128,24 @@ struct Nearest {
       second2 = least(second2, d2);
     }
   }
-  DCM_HD Winner winner(const Vec3f& v, float slack) const {
+  DCM_HD NearestPrototype result(const Vec3f& v, float slack) const {
     return {cluster, !(second2 > reach2(v, least2, slack))};
   }
 };
 
-// Which places of a list are one's own, where several walk it together: every `of`-th from `first`
-// on. `of` is a power of two, not above 16.
-struct Share {
-  std::uint32_t first = 0, of = 1;
-};
-
-// Calls visit(place, neighbour) along a share of the list of prototype g while neighbours are not
-// farther from it than limit(), which may fall meanwhile. Some at a time, so that their loads
-// overlap.
+// Calls visit(place, neighbour) along the list of prototype g while neighbours are not farther from
+// it than limit(), which may fall meanwhile. Some at a time, so that they are loaded together.
 template <class Limit, class Visit>
-DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, Share share,
-                            const Limit& limit, const Visit& visit) {
+DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, const Limit& limit,
+                            const Visit& visit) {
   constexpr std::uint32_t kAtATime = 8;
   const std::size_t begin = view.listBegin(g);
-  for (std::uint32_t i = share.first; i < kMostNeighbours; i += kAtATime * share.of) {
+  for (std::uint32_t i = 0; i < kMostNeighbours; i += kAtATime) {
     Neighbour n[kAtATime];
-    for (std::uint32_t k = 0; k < kAtATime; ++k) n[k] = view.neighbours[begin + i + k * share.of];
+    for (std::uint32_t k = 0; k < kAtATime; ++k) n[k] = view.neighbours[begin + i + k];
     for (std::uint32_t k = 0; k < kAtATime; ++k) {
       if (!(n[k].distance <= limit())) return;
-      visit(i + k * share.of, n[k].prototype);
+      visit(i + k, n[k].prototype);
     }
   }
 }
@@ -152,7 +153,7 @@ DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, Share s
 // Walks from the list of `start` to the list of the nearest that is on it, until a list reaches far
 // enough to be sure. False if none does; then `nearest` is a good guess.
 DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std::uint32_t start,
-                                 float slack, Nearest& nearest) {
+                                 float slack, NearestSearch& nearest) {
   constexpr std::uint32_t kAtStart = ~std::uint32_t{0};
   float least2_before = INFINITY;
   while (true) {
@@ -160,13 +161,13 @@ DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std
     const float start_distance = sqrtf(nearest.least2);
     if (!(start_distance < view.list_reach[start])) return false;  // all of it would not do
     nearest.cluster = kAtStart;
-    // A prototype that wins or ties is at most this far from the starting one.
+    // A prototype that is the nearest or as near is at most this far from the starting one.
     const auto bound = [&] {
       return (start_distance + sqrtf(reach2(v, nearest.least2, slack))) * (1 + 1e-5F);
     };
     float limit = bound();
     walkList(
-        view, start, Share(), [&limit] { return limit; },
+        view, start, [&limit] { return limit; },
         [&](std::uint32_t place, const Vec3f& prototype) {
           const float d2 = squaredDistance(v, prototype);
           const bool nearer = d2 < nearest.least2;
@@ -185,8 +186,8 @@ DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std
   }
 }
 
-DCM_HD inline Nearest nearestOfAll(const PrototypesView& view, const Vec3f& v) {
-  Nearest nearest;
+DCM_HD inline NearestSearch nearestOfAll(const PrototypesView& view, const Vec3f& v) {
+  NearestSearch nearest;
   for (std::uint32_t g = 0; g < view.count; ++g) {
     nearest.consider(g, squaredDistance(v, view.prototypes[g]));
   }
@@ -194,23 +195,24 @@ DCM_HD inline Nearest nearestOfAll(const PrototypesView& view, const Vec3f& v) {
 }
 
 // A good guess is fast, any is right.
-DCM_HD inline Winner nearestPrototype(const PrototypesView& view, const Vec3f& v,
-                                      std::uint32_t start, float slack) {
-  Nearest nearest;
+DCM_HD inline NearestPrototype nearestPrototype(const PrototypesView& view, const Vec3f& v,
+                                                std::uint32_t start, float slack) {
+  NearestSearch nearest;
   if (!nearestListed(view, v, start, slack, nearest)) nearest = nearestOfAll(view, v);
-  return nearest.winner(v, slack);
+  return nearest.result(v, slack);
 }
 
-// The rule for a triangle with scaled vertices `v`, whose nearest prototypes are `w`; `overlap` in
-// [0, 1] is the share of it, about its centroid, that decides. `first` becomes the first
-// competitor.
-DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3], const Winner w[3],
-                                    float overlap, float slack, std::uint32_t& first) {
+// The rule for a triangle with scaled vertices `v`, whose nearest prototypes are `nearest`;
+// `overlap` in [0, 1] is the share of it, about its centroid, that decides. `first` becomes the
+// first competitor.
+DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3],
+                                    const NearestPrototype nearest[3], float overlap, float slack,
+                                    std::uint32_t& first) {
   HalfSpaceRule rule;
   for (int k = 0; k < 3; ++k) rule.v[k] = v[k];
-  std::uint32_t competitor[3] = {w[0].cluster, w[1].cluster, w[2].cluster};
+  std::uint32_t competitor[3] = {nearest[0].cluster, nearest[1].cluster, nearest[2].cluster};
   if (overlap < 1) {
-    const Vec3f centroid = (v[0] + v[1] + v[2]) * (1.0F / 3);
+    const Vec3f centroid = centroidOf(v);
     for (Vec3f& x : rule.v) x = centroid + (x - centroid) * overlap;
     first = nearestPrototype(view, centroid, competitor[0], slack).cluster;
     rule.addCompetitor(view.prototypes[first], slack);
@@ -235,18 +237,6 @@ DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3]
   return rule;
 }
 
-// The lowest cluster on both of two ascending lists, which have one in common.
-DCM_HD inline std::uint32_t lowestCommon(const std::uint32_t* x, const std::uint32_t* y) {
-  while (*x != *y) {
-    if (*x < *y) {
-      ++x;
-    } else {
-      ++y;
-    }
-  }
-  return *x;
-}
-
 // Whether the list of the first competitor holds all clusters that the rule may admit.
 DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRule& rule,
                                 std::uint32_t first, float& radius) {
@@ -257,9 +247,9 @@ DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRule&
 // Calls add(place) for each of the neighbours of the first competitor that the rule admits.
 template <class Add>
 DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRule& rule,
-                                 std::uint32_t first, float radius, Share share, const Add& add) {
+                                 std::uint32_t first, float radius, const Add& add) {
   walkList(
-      view, first, share, [radius] { return radius; },
+      view, first, [radius] { return radius; },
       [&](std::uint32_t place, const Vec3f& prototype) {
         if (rule.admits(prototype)) add(place);
       });
@@ -272,7 +262,7 @@ DCM_HD inline void forEachAdmitted(const PrototypesView& view, const HalfSpaceRu
   float radius;
   if (listSuffices(view, rule, first, radius)) {
     if (rule.admits(view.prototypes[first])) add(first);
-    forEachListed(view, rule, first, radius, Share(), [&](std::uint32_t place) {
+    forEachListed(view, rule, first, radius, [&](std::uint32_t place) {
       add(view.neighbour_cluster[view.listBegin(first) + place]);
     });
     return;

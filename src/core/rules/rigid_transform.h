@@ -31,4 +31,10 @@ DCM_HD inline Vec3f apply(const RigidTransform& pose, const Vec3f& v) {
           static_cast<float>(((r[6] * x + r[7] * y) + r[8] * z) + t[2])};
 }
 
+// A body's vertex in the scene frame [m]; `identity`: pose.isIdentity(), which leaves it untouched,
+// bit by bit.
+DCM_HD inline Vec3f posedVertex(const RigidTransform& pose, bool identity, const Vec3f& v) {
+  return identity ? v : apply(pose, v);
+}
+
 }  // namespace deformable_contact_monitor

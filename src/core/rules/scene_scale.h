@@ -1,8 +1,6 @@
 // Recentred, scaled coordinates for clustering and projection only. Verdicts never use them.
 #pragma once
 
-#include <cmath>
-
 #include "core/predicates/host_device.h"
 #include "core/predicates/vector3.h"
 
@@ -16,18 +14,9 @@ struct SceneScale {
 
   DCM_HD Vec3d applyExact(const Vec3d& v) const { return (v - origin) * scale; }
   // Each coordinate of the result is off by less than kScaledError times its own size.
-  DCM_HD Vec3f apply(const Vec3f& v) const {
-    const Vec3d s = applyExact(toDouble(v));
-    return {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)};
-  }
+  DCM_HD Vec3f apply(const Vec3f& v) const { return toFloat(applyExact(toDouble(v))); }
   DCM_HD Vec3d invert(const Vec3f& s) const { return toDouble(s) * (1 / scale) + origin; }
 };
-
-// Slack of the half-space rule for a body with this margin [scaled]: twice the margin.
-inline float scaledSlack(float margin_m, const SceneScale& scale) {
-  const double margin = margin_m * scale.scale;
-  return margin > 0 ? std::nextafter(static_cast<float>(2 * margin), INFINITY) : 0.0F;
-}
 
 // 2^-24 for the rounding to float32, and slack for the one in double.
 constexpr float kScaledError = 6.0e-8F;

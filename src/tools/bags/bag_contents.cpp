@@ -1,4 +1,4 @@
-// What bags hold for an evaluation, found in one pass before it.
+// What bags hold for the monitor's cycles, found in one pass before them.
 #include "tools/bags/bag_contents.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What bags hold for an evaluation, found in one pass before it.
+// What bags hold for the monitor's cycles, found in one pass before them.
 #pragma once
 
 #include <deformable_contact_monitor/LinkMeshes.h>
@@ -31,7 +31,7 @@ struct BagContents {
     std::string topic;
   };
 
-  std::map<std::string, Topic> topics;  // of the types that an evaluation looks at
+  std::map<std::string, Topic> topics;  // of the types that cycles need
   std::vector<Mesh> meshes;             // ascending stamps; equal ones in order of receipt
   // Of the whole of the bags, wherever it was recorded: /tf_static is latched, so it is sent once.
   std::vector<geometry_msgs::TransformStamped> static_transforms;

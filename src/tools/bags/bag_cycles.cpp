@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <exception>
-#include <memory>
 
 #include "node/time_difference.h"
 #include "tools/bags/bag_messages.h"
@@ -52,11 +51,12 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
     : parameters_(parameters),
       played_(played),
       scene_(parameters),
+      inputs_(makeMeshInputs(parameters)),
       buffer_(cacheTime(contents)),
       lookup_(buffer_, parameters.reference_frame, 0) {
   for (const ObjectParameters& object : parameters.objects) {
-    input_of_topic_[topicOf(object)] = inputs_.size();
-    inputs_.push_back(std::make_unique<MeshInput>(object.name, parameters.max_mesh_age_s));
+    input_of_topic_[topicOf(object)] = mailboxes_.size();
+    mailboxes_.emplace_back(object.name);
   }
   if (parameters.pair_classes.needRobot()) scene_.setRobot(robot);
   for (const geometry_msgs::TransformStamped& transform : contents.static_transforms) {
@@ -137,8 +137,10 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
         held_.erase(held);
       }
       if (!mesh) continue;
-      inputs_[event.input]->store(mesh);
-      anything_new |= inputs_[event.input]->take(ros::Time());
+      MeshMailbox& mailbox = mailboxes_[event.input];
+      mailbox.store(mesh);
+      const std::optional<ArrivedMesh> arrived = mailbox.takeAt(mesh->header.stamp);
+      anything_new |= inputs_[event.input].accept(*arrived, ros::Time());
     }
     if (anything_new) detectAt(stamp, visit);
   }

@@ -53,7 +53,7 @@ class BagCycles {
     ros::Time stamp;
     ros::Time ready;  // the bags must be read up to here, by receipt; played: by transforms' stamps
     bool played = false;
-    std::size_t input = 0;     // of inputs_
+    std::size_t input = 0;     // of mailboxes_ and inputs_
     std::uint64_t number = 0;  // of the mesh in the bags
   };
 
@@ -68,6 +68,7 @@ class BagCycles {
   const PlayedObject* played_;
   std::map<std::string, std::size_t> input_of_topic_;
   MonitorScene scene_;
+  MeshMailboxes mailboxes_;
   MeshInputs inputs_;
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;

@@ -99,7 +99,7 @@ void decode(const BagMessage& message, M* to) {
 
 }  // namespace
 
-const std::set<std::string>& evaluatedTypes() {
+const std::set<std::string>& neededTypes() {
   static const std::set<std::string> kTypes = {typeOf<DeformableMesh>(), typeOf<LinkMeshes>(),
                                                typeOf<tf2_msgs::TFMessage>(),
                                                typeOf<std_msgs::String>(), kOldTransforms};

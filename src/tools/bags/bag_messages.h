@@ -13,9 +13,9 @@
 
 namespace deformable_contact_monitor {
 
-// The types that an evaluation looks at; tf/tfMessage is how transforms were recorded before tf2,
-// and reads as tf2_msgs/TFMessage.
-const std::set<std::string>& evaluatedTypes();
+// The types that the monitor's cycles need; tf/tfMessage is how transforms were recorded before
+// tf2, and reads as tf2_msgs/TFMessage.
+const std::set<std::string>& neededTypes();
 
 bool isTransforms(const BagMessage& message);
 bool isDeformableMesh(const BagMessage& message);

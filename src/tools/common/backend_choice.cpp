@@ -3,8 +3,6 @@
 
 #include <stdexcept>
 
-#include "core/cpu/cpu_detector.h"
-#include "core/fallback_detector.h"
 #include "reference/brute_force_detector.h"
 #ifdef DCM_HAVE_FCL
 #include "reference/fcl_detector.h"
@@ -17,25 +15,22 @@ const std::vector<std::string>& backendNames() {
   return kNames;
 }
 
-std::unique_ptr<Detector> makeDetector(const std::string& backend, const CudaSettings& settings,
+std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda without_cuda,
+                                       const CudaSettings& settings,
                                        const std::function<void(const std::string&)>& warn) {
-  if (backend == "cpu") return makeCpuDetector();
   if (backend == "brute_force") return makeBruteForceDetector();
-  if (backend == "auto" || backend == "cuda") {
-    const bool asked = backend == "cuda";
-    return makeFallbackDetector([&settings] { return makeCudaDetector(settings); }, makeCpuDetector,
-                                [warn, asked](const std::string& why) {
-                                  if (asked) warn("CUDA cannot be used, so on the CPU: " + why);
-                                });
-  }
-#ifdef DCM_HAVE_FCL
-  if (backend == "fcl") return makeFclDetector();
-#else
   if (backend == "fcl") {
+#ifdef DCM_HAVE_FCL
+    return makeFclDetector();
+#else
     throw std::runtime_error("this build has no FCL backend; install libfcl-dev and build again");
-  }
 #endif
-  throw std::runtime_error("no backend is called '" + backend + "'");
+  }
+  const BackendChoice choice = toBackendChoice(backend);
+  return makeChosenDetector(choice, without_cuda, settings, [warn, choice](const std::string& why) {
+    if (choice == BackendChoice::kAuto) return;
+    warn("CUDA cannot be used, so on the CPU: " + why);
+  });
 }
 
 bool supportsMargins(const Detector& detector) { return detector.backend() != "fcl"; }

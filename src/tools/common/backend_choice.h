@@ -1,4 +1,4 @@
-// From a backend's name to a detector, for the tools.
+// From a backend's name to a detector, for the tools: the package's backends and the references.
 #pragma once
 
 #include <functional>
@@ -7,17 +7,18 @@
 #include <vector>
 
 #include "core/detector.h"
-#include "cuda/cuda_detector.h"
+#include "cuda/detector_choice.h"
 
 namespace deformable_contact_monitor {
 
 // "auto" and the backends' names, whether this build has them or not.
 const std::vector<std::string>& backendNames();
 
-// "auto" is the fastest backend that this build and this machine have. "cuda" where there is no
-// device, or once it fails: one warn(why), and the CPU. Throws std::runtime_error, one line with a
-// way out, where another backend is not built.
-std::unique_ptr<Detector> makeDetector(const std::string& backend, const CudaSettings& settings,
+// "auto", "cuda" and "cpu" as makeChosenDetector() has them; "auto" falls back without a word, and
+// "cuda" with one warn(why). Throws CudaError where kRefuse asks for it, and std::runtime_error,
+// one line with a way out, where a reference is not built.
+std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda without_cuda,
+                                       const CudaSettings& settings,
                                        const std::function<void(const std::string&)>& warn);
 
 // Whether the backend reports pairs at a distance; FCL's finds intersections alone.

@@ -1,8 +1,8 @@
 // A file, or standard output, that is written at once, with its errors.
 #include "tools/common/output_file.h"
 
-#include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <stdexcept>
 #include <system_error>
 
@@ -33,10 +33,10 @@ void OutputFile::write(std::string_view text) {
   }
 }
 
-std::string oneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
-  return text;
+void makeFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::system_error(error, folder + ": cannot be made");
 }
 
 void refuseMeshAsOutput(const std::string& option, const std::string& file) {

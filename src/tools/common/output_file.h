@@ -24,8 +24,8 @@ class OutputFile {
   std::FILE* file_;
 };
 
-// For messages: control characters, which names in foreign files may have, as '?'.
-std::string oneLine(std::string text);
+// With the folders above it, where they are missing. Throws std::system_error that names it.
+void makeFolder(const std::string& folder);
 
 // A forgotten file name, as in "--pairs a.obj b.obj", must not cost a mesh. Throws
 // std::invalid_argument, one line, if the file's name is a mesh's.

@@ -3,8 +3,11 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <utility>
+
+#include "core/stopwatch.h"
 
 namespace deformable_contact_monitor {
 
@@ -30,16 +33,15 @@ void Progress::set(std::string what) {
 }
 
 void Progress::run() {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   const auto stopped = [this] { return stopped_; };
   const milliseconds period(on_terminal_ ? 200 : 10000);
   milliseconds wait(on_terminal_ ? 500 : 2000);
   bool written = false;
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stop_.wait_for(lock, wait, stopped)) {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     std::fprintf(stderr, on_terminal_ ? "\r%s (%.0f s)\x1b[K" : "%s (%.0f s)\n", what_.c_str(),
-                 elapsed.count());
+                 stopwatch.elapsedMs() / 1e3);
     std::fflush(stderr);
     written = true;
     wait = period;

@@ -1,7 +1,6 @@
 // Says on standard error what long work is at.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <string>

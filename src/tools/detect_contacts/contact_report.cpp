@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "tools/common/completeness.h"
+#include "tools/common/json_text.h"
 #include "tools/common/sample_statistics.h"
 
 namespace deformable_contact_monitor {
@@ -112,10 +114,6 @@ void DetectionTimes::add(const DetectionResult& result) {
   stages.push_back(result.stages_ms);
 }
 
-bool isComplete(const DetectionResult& result) {
-  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0;
-}
-
 std::string pairLines(const std::vector<TrianglePair>& contacts) {
   constexpr std::size_t kLongestLine = 44;  // four numbers of ten digits, three blanks, LF
   std::string text(contacts.size() * kLongestLine, '\0');
@@ -165,8 +163,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["detect_ms"] = timesJson(times.detect);
   json["round_trip_ms"] = timesJson(times.round_trip);
   json["stages_ms"] = stagesJson(times);
-  // A file name need not be UTF-8, but JSON must.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(json);
 }
 
 std::string summary(const Scene& scene, const std::string& backend, const DetectionResult& last,

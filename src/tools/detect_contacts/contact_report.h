@@ -17,9 +17,6 @@ struct DetectionTimes {
   void add(const DetectionResult& result);
 };
 
-// The settings are complete by proof and every triangle took part.
-bool isComplete(const DetectionResult& result);
-
 // A line "bodyA triA bodyB triB" for each contact, sorted, 0-based, nothing else.
 std::string pairLines(const std::vector<TrianglePair>& contacts);
 

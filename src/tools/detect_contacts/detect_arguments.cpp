@@ -3,8 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
-#include <iostream>
-#include <stdexcept>
 #include <system_error>
 
 #include "tools/common/backend_choice.h"
@@ -20,18 +18,14 @@ constexpr const char* kDescription =
 constexpr const char* kFooter =
     "Exit code: 0, or 2 with one line on standard error (bad usage, an unreadable mesh).";
 
-[[noreturn]] void refuse(const std::string& what) {
-  throw std::invalid_argument(what + " (see --help)");
-}
-
 int clustersFrom(const std::string& text) {
   if (text == "auto") return 0;
   int clusters = 0;
   const char* end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, clusters);
   if (parsed.ec != std::errc() || parsed.ptr != end || clusters < 1) {
-    refuse("--clusters: '" + text + "' is neither auto nor a number in [1, " +
-           std::to_string(kMaxClusters) + "]");
+    refuseUsage("--clusters: '" + text + "' is neither auto nor a number in [1, " +
+                std::to_string(kMaxClusters) + "]");
   }
   return clusters;
 }
@@ -78,17 +72,13 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   app.footer(kFooter);
   app.set_version_flag("--version", "detect_contacts " DCM_VERSION);
   addOptions(&app, arguments);
-  std::string adjacent = "beyond_shared", predicates = "exact", clusters = "auto";
+  std::string predicates = "exact", clusters = "auto";
   std::uint64_t memory_limit_mib = arguments->cuda.memory_limit_bytes >> 20;
   app.add_option("--memory-limit", memory_limit_mib,
                  "Device memory for candidates and contacts, in MiB")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
-  app.add_option("--adjacent", adjacent,
-                 "Triangles of one body that share a vertex: skip them, or report those that meet "
-                 "beyond what they share")
-      ->check(CLI::IsMember({"skip", "beyond_shared"}))
-      ->capture_default_str();
+  addAdjacent(&app, &arguments->options.adjacent);
   app.add_option("--predicates", predicates, "How sure each verdict is")
       ->check(CLI::IsMember({"exact", "conservative", "fast"}))
       ->capture_default_str();
@@ -96,7 +86,6 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   if (!parsed(&app, argc, argv)) return false;
 
   Options& options = arguments->options;
-  if (adjacent == "skip") options.adjacent = AdjacentPairs::kSkip;
   options.predicates = toPredicates(predicates);
   options.clusters = clustersFrom(clusters);
   arguments->cuda.memory_limit_bytes = memory_limit_mib << 20;
@@ -104,11 +93,11 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   for (const std::string& problem : problems(options)) {
     found += (found.empty() ? "" : "; ") + problem;
   }
-  if (!found.empty()) refuse(found);
+  if (!found.empty()) refuseUsage(found);
   refuseMeshAsOutput("--pairs", arguments->pairs_file);
   refuseMeshAsOutput("--json", arguments->json_file);
   if (!arguments->pairs_file.empty() && arguments->pairs_file == arguments->json_file) {
-    refuse("--pairs and --json: both would write to " + arguments->json_file);
+    refuseUsage("--pairs and --json: both would write to " + arguments->json_file);
   }
   return true;
 }

@@ -1,7 +1,6 @@
 // detect_contacts: every contact between the triangles of mesh files. Needs no ROS.
 #include <csignal>
 #include <cstdio>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 #include "tools/common/backend_choice.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"
+#include "tools/common/run_tool.h"
 #include "tools/detect_contacts/contact_report.h"
 #include "tools/detect_contacts/detect_arguments.h"
 
@@ -74,8 +74,8 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
 }
 
 void run(const DetectArguments& arguments) {
-  const std::unique_ptr<Detector> detector =
-      makeDetector(arguments.backend, arguments.cuda, [](const std::string& why) {
+  const std::unique_ptr<Detector> detector = makeDetector(
+      arguments.backend, WithoutCuda::kFallBack, arguments.cuda, [](const std::string& why) {
         std::fprintf(stderr, "detect_contacts: warning: %s\n", why.c_str());
       });
   if (arguments.margin_m != 0 && !supportsMargins(*detector)) {
@@ -109,15 +109,13 @@ void run(const DetectArguments& arguments) {
 int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
   std::signal(SIGPIPE, SIG_IGN);
-  try {
+  return dcm::runTool("detect_contacts", [argc, argv] {
     dcm::DetectArguments arguments;
-    if (dcm::parseArguments(argc, argv, &arguments)) dcm::run(arguments);
+    try {
+      if (dcm::parseArguments(argc, argv, &arguments)) dcm::run(arguments);
+    } catch (const std::system_error& error) {
+      if (error.code() != std::errc::broken_pipe) throw;  // else the reader has seen enough
+    }
     return 0;
-  } catch (const std::system_error& error) {
-    if (error.code() == std::errc::broken_pipe) return 0;  // the reader has seen enough
-    std::fprintf(stderr, "detect_contacts: %s\n", error.what());
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "detect_contacts: %s\n", error.what());
-  }
-  return 2;
+  });
 }

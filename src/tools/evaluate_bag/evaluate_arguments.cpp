@@ -25,15 +25,15 @@ bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   CLI::App app(kDescription, "evaluate_bag");
   app.footer(kFooter);
   app.set_version_flag("--version", "evaluate_bag " DCM_VERSION);
-  app.add_option("BAG", arguments->bags, "Bags, read as one")->required();
+  app.add_option("BAG", arguments->files.bags, "Bags, read as one")->required();
   app.add_option(
-      "--config", arguments->config,
+      "--config", arguments->files.config,
       "Parameters of contact_monitor, yaml; without it every deformable mesh topic is an "
       "object, and the rest are defaults");
   app.add_option("--expect", arguments->expectations, "Who must touch whom and when, yaml");
-  app.add_option("--robot-description", arguments->robot_description,
+  app.add_option("--robot-description", arguments->files.robot_description,
                  "URDF, or a rosparam dump of it; else the bags' link meshes or robot_description");
-  app.add_option("--reference-frame", arguments->reference_frame,
+  app.add_option("--reference-frame", arguments->files.reference_frame,
                  "Frame of the contacts, instead of the configuration's");
   app.add_option("--out", arguments->out, "Folder to write to")->capture_default_str();
   app.add_option("--backends", arguments->backends, "Compared as sets: cpu,cuda,fcl,brute_force")

@@ -4,17 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "core/options.h"
+#include "tools/bags/bag_files.h"
 #include "tools/common/scene_object.h"
 
 namespace deformable_contact_monitor {
 
 struct EvaluateArguments {
-  std::vector<std::string> bags;
-  std::string config;             // the node's parameters, yaml; empty: defaults
-  std::string expectations;       // yaml; empty: none
-  std::string robot_description;  // URDF or rosparam dump; empty: from the bags
-  std::string reference_frame;    // empty: the configuration's
+  BagFiles files;
+  std::string expectations;  // yaml; empty: none
   std::string out = "evaluation";
   // What to run, each with each; empty: as the configuration says.
   std::vector<std::string> backends, predicates;

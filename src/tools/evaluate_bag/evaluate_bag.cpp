@@ -2,28 +2,29 @@
 #include <console_bridge/console.h>
 #include <ros/time.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/stopwatch.h"
 #include "cuda/cuda_error.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_messages.h"
+#include "tools/bags/bag_setup.h"
+#include "tools/bags/stamp_text.h"
 #include "tools/common/backend_choice.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"
+#include "tools/common/run_tool.h"
 #include "tools/common/script.h"
 #include "tools/evaluate_bag/evaluate_arguments.h"
-#include "tools/evaluate_bag/evaluation_input.h"
 #include "tools/evaluate_bag/evaluation_run.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
 #include "tools/evaluate_bag/evaluation_tables.h"
@@ -37,16 +38,10 @@ void warn(const std::string& what) {
   std::fprintf(stderr, "evaluate_bag: warning: %s\n", oneLine(what).c_str());
 }
 
-std::string backendOf(const MonitorParameters& parameters) {
-  constexpr const char* kNames[] = {"auto", "cuda", "cpu"};
-  return kNames[static_cast<int>(parameters.backend)];
-}
-
-// Unlike the node, no fall-back: what is called cuda ran with CUDA.
+// Unlike the node: what is called cuda ran with CUDA.
 std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSettings& settings) {
-  if (backend != "cuda") return makeDetector(backend, settings, warn);
   try {
-    return makeCudaDetector(settings);
+    return makeDetector(backend, WithoutCuda::kRefuse, settings, warn);
   } catch (const CudaError& error) {
     throw std::runtime_error(std::string(error.what()) + "; --backends cpu needs no GPU");
   }
@@ -62,7 +57,7 @@ bool hasMargins(const MonitorParameters& parameters) {
 Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& parameters,
               const std::vector<Expectation>& expectations) {
   std::vector<std::string> backends = arguments.backends;
-  if (backends.empty()) backends = {backendOf(parameters)};
+  if (backends.empty()) backends = {toString(parameters.backend)};
   std::vector<Predicates> predicates;
   for (const std::string& name : arguments.predicates) predicates.push_back(toPredicates(name));
   if (predicates.empty()) predicates = {parameters.detector.predicates};
@@ -131,9 +126,9 @@ std::string damage(const BagContents& contents) {
 }
 
 // What is missing may have been in what could not be read.
-EvaluationInput prepare(const EvaluateArguments& arguments, const BagContents& contents) {
+BagSetup setUp(const EvaluateArguments& arguments, const BagContents& contents) {
   try {
-    return prepareEvaluation(arguments, contents, warn);
+    return setUpBags(arguments.files, arguments.object, contents, warn);
   } catch (const std::exception& error) {
     const std::string damaged = damage(contents);
     if (damaged.empty()) throw;
@@ -141,21 +136,20 @@ EvaluationInput prepare(const EvaluateArguments& arguments, const BagContents& c
   }
 }
 
-std::string makeFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
-  // What this evaluation may not write must not be an earlier one's.
+// Made if need be. What this evaluation may not write must not be an earlier one's.
+std::string cleanFolder(const std::string& folder) {
+  makeFolder(folder);
   for (const char* name : {"/summary.json", "/pairs.csv", "/report.html"}) {
-    std::filesystem::remove(folder + name, error);
+    std::error_code none;
+    std::filesystem::remove(folder + name, none);
   }
   return folder;
 }
 
 int evaluate(const EvaluateArguments& arguments) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   // First, because it forks.
-  BagReader reader(arguments.bags, evaluatedTypes());
+  BagReader reader(arguments.files.bags, neededTypes());
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   std::vector<Expectation> expectations;
@@ -165,12 +159,12 @@ int evaluate(const EvaluateArguments& arguments) {
   const BagContents contents = scanBags(&reader, [&](std::uint64_t count) {
     if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
   });
-  const EvaluationInput input = prepare(arguments, contents);
-  Runs runs = makeRuns(arguments, input.parameters, expectations);
+  const BagSetup setup = setUp(arguments, contents);
+  Runs runs = makeRuns(arguments, setup.parameters, expectations);
   std::vector<RunComparison> compared = comparisons(runs);
-  Tables tables(makeFolder(arguments.out), arguments.pairs);
-  BagCycles cycles(input.parameters, contents, input.robot,
-                   input.played ? &*input.played : nullptr);
+  Tables tables(cleanFolder(arguments.out), arguments.pairs);
+  BagCycles cycles(setup.parameters, contents, setup.robot,
+                   setup.played ? &*setup.played : nullptr);
 
   EvaluationEnd end;
   end.problem = cycles.run(&reader, [&](CycleReport* cycle) {
@@ -185,12 +179,12 @@ int evaluate(const EvaluateArguments& arguments) {
 
   end.arguments = &arguments;
   end.contents = &contents;
-  end.input = &input;
+  end.setup = &setup;
   end.runs = &runs;
   end.comparisons = &compared;
   end.expectations = runs[0]->judge.verdicts();
   end.refused_transforms = cycles.refusedTransforms();
-  end.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  end.elapsed_s = stopwatch.elapsedMs() / 1e3;
   OutputFile(arguments.out + "/summary.json").write(summaryJson(end));
   if (arguments.report) runScriptBeside("evaluation_report.py", {arguments.out}, warn);
   OutputFile("-").write(summaryText(end));
@@ -207,12 +201,8 @@ int evaluate(const EvaluateArguments& arguments) {
 int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
   std::signal(SIGPIPE, SIG_IGN);
-  try {
+  return dcm::runTool("evaluate_bag", [argc, argv] {
     dcm::EvaluateArguments arguments;
-    if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
-    return dcm::evaluate(arguments);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "evaluate_bag: %s\n", dcm::oneLine(error.what()).c_str());
-  }
-  return 2;
+    return dcm::parseArguments(argc, argv, &arguments) ? dcm::evaluate(arguments) : 0;
+  });
 }

@@ -21,7 +21,8 @@ except ImportError as error:
 MOST_ROWS = 40  # of the timeline
 COLORS = {"CONTACT": "#c62828", "NEAR": "#f9a825", "UNKNOWN": "#bdbdbd", "ALLOWED": "#90caf9"}
 STYLE = """
-body { font: 15px/1.45 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
+body { font: 15px/1.45 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
+       color: #222; }
 table { border-collapse: collapse; margin: .5rem 0 1.5rem; }
 td, th { padding: .25rem .8rem .25rem 0; text-align: left; border-bottom: 1px solid #ddd;
          font-variant-numeric: tabular-nums; vertical-align: top; }
@@ -159,7 +160,8 @@ def runs_table(summary):
         rows.append([html.escape(run["name"]), run["backend"], run["pairs"],
                      f'{run["complete_cycles"]} of {run["cycles"]}', f'{ms["median"]:.3f}',
                      f'{ms["p95"]:.3f}', f'{ms["most"]:.3f}'])
-    return table(["run", "ran on", "pairs", "complete cycles", "detect, median [ms]", "p95", "most"],
+    return table(["run", "ran on", "pairs", "complete cycles", "detect, median [ms]", "p95",
+                  "most"],
                  rows)
 
 

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "tools/detect_contacts/contact_report.h"
+#include "tools/common/completeness.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tools/common/json_text.h"
 #include "tools/common/machine.h"
 #include "tools/common/sample_statistics.h"
-#include "tools/evaluate_bag/evaluation_tables.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -35,13 +35,13 @@ Json classesJson(const PairClasses& classes) {
 
 // What decides which contacts there are.
 Json configurationJson(const EvaluationEnd& end) {
-  const MonitorParameters& p = end.input->parameters;
+  const MonitorParameters& p = end.setup->parameters;
   Json json;
   json["reference_frame"] = p.reference_frame;
-  json["robot"] = end.input->robot_from;
+  json["robot"] = end.setup->robot_from;
   json["geometry"] = p.geometry.kind == GeometryKind::kCollision ? "collision" : "visual";
   json["links"] = Json::array();
-  for (const LinkGeometry& link : end.input->robot.links) {
+  for (const LinkGeometry& link : end.setup->robot.links) {
     json["links"].push_back({{"name", link.link},
                              {"triangles", link.mesh.triangleCount()},
                              {"source", link.source},
@@ -128,24 +128,19 @@ std::string runLine(const EvaluationRun& run) {
   return line;
 }
 
-// A name in a bag need not be UTF-8, but JSON must.
-std::string dumped(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 }  // namespace
 
 std::string summaryJson(const EvaluationEnd& end) {
   Json json;
   json["version"] = DCM_VERSION;
-  json["bags"] = end.arguments->bags;
+  json["bags"] = end.arguments->files.bags;
   json["topics"] = topicsJson(*end.contents);
   json["problem"] = end.problem;
   json["damaged_messages"] = end.contents->damaged();
   json["refused_transforms"] = end.refused_transforms;
   json["configuration"] = configurationJson(end);
   const boost::uuids::name_generator_sha1 hash(boost::uuids::ns::oid());
-  json["configuration_hash"] = to_string(hash(dumped(json["configuration"])));
+  json["configuration_hash"] = to_string(hash(jsonText(json["configuration"])));
   json["cycles"] = end.runs->empty() ? 0 : (*end.runs)[0]->cycles;
   json["runs"] = Json::array();
   for (const auto& run : *end.runs) json["runs"].push_back(runJson(*run));
@@ -158,7 +153,7 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["passed"] = isPassed(end);
   json["machine"] = machineJson();
   json["times"] = timesJson(end);
-  return dumped(json);
+  return jsonText(json);
 }
 
 std::string summaryText(const EvaluationEnd& end) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tools/bags/bag_contents.h"
+#include "tools/bags/bag_setup.h"
 #include "tools/evaluate_bag/evaluate_arguments.h"
-#include "tools/evaluate_bag/evaluation_input.h"
 #include "tools/evaluate_bag/evaluation_run.h"
 
 namespace deformable_contact_monitor {
@@ -15,7 +15,7 @@ namespace deformable_contact_monitor {
 struct EvaluationEnd {
   const EvaluateArguments* arguments = nullptr;
   const BagContents* contents = nullptr;
-  const EvaluationInput* input = nullptr;
+  const BagSetup* setup = nullptr;
   const std::vector<std::unique_ptr<EvaluationRun>>* runs = nullptr;
   const std::vector<RunComparison>* comparisons = nullptr;
   std::vector<ExpectationJudge::Verdict> expectations;  // of the first run

@@ -6,6 +6,9 @@
 #include <cstdio>
 #include <system_error>
 
+#include "tools/bags/stamp_text.h"
+#include "tools/common/csv_field.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -42,19 +45,6 @@ std::string objects(const CycleReport& cycle) {
 }
 
 }  // namespace
-
-std::string csvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string stampText(const ros::Time& stamp) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%u.%09u", stamp.sec, stamp.nsec);
-  return text;
-}
 
 TableFile::TableFile(const std::string& path) : path_(path), file_(path, std::ios::binary) {
   if (!file_) fail();

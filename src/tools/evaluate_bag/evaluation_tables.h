@@ -13,12 +13,6 @@
 
 namespace deformable_contact_monitor {
 
-// Text as a CSV field (RFC 4180).
-std::string csvField(const std::string& text);
-
-// Seconds with nine decimals.
-std::string stampText(const ros::Time& stamp);
-
 // A file of lines. Throws std::system_error that names it.
 class TableFile {
  public:

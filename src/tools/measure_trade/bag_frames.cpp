@@ -10,9 +10,8 @@
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_messages.h"
-#include "tools/evaluate_bag/evaluate_arguments.h"
-#include "tools/evaluate_bag/evaluation_input.h"
-#include "tools/evaluate_bag/evaluation_tables.h"
+#include "tools/bags/bag_setup.h"
+#include "tools/bags/stamp_text.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -111,21 +110,16 @@ class BagFrames : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> makeBagFrames(const BagFrameFiles& files,
+std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
                                            const std::function<void(const std::string&)>& progress,
                                            const std::function<void(const std::string&)>& warn) {
-  BagReader reader(files.bags, evaluatedTypes());
+  BagReader reader(files.bags, neededTypes());
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
-  EvaluateArguments arguments;
-  arguments.bags = files.bags;
-  arguments.config = files.config;
-  arguments.robot_description = files.robot_description;
-  arguments.reference_frame = files.reference_frame;
   progress("reading the bags");
   const BagContents contents = scanBags(&reader, [](std::uint64_t) {});
-  const EvaluationInput input = prepareEvaluation(arguments, contents, warn);
-  BagCycles cycles(input.parameters, contents, input.robot, nullptr);
+  const BagSetup setup = setUpBags(files, SceneObject(), contents, warn);
+  BagCycles cycles(setup.parameters, contents, setup.robot, nullptr);
   auto frames = std::make_unique<BagFrames>();
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
     frames->add(*cycle);

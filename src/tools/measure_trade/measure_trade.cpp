@@ -1,17 +1,14 @@
 // measure_trade: what each setting of the detector costs and finds on a scene.
 #include <cstdio>
-#include <exception>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
-#include "cuda/cuda_detector.h"
+#include "tools/common/backend_choice.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"
+#include "tools/common/run_tool.h"
 #include "tools/common/script.h"
 #include "tools/measure_trade/bag_frames.h"
 #include "tools/measure_trade/mesh_frames.h"
@@ -34,12 +31,6 @@ struct Outputs {
   std::optional<OutputFile> config;
 };
 
-void makeFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::system_error(error, folder + ": cannot be made");
-}
-
 void note(const std::string& what) {
   std::fprintf(stderr, "measure_trade: note: %s\n", oneLine(what).c_str());
 }
@@ -50,9 +41,9 @@ std::unique_ptr<FrameSource> openFrames(const TradeArguments& arguments,
   return makeMeshFrames(arguments.meshes, progress);
 }
 
-// No fall-back: what is called cuda was measured with CUDA.
+// What is called cuda was measured with CUDA.
 std::unique_ptr<Detector> makeBackend(const std::string& backend) {
-  return backend == "cuda" ? makeCudaDetector() : makeCpuDetector();
+  return makeDetector(backend, WithoutCuda::kRefuse, CudaSettings(), note);
 }
 
 TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Progress* progress) {
@@ -131,11 +122,8 @@ int run(const TradeArguments& arguments) {
 
 int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
-  try {
+  return dcm::runTool("measure_trade", [argc, argv] {
     dcm::TradeArguments arguments;
     return dcm::parseArguments(argc, argv, &arguments) ? dcm::run(arguments) : 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "measure_trade: %s\n", dcm::oneLine(error.what()).c_str());
-  }
-  return 2;
+  });
 }

@@ -6,7 +6,7 @@
 namespace deformable_contact_monitor {
 
 std::unique_ptr<FrameSource> makeBagFrames(
-    const BagFrameFiles& files, const std::function<void(const std::string&)>& /*progress*/,
+    const BagFiles& files, const std::function<void(const std::string&)>& /*progress*/,
     const std::function<void(const std::string&)>& /*warn*/) {
   throw std::runtime_error(files.bags.front() +
                            ": this build reads no bags: it was made without ROS");

@@ -193,7 +193,8 @@ def plot_exact(scenes):
             yield (f"{backend}, {rows[0]['predicates']}", STYLES[backend],
                    numbers(rows, "overlap"), [100 * float(row["exact_share"]) for row in rows])
 
-    figure, axis = plot_lines(scenes, lines, "overlap", "candidates that reach\nthe exact stage [%]")
+    figure, axis = plot_lines(scenes, lines, "overlap",
+                              "candidates that reach\nthe exact stage [%]")
     axis.set_yscale("symlog", linthresh=0.001)  # it may be none
     axis.set_ylim(bottom=0)
     axis.yaxis.set_major_formatter("{x:g}")

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 #include "tools/common/command_line.h"
@@ -22,10 +21,6 @@ constexpr const char* kFooter =
     "use. Times are round trips: scene on the host to sorted contacts there.\n"
     "Exit code: 0; 1 if a setting that is guaranteed to be exact was not; 2 with one line on "
     "standard error (bad usage, an unreadable mesh, no setting within the budget to write).";
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw std::invalid_argument(what + " (see --help)");
-}
 
 std::string quoted(const std::string& word) {
   const char* const plain =
@@ -51,7 +46,7 @@ void addScene(CLI::App* app, TradeArguments* arguments) {
   auto* against = app->add_option("--against", meshes.against,
                                   "Mesh files, each a body that stands still, as a robot's link");
   auto* self = app->add_flag("--self", meshes.self, "Also contacts of the body with itself");
-  BagFrameFiles& recorded = arguments->recorded;
+  BagFiles& recorded = arguments->recorded;
   auto* bags = app->add_option("--bag", recorded.bags, "Recorded bags instead of mesh files")
                    ->excludes(states)
                    ->excludes(against)
@@ -95,19 +90,19 @@ std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
 void check(const TradeArguments& arguments) {
   const MeshFrameFiles& meshes = arguments.meshes;
   if (arguments.recorded.bags.empty()) {
-    if (meshes.states.empty()) refuse("STATE: a mesh file, or --bag, is required");
+    if (meshes.states.empty()) refuseUsage("STATE: a mesh file, or --bag, is required");
     if (meshes.against.empty() && !meshes.self) {
-      refuse("there is nothing to test: no --against and no --self");
+      refuseUsage("there is nothing to test: no --against and no --self");
     }
   }
   for (const Setting& setting : settingsOf(arguments.grid, arguments.base)) {
     const std::vector<std::string> found = problems(setting.options);
-    if (!found.empty()) refuse(found.front());
+    if (!found.empty()) refuseUsage(found.front());
   }
   if (arguments.budget_ms && !(std::isfinite(*arguments.budget_ms) && *arguments.budget_ms > 0)) {
-    refuse("--budget-ms: must be a finite number > 0");
+    refuseUsage("--budget-ms: must be a finite number > 0");
   }
-  if (arguments.out_folder.empty()) refuse("--out: must not be empty");
+  if (arguments.out_folder.empty()) refuseUsage("--out: must not be empty");
   refuseMeshAsOutput("--write-config", arguments.config_file);
 }
 
@@ -120,13 +115,8 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   arguments->base.threads = 1;
   TradeGrid& grid = arguments->grid;
   std::vector<std::string> predicates = {"exact", "conservative", "fast"};
-  std::string adjacent = "beyond_shared";
   addScene(&app, arguments);
-  app.add_option("--adjacent", adjacent,
-                 "Triangles of one body that share a vertex: skip them, or report those that meet "
-                 "beyond what they share")
-      ->check(CLI::IsMember({"skip", "beyond_shared"}))
-      ->capture_default_str();
+  addAdjacent(&app, &arguments->base.adjacent);
   addList(&app, "--backends", &grid.backends, "Of cpu, cuda");
   app.get_option("--backends")->check(CLI::IsMember({"cpu", "cuda"}));
   addList(&app, "--overlaps", &grid.overlaps, "In [0, 1]");
@@ -139,7 +129,6 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   addRun(&app, arguments);
   if (!parsed(&app, argc, argv)) return false;
   grid.predicates = predicatesFrom(predicates);
-  if (adjacent == "skip") arguments->base.adjacent = AdjacentPairs::kSkip;
   for (int i = 0; i < argc; ++i) {
     arguments->command += (i == 0 ? "" : " ") + quoted(i == 0 ? "measure_trade" : argv[i]);
   }

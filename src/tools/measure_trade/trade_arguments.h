@@ -5,15 +5,15 @@
 #include <string>
 
 #include "core/options.h"
-#include "tools/measure_trade/bag_frames.h"
+#include "tools/bags/bag_files.h"
 #include "tools/measure_trade/mesh_frames.h"
 #include "tools/measure_trade/trade_grid.h"
 
 namespace deformable_contact_monitor {
 
 struct TradeArguments {
-  MeshFrameFiles meshes;   // no states if there is a bag
-  BagFrameFiles recorded;  // no bags if there are meshes
+  MeshFrameFiles meshes;  // no states if there is a bag
+  BagFiles recorded;      // no bags if there are meshes
   TradeGrid grid;
   Options base;          // what the grid does not vary
   int least_cycles = 0;  // measured for each setting; 0: 20, or a pass through all frames

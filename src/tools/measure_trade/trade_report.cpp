@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tools/common/json_text.h"
 #include "tools/common/machine.h"
 #include "tools/common/sample_statistics.h"
 
@@ -93,8 +94,7 @@ std::string summaryJson(const TradeArguments& arguments, const TradeResults& res
   json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
   json["chosen"] = results.chosen ? settingJson(results.measurements[*results.chosen]) : Json();
   json["fastest"] = settingJson(results.measurements[results.fastest]);
-  // A file name need not be UTF-8, but JSON must.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(json);
 }
 
 std::string choiceText(const TradeArguments& arguments, const TradeResults& results) {

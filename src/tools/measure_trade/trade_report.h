@@ -17,7 +17,7 @@ struct TradeResults {
   std::vector<Measurement> measurements;  // at least one
   std::vector<bool> front;                // Pareto's, per measurement
   std::optional<std::size_t> chosen;      // of the measurements; none: none keeps the budget
-  std::size_t fastest = 0;                // likewise
+  std::size_t fastest = 0;                // of the measurements
 };
 
 // A row for each setting. A rate without anything to count, such as recall of self-contacts where

@@ -1,24 +1,17 @@
 // The tables that measure_trade writes.
 #include <algorithm>
 
+#include "tools/common/csv_field.h"
 #include "tools/common/sample_statistics.h"
 #include "tools/measure_trade/trade_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Quoted where it has to be (RFC 4180).
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 class Row {
  public:
   Row& text(const std::string& words) {
-    line_ += (line_.empty() ? "" : ",") + cell(words);
+    line_ += (line_.empty() ? "" : ",") + csvField(words);
     return *this;
   }
   Row& number(double value) { return text(numberText(value)); }

@@ -4,9 +4,8 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
-#include <exception>
-#include <iostream>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -15,7 +14,9 @@
 #include <vector>
 
 #include "robot/robot_geometry.h"
+#include "tools/common/command_line.h"
 #include "tools/common/robot_obstacles.h"
+#include "tools/common/run_tool.h"
 #include "tools/common/scene_object.h"
 #include "tools/scene_publisher/joint_mover.h"
 #include "tools/scene_publisher/mesh_stream.h"
@@ -52,12 +53,59 @@ std::optional<Robot> loadRobot(const ros::NodeHandle& node) {
   return robot;
 }
 
-sensor_msgs::JointState toMessage(const JointMover& mover, double time_s, const ros::Time& stamp) {
-  sensor_msgs::JointState message;
-  message.header.stamp = stamp;
-  message.name = mover.names();
-  message.position = mover.positions(time_s);
-  return message;
+// The joints of a robot: moved by this program, or listened to. Without a robot there are none.
+class Joints {
+ public:
+  Joints(const Settings& s, const std::optional<Robot>& robot, ros::NodeHandle* node) {
+    if (s.joints) {
+      mover_.emplace(*robot->model, s.object.seed);
+      publisher_ = node->advertise<sensor_msgs::JointState>("joint_states", 10);
+    } else if (robot) {
+      subscriber_ = node->subscribe("joint_states", 10, &Joints::remember, this);
+    }
+  }
+  Joints(const Joints&) = delete;
+  Joints& operator=(const Joints&) = delete;
+
+  // Positions as last known; `time_s` into the scene, where this program moves them.
+  const std::map<std::string, double>& positionsAt(double time_s) {
+    if (mover_) {
+      const std::vector<double> positions = mover_->positions(time_s);
+      for (std::size_t i = 0; i < positions.size(); ++i) {
+        positions_[mover_->names()[i]] = positions[i];
+      }
+    }
+    return positions_;
+  }
+
+  // Nothing where this program moves none.
+  void publish(double time_s, const ros::Time& stamp) const {
+    if (!mover_) return;
+    sensor_msgs::JointState message;
+    message.header.stamp = stamp;
+    message.name = mover_->names();
+    message.position = mover_->positions(time_s);
+    publisher_.publish(message);
+  }
+
+ private:
+  void remember(const sensor_msgs::JointStateConstPtr& message) {
+    const std::size_t count = std::min(message->name.size(), message->position.size());
+    for (std::size_t i = 0; i < count; ++i) positions_[message->name[i]] = message->position[i];
+  }
+
+  std::optional<JointMover> mover_;
+  ros::Publisher publisher_;
+  ros::Subscriber subscriber_;
+  std::map<std::string, double> positions_;
+};
+
+// Nothing if no object is wanted.
+MeshSource openSource(const SceneObject& object) {
+  if (!object.isWanted()) return nullptr;
+  return makeMeshSource(object, [&object](std::size_t count) {
+    ROS_INFO_THROTTLE(1, "read %zu of %zu meshes", count, object.meshes.size());
+  });
 }
 
 int run(const Settings& s) {
@@ -66,12 +114,7 @@ int run(const Settings& s) {
     throw std::runtime_error("nothing to publish: give --meshes, --cloth or --joints (see --help)");
   }
   ros::Time::init();
-  MeshSource source;
-  if (object.isWanted()) {  // bad files need no master to be refused
-    source = makeMeshSource(object, [&](std::size_t count) {
-      ROS_INFO_THROTTLE(1, "read %zu of %zu meshes", count, object.meshes.size());
-    });
-  }
+  const MeshSource source = openSource(object);  // bad files need no master to be refused
   ros::NodeHandle node;
   const bool needs_robot = s.joints || object.cloth_triangles > 0;
   const std::optional<Robot> robot = needs_robot ? loadRobot(node) : std::nullopt;
@@ -83,22 +126,7 @@ int run(const Settings& s) {
       !object.frame.empty() ? object.frame : (robot ? robot->model->getRoot()->name : "base_link");
   std::optional<RobotObstacles> obstacles;
   if (robot && object.cloth_triangles > 0) obstacles.emplace(robot->model, robot->geometry, frame);
-
-  std::optional<JointMover> mover;
-  ros::Publisher joint_publisher;
-  ros::Subscriber joint_subscriber;
-  std::map<std::string, double> joints;  // as last known
-  if (s.joints) {
-    mover.emplace(*robot->model, object.seed);
-    joint_publisher = node.advertise<sensor_msgs::JointState>("joint_states", 10);
-  } else if (robot) {
-    const boost::function<void(const sensor_msgs::JointStateConstPtr&)> remember =
-        [&joints](const sensor_msgs::JointStateConstPtr& message) {
-          const std::size_t count = std::min(message->name.size(), message->position.size());
-          for (std::size_t i = 0; i < count; ++i) joints[message->name[i]] = message->position[i];
-        };
-    joint_subscriber = node.subscribe<sensor_msgs::JointState>("joint_states", 10, remember);
-  }
+  Joints joints(s, robot, &node);
   MeshStream stream(&node, s.topic, object.name, frame, ros::Duration(1 / object.rate_hz));
 
   // Time in the scene counts messages, so that the same command gives the same states on any
@@ -107,15 +135,12 @@ int run(const Settings& s) {
   for (std::uint64_t cycle = 0; ros::ok(); ++cycle) {
     ros::spinOnce();
     const double time_s = static_cast<double>(cycle) / object.rate_hz;
-    if (mover) {
-      const std::vector<double> positions = mover->positions(time_s);
-      for (std::size_t i = 0; i < positions.size(); ++i) joints[mover->names()[i]] = positions[i];
-    }
+    const std::map<std::string, double>& positions = joints.positionsAt(time_s);
     std::optional<MeshFrame> state;
-    if (source) state = source(obstacles ? obstacles->at(joints) : std::vector<Capsule>());
+    if (source) state = source(obstacles ? obstacles->at(positions) : std::vector<Capsule>());
     if (source && !state) break;
     const ros::Time now = ros::Time::now();
-    if (mover) joint_publisher.publish(toMessage(*mover, time_s, now));
+    joints.publish(time_s, now);
     if (state) stream.publish(*state, now);
     ROS_INFO_THROTTLE(10, "message %llu, %.1f s into the scene, %zu triangles",
                       static_cast<unsigned long long>(cycle + 1), time_s,
@@ -129,20 +154,13 @@ int run(const Settings& s) {
 }  // namespace deformable_contact_monitor
 
 int main(int argc, char** argv) {
+  namespace dcm = deformable_contact_monitor;
   ros::init(argc, argv, "scene_publisher");
-  deformable_contact_monitor::Settings settings;
-  CLI::App app(
-      "Publishes a deforming mesh, from files or as a simulated cloth, and moves a robot.");
-  describe(&app, &settings);
-  try {
-    app.parse(argc, argv);
-    return deformable_contact_monitor::run(settings);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    std::cerr << "scene_publisher: " << error.what() << " (see --help)" << std::endl;
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "scene_publisher: " << error.what() << std::endl;
-    return 2;
-  }
+  return dcm::runTool("scene_publisher", [argc, argv] {
+    dcm::Settings settings;
+    CLI::App app(
+        "Publishes a deforming mesh, from files or as a simulated cloth, and moves a robot.");
+    describe(&app, &settings);
+    return dcm::parsed(&app, argc, argv) ? dcm::run(settings) : 0;
+  });
 }

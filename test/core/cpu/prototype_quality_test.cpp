@@ -25,15 +25,19 @@ class Frame {
     splitBySize(set_, split_);
   }
 
-  Vec3f centroid(std::size_t triangle) const {
+  Vec3f centroid(TriangleIndex triangle) const {
     const Triangle t = set_.posed(triangle);
-    const Vec3f a = split_.scale.apply(t.v[0]), b = split_.scale.apply(t.v[1]);
-    return (a + b + split_.scale.apply(t.v[2])) * (1.0F / 3);
+    const Vec3f scaled[3] = {split_.scale.apply(t.v[0]), split_.scale.apply(t.v[1]),
+                             split_.scale.apply(t.v[2])};
+    return centroidOf(scaled);
   }
 
   std::vector<Vec3f> sample() const {
     std::vector<Vec3f> points;
-    for (std::size_t t = 0; t < set_.size(); t += set_.size() / 4096) points.push_back(centroid(t));
+    const auto count = static_cast<std::uint32_t>(set_.size());
+    for (std::uint32_t t = 0; t < count; t += count / 4096) {
+      points.push_back(centroid(TriangleIndex(t)));
+    }
     return points;
   }
 
@@ -41,8 +45,7 @@ class Frame {
   std::vector<Vec3f> converted(const std::vector<Vec3f>& prototypes, const Frame& from) const {
     std::vector<Vec3f> here;
     for (const Vec3f& p : prototypes) {
-      const Vec3d s = split_.scale.applyExact(from.split_.scale.invert(p));
-      here.push_back({static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)});
+      here.push_back(toFloat(split_.scale.applyExact(from.split_.scale.invert(p))));
     }
     return here;
   }
@@ -50,21 +53,22 @@ class Frame {
   std::vector<Vec3f> randomPrototypes(unsigned seed) const {
     std::mt19937 random(seed);
     std::vector<Vec3f> prototypes(kClusters);
-    for (Vec3f& p : prototypes) p = centroid(random() % set_.size());
+    for (Vec3f& p : prototypes)
+      p = centroid(TriangleIndex(static_cast<std::uint32_t>(random() % set_.size())));
     return prototypes;
   }
 
-  SweepOutput sweep(const std::vector<Vec3f>& points) const {
+  CycleOutput sweep(const std::vector<Vec3f>& points) const {
     Prototypes prototypes;
     prototypes.build(points);
     ClusterAssignment assignment;
     ClusterAssigner().assign(scene_, set_, split_, prototypes, 1, assignment);
     const BodyGroups groups(scene_);
-    const std::vector<float> slack = scaledSlack(scene_, split_.scale);
+    const std::vector<float> slack = scaledSlacks(scene_, split_.scale);
     const Options options;
-    const SweepInput input{scene_, set_, split_, assignment, groups, slack, options};
+    const CycleInput input{scene_, set_, split_, assignment, groups, slack, options};
     ClusterSweeper sweeper(input);
-    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(g);
+    for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
     return sweeper.output();
   }
 
@@ -86,9 +90,9 @@ std::vector<Vec3f> clustered(const Frame& frame, int iterations) {
 TEST(PrototypeQuality, BetterThanRandomOnes) {
   DCM_REQUIRE_TEST_DATA();
   const Frame frame("cloth-ball/cloth_ball92.ply");
-  const SweepOutput fuzzy = frame.sweep(clustered(frame, 5));
+  const CycleOutput fuzzy = frame.sweep(clustered(frame, 5));
   for (const unsigned seed : {1U, 2U, 3U}) {
-    const SweepOutput random = frame.sweep(frame.randomPrototypes(seed));
+    const CycleOutput random = frame.sweep(frame.randomPrototypes(seed));
     EXPECT_LT(fuzzy.interval_overlaps, random.interval_overlaps) << "seed " << seed;
     EXPECT_EQ(fuzzy.contacts.size(), random.contacts.size());
   }

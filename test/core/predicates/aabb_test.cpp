@@ -8,10 +8,10 @@ namespace {
 
 TEST(Aabb, TouchingBoxesOverlapAndEmptyOnesNever) {
   const Aabb unit{{0, 0, 0}, {1, 1, 1}};
-  EXPECT_TRUE(overlap(unit, Aabb{{1, 1, 1}, {2, 2, 2}}));
-  EXPECT_FALSE(overlap(unit, Aabb{{std::nextafter(1.0F, 2.0F), 0, 0}, {2, 2, 2}}));
-  EXPECT_FALSE(overlap(unit, Aabb()));
-  EXPECT_FALSE(overlap(Aabb(), Aabb()));
+  EXPECT_TRUE(intersects(unit, Aabb{{1, 1, 1}, {2, 2, 2}}));
+  EXPECT_FALSE(intersects(unit, Aabb{{std::nextafter(1.0F, 2.0F), 0, 0}, {2, 2, 2}}));
+  EXPECT_FALSE(intersects(unit, Aabb()));
+  EXPECT_FALSE(intersects(Aabb(), Aabb()));
 }
 
 TEST(Aabb, AnEmptyBoxAddsNothing) {

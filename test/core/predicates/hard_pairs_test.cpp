@@ -8,7 +8,7 @@
 #include <string>
 
 #include "cgal_oracle.h"
-#include "core/predicates/narrow_phase.h"
+#include "pair_verdict.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -39,25 +39,25 @@ struct World {
 
 class HalfSpaceRuleTest : public testing::TestWithParam<std::tuple<std::size_t, bool>> {};
 
-TEST_P(HalfSpaceRuleTest, WinnerIsANearestPrototype) {
+TEST_P(HalfSpaceRuleTest, FindsANearestPrototype) {
   World world(1, std::get<0>(GetParam()), std::get<1>(GetParam()));
   const PrototypesView view = world.prototypes.view();
   for (int i = 0; i < 2000; ++i) {
     const Vec3f v = world.point(std::get<1>(GetParam()));
-    const Winner winner = nearestPrototype(view, v, world.random() % view.count, 0);
+    const NearestPrototype nearest = nearestPrototype(view, v, world.random() % view.count, 0);
     std::vector<long double> distances;
     for (std::uint32_t g = 0; g < view.count; ++g) {
       distances.push_back(squared(v, view.prototypes[g]));
     }
-    const long double won = distances[winner.cluster];
+    const long double found = distances[nearest.cluster];
     std::sort(distances.begin(), distances.end());
-    ASSERT_LE(won, distances[0] * (1 + 1e-6L));
+    ASSERT_LE(found, distances[0] * (1 + 1e-6L));
     if (view.count == 1) continue;
     if (distances[1] == distances[0]) {
-      EXPECT_TRUE(winner.tied);
+      EXPECT_TRUE(nearest.tied);
     }
     if (distances[1] > distances[0] * 1.1L + 1e-5L) {
-      EXPECT_FALSE(winner.tied);
+      EXPECT_FALSE(nearest.tied);
     }
   }
 }
@@ -75,10 +75,10 @@ TEST_P(HalfSpaceRuleTest, AdmitsWhatTheDefinitionAdmits) {
     std::set<std::uint32_t> competitors;
     for (Vec3f& v : rule.v) v = corner + world.point(std::get<1>(GetParam())) * size;
     for (int k = 0; k < 3; ++k) {
-      const std::uint32_t winner = nearestPrototype(view, rule.v[k], 0, 0).cluster;
-      if (k == 0) first = winner;
-      competitors.insert(winner);
-      rule.addCompetitor(view.prototypes[winner], 0);
+      const std::uint32_t nearest = nearestPrototype(view, rule.v[k], 0, 0).cluster;
+      if (k == 0) first = nearest;
+      competitors.insert(nearest);
+      rule.addCompetitor(view.prototypes[nearest], 0);
     }
     std::set<std::uint32_t> got;
     forEachAdmitted(view, rule, first, [&](std::uint32_t g) {

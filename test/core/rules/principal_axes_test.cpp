@@ -5,6 +5,8 @@
 
 #include <random>
 
+#include "core/rules/intervals.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -31,7 +33,7 @@ double variance(const std::vector<Vec3f>& points, const Vec3f& axis) {
 PrincipalAxes axesOf(const std::vector<Vec3f>& points) {
   Moments moments;
   for (const Vec3f& p : points) moments.add(p);
-  return principalAxes(moments);
+  return principalAxes(covarianceOf(moments));
 }
 
 TEST(PrincipalAxes, FirstAxisHasTheMostVarianceOfAllDirections) {
@@ -72,7 +74,7 @@ TEST(PrincipalAxes, DegenerateSpectraGiveUsableAxes) {
   for (const auto& cloud : clouds) expectOrthonormal(axesOf(cloud));
   Moments broken;
   broken.add({NAN, 0, 1});
-  expectOrthonormal(principalAxes(broken));
+  expectOrthonormal(principalAxes(covarianceOf(broken)));
 }
 
 // Two triangles that touch in one rounded point, extreme along the axis for both.
@@ -125,7 +127,7 @@ TEST(PackedBox, KeepsEveryOverlap) {
       }
       exact = exact && i[k].lo <= j[k].hi && j[k].lo <= i[k].hi;
     }
-    const bool packed = overlap(pack(quantiser, i), pack(quantiser, j));
+    const bool packed = intersects(pack(quantiser, i), pack(quantiser, j));
     if (exact) {
       ASSERT_TRUE(packed);
     }

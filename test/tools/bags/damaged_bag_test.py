@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""evaluate_bag on damaged bags: cut off, and with bytes changed anywhere. It never crashes or hangs,
-says in one line what is wrong, and keeps what came before. DCM_FUZZ_BAGS is how many of each kind."""
+"""evaluate_bag on damaged bags: cut off, and with bytes changed anywhere. It never crashes or
+hangs, says in one line what is wrong, and keeps what came before. DCM_FUZZ_BAGS is how many of each
+kind."""
 import json
 import os
 import pathlib
@@ -109,7 +110,8 @@ class DamagedBags(unittest.TestCase):
             if not 2 <= count < 1000:
                 continue
             lower = (count - 1).to_bytes(4, "little")
-            code, error, _ = self.evaluate(content[:field.start(1)] + lower + content[field.end(1):])
+            changed_content = content[:field.start(1)] + lower + content[field.end(1):]
+            code, error, _ = self.evaluate(changed_content)
             self.assertEqual(code, 2)
             self.assertIn("rosbag reindex", error)
             changed += 1

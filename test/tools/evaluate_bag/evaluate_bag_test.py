@@ -209,7 +209,8 @@ class EvaluateBag(unittest.TestCase):
         self.assertEqual(first, outcome())
 
     def test_backends_are_compared_as_sets(self):
-        summary = self.evaluate(self.bag(), "--backends", "cpu,brute_force,fcl", "--overlaps", "1,0")
+        summary = self.evaluate(self.bag(), "--backends", "cpu,brute_force,fcl",
+                                "--overlaps", "1,0")
         self.assertEqual([run["name"] for run in summary["runs"]],
                          ["cpu exact", "brute_force exact", "fcl", "cpu exact, overlap 0",
                           "brute_force exact, overlap 0", "fcl"])

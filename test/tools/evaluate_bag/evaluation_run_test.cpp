@@ -11,7 +11,6 @@
 #include "reference/brute_force_detector.h"
 #include "scenes.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
-#include "tools/evaluate_bag/evaluation_tables.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -79,13 +78,6 @@ TEST(EvaluationEnd, PassesUnlessExactRunsDisagreeOrAnExpectationFails) {
       }
     }
   }
-}
-
-TEST(CsvField, IsQuotedWhereItMustBe) {
-  EXPECT_EQ(csvField("hand: no mesh yet"), "hand: no mesh yet");
-  EXPECT_EQ(csvField("a,b"), "\"a,b\"");
-  EXPECT_EQ(csvField("the \"hand\""), "\"the \"\"hand\"\"\"");
-  EXPECT_EQ(csvField("two\nlines"), "\"two\nlines\"");
 }
 
 TEST(EvaluationRun, CompleteMeansThatNothingCanBeMissing) {

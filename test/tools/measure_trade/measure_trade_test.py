@@ -173,7 +173,8 @@ class MeasureTrade(Case):
         scene = self.scene()
         done = self.works(*scene, *quick())
         self.assertRegex(done.stdout, r"\AChosen without a budget: cpu, exact, overlap 1, .*\n"
-                                      r"  median .* ms, p95 .* ms; .* 100 % .* 100 % .*miss none\n\Z")
+                                      r"  median .* ms, p95 .* ms; .* 100 % .* 100 % "
+                                      r".*miss none\n\Z")
         done = self.works(*scene, *quick(), "--budget-ms", "10000")
         self.assertRegex(done.stdout, r"\AChosen for a budget of 10000 ms: cpu, exact, overlap 1,")
         done = self.works(*scene, *quick(), "--budget-ms", "0.000001")
@@ -204,7 +205,8 @@ class MeasureTrade(Case):
         self.assertTrue(done.stdout.endswith("refresh_period: 1\n"), done.stdout)
 
     def test_config_that_there_is_none_for(self):
-        done = self.run_tool(*self.scene(), *quick(), "--budget-ms", "1e-6", "--write-config", "none")
+        done = self.run_tool(*self.scene(), *quick(), "--budget-ms", "1e-6",
+                             "--write-config", "none")
         self.assertEqual(done.returncode, 2)
         self.assertIn("none: there is no setting to write", done.stderr)
         lines = pathlib.Path(self.path("none")).read_text().splitlines()
@@ -214,7 +216,7 @@ class MeasureTrade(Case):
         done = self.works(*self.scene(), *quick())
         if "no matplotlib" in done.stderr:
             self.skipTest("SKIPPED: no matplotlib")
-        self.assertEqual(done.stderr, "")
+        self.assertRegex(done.stderr, r"\A(drawing \(\d+ s\)\n)*\Z")  # progress, on a busy machine
         for name in "accuracy", "work", "clusters", "exact":
             content = pathlib.Path(self.path("trade", f"{name}.png")).read_bytes()
             self.assertTrue(content.startswith(b"\x89PNG"), name)
@@ -311,7 +313,8 @@ class MeasureTrade(Case):
     def test_cuda_is_measured_or_refused(self):
         done = self.run_tool(*self.scene(), *quick(), "--backends", "cpu,cuda")
         if done.returncode == 0:
-            self.assertEqual({row["backend"] for row in self.table("settings.csv")}, {"cpu", "cuda"})
+            backends = {row["backend"] for row in self.table("settings.csv")}
+            self.assertEqual(backends, {"cpu", "cuda"})
         else:
             self.assertEqual(done.returncode, 2)
             self.assertRegex(done.stderr, r"(?i)\Ameasure_trade: [^\n]*CUDA[^\n]*\n\Z")

@@ -38,8 +38,8 @@ class TradeBag(unittest.TestCase):
 
     def test_a_bag(self):
         bag = write_bag(self.path("panda.bag"), self.scene.events())
-        done = self.run_tool("--bag", bag, "--config", self.path("config.yaml"), "--overlaps", "0,1",
-                             "--clusters", "0,64", "--predicates", "exact")
+        done = self.run_tool("--bag", bag, "--config", self.path("config.yaml"),
+                             "--overlaps", "0,1", "--clusters", "0,64", "--predicates", "exact")
         self.assertEqual(done.returncode, 0, done.stderr)
         expected = self.scene.expected()
         with open(self.path("out/summary.json")) as file:

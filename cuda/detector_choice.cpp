@@ -1,0 +1,40 @@
+#include "cuda/detector_choice.h"
+
+#include <stdexcept>
+
+#include "core/cpu/cpu_detector.h"
+#include "core/fallback_detector.h"
+
+namespace deformable_contact_monitor {
+
+const char* toString(BackendChoice choice) {
+  switch (choice) {
+    case BackendChoice::kCuda:
+      return "cuda";
+    case BackendChoice::kCpu:
+      return "cpu";
+    default:
+      return "auto";
+  }
+}
+
+BackendChoice toBackendChoice(const std::string& name) {
+  for (const BackendChoice choice :
+       {BackendChoice::kAuto, BackendChoice::kCuda, BackendChoice::kCpu}) {
+    if (name == toString(choice)) return choice;
+  }
+  throw std::invalid_argument("backend '" + name + "' is none of auto, cuda, cpu");
+}
+
+std::unique_ptr<Detector> makeChosenDetector(
+    BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
+    const std::function<void(const std::string&)>& fell_back) {
+  if (choice == BackendChoice::kCpu) return makeCpuDetector();
+  if (choice == BackendChoice::kCuda && without_cuda == WithoutCuda::kRefuse) {
+    return makeCudaDetector(settings);
+  }
+  return makeFallbackDetector([&settings] { return makeCudaDetector(settings); }, makeCpuDetector,
+                              fell_back);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,37 @@
+// All that the kernels of a cycle see: the arrays of each stage. Kernels get a copy, which is of
+// use until the memory grows.
+#pragma once
+
+#include "cuda/memory/cluster_arrays.cuh"
+#include "cuda/memory/contact_arrays.cuh"
+#include "cuda/memory/member_arrays.cuh"
+#include "cuda/memory/scene_arrays.cuh"
+#include "cuda/memory/sweep_arrays.cuh"
+
+namespace deformable_contact_monitor {
+
+struct CycleArrays : ArrayGroup {
+  explicit CycleArrays(DeviceMemory& memory)
+      : ArrayGroup(memory),
+        scene(memory),
+        clusters(memory),
+        members(memory),
+        sweep(memory),
+        contacts(memory) {}
+
+  SceneArrays scene;
+  ClusterArrays clusters;
+  MemberArrays members;
+  SweepArrays sweep;
+  ContactArrays contacts;
+
+  PinnedPointer<CycleCounters> host_counters;  // where the last kernel leaves the counters
+
+  __device__ const CycleParams& params() const { return *the_params.data(); }
+  __device__ CycleCounters& counters() const { return *the_counters.data(); }
+
+  DeviceArray<CycleParams, Place> the_params{*this, ArraySize(1)};
+  DeviceArray<CycleCounters, Place> the_counters{*this, ArraySize(1)};
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,42 @@
+#include <algorithm>
+
+#include "cuda/memory/cycle_params.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// As many buckets for each group as there are, in powers of two.
+std::uint32_t bucketShift(std::uint32_t groups) {
+  std::uint32_t shift = kAxisBits;
+  for (std::uint32_t buckets = 2; buckets * std::max(groups, 1U) <= kBuckets; buckets *= 2) --shift;
+  return shift;
+}
+
+// The fewer units a scene has, the smaller they must be to share them out evenly.
+std::uint32_t unitColumns(std::uint32_t triangles) {
+  constexpr std::uint32_t kFewTriangles = 40000, kManyTriangles = 300000;
+  if (triangles < kFewTriangles) return kLeastUnitColumns;
+  return (triangles < kManyTriangles ? 2 : 8) * kLeastUnitColumns;
+}
+
+}  // namespace
+
+CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::uint32_t groups,
+                        bool margin) {
+  CycleParams p{};
+  p.overlap = options.overlap;
+  p.fuzzifier = options.fuzzifier;
+  p.adjacent = options.adjacent;
+  p.predicates = options.predicates;
+  p.margins = margin ? 1 : 0;
+  p.group_count = std::min(groups, kMostGroups);
+  p.groups_exact = groups <= kMostGroups ? 1 : 0;
+  p.bucket_shift = bucketShift(p.group_count);
+  p.unit_columns = unitColumns(triangles);
+  p.passes = 1;
+  p.index_bits = 1;
+  while ((std::uint64_t{1} << p.index_bits) <= triangles) ++p.index_bits;
+  return p;
+}
+
+}  // namespace deformable_contact_monitor

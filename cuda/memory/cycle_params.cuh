@@ -1,0 +1,70 @@
+// The settings of a cycle, and what it counts.
+#pragma once
+
+#include <cstdint>
+
+#include "core/options.h"
+#include "core/rules/scene_scale.h"
+#include "core/rules/size_rule.h"
+
+namespace deformable_contact_monitor {
+
+// Groups of bodies that the sweeps tell apart. Scenes with more groups share the last.
+constexpr std::uint32_t kMostGroups = 32;
+// Buckets along a cluster's first axis, divided evenly among the groups.
+constexpr std::uint32_t kBuckets = 1024;
+// Positions along an axis have so many bits before they become buckets.
+constexpr std::uint32_t kAxisBits = 15;
+// What work units' columns are counted in.
+constexpr std::uint32_t kLeastUnitColumns = 8;
+
+// Settings of a cycle; not part of a recorded graph.
+struct CycleParams {
+  SceneScale scale;
+  SizeRule size;
+  float overlap;
+  float fuzzifier;
+  AdjacentPairs adjacent;
+  Predicates predicates;
+  std::uint32_t margins;       // some body has one
+  std::uint32_t group_count;   // <= kMostGroups
+  std::uint32_t bucket_shift;  // from kAxisBits along the first axis to a bucket of a group
+  std::uint32_t groups_exact;  // no two groups of bodies share a number
+  std::uint32_t pass, passes;  // this pass sweeps the work units, and the blocks of the large
+                               // list, whose number % passes == pass
+  std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
+  std::uint32_t index_bits;    // of a triangle's number in a contact's key
+
+  DCM_HD std::uint32_t bucketsOfGroup() const { return 1U << (kAxisBits - bucket_shift); }
+};
+
+// For a scene of `triangles` triangles whose bodies fall into `groups` groups; `margin`: some body
+// has one. Scale and size rule are left as they are by default.
+CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::uint32_t groups,
+                        bool margin);
+
+// Counters that many warps add to keep apart, in memory lines of their own.
+constexpr unsigned kLine = 128;
+
+// Work done, sizes wanted, and what did not fit; zero at the start of a cycle. Counts go on beyond
+// capacities, so they say what is needed.
+struct alignas(kLine) CycleCounters {
+  std::uint32_t rejected, culled, clustered, large;
+  std::uint32_t members, largest_cluster;  // of the clusters
+  std::uint32_t bin_overflow;              // members did not fit into some bin
+  std::uint32_t bins_wanted;               // members that next cycle's bins want room for
+  std::uint32_t exact, undecided;
+  std::uint32_t blocks_done;
+  unsigned long long interval_overlaps;
+  unsigned long long judged;  // all passes' candidates
+  alignas(kLine) std::uint32_t far_vertices;
+  alignas(kLine) std::uint32_t wide;
+  alignas(kLine) std::uint32_t list_words;
+  alignas(kLine) std::uint32_t units;
+  alignas(kLine) std::uint32_t units_taken;
+  alignas(kLine) unsigned long long candidates;
+  alignas(kLine) std::uint32_t open;
+  alignas(kLine) unsigned long long contacts;
+};
+
+}  // namespace deformable_contact_monitor

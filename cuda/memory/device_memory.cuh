@@ -1,0 +1,112 @@
+// Arrays on the device that are declared once: element, index and size stand where the array does,
+// and room, bytes and the kernels' view follow from that.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/index.h"
+#include "cuda/memory/cycle_sizes.cuh"
+#include "cuda/memory/device_buffer.cuh"
+
+namespace deformable_contact_monitor {
+
+// How many rows an array has: `rows` of the sizes (null: none) and `more`.
+struct ArraySize {
+  std::uint32_t CycleSizes::*rows;
+  std::uint32_t more;
+
+  // Like a plain member, or a plain number of rows.
+  ArraySize(std::uint32_t CycleSizes::*by,
+            std::uint32_t and_more = 0)  // NOLINT(google-explicit-constructor)
+      : rows(by), more(and_more) {}
+  explicit ArraySize(std::uint32_t fixed) : rows(nullptr), more(fixed) {}
+};
+
+// Owns the memory of the arrays that were declared with it. One detector's; one thread at a time.
+class DeviceMemory {
+ public:
+  DeviceMemory() = default;
+  DeviceMemory(const DeviceMemory&) = delete;
+  DeviceMemory& operator=(const DeviceMemory&) = delete;
+
+  // Every array to at least its size; one that grows is zeros afterwards, whatever it was. True if
+  // some array moved: then copies of the arrays are of no use any more. Not while the device works
+  // on them. Throws CudaError.
+  bool grow(const CycleSizes& sizes);
+
+  std::uint64_t bytes() const;
+
+ private:
+  friend class ArrayGroup;
+
+  struct Array {
+    void** data;  // the two in the array itself
+    std::uint32_t* rows;
+    std::size_t row_bytes;
+    ArraySize size;
+    std::unique_ptr<DeviceBuffer<unsigned char>> buffer;
+  };
+
+  std::vector<Array> arrays_;
+};
+
+// What arrays are declared in: a struct of them derives from this, and lives as long as the memory
+// does, in one place. Kernels get a copy of it.
+class ArrayGroup {
+ public:
+  explicit ArrayGroup(DeviceMemory& memory) : memory_(&memory) {}
+
+ private:
+  template <class T, class Id, unsigned kRow>
+  friend class DeviceArray;
+
+  void enlist(void** data, std::uint32_t* rows, std::size_t row_bytes, const ArraySize& size) {
+    memory_->arrays_.push_back({data, rows, row_bytes, size, nullptr});
+  }
+
+  DeviceMemory* memory_;  // of use on the host alone
+};
+
+// Elements T on the device, kRow of them for each Id. On the host it only says where they are.
+template <class T, class Id, unsigned kRow = 1>
+class DeviceArray {
+ public:
+  DeviceArray(ArrayGroup& group, const ArraySize& size) {
+    group.enlist(&data_, &rows_, kRow * sizeof(T), size);
+  }
+
+  __device__ T& operator[](Id i) const {
+    static_assert(kRow == 1, "several elements for each index: see row()");
+    return static_cast<T*>(data_)[i.value];
+  }
+  // The kRow elements of one index.
+  __device__ T* row(Id i) const { return static_cast<T*>(data_) + std::size_t{i.value} * kRow; }
+
+  // Rows that there is room for.
+  __host__ __device__ std::uint32_t size() const { return rows_; }
+  // The device's address of the first element: for copies, and where places have no type.
+  __host__ __device__ T* data() const { return static_cast<T*>(data_); }
+
+ private:
+  void* data_ = nullptr;
+  std::uint32_t rows_ = 0;
+};
+
+// A place in an array whose elements have no name of their own.
+using Place = Index<struct PlaceTag>;
+
+// Page-locked memory of the host, where kernels leave things.
+template <class T>
+class PinnedPointer {
+ public:
+  void pointTo(T* on_host) { on_host_ = on_host; }
+  __device__ T* onHost() const { return on_host_; }
+
+ private:
+  T* on_host_ = nullptr;
+};
+
+}  // namespace deformable_contact_monitor

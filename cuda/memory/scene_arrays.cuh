@@ -1,0 +1,68 @@
+// The scene on the device (stage pose): bodies of which some pair is enabled, with their vertices
+// and triangles numbered through.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "core/rules/rigid_transform.h"
+#include "cuda/device/boxes.cuh"
+#include "cuda/memory/device_memory.cuh"
+
+namespace deformable_contact_monitor {
+
+// A body that takes part, as uploaded each cycle.
+struct DeviceBody {
+  RigidTransform pose;
+  float margin_m, slack;  // [m]; [scaled]
+  std::uint32_t identity_pose;
+  std::uint32_t has_self;  // contacts with itself are enabled
+  std::uint32_t first_vertex, vertex_count;
+  std::uint32_t group;
+  std::uint32_t partner_begin, partner_count;  // other bodies: in SceneArrays::partners
+};
+
+// A block of a body's vertices or triangles, by their numbers.
+struct BodyBlock {
+  BodyIndex body;
+  std::uint32_t first, count;
+};
+
+// A vertex for which the lists of neighbours did not do.
+struct alignas(8) FarVertex {
+  VertexIndex vertex;
+  BodyIndex body;
+};
+
+struct SceneArrays : ArrayGroup {
+  using ArrayGroup::ArrayGroup;
+
+  // How much of the arrays is in use.
+  std::uint32_t body_count = 0, pair_row = 0;
+  std::uint32_t vertex_block_count = 0, triangle_block_count = 0, triangle_count = 0;
+  std::uint32_t identity_mask = 0;
+
+  DeviceArray<DeviceBody, BodyIndex> bodies{*this, &CycleSizes::bodies};
+  DeviceArray<BodyIndex, Place> partners{*this, &CycleSizes::partners};
+  // Per group: which groups its bodies meet, as bits.
+  DeviceArray<std::uint32_t, Place> group_mask{*this, ArraySize(kMostGroups)};
+  // Bodies x bodies bits, rows of pair_row words.
+  DeviceArray<std::uint32_t, Place> pair_enabled{*this, &CycleSizes::pair_words};
+  DeviceArray<BodyBlock, Place> vertex_blocks{*this, &CycleSizes::vertex_blocks};
+  DeviceArray<BodyBlock, Place> triangle_blocks{*this, &CycleSizes::triangle_blocks};
+  // x y z in the body's frame [m].
+  DeviceArray<float, VertexIndex, 3> received{*this, &CycleSizes::vertices};
+  DeviceArray<VertexIndex, TriangleIndex, 3> corners{*this, &CycleSizes::triangles};
+  // x, y, z in the scene frame [m]; w: nearest prototype * 2 + tied.
+  DeviceArray<float4, VertexIndex> posed{*this, &CycleSizes::vertices};
+  DeviceArray<FarVertex, Place> far_vertices{*this, &CycleSizes::vertices};
+  // Of the bodies' finite vertices, see cuda/device/boxes.cuh; zero at the start of a cycle.
+  DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
+  // Equal iff of one body and equal as received: the number of one of those vertices.
+  DeviceArray<VertexIndex, VertexIndex> vertex_id{*this, &CycleSizes::vertices};
+  // An open-addressing hash table of vertices' numbers + 1; its size is a power of two.
+  DeviceArray<std::uint32_t, Place> identity_table{*this, &CycleSizes::identity_slots};
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,43 @@
+// Stage output: contacts from the device's unsorted list to the result's sorted one.
+#pragma once
+
+#include <cstdint>
+
+#include "core/detector.h"
+#include "cuda/memory/cycle_arrays.cuh"
+#include "cuda/memory/device_buffer.cuh"
+#include "cuda/memory/device_scene.cuh"
+
+namespace deformable_contact_monitor {
+
+class ContactOutput {
+ public:
+  // Sorts on the device and copies, behind what is in the stream. A little more than `count`
+  // contacts: as last cycle's count says, for the host does not know this one's before.
+  // `index_bits` as in CycleParams.
+  void fetch(const CycleArrays& cycle, bool separations, unsigned index_bits, std::uint32_t count,
+             cudaStream_t stream);
+  // How many contacts the last fetch could bring.
+  std::uint32_t fetched() const { return fetched_; }
+
+  std::uint64_t bytes() const {
+    return sorted_keys_.bytes() + sorted_separations_.bytes() + scratch_.bytes();
+  }
+
+  // The first `count` of them, once the stream has been waited for.
+  void list(const DeviceScene& scene, std::uint32_t count, DetectionResult& result) const;
+
+ private:
+  void makeRoom(std::uint32_t count, std::uint32_t most, bool separations);
+
+  DeviceBuffer<std::uint64_t> sorted_keys_;
+  DeviceBuffer<float> sorted_separations_;
+  DeviceBuffer<unsigned char> scratch_;
+  PinnedBuffer<std::uint64_t> keys_;
+  PinnedBuffer<float> separations_;
+  std::uint32_t fetched_ = 0;
+  unsigned index_bits_ = 1;
+  bool with_separations_ = false;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,67 @@
+#include "core/cpu/cluster.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "core/cpu/fuzzy_clustering.h"
+#include "core/rules/cluster_count.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr ClusterCountPolicy kClusterCounts{1000, 2048, 600, 8};
+constexpr std::uint32_t kLeastSamples = 2048;
+constexpr int kColdIterations = 5;  // times as many as a warm refresh
+
+// `warm`: scaled prototypes to start from; empty: from seeds among the points.
+std::vector<Vec3f> refreshed(std::vector<Vec3f> warm, std::size_t count,
+                             const std::vector<Vec3f>& points, const Options& options) {
+  FuzzyClustering clustering(options.fuzzifier);
+  const bool cold = warm.empty();
+  if (cold) {
+    clustering.initialise(points, count);
+  } else {
+    clustering.setPrototypes(std::move(warm));
+  }
+  const int iterations = options.iterations * (cold ? kColdIterations : 1);
+  for (int i = 0; i < iterations; ++i) clustering.iterate(points);
+  return clustering.prototypes();
+}
+
+}  // namespace
+
+std::vector<Vec3f> sampleCentroids(const WorkingSet& set, const SizeSplit& split,
+                                   const Sampling& sampling) {
+  std::vector<Vec3f> centroids(sampling.samples);
+  for (std::uint32_t s = 0; s < sampling.samples; ++s) {
+    const Triangle posed = set.posed(split.regular[sampling.triangleOf(s)]);
+    const Vec3f scaled[3] = {split.scale.apply(posed.v[0]), split.scale.apply(posed.v[1]),
+                             split.scale.apply(posed.v[2])};
+    centroids[s] = centroidOf(scaled);
+  }
+  return centroids;
+}
+
+void PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, const Options& options,
+                              Prototypes& searchable) {
+  const std::size_t count =
+      clusterCountFor(options.clusters, kClusterCounts, split.regular.size(), prototypes_.size());
+  const bool cold = prototypes_.size() != count;
+  std::vector<Vec3f> scaled;
+  for (const Vec3d& p : prototypes_) scaled.push_back(toFloat(split.scale.applyExact(p)));
+  if (count <= 1) {
+    scaled.assign(1, Vec3f());
+  } else if (cold || ++cycles_since_refresh_ >= options.refresh_period) {
+    cycles_since_refresh_ = 0;
+    const Sampling sampling = samplingOf(static_cast<std::uint32_t>(split.regular.size()),
+                                         static_cast<std::uint32_t>(count), kLeastSamples);
+    if (cold) scaled.clear();
+    scaled = refreshed(std::move(scaled), count, sampleCentroids(set, split, sampling), options);
+  }
+  prototypes_.clear();
+  for (const Vec3f& p : scaled) prototypes_.push_back(split.scale.invert(p));
+  searchable.build(scaled);
+}
+
+}  // namespace deformable_contact_monitor

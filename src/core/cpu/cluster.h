@@ -1,0 +1,35 @@
+// Stage `cluster`: the prototypes follow the scene.
+#pragma once
+
+#include <vector>
+
+#include "core/cpu/pose.h"
+#include "core/cpu/prototypes.h"
+#include "core/cpu/size_split.h"
+#include "core/options.h"
+#include "core/rules/sampling.h"
+
+namespace deformable_contact_monitor {
+
+// Centroids of the regular triangles that the sampling of their list asks for, in its order
+// [scaled].
+std::vector<Vec3f> sampleCentroids(const WorkingSet& set, const SizeSplit& split,
+                                   const Sampling& sampling);
+
+// Keeps the prototypes from cycle to cycle.
+class PrototypeTracker {
+ public:
+  // The next cycle starts cold.
+  void clear() { prototypes_.clear(); }
+
+  // Fuzzy c-means on a sample of the centroids, from last cycle's prototypes if there are as many
+  // as wanted; between refreshes the prototypes stay where they are in the scene.
+  void update(const WorkingSet& set, const SizeSplit& split, const Options& options,
+              Prototypes& searchable);
+
+ private:
+  std::vector<Vec3d> prototypes_;  // scene frame [m]
+  int cycles_since_refresh_ = 0;
+};
+
+}  // namespace deformable_contact_monitor

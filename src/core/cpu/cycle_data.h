@@ -1,0 +1,58 @@
+// What the CPU's stages hand to one another from `sort` on.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/body_groups.h"
+#include "core/cpu/assign.h"
+#include "core/cpu/pose.h"
+#include "core/cpu/size_split.h"
+#include "core/index.h"
+#include "core/options.h"
+#include "core/predicates/narrow_phase.h"
+#include "core/scene.h"
+#include "core/stages.h"
+
+namespace deformable_contact_monitor {
+
+// What these stages read; made by the ones before them. Any number of threads.
+struct CycleInput {
+  const Scene& scene;
+  const WorkingSet& set;
+  const SizeSplit& split;
+  const ClusterAssignment& assignment;
+  const BodyGroups& groups;
+  const std::vector<float>& slack;  // per body [scaled]
+  const Options& options;
+};
+
+// Two triangles of the working set that boxes and plane filters leave to the verdict.
+struct Candidate {
+  TriangleIndex a, b;
+  PairFacts facts;
+};
+
+// A contact between two triangles of the working set, a < b.
+struct WorkingContact {
+  TriangleIndex a, b;
+  float separation_m = 0;
+};
+
+// What these stages add to, each thread to one of its own.
+struct CycleOutput {
+  std::vector<WorkingContact> contacts;
+  std::uint64_t interval_overlaps = 0, candidates = 0, exact = 0, undecided = 0;
+  StageTimes work;  // of this thread
+
+  void add(const CycleOutput& part) {
+    contacts.insert(contacts.end(), part.contacts.begin(), part.contacts.end());
+    interval_overlaps += part.interval_overlaps;
+    candidates += part.candidates;
+    exact += part.exact;
+    undecided += part.undecided;
+    work.add(part.work, 1);
+  }
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,73 @@
+#include "core/cpu/screen.h"
+
+#include <algorithm>
+
+#include "core/rules/margins.h"
+
+namespace deformable_contact_monitor {
+
+PairScreen::PairScreen(const CycleInput& input)
+    : input_(input), margins_(std::any_of(input.slack.begin(), input.slack.end(), [](float slack) {
+        return slack > 0;
+      })) {}
+
+void PairScreen::screen(const std::vector<PreparedTriangle>& triangles, BoxPair* pairs,
+                        std::size_t count, std::vector<Candidate>& candidates) {
+  neighbours_.resize(count);
+  std::size_t neighbours = 0, separate = 0, left = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const BoxPair pair = pairs[i];
+    const PreparedTriangle &a = triangles[pair.a.value], &b = triangles[pair.b.value];
+    const bool share = sharedBits(a.vertex_id, b.vertex_id) != 0;
+    neighbours_[neighbours] = pair;
+    neighbours += share;
+    pairs[separate] = pair;
+    separate += !share;
+  }
+  for (std::size_t i = 0; i < separate; ++i) {
+    const BoxPair pair = pairs[i];
+    const PreparedTriangle &a = triangles[pair.a.value], &b = triangles[pair.b.value];
+    const bool apart = onOneSide(b.plane, a.lanes) | onOneSide(a.plane, b.lanes);
+    pairs[left] = pair;
+    left += !apart | margins_;
+  }
+  for (std::size_t i = 0; i < left; ++i) {
+    screenSeparate(triangles[pairs[i].a.value], triangles[pairs[i].b.value], candidates);
+  }
+  for (std::size_t i = 0; i < neighbours; ++i) {
+    screenNeighbours(triangles[neighbours_[i].a.value], triangles[neighbours_[i].b.value],
+                     candidates);
+  }
+}
+
+void PairScreen::screen(const PreparedTriangle& a, const PreparedTriangle& b,
+                        std::vector<Candidate>& candidates) const {
+  if (sharedBits(a.vertex_id, b.vertex_id) != 0) {
+    screenNeighbours(a, b, candidates);
+  } else {
+    screenSeparate(a, b, candidates);
+  }
+}
+
+void PairScreen::screenSeparate(const PreparedTriangle& a, const PreparedTriangle& b,
+                                std::vector<Candidate>& candidates) const {
+  PairFacts facts;
+  facts.margin_m = pairMargin(input_.scene.body(a.body.value).margin_m,
+                              input_.scene.body(b.body.value).margin_m);
+  const bool apart =
+      sidesOf(b.plane, a.lanes, facts.sides.a) | sidesOf(a.plane, b.lanes, facts.sides.b);
+  if (!apart || facts.margin_m > 0) candidates.push_back({a.triangle, b.triangle, facts});
+}
+
+void PairScreen::screenNeighbours(const PreparedTriangle& a, const PreparedTriangle& b,
+                                  std::vector<Candidate>& candidates) const {
+  if (input_.options.adjacent == AdjacentPairs::kSkip) return;
+  const int in_a = sharedBits(a.vertex_id, b.vertex_id);
+  const int in_b = sharedBits(b.vertex_id, a.vertex_id);
+  if (restOnOneSide(b.plane, a.lanes, in_a) || restOnOneSide(a.plane, b.lanes, in_b)) return;
+  PairFacts facts;
+  facts.shared = sharedByBits(static_cast<std::uint32_t>(in_a), static_cast<std::uint32_t>(in_b));
+  candidates.push_back({a.triangle, b.triangle, facts});
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,103 @@
+#include "core/cpu/sort.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/rules/ordered_bits.h"
+#include "core/rules/principal_axes.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// The lower half of a key.
+std::uint32_t memberOf(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
+
+}  // namespace
+
+// Fills projected_, the keys of order_, and what the other two axes are quantised by.
+void ClusterSorter::project(const ClusterMember* members) {
+  const auto count = static_cast<std::uint32_t>(projected_.size());
+  // Axes of the centroids, about the first of them.
+  Moments moments;
+  Vec3f first;
+  for (std::uint32_t m = 0; m < count; ++m) {
+    Vec3f* scaled = projected_[m].scaled;
+    for (int k = 0; k < 3; ++k) scaled[k] = input_.split.scale.apply(members[m].posed.v[k]);
+    const Vec3f centroid = centroidOf(scaled);
+    if (m == 0) first = centroid;
+    moments.add(centroid - first);
+  }
+  const PrincipalAxes axes = principalAxes(covarianceOf(moments));
+
+  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  one_group_ = true;
+  for (std::uint32_t m = 0; m < count; ++m) {
+    Projected& projected = projected_[m];
+    const std::uint32_t body = members[m].body.value;
+    projected.group = input_.groups.group[body];
+    one_group_ = one_group_ && projected.group == projected_[0].group;
+    for (int k = 0; k < 3; ++k) {
+      projected.interval[k] = deformable_contact_monitor::project(axes.axis[k], projected.scaled,
+                                                                  input_.slack[body] / 2);
+      low[k] = least(low[k], projected.interval[k].lo);
+      high[k] = most(high[k], projected.interval[k].hi);
+    }
+    order_[m] = std::uint64_t{orderedBits(projected.interval[0].lo)} << 32 | m;
+  }
+  for (int k = 0; k < 2; ++k) quantiser_[k] = {low[k + 1], high[k + 1]};
+}
+
+void ClusterSorter::order() {
+  std::sort(order_.begin(), order_.end());
+  if (one_group_) return;
+  std::stable_sort(order_.begin(), order_.end(), [this](std::uint64_t a, std::uint64_t b) {
+    return projected_[memberOf(a)].group < projected_[memberOf(b)].group;
+  });
+}
+
+// Every array of `sorted` but `cluster`.
+void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) const {
+  const auto count = static_cast<std::uint32_t>(order_.size());
+  sorted.groups.clear();
+  sorted.lo.resize(count);
+  sorted.hi.resize(count);
+  sorted.packed_lo.resize(count + kScanChunk);
+  sorted.packed_hi.resize(count + kScanChunk);
+  sorted.boxes.resize(count);
+  sorted.triangles.resize(count);
+  sorted.clusters.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const ClusterMember& member = members[memberOf(order_[i])];
+    const Projected& projected = projected_[memberOf(order_[i])];
+    if (sorted.groups.empty() || sorted.groups.back().group != projected.group) {
+      sorted.groups.push_back({projected.group, i, i});
+    }
+    sorted.groups.back().end = i + 1;
+    sorted.lo[i] = projected.interval[0].lo;
+    sorted.hi[i] = projected.interval[0].hi;
+    const PackedBox packed = pack(quantiser_, &projected.interval[1]);
+    sorted.packed_lo[i] = packed.lo;
+    sorted.packed_hi[i] = packed.hi;
+    // Not looked up: computing it is faster than a cache miss.
+    sorted.boxes[i] = inflated(boxOf(member.posed), input_.scene.body(member.body.value).margin_m);
+    sorted.triangles[i] =
+        PreparedTriangle(member.posed, member.vertex_id, member.triangle, member.body);
+    sorted.clusters[i] =
+        member.list_size == 1 ? nullptr : &input_.assignment.lists[member.list_begin];
+  }
+}
+
+void ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
+  const ClusterAssignment& assignment = input_.assignment;
+  const std::uint32_t begin = assignment.member_begin[cluster.value];
+  const std::uint32_t count = assignment.member_begin[cluster.value + 1] - begin;
+  const ClusterMember* const members = assignment.members.data() + begin;
+  projected_.resize(count);
+  order_.resize(count);
+  project(members);
+  order();
+  layOut(members, sorted);
+  sorted.cluster = cluster;
+}
+
+}  // namespace deformable_contact_monitor

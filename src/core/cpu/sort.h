@@ -1,0 +1,59 @@
+// Stage `sort`: a cluster's triangles in the order of their intervals along its principal axis.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/cpu/assign.h"
+#include "core/cpu/cycle_data.h"
+#include "core/cpu/screen.h"
+#include "core/predicates/aabb.h"
+#include "core/rules/intervals.h"
+
+namespace deformable_contact_monitor {
+
+// The positions in a sorted cluster that belong to one body group.
+struct GroupRange {
+  std::uint32_t group, begin, end;
+};
+
+// One cluster's members by body group, and within it by where their intervals begin.
+struct SortedCluster {
+  ClusterIndex cluster;
+  std::vector<GroupRange> groups;  // ascending
+  // All per position. Intervals along the first axis:
+  std::vector<float> lo, hi;
+  // Along the other two, as in PackedBox; kScanChunk longer, so that the last chunk may read on.
+  std::vector<std::uint32_t> packed_lo, packed_hi;
+  std::vector<Aabb> boxes;  // scene frame [m], grown by the body's margin
+  std::vector<PreparedTriangle> triangles;
+  std::vector<const std::uint32_t*> clusters;  // ascending; null: in this one alone
+};
+
+// Keeps its buffers from cluster to cluster. One per thread and cycle.
+class ClusterSorter {
+ public:
+  explicit ClusterSorter(const CycleInput& input) : input_(input) {}
+
+  void sort(ClusterIndex cluster, SortedCluster& sorted);
+
+ private:
+  // What is computed for a member before its place in the order is known.
+  struct Projected {
+    std::uint32_t group;
+    Vec3f scaled[3];
+    Interval interval[3];
+  };
+
+  void project(const ClusterMember* members);
+  void order();
+  void layOut(const ClusterMember* members, SortedCluster& sorted) const;
+
+  const CycleInput& input_;
+  std::vector<Projected> projected_;  // per member
+  std::vector<std::uint64_t> order_;  // where the member's interval begins, then the member
+  bool one_group_ = true;
+  Quantiser quantiser_[2];  // of the second and third axis
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,18 @@
+#include "core/detector.h"
+
+namespace deformable_contact_monitor {
+
+void DetectionResult::begin(const Scene& scene, bool is_guaranteed) {
+  contacts.clear();
+  separations_m.clear();
+  left_out = 0;
+  guaranteed = is_guaranteed;
+  counters = Counters();
+  counters.triangles = scene.triangleCount();
+  stages_ms.clear();
+  detect_ms = 0;
+  memory_bytes = 0;
+  round_trip_ms = 0;
+}
+
+}  // namespace deformable_contact_monitor

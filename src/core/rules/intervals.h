@@ -1,0 +1,61 @@
+// Conservative intervals of triangles along axes, and their packed form for the sweep.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/predicates/host_device.h"
+#include "core/predicates/vector3.h"
+#include "core/rules/scene_scale.h"
+
+namespace deformable_contact_monitor {
+
+struct Interval {
+  float lo, hi;
+};
+
+// The interval of a scaled triangle along a stored axis, grown by the margin and by all that
+// rounding can have moved: the exact projections of the unrounded triangle lie inside.
+DCM_HD inline Interval project(const Vec3f& axis, const Vec3f v[3], float margin) {
+  const float p0 = dot(axis, v[0]), p1 = dot(axis, v[1]), p2 = dot(axis, v[2]);
+  const float mx = most(fabsf(v[0].x), most(fabsf(v[1].x), fabsf(v[2].x)));
+  const float my = most(fabsf(v[0].y), most(fabsf(v[1].y), fabsf(v[2].y)));
+  const float mz = most(fabsf(v[0].z), most(fabsf(v[1].z), fabsf(v[2].z)));
+  // u = 2^-24: 1 for the scaled coordinate, 3 for the dot product, 1 for the sum below, slack.
+  constexpr float kError = 6 * kScaledError;
+  const float pad =
+      (fabsf(axis.x) * mx + fabsf(axis.y) * my + fabsf(axis.z) * mz) * kError + margin + 1e-44F;
+  return {least(p0, least(p1, p2)) - pad, most(p0, most(p1, p2)) + pad};
+}
+
+// Two intervals on 15 bits each, in the two halves of a word; the top bit of each half is spare. A
+// monotone map keeps lo <= hi, so nothing that overlaps is lost.
+struct PackedBox {
+  std::uint32_t lo, hi;
+};
+
+constexpr std::uint32_t kPackedGuard = 0x80008000U;
+
+struct Quantiser {
+  float origin = 0, scale = 0;
+
+  Quantiser() = default;
+  DCM_HD Quantiser(float lo, float hi) : origin(lo), scale(32767.0F / (hi - lo)) {
+    if (!(scale < 1e37F)) scale = 0;
+  }
+  DCM_HD std::uint32_t operator()(float x) const {
+    return static_cast<std::uint32_t>(least(most((x - origin) * scale, 0.0F), 32767.0F));
+  }
+};
+
+DCM_HD inline PackedBox pack(const Quantiser q[2], const Interval i[2]) {
+  return {q[0](i[0].lo) | q[1](i[1].lo) << 16, q[0](i[0].hi) | q[1](i[1].hi) << 16};
+}
+
+// Closed intersection on both axes: no half borrows from its guard bit.
+DCM_HD inline bool intersects(const PackedBox& a, const PackedBox& b) {
+  return (((a.hi | kPackedGuard) - b.lo) & ((b.hi | kPackedGuard) - a.lo) & kPackedGuard) ==
+         kPackedGuard;
+}
+
+}  // namespace deformable_contact_monitor

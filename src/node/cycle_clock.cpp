@@ -1,0 +1,56 @@
+// When there is to be a cycle, when a heartbeat, and when time has jumped.
+#include "node/cycle_clock.h"
+
+#include <algorithm>
+
+#include "node/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Duration = std::chrono::steady_clock::duration;
+
+constexpr std::chrono::seconds kHeartbeatPeriod(1);
+constexpr std::chrono::milliseconds kLeftoverWindow(500);
+constexpr double kClockToleranceS = 0.1;  // clocks of two machines differ a little
+
+Duration seconds(double s) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
+}
+
+}  // namespace
+
+// Silence after a cycle is no news until its mesh is too old.
+CycleClock::CycleClock(double max_rate_hz, double max_mesh_age_s, SteadyTime start)
+    : cycle_period_(max_rate_hz > 0 ? seconds(1 / max_rate_hz) : Duration(0)),
+      silence_(std::max<Duration>(kHeartbeatPeriod, seconds(max_mesh_age_s))),
+      heartbeat_due_(start + kHeartbeatPeriod) {}
+
+double CycleClock::update(const ros::Time& now) {
+  const double back_s = secondsBetween(ros_time_, now);
+  ros_time_ = now;
+  return back_s > kClockToleranceS ? back_s : 0;
+}
+
+void CycleClock::startLeftoverWindow(SteadyTime now) { window_end_ = now + kLeftoverWindow; }
+
+bool CycleClock::isLeftover(const ros::Time& stamp, SteadyTime now) const {
+  return now < window_end_ && secondsBetween(stamp, ros_time_) > kClockToleranceS;
+}
+
+void CycleClock::startCycle(SteadyTime now) {
+  earliest_cycle_ = now + cycle_period_;
+  heartbeat_due_ = now + silence_;
+}
+
+void CycleClock::startHeartbeat(SteadyTime now) { heartbeat_due_ = now + kHeartbeatPeriod; }
+
+CycleClock::SteadyTime CycleClock::wakeTime(bool mesh_waits) const {
+  return mesh_waits ? std::min(heartbeat_due_, earliest_cycle_) : heartbeat_due_;
+}
+
+CycleClock::SteadyTime CycleClock::retryTime(SteadyTime now) const {
+  return now + kHeartbeatPeriod;
+}
+
+}  // namespace deformable_contact_monitor

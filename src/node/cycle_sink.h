@@ -1,0 +1,43 @@
+// What the detection loop says to the outside.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+#include "node/cycle_report.h"
+#include "node/mesh_input.h"
+#include "node/monitor_scene.h"
+#include "robot/robot_geometry.h"
+
+namespace deformable_contact_monitor {
+
+// The loop owns its sink and calls it from its own thread alone. No function may keep what it was
+// given by reference.
+class CycleSink {
+ public:
+  CycleSink() = default;
+  CycleSink(const CycleSink&) = delete;
+  CycleSink& operator=(const CycleSink&) = delete;
+  virtual ~CycleSink() = default;
+
+  // A cycle: its work began at `start`, the mesh that asked for it came at `mesh_arrival`. The
+  // report has no result if detection failed. Sets the report's age.
+  virtual void sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
+                         std::chrono::steady_clock::time_point mesh_arrival) = 0;
+  // A report without detection, so that silence is not mistaken for "no contact".
+  virtual void sendHeartbeat(CycleReport* report) = 0;
+  // Every open contact ends, because of `reason`.
+  virtual void endContacts(const std::string& reason) = 0;
+  virtual void sendRobot(const RobotGeometry& robot) = 0;
+
+  // The last mesh of this object was looked at: what is counted since the start.
+  virtual void recordMesh(std::size_t object, const MeshCounters& counters) = 0;
+  virtual void recordTransforms(const TransformReport& transforms) = 0;
+  // Detection failed; empty: it did not.
+  virtual void recordDetectorError(const std::string& error) = 0;
+  virtual void recordReset(const std::string& reason) = 0;
+  virtual void recordEnabled(bool enabled) = 0;
+};
+
+}  // namespace deformable_contact_monitor

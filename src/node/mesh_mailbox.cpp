@@ -1,0 +1,45 @@
+// Where the meshes of one deformable object arrive, and where the newest waits.
+#include "node/mesh_mailbox.h"
+
+#include <utility>
+
+namespace deformable_contact_monitor {
+
+bool isMeshOf(const std::string& object, const DeformableMesh& message) {
+  return message.object.empty() || message.object == object;
+}
+
+void MeshMailbox::store(const DeformableMesh::ConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++counters_.received;
+  if (waiting_.message) ++counters_.dropped;
+  waiting_.message = message;
+  waiting_.arrival = std::chrono::steady_clock::now();
+  if (!message->triangles.empty() && isMeshOf(object_, *message)) waiting_.keyframe = message;
+}
+
+std::optional<ros::Time> MeshMailbox::waitingStamp() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!waiting_.message) return std::nullopt;
+  return waiting_.message->header.stamp;
+}
+
+std::optional<ArrivedMesh> MeshMailbox::takeAt(const ros::Time& stamp) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!waiting_.message || waiting_.message->header.stamp != stamp) return std::nullopt;
+  return std::exchange(waiting_, ArrivedMesh());
+}
+
+void MeshMailbox::dropIf(const std::function<bool(const ros::Time&)>& unwanted) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!waiting_.message || !unwanted(waiting_.message->header.stamp)) return;
+  waiting_.message = nullptr;
+  ++counters_.dropped;
+}
+
+ArrivalCounters MeshMailbox::counters() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return counters_;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,67 @@
+// Where the meshes of one deformable object arrive, and where the newest waits.
+#pragma once
+
+#include <deformable_contact_monitor/DeformableMesh.h>
+#include <ros/time.h>
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace deformable_contact_monitor {
+
+struct ArrivedMesh {
+  DeformableMesh::ConstPtr message;
+  // The newest message with triangles that came since a mesh was last taken; null: none.
+  DeformableMesh::ConstPtr keyframe;
+  std::chrono::steady_clock::time_point arrival;  // of `message`
+};
+
+struct ArrivalCounters {
+  std::uint64_t received = 0;
+  std::uint64_t dropped = 0;  // while they waited: replaced by a newer one, or not wanted
+};
+
+// Threads may call every function at any time. So the mesh that waits may be another one as soon as
+// its stamp is known: who takes or drops says which mesh is meant, and leaves any other in place.
+//
+// Triangles come with a message or stay as they were when their topology_id was last sent, so
+// those of a message that was dropped are kept.
+class MeshMailbox {
+ public:
+  // `object`: the name that its messages carry, or leave empty.
+  explicit MeshMailbox(std::string object) : object_(std::move(object)) {}
+
+  // Makes `message` the one that waits.
+  void store(const DeformableMesh::ConstPtr& message);
+
+  // Stamp of the mesh that waits, if one does.
+  std::optional<ros::Time> waitingStamp() const;
+
+  // Takes the mesh that waits if `stamp` is its stamp; else nothing happens.
+  std::optional<ArrivedMesh> takeAt(const ros::Time& stamp);
+
+  // Drops the mesh that waits if its stamp is `unwanted`, which must not call this mailbox.
+  void dropIf(const std::function<bool(const ros::Time&)>& unwanted);
+
+  ArrivalCounters counters() const;
+
+ private:
+  const std::string object_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  ArrivedMesh waiting_;       // no message: none waits
+  ArrivalCounters counters_;
+};
+
+using MeshMailboxes = std::deque<MeshMailbox>;  // in the order of the objects; they cannot be moved
+
+// Whether a message of an object's topic speaks of that object.
+bool isMeshOf(const std::string& object, const DeformableMesh& message);
+
+}  // namespace deformable_contact_monitor

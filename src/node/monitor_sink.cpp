@@ -1,0 +1,27 @@
+// What the detection loop says, on topics and in the diagnostics.
+#include "node/monitor_sink.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+}  // namespace
+
+void MonitorSink::sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
+                            std::chrono::steady_clock::time_point mesh_arrival) {
+  const PublishedCycle sent = publisher_->publish(report);
+  const double latency_s = secondsSince(mesh_arrival);  // markers are for people and can wait
+  publisher_->publishMarkers(*report);
+  diagnostics_.recordCycle(*report, *sent.contacts, secondsSince(start), latency_s);
+}
+
+void MonitorSink::sendHeartbeat(CycleReport* report) {
+  const PublishedCycle sent = publisher_->publish(report);
+  publisher_->publishMarkers(*report);
+  diagnostics_.recordCycle(*report, *sent.contacts, 0, 0);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,43 @@
+// What the detection loop says, on topics and in the diagnostics.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "node/cycle_publisher.h"
+#include "node/cycle_sink.h"
+#include "node/node_diagnostics.h"
+
+namespace deformable_contact_monitor {
+
+class MonitorSink : public CycleSink {
+ public:
+  // The diagnostics must outlive this.
+  MonitorSink(std::unique_ptr<CyclePublisher> publisher, NodeDiagnostics& diagnostics)
+      : publisher_(std::move(publisher)), diagnostics_(diagnostics) {}
+
+  void sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
+                 std::chrono::steady_clock::time_point mesh_arrival) override;
+  void sendHeartbeat(CycleReport* report) override;
+  void endContacts(const std::string& reason) override { publisher_->endContacts(reason); }
+  void sendRobot(const RobotGeometry& robot) override { publisher_->publishRobot(robot); }
+
+  void recordMesh(std::size_t object, const MeshCounters& counters) override {
+    diagnostics_.recordMesh(object, counters);
+  }
+  void recordTransforms(const TransformReport& transforms) override {
+    diagnostics_.recordTransforms(transforms);
+  }
+  void recordDetectorError(const std::string& error) override {
+    diagnostics_.recordDetectorError(error);
+  }
+  void recordReset(const std::string& reason) override { diagnostics_.recordReset(reason); }
+  void recordEnabled(bool enabled) override { diagnostics_.recordEnabled(enabled); }
+
+ private:
+  const std::unique_ptr<CyclePublisher> publisher_;
+  NodeDiagnostics& diagnostics_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,201 @@
+// What the bags' cycles are made with: the configuration, the robot, and an object that is not in
+// the bags.
+#include "tools/bags/bag_setup.h"
+
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "node/contact_messages.h"
+#include "node/robot_checks.h"
+#include "node/transform_lookup.h"
+#include "tools/common/robot_obstacles.h"
+#include "tools/common/yaml_parameters.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Warn = std::function<void(const std::string&)>;
+
+std::string lastPart(const std::string& topic) {
+  const std::size_t slash =
+      topic.find_last_not_of('/') == std::string::npos ? std::string::npos : topic.rfind('/');
+  return slash == std::string::npos ? topic : topic.substr(slash + 1);
+}
+
+void addRecordedObjects(const BagContents& contents, MonitorParameters* parameters) {
+  std::set<std::string> topics;
+  for (const BagContents::Mesh& mesh : contents.meshes) topics.insert(mesh.topic);
+  for (const std::string& topic : topics) {
+    ObjectParameters object;
+    const std::string& name = contents.topics.at(topic).object;
+    object.name = name.empty() ? lastPart(topic) : name;
+    object.topic = topic;
+    object.margin_m = parameters->margin_m;
+    parameters->objects.push_back(object);
+  }
+}
+
+void addPlayedObject(const SceneObject& object, MonitorParameters* parameters) {
+  std::vector<ObjectParameters>& objects = parameters->objects;
+  const auto same = [&object](const ObjectParameters& other) { return other.name == object.name; };
+  if (std::any_of(objects.begin(), objects.end(), same)) return;
+  ObjectParameters added;
+  added.name = object.name;
+  added.topic = "~objects/" + object.name + "/mesh";
+  added.margin_m = parameters->margin_m;
+  objects.push_back(added);
+}
+
+std::string rootOf(const std::string& urdf) {
+  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf);
+  return model ? model->getRoot()->name : "";
+}
+
+// Also sets the frame of a robot whose root link is known, where nobody said another.
+void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup) {
+  std::string urdf = contents.robot_description;
+  setup->robot_from = "the bags' robot_description";
+  if (!files.robot_description.empty()) {
+    urdf = readRobotDescription(files.robot_description);
+    setup->robot_from = files.robot_description;
+  } else if (contents.link_meshes) {
+    setup->robot = selectedLinks(fromLinkMeshes(*contents.link_meshes), setup->parameters.geometry);
+    setup->robot_from = "the bags' link meshes";
+    return;
+  }
+  if (urdf.empty()) {
+    throw std::runtime_error(
+        "no robot: the bags hold neither link meshes nor a robot_description; give "
+        "--robot-description FILE");
+  }
+  try {
+    setup->robot = loadRobotGeometry(urdf, setup->parameters.geometry, makeRosResolver());
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(setup->robot_from + ": " + error.what());
+  }
+  if (files.config.empty() && files.reference_frame.empty()) {
+    const std::string root = rootOf(urdf);
+    if (!root.empty()) setup->parameters.reference_frame = root;
+  }
+}
+
+// The default frame is many robots', not all's. A frame that no transform knows leaves everything
+// UNKNOWN that is not in it already.
+void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
+                         MonitorParameters* parameters, const Warn& warn) {
+  std::string& frame = parameters->reference_frame;
+  const std::set<std::string> roots = contents.rootFrames();
+  if (roots.empty() || contents.hasFrame(frame)) return;
+  const bool by_default = files.config.empty() && files.reference_frame.empty();
+  if (by_default && roots.size() == 1) {
+    frame = *roots.begin();
+    return warn("contacts are in frame '" + frame +
+                "', the root of the transforms; choose another "
+                "with --reference-frame");
+  }
+  std::string all;
+  for (const std::string& root : roots) all += (all.empty() ? "" : ", ") + root;
+  warn("no transform knows the reference frame '" + frame + "'; their roots are: " + all);
+}
+
+PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
+  PlayedObject played;
+  played.object = settings.name;
+  played.frame =
+      settings.frame.empty() ? setup.parameters.reference_frame : plainFrame(settings.frame);
+  played.rate_hz = settings.rate_hz;
+  std::map<std::string, Capsule> capsules;
+  if (settings.cloth_triangles > 0) capsules = linkCapsules(setup.robot);
+  played.next = [source = makeMeshSource(settings, [](std::size_t) {}),
+                 capsules](const LinkPose& pose_of) mutable {
+    std::vector<Capsule> obstacles;
+    for (const auto& [link, capsule] : capsules) {
+      const std::optional<Eigen::Isometry3d> pose = pose_of(link);
+      if (pose) obstacles.push_back({*pose * capsule.a, *pose * capsule.b, capsule.radius_m});
+    }
+    return source(obstacles);
+  };
+  return played;
+}
+
+// A configuration that looks for other topics than there are is the commonest mistake.
+void checkObjects(const BagFiles& files, const BagContents& contents, const BagSetup& setup,
+                  const Warn& warn) {
+  std::set<std::string> there;
+  for (const BagContents::Mesh& mesh : contents.meshes) there.insert(mesh.topic);
+  std::string recorded;
+  for (const std::string& topic : there) recorded += (recorded.empty() ? "" : ", ") + topic;
+  if (there.empty() && !setup.played) {
+    throw std::runtime_error(
+        "no deformable mesh in the bags: record the topic too (launch/record.launch), or give "
+        "--meshes or --cloth");
+  }
+  bool any = setup.played.has_value();
+  for (const ObjectParameters& object : setup.parameters.objects) {
+    if (setup.played && setup.played->object == object.name) continue;
+    any |= there.count(topicOf(object)) > 0;
+    if (there.count(topicOf(object)) > 0) continue;
+    warn("object '" + object.name + "': nothing was recorded on " + topicOf(object) +
+         (recorded.empty() ? "" : "; there are meshes on " + recorded));
+  }
+  if (!any) {
+    throw std::runtime_error(files.config + ": no object of it is in the bags, which have " +
+                             recorded);
+  }
+}
+
+void warnOfLinks(const RobotGeometry& robot, const Warn& warn) {
+  std::string first;
+  std::size_t count = 0;
+  for (const LinkGeometry& link : robot.links) {
+    if (link.problem.empty()) continue;
+    if (count++ == 0) first = link.problem;
+  }
+  if (count > 0) {
+    warn(std::to_string(count) +
+         " link(s) without usable geometry are UNKNOWN; the first: " + first);
+  }
+}
+
+}  // namespace
+
+BagSetup setUpBags(const BagFiles& files, const SceneObject& object, const BagContents& contents,
+                   const Warn& warn) {
+  BagSetup setup;
+  if (!files.config.empty()) {
+    std::vector<std::string> warnings;
+    try {
+      setup.parameters = parseParameters(readYamlParameters(files.config), &warnings);
+    } catch (const ParameterError& error) {
+      std::string text = error.what();
+      std::replace(text.begin(), text.end(), '\n', ' ');
+      throw std::runtime_error(files.config + ": " + text);
+    }
+    for (const std::string& warning : warnings) warn(files.config + ": " + warning);
+  }
+  MonitorParameters& parameters = setup.parameters;
+  if (!files.reference_frame.empty()) {
+    parameters.reference_frame = plainFrame(files.reference_frame);
+  }
+  if (parameters.objects.empty()) addRecordedObjects(contents, &parameters);
+  if (object.isWanted()) addPlayedObject(object, &parameters);
+  if (parameters.pair_classes.needRobot()) loadRobot(files, contents, &setup);
+  warnOfLinks(setup.robot, warn);
+  checkRobot(setup.robot, parameters);
+  checkReferenceFrame(files, contents, &parameters, warn);
+  if (object.isWanted()) {
+    if (contents.last_transform.isZero()) {
+      throw std::runtime_error("no moving transform in the bags: no time to play an object in");
+    }
+    setup.played = playedObject(object, setup);
+  }
+  checkObjects(files, contents, setup, warn);
+  return setup;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,20 @@
+// main() of the benchmarks on real data.
+#pragma once
+
+#include <cstdio>
+#include <functional>
+#include <string>
+
+#include "test_data.h"
+#include "tools/common/run_tool.h"
+
+namespace deformable_contact_monitor {
+
+// As runTool(); without test data it says so, and exits with 0.
+inline int runBenchmark(const std::string& name, const std::function<int()>& body) {
+  if (testDataIsThere()) return runTool(name, body);
+  std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());
+  return 0;
+}
+
+}  // namespace deformable_contact_monitor

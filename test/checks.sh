@@ -1,0 +1,67 @@
+# What test/run and its modes share: steps, problems, the summary line. Sourced with bash, in the
+# root of the source tree.
+
+problems=()
+passed=0 failed=0 skipped=0
+
+# Other Pythons lack catkin's modules.
+export PATH=/usr/bin:/bin:$PATH
+unset ROS_MASTER_URI ROS_HOSTNAME ROS_IP
+
+say() { printf '\n== %s\n' "$*"; }
+
+# Ends the run: with 0 if there is no problem, else with 1.
+finish() {
+  say "Result"
+  for problem in "${problems[@]}"; do echo "FAILED: $problem"; done
+  echo "$passed passed, $failed failed, $skipped skipped"
+  [ ${#problems[@]} -eq 0 ]
+  exit
+}
+
+# must PROBLEM COMMAND...: stops here if it fails; without this step nothing later makes sense.
+must() {
+  local problem=$1
+  shift
+  if ! "$@"; then
+    problems+=("$problem")
+    finish
+  fi
+}
+
+install_packages() {
+  say "Packages"
+  must "packages could not be installed" config/install_packages "$@"
+}
+
+# An attribute of the root element of ctest's report.
+count() {
+  tr '\n\t' '  ' <"$1" 2>/dev/null | grep -o '<testsuite [^>]*>' | grep -o " $2=\"[0-9]*\"" |
+    tr -dc 0-9
+}
+
+# run_tests BUILD [ARGS of ctest...]: a skip is a problem where the test data are there.
+run_tests() {
+  local build=$1 report=$1/ctest.xml total code inner
+  shift
+  say "Tests"
+  export ROS_HOME=$build/ros_home
+  rm -rf "$report" "$build/Testing" "$build/test_results"
+  (cd "$build" && ctest --output-on-failure --no-tests=error --output-junit "$report" "$@")
+  code=$?
+  total=$(count "$report" tests) failed=$(count "$report" failures)
+  skipped=$(count "$report" skipped)
+  total=${total:-0} failed=${failed:-0} skipped=${skipped:-0}
+  passed=$((total - failed - skipped))
+  # rostests say in their own results that they were skipped.
+  inner=$(grep -rlE '<skipped|\[  SKIPPED \]' "$build/test_results" 2>/dev/null)
+  [ $code -eq 0 ] || problems+=("ctest: $failed of $total tests failed")
+  [ "$total" -gt 0 ] || problems+=("no test ran")
+  if [ -d "${DCM_TEST_DATA:-$PWD/../shared/data}" ]; then
+    [ "$skipped" -eq 0 ] ||
+      problems+=("$skipped tests were skipped, although the test data are there")
+    [ -z "$inner" ] || problems+=("skipped within: $inner")
+  else
+    echo "The test data are not there: tests that need them were SKIPPED."
+  fi
+}

@@ -1,0 +1,85 @@
+// Which backend runs for which name. The device that is asked for exists nowhere, so that a machine
+// with a GPU is as one without.
+#include "cuda/detector_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cuda/cuda_error.h"
+#include "scenes.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+CudaSettings noSuchDevice() {
+  CudaSettings settings;
+  settings.device = 1000000;
+  return settings;
+}
+
+struct Made {
+  std::unique_ptr<Detector> detector;
+  std::vector<std::string> reasons;  // for which the CPU took over
+};
+
+Made make(BackendChoice choice, WithoutCuda without_cuda) {
+  Made made;
+  made.detector =
+      makeChosenDetector(choice, without_cuda, noSuchDevice(),
+                         [&made](const std::string& why) { made.reasons.push_back(why); });
+  return made;
+}
+
+std::string whyNotCuda() {
+  try {
+    makeCudaDetector(noSuchDevice());
+  } catch (const CudaError& error) {
+    return error.what();
+  }
+  return "no CudaError";
+}
+
+TEST(DetectorChoice, NamesReadBack) {
+  for (const char* name : {"auto", "cuda", "cpu"}) {
+    EXPECT_STREQ(toString(toBackendChoice(name)), name);
+  }
+  for (const char* name : {"", "gpu", "CUDA", "fcl"}) {
+    EXPECT_THROW(toBackendChoice(name), std::invalid_argument) << name;
+  }
+}
+
+TEST(DetectorChoice, CpuAsksForNoCuda) {
+  for (const WithoutCuda without_cuda : {WithoutCuda::kFallBack, WithoutCuda::kRefuse}) {
+    const Made made = make(BackendChoice::kCpu, without_cuda);
+    EXPECT_EQ(made.detector->backend(), "cpu");
+    EXPECT_TRUE(made.reasons.empty());
+  }
+}
+
+TEST(DetectorChoice, AutoFallsBackAndSaysWhyOnce) {
+  for (const WithoutCuda without_cuda : {WithoutCuda::kFallBack, WithoutCuda::kRefuse}) {
+    const Made made = make(BackendChoice::kAuto, without_cuda);
+    EXPECT_EQ(made.detector->backend(), "cpu");
+    EXPECT_EQ(made.reasons, std::vector<std::string>{whyNotCuda()});
+  }
+}
+
+TEST(DetectorChoice, CudaFallsBackOnlyWhereThatIsAllowed) {
+  const Made made = make(BackendChoice::kCuda, WithoutCuda::kFallBack);
+  EXPECT_EQ(made.detector->backend(), "cpu");
+  EXPECT_EQ(made.reasons, std::vector<std::string>{whyNotCuda()});
+  EXPECT_THROW(make(BackendChoice::kCuda, WithoutCuda::kRefuse), CudaError);
+}
+
+TEST(DetectorChoice, WhatTookOverDetects) {
+  const Made made = make(BackendChoice::kAuto, WithoutCuda::kFallBack);
+  const Scene scene = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0, 0));
+  EXPECT_FALSE(made.detector->detect(scene, Options()).contacts.empty());
+  EXPECT_EQ(made.reasons.size(), 1U);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

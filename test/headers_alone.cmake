@@ -1,0 +1,40 @@
+# The target headers_alone, built on demand: each header of src and cuda compiles by itself, so that
+# none leans on what others include before it. A header that its own source includes first is shown
+# by that; the others get a source each.
+
+# Whether a source beside the header begins with it.
+function(dcm_header_comes_first header include result)
+  set(${result} FALSE PARENT_SCOPE)
+  string(REGEX REPLACE "\\.[a-z]+$" "" stem ${PROJECT_SOURCE_DIR}/${header})
+  foreach(source ${stem}.cpp ${stem}.cu)
+    if(EXISTS ${source})
+      file(STRINGS ${source} first LIMIT_COUNT 1 REGEX "^#include")
+      if(first STREQUAL "#include \"${include}\"")
+        set(${result} TRUE PARENT_SCOPE)
+      endif()
+    endif()
+  endforeach()
+endfunction()
+
+set(patterns ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/cuda/*.h)
+if(DCM_CUDA_ENABLED)
+  list(APPEND patterns ${PROJECT_SOURCE_DIR}/cuda/*.cuh)
+endif()
+file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${patterns})
+
+add_library(headers_alone OBJECT EXCLUDE_FROM_ALL)
+foreach(header ${headers})
+  string(REGEX REPLACE "^src/" "" include ${header})
+  dcm_header_comes_first(${header} ${include} shown)
+  if(NOT shown)
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/headers_alone/${header}.cpp)
+    if(header MATCHES "cuh$")
+      set(source ${CMAKE_CURRENT_BINARY_DIR}/headers_alone/${header}.cu)
+    endif()
+    file(GENERATE OUTPUT ${source} CONTENT "#include \"${include}\"\n")
+    target_sources(headers_alone PRIVATE ${source})
+  endif()
+endforeach()
+target_link_libraries(headers_alone PRIVATE dcm_trade)
+target_compile_options(headers_alone PRIVATE -O0)
+set_target_properties(headers_alone PROPERTIES CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON)

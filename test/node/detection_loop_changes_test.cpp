@@ -1,0 +1,137 @@
+// What the detection loop does when it is asked to, when time jumps and when the robot changes.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "loop_fixture.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using ChangesTest = LoopTest;
+
+void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s) {
+  geometry_msgs::TransformStamped t;
+  t.header.frame_id = "base";
+  t.header.stamp = ros::Time(stamp_s);
+  t.child_frame_id = frame;
+  t.transform.rotation.w = 1;
+  buffer->setTransform(t, "test");
+}
+
+AllowedContact allowed(const std::string& a, const std::string& b) {
+  AllowedContact rule;
+  rule.body_a = a;
+  rule.body_b = b;
+  rule.allowed = true;
+  return rule;
+}
+
+std::shared_ptr<const RobotGeometry> robot(std::size_t links) {
+  const auto robot = std::make_shared<RobotGeometry>();
+  for (std::size_t i = 0; i < links; ++i) {
+    robot->links.push_back({"link" + std::to_string(i), "test", TriangleMesh(), ""});
+  }
+  return robot;
+}
+
+TEST_F(ChangesTest, AResetForgetsAllButTheMeshThatWaits) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  addTransform(&transforms_, "camera", 50);
+  ASSERT_TRUE(transforms_.canTransform("base", "camera", ros::Time(50)));
+  give(0, 50.0625);
+  requests_.requestReset();
+  EXPECT_EQ(step(), (Lines{"end: reset", "reset: reset",
+                           "cycle 50.0625: cloth@50.0625 cable(no mesh yet)"}));
+  EXPECT_EQ(detector_.resets, 1);
+  EXPECT_FALSE(transforms_.canTransform("base", "camera", ros::Time(50)));
+  EXPECT_EQ(step(), Lines()) << "once";
+}
+
+TEST_F(ChangesTest, DisabledDropsMeshesAndSaysWhy) {
+  give(0, 50);
+  step();
+  give(0, 50.25);
+  requests_.setEnabled(false);
+  EXPECT_EQ(step(),
+            (Lines{"disabled", "end: disabled", "heartbeat 50: cloth(disabled) cable(disabled)"}));
+  EXPECT_EQ(meshes_[0].counters().dropped, 1U);
+  give(0, 50.5);
+  EXPECT_EQ(stepAfter(500), Lines());
+  EXPECT_EQ(stepAfter(500), Lines{"heartbeat 50: cloth(disabled) cable(disabled)"});
+  requests_.setEnabled(true);
+  give(0, 50.75);
+  EXPECT_EQ(step(), (Lines{"enabled", "cycle 50.75: cloth@50.75 cable(no mesh yet)"}));
+}
+
+TEST_F(ChangesTest, AllowedContactsHoldFromTheNextCycleOn) {
+  give(0, 50);
+  step();
+  ASSERT_EQ(said_.pairs.size(), 1U);
+  EXPECT_FALSE(said_.pairs[0].allowed);
+  requests_.addAllowedContacts({allowed("cloth", "cable")});
+  give(0, 50.25);
+  step();
+  EXPECT_TRUE(said_.pairs[0].allowed);
+}
+
+TEST_F(ChangesTest, AClockThatGoesBackResets) {
+  give(0, 50);
+  step();
+  ros_time_ = ros::Time(49.95);
+  EXPECT_EQ(step(), Lines()) << "a small step";
+  ros_time_ = ros::Time(40.95);
+  const std::string reason = "time jump: the clock went back by 9.000000 s";
+  EXPECT_EQ(step(), (Lines{"end: " + reason, "reset: " + reason}));
+  EXPECT_EQ(step(), Lines());
+  ros_time_ = ros::Time(50);
+  EXPECT_EQ(stepAfter(1000), Lines{"heartbeat 50: cloth(no mesh yet) cable(no mesh yet)"});
+}
+
+TEST_F(ChangesTest, ForHalfASecondAfterAJumpMeshesFromBeforeAreDropped) {
+  step();
+  ros_time_ = ros::Time(40);
+  step();
+  give(0, 50);
+  EXPECT_EQ(stepAfter(499), Lines());
+  EXPECT_FALSE(meshes_[0].waitingStamp());
+  give(0, 40);
+  EXPECT_EQ(step(), Lines{"cycle 40: cloth@40 cable(no mesh yet)"}) << "it is from after the jump";
+  give(1, 40.5);
+  EXPECT_EQ(stepAfter(1), Lines{"cycle 40.5: cloth@40 cable@40.5"}) << "the half second is over";
+}
+
+TEST_F(ChangesTest, ATransformFromBeforeTheJumpIsForgotten) {
+  step();
+  ros_time_ = ros::Time(40);
+  step();
+  const auto giveWithALeftover = [this](double stamp_s) {
+    addTransform(&transforms_, "camera", 50);
+    give(0, stamp_s, "camera");
+  };
+  giveWithALeftover(40);
+  EXPECT_EQ(step().front(), "miss of cloth");
+  EXPECT_FALSE(transforms_.canTransform("base", "camera", ros::Time(50)));
+  giveWithALeftover(40.0625);
+  EXPECT_EQ(stepAfter(500).front(), "miss of cloth");
+  EXPECT_TRUE(transforms_.canTransform("base", "camera", ros::Time(50)));
+}
+
+TEST_F(ChangesTest, ANewRobotEndsContactsTheFirstOneDoesNot) {
+  parameters_.pair_classes.robot_deformable = true;
+  EXPECT_EQ(step(), Lines());
+  const auto one = robot(1), two = robot(2);
+  robot_source_ = [&] { return one; };
+  EXPECT_EQ(step(), Lines{"robot of 1"});
+  EXPECT_EQ(step(), Lines());
+  robot_source_ = [&] { return two; };
+  EXPECT_EQ(step(), (Lines{"end: robot changed", "robot of 2"}));
+  EXPECT_EQ(detector_.resets, 2);
+  EXPECT_EQ(stepAfter(1000),
+            Lines{"heartbeat 50: link0 link1 cloth(no mesh yet) cable(no mesh yet)"});
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

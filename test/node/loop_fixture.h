@@ -1,0 +1,158 @@
+// A detection loop with time, detector and outside world in the test's hands.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "node/detection_loop.h"
+
+namespace deformable_contact_monitor {
+
+struct FakeDetector : Detector {
+  struct Script {
+    std::string failure;  // detect() throws it; empty: it finds nothing
+    int resets = 0;
+  };
+
+  explicit FakeDetector(Script* script) : script(script) {}
+  std::string backend() const override { return "fake"; }
+  const DetectionResult& detect(const Scene& /*scene*/, const Options& /*options*/) override {
+    if (!script->failure.empty()) throw std::runtime_error(script->failure);
+    return result;
+  }
+  void reset() override { ++script->resets; }
+
+  Script* const script;
+  DetectionResult result;
+};
+
+// Writes a line for everything that is said, but for mesh counters and the lack of errors.
+struct FakeSink : CycleSink {
+  struct Log {
+    std::vector<std::string> lines;
+    std::vector<MonitoredPair> pairs;    // of the latest report
+    std::vector<std::uint64_t> refused;  // by object
+  };
+
+  explicit FakeSink(Log* log) : log(log) {}
+  void add(const std::string& line) { log->lines.push_back(line); }
+  void addReport(const std::string& what, const CycleReport& report) {
+    std::ostringstream line;
+    line << what << " " << report.header.stamp.toSec() << ":";
+    for (const BodyStatus& body : report.bodies) {
+      line << " " << body.name;
+      if (!body.stamp.isZero()) line << "@" << body.stamp.toSec();
+      if (!body.unknown_because.empty()) line << "(" << body.unknown_because << ")";
+    }
+    add(line.str());
+    log->pairs = report.pairs;
+  }
+  void sendCycle(CycleReport* report, CycleClock::SteadyTime /*start*/,
+                 CycleClock::SteadyTime /*mesh_arrival*/) override {
+    addReport(report->result != nullptr ? "cycle" : "no result", *report);
+  }
+  void sendHeartbeat(CycleReport* report) override { addReport("heartbeat", *report); }
+  void endContacts(const std::string& reason) override { add("end: " + reason); }
+  void sendRobot(const RobotGeometry& robot) override {
+    add("robot of " + std::to_string(robot.links.size()));
+  }
+  void recordMesh(std::size_t object, const MeshCounters& counters) override {
+    log->refused.resize(std::max(log->refused.size(), object + 1));
+    log->refused[object] = counters.refused;
+  }
+  void recordTransforms(const TransformReport& transforms) override {
+    for (const TransformReport::Miss& miss : transforms.misses) add("miss of " + miss.body);
+  }
+  void recordDetectorError(const std::string& error) override {
+    if (!error.empty()) add("error: " + error);
+  }
+  void recordReset(const std::string& reason) override { add("reset: " + reason); }
+  void recordEnabled(bool enabled) override { add(enabled ? "enabled" : "disabled"); }
+
+  Log* const log;
+};
+
+// Two objects, 0 "cloth" and 1 "cable", in the reference frame "base", monitored against each
+// other; no limit of the rate. Clocks stand until the test moves them.
+class LoopTest : public ::testing::Test {
+ protected:
+  using Lines = std::vector<std::string>;
+
+  LoopTest() {
+    parameters_.reference_frame = "base";
+    parameters_.objects = {{"cloth", "", 0, true}, {"cable", "", 0, true}};
+    parameters_.pair_classes = {false, true, false, false};
+    parameters_.max_rate_hz = 0;
+    parameters_.tf_timeout_s = 0;
+    for (const ObjectParameters& object : parameters_.objects) meshes_.emplace_back(object.name);
+  }
+
+  // A mesh of one triangle arrives.
+  void give(std::size_t object, double stamp_s, const std::string& frame = "base") {
+    auto message = boost::make_shared<DeformableMesh>();
+    message->header.stamp = ros::Time(stamp_s);
+    message->header.frame_id = frame;
+    message->topology_id = 3;
+    message->vertices = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    message->triangles = {0, 1, 2};
+    meshes_[object].store(message);
+  }
+
+  // One step, the first one with the parameters as they are then. Returns what was said in it.
+  Lines step() {
+    if (!loop_) {
+      loop_ = std::make_unique<DetectionLoop>(
+          parameters_,
+          LoopSources{requests_, meshes_, transforms_, [this] { return newestRobot(); }},
+          LoopTime{[this] { return readSteadyClock(); }, [this] { return ros_time_; }},
+          std::make_unique<FakeDetector>(&detector_), std::make_unique<FakeSink>(&said_));
+    }
+    wake_time_ = loop_->step();
+    return std::exchange(said_.lines, {});
+  }
+
+  // A step, so many milliseconds later.
+  Lines stepAfter(int ms) {
+    steady_time_ += std::chrono::milliseconds(ms);
+    return step();
+  }
+
+  // From the last step until the next one, if nothing happens [ms].
+  double sleepMs() const {
+    return std::chrono::duration<double, std::milli>(wake_time_ - steady_time_).count();
+  }
+
+  MonitorParameters parameters_;
+  Mailbox requests_{AllowedContacts()};
+  MeshMailboxes meshes_;
+  tf2::BufferCore transforms_;
+  std::function<std::shared_ptr<const RobotGeometry>()> robot_source_;
+  FakeDetector::Script detector_;
+  FakeSink::Log said_;
+  CycleClock::SteadyTime steady_time_{std::chrono::hours(7)};
+  ros::Time ros_time_{50};
+  // Called once, when the loop reads the steady clock next.
+  std::function<void()> at_next_reading_;
+
+ private:
+  std::shared_ptr<const RobotGeometry> newestRobot() const {
+    return robot_source_ ? robot_source_() : nullptr;
+  }
+  CycleClock::SteadyTime readSteadyClock() {
+    if (at_next_reading_) std::exchange(at_next_reading_, nullptr)();
+    return steady_time_;
+  }
+
+  std::unique_ptr<DetectionLoop> loop_;
+  CycleClock::SteadyTime wake_time_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,38 @@
+// Lets clang-tidy read .cu and .cuh files: clang 14 knows no CUDA behind 11.5, and its own wrapper
+// of CUDA's headers fails on later ones. Included ahead of a file that is read as CUDA for the
+// host, without that wrapper (test/tidy.sh has the flags); nothing is ever built with it.
+#pragma once
+
+// NOLINTBEGIN(bugprone-reserved-identifier): these names are CUDA's.
+// What nvcc defines. cub asks for its version.
+#define __CUDACC__ 1
+#define __NVCC__ 1
+#define __CUDACC_VER_MAJOR__ (CUDART_VERSION / 1000)
+#define __CUDACC_VER_MINOR__ (CUDART_VERSION % 1000 / 10)
+#define __CUDACC_VER_BUILD__ 0
+
+// CUDA's declarations of C's math functions, and its bodies for the host, clash with clang's own.
+#define __MATH_FUNCTIONS_H__
+#define __DEVICE_FUNCTIONS_HPP__
+#define __syncthreads syncThreadsOfClangTidy  // clang has a builtin of that name
+// NOLINTEND(bugprone-reserved-identifier)
+
+// What clang declares for the host alone, before all else becomes host and device code.
+#include <cxxabi.h>
+#include <stdlib.h>
+#include <vector_types.h>
+
+#include <exception>
+#include <new>
+#include <optional>
+#include <variant>
+
+#pragma clang force_cuda_host_device begin
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cmath>
+
+using std::isnan;
+using std::max;
+using std::min;
