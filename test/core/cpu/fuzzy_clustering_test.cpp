@@ -102,10 +102,7 @@ TEST_P(Fuzzifier, AgreesWithTheTextbookFormula) {
       double sum = 0;
       bool on_other = false, on_this = false;
       for (std::size_t k = 0; k < before.size(); ++k) {
-        if (p == before[k]) {  // no ratio of distances
-          (k == j ? on_this : on_other) = true;
-          continue;
-        }
+        if (p == before[k]) (k == j ? on_this : on_other) = true;
         const Vec3d to_j = toDouble(p) - toDouble(before[j]);
         const Vec3d to_k = toDouble(p) - toDouble(before[k]);
         sum += std::pow(std::sqrt(dot(to_j, to_j) / dot(to_k, to_k)), 2 / (m - 1));
