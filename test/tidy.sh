@@ -44,7 +44,8 @@ tidy() {
     mapfile -t files < <(find src cuda test/support -name '*.cpp' -o -name '*.cu' | sort)
   else
     [ -n "$commit" ] || commit=$(default_commit)
-    git rev-parse --verify --quiet "$commit^{commit}" >/dev/null || must "there is no commit '$commit' to compare with" false
+    git rev-parse --verify --quiet "$commit^{commit}" >/dev/null ||
+      must "there is no commit '$commit' to compare with" false
     mapfile -t files < <(changed_files "$commit")
   fi
   install_packages build run tidy
@@ -66,7 +67,8 @@ tidy() {
   export CUDA_HEADERS
   export -f tidy_file
   log=build/tidy/clang-tidy.log
-  printf '%s\n' "${files[@]}" | xargs -r -d '\n' -P "$(nproc)" -I{} bash -c 'tidy_file {}' | tee "$log"
+  printf '%s\n' "${files[@]}" |
+    xargs -r -d '\n' -P "$(nproc)" -I{} bash -c 'tidy_file {}' | tee "$log"
   passed=$(grep -c '^ok ' "$log")
   failed=$((${#files[@]} - passed))
   [ "$failed" -eq 0 ] || problems+=("clang-tidy: $failed of ${#files[@]} files")

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstring>
 
-// Wide vectors where the processor has them.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+// Wide vectors where the processor has them. ThreadSanitizer is not up yet when clones are chosen.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define DCM_WIDE_CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define DCM_WIDE_CLONES

@@ -25,8 +25,12 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr int kPatienceMs = 60000;              // with a reader that says nothing
-constexpr rlim_t kMemory = rlim_t{16} << 30;    // [bytes] that the reader may ask for
+constexpr int kPatienceMs = 60000;  // with a reader that says nothing
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr rlim_t kMemory = RLIM_INFINITY;  // sanitizers ask for terabytes of addresses
+#else
+constexpr rlim_t kMemory = rlim_t{16} << 30;  // [bytes] that the reader may ask for
+#endif
 constexpr std::uint32_t kLongest = 0xC0000000;  // [bytes] of one message
 
 // What goes through the pipe before the texts and the bytes.
