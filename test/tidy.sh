@@ -1,9 +1,9 @@
 # clang-tidy, for test/run --tidy. Sourced after test/checks.sh.
 
-# Files of src, cuda and test/support that differ from a commit, new ones too.
+# Files of src and cuda that differ from a commit, new ones too.
 changed_files() {
   { git diff --name-only --diff-filter=d "$1" && git ls-files --others --exclude-standard; } |
-    grep -E '^(src|cuda|test/support)/.*\.(h|cpp|cu|cuh)$' | sort -u
+    grep -E '^(src|cuda)/.*\.(h|cpp|cu|cuh)$' | sort -u
 }
 
 # Where this branch left main; on main, the last commit but one.
@@ -41,7 +41,7 @@ tidy() {
     mapfile -t files < <(realpath --relative-to="$PWD" -- "$@")
   elif [ "$commit" = all ]; then
     # Headers are read with the sources that include them.
-    mapfile -t files < <(find src cuda test/support -name '*.cpp' -o -name '*.cu' | sort)
+    mapfile -t files < <(find src cuda -name '*.cpp' -o -name '*.cu' | sort)
   else
     [ -n "$commit" ] || commit=$(default_commit)
     git rev-parse --verify --quiet "$commit^{commit}" >/dev/null ||

@@ -30,8 +30,8 @@ struct CycleArrays : ArrayGroup {
   __device__ const CycleParams& params() const { return *the_params.data(); }
   __device__ CycleCounters& counters() const { return *the_counters.data(); }
 
-  DeviceArray<CycleParams, Place> the_params{*this, ArraySize(1)};
-  DeviceArray<CycleCounters, Place> the_counters{*this, ArraySize(1)};
+  DeviceArray<CycleParams, Place> the_params{*this, 1U};
+  DeviceArray<CycleCounters, Place> the_counters{*this, 1U};
 };
 
 }  // namespace deformable_contact_monitor

@@ -17,12 +17,6 @@ namespace deformable_contact_monitor {
 struct ArraySize {
   std::uint32_t CycleSizes::*rows;
   std::uint32_t more;
-
-  // Like a plain member, or a plain number of rows.
-  ArraySize(std::uint32_t CycleSizes::*by,
-            std::uint32_t and_more = 0)  // NOLINT(google-explicit-constructor)
-      : rows(by), more(and_more) {}
-  explicit ArraySize(std::uint32_t fixed) : rows(nullptr), more(fixed) {}
 };
 
 // Owns the memory of the arrays that were declared with it. One detector's; one thread at a time.
@@ -74,8 +68,13 @@ class ArrayGroup {
 template <class T, class Id, unsigned kRow = 1>
 class DeviceArray {
  public:
-  DeviceArray(ArrayGroup& group, const ArraySize& size) {
-    group.enlist(&data_, &rows_, kRow * sizeof(T), size);
+  // As many rows as `rows` of the sizes says, and `more`.
+  DeviceArray(ArrayGroup& group, std::uint32_t CycleSizes::*rows, std::uint32_t more = 0) {
+    group.enlist(&data_, &rows_, kRow * sizeof(T), {rows, more});
+  }
+  // Always so many rows.
+  DeviceArray(ArrayGroup& group, std::uint32_t fixed) {
+    group.enlist(&data_, &rows_, kRow * sizeof(T), {nullptr, fixed});
   }
 
   __device__ T& operator[](Id i) const {

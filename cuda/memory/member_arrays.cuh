@@ -36,11 +36,11 @@ struct MemberArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
   // Of the clusters, then of the large list; this cycle's, and the next one's.
-  DeviceArray<Bin, ClusterIndex> bins{*this, {&CycleSizes::clusters, 1}};
-  DeviceArray<Bin, ClusterIndex> next_bins{*this, {&CycleSizes::clusters, 1}};
+  DeviceArray<Bin, ClusterIndex> bins{*this, &CycleSizes::clusters, 1};
+  DeviceArray<Bin, ClusterIndex> next_bins{*this, &CycleSizes::clusters, 1};
   // How many members came to each bin, whether they fit or not, in the first of 8 places, which
   // keeps the counters of different clusters in different sectors; zero at the start of a cycle.
-  DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, {&CycleSizes::clusters, 1}};
+  DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, &CycleSizes::clusters, 1};
   DeviceArray<Member, MemberIndex> members{*this, &CycleSizes::members};
   DeviceArray<WideTriangle, Place> wide{*this, &CycleSizes::triangles};
   DeviceArray<std::uint32_t, Place> lists{*this, &CycleSizes::list_words};

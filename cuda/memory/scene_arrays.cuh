@@ -46,7 +46,7 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<DeviceBody, BodyIndex> bodies{*this, &CycleSizes::bodies};
   DeviceArray<BodyIndex, Place> partners{*this, &CycleSizes::partners};
   // Per group: which groups its bodies meet, as bits.
-  DeviceArray<std::uint32_t, Place> group_mask{*this, ArraySize(kMostGroups)};
+  DeviceArray<std::uint32_t, Place> group_mask{*this, kMostGroups};
   // Bodies x bodies bits, rows of pair_row words.
   DeviceArray<std::uint32_t, Place> pair_enabled{*this, &CycleSizes::pair_words};
   DeviceArray<BodyBlock, Place> vertex_blocks{*this, &CycleSizes::vertex_blocks};

@@ -39,7 +39,7 @@ struct SweepArrays : ArrayGroup {
   DeviceArray<Moments, ClusterIndex> moments{*this, &CycleSizes::clusters};
   // Of each member, in the bins' order by group and bucket.
   // Second and third axis; a sweep reads up to 64 places on.
-  DeviceArray<PackedBox, SortedIndex> boxes{*this, {&CycleSizes::members, 64}};
+  DeviceArray<PackedBox, SortedIndex> boxes{*this, &CycleSizes::members, 64};
   // Bucket of the beginning, bucket of the end << 16; within the group.
   DeviceArray<std::uint32_t, SortedIndex> keys{*this, &CycleSizes::members};
   // x and y, lo and hi; z, lo and hi.

@@ -18,6 +18,7 @@ BodyGroups::BodyGroups(const Scene& scene) : group(scene.bodyCount()) {
   }
   for (const BodyId a : representative) {
     std::vector<bool> row;
+    row.reserve(representative.size());
     for (const BodyId b : representative) row.push_back(scene.pairEnabled(a, b));
     enabled.push_back(std::move(row));
   }

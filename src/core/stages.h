@@ -32,6 +32,7 @@ class StageTimes {
   // [ms] by name, all stages in their order.
   std::vector<std::pair<std::string, double>> byName() const {
     std::vector<std::pair<std::string, double>> times;
+    times.reserve(kStageCount);
     for (std::size_t s = 0; s < kStageCount; ++s) times.emplace_back(kStageNames[s], ms_[s]);
     return times;
   }

@@ -25,9 +25,9 @@ std::string range(T low, T high) {
 
 }  // namespace
 
-ParameterReader::ParameterReader(XmlRpcValue tree, std::string where,
+ParameterReader::ParameterReader(const XmlRpcValue& tree, std::string where,
                                  std::vector<std::string>* problems)
-    : tree_(std::move(tree)), where_(std::move(where)), problems_(problems) {
+    : tree_(tree), where_(std::move(where)), problems_(problems) {
   if (tree_.valid() && tree_.getType() != XmlRpcValue::TypeStruct) {
     problems_->push_back(where_ + " must be a map of names to values");
     tree_ = XmlRpcValue();
@@ -157,6 +157,7 @@ std::vector<ParameterReader> ParameterReader::structs(const std::string& name) {
     return {};
   }
   std::vector<ParameterReader> readers;
+  readers.reserve(static_cast<std::size_t>(value->size()));
   for (int i = 0; i < value->size(); ++i) {
     readers.emplace_back((*value)[i], where_ + name + "[" + std::to_string(i) + "]/", problems_);
   }

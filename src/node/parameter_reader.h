@@ -15,7 +15,8 @@ namespace deformable_contact_monitor {
 class ParameterReader {
  public:
   // `where` precedes names in messages: "~", "~objects[0]/". `problems` must outlive the reader.
-  ParameterReader(XmlRpc::XmlRpcValue tree, std::string where, std::vector<std::string>* problems);
+  ParameterReader(const XmlRpc::XmlRpcValue& tree, std::string where,
+                  std::vector<std::string>* problems);
 
   bool flag(const std::string& name, bool fallback);
   int integer(const std::string& name, int fallback, int low, int high);

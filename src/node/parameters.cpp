@@ -20,7 +20,7 @@ void warnOfUnknown(const ParameterReader& reader, std::vector<std::string>* warn
 }
 
 std::string frame(ParameterReader* reader, const std::string& name, const std::string& fallback) {
-  const std::string value = reader->text(name, fallback);
+  std::string value = reader->text(name, fallback);
   if (value.front() == '/') reader->addProblem(name, "is '" + value + "', must not begin with '/'");
   return value;
 }

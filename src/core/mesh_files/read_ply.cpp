@@ -187,7 +187,8 @@ TriangleMesh readElements(Body body, const PlyHeader& header) {
   TriangleMesh mesh;
   for (const PlyElement& element : header.elements) {
     // Before anything is allocated, or looped over, for a count that may be a lie.
-    if (element.count > 0 && element.count > body.remaining() / Body::shortestRecord(element)) {
+    const auto shortest = std::max<std::uint64_t>(1, Body::shortestRecord(element));
+    if (element.count > body.remaining() / shortest) {
       body.fail(std::to_string(element.count) + " elements " + element.name +
                 " announced, but the file is too short for them");
     }
