@@ -52,7 +52,7 @@ bool Mailbox::wait(std::chrono::steady_clock::time_point then) {
 
 Requests Mailbox::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const Requests taken = std::exchange(requests_, Requests());
+  Requests taken = std::exchange(requests_, Requests());
   requests_.enabled = taken.enabled;
   return taken;
 }

@@ -142,9 +142,10 @@ std::map<std::string, double> ParameterReader::numbers(const std::string& name, 
     return {};
   }
   std::map<std::string, double> numbers;
+  const std::string prefix = name + "/";
   for (const auto& [key, item] : *value) {
     double number = 0;
-    if (toNumber(name + "/" + key, item, low, high, &number)) numbers[key] = number;
+    if (toNumber(prefix + key, item, low, high, &number)) numbers[key] = number;
   }
   return numbers;
 }
