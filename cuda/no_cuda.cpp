@@ -1,6 +1,6 @@
 // Stands in for the CUDA backend in builds without nvcc.
 #include "cuda/cuda_detector.h"
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 
 namespace deformable_contact_monitor {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 
 namespace deformable_contact_monitor {
 

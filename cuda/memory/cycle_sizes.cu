@@ -2,7 +2,7 @@
 #include <string>
 
 #include "core/rules/sampling.h"
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "cuda/memory/contact_arrays.cuh"
 #include "cuda/memory/cycle_sizes.cuh"
 

@@ -12,7 +12,7 @@
 
 #include "batch_verdicts.h"
 #include "cgal_oracle.h"
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "moller.h"
 #include "scenes.h"
 #include "tools/common/run_tool.h"

@@ -11,7 +11,7 @@
 #include "core/cpu/cpu_detector.h"
 #include "core/detector.h"
 #include "cuda/cuda_detector.h"
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "pair_sets.h"
 #include "reference/brute_force_detector.h"
 #include "test_data.h"

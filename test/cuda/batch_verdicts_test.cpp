@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "pair_verdict.h"
 #include "test_data.h"
 

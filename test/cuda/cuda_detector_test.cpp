@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "core/cpu/cpu_detector.h"
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "pair_sets.h"
 #include "random_scenes.h"
 #include "scenes.h"

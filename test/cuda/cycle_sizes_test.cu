@@ -1,7 +1,7 @@
 // How buffers grow; on the host alone.
 #include <gtest/gtest.h>
 
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "cuda/memory/cycle_sizes.cuh"
 
 namespace deformable_contact_monitor {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {

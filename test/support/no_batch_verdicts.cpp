@@ -1,6 +1,6 @@
 // Stands in for batch_verdicts.cu in builds without nvcc.
 #include "batch_verdicts.h"
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 
 namespace deformable_contact_monitor {
 

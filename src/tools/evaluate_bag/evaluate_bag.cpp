@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/stopwatch.h"
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_messages.h"

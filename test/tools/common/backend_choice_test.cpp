@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cuda/cuda_error.h"
+#include "cuda/device/cuda_error.h"
 
 namespace deformable_contact_monitor {
 namespace {
