@@ -180,12 +180,7 @@ void DetectionLoop::heartbeat() {
 }
 
 CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {
-  CycleReport report;
-  report.header.stamp = stamp;
-  report.header.frame_id = parameters_.reference_frame;
-  report.cycle = ++cycle_;
-  report.bodies = scene_.bodies();
-  report.pairs = scene_.pairs();
+  CycleReport report = scene_.makeReport(stamp, ++cycle_);
   report.options = parameters_.detector;
   report.backend = detector_->backend();
   return report;

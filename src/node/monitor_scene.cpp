@@ -81,6 +81,16 @@ void MonitorScene::markUnknown(const std::vector<std::string>& why) {
   }
 }
 
+CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle) const {
+  CycleReport report;
+  report.header.stamp = stamp;
+  report.header.frame_id = parameters_.reference_frame;
+  report.cycle = cycle;
+  report.bodies = bodies_;
+  report.pairs = pairs_;
+  return report;
+}
+
 TransformReport MonitorScene::prepare(const ros::Time& t, const MeshInputs& inputs,
                                       const TransformLookup& lookup) {
   clearStatuses();

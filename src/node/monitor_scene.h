@@ -52,6 +52,9 @@ class MonitorScene {
   // For a report without detection: object i is UNKNOWN because of why[i], links are not looked at.
   void markUnknown(const std::vector<std::string>& why);
 
+  // Of a cycle with that stamp and number: its bodies and pairs as they are now, without a result.
+  CycleReport makeReport(const ros::Time& stamp, std::uint64_t cycle) const;
+
   const Scene& scene() const { return scene_; }
   const std::vector<BodyStatus>& bodies() const { return bodies_; }
   const std::vector<MonitoredPair>& pairs() const { return pairs_; }

@@ -172,12 +172,7 @@ DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
 
 void BagCycles::detectAt(const ros::Time& stamp, const std::function<void(CycleReport*)>& visit) {
   scene_.prepare(stamp, inputs_, lookup_);
-  CycleReport report;
-  report.header.stamp = stamp;
-  report.header.frame_id = parameters_.reference_frame;
-  report.cycle = ++cycle_;
-  report.bodies = scene_.bodies();
-  report.pairs = scene_.pairs();
+  CycleReport report = scene_.makeReport(stamp, ++cycle_);
   report.scene = &scene_.scene();
   visit(&report);
 }
