@@ -10,8 +10,6 @@
 
 namespace deformable_contact_monitor {
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
 // A centroid for fuzzy c-means [scaled], and a prototype near it, or kNone: no sample.
 struct Sample {
   Vec3f centroid;

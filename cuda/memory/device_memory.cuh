@@ -13,6 +13,9 @@
 
 namespace deformable_contact_monitor {
 
+// In place of a number: there is none.
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
 // How many rows an array has: `rows` of the sizes (null: none) and `more`.
 struct ArraySize {
   std::uint32_t CycleSizes::*rows;

@@ -50,7 +50,7 @@ struct MemberArrays : ArrayGroup {
   __device__ std::uint32_t present(ClusterIndex g) const { return min(count(g), bins[g].capacity); }
   // The member's ascending list of clusters; null: it is in one alone.
   __device__ const std::uint32_t* clustersOf(const Member& m) const {
-    return m.list == ~std::uint32_t{0} ? nullptr : lists.data() + m.list + 1;
+    return m.list == kNone ? nullptr : lists.data() + m.list + 1;
   }
 };
 
