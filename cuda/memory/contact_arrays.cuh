@@ -8,7 +8,7 @@
 namespace deformable_contact_monitor {
 
 // Two members for the judge, and what is known of them.
-struct Candidate {
+struct DeviceCandidate {
   MemberIndex a, b;
   // Two bits for each of 3 + 3 sides (side + 1), then three for each triangle's shared vertices.
   std::uint32_t facts;
@@ -17,7 +17,7 @@ struct Candidate {
 struct ContactArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
-  DeviceArray<Candidate, Place> candidates{*this, &CycleSizes::candidates};
+  DeviceArray<DeviceCandidate, Place> candidates{*this, &CycleSizes::candidates};
   // Candidates that the filters could not settle: their places.
   DeviceArray<Place, Place> open{*this, &CycleSizes::candidates};
   // The lower triangle's number << CycleParams::index_bits | the higher one's.

@@ -10,7 +10,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 // What a candidate and a contact take, with the arrays that go with them [bytes].
-constexpr std::uint64_t kCandidateBytes = sizeof(Candidate) + sizeof(std::uint32_t);
+constexpr std::uint64_t kCandidateBytes = sizeof(DeviceCandidate) + sizeof(std::uint32_t);
 constexpr std::uint64_t kContactBytes =  // the list, the sorted one, and what sorting needs
     3 * (sizeof(std::uint64_t) + sizeof(float));
 

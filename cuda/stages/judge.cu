@@ -13,7 +13,7 @@ constexpr unsigned kThreads = 128;
 constexpr unsigned kFullBlocksEach = 2;
 
 // By floating-point filters alone. Within a margin, pairs that are apart may be contacts too.
-__device__ PartVerdict quickVerdictOf(const CycleArrays& c, const Candidate& candidate,
+__device__ PartVerdict quickVerdictOf(const CycleArrays& c, const DeviceCandidate& candidate,
                                       const Member& a, const Member& b) {
   const PairFacts facts = unpackFacts(candidate.facts);
   const PartVerdict verdict = quickVerdict(a.posed, b.posed, facts, c.params().predicates);
@@ -44,7 +44,7 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
     PartVerdict verdict = PartVerdict::kApart;
     TriangleIndex a(0), b(0);
     if (i.value < count) {
-      const Candidate candidate = c.contacts.candidates[i];
+      const DeviceCandidate candidate = c.contacts.candidates[i];
       const Member member_a = c.members.members[candidate.a];
       const Member member_b = c.members.members[candidate.b];
       a = member_a.triangle;
@@ -97,7 +97,7 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
     state.mode = c.params().predicates;
     TriangleIndex a(0), b(0);
     if (laneId() < each && i < count) {
-      const Candidate candidate = c.contacts.candidates[c.contacts.open[Place(i)]];
+      const DeviceCandidate candidate = c.contacts.candidates[c.contacts.open[Place(i)]];
       const Member member_a = c.members.members[candidate.a];
       const Member member_b = c.members.members[candidate.b];
       a = member_a.triangle;

@@ -30,7 +30,7 @@ __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberInde
   const uint4 ids_a = idsOf(c.scene, a), ids_b = idsOf(c.scene, b);
   const std::uint32_t shared_a = sharedBits(ids_a, ids_b);
   if (shared_a != 0 && c.params().adjacent == AdjacentPairs::kSkip) return;
-  Candidate candidate;
+  DeviceCandidate candidate;
   if (!screenPair(c, ClusterIndex(kNone), at_a, at_b, shared_a,
                   shared_a == 0 ? 0 : sharedBits(ids_b, ids_a), candidate)) {
     return;

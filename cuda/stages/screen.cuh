@@ -15,7 +15,7 @@ __device__ inline std::uint32_t sharedBits(const uint4& a, const uint4& b) {
   return sharedBits(ids_a, ids_b);
 }
 
-// The facts of a pair in one word: see Candidate::facts. The margin is not among them.
+// The facts of a pair in one word: see DeviceCandidate::facts. The margin is not among them.
 constexpr unsigned kSharedShift = 12;
 
 __device__ inline std::uint32_t packFacts(const PairFacts& facts) {
@@ -59,7 +59,7 @@ __device__ inline bool pairEnabled(const SceneArrays& scene, BodyIndex a, BodyIn
 // vertices. `cluster`: where they met; kNone: they could meet nowhere else.
 __device__ inline bool screenPair(const CycleArrays& c, ClusterIndex cluster, MemberIndex at_a,
                                   MemberIndex at_b, std::uint32_t shared_a, std::uint32_t shared_b,
-                                  Candidate& candidate) {
+                                  DeviceCandidate& candidate) {
   const Member a = c.members.members[at_a], b = c.members.members[at_b];
   if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body(), b.body())) return false;
   PairFacts facts;

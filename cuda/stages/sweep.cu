@@ -51,7 +51,7 @@ struct WarpMemory {
   // Pairs of a unit that meet along the cluster's axes: lane of the row | column in the unit << 5.
   std::uint32_t axis_pairs[kAxisPairCapacity];
   BoxPair box_pairs[kQueueCapacity];
-  Candidate candidates[kQueueCapacity];
+  DeviceCandidate candidates[kQueueCapacity];
 };
 
 class Sweeper {
@@ -159,7 +159,7 @@ class Sweeper {
   // Planes, full boxes and owners.
   __device__ void screenBoxPairs() {
     BoxPair pair;
-    Candidate candidate;
+    DeviceCandidate candidate;
     bool kept = box_pairs_.pop(pair);
     if (kept) {
       kept = screenPair(c_, pair.cluster, MemberIndex(pair.a & kMemberMask),
@@ -171,7 +171,7 @@ class Sweeper {
   }
 
   __device__ void emitCandidates() {
-    Candidate candidate;
+    DeviceCandidate candidate;
     const bool has = candidates_.pop(candidate);
     const unsigned long long place = warpReserve(&c_.counters().candidates, has);
     if (has && place < c_.contacts.candidates.size()) {
@@ -182,7 +182,7 @@ class Sweeper {
   const CycleArrays& c_;
   WarpQueue<std::uint32_t, kAxisPairCapacity> axis_pairs_;
   WarpQueue<BoxPair, kQueueCapacity> box_pairs_;
-  WarpQueue<Candidate, kQueueCapacity> candidates_;
+  WarpQueue<DeviceCandidate, kQueueCapacity> candidates_;
   WorkUnit unit_{};
   PackedBox box_{};
   std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // of this lane's row's columns

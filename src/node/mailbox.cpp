@@ -45,7 +45,7 @@ void Mailbox::wakeLocked() {
 
 bool Mailbox::wait(std::chrono::steady_clock::time_point then) {
   std::unique_lock<std::mutex> lock(mutex_);
-  wake_.wait_until(lock, then, [this] { return woken_; });
+  wake_.wait_until(lock, then, [this] { return woken_ || stopped_; });
   woken_ = false;
   return !stopped_;
 }
