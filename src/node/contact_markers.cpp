@@ -7,7 +7,9 @@
 #include <visualization_msgs/Marker.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,32 +60,40 @@ struct Drawn {
 
 using BodyPair = std::pair<BodyId, BodyId>;
 
+std::string contactName(const CycleReport& report, BodyId a, BodyId b) {
+  return report.bodies[a].name + "/" + report.bodies[b].name;
+}
+
+std::int32_t contactId(const CycleReport& report, BodyId a, BodyId b) {
+  return static_cast<std::int32_t>(std::size_t{a} * report.bodies.size() + b);
+}
+
+std::int32_t surfaceId(const CycleReport& report, BodyId id) {
+  return static_cast<std::int32_t>(report.bodies.size() * report.bodies.size() + id);
+}
+
 class MarkerBuilder {
  public:
   MarkerBuilder(const CycleReport& report, const MarkerOptions& options)
       : report_(report), options_(options), budget_(options.max_triangles) {}
 
-  visualization_msgs::MarkerArray build() {
-    Marker clear;
-    clear.header = report_.header;
-    clear.action = Marker::DELETEALL;
-    clear.pose.orientation.w = 1;
-    array_.markers.push_back(clear);
-    if (report_.scene == nullptr) return std::move(array_);
+  std::vector<Marker> build() {
+    if (report_.scene == nullptr) return {};
     if (report_.result != nullptr) addContacts();
     for (BodyId id = 0; id < report_.bodies.size(); ++id) {
       const BodyStatus& body = report_.bodies[id];
-      if (body.kind == BodyKind::kDeformable && body.unknown_because.empty()) addSurface(id);
+      const bool is_object = body.kind == BodyKind::kDeformable;
+      if (is_object && body.triggered && body.unknown_because.empty()) addSurface(id);
     }
-    return std::move(array_);
+    return std::move(markers_);
   }
 
  private:
-  Marker triangleList(std::string name, std::size_t id) const {
+  Marker triangleList(std::string name, std::int32_t id) const {
     Marker marker;
     marker.header = report_.header;
     marker.ns = std::move(name);
-    marker.id = static_cast<std::int32_t>(id);
+    marker.id = id;
     marker.type = Marker::TRIANGLE_LIST;
     marker.action = Marker::ADD;
     marker.pose.orientation.w = 1;
@@ -95,7 +105,7 @@ class MarkerBuilder {
   // False, and nothing added, for a triangle that rviz would refuse.
   bool addTriangle(BodyId id, std::uint32_t triangle, Marker* marker) const {
     const Triangle corners = PosedBody(body(id)).triangle(triangle);
-    if (!std::all_of(corners.v, corners.v + 3, isFinite)) return false;
+    if (!isFinite(corners)) return false;
     for (const Vec3f& corner : corners.v) {
       geometry_msgs::Point point;
       point.x = corner.x;
@@ -141,8 +151,7 @@ class MarkerBuilder {
   void addContacts() {
     for (const auto& [pair, drawn] : drawnPairs()) {
       const auto& [a, b] = pair;
-      Marker marker = triangleList(report_.bodies[a].name + "/" + report_.bodies[b].name,
-                                   std::size_t{a} * report_.bodies.size() + b);
+      Marker marker = triangleList(contactName(report_, a, b), contactId(report_, a, b));
       marker.points.reserve(3 * drawn.size());
       marker.colors.reserve(3 * drawn.size());
       highlight(a, drawn.a, &marker);
@@ -168,8 +177,7 @@ class MarkerBuilder {
     if (budget_ == 0 || triangles == 0) return;
     const std::size_t stride = (triangles + budget_ - 1) / budget_;
     const TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
-    const std::size_t bodies = report_.bodies.size();
-    Marker marker = triangleList(report_.bodies[id].name, bodies * bodies + id);
+    Marker marker = triangleList(report_.bodies[id].name, surfaceId(report_, id));
     for (std::size_t t = 0; t < triangles; t += stride) {
       const auto triangle = static_cast<std::uint32_t>(t);
       if (!highlighted.has(triangle)) addTriangle(id, triangle, &marker);
@@ -181,20 +189,55 @@ class MarkerBuilder {
   void add(Marker marker) {
     if (marker.points.empty()) return;
     budget_ -= marker.points.size() / 3;
-    array_.markers.push_back(std::move(marker));
+    markers_.push_back(std::move(marker));
   }
 
   const CycleReport& report_;
   const MarkerOptions& options_;
   std::size_t budget_;  // triangles that may still be drawn
   std::map<BodyId, TriangleSet> highlighted_;
-  visualization_msgs::MarkerArray array_;
+  std::vector<Marker> markers_;
 };
 
 }  // namespace
 
-visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) const {
-  return MarkerBuilder(report, options_).build();
+visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) {
+  visualization_msgs::MarkerArray array;
+  const auto remove = [&](const std::string& name, std::int32_t id, int action) {
+    Marker marker;
+    marker.header = report.header;
+    marker.ns = name;
+    marker.id = id;
+    marker.action = action;
+    marker.pose.orientation.w = 1;
+    array.markers.push_back(std::move(marker));
+  };
+  if (!std::exchange(cleared_, true)) remove("", 0, Marker::DELETEALL);
+
+  // Of this cycle, what was drawn before and is not now.
+  std::set<std::pair<std::string, std::int32_t>> gone;
+  const auto mayGo = [&](std::pair<std::string, std::int32_t> key) {
+    if (drawn_.count(key) > 0) gone.insert(std::move(key));
+  };
+  for (const MonitoredPair& pair : report.pairs) {
+    if (!isOfCycle(report.bodies, pair)) continue;
+    mayGo({contactName(report, pair.a, pair.b), contactId(report, pair.a, pair.b)});
+  }
+  for (BodyId id = 0; id < report.bodies.size(); ++id) {
+    if (report.bodies[id].triggered) mayGo({report.bodies[id].name, surfaceId(report, id)});
+  }
+  std::vector<Marker> markers = MarkerBuilder(report, options_).build();
+  for (const Marker& marker : markers) {
+    gone.erase({marker.ns, marker.id});
+    drawn_.insert({marker.ns, marker.id});
+  }
+  for (const auto& [name, id] : gone) {
+    remove(name, id, Marker::DELETE);
+    drawn_.erase({name, id});
+  }
+  array.markers.insert(array.markers.end(), std::make_move_iterator(markers.begin()),
+                       std::make_move_iterator(markers.end()));
+  return array;
 }
 
 }  // namespace deformable_contact_monitor

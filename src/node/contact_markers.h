@@ -4,6 +4,10 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "node/cycle_report.h"
 
@@ -16,22 +20,26 @@ struct MarkerOptions {
   float surface_alpha = 0.6F;         // of the objects' surfaces, (0, 1]
 };
 
-// A pure function with settings; any thread.
+// One thread at a time.
 class ContactMarkers {
  public:
   explicit ContactMarkers(MarkerOptions options) : options_(options) {}
 
-  // First a DELETEALL, then in report.header's frame:
+  // Of the cycle's pairs and of the objects that triggered it, in report.header's frame; what was
+  // drawn of others stays until its lifetime is over. The first array begins with a DELETEALL.
   //   "<a>/<b>"   the triangles in contact of each pair of bodies that has any, links' and objects'
   //               in colors of their own
-  //   "<object>"  the rest of each known deformable object, translucent (rviz draws the robot)
+  //   "<object>"  the rest of each known object, translucent (rviz draws the robot)
   // one TRIANGLE_LIST each, with an id that is stable while the bodies are the same, none of them
-  // empty. Over max_triangles, contacts come first, an equal share for each pair of bodies, and of
-  // a surface every k-th triangle is drawn. Non-finite triangles are left out: rviz refuses them.
-  visualization_msgs::MarkerArray make(const CycleReport& report) const;
+  // empty: one that was drawn and has nothing to show any more is deleted. Over max_triangles,
+  // contacts come first, an equal share for each pair of bodies, and of a surface every k-th
+  // triangle is drawn. Non-finite triangles are left out: rviz refuses them.
+  visualization_msgs::MarkerArray make(const CycleReport& report);
 
  private:
   MarkerOptions options_;
+  bool cleared_ = false;
+  std::set<std::pair<std::string, std::int32_t>> drawn_;  // namespaces and ids
 };
 
 }  // namespace deformable_contact_monitor

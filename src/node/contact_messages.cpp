@@ -18,6 +18,7 @@ void addBodies(const CycleReport& report, ContactArray* message) {
     message->bodies.push_back(body.name);
     message->body_kind.push_back(body.kind == BodyKind::kLink ? ContactArray::LINK
                                                               : ContactArray::DEFORMABLE);
+    message->triggered.push_back(body.triggered);
     message->body_stamps.push_back(body.stamp);
     message->topology_ids.push_back(body.topology_id);
     if (!body.unknown_because.empty()) {
@@ -75,7 +76,7 @@ ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts)
   message.backend = report.backend;
   message.predicates = toString(report.options.predicates);
   message.overlap = report.options.overlap;
-  message.age = toDuration(report.age_s);
+  message.age = toDuration(secondsBetween(report.now, report.header.stamp));
   return message;
 }
 

@@ -48,7 +48,8 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       parameters_(readParameters(private_node)),
       mailbox_(parameters_.allowed_contacts),
       mesh_mailboxes_(makeMeshMailboxes(parameters_)),
-      listener_(buffer_, node, true, ros::TransportHints().tcpNoDelay()),
+      transforms_(buffer_, node),
+      states_(parameters_, private_node),
       robot_source_(parameters_, node, private_node, [this] { mailbox_.wake(); }),
       diagnostics_(parameters_, mesh_mailboxes_, robot_source_, node, private_node) {
   std::unique_ptr<DetectionLoop> loop = makeLoop();
@@ -57,16 +58,27 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
   diagnostics_timer_ = node_.createWallTimer(
       ros::WallDuration(1), [this](const ros::WallTimerEvent&) { diagnostics_.publish(); });
   thread_ = startThread(mailbox_, std::move(loop));
+  states_thread_ = std::thread([this] { keepStatesFresh(); });
 }
 
 ContactMonitor::~ContactMonitor() {
   diagnostics_timer_.stop();
   mailbox_.stop();
   thread_.join();
+  states_thread_.join();
+}
+
+// A state becomes too old at a time of the ROS clock, which may run fast or jump: it is looked at.
+void ContactMonitor::keepStatesFresh() {
+  constexpr std::chrono::milliseconds kPeriod(10);
+  while (!mailbox_.isStopped()) {
+    states_.beat(diagnostics_.whySilent());
+    std::this_thread::sleep_for(kPeriod);
+  }
 }
 
 std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
-  auto publisher = std::make_unique<CyclePublisher>(parameters_, private_node_, latest_);
+  auto publisher = std::make_unique<CyclePublisher>(parameters_, private_node_, states_, latest_);
   return std::make_unique<DetectionLoop>(
       parameters_,
       LoopSources{mailbox_, mesh_mailboxes_, buffer_, [this] { return robot_source_.newest(); }},
@@ -109,7 +121,8 @@ void ContactMonitor::advertiseServices() {
 bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
                                         SetAllowedContacts::Response& response) {
   try {
-    response.rules = mailbox_.addAllowedContacts(request.rules);
+    response.rules =
+        mailbox_.changeAllowedContacts({request.replace != 0, request.remove, request.rules});
   } catch (const std::invalid_argument& error) {
     ROS_ERROR_STREAM("~set_allowed_contacts: " << error.what() << "; no rule was changed");
     return false;
@@ -119,12 +132,12 @@ bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
 
 bool ContactMonitor::getContacts(GetContacts::Request& /*request*/,
                                  GetContacts::Response& response) {
-  const PublishedCycle latest = latest_.get();
-  response.available = latest.contacts != nullptr;
+  response.states = states_.states();
+  const boost::shared_ptr<const ContactArray> latest = latest_.get();
+  response.available = latest != nullptr;
   if (!response.available) return true;
-  response.contacts = *latest.contacts;
-  response.states = *latest.states;
-  response.age = toDuration(secondsBetween(ros::Time::now(), latest.contacts->header.stamp));
+  response.contacts = *latest;
+  response.age = toDuration(secondsBetween(ros::Time::now(), latest->header.stamp));
   return true;
 }
 

@@ -7,19 +7,20 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2/buffer_core.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "node/detection_loop.h"
-#include "node/latest_cycle.h"
+#include "node/latest_contacts.h"
 #include "node/mailbox.h"
 #include "node/mesh_mailbox.h"
 #include "node/node_diagnostics.h"
 #include "node/parameters.h"
 #include "node/robot_source.h"
+#include "node/state_publisher.h"
+#include "node/transform_input.h"
 
 namespace deformable_contact_monitor {
 
@@ -45,6 +46,7 @@ class ContactMonitor {
   bool requestReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool reloadRobot(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   std::unique_ptr<DetectionLoop> makeLoop();
+  void keepStatesFresh();
 
   ros::NodeHandle node_, private_node_;
   const MonitorParameters parameters_;
@@ -53,15 +55,17 @@ class ContactMonitor {
   Mailbox mailbox_;
   MeshMailboxes mesh_mailboxes_;
   tf2::BufferCore buffer_;
-  tf2_ros::TransformListener listener_;  // fills the buffer, in a thread of its own
-  LatestCycle latest_;
+  TransformInput transforms_;  // fills the buffer, in a thread of its own
+  StatePublisher states_;
+  LatestContacts latest_;
   RobotSource robot_source_;
   NodeDiagnostics diagnostics_;
 
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer diagnostics_timer_;
-  std::thread thread_;
+  std::thread thread_;         // of the loop
+  std::thread states_thread_;  // waits for no detection
 };
 
 }  // namespace deformable_contact_monitor

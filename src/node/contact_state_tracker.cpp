@@ -1,124 +1,19 @@
-// How each monitored pair of bodies stands, and since when; begin and end of contact, debounced.
+// How each monitored pair of bodies stands, of when that is, and since when; begin and end of
+// contact, debounced.
 #include "node/contact_state_tracker.h"
 
 #include <geometry_msgs/Point32.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
-#include <unordered_map>
 #include <utility>
-#include <vector>
 
-#include "core/parallel.h"
-#include "core/posed_body.h"
-#include "core/predicates/triangle.h"
-#include "core/predicates/vector3.h"
 #include "node/time_difference.h"
-#include "node/triangle_normal.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-// What the triangle pairs of one pair of bodies sum up to.
-struct Summary {
-  std::uint32_t count = 0;
-  double min_separation_m = std::numeric_limits<double>::infinity();
-  Vec3d corner_sum;     // over six corners a triangle pair [m]
-  Vec3d normal_sum;     // of body_a's distinct triangles, doubled areas [m^2]
-  double area_sum = 0;  // of the same, to tell "cancels out" from "small"
-};
-
-std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
-
-Vec3d cornerSum(const Triangle& t) {
-  return toDouble(t.v[0]) + toDouble(t.v[1]) + toDouble(t.v[2]);
-}
-
-using Summaries = std::unordered_map<std::uint64_t, Summary>;
-
-bool sameTriangleA(const TrianglePair& a, const TrianglePair& b) {
-  return a.body_a == b.body_a && a.triangle_a == b.triangle_a;
-}
-
-// Only links, which are body_a of their pairs, have a side that faces the other body.
-bool hasNormal(const CycleReport& report, BodyId body_a) {
-  return report.bodies.at(body_a).kind == BodyKind::kLink;
-}
-
-void add(const Summary& part, Summary* sum) {
-  sum->count += part.count;
-  sum->min_separation_m = std::min(sum->min_separation_m, part.min_separation_m);
-  sum->corner_sum = sum->corner_sum + part.corner_sum;
-  sum->normal_sum = sum->normal_sum + part.normal_sum;
-  sum->area_sum += part.area_sum;
-}
-
-// Contacts are sorted, so those of one triangle of body_a with one body_b stand together, and so do
-// many of one pair of bodies: they are summed up apart from the map.
-Summaries summarize(const CycleReport& report, const std::vector<PosedBody>& bodies,
-                    std::size_t begin, std::size_t end) {
-  Summaries summaries;
-  const std::vector<float>& separations = report.result->separations_m;
-  const std::vector<TrianglePair>& contacts = report.result->contacts;
-  for (std::size_t i = begin; i < end;) {
-    const BodyId body_a = contacts[i].body_a, body_b = contacts[i].body_b;
-    const auto isOfPair = [&](std::size_t k) {
-      return k < end && contacts[k].body_a == body_a && contacts[k].body_b == body_b;
-    };
-    const bool has_normal = hasNormal(report, body_a);
-    Summary sum;
-    const std::size_t first = i;
-    const PosedBody &of_a = bodies[body_a], &of_b = bodies[body_b];
-    Vec3d corners_of_a;
-    for (; isOfPair(i); ++i) {
-      if (i == first || contacts[i].triangle_a != contacts[i - 1].triangle_a) {
-        const Triangle a = of_a.triangle(contacts[i].triangle_a);
-        corners_of_a = cornerSum(a);
-        if (has_normal) {
-          const Vec3d normal = doubleAreaNormal(a);
-          sum.normal_sum = sum.normal_sum + normal;
-          sum.area_sum += std::sqrt(dot(normal, normal));
-        }
-      }
-      sum.corner_sum =
-          sum.corner_sum + (corners_of_a + cornerSum(of_b.triangle(contacts[i].triangle_b)));
-    }
-    sum.count = static_cast<std::uint32_t>(i - first);
-    sum.min_separation_m =
-        separations.empty()
-            ? 0.0
-            : double{*std::min_element(separations.begin() + static_cast<std::ptrdiff_t>(first),
-                                       separations.begin() + static_cast<std::ptrdiff_t>(i))};
-    add(sum, &summaries[key(body_a, body_b)]);
-  }
-  return summaries;
-}
-
-// On threads, in blocks that leave the contacts of one triangle of body_a together.
-Summaries summarize(const CycleReport& report) {
-  constexpr std::size_t kBlock = 8192;
-  if (report.scene == nullptr || report.result == nullptr) return {};
-  std::vector<PosedBody> bodies;
-  for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
-  const std::vector<TrianglePair>& contacts = report.result->contacts;
-  const auto start = [&contacts](std::size_t i) {
-    while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
-    return i;
-  };
-  std::vector<Summaries> parts(blockCount(contacts.size(), kBlock));
-  parallelBlocks(contacts.size(), kBlock,
-                 [&](std::size_t block, std::size_t begin, std::size_t end) {
-                   parts[block] = summarize(report, bodies, start(begin), start(end));
-                 });
-  if (parts.size() == 1) return std::move(parts.front());
-  Summaries summaries;
-  for (const Summaries& part : parts) {
-    for (const auto& [bodies_key, summary] : part) add(summary, &summaries[bodies_key]);
-  }
-  return summaries;
-}
 
 geometry_msgs::Point32 toPoint32(const Vec3d& v) {
   geometry_msgs::Point32 point;
@@ -128,136 +23,222 @@ geometry_msgs::Point32 toPoint32(const Vec3d& v) {
   return point;
 }
 
-// Of a link (body_a, since links come first) towards the other body.
-geometry_msgs::Point32 meanNormal(const Summary& summary) {
-  constexpr double kCancelled = 1e-6;
-  const double length = std::sqrt(dot(summary.normal_sum, summary.normal_sum));
-  if (!(length > kCancelled * summary.area_sum)) return {};
-  return toPoint32(summary.normal_sum * (1 / length));
-}
-
-// Why the pair's state is UNKNOWN; empty if it is known.
-std::string unknownBecause(const CycleReport& report, const MonitoredPair& pair,
-                           const Summary& summary) {
+// Why nothing is known of the pair; empty if nothing speaks against it.
+std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {
   for (const BodyId id : {pair.a, pair.b}) {
     const BodyStatus& body = report.bodies.at(id);
     if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
   }
-  if (report.result == nullptr) return "no detection ran";
-  // The pair's contacts may be among those that are not listed.
-  const bool touching = summary.count > 0 && summary.min_separation_m == 0;
-  return report.result->left_out > 0 && !touching ? "contacts were left out: memory_limit_mib" : "";
+  return "";
 }
 
-void describe(const Summary& summary, bool has_normal, ContactState* state) {
-  state->pair_count = summary.count;
-  state->min_separation = static_cast<float>(summary.min_separation_m);
-  if (summary.count == 0) return;
-  state->state = summary.min_separation_m > 0 ? ContactState::NEAR : ContactState::CONTACT;
-  state->centroid = toPoint32(summary.corner_sum * (1.0 / (6.0 * summary.count)));
-  if (has_normal) state->mean_normal = meanNormal(summary);
+// Nothing but the lack of a mesh of an object that has cycles of its own.
+bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
+  const auto lacks = [&report](BodyId id) { return !report.bodies.at(id).unknown_because.empty(); };
+  const auto is_partner = [&report](BodyId id) {
+    return report.bodies.at(id).kind == BodyKind::kDeformable && !report.bodies.at(id).triggered;
+  };
+  return (!lacks(pair.a) || is_partner(pair.a)) && (!lacks(pair.b) || is_partner(pair.b));
+}
+
+ContactState describe(const CycleReport& report, const MonitoredPair& pair,
+                      const PairSummary& summary) {
+  ContactState state;
+  state.body_a = report.bodies.at(pair.a).name;
+  state.body_b = report.bodies.at(pair.b).name;
+  state.stamp = report.header.stamp;
+  state.pair_count = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(summary.count, std::numeric_limits<std::uint32_t>::max()));
+  state.min_separation = static_cast<float>(summary.min_separation_m);
+  if (summary.count == 0) return state;  // NONE
+  state.state = summary.touches() ? ContactState::CONTACT : ContactState::NEAR;
+  state.centroid = toPoint32(summary.centroid());
+  state.mean_normal = toPoint32(summary.meanNormal());
+  return state;
 }
 
 }  // namespace
 
-ContactStateTracker::ContactStateTracker(int debounce_on_cycles, int debounce_off_cycles)
-    : debounce_on_cycles_(debounce_on_cycles), debounce_off_cycles_(debounce_off_cycles) {
-  if (debounce_on_cycles < 1 || debounce_off_cycles < 1) {
+ContactStateTracker::ContactStateTracker(const StateRules& rules) : rules_(rules) {
+  if (rules.debounce_on_cycles < 1 || rules.debounce_off_cycles < 1) {
     throw std::invalid_argument("debounce cycles must be at least 1");
   }
 }
 
-ContactStates ContactStateTracker::update(const CycleReport& report) {
-  header_ = report.header;
-  ++updates_;
-  const auto summaries = summarize(report);
-  ContactStates message;
-  message.header = report.header;
-  message.states.reserve(report.pairs.size());
+void ContactStateTracker::update(const CycleReport& report) {
+  const PairSummaries summaries(report);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  frame_ = report.header.frame_id;
+  cycle_ = report.cycle;
+  listPairs(report);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const MonitoredPair& pair = report.pairs[i];
+    look(report, pair, summaries.of(pair.a, pair.b), &tracks_[i]);
+  }
+}
+
+void ContactStateTracker::listPairs(const CycleReport& report) {
+  using Names = std::pair<std::string, std::string>;
+  const auto names = [&report](const MonitoredPair& pair) {
+    return Names(report.bodies.at(pair.a).name, report.bodies.at(pair.b).name);
+  };
+  const bool same =
+      std::equal(tracks_.begin(), tracks_.end(), report.pairs.begin(), report.pairs.end(),
+                 [&report](const Track& track, const MonitoredPair& pair) {
+                   return track.state.body_a == report.bodies.at(pair.a).name &&
+                          track.state.body_b == report.bodies.at(pair.b).name;
+                 });
+  if (same) return;
+  std::map<Names, Track> before;
+  for (Track& track : tracks_) {
+    before.emplace(Names(track.state.body_a, track.state.body_b), std::move(track));
+  }
+  tracks_.clear();
   for (const MonitoredPair& pair : report.pairs) {
-    const BodyStatus& a = report.bodies.at(pair.a);
-    const Names names{a.name, report.bodies.at(pair.b).name};
-    ContactState state;
-    state.body_a = names.first;
-    state.body_b = names.second;
-    state.min_separation = std::numeric_limits<float>::quiet_NaN();
-    const auto found = summaries.find(key(pair.a, pair.b));
-    const Summary summary = found == summaries.end() ? Summary() : found->second;
-    std::string interruption;
-    if (pair.allowed) {
-      state.state = ContactState::ALLOWED;
-      interruption = "allowed";
-    } else if (interruption = unknownBecause(report, pair, summary); !interruption.empty()) {
-      state.state = ContactState::UNKNOWN;
+    const auto found = before.find(names(pair));
+    if (found != before.end()) {
+      tracks_.push_back(std::move(found->second));
+      before.erase(found);
+      continue;
+    }
+    Track track;
+    std::tie(track.state.body_a, track.state.body_b) = names(pair);
+    interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, &track);
+    tracks_.push_back(std::move(track));
+  }
+  for (auto& [gone, track] : before) {
+    interrupt(ContactState::UNKNOWN, "no longer monitored", report.now, &track);
+  }
+}
+
+// Why the pair is not known although both bodies are; empty if it is.
+std::string ContactStateTracker::resultProblem(const CycleReport& report, const MonitoredPair& pair,
+                                               const PairSummary& summary) const {
+  if (report.result == nullptr) return "no detection ran";
+  if (summary.touches()) return "";
+  // The pair's contacts may be among those that are not listed, or of triangles that took no part.
+  if (report.result->left_out > 0) return "contacts were left out: memory_limit_mib";
+  for (const BodyId id : {pair.a, pair.b}) {
+    const BodyStatus& body = report.bodies.at(id);
+    const auto count = static_cast<double>(report.scene->body(id).mesh.triangleCount());
+    if (static_cast<double>(body.rejected) <= rules_.tolerated_rejects * count) continue;
+    return body.name + ": " + std::to_string(body.rejected) + " of " +
+           std::to_string(report.scene->body(id).mesh.triangleCount()) +
+           " triangles have a vertex that is not finite (tolerated_rejects)";
+  }
+  return "";
+}
+
+void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& pair,
+                               const PairSummary& summary, Track* track) {
+  if (pair.allowed) return interrupt(ContactState::ALLOWED, "allowed", report.now, track);
+  if (track->state.state == ContactState::ALLOWED) {
+    interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, track);
+  }
+  std::string problem = bodyProblem(report, pair);
+  if (!isOfCycle(report.bodies, pair) || (!problem.empty() && isPartnersProblem(report, pair))) {
+    if (!problem.empty() && !track->isKnown()) track->state.reason = problem;
+    return;
+  }
+  if (track->isKnown() && report.header.stamp < track->state.stamp) return;
+  if (problem.empty()) problem = resultProblem(report, pair, summary);
+  if (!problem.empty()) return interrupt(ContactState::UNKNOWN, problem, report.now, track);
+  enter(describe(report, pair, summary), report.header.stamp, track);
+  debounce(report.header.stamp, track);
+}
+
+void ContactStateTracker::enter(ContactState state, const ros::Time& when, Track* track) {
+  if (track->state.state != state.state) track->entered = when;
+  track->state = std::move(state);
+}
+
+// To a state that no geometry speaks for.
+void ContactStateTracker::interrupt(std::uint8_t state, const std::string& reason,
+                                    const ros::Time& now, Track* track) {
+  ContactState next;
+  next.body_a = track->state.body_a;
+  next.body_b = track->state.body_b;
+  next.state = state;
+  next.reason = state == ContactState::UNKNOWN ? reason : "";
+  next.min_separation = std::numeric_limits<float>::quiet_NaN();
+  enter(std::move(next), now, track);
+  if (track->open) addEvent(*track, ContactEvent::END, now, reason);
+  track->open = false;
+  track->cycles = 0;
+}
+
+void ContactStateTracker::debounce(const ros::Time& stamp, Track* track) {
+  const bool touching = track->state.state == ContactState::CONTACT;
+  track->cycles = touching == track->open ? 0 : track->cycles + 1;
+  if (track->cycles < (track->open ? rules_.debounce_off_cycles : rules_.debounce_on_cycles))
+    return;
+  track->open = touching;
+  track->cycles = 0;
+  addEvent(*track, touching ? ContactEvent::BEGIN : ContactEvent::END, stamp, "");
+}
+
+bool ContactStateTracker::expire(const ros::Time& now, const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  bool any = false;
+  for (Track& track : tracks_) {
+    if (!track.isKnown() || secondsBetween(now, track.state.stamp) <= rules_.max_age_s) continue;
+    interrupt(ContactState::UNKNOWN, why, now, &track);
+    any = true;
+  }
+  return any;
+}
+
+ContactStates ContactStateTracker::states(const ros::Time& stamp, const ros::Time& now) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ContactStates message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame_;
+  message.cycle = cycle_;
+  message.complete = true;
+  ros::Time oldest = now;
+  message.states.reserve(tracks_.size());
+  for (const Track& track : tracks_) {
+    ContactState state = track.state;
+    if (track.isKnown()) {
+      oldest = std::min(oldest, state.stamp);
     } else {
-      describe(summary, hasNormal(report, pair.a), &state);
+      state.stamp = now;
     }
-    const auto [entry, is_new] = tracks_.try_emplace(names);
-    Track& track = entry->second;
-    if (is_new || track.state != state.state) {
-      track.state = state.state;
-      track.entered = report.header.stamp;
-    }
-    track.seen = updates_;
-    advance(names, state, interruption, &track);
-    state.since = toDuration(std::max(0.0, secondsBetween(report.header.stamp, track.entered)));
+    state.since = toDuration(std::max(0.0, secondsBetween(state.stamp, track.entered)));
+    message.complete = message.complete && state.state != ContactState::UNKNOWN;
     message.states.push_back(std::move(state));
   }
-  dropUnseen();
+  message.age = toDuration(secondsBetween(now, oldest));
   return message;
 }
 
-void ContactStateTracker::advance(const Names& names, const ContactState& state,
-                                  const std::string& interruption, Track* track) {
-  if (!interruption.empty()) {
-    if (track->open) addEvent(names, ContactEvent::END, 0, interruption);
-    track->open = false;
-    track->cycles = 0;
-    return;
-  }
-  const bool touching = state.state == ContactState::CONTACT;
-  track->cycles = touching == track->open ? 0 : track->cycles + 1;
-  if (track->cycles < (track->open ? debounce_off_cycles_ : debounce_on_cycles_)) return;
-  track->open = touching;
-  track->cycles = 0;
-  addEvent(names, touching ? ContactEvent::BEGIN : ContactEvent::END, state.pair_count, "");
-}
-
 std::vector<ContactEvent> ContactStateTracker::takeEvents() {
-  std::vector<ContactEvent> events;
-  events.swap(events_);
-  return events;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(events_, {});
 }
 
-void ContactStateTracker::reset(const std::string& reason) {
-  for (const auto& [names, track] : tracks_) {
-    if (track.open) addEvent(names, ContactEvent::END, 0, reason);
+void ContactStateTracker::forget(const std::string& body, const std::string& reason,
+                                 const ros::Time& now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (Track& track : tracks_) {
+    const ContactState& state = track.state;
+    if (!track.isKnown()) continue;
+    if (!body.empty() && state.body_a != body && state.body_b != body) continue;
+    interrupt(ContactState::UNKNOWN, reason, now, &track);
   }
-  tracks_.clear();
 }
 
-void ContactStateTracker::addEvent(const Names& names, std::uint8_t type, std::uint32_t pair_count,
+void ContactStateTracker::addEvent(const Track& track, std::uint8_t type, const ros::Time& stamp,
                                    const std::string& reason) {
   ContactEvent event;
-  event.header = header_;
-  event.body_a = names.first;
-  event.body_b = names.second;
+  event.header.stamp = stamp;
+  event.header.frame_id = frame_;
+  event.body_a = track.state.body_a;
+  event.body_b = track.state.body_b;
   event.type = type;
-  event.pair_count = pair_count;
+  event.pair_count = track.state.pair_count;
   event.reason = reason;
   events_.push_back(std::move(event));
-}
-
-void ContactStateTracker::dropUnseen() {
-  for (auto entry = tracks_.begin(); entry != tracks_.end();) {
-    const Track& track = entry->second;
-    if (track.seen == updates_) {
-      ++entry;
-      continue;
-    }
-    if (track.open) addEvent(entry->first, ContactEvent::END, 0, "no longer monitored");
-    entry = tracks_.erase(entry);
-  }
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,69 +1,95 @@
-// How each monitored pair of bodies stands, and since when; begin and end of contact, debounced.
+// How each monitored pair of bodies stands, of when that is, and since when; begin and end of
+// contact, debounced.
 #pragma once
 
 #include <deformable_contact_monitor/ContactEvent.h>
 #include <deformable_contact_monitor/ContactState.h>
 #include <deformable_contact_monitor/ContactStates.h>
 #include <ros/time.h>
-#include <std_msgs/Header.h>
 
 #include <cstdint>
-#include <map>
+#include <mutex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "node/cycle_report.h"
+#include "node/pair_summary.h"
 
 namespace deformable_contact_monitor {
 
-// One thread at a time.
+struct StateRules {
+  int debounce_on_cycles = 1;   // a contact begins after so many cycles of CONTACT in a row, >= 1
+  int debounce_off_cycles = 1;  // and ends after so many without, >= 1
+  double max_age_s = 0.5;       // a state that is older is not known any more
+  // The share of a body's triangles that may be rejected (for a non-finite vertex) while NONE and
+  // NEAR are claimed of it, [0, 1].
+  double tolerated_rejects = 0;
+};
+
+// Threads may call every function at any time: states grow old while a cycle runs.
 class ContactStateTracker {
  public:
-  // A contact begins after `debounce_on_cycles` cycles of CONTACT in a row and ends after
-  // `debounce_off_cycles` without. Throws std::invalid_argument unless both are >= 1.
-  ContactStateTracker(int debounce_on_cycles, int debounce_off_cycles);
+  // Throws std::invalid_argument at counts below 1.
+  explicit ContactStateTracker(const StateRules& rules);
 
-  // One state per report.pairs, in that order; states follow each cycle at once (only events are
-  // debounced). ALLOWED pairs are not computed; else UNKNOWN if either body is unknown, if no
-  // detection ran, or if it left contacts out of its list and none that is listed is the pair's;
-  // else CONTACT, or NEAR when every triangle pair is apart (within the margin).
-  // centroid [m]: mean over the triangle pairs of the mean of their six corners. mean_normal: from
-  // link triangles' own normals weighted by area; zero without a link, or where they cancel out.
-  // min_separation [m] is +inf without a triangle pair and NaN where the state is UNKNOWN or
-  // ALLOWED. `since` counts header stamps, never below zero. Pairs are told apart by their bodies'
-  // names; an open contact whose pair is gone from the report ends ("no longer monitored").
-  ContactStates update(const CycleReport& report);
+  // Takes over which pairs there are: one that is new is UNKNOWN, an open contact whose pair is
+  // gone ends ("no longer monitored"); pairs are told apart by their bodies' names. Then the states
+  // of the cycle's pairs (isOfCycle) at the report's stamp:
+  // - UNKNOWN if a body of it is, if no detection ran, or if contacts or too many triangles of its
+  //   bodies were left out and no contact that is listed is the pair's. But where only the partner
+  //   of the object that triggered has no mesh for that stamp, what is known of the pair stays: the
+  //   partner has cycles too.
+  // - else CONTACT, or NEAR when every triangle pair is apart (within the margin), or NONE.
+  // What is known of a later stamp stays. States follow each cycle at once (only events are
+  // debounced).
+  void update(const CycleReport& report);
+
+  // Every known state that is older than max_age_s at `now` is UNKNOWN, because of `why`. Returns
+  // whether there was one.
+  bool expire(const ros::Time& now, const std::string& why);
+
+  // All pairs in the order of the last report. `stamp`: of the header; UNKNOWN and ALLOWED are
+  // stamped `now`. centroid and mean_normal: as in PairSummary. min_separation [m] is +inf without
+  // a triangle pair and NaN where the state is UNKNOWN or ALLOWED. `since` is never below zero.
+  ContactStates states(const ros::Time& stamp, const ros::Time& now) const;
 
   // Events since the last call, oldest first. An END with a reason is not the geometry's: the pair
-  // became UNKNOWN or ALLOWED (at once, not debounced), or the tracker was reset.
+  // became UNKNOWN or ALLOWED (at once, not debounced), or was forgotten.
   std::vector<ContactEvent> takeEvents();
 
-  // Ends every open contact with `reason` and forgets all states and times.
-  void reset(const std::string& reason);
+  // What is known of the pairs of `body`, or of all if it is empty, is forgotten: they are UNKNOWN
+  // because of `reason`.
+  void forget(const std::string& body, const std::string& reason, const ros::Time& now);
 
  private:
-  using Names = std::pair<std::string, std::string>;
-
   struct Track {
-    std::uint8_t state = ContactState::UNKNOWN;
-    ros::Time entered;       // when `state` began
-    bool open = false;       // BEGIN was sent, END not yet
-    int cycles = 0;          // in a row that speak for a change of `open`
-    std::uint64_t seen = 0;  // number of the latest update with this pair
+    ContactState state;  // as it was last found; UNKNOWN and ALLOWED without a stamp
+    ros::Time entered;   // stamp with which its state began; UNKNOWN, ALLOWED: when
+    bool open = false;   // BEGIN was sent, END not yet
+    int cycles = 0;      // in a row that speak for a change of `open`
+
+    bool isKnown() const {
+      return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
+    }
   };
 
-  void advance(const Names& names, const ContactState& state, const std::string& interruption,
-               Track* track);
-  void addEvent(const Names& names, std::uint8_t type, std::uint32_t pair_count,
+  void listPairs(const CycleReport& report);
+  std::string resultProblem(const CycleReport& report, const MonitoredPair& pair,
+                            const PairSummary& summary) const;
+  void look(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
+            Track* track);
+  void enter(ContactState state, const ros::Time& when, Track* track);
+  void interrupt(std::uint8_t state, const std::string& reason, const ros::Time& now, Track* track);
+  void debounce(const ros::Time& stamp, Track* track);
+  void addEvent(const Track& track, std::uint8_t type, const ros::Time& stamp,
                 const std::string& reason);
-  void dropUnseen();
 
-  int debounce_on_cycles_;
-  int debounce_off_cycles_;
-  std::uint64_t updates_ = 0;
-  std_msgs::Header header_;  // of the latest update
-  std::map<Names, Track> tracks_;
+  const StateRules rules_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::string frame_;         // of the last report, and its cycle
+  std::uint64_t cycle_ = 0;
+  std::vector<Track> tracks_;  // in the order of its pairs
   std::vector<ContactEvent> events_;
 };
 

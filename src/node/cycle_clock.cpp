@@ -1,4 +1,4 @@
-// When there is to be a cycle, when a heartbeat, and when time has jumped.
+// When there is to be a heartbeat, and when time has jumped.
 #include "node/cycle_clock.h"
 
 #include <algorithm>
@@ -21,9 +21,8 @@ Duration seconds(double s) {
 }  // namespace
 
 // Silence after a cycle is no news until its mesh is too old.
-CycleClock::CycleClock(double max_rate_hz, double max_mesh_age_s, SteadyTime start)
-    : cycle_period_(max_rate_hz > 0 ? seconds(1 / max_rate_hz) : Duration(0)),
-      silence_(std::max<Duration>(kHeartbeatPeriod, seconds(max_mesh_age_s))),
+CycleClock::CycleClock(double max_mesh_age_s, SteadyTime start)
+    : silence_(std::max<Duration>(kHeartbeatPeriod, seconds(max_mesh_age_s))),
       heartbeat_due_(start + kHeartbeatPeriod) {}
 
 double CycleClock::update(const ros::Time& now) {
@@ -38,16 +37,9 @@ bool CycleClock::isLeftover(const ros::Time& stamp, SteadyTime now) const {
   return now < window_end_ && secondsBetween(stamp, ros_time_) > kClockToleranceS;
 }
 
-void CycleClock::startCycle(SteadyTime now) {
-  earliest_cycle_ = now + cycle_period_;
-  heartbeat_due_ = now + silence_;
-}
+void CycleClock::startCycle(SteadyTime now) { heartbeat_due_ = now + silence_; }
 
 void CycleClock::startHeartbeat(SteadyTime now) { heartbeat_due_ = now + kHeartbeatPeriod; }
-
-CycleClock::SteadyTime CycleClock::wakeTime(bool mesh_waits) const {
-  return mesh_waits ? std::min(heartbeat_due_, earliest_cycle_) : heartbeat_due_;
-}
 
 CycleClock::SteadyTime CycleClock::retryTime(SteadyTime now) const {
   return now + kHeartbeatPeriod;

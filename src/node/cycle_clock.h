@@ -1,4 +1,4 @@
-// When there is to be a cycle, when a heartbeat, and when time has jumped.
+// When there is to be a heartbeat, and when time has jumped.
 #pragma once
 
 #include <ros/time.h>
@@ -13,8 +13,8 @@ class CycleClock {
  public:
   using SteadyTime = std::chrono::steady_clock::time_point;
 
-  // `max_rate_hz`: of cycles; 0: no limit. The first heartbeat is due a second after `start`.
-  CycleClock(double max_rate_hz, double max_mesh_age_s, SteadyTime start);
+  // The first heartbeat is due a second after `start`.
+  CycleClock(double max_mesh_age_s, SteadyTime start);
 
   // Sets ROS time (zero: there is none yet). Returns by how much it went back [s] if that is more
   // than clocks of two machines differ, else 0.
@@ -27,23 +27,21 @@ class CycleClock {
   // In that window, what is stamped ahead of ROS time is from before.
   bool isLeftover(const ros::Time& stamp, SteadyTime now) const;
 
-  bool mayCycle(SteadyTime now) const { return now >= earliest_cycle_; }
-  // A cycle begins; the next one and the heartbeat are put off.
+  // A cycle begins: the heartbeat is put off.
   void startCycle(SteadyTime now);
 
   bool mustBeat(SteadyTime now) const { return now >= heartbeat_due_; }
   // A heartbeat begins; the next one is due a second later.
   void startHeartbeat(SteadyTime now);
 
-  // When to look at everything again, if nothing happens before.
-  SteadyTime wakeTime(bool mesh_waits) const;
-  // The same after a failure at `now`: not before the cause may have gone.
+  SteadyTime heartbeatDue() const { return heartbeat_due_; }
+  // When to go on after a failure at `now`: not before the cause may have gone.
   SteadyTime retryTime(SteadyTime now) const;
 
  private:
-  const std::chrono::steady_clock::duration cycle_period_, silence_;
+  const std::chrono::steady_clock::duration silence_;
   ros::Time ros_time_;
-  SteadyTime earliest_cycle_, heartbeat_due_, window_end_;
+  SteadyTime heartbeat_due_, window_end_;
 };
 
 }  // namespace deformable_contact_monitor

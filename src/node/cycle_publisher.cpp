@@ -5,7 +5,6 @@
 
 #include "core/parallel.h"
 #include "node/contact_messages.h"
-#include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -20,49 +19,46 @@ MarkerOptions markerOptions(const MonitorParameters& parameters) {
 }  // namespace
 
 CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node,
-                               LatestCycle& latest)
-    : latest_(latest),
+                               StatePublisher& states, LatestContacts& latest)
+    : states_(states),
+      latest_(latest),
       max_contacts_(parameters.max_contacts),
       marker_period_(1 / parameters.marker_rate_hz),
-      tracker_(parameters.debounce_on_cycles, parameters.debounce_off_cycles),
       markers_(markerOptions(parameters)),
-      states_publisher_(private_node.advertise<ContactStates>("contact_states", 2)),
       contacts_publisher_(private_node.advertise<ContactArray>("contacts", 2)),
-      events_publisher_(private_node.advertise<ContactEvent>("contact_events", 100)),
       markers_publisher_(private_node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
       robot_publisher_(private_node.advertise<LinkMeshes>("robot_meshes", 1, true)) {}
 
-PublishedCycle CyclePublisher::publish(CycleReport* report) {
-  PublishedCycle cycle;
-  report->age_s = secondsBetween(ros::Time::now(), report->header.stamp);
+boost::shared_ptr<const ContactArray> CyclePublisher::publish(CycleReport* report) {
+  boost::shared_ptr<const ContactArray> contacts;
+  report->now = ros::Time::now();
   parallelBoth(
       [&] {
-        cycle.contacts =
-            boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
-        contacts_publisher_.publish(cycle.contacts);
+        contacts = boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
+        contacts_publisher_.publish(contacts);
       },
-      [&] {
-        cycle.states = boost::make_shared<const ContactStates>(tracker_.update(*report));
-        states_publisher_.publish(cycle.states);
-      });
-  publishEvents();
-  latest_.set(cycle);
-  return cycle;
+      [&] { states_.publish(*report); });
+  latest_.set(contacts);
+  return contacts;
 }
 
-void CyclePublisher::endContacts(const std::string& reason) {
-  tracker_.reset(reason);
-  publishEvents();
+void CyclePublisher::publishStates(CycleReport* report) {
+  report->now = ros::Time::now();
+  states_.publish(*report);
 }
 
-void CyclePublisher::publishEvents() {
-  for (const ContactEvent& event : tracker_.takeEvents()) events_publisher_.publish(event);
-}
-
+// Each body that triggered has a rate of its own: of objects in turns, none is left out.
 void CyclePublisher::publishMarkers(const CycleReport& report) {
+  if (markers_publisher_.getNumSubscribers() == 0) return;
   const auto now = std::chrono::steady_clock::now();
-  if (markers_publisher_.getNumSubscribers() == 0 || now - last_markers_ < marker_period_) return;
-  last_markers_ = now;
+  bool due = false;
+  for (const BodyStatus& body : report.bodies) {
+    due = due || (body.triggered && now - last_markers_[body.name] >= marker_period_);
+  }
+  if (!due) return;
+  for (const BodyStatus& body : report.bodies) {
+    if (body.triggered) last_markers_[body.name] = now;
+  }
   markers_publisher_.publish(markers_.make(report));
 }
 

@@ -4,13 +4,14 @@
 #include <ros/node_handle.h>
 
 #include <chrono>
+#include <map>
 #include <string>
 
 #include "node/contact_markers.h"
-#include "node/contact_state_tracker.h"
 #include "node/cycle_report.h"
-#include "node/latest_cycle.h"
+#include "node/latest_contacts.h"
 #include "node/parameters.h"
+#include "node/state_publisher.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
@@ -18,34 +19,37 @@ namespace deformable_contact_monitor {
 // One thread at a time.
 class CyclePublisher {
  public:
-  // `latest` must outlive this.
+  // `states` and `latest` must outlive this.
   CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node,
-                 LatestCycle& latest);
+                 StatePublisher& states, LatestContacts& latest);
 
-  // ~contact_states, ~contacts and ~contact_events. Sets the report's age. Returns what went out,
-  // and leaves it in the latest cycle.
-  PublishedCycle publish(CycleReport* report);
+  // ~contact_states, ~contacts and ~contact_events. Sets the report's `now`. Returns the contacts
+  // that went out, and leaves them in the latest ones.
+  boost::shared_ptr<const ContactArray> publish(CycleReport* report);
+
+  // ~contact_states alone. Sets the report's `now`.
+  void publishStates(CycleReport* report);
 
   // ~markers if somebody looks, not too often.
   void publishMarkers(const CycleReport& report);
 
-  // Ends every open contact with `reason`.
-  void endContacts(const std::string& reason);
+  // As StatePublisher::forget.
+  void forgetStates(const std::string& body, const std::string& reason) {
+    states_.forget(body, reason);
+  }
 
   // ~robot_meshes, latched.
   void publishRobot(const RobotGeometry& robot);
 
  private:
-  void publishEvents();
-
-  LatestCycle& latest_;
+  StatePublisher& states_;
+  LatestContacts& latest_;
   const std::size_t max_contacts_;
   const std::chrono::duration<double> marker_period_;
-  ContactStateTracker tracker_;
   ContactMarkers markers_;
-  std::chrono::steady_clock::time_point last_markers_;
-  ros::Publisher states_publisher_, contacts_publisher_, events_publisher_, markers_publisher_,
-      robot_publisher_;
+  // By body: of the last markers in whose cycle it triggered.
+  std::map<std::string, std::chrono::steady_clock::time_point> last_markers_;
+  ros::Publisher contacts_publisher_, markers_publisher_, robot_publisher_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -28,7 +28,9 @@ struct BodyStatus {
   BodyKind kind = BodyKind::kLink;
   ros::Time stamp;                // of the data used; zero: none
   std::uint32_t topology_id = 0;  // links: 0
-  std::string unknown_because;    // empty: the body took part in this cycle
+  std::string unknown_because;    // empty: nothing is wrong with it
+  bool triggered = false;         // this is its cycle
+  std::uint64_t rejected = 0;     // triangles that took no part for a vertex that is not finite
 };
 
 struct CycleReport {
@@ -41,7 +43,20 @@ struct CycleReport {
   const DetectionResult* result = nullptr;
   Options options;
   std::string backend;
-  double age_s = 0;  // now minus header.stamp when the report was made
+  ros::Time now;  // when it was over, by the same clock
 };
+
+// Whether it is a cycle of that pair: one of its objects triggered it, or it is the robot's own and
+// the pair is one of links.
+inline bool isOfCycle(const std::vector<BodyStatus>& bodies, const MonitoredPair& pair) {
+  const BodyStatus &a = bodies.at(pair.a), &b = bodies.at(pair.b);
+  if (a.kind == BodyKind::kLink && b.kind == BodyKind::kLink) return a.triggered;
+  return (a.kind == BodyKind::kDeformable && a.triggered) ||
+         (b.kind == BodyKind::kDeformable && b.triggered);
+}
+
+// After the detection: which bodies' triangles took no part, and which bodies are UNKNOWN for a
+// pose that makes vertices infinite.
+void noteRejected(CycleReport* report);
 
 }  // namespace deformable_contact_monitor

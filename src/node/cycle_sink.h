@@ -21,14 +21,18 @@ class CycleSink {
   CycleSink& operator=(const CycleSink&) = delete;
   virtual ~CycleSink() = default;
 
+  // A cycle begins, which may take long.
+  virtual void recordStart() = 0;
   // A cycle: its work began at `start`, the mesh that asked for it came at `mesh_arrival`. The
-  // report has no result if detection failed. Sets the report's age.
+  // report has no result if detection failed. Sets the report's `now`.
   virtual void sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
                          std::chrono::steady_clock::time_point mesh_arrival) = 0;
-  // A report without detection, so that silence is not mistaken for "no contact".
+  // A report without detection, so that silence is not mistaken for "no contact". Sets its `now`.
   virtual void sendHeartbeat(CycleReport* report) = 0;
-  // Every open contact ends, because of `reason`.
-  virtual void endContacts(const std::string& reason) = 0;
+  // The pairs that there are, or which of them are allowed, changed.
+  virtual void listPairs(CycleReport* report) = 0;
+  // What is known of the pairs of `body`, or of all if it is empty, is forgotten.
+  virtual void forgetStates(const std::string& body, const std::string& reason) = 0;
   virtual void sendRobot(const RobotGeometry& robot) = 0;
 
   // The last mesh of this object was looked at: what is counted since the start.

@@ -8,10 +8,27 @@
 #include <vector>
 
 #include "node/loop_warnings.h"
+#include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
 
 using SteadyTime = CycleClock::SteadyTime;
+
+namespace {
+
+// Of the objects, in their order, and of the robot.
+std::vector<double> maxRatesHz(const MonitorParameters& parameters) {
+  std::vector<double> rates_hz(parameters.objects.size(), parameters.max_rate_hz);
+  rates_hz.push_back(parameters.robot_rate_hz);
+  return rates_hz;
+}
+
+std::chrono::steady_clock::duration seconds(double s) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(s));
+}
+
+}  // namespace
 
 DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources sources,
                              LoopTime time, std::unique_ptr<Detector> detector,
@@ -21,10 +38,12 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       time_(std::move(time)),
       detector_(std::move(detector)),
       sink_(std::move(sink)),
-      clock_(parameters.max_rate_hz, parameters.max_mesh_age_s, time_.steady()),
+      clock_(parameters.max_mesh_age_s, time_.steady()),
+      turns_(maxRatesHz(parameters)),
       inputs_(makeMeshInputs(parameters)),
       scene_(parameters),
-      lookup_(sources_.transforms, parameters.reference_frame, parameters.tf_timeout_s) {
+      lookup_(sources_.transforms, parameters.reference_frame),
+      held_up_(inputs_.size(), false) {
   ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
                                 << parameters_.reference_frame << "' on the "
                                 << detector_->backend());
@@ -35,11 +54,14 @@ SteadyTime DetectionLoop::step() {
     lookAtTime();
     lookAtRequests();
     warnOfUnknownNames();
+    if (time_.steady() >= list_due_) listPairs();
     dropLeftovers();
-    const std::optional<ros::Time> stamp = earliestWaiting();
-    if (stamp && clock_.mayCycle(time_.steady())) takeAndDetect(*stamp);
-    if (clock_.mustBeat(time_.steady())) heartbeat();
-    return clock_.wakeTime(earliestWaiting().has_value());
+    takeMeshes();
+    lookAtRobotsTime();
+    const auto turn = turns_.next([this](std::size_t who) { return isReady(who); });
+    if (!turn.empty()) takeTurn(turn);
+    if (clock_.mustBeat(time_.steady()) && !turns_.anyWaits()) heartbeat();
+    return turn.empty() ? wakeTime() : time_.steady();
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("cycle failed: " << error.what());
     sink_->recordDetectorError(error.what());
@@ -58,6 +80,7 @@ void DetectionLoop::lookAtRequests() {
   if (requests.allowed_contacts) {
     scene_.setAllowedContacts(*requests.allowed_contacts);
     names_checked_ = false;
+    list_due_ = SteadyTime();
   }
   lookAtRobot();
   applyEnabled(requests.enabled);
@@ -67,11 +90,12 @@ void DetectionLoop::lookAtRobot() {
   const std::shared_ptr<const RobotGeometry> newest = sources_.newest_robot();
   if (newest == robot_) return;
   const bool changed = robot_ != nullptr;
+  scene_.setRobot(*newest);
   robot_ = newest;
-  scene_.setRobot(*robot_);
   names_checked_ = false;
+  list_due_ = SteadyTime();
   detector_->reset();
-  if (changed) sink_->endContacts("robot changed");
+  if (changed) sink_->forgetStates("", "robot changed");
   sink_->sendRobot(*robot_);
 }
 
@@ -80,13 +104,14 @@ void DetectionLoop::applyEnabled(bool enabled) {
     for (MeshMailbox& mailbox : sources_.meshes) {
       mailbox.dropIf([](const ros::Time&) { return true; });
     }
+    turns_.clear();
   }
   if (enabled == enabled_) return;
   enabled_ = enabled;
   sink_->recordEnabled(enabled);
   ROS_INFO_STREAM((enabled ? "enabled" : "disabled"));
   if (!enabled) {
-    sink_->endContacts("disabled");
+    sink_->forgetStates("", "disabled");
     heartbeat();
   }
 }
@@ -102,9 +127,11 @@ void DetectionLoop::warnOfUnknownNames() {
 void DetectionLoop::reset(const std::string& reason) {
   ROS_INFO_STREAM("reset: " << reason);
   for (MeshInput& input : inputs_) input.forget();
+  turns_.clear();
+  robots_stamp_ = ros::Time();
   sources_.transforms.clear();
   detector_->reset();
-  sink_->endContacts(reason);
+  sink_->forgetStates("", reason);
   sink_->recordReset(reason);
   clock_.startLeftoverWindow(time_.steady());
 }
@@ -116,67 +143,169 @@ void DetectionLoop::dropLeftovers() {
   }
 }
 
-std::optional<ros::Time> DetectionLoop::earliestWaiting() const {
-  std::optional<ros::Time> earliest;
-  for (const MeshMailbox& mailbox : sources_.meshes) {
-    const std::optional<ros::Time> stamp = mailbox.waitingStamp();
-    if (stamp && (!earliest || *stamp < *earliest)) earliest = stamp;
-  }
-  return earliest;
-}
-
-// Meshes of one stamp share a cycle. Where a newer mesh has come since the stamp was read, there is
-// nothing to take: the newer one has its turn in the next step.
-void DetectionLoop::takeAndDetect(const ros::Time& stamp) {
-  const ros::Time now = clock_.rosTime();
-  std::vector<std::pair<std::size_t, ArrivedMesh>> taken;
+// One of each object, so that what waits is the newest. A refused one has a cycle too, in which its
+// object is UNKNOWN.
+void DetectionLoop::takeMeshes() {
+  const SteadyTime now = time_.steady();
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    std::optional<ArrivedMesh> mesh = sources_.meshes[i].takeAt(stamp);
-    if (mesh) taken.emplace_back(i, std::move(*mesh));
+    if (!turns_.mayWait(i, now)) continue;
+    const std::optional<ArrivedMesh> mesh = sources_.meshes[i].take();
+    if (!mesh) continue;
+    const Acceptance answer = inputs_[i].accept(*mesh, clock_.rosTime());
+    sink_->recordMesh(i, inputs_[i].counters());
+    if (answer == Acceptance::kDropped) continue;
+    if (answer == Acceptance::kJumped) {
+      sink_->forgetStates(parameters_.objects[i].name, "the stamps of its meshes went back");
+    }
+    const bool refused = answer == Acceptance::kRefused;
+    turns_.wait(i, {cycleStamp(mesh->message->header.stamp, refused), mesh->arrival,
+                    now + seconds(parameters_.tf_timeout_s)});
+    held_up_[i] = false;
   }
-  if (taken.empty()) return;
-  const MeshInput& first = inputs_[taken.front().first];
-  if (first.jumpsBack(stamp)) reset("time jump: mesh stamps went back");
-  bool anything_new = false;
-  for (const auto& [object, mesh] : taken) {
-    anything_new |= inputs_[object].accept(mesh, now);
-    sink_->recordMesh(object, inputs_[object].counters());
-  }
-  // A refused mesh may have a senseless stamp, yet its object must become UNKNOWN at once.
-  const bool sensible =
-      !stamp.isZero() && (now.isZero() || stamp <= now || first.counters().refusal.empty());
-  if (anything_new) detect(sensible ? stamp : now, taken.front().second.arrival);
 }
 
-void DetectionLoop::detect(const ros::Time& t, SteadyTime mesh_arrival) {
+// A refused mesh may have a senseless stamp, yet its object must become UNKNOWN at once.
+ros::Time DetectionLoop::cycleStamp(const ros::Time& stamp, bool refused) const {
+  const ros::Time& now = clock_.rosTime();
+  if (!refused || (now.isZero() && !stamp.isZero())) return stamp;
+  const double age_s = secondsBetween(now, stamp);
+  return age_s >= 0 && age_s <= parameters_.max_mesh_age_s ? stamp : now;
+}
+
+// The robot's own cycles, of its links with one another.
+void DetectionLoop::lookAtRobotsTime() {
+  const std::size_t robot = inputs_.size();
+  const SteadyTime now = time_.steady();
+  if (!parameters_.pair_classes.robot_self || robot_ == nullptr || !enabled_) return;
+  if (!turns_.mayWait(robot, now) || now < robots_look_) return;
+  robots_look_ = now + seconds(1 / parameters_.robot_rate_hz);
+  const std::optional<ros::Time> stamp = robotsStamp();
+  if (!stamp) return;
+  robots_stamp_ = *stamp;
+  turns_.wait(robot, {*stamp, now, now});
+}
+
+// Of its next cycle: the newest for which transforms have the links; nothing: there was one
+// already.
+std::optional<ros::Time> DetectionLoop::robotsStamp() const {
+  const std::vector<std::string> links = scene_.selfPairedLinks();
+  if (links.empty()) return std::nullopt;
+  const ros::Time now = clock_.rosTime();
+  const std::optional<ros::Time> newest = lookup_.newestCommon(links, parameters_.max_mesh_age_s);
+  if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
+  const bool is_old = !now.isZero() && secondsBetween(now, *newest) > parameters_.max_mesh_age_s;
+  return *newest > robots_stamp_ && !is_old ? newest : std::nullopt;
+}
+
+// What an object waits for is its own affair: others have their turns meanwhile.
+bool DetectionLoop::isReady(std::size_t who) {
+  const CycleTurns::Waiting& waiting = *turns_.waiting(who);
+  if (who == inputs_.size()) return true;
+  const std::vector<FrameAtStamp> frames = scene_.awaitedFrames(who, waiting.stamp, inputs_);
+  if (!lookup_.isWorthWaiting(frames)) return true;
+  held_up_[who] = true;
+  if (time_.steady() < waiting.give_up) return false;
+  lookup_.giveUp(frames);
+  return true;
+}
+
+void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
+  const SteadyTime now = time_.steady();
+  const ros::Time stamp = turns_.waiting(who.front())->stamp;
+  SteadyTime arrival = now;
+  CycleTrigger trigger;
+  double waited_s = 0;
+  for (const std::size_t i : who) {
+    const CycleTurns::Waiting& waiting = *turns_.waiting(i);
+    arrival = std::min(arrival, waiting.arrival);
+    if (i == inputs_.size()) {
+      trigger.robot = true;
+      continue;
+    }
+    trigger.objects.push_back(i);
+    if (!held_up_[i]) continue;
+    const auto taken = waiting.give_up - seconds(parameters_.tf_timeout_s);
+    waited_s = std::max(waited_s, std::chrono::duration<double>(now - taken).count());
+  }
+  turns_.start(who, now);
+  detect(stamp, trigger, waited_s, arrival);
+}
+
+void DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, double waited_s,
+                           SteadyTime mesh_arrival) {
   const SteadyTime start = time_.steady();
   clock_.startCycle(start);
-  const TransformReport transforms = scene_.prepare(t, inputs_, lookup_);
+  sink_->recordStart();
+  TransformReport transforms = scene_.prepare(t, trigger, inputs_, lookup_);
+  transforms.waited_s = waited_s;
   lookAtMisses(transforms);
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
   try {
-    report.result = &detector_->detect(scene_.scene(), parameters_.detector);
+    report.result = &runDetector();
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
+    noteRejected(&report);
     sink_->recordDetectorError("");
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM("detection failed, every pair is UNKNOWN: " << error.what());
+    ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());
   }
   sink_->sendCycle(&report, start, mesh_arrival);
 }
 
+// A detector that is given nothing to look at would forget what it started from.
+const DetectionResult& DetectionLoop::runDetector() {
+  if (scene_.looksAtAny()) return detector_->detect(scene_.scene(), parameters_.detector);
+  nothing_.begin(scene_.scene(), isGuaranteed(parameters_.detector));
+  return nothing_;
+}
+
+// Again once a second: reasons change, and an object without a mesh has no cycle to tell them.
+void DetectionLoop::listPairs() {
+  list_due_ = time_.steady() + std::chrono::seconds(1);
+  scene_.markUnknown(whyUnknown());
+  CycleReport report = scene_.makeReport(clock_.rosTime(), cycle_);
+  sink_->listPairs(&report);
+}
+
 void DetectionLoop::heartbeat() {
   clock_.startHeartbeat(time_.steady());
-  const ros::Time now = clock_.rosTime();
   // Without use_sim_time, ROS time is never zero.
-  if (now.isZero()) ROS_WARN("use_sim_time is set: waiting for /clock");
-  std::vector<std::string> why(inputs_.size(), enabled_ ? "no new mesh" : "disabled");
-  for (std::size_t i = 0; enabled_ && i < why.size(); ++i) inputs_[i].newestAt(now, &why[i]);
+  if (clock_.rosTime().isZero()) ROS_WARN("use_sim_time is set: waiting for /clock");
+  // ROS time may stand still, and then nothing grows old by it.
+  sink_->forgetStates("", "no new mesh");
+  std::vector<std::string> why = whyUnknown();
+  for (std::string& reason : why) reason = reason.empty() ? "no new mesh" : reason;
   scene_.markUnknown(why);
-  CycleReport report = makeReport(now);
+  CycleReport report = makeReport(clock_.rosTime());
   sink_->sendHeartbeat(&report);
+}
+
+// By object; empty: it has a mesh.
+std::vector<std::string> DetectionLoop::whyUnknown() const {
+  std::vector<std::string> why(inputs_.size(), enabled_ ? "" : "disabled");
+  for (std::size_t i = 0; enabled_ && i < why.size(); ++i) {
+    inputs_[i].newestAt(clock_.rosTime(), &why[i]);
+  }
+  return why;
+}
+
+// Of the next step, if nothing happens before.
+SteadyTime DetectionLoop::wakeTime() const {
+  constexpr std::chrono::milliseconds kTransformPeriod(1);  // transforms wake nobody
+  const SteadyTime now = time_.steady();
+  SteadyTime wake = std::min(clock_.heartbeatDue(), list_due_);
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    if (turns_.waiting(i)) {
+      wake = std::min({wake, turns_.waiting(i)->give_up, now + kTransformPeriod});
+    } else if (!sources_.meshes[i].isEmpty()) {
+      wake = std::min(wake, turns_.earliest(i));
+    }
+  }
+  const bool robot_cycles = parameters_.pair_classes.robot_self && robot_ != nullptr && enabled_;
+  return robot_cycles ? std::min(wake, std::max(robots_look_, turns_.earliest(inputs_.size())))
+                      : wake;
 }
 
 CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {

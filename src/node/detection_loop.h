@@ -10,10 +10,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/detector.h"
 #include "node/cycle_clock.h"
 #include "node/cycle_sink.h"
+#include "node/cycle_turns.h"
 #include "node/mailbox.h"
 #include "node/mesh_input.h"
 #include "node/mesh_mailbox.h"
@@ -59,15 +61,24 @@ class DetectionLoop {
   void applyEnabled(bool enabled);
   void warnOfUnknownNames();
   void reset(const std::string& reason);
-
   void dropLeftovers();
-  // The earliest stamp that waits, if one does.
-  std::optional<ros::Time> earliestWaiting() const;
-  void takeAndDetect(const ros::Time& stamp);
-  void detect(const ros::Time& t, CycleClock::SteadyTime mesh_arrival);
+
+  void takeMeshes();
+  ros::Time cycleStamp(const ros::Time& stamp, bool refused) const;
+  void lookAtRobotsTime();
+  std::optional<ros::Time> robotsStamp() const;
+  bool isReady(std::size_t who);
+  void takeTurn(const std::vector<std::size_t>& who);
+  void detect(const ros::Time& t, const CycleTrigger& trigger, double waited_s,
+              CycleClock::SteadyTime mesh_arrival);
+  const DetectionResult& runDetector();
+
+  void listPairs();
   void heartbeat();
+  std::vector<std::string> whyUnknown() const;
   CycleReport makeReport(const ros::Time& stamp);
   void lookAtMisses(const TransformReport& transforms);
+  CycleClock::SteadyTime wakeTime() const;
 
   const MonitorParameters& parameters_;
   const LoopSources sources_;
@@ -75,14 +86,19 @@ class DetectionLoop {
   const std::unique_ptr<Detector> detector_;
   const std::unique_ptr<CycleSink> sink_;
   CycleClock clock_;
+  CycleTurns turns_;  // of the objects, in their order, and of the robot
   MeshInputs inputs_;
   MonitorScene scene_;
-  const TransformLookup lookup_;
+  TransformLookup lookup_;
   std::shared_ptr<const RobotGeometry> robot_;  // the one in scene_
+  DetectionResult nothing_;                     // of a cycle without an enabled pair
+  std::vector<bool> held_up_;                   // by object: its cycle waited for transforms
+  ros::Time robots_stamp_;                      // of its own last cycle
+  CycleClock::SteadyTime robots_look_;          // when to look for a new one
   bool enabled_ = true;
   bool names_checked_ = false;  // of the allowed contacts, against the bodies'
   std::uint64_t cycle_ = 0;
-  CycleClock::SteadyTime last_warning_;
+  CycleClock::SteadyTime list_due_, last_warning_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -2,6 +2,7 @@
 #include "node/loop_warnings.h"
 
 #include <algorithm>
+#include <set>
 
 namespace deformable_contact_monitor {
 
@@ -20,15 +21,14 @@ std::string describeMisses(const TransformReport& transforms) {
 
 std::vector<std::string> unknownNames(const AllowedContacts& allowed,
                                       const std::vector<BodyStatus>& bodies) {
-  std::vector<std::string> unknown;
+  std::set<std::string> known{"*"}, unknown;
+  for (const BodyStatus& body : bodies) known.insert(body.name);
   for (const AllowedContact& rule : allowed.rules()) {
     for (const std::string& name : {rule.body_a, rule.body_b}) {
-      const auto is_it = [&name](const BodyStatus& body) { return body.name == name; };
-      if (name == "*" || std::any_of(bodies.begin(), bodies.end(), is_it)) continue;
-      unknown.push_back(name);
+      if (known.count(name) == 0) unknown.insert(name);
     }
   }
-  return unknown;
+  return {unknown.begin(), unknown.end()};
 }
 
 }  // namespace deformable_contact_monitor

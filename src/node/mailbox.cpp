@@ -5,14 +5,17 @@
 
 namespace deformable_contact_monitor {
 
-std::vector<AllowedContact> Mailbox::addAllowedContacts(const std::vector<AllowedContact>& rules) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  AllowedContacts allowed = allowed_;
-  for (const AllowedContact& rule : rules) allowed.add(rule);
-  allowed_ = std::move(allowed);
-  requests_.allowed_contacts = allowed_;
-  wakeLocked();
-  return allowed_.rules();
+std::vector<AllowedContact> Mailbox::changeAllowedContacts(const AllowedContactsChange& change) {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  AllowedContacts allowed = *allowed_;
+  allowed.change(change);
+  allowed_ = std::make_shared<const AllowedContacts>(std::move(allowed));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    requests_.allowed_contacts = allowed_;
+    wakeLocked();
+  }
+  return allowed_->rules();
 }
 
 void Mailbox::requestReset() {
@@ -36,6 +39,11 @@ void Mailbox::stop() {
   const std::lock_guard<std::mutex> lock(mutex_);
   stopped_ = true;
   wakeLocked();
+}
+
+bool Mailbox::isStopped() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return stopped_;
 }
 
 void Mailbox::wakeLocked() {

@@ -1,12 +1,10 @@
 // What service threads ask of the detection thread, and what wakes it.
 #pragma once
 
-#include <deformable_contact_monitor/AllowedContact.h>
-
 #include <chrono>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,18 +14,19 @@ namespace deformable_contact_monitor {
 
 struct Requests {
   bool reset = false;
-  std::optional<AllowedContacts> allowed_contacts;  // all rules in force, if they were changed
-  bool enabled = true;                              // as it was last asked for
+  std::shared_ptr<const AllowedContacts> allowed_contacts;  // all in force; null: not changed
+  bool enabled = true;                                      // as it was last asked for
 };
 
 // Threads may call every function at any time; one thread waits and takes.
 class Mailbox {
  public:
-  explicit Mailbox(AllowedContacts allowed) : allowed_(std::move(allowed)) {}
+  explicit Mailbox(AllowedContacts allowed)
+      : allowed_(std::make_shared<const AllowedContacts>(std::move(allowed))) {}
 
-  // Adds all of `rules` and returns all in force. Throws std::invalid_argument, and then adds none,
-  // if AllowedContacts refuses one.
-  std::vector<AllowedContact> addAllowedContacts(const std::vector<AllowedContact>& rules);
+  // Returns all rules in force then. Throws std::invalid_argument, and then changes none, if
+  // AllowedContacts refuses a part of it. The thread that takes does not wait for it.
+  std::vector<AllowedContact> changeAllowedContacts(const AllowedContactsChange& change);
   void requestReset();
   void setEnabled(bool enabled);
 
@@ -35,6 +34,7 @@ class Mailbox {
   void wake();
   // Ends this wait() and every later one.
   void stop();
+  bool isStopped() const;
 
   // Waits until `then`, or until one of the functions above is called, before or meanwhile. Returns
   // false once stop() was called.
@@ -46,10 +46,12 @@ class Mailbox {
  private:
   void wakeLocked();
 
-  std::mutex mutex_;  // guards what follows
+  std::mutex change_mutex_;                         // one change of the rules at a time
+  std::shared_ptr<const AllowedContacts> allowed_;  // all in force, guarded by it
+
+  mutable std::mutex mutex_;  // guards what follows; never held for long
   std::condition_variable wake_;
   Requests requests_;
-  AllowedContacts allowed_;  // all rules in force
   bool woken_ = false, stopped_ = false;
 };
 

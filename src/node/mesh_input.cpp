@@ -15,46 +15,71 @@ namespace {
 constexpr std::size_t kMaxAccepted = 32;  // bounds memory; at 60 Hz it is half a second
 constexpr double kMaxAheadS = 1;
 
+std::size_t byteCount(const DeformableMesh& message) {
+  return sizeof(float) * message.vertices.size() + sizeof(std::uint32_t) * message.triangles.size();
+}
+
 [[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
 
 }  // namespace
 
-MeshInput::MeshInput(std::string object, double max_age_s)
-    : object_(std::move(object)), max_age_ns_(std::llround(1e9 * max_age_s)) {}
+MeshInput::MeshInput(std::string object, const MeshLimits& limits)
+    : object_(std::move(object)),
+      max_age_ns_(std::llround(1e9 * limits.max_age_s)),
+      history_bytes_(limits.history_bytes) {}
 
-bool MeshInput::jumpsBack(const ros::Time& stamp) const {
-  return !stamp.isZero() && !accepted_.empty() &&
-         nanosecondsBetween(accepted_.back().stamp(), stamp) > max_age_ns_;
-}
-
-bool MeshInput::accept(const ArrivedMesh& mesh, const ros::Time& now) {
-  std::string refusal;
-  bool out_of_order = false;
+Acceptance MeshInput::accept(const ArrivedMesh& mesh, const ros::Time& now) {
   const std::shared_ptr<const Topology> before = topology_;
+  Acceptance answer = Acceptance::kDropped;
   try {
     if (mesh.keyframe) learnTopology(*mesh.keyframe);
-    checkHeader(*mesh.message, now);
-    out_of_order = !accepted_.empty() && mesh.message->header.stamp < accepted_.back().stamp();
-    if (!out_of_order) keep(mesh.message);
+    checkHeader(*mesh.message);
+    if (!isOutdated(mesh.message->header.stamp, now)) {
+      checkAge(mesh.message->header.stamp, now);
+      checkTopology(*mesh.message);
+      answer = keep(mesh.message) ? Acceptance::kJumped : Acceptance::kAccepted;
+    }
+    if (answer != Acceptance::kDropped) counters_.refusal.clear();
   } catch (const std::exception& error) {
-    refusal = error.what();
+    counters_.refusal = error.what();
     accepted_.clear();
+    answer = Acceptance::kRefused;
   }
-  if (out_of_order) ++counters_.dropped;
-  if (!refusal.empty()) ++counters_.refused;
+  counters_.dropped += answer == Acceptance::kDropped;
+  counters_.refused += answer == Acceptance::kRefused;
+  counters_.jumps += answer == Acceptance::kJumped;
   if (before && topology_ && before != topology_) ++counters_.topology_changes;
-  if (!out_of_order) counters_.refusal = refusal;
   if (!accepted_.empty()) counters_.stamp = accepted_.back().stamp();
-  return !out_of_order;
+  return answer;
 }
 
-void MeshInput::checkHeader(const DeformableMesh& message, const ros::Time& now) const {
+bool MeshInput::isOld(const ros::Time& stamp, const ros::Time& now) const {
+  return !now.isZero() && nanosecondsBetween(now, stamp) > max_age_ns_;
+}
+
+// Whether a mesh of that stamp says nothing that the newest accepted one does not say better.
+bool MeshInput::isOutdated(const ros::Time& stamp, const ros::Time& now) const {
+  if (accepted_.empty()) return false;
+  const ros::Time& newest = accepted_.back().stamp();
+  if (stamp >= newest || isOld(newest, now)) return false;
+  return nanosecondsBetween(newest, stamp) <= max_age_ns_ || isOld(stamp, now);
+}
+
+void MeshInput::checkHeader(const DeformableMesh& message) const {
   if (!isMeshOf(object_, message)) refuse("the mesh is of object '" + message.object + "'");
   if (message.header.stamp.isZero()) refuse("header.stamp is zero");
   if (message.header.frame_id.empty()) refuse("header.frame_id is empty");
-  const double ahead_s = secondsBetween(message.header.stamp, now);
-  if (!now.isZero() && ahead_s > kMaxAheadS) {
+}
+
+void MeshInput::checkAge(const ros::Time& stamp, const ros::Time& now) const {
+  if (now.isZero()) return;
+  const double ahead_s = secondsBetween(stamp, now);
+  if (ahead_s > kMaxAheadS) {
     refuse("header.stamp is " + std::to_string(ahead_s) + " s ahead of this machine's clock");
+  }
+  if (isOld(stamp, now)) {
+    refuse("header.stamp is " + std::to_string(-ahead_s) +
+           " s old, and max_mesh_age_s less; a bag needs /clock and use_sim_time");
   }
 }
 
@@ -78,25 +103,35 @@ void MeshInput::learnTopology(const DeformableMesh& keyframe) {
   }
 }
 
-void MeshInput::keep(const DeformableMesh::ConstPtr& message) {
+void MeshInput::checkTopology(const DeformableMesh& message) const {
   if (!topology_ && !topology_refusal_.empty()) refuse(topology_refusal_);
-  if (!topology_ || topology_->id != message->topology_id) {
-    refuse("no triangles of topology_id " + std::to_string(message->topology_id) +
+  if (!topology_ || topology_->id != message.topology_id) {
+    refuse("no triangles of topology_id " + std::to_string(message.topology_id) +
            " seen yet; publishers send them on change and at least once a second");
   }
-  if (message->vertices.size() != 3 * topology_->vertex_count) {
-    refuse(std::to_string(message->vertices.size()) + " vertex coordinates, but topology_id " +
+  if (message.vertices.size() != 3 * topology_->vertex_count) {
+    refuse(std::to_string(message.vertices.size()) + " vertex coordinates, but topology_id " +
            std::to_string(topology_->id) + " has " + std::to_string(topology_->vertex_count) +
            " vertices");
   }
-  if (!accepted_.empty() && accepted_.back().stamp() == message->header.stamp) {
-    accepted_.pop_back();
-  }
+}
+
+// Returns whether stamps jumped back, so that what was kept is forgotten.
+bool MeshInput::keep(const DeformableMesh::ConstPtr& message) {
+  const ros::Time& stamp = message->header.stamp;
+  const bool jumped = !accepted_.empty() && stamp < accepted_.back().stamp();
+  if (jumped) accepted_.clear();
+  if (!accepted_.empty() && accepted_.back().stamp() == stamp) accepted_.pop_back();
   accepted_.push_back({message, topology_});
-  while (accepted_.size() > kMaxAccepted ||
-         nanosecondsBetween(message->header.stamp, accepted_.front().stamp()) > max_age_ns_) {
+  std::size_t bytes = 0;
+  for (const AcceptedMesh& mesh : accepted_) bytes += byteCount(*mesh.message);
+  while (accepted_.size() > 1 &&
+         (accepted_.size() > kMaxAccepted || bytes > history_bytes_ ||
+          nanosecondsBetween(stamp, accepted_.front().stamp()) > max_age_ns_)) {
+    bytes -= byteCount(*accepted_.front().message);
     accepted_.pop_front();
   }
+  return jumped;
 }
 
 const AcceptedMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not) const {

@@ -30,11 +30,24 @@ struct AcceptedMesh {
 };
 
 struct MeshCounters {
-  std::uint64_t dropped = 0;  // out of order
+  std::uint64_t dropped = 0;  // out of order, or too old while there is a newer one
   std::uint64_t refused = 0;
+  std::uint64_t jumps = 0;  // of the stamps, back
   std::uint64_t topology_changes = 0;
   std::string refusal;  // of the latest mesh; empty: it was accepted
   ros::Time stamp;      // of the newest accepted mesh
+};
+
+enum class Acceptance {
+  kAccepted,
+  kJumped,   // accepted; its stamp is so much older than the newest that those were forgotten
+  kDropped,  // nothing new
+  kRefused,  // see MeshCounters::refusal
+};
+
+struct MeshLimits {
+  double max_age_s = 0.5;
+  std::size_t history_bytes = std::size_t{512} << 20U;  // the newest mesh is always kept
 };
 
 // A refused mesh leaves the object without any: an older one must not pass for fresh. One thread at
@@ -42,15 +55,13 @@ struct MeshCounters {
 class MeshInput {
  public:
   // `object`: the name that messages carry, or leave empty.
-  MeshInput(std::string object, double max_age_s);
+  MeshInput(std::string object, const MeshLimits& limits);
 
-  // Whether a mesh of this stamp is older than the newest accepted one by more than max_age_s.
-  bool jumpsBack(const ros::Time& stamp) const;
-
-  // Accepts the mesh or refuses it. Returns false if there is nothing new to look at: it is older
-  // than the newest accepted one. A refused mesh (see counters().refusal) is something new. `now`
-  // zero: no clock yet; else a mesh stamped more than a second ahead is refused.
-  bool accept(const ArrivedMesh& mesh, const ros::Time& now);
+  // A mesh older than the newest accepted one is dropped, but by more than max_age_s it is a jump
+  // of the object's stamps. `now` zero: no clock; else a mesh stamped more than a second ahead is
+  // refused, and so is one older than max_age_s, which is dropped instead while the newest accepted
+  // one is not that old.
+  Acceptance accept(const ArrivedMesh& mesh, const ros::Time& now);
   const MeshCounters& counters() const { return counters_; }
 
   // The newest accepted mesh with a stamp in [t - max_age_s, t], or null and why.
@@ -60,13 +71,18 @@ class MeshInput {
   void forget();
 
  private:
+  bool isOld(const ros::Time& stamp, const ros::Time& now) const;
+  bool isOutdated(const ros::Time& stamp, const ros::Time& now) const;
   // These throw std::invalid_argument.
-  void checkHeader(const DeformableMesh& message, const ros::Time& now) const;
+  void checkHeader(const DeformableMesh& message) const;
+  void checkAge(const ros::Time& stamp, const ros::Time& now) const;
   void learnTopology(const DeformableMesh& keyframe);
-  void keep(const DeformableMesh::ConstPtr& message);
+  void checkTopology(const DeformableMesh& message) const;
+  bool keep(const DeformableMesh::ConstPtr& message);
 
   const std::string object_;
   const std::int64_t max_age_ns_;
+  const std::size_t history_bytes_;
 
   MeshCounters counters_;
   std::deque<AcceptedMesh> accepted_;  // ascending stamps

@@ -18,16 +18,15 @@ void MeshMailbox::store(const DeformableMesh::ConstPtr& message) {
   if (!message->triangles.empty() && isMeshOf(object_, *message)) waiting_.keyframe = message;
 }
 
-std::optional<ros::Time> MeshMailbox::waitingStamp() const {
+std::optional<ArrivedMesh> MeshMailbox::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!waiting_.message) return std::nullopt;
-  return waiting_.message->header.stamp;
+  return std::exchange(waiting_, ArrivedMesh());
 }
 
-std::optional<ArrivedMesh> MeshMailbox::takeAt(const ros::Time& stamp) {
+bool MeshMailbox::isEmpty() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!waiting_.message || waiting_.message->header.stamp != stamp) return std::nullopt;
-  return std::exchange(waiting_, ArrivedMesh());
+  return !waiting_.message;
 }
 
 void MeshMailbox::dropIf(const std::function<bool(const ros::Time&)>& unwanted) {

@@ -27,8 +27,7 @@ struct ArrivalCounters {
   std::uint64_t dropped = 0;  // while they waited: replaced by a newer one, or not wanted
 };
 
-// Threads may call every function at any time. So the mesh that waits may be another one as soon as
-// its stamp is known: who takes or drops says which mesh is meant, and leaves any other in place.
+// Threads may call every function at any time.
 //
 // Triangles come with a message or stay as they were when their topology_id was last sent, so
 // those of a message that was dropped are kept.
@@ -40,11 +39,11 @@ class MeshMailbox {
   // Makes `message` the one that waits.
   void store(const DeformableMesh::ConstPtr& message);
 
-  // Stamp of the mesh that waits, if one does.
-  std::optional<ros::Time> waitingStamp() const;
+  // Takes the mesh that waits, if one does: to look at it and to take it is one act, or a newer one
+  // that arrives in between would be lost.
+  std::optional<ArrivedMesh> take();
 
-  // Takes the mesh that waits if `stamp` is its stamp; else nothing happens.
-  std::optional<ArrivedMesh> takeAt(const ros::Time& stamp);
+  bool isEmpty() const;
 
   // Drops the mesh that waits if its stamp is `unwanted`, which must not call this mailbox.
   void dropIf(const std::function<bool(const ros::Time&)>& unwanted);

@@ -2,11 +2,14 @@
 #include "node/monitor_scene.h"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 namespace deformable_contact_monitor {
 namespace {
+
+constexpr std::size_t kHistoryBytes = std::size_t{512} << 20U;  // of an object's meshes
 
 RobotGeometry missingRobot(const std::string& why) {
   RobotGeometry robot;
@@ -19,7 +22,7 @@ RobotGeometry missingRobot(const std::string& why) {
 MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
   MeshInputs inputs;
   for (const ObjectParameters& object : parameters.objects) {
-    inputs.emplace_back(object.name, parameters.max_mesh_age_s);
+    inputs.emplace_back(object.name, MeshLimits{parameters.max_mesh_age_s, kHistoryBytes});
   }
   return inputs;
 }
@@ -70,8 +73,14 @@ void MonitorScene::clearStatuses() {
     BodyStatus& body = bodies_[id];
     body.stamp = ros::Time();
     body.topology_id = 0;
-    body.unknown_because = id < first_object_ ? link_problems_[id] : "";
+    body.unknown_because = isLink(id) ? link_problems_[id] : "";
+    body.triggered = false;
   }
+}
+
+void MonitorScene::markTriggered(const CycleTrigger& trigger) {
+  for (const std::size_t object : trigger.objects) bodies_[first_object_ + object].triggered = true;
+  for (BodyId id = 0; trigger.robot && isLink(id); ++id) bodies_[id].triggered = true;
 }
 
 void MonitorScene::markUnknown(const std::vector<std::string>& why) {
@@ -91,16 +100,49 @@ CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle
   return report;
 }
 
-TransformReport MonitorScene::prepare(const ros::Time& t, const MeshInputs& inputs,
-                                      const TransformLookup& lookup) {
+std::vector<FrameAtStamp> MonitorScene::awaitedFrames(std::size_t object, const ros::Time& t,
+                                                      const MeshInputs& inputs) const {
+  std::vector<FrameAtStamp> frames;
+  std::string why_not;
+  const AcceptedMesh* const mesh = inputs[object].newestAt(t, &why_not);
+  if (mesh == nullptr) return frames;
+  const BodyId id = first_object_ + static_cast<BodyId>(object);
+  const std::string& own = mesh->message->header.frame_id;
+  if (plainFrame(own) != parameters_.reference_frame) {
+    frames.push_back({plainFrame(own), mesh->stamp()});
+  }
+  for (const MonitoredPair& pair : pairs_) {
+    if (pair.allowed || pair.b != id || !isLink(pair.a) || !link_problems_[pair.a].empty() ||
+        bodies_[pair.a].name == parameters_.reference_frame) {
+      continue;
+    }
+    frames.push_back({bodies_[pair.a].name, t});
+  }
+  return frames;
+}
+
+std::vector<std::string> MonitorScene::selfPairedLinks() const {
+  std::set<std::string> links;
+  for (const MonitoredPair& pair : pairs_) {
+    if (pair.allowed || !isLink(pair.b)) continue;
+    for (const BodyId id : {pair.a, pair.b}) {
+      if (link_problems_[id].empty()) links.insert(bodies_[id].name);
+    }
+  }
+  return {links.begin(), links.end()};
+}
+
+TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& trigger,
+                                      const MeshInputs& inputs, const TransformLookup& lookup) {
   clearStatuses();
+  markTriggered(trigger);
   const std::vector<const AcceptedMesh*> meshes = chooseMeshes(t, inputs);
   const std::vector<bool> needed = neededBodies();
 
   std::vector<Question> questions;
   for (BodyId id = 0; id < bodies_.size(); ++id) {
     if (!needed[id] || !isKnown(id)) continue;
-    if (id < first_object_) {
+    if (isLink(id)) {
       questions.push_back({id, {bodies_[id].name, t}});
     } else {
       const AcceptedMesh& mesh = *meshes[id - first_object_];
@@ -113,29 +155,45 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const MeshInputs& inpu
   for (BodyId id = first_object_; id < bodies_.size(); ++id) {
     if (needed[id] && isKnown(id)) loadMesh(id - first_object_, *meshes[id - first_object_]);
   }
-  for (const MonitoredPair& pair : pairs_) {
-    scene_.setPairEnabled(pair.a, pair.b, !pair.allowed && isKnown(pair.a) && isKnown(pair.b));
-  }
+  enablePairs();
   return report;
 }
 
+// Of the cycle's pairs alone.
+void MonitorScene::enablePairs() {
+  looks_at_any_ = false;
+  for (const MonitoredPair& pair : pairs_) {
+    const bool enabled =
+        !pair.allowed && isOfCycle(bodies_, pair) && isKnown(pair.a) && isKnown(pair.b);
+    scene_.setPairEnabled(pair.a, pair.b, enabled);
+    looks_at_any_ = looks_at_any_ || enabled;
+  }
+}
+
+// Of the objects that the cycle's pairs need; null for the others.
 std::vector<const AcceptedMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
                                                             const MeshInputs& inputs) {
-  std::vector<const AcceptedMesh*> meshes;
+  std::vector<bool> asked(bodies_.size(), false);
+  for (BodyId id = 0; id < bodies_.size(); ++id) asked[id] = bodies_[id].triggered;
+  for (const MonitoredPair& pair : pairs_) {
+    if (!pair.allowed && isOfCycle(bodies_, pair)) asked[pair.a] = asked[pair.b] = true;
+  }
+  std::vector<const AcceptedMesh*> meshes(inputs.size(), nullptr);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     BodyStatus& body = bodies_[first_object_ + i];
-    meshes.push_back(inputs[i].newestAt(t, &body.unknown_because));
+    if (asked[first_object_ + i]) meshes[i] = inputs[i].newestAt(t, &body.unknown_because);
   }
   return meshes;
 }
 
-// Links with a partner that could be touched in this cycle, and known objects: people want to see
-// where those are.
+// Links with a partner that could be touched in this cycle, and known objects of it: people want to
+// see where those are.
 std::vector<bool> MonitorScene::neededBodies() const {
   std::vector<bool> needed(bodies_.size(), false);
-  std::fill(needed.begin() + first_object_, needed.end(), true);
+  for (BodyId id = first_object_; id < bodies_.size(); ++id) needed[id] = bodies_[id].triggered;
   for (const MonitoredPair& pair : pairs_) {
-    if (pair.allowed || !isKnown(pair.a) || !isKnown(pair.b)) continue;
+    if (pair.allowed || !isOfCycle(bodies_, pair)) continue;
+    if (!isKnown(pair.a) || !isKnown(pair.b)) continue;
     needed[pair.a] = needed[pair.b] = true;
   }
   return needed;
@@ -155,11 +213,11 @@ void MonitorScene::poseBodies(const std::vector<Question>& questions, const Tran
     frames.push_back(question.frame);
     asked.push_back(question.body);
   }
-  PoseAnswers answers = lookup.lookup(frames);
-  report->waited_s = answers.waited_s;
+  std::vector<PoseAnswer> answers = lookup.lookup(frames);
   for (std::size_t i = 0; i < asked.size(); ++i) {
     BodyStatus& body = bodies_[asked[i]];
-    PoseAnswer& answer = answers.answers[i];
+    PoseAnswer& answer = answers[i];
+    report->asked.push_back(body.name);
     try {
       if (answer.problem.empty()) scene_.setPose(asked[i], answer.pose);
     } catch (const std::invalid_argument& error) {

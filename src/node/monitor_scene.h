@@ -26,7 +26,14 @@ struct TransformReport {
     PoseAnswer answer;
   };
   double waited_s = 0;
+  std::vector<std::string> asked;  // bodies
   std::vector<Miss> misses;
+};
+
+// Whose cycle it is: that of some objects, or the robot's own.
+struct CycleTrigger {
+  std::vector<std::size_t> objects;
+  bool robot = false;
 };
 
 // Bodies are the robot's links, then the objects. While no robot is known, one body "robot" that
@@ -43,13 +50,25 @@ class MonitorScene {
   void setAllowedContacts(const AllowedContacts& allowed);
   const AllowedContacts& allowedContacts() const { return allowed_; }
 
-  // Brings bodies to stamp `t`: links at t, each object with its newest mesh at t, posed at that
-  // mesh's own stamp. Links that no enabled pair of known bodies needs are not posed. Bodies that
-  // cannot be had are UNKNOWN and their pairs are off.
-  TransformReport prepare(const ros::Time& t, const MeshInputs& inputs,
+  // Frames that the cycle of an object at `t` waits for, with their stamps: its own, and those of
+  // the links that it may touch. Other objects' frames are nothing to wait for.
+  std::vector<FrameAtStamp> awaitedFrames(std::size_t object, const ros::Time& t,
+                                          const MeshInputs& inputs) const;
+  // The links that the robot's own cycles pose, by frame.
+  std::vector<std::string> selfPairedLinks() const;
+
+  // Brings the bodies of a cycle's pairs (isOfCycle) to stamp `t`: links at t, each object with its
+  // newest mesh at t, posed at that mesh's own stamp. Others are left as they are and take no part.
+  // Links that no enabled pair of known bodies needs are not posed. Bodies that cannot be had are
+  // UNKNOWN and their pairs are off.
+  TransformReport prepare(const ros::Time& t, const CycleTrigger& trigger, const MeshInputs& inputs,
                           const TransformLookup& lookup);
 
-  // For a report without detection: object i is UNKNOWN because of why[i], links are not looked at.
+  // Whether some pair is to be looked at after prepare().
+  bool looksAtAny() const { return looks_at_any_; }
+
+  // For a report without detection: object i is UNKNOWN because of why[i], unless that is empty;
+  // links are not looked at.
   void markUnknown(const std::vector<std::string>& why);
 
   // Of a cycle with that stamp and number: its bodies and pairs as they are now, without a result.
@@ -66,8 +85,11 @@ class MonitorScene {
   };
 
   void clearStatuses();
+  void markTriggered(const CycleTrigger& trigger);
+  bool isLink(BodyId id) const { return id < first_object_; }
   std::vector<const AcceptedMesh*> chooseMeshes(const ros::Time& t, const MeshInputs& inputs);
   std::vector<bool> neededBodies() const;
+  void enablePairs();
   void poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
                   TransformReport* report);
   void loadMesh(std::size_t object, const AcceptedMesh& mesh);
@@ -81,6 +103,7 @@ class MonitorScene {
   std::vector<MonitoredPair> pairs_;
   std::vector<AcceptedMesh> loaded_;  // by object: what the scene holds
   BodyId first_object_ = 0;
+  bool looks_at_any_ = false;
 };
 
 }  // namespace deformable_contact_monitor

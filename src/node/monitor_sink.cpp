@@ -10,18 +10,19 @@ double secondsSince(std::chrono::steady_clock::time_point then) {
 
 }  // namespace
 
+void MonitorSink::recordStart() { diagnostics_.recordStart(); }
+
 void MonitorSink::sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
                             std::chrono::steady_clock::time_point mesh_arrival) {
-  const PublishedCycle sent = publisher_->publish(report);
+  const boost::shared_ptr<const ContactArray> sent = publisher_->publish(report);
   const double latency_s = secondsSince(mesh_arrival);  // markers are for people and can wait
   publisher_->publishMarkers(*report);
-  diagnostics_.recordCycle(*report, *sent.contacts, secondsSince(start), latency_s);
+  diagnostics_.recordCycle(*report, *sent, secondsSince(start), latency_s);
 }
 
 void MonitorSink::sendHeartbeat(CycleReport* report) {
-  const PublishedCycle sent = publisher_->publish(report);
-  publisher_->publishMarkers(*report);
-  diagnostics_.recordCycle(*report, *sent.contacts, 0, 0);
+  const boost::shared_ptr<const ContactArray> sent = publisher_->publish(report);
+  diagnostics_.recordCycle(*report, *sent, 0, 0);
 }
 
 }  // namespace deformable_contact_monitor

@@ -17,10 +17,14 @@ class MonitorSink : public CycleSink {
   MonitorSink(std::unique_ptr<CyclePublisher> publisher, NodeDiagnostics& diagnostics)
       : publisher_(std::move(publisher)), diagnostics_(diagnostics) {}
 
+  void recordStart() override;
   void sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
                  std::chrono::steady_clock::time_point mesh_arrival) override;
   void sendHeartbeat(CycleReport* report) override;
-  void endContacts(const std::string& reason) override { publisher_->endContacts(reason); }
+  void listPairs(CycleReport* report) override { publisher_->publishStates(report); }
+  void forgetStates(const std::string& body, const std::string& reason) override {
+    publisher_->forgetStates(body, reason);
+  }
   void sendRobot(const RobotGeometry& robot) override { publisher_->publishRobot(robot); }
 
   void recordMesh(std::size_t object, const MeshCounters& counters) override {

@@ -14,6 +14,7 @@ using diagnostic_msgs::DiagnosticStatus;
 constexpr std::size_t kTimedCycles = 200;
 constexpr double kMissingTooLongS = 5;
 constexpr double kBusyShare = 0.9;
+constexpr double kLongCycleS = 0.5;
 
 double secondsSince(std::chrono::steady_clock::time_point then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -50,10 +51,24 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
   updater_.add("output", this, &NodeDiagnostics::describeOutput);
 }
 
+void NodeDiagnostics::recordStart() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  running_since_ = Clock::now();
+}
+
+std::string NodeDiagnostics::whySilent() const {
+  constexpr double kLongS = 0.1;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double running_s = running_since_ ? secondsSince(*running_since_) : 0;
+  if (running_s < kLongS) return "no new mesh within max_mesh_age_s";
+  return "busy: a cycle has been running for " + std::to_string(running_s) + " s";
+}
+
 void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray& sent,
                                   double cycle_s, double latency_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++cycles_;
+  running_since_.reset();
   backend_ = report.backend;
   busy_s_ += cycle_s;
   output_ = ContactArray();
@@ -85,13 +100,16 @@ void NodeDiagnostics::recordTransforms(const TransformReport& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   worst_wait_s_ = std::max(worst_wait_s_, report.waited_s);
   transform_misses_ += report.misses.size();
-  std::map<std::string, std::pair<Clock::time_point, std::string>> missing;
-  for (const TransformReport::Miss& miss : report.misses) {
-    const auto before = missing_.find(miss.body);
-    const auto since = before == missing_.end() ? Clock::now() : before->second.first;
-    missing[miss.body] = {since, miss.answer.problem};
+  // Bodies of other cycles are as they were.
+  std::map<std::string, std::pair<Clock::time_point, std::string>> before;
+  for (const std::string& body : report.asked) {
+    if (auto entry = missing_.extract(body)) before.insert(std::move(entry));
   }
-  missing_ = std::move(missing);
+  for (const TransformReport::Miss& miss : report.misses) {
+    const auto found = before.find(miss.body);
+    const auto since = found == before.end() ? Clock::now() : found->second.first;
+    missing_[miss.body] = {since, miss.answer.problem};
+  }
 }
 
 void NodeDiagnostics::recordDetectorError(const std::string& error) {
@@ -205,6 +223,11 @@ void NodeDiagnostics::describeTiming(Status& status) {
   status.summary(DiagnosticStatus::OK, "in time");
   if (busy > kBusyShare) {
     status.summary(DiagnosticStatus::WARN, "always busy: meshes come faster than they are done");
+  }
+  const double running_s = running_since_ ? secondsSince(*running_since_) : 0;
+  if (running_s > kLongCycleS) {
+    status.summary(DiagnosticStatus::WARN,
+                   "busy: a cycle runs for " + std::to_string(running_s) + " s");
   }
   status.add("busy share", busy);
   for (const auto& [stage, times_ms] : times_ms_) status.add(stage, meanP95Max(times_ms));

@@ -9,6 +9,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ class NodeDiagnostics {
                   const RobotSource& robot, const ros::NodeHandle& node,
                   const ros::NodeHandle& private_node);
 
+  // A cycle begins.
+  void recordStart();
   // `cycle_s`: the work, from taking transforms to the markers; `latency_s`: from the arrival of
   // the mesh that asked for the cycle until all but the markers is published.
   void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s,
@@ -40,6 +43,9 @@ class NodeDiagnostics {
   void recordDetectorError(const std::string& error);
   void recordReset(const std::string& reason);
   void recordEnabled(bool enabled);
+
+  // Why no cycle has ended lately: for states that have become too old.
+  std::string whySilent() const;
 
   // To be called once a second.
   void publish() { updater_.force_update(); }
@@ -65,13 +71,14 @@ class NodeDiagnostics {
   const RobotSource& robot_;
   diagnostic_updater::Updater updater_;
 
-  std::mutex mutex_;                // guards what follows
+  mutable std::mutex mutex_;        // guards what follows
   std::vector<MeshWatch> watches_;  // by object
   bool enabled_ = true;
   std::string backend_, detector_error_, last_reset_;
   std::uint64_t cycles_ = 0, resets_ = 0;
   std::map<std::string, std::deque<double>> times_ms_;  // by stage; the latest cycles
   double busy_s_ = 0;                                   // since last_timing_
+  std::optional<Clock::time_point> running_since_;      // the cycle that has not ended
   Clock::time_point last_timing_ = Clock::now();
   std::map<std::string, std::pair<Clock::time_point, std::string>> missing_;  // since when, what
   std::uint64_t transform_misses_ = 0;

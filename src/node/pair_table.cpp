@@ -9,15 +9,6 @@ namespace {
 
 constexpr char kAnyBody[] = "*";
 
-bool matches(const std::string& name, const std::string& body) {
-  return name == kAnyBody || name == body;
-}
-
-bool sameNames(const AllowedContact& r, const AllowedContact& s) {
-  return (r.body_a == s.body_a && r.body_b == s.body_b) ||
-         (r.body_a == s.body_b && r.body_b == s.body_a);
-}
-
 bool isMonitored(const BodyStatus& a, const BodyStatus& b, bool same, const PairClasses& classes) {
   const int objects = (a.kind == BodyKind::kDeformable) + (b.kind == BodyKind::kDeformable);
   if (same) return objects == 2 && classes.deformable_self;
@@ -27,29 +18,62 @@ bool isMonitored(const BodyStatus& a, const BodyStatus& b, bool same, const Pair
 
 }  // namespace
 
-void AllowedContacts::add(const AllowedContact& rule) {
+AllowedContacts::Names AllowedContacts::namesOf(const AllowedContact& rule) {
   if (rule.body_a.empty() || rule.body_b.empty()) {
     throw std::invalid_argument(
         "an allowed contact needs both body_a and body_b (a name, or '*' for any body)");
   }
-  rules_.erase(std::remove_if(rules_.begin(), rules_.end(),
-                              [&rule](const AllowedContact& r) { return sameNames(r, rule); }),
-               rules_.end());
-  rules_.push_back(rule);
+  return std::minmax(rule.body_a, rule.body_b);
+}
+
+void AllowedContacts::add(const AllowedContact& rule) {
+  Names names = namesOf(rule);
+  if (rules_.size() >= kMostRules && rules_.count(names) == 0) {
+    throw std::invalid_argument("there are " + std::to_string(kMostRules) +
+                                " rules of allowed contacts, which is the most; use '*'");
+  }
+  rules_[std::move(names)] = {rule, ++added_};
+}
+
+void AllowedContacts::change(const AllowedContactsChange& change) {
+  AllowedContacts changed = change.replace ? AllowedContacts() : *this;
+  for (const AllowedContact& rule : change.remove) {
+    if (changed.rules_.erase(namesOf(rule)) == 0) {
+      throw std::invalid_argument("no rule for '" + rule.body_a + "' and '" + rule.body_b +
+                                  "' is in force, to be removed");
+    }
+  }
+  for (const AllowedContact& rule : change.add) changed.add(rule);
+  *this = std::move(changed);
+}
+
+const AllowedContacts::Rule* AllowedContacts::find(const std::string& a,
+                                                   const std::string& b) const {
+  const auto found = rules_.find(std::minmax(a, b));
+  return found == rules_.end() ? nullptr : &found->second;
 }
 
 bool AllowedContacts::allows(const std::string& a, const std::string& b) const {
-  bool allowed = false;
-  int fewest_wildcards = 3;
-  for (const AllowedContact& rule : rules_) {
-    const bool applies = (matches(rule.body_a, a) && matches(rule.body_b, b)) ||
-                         (matches(rule.body_a, b) && matches(rule.body_b, a));
-    const int wildcards = (rule.body_a == kAnyBody) + (rule.body_b == kAnyBody);
-    if (!applies || wildcards > fewest_wildcards) continue;
-    fewest_wildcards = wildcards;
-    allowed = rule.allowed;
+  if (const Rule* const both = find(a, b)) return both->rule.allowed;
+  const Rule *const first = find(a, kAnyBody), *const second = find(b, kAnyBody);
+  if (first != nullptr && (second == nullptr || first->added > second->added)) {
+    return first->rule.allowed;
   }
-  return allowed;
+  if (second != nullptr) return second->rule.allowed;
+  const Rule* const any = find(kAnyBody, kAnyBody);
+  return any != nullptr && any->rule.allowed;
+}
+
+std::vector<AllowedContact> AllowedContacts::rules() const {
+  std::vector<const Rule*> in_order;
+  in_order.reserve(rules_.size());
+  for (const auto& [names, rule] : rules_) in_order.push_back(&rule);
+  std::sort(in_order.begin(), in_order.end(),
+            [](const Rule* a, const Rule* b) { return a->added < b->added; });
+  std::vector<AllowedContact> rules;
+  rules.reserve(in_order.size());
+  for (const Rule* rule : in_order) rules.push_back(rule->rule);
+  return rules;
 }
 
 std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,

@@ -3,7 +3,11 @@
 
 #include <deformable_contact_monitor/AllowedContact.h>
 
+#include <cstddef>
+#include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "node/cycle_report.h"
@@ -20,22 +24,46 @@ struct PairClasses {
   bool needRobot() const { return robot_deformable || robot_self; }
 };
 
+struct AllowedContactsChange {
+  bool replace = false;                // all rules in force go first
+  std::vector<AllowedContact> remove;  // then these, by their bodies' names
+  std::vector<AllowedContact> add;
+};
+
 // Rules in force. A rule that names both bodies beats one with a wildcard ('*': any body), which
 // beats one with two; among equals the one added last wins. Without a rule: not allowed. The order
 // of a rule's bodies does not matter.
 class AllowedContacts {
  public:
+  // So many rules are held at most.
+  static constexpr std::size_t kMostRules = 100000;
+
   // Replaces an earlier rule for the same two names. Throws std::invalid_argument if a name is
-  // empty.
+  // empty, or kMostRules are there.
   void add(const AllowedContact& rule);
 
+  // All of it or nothing: throws as add() does, and at the removal of a rule that is not there.
+  void change(const AllowedContactsChange& change);
+
+  // In time that hardly grows with the number of rules.
   bool allows(const std::string& a, const std::string& b) const;
 
   // In the order in which they were added.
-  const std::vector<AllowedContact>& rules() const { return rules_; }
+  std::vector<AllowedContact> rules() const;
+  std::size_t count() const { return rules_.size(); }
 
  private:
-  std::vector<AllowedContact> rules_;
+  using Names = std::pair<std::string, std::string>;
+  struct Rule {
+    AllowedContact rule;
+    std::uint64_t added = 0;  // counts up
+  };
+
+  static Names namesOf(const AllowedContact& rule);
+  const Rule* find(const std::string& a, const std::string& b) const;
+
+  std::map<Names, Rule> rules_;
+  std::uint64_t added_ = 0;
 };
 
 // The pairs of the classes that are on, ascending, allowed ones marked.

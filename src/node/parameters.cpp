@@ -125,8 +125,10 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
 void readOutput(ParameterReader* reader, MonitorParameters* p) {
   constexpr int kMaxCount = 1000000000;
   p->max_rate_hz = reader->number("max_rate_hz", p->max_rate_hz, 0, 10000);
+  p->robot_rate_hz = reader->number("robot_rate_hz", p->robot_rate_hz, 0.1, 1000);
   p->tf_timeout_s = reader->number("tf_timeout_s", p->tf_timeout_s, 0, 1);
   p->max_mesh_age_s = reader->number("max_mesh_age_s", p->max_mesh_age_s, 0, 60);
+  p->tolerated_rejects = reader->number("tolerated_rejects", p->tolerated_rejects, 0, 1);
   p->max_contacts = reader->integer("max_contacts", 0, 0, kMaxCount);
   p->debounce_on_cycles = reader->integer("debounce_on_cycles", p->debounce_on_cycles, 1, 1000);
   p->debounce_off_cycles = reader->integer("debounce_off_cycles", p->debounce_off_cycles, 1, 1000);

@@ -46,9 +46,11 @@ struct MonitorParameters {
   CudaSettings cuda;
   Options detector;
 
-  double max_rate_hz = 100;  // 0: every mesh
+  double max_rate_hz = 100;   // of an object's cycles; 0: every mesh
+  double robot_rate_hz = 30;  // of the robot's own cycles (robot_self)
   double tf_timeout_s = 0.05;
   double max_mesh_age_s = 0.5;
+  double tolerated_rejects = 0;  // share of a body's triangles
   std::size_t max_contacts = 0;  // 0: all
 
   int debounce_on_cycles = 1;

@@ -4,15 +4,13 @@
 #include <tf2/exceptions.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <sstream>
-#include <thread>
+
+#include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 std::string shown(const ros::Time& stamp) {
   std::ostringstream text;
@@ -46,26 +44,48 @@ RigidTransform toRigidTransform(const geometry_msgs::Transform& transform) {
   return pose;
 }
 
-PoseAnswers TransformLookup::lookup(const std::vector<FrameAtStamp>& frames) const {
-  PoseAnswers result;
-  const auto start = Clock::now();
-  for (const FrameAtStamp& frame : frames) result.answers.push_back(ask(frame));
-  const auto late = [](const PoseAnswer& answer) {
-    return answer.outcome == PoseAnswer::Outcome::kLate;
-  };
-  const auto waited_s = [&start] {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-  };
-  // Wall time: a clock that stands still must not stop the wait.
-  while (std::any_of(result.answers.begin(), result.answers.end(), late) &&
-         waited_s() < timeout_s_) {
-    std::this_thread::sleep_for(std::chrono::microseconds(500));
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      if (late(result.answers[i])) result.answers[i] = ask(frames[i]);
-    }
-    result.waited_s = waited_s();
+std::vector<PoseAnswer> TransformLookup::lookup(const std::vector<FrameAtStamp>& frames) const {
+  std::vector<PoseAnswer> answers;
+  answers.reserve(frames.size());
+  for (const FrameAtStamp& frame : frames) answers.push_back(ask(frame));
+  return answers;
+}
+
+bool TransformLookup::isWorthWaiting(const std::vector<FrameAtStamp>& frames) const {
+  return std::any_of(frames.begin(), frames.end(), [this](const FrameAtStamp& frame) {
+    const PoseAnswer answer = ask(frame);
+    if (answer.outcome != PoseAnswer::Outcome::kLate) return false;
+    const auto given_up = given_up_.find(frame.frame);
+    return given_up == given_up_.end() || given_up->second != answer.available;
+  });
+}
+
+void TransformLookup::giveUp(const std::vector<FrameAtStamp>& frames) {
+  for (const FrameAtStamp& frame : frames) {
+    const PoseAnswer answer = ask(frame);
+    if (answer.outcome == PoseAnswer::Outcome::kLate) given_up_[frame.frame] = answer.available;
   }
-  return result;
+}
+
+std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::string>& frames,
+                                                       double window_s) const {
+  std::vector<ros::Time> stamps;
+  bool any = false;
+  for (const std::string& frame : frames) {
+    try {
+      const ros::Time stamp =
+          buffer_.lookupTransform(reference_frame_, frame, ros::Time(0)).header.stamp;
+      any = true;
+      if (!stamp.isZero()) stamps.push_back(stamp);
+    } catch (const tf2::TransformException&) {  // it is UNKNOWN in every cycle, and no more
+    }
+  }
+  if (!any) return std::nullopt;
+  if (stamps.empty()) return ros::Time();
+  std::sort(stamps.begin(), stamps.end());
+  return *std::find_if(stamps.begin(), stamps.end(), [&](const ros::Time& stamp) {
+    return secondsBetween(stamps.back(), stamp) <= window_s;
+  });
 }
 
 PoseAnswer TransformLookup::ask(const FrameAtStamp& question) const {

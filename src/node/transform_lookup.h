@@ -5,6 +5,8 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,21 +42,29 @@ struct PoseAnswer {
   std::string problem;  // for people: what is missing; empty if kFound
 };
 
-struct PoseAnswers {
-  std::vector<PoseAnswer> answers;  // one for each question, in order
-  double waited_s = 0;
-};
-
 // One thread at a time; the buffer may be filled by another.
 class TransformLookup {
  public:
   // The buffer must outlive this.
-  TransformLookup(const tf2::BufferCore& buffer, std::string reference_frame, double timeout_s)
-      : buffer_(buffer), reference_frame_(std::move(reference_frame)), timeout_s_(timeout_s) {}
+  TransformLookup(const tf2::BufferCore& buffer, std::string reference_frame)
+      : buffer_(buffer), reference_frame_(std::move(reference_frame)) {}
 
-  // Waits until all are there or the late ones have been waited for during timeout_s [wall time].
-  // A frame that is kNever or kPast is not waited for. Never answers with another stamp's pose.
-  PoseAnswers lookup(const std::vector<FrameAtStamp>& frames) const;
+  // One answer for each question, in order; never with another stamp's pose. Does not wait.
+  std::vector<PoseAnswer> lookup(const std::vector<FrameAtStamp>& frames) const;
+
+  // Whether one of them is late and may yet come: it is nothing that was given up and has not moved
+  // on since.
+  bool isWorthWaiting(const std::vector<FrameAtStamp>& frames) const;
+
+  // They were waited for in vain, those that are late: a frame that stands still is not waited for
+  // again and again.
+  void giveUp(const std::vector<FrameAtStamp>& frames);
+
+  // The newest stamp at which all of these frames have a pose, but for those that have none or
+  // whose newest is more than `window_s` behind the others'. Zero: all are static; nothing: none
+  // has any.
+  std::optional<ros::Time> newestCommon(const std::vector<std::string>& frames,
+                                        double window_s) const;
 
  private:
   PoseAnswer ask(const FrameAtStamp& question) const;
@@ -63,7 +73,7 @@ class TransformLookup {
 
   const tf2::BufferCore& buffer_;
   const std::string reference_frame_;
-  const double timeout_s_;
+  std::map<std::string, ros::Time> given_up_;  // frames, with their newest stamp then
 };
 
 // Without tf's old leading '/'.

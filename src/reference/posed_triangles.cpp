@@ -1,7 +1,5 @@
 #include "reference/posed_triangles.h"
 
-#include <algorithm>
-
 #include "core/posed_body.h"
 
 namespace deformable_contact_monitor {
@@ -13,8 +11,7 @@ std::vector<PosedTriangle> finiteTriangles(const Body& body) {
   triangles.reserve(count);
   for (std::uint32_t t = 0; t < count; ++t) {
     const PosedTriangle triangle{t, posed.received(t), posed.triangle(t)};
-    const Vec3f* v = triangle.posed.v;
-    if (std::all_of(v, v + 3, isFinite)) triangles.push_back(triangle);
+    if (isFinite(triangle.posed)) triangles.push_back(triangle);
   }
   return triangles;
 }

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "sample_report.h"
 
@@ -28,13 +29,12 @@ void expectValid(const MarkerArray& array) {
   for (std::size_t i = 0; i < array.markers.size(); ++i) {
     const Marker& m = array.markers[i];
     SCOPED_TRACE("marker " + std::to_string(i) + " " + m.ns);
-    EXPECT_EQ(m.action == Marker::DELETEALL, i == 0);
+    EXPECT_TRUE(m.action != Marker::DELETEALL || i == 0);
     EXPECT_FALSE(m.header.frame_id.empty());
     EXPECT_EQ(m.pose.orientation.w, 1);
     EXPECT_EQ(m.pose.orientation.x, 0);
-    if (i == 0) continue;
     EXPECT_TRUE(ids.insert({m.ns, m.id}).second);
-    EXPECT_EQ(m.action, Marker::ADD);
+    if (m.action != Marker::ADD) continue;
     EXPECT_EQ(m.type, Marker::TRIANGLE_LIST);
     EXPECT_GT(m.scale.x * m.scale.y * m.scale.z, 0);
     EXPECT_GT(m.lifetime.toSec(), 0);
@@ -79,31 +79,55 @@ TEST(ContactMarkersTest, drawContactsAndTheRestOfTheObject) {
 
 TEST(ContactMarkersTest, idsStayWhileTheBodiesDo) {
   SampleReport sample;
-  const ContactMarkers markers{MarkerOptions()};
+  ContactMarkers markers{MarkerOptions()};
   const int id = markers.make(sample.report).markers[1].id;
   sample.result.contacts.insert(sample.result.contacts.begin(), {0, 2, 1, 2});
   const MarkerArray array = markers.make(sample.report);
   expectValid(array);
-  EXPECT_EQ(array.markers[1].ns, "arm/hand/base");
-  EXPECT_EQ(array.markers[2].ns, "arm/hand/cloth");
-  EXPECT_EQ(array.markers[2].id, id);
+  EXPECT_EQ(array.markers[0].ns, "arm/hand/base");
+  EXPECT_EQ(array.markers[1].ns, "arm/hand/cloth");
+  EXPECT_EQ(array.markers[1].id, id);
 }
 
-TEST(ContactMarkersTest, withoutContactsOrDataNothingStays) {
+// "<namespace>" drawn, "-<namespace>" deleted, "all" for DELETEALL.
+std::vector<std::string> actions(const MarkerArray& array) {
+  std::vector<std::string> lines;
+  for (const Marker& m : array.markers) {
+    lines.push_back(m.action == Marker::ADD      ? m.ns
+                    : m.action == Marker::DELETE ? "-" + m.ns
+                                                 : "all");
+  }
+  return lines;
+}
+
+using Actions = std::vector<std::string>;
+
+TEST(ContactMarkersTest, whatHasNothingToShowAnyMoreIsDeleted) {
   SampleReport sample;
-  const ContactMarkers markers{MarkerOptions()};
+  ContactMarkers markers{MarkerOptions()};
+  EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"all", "arm/hand/cloth", "cloth"}));
   sample.result.contacts.clear();
-  expectValid(markers.make(sample.report));
-  EXPECT_EQ(triangles(markers.make(sample.report)), (Counts{{"cloth", 3}}));
+  MarkerArray array = markers.make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(actions(array), (Actions{"-arm/hand/cloth", "cloth"}));
+  EXPECT_EQ(triangles(array), (Counts{{"cloth", 3}}));
 
   sample.report.bodies[2].unknown_because = "stale";
-  EXPECT_EQ(triangles(markers.make(sample.report)), Counts());
-
+  EXPECT_EQ(actions(markers.make(sample.report)), Actions{"-cloth"});
   sample.report.result = nullptr;
   sample.report.scene = nullptr;
-  const MarkerArray cleared = markers.make(sample.report);
-  expectValid(cleared);
-  EXPECT_EQ(cleared.markers.size(), 1U);
+  EXPECT_TRUE(markers.make(sample.report).markers.empty());
+}
+
+TEST(ContactMarkersTest, anotherObjectsCycleLeavesThemAlone) {
+  SampleReport sample;
+  ContactMarkers markers{MarkerOptions()};
+  markers.make(sample.report);
+  sample.report.bodies[2].triggered = false;
+  sample.result.contacts.clear();
+  EXPECT_TRUE(markers.make(sample.report).markers.empty());
+  sample.report.bodies[2].triggered = true;
+  EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"-arm/hand/cloth", "cloth"}));
 }
 
 TEST(ContactMarkersTest, theCapHoldsAndContactsComeFirst) {

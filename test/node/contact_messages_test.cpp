@@ -32,6 +32,7 @@ TEST(ContactArrayTest, carriesTheWholeReport) {
   EXPECT_EQ(message.bodies, (std::vector<std::string>{"arm/hand", "base", "cloth"}));
   EXPECT_EQ(message.body_kind, (std::vector<std::uint8_t>{ContactArray::LINK, ContactArray::LINK,
                                                           ContactArray::DEFORMABLE}));
+  EXPECT_EQ(message.triggered, (std::vector<std::uint8_t>{0, 0, 1}));
   EXPECT_EQ(message.body_stamps, std::vector<ros::Time>(3, ros::Time(100, 500)));
   EXPECT_EQ(message.topology_ids, (std::vector<std::uint32_t>{0, 0, 9}));
   EXPECT_EQ(pairsOf(message), (PairList{{0, 0, 2, 0}, {0, 0, 2, 1}, {0, 1, 2, 1}}));

@@ -1,4 +1,4 @@
-// When the monitor makes cycles and heartbeats, and which stamps it mistrusts.
+// When the monitor makes heartbeats, and which stamps it mistrusts.
 #include "node/cycle_clock.h"
 
 #include <gtest/gtest.h>
@@ -12,28 +12,15 @@ const CycleClock::SteadyTime kStart{std::chrono::hours(7)};
 
 CycleClock::SteadyTime at(int ms) { return kStart + milliseconds(ms); }
 
-TEST(CycleClockTest, TheFirstCycleMayBeAtOnceTheFirstHeartbeatAfterASecond) {
-  const CycleClock clock(10, 0.5, kStart);
-  EXPECT_TRUE(clock.mayCycle(kStart));
+TEST(CycleClockTest, TheFirstHeartbeatIsAfterASecond) {
+  const CycleClock clock(0.5, kStart);
   EXPECT_FALSE(clock.mustBeat(at(999)));
   EXPECT_TRUE(clock.mustBeat(at(1000)));
-}
-
-TEST(CycleClockTest, CyclesKeepToTheRate) {
-  CycleClock clock(10, 0.5, kStart);
-  clock.startCycle(at(5));
-  EXPECT_FALSE(clock.mayCycle(at(104)));
-  EXPECT_TRUE(clock.mayCycle(at(105)));
-}
-
-TEST(CycleClockTest, WithoutARateEveryMeshHasItsCycle) {
-  CycleClock clock(0, 0.5, kStart);
-  clock.startCycle(at(5));
-  EXPECT_TRUE(clock.mayCycle(at(5)));
+  EXPECT_EQ(clock.heartbeatDue(), at(1000));
 }
 
 TEST(CycleClockTest, ACyclePutsTheHeartbeatOffUntilItsMeshIsTooOld) {
-  CycleClock impatient(10, 0.5, kStart), patient(10, 3, kStart);
+  CycleClock impatient(0.5, kStart), patient(3, kStart);
   impatient.startCycle(at(500));
   EXPECT_FALSE(impatient.mustBeat(at(1499)));
   EXPECT_TRUE(impatient.mustBeat(at(1500))) << "a second at least";
@@ -43,30 +30,19 @@ TEST(CycleClockTest, ACyclePutsTheHeartbeatOffUntilItsMeshIsTooOld) {
 }
 
 TEST(CycleClockTest, HeartbeatsComeOnceASecond) {
-  CycleClock clock(10, 3, kStart);
+  CycleClock clock(3, kStart);
   clock.startHeartbeat(at(1200));
   EXPECT_FALSE(clock.mustBeat(at(2199)));
   EXPECT_TRUE(clock.mustBeat(at(2200)));
-  EXPECT_TRUE(clock.mayCycle(at(1200))) << "a heartbeat is no cycle";
-}
-
-TEST(CycleClockTest, WakesForTheNextCycleIfAMeshWaitsElseForTheHeartbeat) {
-  CycleClock clock(10, 0.5, kStart);
-  clock.startCycle(at(0));
-  EXPECT_EQ(clock.wakeTime(true), at(100));
-  EXPECT_EQ(clock.wakeTime(false), at(1000));
-  CycleClock slow(0.5, 0.5, kStart);
-  slow.startCycle(at(0));
-  EXPECT_EQ(slow.wakeTime(true), at(1000)) << "the heartbeat comes first";
 }
 
 TEST(CycleClockTest, AfterAFailureItIsTriedAgainInASecond) {
-  CycleClock clock(10, 0.5, kStart);
+  CycleClock clock(0.5, kStart);
   EXPECT_EQ(clock.retryTime(at(300)), at(1300));
 }
 
 TEST(CycleClockTest, ASmallStepBackIsNoJump) {
-  CycleClock clock(10, 0.5, kStart);
+  CycleClock clock(0.5, kStart);
   EXPECT_EQ(clock.update(ros::Time(50)), 0);
   EXPECT_EQ(clock.update(ros::Time(60)), 0);
   EXPECT_EQ(clock.update(ros::Time(59.91)), 0);
@@ -76,13 +52,13 @@ TEST(CycleClockTest, ASmallStepBackIsNoJump) {
 }
 
 TEST(CycleClockTest, AClockThatBeginsIsNoJump) {
-  CycleClock clock(10, 0.5, kStart);
+  CycleClock clock(0.5, kStart);
   EXPECT_EQ(clock.update(ros::Time()), 0);
   EXPECT_EQ(clock.update(ros::Time(1e9)), 0);
 }
 
 TEST(CycleClockTest, LeftoversAreAheadOfTheClockWhileTheWindowIsOpen) {
-  CycleClock clock(10, 0.5, kStart);
+  CycleClock clock(0.5, kStart);
   clock.update(ros::Time(50));
   EXPECT_FALSE(clock.isLeftover(ros::Time(60), kStart)) << "nothing was reset yet";
   clock.startLeftoverWindow(at(100));
@@ -95,7 +71,7 @@ TEST(CycleClockTest, LeftoversAreAheadOfTheClockWhileTheWindowIsOpen) {
 
 // Such differences do not fit into a ros::Duration.
 TEST(CycleClockTest, StampsAtTheEndsOfTimeAreSurvived) {
-  CycleClock clock(10, 0.5, kStart);
+  CycleClock clock(0.5, kStart);
   clock.update(ros::Time(4.2e9));
   EXPECT_GT(clock.update(ros::Time(1)), 4e9);
   clock.startLeftoverWindow(kStart);

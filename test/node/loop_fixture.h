@@ -34,7 +34,9 @@ struct FakeDetector : Detector {
   DetectionResult result;
 };
 
-// Writes a line for everything that is said, but for mesh counters and the lack of errors.
+// Writes a line for everything that is said, but for mesh counters and the lack of errors. Of a
+// report: its stamp, then each body, with a star if it triggered, the stamp of its data, and why it
+// is UNKNOWN.
 struct FakeSink : CycleSink {
   struct Log {
     std::vector<std::string> lines;
@@ -42,25 +44,31 @@ struct FakeSink : CycleSink {
     std::vector<std::uint64_t> refused;  // by object
   };
 
-  explicit FakeSink(Log* log) : log(log) {}
+  FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
   void add(const std::string& line) { log->lines.push_back(line); }
   void addReport(const std::string& what, const CycleReport& report) {
     std::ostringstream line;
     line << what << " " << report.header.stamp.toSec() << ":";
     for (const BodyStatus& body : report.bodies) {
-      line << " " << body.name;
+      line << " " << (body.triggered ? "*" : "") << body.name;
       if (!body.stamp.isZero()) line << "@" << body.stamp.toSec();
       if (!body.unknown_because.empty()) line << "(" << body.unknown_because << ")";
     }
     add(line.str());
     log->pairs = report.pairs;
   }
+  void recordStart() override {
+    if (*at_start) std::exchange(*at_start, nullptr)();
+  }
   void sendCycle(CycleReport* report, CycleClock::SteadyTime /*start*/,
                  CycleClock::SteadyTime /*mesh_arrival*/) override {
     addReport(report->result != nullptr ? "cycle" : "no result", *report);
   }
   void sendHeartbeat(CycleReport* report) override { addReport("heartbeat", *report); }
-  void endContacts(const std::string& reason) override { add("end: " + reason); }
+  void listPairs(CycleReport* report) override { log->pairs = report->pairs; }
+  void forgetStates(const std::string& body, const std::string& reason) override {
+    add("forget " + (body.empty() ? "all" : body) + ": " + reason);
+  }
   void sendRobot(const RobotGeometry& robot) override {
     add("robot of " + std::to_string(robot.links.size()));
   }
@@ -78,6 +86,7 @@ struct FakeSink : CycleSink {
   void recordEnabled(bool enabled) override { add(enabled ? "enabled" : "disabled"); }
 
   Log* const log;
+  std::function<void()>* const at_start;
 };
 
 // Two objects, 0 "cloth" and 1 "cable", in the reference frame "base", monitored against each
@@ -112,8 +121,8 @@ class LoopTest : public ::testing::Test {
       loop_ = std::make_unique<DetectionLoop>(
           parameters_,
           LoopSources{requests_, meshes_, transforms_, [this] { return newestRobot(); }},
-          LoopTime{[this] { return readSteadyClock(); }, [this] { return ros_time_; }},
-          std::make_unique<FakeDetector>(&detector_), std::make_unique<FakeSink>(&said_));
+          LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }},
+          std::make_unique<FakeDetector>(&detector_), std::make_unique<FakeSink>(&said_, &at_cycle_));
     }
     wake_time_ = loop_->step();
     return std::exchange(said_.lines, {});
@@ -139,16 +148,12 @@ class LoopTest : public ::testing::Test {
   FakeSink::Log said_;
   CycleClock::SteadyTime steady_time_{std::chrono::hours(7)};
   ros::Time ros_time_{50};
-  // Called once, when the loop reads the steady clock next.
-  std::function<void()> at_next_reading_;
+  // Called once, when the loop says that a cycle begins.
+  std::function<void()> at_cycle_;
 
  private:
   std::shared_ptr<const RobotGeometry> newestRobot() const {
     return robot_source_ ? robot_source_() : nullptr;
-  }
-  CycleClock::SteadyTime readSteadyClock() {
-    if (at_next_reading_) std::exchange(at_next_reading_, nullptr)();
-    return steady_time_;
   }
 
   std::unique_ptr<DetectionLoop> loop_;

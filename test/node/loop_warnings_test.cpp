@@ -41,7 +41,7 @@ TEST(LoopWarningsTest, NamesThatAreNoBodysAreFound) {
   std::vector<BodyStatus> bodies(2);
   bodies[0].name = "arm";
   bodies[1].name = "cloth";
-  EXPECT_EQ(unknownNames(allowed, bodies), (std::vector<std::string>{"hnad", "clth"}));
+  EXPECT_EQ(unknownNames(allowed, bodies), (std::vector<std::string>{"clth", "hnad"}));
 }
 
 }  // namespace

@@ -61,22 +61,33 @@ TEST_F(MailboxTest, EnabledStaysAsItWasAskedFor) {
 }
 
 TEST_F(MailboxTest, RulesAddUpAndAreTakenOnce) {
-  EXPECT_EQ(mailbox_.addAllowedContacts({rule("arm", "cloth")}).size(), 2U);
-  EXPECT_EQ(mailbox_.addAllowedContacts({rule("hand", "cloth")}).size(), 3U);
+  EXPECT_EQ(mailbox_.changeAllowedContacts({false, {}, {rule("arm", "cloth")}}).size(), 2U);
+  EXPECT_EQ(mailbox_.changeAllowedContacts({false, {}, {rule("hand", "cloth")}}).size(), 3U);
   const Requests requests = mailbox_.take();
   ASSERT_TRUE(requests.allowed_contacts);
   EXPECT_TRUE(requests.allowed_contacts->allows("base", "cloth"));
   EXPECT_TRUE(requests.allowed_contacts->allows("arm", "cloth"));
   EXPECT_TRUE(requests.allowed_contacts->allows("cloth", "hand"));
   EXPECT_FALSE(mailbox_.take().allowed_contacts);
-  EXPECT_EQ(mailbox_.addAllowedContacts({}).size(), 3U) << "rules stay in force";
+  EXPECT_EQ(mailbox_.changeAllowedContacts({false, {}, {}}).size(), 3U) << "rules stay in force";
 }
 
 TEST_F(MailboxTest, OneBadRuleAndNoneIsAdded) {
-  EXPECT_THROW(mailbox_.addAllowedContacts({rule("arm", "cloth"), rule("", "cloth")}),
-               std::invalid_argument);
+  EXPECT_THROW(
+      mailbox_.changeAllowedContacts({false, {}, {rule("arm", "cloth"), rule("", "cloth")}}),
+      std::invalid_argument);
   EXPECT_FALSE(mailbox_.take().allowed_contacts);
-  EXPECT_EQ(mailbox_.addAllowedContacts({}).size(), 1U);
+  EXPECT_EQ(mailbox_.changeAllowedContacts({false, {}, {}}).size(), 1U);
+}
+
+TEST_F(MailboxTest, RulesAreRemovedAndReplaced) {
+  mailbox_.changeAllowedContacts({false, {}, {rule("arm", "cloth"), rule("hand", "cloth")}});
+  const auto left = mailbox_.changeAllowedContacts({false, {rule("*", "base")}, {}});
+  ASSERT_EQ(left.size(), 2U);
+  EXPECT_EQ(left[0].body_a, "arm");
+  EXPECT_FALSE(mailbox_.take().allowed_contacts->allows("base", "cloth"));
+  EXPECT_EQ(mailbox_.changeAllowedContacts({true, {}, {rule("wrist", "*")}}).size(), 1U);
+  EXPECT_TRUE(mailbox_.changeAllowedContacts({true, {}, {}}).empty());
 }
 
 TEST_F(MailboxTest, WithoutAnythingNewTheWaitLasts) {
@@ -92,7 +103,7 @@ TEST_F(MailboxTest, EverythingThatIsAskedForWakes) {
   EXPECT_TRUE(isWoken());
   mailbox_.setEnabled(true);
   EXPECT_TRUE(isWoken());
-  mailbox_.addAllowedContacts({});
+  mailbox_.changeAllowedContacts({false, {}, {}});
   EXPECT_TRUE(isWoken());
   std::thread other([this] { mailbox_.wake(); });
   EXPECT_TRUE(isWoken());

@@ -11,7 +11,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
-const ros::Time kNow(100);
+const ros::Time kNow(50.25);
+const MeshLimits kLimits{0.5, 1U << 20U};
 
 boost::shared_ptr<DeformableMesh> mesh(double stamp_s, std::uint32_t topology_id = 1) {
   auto message = boost::make_shared<DeformableMesh>();
@@ -32,22 +33,22 @@ boost::shared_ptr<DeformableMesh> keyframe(double stamp_s, std::uint32_t topolog
 
 class MeshInputTest : public ::testing::Test {
  protected:
-  bool give(const DeformableMesh::ConstPtr& message) {
+  Acceptance give(const DeformableMesh::ConstPtr& message, const ros::Time& now = kNow) {
     mailbox_.store(message);
-    return input_.accept(*mailbox_.takeAt(message->header.stamp), kNow);
+    return input_.accept(*mailbox_.take(), now);
   }
 
   const AcceptedMesh* at(double t_s) { return input_.newestAt(ros::Time(t_s), &why_not_); }
 
   void expectRefused(const DeformableMesh::ConstPtr& message, const std::string& what) {
-    EXPECT_TRUE(give(message)) << "a refused mesh is news";
+    EXPECT_EQ(give(message), Acceptance::kRefused);
     EXPECT_NE(input_.counters().refusal.find(what), std::string::npos) << input_.counters().refusal;
     EXPECT_EQ(at(message->header.stamp.toSec()), nullptr);
     EXPECT_NE(why_not_.find(what), std::string::npos) << why_not_;
   }
 
   MeshMailbox mailbox_{"cloth"};
-  MeshInput input_{"cloth", 0.5};
+  MeshInput input_{"cloth", kLimits};
   std::string why_not_;
 };
 
@@ -57,9 +58,9 @@ TEST_F(MeshInputTest, NothingYet) {
 }
 
 TEST_F(MeshInputTest, AKeyframeAndWhatRefersToIt) {
-  EXPECT_TRUE(give(keyframe(50)));
+  EXPECT_EQ(Acceptance::kAccepted, give(keyframe(50)));
   const auto topology = at(50)->topology;
-  EXPECT_TRUE(give(mesh(50.1)));
+  EXPECT_EQ(Acceptance::kAccepted, give(mesh(50.1)));
   ASSERT_NE(at(50.1), nullptr);
   EXPECT_EQ(at(50.1)->stamp(), ros::Time(50.1));
   EXPECT_EQ(at(50.1)->topology, topology);
@@ -85,7 +86,7 @@ TEST_F(MeshInputTest, OtherTrianglesAreAChangeEvenUnderTheSameId) {
 
 TEST_F(MeshInputTest, TrianglesOfADroppedMessageAreLearned) {
   mailbox_.store(keyframe(50));
-  EXPECT_TRUE(give(mesh(50.1)));
+  EXPECT_EQ(Acceptance::kAccepted, give(mesh(50.1)));
   ASSERT_NE(at(50.1), nullptr);
   EXPECT_EQ(at(50.1)->topology->triangles.size(), 3U);
 }
@@ -134,7 +135,7 @@ TEST_F(MeshInputTest, SenselessHeadersAreRefused) {
   nameless->header.frame_id.clear();
   expectRefused(nameless, "frame_id is empty");
   expectRefused(keyframe(0), "stamp is zero");
-  expectRefused(keyframe(101.5), "ahead of this machine's clock");
+  expectRefused(keyframe(51.5), "ahead of this machine's clock");
   auto other = keyframe(50);
   other->object = "cable";
   expectRefused(other, "object 'cable'");
@@ -149,7 +150,7 @@ TEST_F(MeshInputTest, AnotherObjectsTrianglesAreNotLearned) {
 }
 
 TEST_F(MeshInputTest, NoClockYetMeansNoFuture) {
-  input_.accept({keyframe(101.5), keyframe(101.5), {}}, ros::Time());
+  input_.accept({keyframe(51.5), keyframe(51.5), {}}, ros::Time());
   EXPECT_TRUE(input_.counters().refusal.empty());
 }
 
@@ -172,25 +173,60 @@ TEST_F(MeshInputTest, TheNewestAtOrBeforeAndNotTooOld) {
   EXPECT_EQ(at(49.9), nullptr);
 }
 
-TEST_F(MeshInputTest, OutOfOrderIsDroppedAndAJumpBackIsSeen) {
+TEST_F(MeshInputTest, OutOfOrderIsDropped) {
   give(keyframe(50));
-  EXPECT_FALSE(give(mesh(49.9)));
+  EXPECT_EQ(give(mesh(49.9)), Acceptance::kDropped);
   EXPECT_EQ(input_.counters().dropped, 1U);
   EXPECT_NE(at(50), nullptr);
-  EXPECT_FALSE(input_.jumpsBack(ros::Time(49.6)));
-  EXPECT_TRUE(input_.jumpsBack(ros::Time(49.4)));
-  EXPECT_FALSE(input_.jumpsBack(ros::Time())) << "a stamp of zero is no time";
-  input_.forget();
-  EXPECT_FALSE(input_.jumpsBack(ros::Time(49.4)));
-  EXPECT_TRUE(give(mesh(49.4)));
-  EXPECT_NE(at(49.4), nullptr) << "triangles outlive a time jump";
+}
+
+TEST_F(MeshInputTest, AMeshWithTheStampOfTheNewestReplacesIt) {
+  give(keyframe(50));
+  auto again = mesh(50);
+  again->vertices[0] = 7;
+  EXPECT_EQ(give(again), Acceptance::kAccepted);
+  EXPECT_EQ(at(50)->message, again);
+  EXPECT_EQ(input_.newestAt(ros::Time(50.4), &why_not_)->message, again);
+}
+
+// Without a clock, or where the newest was stamped ahead of it.
+TEST_F(MeshInputTest, StampsThatGoFarBackForgetWhatWasBefore) {
+  give(keyframe(50), ros::Time());
+  EXPECT_EQ(give(mesh(49.5), ros::Time()), Acceptance::kDropped) << "max_age_s is closed";
+  EXPECT_EQ(give(mesh(49.4), ros::Time()), Acceptance::kJumped);
+  EXPECT_EQ(input_.counters().jumps, 1U);
+  ASSERT_NE(at(49.8), nullptr) << "triangles outlive a time jump";
+  EXPECT_EQ(at(49.8)->stamp(), ros::Time(49.4));
+  EXPECT_EQ(give(mesh(51.2)), Acceptance::kAccepted);
+  EXPECT_EQ(give(mesh(50.2)), Acceptance::kJumped);
+}
+
+// A publisher far behind beside a good one, and messages that are refused.
+TEST_F(MeshInputTest, WhatIsRefusedIsNoJump) {
+  give(keyframe(50));
+  auto nameless = mesh(40);
+  nameless->header.frame_id.clear();
+  EXPECT_EQ(give(nameless), Acceptance::kRefused);
+  EXPECT_EQ(input_.counters().jumps, 0U);
+  give(mesh(50.1));
+  EXPECT_EQ(give(mesh(49.5)), Acceptance::kDropped) << "too old, and the newest is not";
+  EXPECT_EQ(input_.counters().jumps, 0U);
+  EXPECT_NE(at(50.1), nullptr);
+}
+
+TEST_F(MeshInputTest, WhatIsTooOldIsRefusedUnlessThereIsBetter) {
+  expectRefused(keyframe(49.7), "header.stamp is 0.550000 s old");
+  EXPECT_NE(why_not_.find("max_mesh_age_s"), std::string::npos) << why_not_;
+  EXPECT_NE(why_not_.find("use_sim_time"), std::string::npos) << why_not_;
+  EXPECT_EQ(give(mesh(49.75)), Acceptance::kAccepted) << "max_age_s is closed";
+  EXPECT_EQ(give(mesh(49.9), ros::Time(60)), Acceptance::kRefused);
+  EXPECT_EQ(give(mesh(40), ros::Time()), Acceptance::kAccepted) << "without a clock nothing is";
 }
 
 // Such differences do not fit into a ros::Duration.
 TEST_F(MeshInputTest, StampsAtTheEndsOfTimeAreSurvived) {
-  MeshInput input("cloth", 0.5);
+  MeshInput input("cloth", kLimits);
   for (const double stamp_s : {4e9, 1.0, 4.2e9}) {
-    EXPECT_NO_THROW(input.jumpsBack(ros::Time(stamp_s)));
     EXPECT_NO_THROW(input.accept({keyframe(stamp_s), keyframe(stamp_s), {}}, ros::Time()));
     EXPECT_NO_THROW(input.newestAt(ros::Time(4.2e9), &why_not_));
     EXPECT_NO_THROW(input.newestAt(ros::Time(1), &why_not_));
@@ -198,14 +234,21 @@ TEST_F(MeshInputTest, StampsAtTheEndsOfTimeAreSurvived) {
   expectRefused(keyframe(4e9), "ahead of this machine's clock");
 }
 
-TEST_F(MeshInputTest, MemoryIsBounded) {
-  MeshInput input("cloth", 60);
-  for (int i = 0; i < 100; ++i) {
-    const auto message = keyframe(50 + 1e-3 * i);
-    input.accept({message, message, {}}, kNow);
-  }
-  EXPECT_EQ(input.newestAt(ros::Time(50.01), &why_not_), nullptr);
-  EXPECT_NE(input.newestAt(ros::Time(50.09), &why_not_), nullptr);
+TEST_F(MeshInputTest, HistoryIsBoundedInNumberAndBytes) {
+  const auto oldestOf = [this](const MeshLimits& limits) {
+    MeshInput input("cloth", limits);
+    for (int i = 0; i < 100; ++i) {
+      const auto message = keyframe(50 + 1e-3 * i);
+      input.accept({message, message, {}}, kNow);
+    }
+    EXPECT_NE(input.newestAt(ros::Time(50.099), &why_not_), nullptr);
+    int i = 99;
+    while (i >= 0 && input.newestAt(ros::Time(50 + 1e-3 * i), &why_not_) != nullptr) --i;
+    return i + 1;
+  };
+  EXPECT_EQ(oldestOf({60, 1U << 20U}), 68) << "32 of them";
+  EXPECT_EQ(oldestOf({60, 10 * (4 * 12 + 4 * 3)}), 90) << "ten meshes of 60 bytes";
+  EXPECT_EQ(oldestOf({60, 0}), 99) << "the newest is always kept";
 }
 
 }  // namespace

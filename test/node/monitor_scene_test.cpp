@@ -10,6 +10,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr BodyId kArm = 0, kHand = 1, kCloth = 2, kCable = 3;
+constexpr std::size_t kClothObject = 0, kCableObject = 1;
 
 MonitorParameters parameters() {
   MonitorParameters p;
@@ -52,8 +53,8 @@ class MonitorSceneTest : public ::testing::Test {
     buffer_.setTransform(t, "test");
   }
 
-  TransformReport prepare(double t_s) {
-    return scene_.prepare(ros::Time(t_s), inputs_, TransformLookup(buffer_, "base", 0));
+  TransformReport prepare(double t_s, const CycleTrigger& trigger = {{kClothObject}, false}) {
+    return scene_.prepare(ros::Time(t_s), trigger, inputs_, TransformLookup(buffer_, "base"));
   }
 
   std::string unknown(BodyId id) const { return scene_.bodies()[id].unknown_because; }
@@ -82,7 +83,7 @@ TEST_F(MonitorSceneTest, LinksAtTheStampObjectsAtTheirOwn) {
   }
   give(1, 10.1, "camera");
   give(0, 10.4, "camera");
-  EXPECT_TRUE(prepare(10.4).misses.empty());
+  EXPECT_TRUE(prepare(10.4, {{kClothObject, kCableObject}, false}).misses.empty());
   const Scene& scene = scene_.scene();
   EXPECT_NEAR(scene.body(kArm).pose.translation[0], 4, 1e-9);
   EXPECT_NEAR(scene.body(kCloth).pose.translation[0], 4, 1e-9);
@@ -117,26 +118,76 @@ TEST_F(MonitorSceneTest, AMissingTransformCostsThatLinkAlone) {
   EXPECT_TRUE(scene_.bodies()[kHand].stamp.isZero());
   EXPECT_TRUE(on(kArm, kCloth));
   EXPECT_FALSE(on(kHand, kCloth));
-  EXPECT_FALSE(on(kArm, kCable)) << "there is no cable yet";
   pose("hand", 10, 0);
   prepare(10);
   EXPECT_TRUE(on(kHand, kCloth));
 }
 
-TEST_F(MonitorSceneTest, AMissingObjectIsUnknownAndOff) {
-  pose("arm", 10, 0);
-  pose("hand", 10, 0);
-  pose("arm", 12, 0);
-  pose("hand", 12, 0);
+TEST_F(MonitorSceneTest, ACycleIsOfThePairsOfItsObjects) {
+  for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
   give(0, 10);
   give(1, 10);
   prepare(10);
-  EXPECT_TRUE(on(kArm, kCable));
+  EXPECT_TRUE(on(kArm, kCloth) && on(kHand, kCloth) && scene_.looksAtAny());
+  EXPECT_FALSE(on(kArm, kCable));
+  EXPECT_TRUE(scene_.bodies()[kCable].stamp.isZero()) << "it takes no part";
+  EXPECT_TRUE(scene_.bodies()[kCloth].triggered && !scene_.bodies()[kCable].triggered);
+  prepare(10, {{kCableObject}, false});
+  EXPECT_TRUE(on(kArm, kCable) && !on(kArm, kCloth));
+  prepare(10, {{kClothObject, kCableObject}, false});
+  EXPECT_TRUE(on(kArm, kCable) && on(kArm, kCloth));
+}
+
+TEST_F(MonitorSceneTest, APartnerThatIsTooOldIsUnknownAndOff) {
+  parameters_.pair_classes.deformable_deformable = true;
+  scene_.setRobot(robot());
+  give(0, 10);
+  give(1, 10);
+  prepare(10);
+  EXPECT_TRUE(on(kCloth, kCable));
   give(0, 11);
   prepare(11);
-  EXPECT_TRUE(on(kArm, kCloth));
-  EXPECT_FALSE(on(kArm, kCable)) << "too old";
+  EXPECT_FALSE(on(kCloth, kCable));
   EXPECT_NE(unknown(kCable), "");
+}
+
+TEST_F(MonitorSceneTest, TheRobotsOwnCycleIsOfItsLinks) {
+  parameters_.pair_classes.robot_self = true;
+  scene_.setRobot(robot());
+  EXPECT_EQ(scene_.selfPairedLinks(), (std::vector<std::string>{"arm", "hand"}));
+  for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
+  give(0, 10);
+  prepare(10);
+  EXPECT_FALSE(on(kArm, kHand)) << "it is the cloth's";
+  prepare(10, {{}, true});
+  EXPECT_TRUE(on(kArm, kHand));
+  EXPECT_FALSE(on(kArm, kCloth));
+  EXPECT_TRUE(scene_.bodies()[kArm].triggered && !scene_.bodies()[kCloth].triggered);
+}
+
+TEST_F(MonitorSceneTest, AnObjectWaitsForItsOwnFrameAndForLinksThatItMayTouch) {
+  const auto awaited = [this](std::size_t object, double t_s) {
+    std::vector<std::string> frames;
+    for (const FrameAtStamp& f : scene_.awaitedFrames(object, ros::Time(t_s), inputs_)) {
+      frames.push_back(f.frame + "@" + std::to_string(f.stamp.toSec()).substr(0, 4));
+    }
+    return frames;
+  };
+  using Frames = std::vector<std::string>;
+  parameters_.pair_classes.deformable_deformable = true;
+  scene_.setRobot(robot());
+  give(0, 10, "camera");
+  give(1, 10.4, "table");
+  EXPECT_EQ(awaited(0, 10.4), (Frames{"camera@10.0", "arm@10.4", "hand@10.4"}));
+  give(0, 10.4, "base");
+  AllowedContact rule;
+  rule.body_a = "arm";
+  rule.body_b = "*";
+  rule.allowed = true;
+  AllowedContacts allowed;
+  allowed.add(rule);
+  scene_.setAllowedContacts(allowed);
+  EXPECT_EQ(awaited(0, 10.4), Frames{"hand@10.4"});
 }
 
 TEST_F(MonitorSceneTest, WithoutAKnownPartnerNoLinkIsPosed) {
@@ -180,7 +231,8 @@ TEST_F(MonitorSceneTest, WithoutARobotAStandInIsUnknown) {
   give(0, 10);
   for (MonitorScene* scene : {&waiting, &scene_}) {
     ASSERT_EQ(scene->bodies().size(), 3U);
-    scene->prepare(ros::Time(10), inputs_, TransformLookup(buffer_, "base", 0));
+    scene->prepare(ros::Time(10), {{kClothObject}, false}, inputs_,
+                   TransformLookup(buffer_, "base"));
     EXPECT_EQ(scene->bodies()[0].name, "robot");
     EXPECT_NE(scene->bodies()[0].unknown_because, "");
     EXPECT_EQ(scene->pairs().size(), 2U);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -124,6 +125,46 @@ TEST(AllowedContacts, AnEmptyNameIsRefused) {
   EXPECT_THROW(allowed.add(rule("", "cloth")), std::invalid_argument);
   EXPECT_THROW(allowed.add(rule("cloth", "")), std::invalid_argument);
   EXPECT_TRUE(allowed.rules().empty());
+}
+
+TEST(AllowedContacts, AChangeIsMadeWholeOrNotAtAll) {
+  AllowedContacts allowed;
+  allowed.add(rule("arm", "cloth"));
+  allowed.add(rule("hand", "cloth"));
+  EXPECT_THROW(allowed.change({false, {rule("arm", "cable")}, {rule("arm", "*")}}),
+               std::invalid_argument)
+      << "it is not in force";
+  EXPECT_THROW(allowed.change({true, {}, {rule("arm", "*"), rule("", "*")}}),
+               std::invalid_argument);
+  ASSERT_EQ(allowed.count(), 2U);
+  allowed.change({false, {rule("cloth", "arm")}, {rule("wrist", "cloth")}});
+  EXPECT_FALSE(allowed.allows("arm", "cloth"));
+  EXPECT_TRUE(allowed.allows("hand", "cloth") && allowed.allows("wrist", "cloth"));
+  EXPECT_THROW(allowed.change({true, {rule("hand", "cloth")}, {}}), std::invalid_argument)
+      << "all are gone before";
+  allowed.change({true, {}, {}});
+  EXPECT_EQ(allowed.count(), 0U);
+}
+
+TEST(AllowedContacts, ThereIsALimit) {
+  AllowedContacts allowed;
+  for (std::size_t i = 0; i < AllowedContacts::kMostRules; ++i) {
+    allowed.add(rule("link" + std::to_string(i), "cloth"));
+  }
+  EXPECT_THROW(allowed.add(rule("arm", "cloth")), std::invalid_argument);
+  EXPECT_NO_THROW(allowed.add(rule("link7", "cloth", false))) << "it replaces one";
+  EXPECT_FALSE(allowed.allows("link7", "cloth"));
+}
+
+// 40 000 rules took 9.7 s when each was held against each. A long list must do no harm.
+TEST(AllowedContacts, ManyRulesTakeLittleTime) {
+  AllowedContactsChange change;
+  for (int i = 0; i < 40000; ++i) change.add.push_back(rule("link" + std::to_string(i), "cloth"));
+  const auto start = std::chrono::steady_clock::now();
+  AllowedContacts allowed;
+  allowed.change(change);
+  EXPECT_EQ(allowed.rules().size(), 40000U);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
 }
 
 TEST(PairTable, AllowedPairsAreThereAndMarked) {

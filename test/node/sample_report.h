@@ -17,7 +17,7 @@ inline TriangleMesh threeTriangles() {
 
 // Bodies 0 "arm/hand" and 1 "base" (links), 2 "cloth"; the hand is 5 m along x, its triangles'
 // normals point to +z. Hand and cloth have three contacts, base and cloth none, base and hand are
-// allowed.
+// allowed. It is the cloth's cycle, and 0.25 s after its stamp.
 struct SampleReport {
   SampleReport() {
     for (const char* name : {"arm/hand", "base", "cloth"}) scene.addBody(name, threeTriangles());
@@ -30,6 +30,7 @@ struct SampleReport {
     report.bodies = {{"arm/hand", BodyKind::kLink, ros::Time(100, 500), 0, ""},
                      {"base", BodyKind::kLink, ros::Time(100, 500), 0, ""},
                      {"cloth", BodyKind::kDeformable, ros::Time(100, 500), 9, ""}};
+    report.bodies[2].triggered = true;
     report.pairs = {{0, 1, true}, {0, 2, false}, {1, 2, false}};
     result.contacts = {{0, 0, 2, 0}, {0, 0, 2, 1}, {0, 1, 2, 1}};
     result.guaranteed = true;
@@ -39,7 +40,7 @@ struct SampleReport {
     report.scene = &scene;
     report.result = &result;
     report.backend = "cpu";
-    report.age_s = 0.25;
+    report.now = report.header.stamp + ros::Duration(0.25);
   }
   SampleReport(const SampleReport&) = delete;
   SampleReport& operator=(const SampleReport&) = delete;

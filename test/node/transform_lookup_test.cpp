@@ -4,11 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <chrono>
 #include <cmath>
 #include <random>
 #include <string>
-#include <thread>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -32,15 +30,15 @@ class TransformLookupTest : public ::testing::Test {
     ASSERT_TRUE(buffer_.setTransform(t, "test", is_static));
   }
 
-  PoseAnswer ask(const std::string& frame, double stamp_s, double timeout_s = 0) {
-    const TransformLookup lookup(buffer_, "base", timeout_s);
-    const PoseAnswers all = lookup.lookup({{frame, ros::Time(stamp_s)}});
-    waited_s_ = all.waited_s;
-    return all.answers.at(0);
+  PoseAnswer ask(const std::string& frame, double stamp_s) {
+    return lookup_.lookup({{frame, ros::Time(stamp_s)}}).at(0);
+  }
+  bool isWorthWaiting(const std::string& frame, double stamp_s) const {
+    return lookup_.isWorthWaiting({{frame, ros::Time(stamp_s)}});
   }
 
   tf2::BufferCore buffer_;
-  double waited_s_ = 0;
+  TransformLookup lookup_{buffer_, "base"};
 };
 
 TEST(ToRigidTransform, IsTheRotationOfTheQuaternion) {
@@ -110,37 +108,54 @@ TEST_F(TransformLookupTest, PastIsNotLate) {
 TEST_F(TransformLookupTest, NeverSeenIsNotWaitedFor) {
   set(transform("base", "arm", 10));
   set(transform("island", "palm", 10));
-  const PoseAnswer unknown = ask("ghost", 10, 1000);
+  const PoseAnswer unknown = ask("ghost", 10);
   EXPECT_EQ(unknown.outcome, Outcome::kNever);
   EXPECT_NE(unknown.problem.find("'ghost' never seen"), std::string::npos) << unknown.problem;
-  const PoseAnswer apart = ask("palm", 10, 1000);
+  const PoseAnswer apart = ask("palm", 10);
   EXPECT_EQ(apart.outcome, Outcome::kNever);
   EXPECT_NE(apart.problem.find("'palm' to 'base' never seen"), std::string::npos) << apart.problem;
+  EXPECT_FALSE(isWorthWaiting("ghost", 10) || isWorthWaiting("palm", 10));
 }
 
-TEST_F(TransformLookupTest, LateIsWaitedFor) {
+TEST_F(TransformLookupTest, LateIsWorthWaitingFor) {
   set(transform("base", "arm", 10, 1));
-  std::thread writer([this] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
-    set(transform("base", "arm", 11, 3));
-  });
-  const PoseAnswer answer = ask("arm", 10.5, 60);
-  writer.join();
-  EXPECT_EQ(answer.outcome, Outcome::kFound);
-  EXPECT_DOUBLE_EQ(answer.pose.translation[0], 2);
-  EXPECT_GT(waited_s_, 0);
+  EXPECT_TRUE(isWorthWaiting("arm", 10.5));
+  EXPECT_FALSE(isWorthWaiting("arm", 10)) << "it is there";
+  EXPECT_FALSE(isWorthWaiting("arm", 9)) << "it will not come any more";
+  set(transform("base", "arm", 11, 3));
+  EXPECT_FALSE(isWorthWaiting("arm", 10.5));
+}
+
+TEST_F(TransformLookupTest, AFrameThatStandsStillIsNotWaitedForAgain) {
+  set(transform("base", "arm", 10));
+  set(transform("base", "hand", 11));
+  lookup_.giveUp({{"arm", ros::Time(10.5)}, {"hand", ros::Time(10.5)}, {"ghost", ros::Time(10)}});
+  EXPECT_FALSE(isWorthWaiting("arm", 10.5) || isWorthWaiting("arm", 12));
+  EXPECT_TRUE(isWorthWaiting("hand", 12)) << "it was not late then";
+  set(transform("base", "arm", 10.1));
+  EXPECT_TRUE(isWorthWaiting("arm", 10.5)) << "it moves again";
 }
 
 TEST_F(TransformLookupTest, OneLateFrameCostsNoOtherItsPose) {
   set(transform("base", "arm", 10));
   set(transform("base", "hand", 11));
   set(transform("base", "hand", 12));
-  const TransformLookup lookup(buffer_, "base", 0.01);
-  const PoseAnswers all =
-      lookup.lookup({{"arm", ros::Time(11)}, {"hand", ros::Time(11)}, {"ghost", ros::Time(11)}});
-  EXPECT_EQ(all.answers[0].outcome, Outcome::kLate);
-  EXPECT_EQ(all.answers[1].outcome, Outcome::kFound);
-  EXPECT_EQ(all.answers[2].outcome, Outcome::kNever);
+  const std::vector<PoseAnswer> all =
+      lookup_.lookup({{"arm", ros::Time(11)}, {"hand", ros::Time(11)}, {"ghost", ros::Time(11)}});
+  EXPECT_EQ(all[0].outcome, Outcome::kLate);
+  EXPECT_EQ(all[1].outcome, Outcome::kFound);
+  EXPECT_EQ(all[2].outcome, Outcome::kNever);
+}
+
+TEST_F(TransformLookupTest, TheNewestCommonStampIsThatOfTheSlowestThatMoves) {
+  EXPECT_FALSE(lookup_.newestCommon({"arm", "hand"}, 0.5)) << "nothing is known";
+  set(transform("base", "wall", 10), true);
+  EXPECT_EQ(lookup_.newestCommon({"wall", "ghost"}, 0.5), ros::Time()) << "always";
+  set(transform("base", "arm", 10));
+  set(transform("base", "hand", 10.25));
+  EXPECT_EQ(lookup_.newestCommon({"arm", "hand", "wall", "ghost"}, 0.5), ros::Time(10));
+  set(transform("base", "hand", 10.75));
+  EXPECT_EQ(lookup_.newestCommon({"arm", "hand"}, 0.5), ros::Time(10.75)) << "the arm has stopped";
 }
 
 TEST(PlainFrame, DropsTheOldSlash) {

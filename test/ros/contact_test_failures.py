@@ -77,7 +77,7 @@ class ContactTestFailures(unittest.TestCase):
 
     def test_the_monitor(self):
         missing = {"state": "none", "wait_s": SHORT_S}
-        touching = {"play": lambda t: state("CONTACT", 5), "skipped": []}
+        touching = {"play": lambda t: state("CONTACT", 5)}
         self.check_played({
             "runs": ({"state": "contact", "hold_s": 0.5, "min_pairs": 5, "max_pairs": 5}, "",
                      touching),
@@ -91,7 +91,7 @@ class ContactTestFailures(unittest.TestCase):
                         "no such body: hand; /played/no_link has cloth, finger, palm", touching),
             "no_pair": ({**missing, "object": "finger"},
                         "pair not monitored: palm and finger; enable it in pair_classes", touching),
-            "no_reason": (missing, "state unknown: /played/no_reason/get_contacts, which knows",
+            "no_reason": (missing, "state unknown: the monitor gives no reason",
                           {"play": lambda t: state("UNKNOWN")})})
 
     def test_what_was_seen(self):
@@ -112,8 +112,8 @@ class ContactTestFailures(unittest.TestCase):
                          {"play": lambda t: state("CONTACT", 3) if t < 1 else state("NEAR", 1)}),
             "turns_unknown": (none, "not held: .* until it was unknown .*; unknown because mesh "
                                     "stale: cloth: newest mesh is 0.7 s old",
-                              {"play": lambda t: state("NONE" if t < 1 else "UNKNOWN"),
-                               "skipped": ["cloth: newest mesh is 0.7 s old"]}),
+                              {"play": lambda t: state("NONE") if t < 1 else
+                               state("UNKNOWN", reason="cloth: newest mesh is 0.7 s old")}),
             "too_old": ({**none, "max_age_s": 0.5}, "too old: .*greatest age [0-9]",
                         {"play": apart, "stamp": lambda now, t: now - rospy.Duration(0.6)}),
             "time_jump": (none, "time jump: stamps went from", {

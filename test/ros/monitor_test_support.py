@@ -86,7 +86,9 @@ class Monitor:
 
     def states_at(self, stamp):
         """{(body_a, body_b): state} of the cycle at that stamp."""
-        message = self.states.wait(f"states at {stamp}", lambda m: m.header.stamp == stamp)
+        cycle = self.contacts_at(stamp).cycle  # the monitor's own beats may have that stamp, too
+        message = self.states.wait(f"states at {stamp}",
+                                   lambda m: m.header.stamp == stamp and m.cycle == cycle)
         return {(s.body_a, s.body_b): s.state for s in message.states}
 
     def robot_meshes(self, log):

@@ -11,27 +11,25 @@ PERIOD_S = 0.05
 BODIES = ("palm", "finger", "cloth")
 
 
-def state(name, pairs=0):
+def state(name, pairs=0, reason=""):
     """Of palm and cloth."""
     return ContactState(body_a="palm", body_b="cloth", state=getattr(ContactState, name),
-                        pair_count=pairs)
+                        pair_count=pairs, reason=reason)
 
 
 class PlayedMonitor:
     """Sends play(t), t [s] since somebody listened: a ContactState, or None for nothing. Its
-    header.stamp is stamp(now, t). `skipped`, if given, is what ~get_contacts says."""
+    stamp is stamp(now, t)."""
 
-    def __init__(self, name, play, stamp=lambda now, t: now, skipped=None):
+    def __init__(self, name, play, stamp=lambda now, t: now):
         self.name = name
         self.play = play
         self.stamp = stamp
         self.started = None
         self.publisher = rospy.Publisher(name + "/contact_states", ContactStates, queue_size=10)
-        if skipped is not None:
-            self.response = GetContactsResponse(available=True)
-            self.response.contacts.bodies = list(BODIES)
-            self.response.contacts.skipped = skipped
-            rospy.Service(name + "/get_contacts", GetContacts, lambda request: self.response)
+        self.response = GetContactsResponse(available=True)
+        self.response.contacts.bodies = list(BODIES)
+        rospy.Service(name + "/get_contacts", GetContacts, lambda request: self.response)
         threading.Thread(target=self._run, daemon=True).start()
 
     def _run(self):
@@ -45,5 +43,5 @@ class PlayedMonitor:
             if played is None:
                 continue
             message = ContactStates(states=[played])
-            message.header.stamp = self.stamp(rospy.Time.now(), t)
+            message.header.stamp = played.stamp = self.stamp(rospy.Time.now(), t)
             self.publisher.publish(message)

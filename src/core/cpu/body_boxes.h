@@ -32,8 +32,10 @@ class BodyBoxes {
 
   PartnerBoxes partnersOf(const Scene& scene, BodyId id) const;
 
-  // Of the vertices as received.
-  bool allFinite(BodyId id) const { return received_[id].all_finite; }
+  // Whether every vertex is certainly finite, as received and as posed.
+  bool allFinite(BodyId id) const {
+    return received_[id].all_finite && isFinite(posed_[id].min) && isFinite(posed_[id].max);
+  }
 
  private:
   struct ReceivedBox {

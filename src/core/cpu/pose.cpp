@@ -10,10 +10,6 @@ namespace deformable_contact_monitor {
 
 namespace {
 
-bool isFinite(const Triangle& t) {
-  return isFinite(t.v[0]) && isFinite(t.v[1]) && isFinite(t.v[2]);
-}
-
 void clear(WorkingSet& set, std::size_t body_count) {
   set.vertices.clear();
   set.vertex_id.clear();
@@ -115,7 +111,7 @@ void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, Counters& co
   const PosedBody body(scene.body(id));
   std::uint64_t rejected = 0;
   for (std::uint32_t t = 0; t < count && !body_boxes_.allFinite(id); ++t) {
-    rejected += !isFinite(body.received(t));
+    rejected += !isFinite(body.triangle(t));
   }
   counters.rejected += rejected;
   counters.culled += count - rejected;

@@ -10,6 +10,10 @@ struct Triangle {
   Vec3f v[3];
 };
 
+DCM_HD inline bool isFinite(const Triangle& t) {
+  return isFinite(t.v[0]) && isFinite(t.v[1]) && isFinite(t.v[2]);
+}
+
 // The mean of three vertices, rounded: for clustering, never for verdicts.
 DCM_HD inline Vec3f centroidOf(const Vec3f v[3]) { return (v[0] + v[1] + v[2]) * (1.0F / 3); }
 

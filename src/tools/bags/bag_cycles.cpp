@@ -53,7 +53,7 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
       scene_(parameters),
       inputs_(makeMeshInputs(parameters)),
       buffer_(cacheTime(contents)),
-      lookup_(buffer_, parameters.reference_frame, 0) {
+      lookup_(buffer_, parameters.reference_frame) {
   for (const ObjectParameters& object : parameters.objects) {
     input_of_topic_[topicOf(object)] = mailboxes_.size();
     mailboxes_.emplace_back(object.name);
@@ -126,7 +126,7 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
     for (; end < events_.size() && events_[end].stamp == stamp; ++end) {
       if (!isReady(events_[end])) return;
     }
-    bool anything_new = false;
+    CycleTrigger trigger;
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
       DeformableMesh::ConstPtr mesh;
@@ -139,10 +139,10 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
       if (!mesh) continue;
       MeshMailbox& mailbox = mailboxes_[event.input];
       mailbox.store(mesh);
-      const std::optional<ArrivedMesh> arrived = mailbox.takeAt(mesh->header.stamp);
-      anything_new |= inputs_[event.input].accept(*arrived, ros::Time());
+      const Acceptance answer = inputs_[event.input].accept(*mailbox.take(), ros::Time());
+      if (answer != Acceptance::kDropped) trigger.objects.push_back(event.input);
     }
-    if (anything_new) detectAt(stamp, visit);
+    if (!trigger.objects.empty()) detectAt(stamp, trigger, visit);
   }
 }
 
@@ -170,10 +170,12 @@ DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
   return message;
 }
 
-void BagCycles::detectAt(const ros::Time& stamp, const std::function<void(CycleReport*)>& visit) {
-  scene_.prepare(stamp, inputs_, lookup_);
+void BagCycles::detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
+                         const std::function<void(CycleReport*)>& visit) {
+  scene_.prepare(stamp, trigger, inputs_, lookup_);
   CycleReport report = scene_.makeReport(stamp, ++cycle_);
   report.scene = &scene_.scene();
+  report.now = stamp;
   visit(&report);
 }
 

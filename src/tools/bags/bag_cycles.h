@@ -62,7 +62,8 @@ class BagCycles {
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
   DeformableMesh::ConstPtr nextPlayed(const ros::Time& stamp);
-  void detectAt(const ros::Time& stamp, const std::function<void(CycleReport*)>& visit);
+  void detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
+                const std::function<void(CycleReport*)>& visit);
 
   const MonitorParameters& parameters_;
   const PlayedObject* played_;

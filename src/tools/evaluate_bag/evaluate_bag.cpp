@@ -63,6 +63,9 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
   if (predicates.empty()) predicates = {parameters.detector.predicates};
   std::vector<float> overlaps = arguments.overlaps;
   if (overlaps.empty()) overlaps = {parameters.detector.overlap};
+  StateRules rules;
+  rules.max_age_s = parameters.max_mesh_age_s;
+  rules.tolerated_rejects = parameters.tolerated_rejects;
   Runs runs;
   for (const Predicates p : predicates) {
     for (const float overlap : overlaps) {
@@ -71,7 +74,7 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
         options.predicates = p;
         options.overlap = overlap;
         runs.push_back(std::make_unique<EvaluationRun>(
-            backend, makeBackend(backend, parameters.cuda), options, expectations));
+            backend, makeBackend(backend, parameters.cuda), options, rules, expectations));
         if (hasMargins(parameters) && !supportsMargins(*runs.back()->detector)) {
           throw std::invalid_argument("backend " + backend + " has no margins; set margin_m to 0");
         }

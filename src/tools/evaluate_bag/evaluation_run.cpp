@@ -38,11 +38,12 @@ void addStages(const DetectionResult& result, std::size_t cycles, EvaluationRun*
 }  // namespace
 
 EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made,
-                             const Options& with, std::vector<Expectation> expectations)
+                             const Options& with, const StateRules& rules,
+                             std::vector<Expectation> expectations)
     : asked(std::move(asked_for)),
       detector(std::move(made)),
       options(with),
-      tracker(1, 1),
+      tracker(rules),
       judge(std::move(expectations)) {}
 
 void EvaluationRun::detect(CycleReport* cycle) {
@@ -50,7 +51,11 @@ void EvaluationRun::detect(CycleReport* cycle) {
   cycle->result = result;
   cycle->options = options;
   cycle->backend = detector->backend();
-  states = tracker.update(*cycle);
+  noteRejected(cycle);
+  const ros::Time& stamp = cycle->header.stamp;
+  tracker.expire(stamp, "no new mesh within max_mesh_age_s");
+  tracker.update(*cycle);
+  states = tracker.states(stamp, stamp);
   judge.look(states);
   ++cycles;
   complete += isComplete(*cycle, *result);

@@ -17,7 +17,7 @@ namespace deformable_contact_monitor {
 
 struct EvaluationRun {
   EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made, const Options& with,
-                std::vector<Expectation> expectations);
+                const StateRules& rules, std::vector<Expectation> expectations);
 
   // Detects in the cycle's scene, keeps its times and states, and fills the report.
   void detect(CycleReport* cycle);

@@ -116,6 +116,7 @@ void LinksTable::add(std::size_t run, const EvaluationRun& of) {
   runs_[run] = of.name();
   const ros::Time& stamp = of.states.header.stamp;
   for (const ContactState& state : of.states.states) {
+    if (state.stamp != stamp) continue;  // the cycle did not look at it
     const Key key{run, {state.body_a, state.body_b}};
     const auto found = open_.find(key);
     if (found != open_.end() && found->second.state == state.state) {

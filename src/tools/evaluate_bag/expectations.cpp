@@ -42,8 +42,9 @@ const ContactState* find(const ContactStates& states, const Expectation& e) {
 
 std::string seen(const ContactState* state) {
   if (state == nullptr) return "not monitored";
-  const char* const kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN"};
-  return std::string(kNames[state->state]) + ", " + std::to_string(state->pair_count) + " pairs";
+  const char* const kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
+  return std::string(kNames[state->state]) + ", " + std::to_string(state->pair_count) + " pairs" +
+         (state->reason.empty() ? "" : " (" + state->reason + ")");
 }
 
 }  // namespace
@@ -100,6 +101,8 @@ void ExpectationJudge::look(const ContactStates& states) {
 void ExpectationJudge::look(const ContactStates& states, double since_s, Record* record) const {
   const Expectation& e = record->expectation;
   const ContactState* const state = find(states, e);
+  // The cycle did not look at the pair.
+  if (state != nullptr && state->stamp != states.header.stamp) return;
   const bool known = state != nullptr &&
                      (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
                       state->state == ContactState::CONTACT);

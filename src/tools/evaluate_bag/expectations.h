@@ -31,7 +31,7 @@ class ExpectationJudge {
  public:
   explicit ExpectationJudge(std::vector<Expectation> expectations);
 
-  // Cycles in the order of their stamps.
+  // Cycles in the order of their stamps; each speaks of the pairs that it looked at alone.
   void look(const ContactStates& states);
 
   struct Verdict {

@@ -48,7 +48,7 @@ void addRun(const std::string& backend, Predicates predicates, float overlap, Ru
   options.predicates = predicates;
   options.overlap = overlap;
   runs->push_back(std::make_unique<EvaluationRun>(backend, makeBruteForceDetector(), options,
-                                                  std::vector<Expectation>()));
+                                                  StateRules(), std::vector<Expectation>()));
 }
 
 TEST(RunComparison, OnlyExactRunsMustAgree) {

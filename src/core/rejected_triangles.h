@@ -1,0 +1,21 @@
+// Which triangles take no part for a vertex that is not finite.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/scene.h"
+
+namespace deformable_contact_monitor {
+
+struct RejectedTriangles {
+  std::size_t count = 0;  // of the body's triangles; what Counters::rejected sums up
+  bool by_pose = false;   // the pose makes some vertex infinite that was received finite
+};
+
+// One per body of the scene; zero for those that take no part. Looks at every vertex: worth it only
+// where a cycle rejected any.
+std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene);
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,19 @@
+// What one detection cycle hands to everything that is published from it.
+#include "node/cycle_report.h"
+
+#include "core/rejected_triangles.h"
+
+namespace deformable_contact_monitor {
+
+// They are looked for only where the detector says that there are any.
+void noteRejected(CycleReport* report) {
+  if (report->result->counters.rejected == 0) return;
+  const std::vector<RejectedTriangles> rejected = rejectedTriangles(*report->scene);
+  for (BodyId id = 0; id < report->bodies.size(); ++id) {
+    BodyStatus& body = report->bodies[id];
+    body.rejected = rejected[id].count;
+    if (rejected[id].by_pose) body.unknown_because = "its pose makes vertices infinite";
+  }
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,53 @@
+// Whose cycle is next: objects take turns, so that none starves beside a faster or an earlier one.
+#include "node/cycle_turns.h"
+
+#include <algorithm>
+
+namespace deformable_contact_monitor {
+
+CycleTurns::CycleTurns(const std::vector<double>& max_rates_hz) : entries_(max_rates_hz.size()) {
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (max_rates_hz[i] <= 0) continue;
+    entries_[i].period = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(1 / max_rates_hz[i]));
+  }
+}
+
+bool CycleTurns::mayWait(std::size_t who, SteadyTime now) const {
+  return !entries_[who].waiting && now >= entries_[who].earliest;
+}
+
+bool CycleTurns::anyWaits() const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const Entry& entry) { return entry.waiting.has_value(); });
+}
+
+std::vector<std::size_t> CycleTurns::next(const std::function<bool(std::size_t)>& is_ready) const {
+  std::vector<std::size_t> ready;
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (!entries_[i].waiting || !is_ready(i)) continue;
+    ready.push_back(i);
+    if (!first || entries_[i].last_turn < entries_[*first].last_turn) first = i;
+  }
+  std::vector<std::size_t> together;
+  for (const std::size_t i : ready) {
+    if (entries_[i].waiting->stamp == entries_[*first].waiting->stamp) together.push_back(i);
+  }
+  return together;
+}
+
+void CycleTurns::start(const std::vector<std::size_t>& who, SteadyTime now) {
+  ++turns_;
+  for (const std::size_t i : who) {
+    entries_[i].waiting.reset();
+    entries_[i].earliest = now + entries_[i].period;
+    entries_[i].last_turn = turns_;
+  }
+}
+
+void CycleTurns::clear() {
+  for (Entry& entry : entries_) entry.waiting.reset();
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,63 @@
+// Whose cycle is next: objects take turns, so that none starves beside a faster or an earlier one.
+#pragma once
+
+#include <ros/time.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+// One thread at a time. Reads no clock.
+class CycleTurns {
+ public:
+  using SteadyTime = std::chrono::steady_clock::time_point;
+
+  // What waits for its cycle.
+  struct Waiting {
+    ros::Time stamp;     // of the cycle
+    SteadyTime arrival;  // of the mesh that asked for it
+    SteadyTime give_up;  // when it goes ahead without the transforms that it waits for
+  };
+
+  // One who takes turns for each rate [Hz], which is the most that it gets; 0: no limit.
+  explicit CycleTurns(const std::vector<double>& max_rates_hz);
+
+  // Whether nothing of `who` waits, and its rate allows another cycle.
+  bool mayWait(std::size_t who, SteadyTime now) const;
+  void wait(std::size_t who, const Waiting& waiting) { entries_[who].waiting = waiting; }
+  const std::optional<Waiting>& waiting(std::size_t who) const { return entries_[who].waiting; }
+
+  bool anyWaits() const;
+
+  // The one among those that wait and are ready whose last turn is the longest ago, with all others
+  // ready for the same stamp, ascending; empty: nobody is.
+  std::vector<std::size_t> next(const std::function<bool(std::size_t)>& is_ready) const;
+
+  // They have their turn: what waited is gone.
+  void start(const std::vector<std::size_t>& who, SteadyTime now);
+
+  // Nothing waits any more.
+  void clear();
+
+  // When the rate allows the next cycle of `who`.
+  SteadyTime earliest(std::size_t who) const { return entries_[who].earliest; }
+  std::size_t count() const { return entries_.size(); }
+
+ private:
+  struct Entry {
+    std::chrono::steady_clock::duration period{};
+    std::optional<Waiting> waiting;
+    SteadyTime earliest;
+    std::uint64_t last_turn = 0;
+  };
+
+  std::vector<Entry> entries_;
+  std::uint64_t turns_ = 0;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,121 @@
+// What the contacts of a cycle sum up to, for each pair of bodies.
+#include "node/pair_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/posed_body.h"
+#include "core/predicates/triangle.h"
+#include "node/triangle_normal.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Summaries = std::unordered_map<std::uint64_t, PairSummary>;
+
+std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
+
+Vec3d cornerSum(const Triangle& t) {
+  return toDouble(t.v[0]) + toDouble(t.v[1]) + toDouble(t.v[2]);
+}
+
+bool sameTriangleA(const TrianglePair& a, const TrianglePair& b) {
+  return a.body_a == b.body_a && a.triangle_a == b.triangle_a;
+}
+
+void add(const PairSummary& part, PairSummary* sum) {
+  sum->count += part.count;
+  sum->min_separation_m = std::min(sum->min_separation_m, part.min_separation_m);
+  sum->corner_sum = sum->corner_sum + part.corner_sum;
+  sum->normal_sum = sum->normal_sum + part.normal_sum;
+  sum->area_sum += part.area_sum;
+}
+
+// Contacts [begin, end) of one pair of bodies.
+PairSummary sumUp(const CycleReport& report, const PosedBody& of_a, const PosedBody& of_b,
+                  std::size_t begin, std::size_t end) {
+  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  const std::vector<float>& separations = report.result->separations_m;
+  const bool has_normal = report.bodies.at(contacts[begin].body_a).kind == BodyKind::kLink;
+  PairSummary sum;
+  Vec3d corners_of_a;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i == begin || contacts[i].triangle_a != contacts[i - 1].triangle_a) {
+      const Triangle a = of_a.triangle(contacts[i].triangle_a);
+      corners_of_a = cornerSum(a);
+      if (has_normal) {
+        const Vec3d normal = doubleAreaNormal(a);
+        sum.normal_sum = sum.normal_sum + normal;
+        sum.area_sum += std::sqrt(dot(normal, normal));
+      }
+    }
+    sum.corner_sum =
+        sum.corner_sum + (corners_of_a + cornerSum(of_b.triangle(contacts[i].triangle_b)));
+  }
+  sum.count = end - begin;
+  sum.min_separation_m =
+      separations.empty()
+          ? 0.0
+          : double{*std::min_element(separations.begin() + static_cast<std::ptrdiff_t>(begin),
+                                     separations.begin() + static_cast<std::ptrdiff_t>(end))};
+  return sum;
+}
+
+// Contacts are sorted, so those of one triangle of body_a with one body_b stand together, and so do
+// many of one pair of bodies: they are summed up apart from the map.
+Summaries summarize(const CycleReport& report, const std::vector<PosedBody>& bodies,
+                    std::size_t begin, std::size_t end) {
+  Summaries summaries;
+  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  for (std::size_t first = begin; first < end;) {
+    const BodyId a = contacts[first].body_a, b = contacts[first].body_b;
+    std::size_t last = first;
+    while (last < end && contacts[last].body_a == a && contacts[last].body_b == b) ++last;
+    add(sumUp(report, bodies[a], bodies[b], first, last), &summaries[key(a, b)]);
+    first = last;
+  }
+  return summaries;
+}
+
+}  // namespace
+
+Vec3d PairSummary::centroid() const {
+  return count == 0 ? Vec3d() : corner_sum * (1.0 / (6.0 * static_cast<double>(count)));
+}
+
+Vec3d PairSummary::meanNormal() const {
+  constexpr double kCancelled = 1e-6;
+  const double length = std::sqrt(dot(normal_sum, normal_sum));
+  return length > kCancelled * area_sum ? normal_sum * (1 / length) : Vec3d();
+}
+
+// In blocks that leave the contacts of one triangle of body_a together.
+PairSummaries::PairSummaries(const CycleReport& report) {
+  constexpr std::size_t kBlock = 8192;
+  if (report.scene == nullptr || report.result == nullptr) return;
+  std::vector<PosedBody> bodies;
+  for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
+  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  const auto start = [&contacts](std::size_t i) {
+    while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
+    return i;
+  };
+  std::vector<Summaries> parts(blockCount(contacts.size(), kBlock));
+  parallelBlocks(contacts.size(), kBlock,
+                 [&](std::size_t block, std::size_t begin, std::size_t end) {
+                   parts[block] = summarize(report, bodies, start(begin), start(end));
+                 });
+  for (const Summaries& part : parts) {
+    for (const auto& [pair, summary] : part) add(summary, &by_pair_[pair]);
+  }
+}
+
+PairSummary PairSummaries::of(BodyId a, BodyId b) const {
+  const auto found = by_pair_.find(key(a, b));
+  return found == by_pair_.end() ? PairSummary() : found->second;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,44 @@
+// Publishes how the pairs stand: after each cycle, and while none ends.
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <chrono>
+#include <mutex>
+#include <string>
+
+#include "node/contact_state_tracker.h"
+#include "node/cycle_report.h"
+#include "node/parameters.h"
+
+namespace deformable_contact_monitor {
+
+// Threads may call every function at any time.
+class StatePublisher {
+ public:
+  StatePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node);
+
+  // ~contact_states and ~contact_events after a report; waits for no other thread's report.
+  void publish(const CycleReport& report);
+
+  // What is known of the pairs of `body`, or of all if it is empty, is forgotten.
+  void forget(const std::string& body, const std::string& reason);
+
+  // To be called some hundred times a second: publishes where a state has become too old, which
+  // makes it UNKNOWN, because of `why`, and once a second.
+  void beat(const std::string& why);
+
+  // As they stand now.
+  ContactStates states() const;
+
+ private:
+  void publishLocked(const ros::Time& stamp, const ros::Time& now);
+
+  ContactStateTracker tracker_;
+  const ros::Publisher states_publisher_, events_publisher_;
+
+  std::mutex mutex_;  // so that messages go out in the order in which they were made
+  std::chrono::steady_clock::time_point last_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,54 @@
+// Transforms from /tf and /tf_static into the buffer, but for those that would spoil it.
+#include "node/transform_input.h"
+
+#include <ros/console.h>
+#include <tf2/exceptions.h>
+
+#include "node/time_difference.h"
+
+namespace deformable_contact_monitor {
+
+bool isUsableStamp(const ros::Time& stamp, const ros::Time& now) {
+  constexpr double kMaxAheadS = 5;  // half of what tf2 keeps
+  return now.isZero() || secondsBetween(stamp, now) <= kMaxAheadS;
+}
+
+TransformInput::TransformInput(tf2::BufferCore& buffer, const ros::NodeHandle& node)
+    : buffer_(buffer), node_(node), spinner_(1, &queue_) {
+  node_.setCallbackQueue(&queue_);
+  subscribe("/tf", false);
+  subscribe("/tf_static", true);
+  spinner_.start();
+}
+
+void TransformInput::subscribe(const std::string& topic, bool is_static) {
+  const boost::function<void(const ros::MessageEvent<const tf2_msgs::TFMessage>&)> receive =
+      [this, is_static](const ros::MessageEvent<const tf2_msgs::TFMessage>& event) {
+        this->receive(event, is_static);
+      };
+  subscribers_.push_back(node_.subscribe<tf2_msgs::TFMessage>(
+      topic, 100, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+}
+
+void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>& event,
+                             bool is_static) {
+  const ros::Time now = ros::Time::now();
+  for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
+    const ros::Time& stamp = transform.header.stamp;
+    if (!is_static && !isUsableStamp(stamp, now)) {
+      ++left_out_;
+      ROS_WARN_STREAM_THROTTLE(1, "TF of '" << transform.child_frame_id << "' from "
+                                            << event.getPublisherName() << " is left out: stamped "
+                                            << secondsBetween(stamp, now)
+                                            << " s ahead of the clock");
+      continue;
+    }
+    try {
+      buffer_.setTransform(transform, event.getPublisherName(), is_static);
+    } catch (const tf2::TransformException& error) {
+      ROS_WARN_STREAM_THROTTLE(1, "TF refused: " << error.what());
+    }
+  }
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,86 @@
+// Whose cycle is next.
+#include "node/cycle_turns.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using std::chrono::milliseconds;
+using Who = std::vector<std::size_t>;
+
+const CycleTurns::SteadyTime kStart{std::chrono::hours(7)};
+
+CycleTurns::Waiting at(double stamp_s) { return {ros::Time(stamp_s), kStart, kStart}; }
+
+bool always(std::size_t /*who*/) { return true; }
+
+TEST(CycleTurnsTest, NobodyWaitsAtFirst) {
+  const CycleTurns turns({0, 0});
+  EXPECT_TRUE(turns.next(always).empty());
+  EXPECT_FALSE(turns.anyWaits());
+  EXPECT_TRUE(turns.mayWait(0, kStart) && turns.mayWait(1, kStart));
+}
+
+TEST(CycleTurnsTest, WhoseTurnIsTheLongestAgoIsNextWhateverTheStamps) {
+  CycleTurns turns({0, 0, 0});
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (turns.mayWait(i, kStart)) turns.wait(i, at(50 - static_cast<double>(i)));
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Who next = turns.next(always);
+      ASSERT_EQ(next, Who{i});
+      turns.start(next, kStart);
+      turns.wait(0, at(10 + round));  // the earliest, again and again
+    }
+    turns.start({0}, kStart);
+    turns.start({1}, kStart);
+    turns.start({2}, kStart);
+  }
+}
+
+TEST(CycleTurnsTest, OneStampIsOneCycle) {
+  CycleTurns turns({0, 0, 0});
+  turns.wait(0, at(50));
+  turns.wait(1, at(51));
+  turns.wait(2, at(50));
+  EXPECT_EQ(turns.next(always), (Who{0, 2}));
+  EXPECT_EQ(turns.next([](std::size_t who) { return who != 2; }), Who{0}) << "it is not ready";
+  turns.start({0, 2}, kStart);
+  EXPECT_EQ(turns.next(always), Who{1});
+  EXPECT_FALSE(turns.waiting(0));
+}
+
+TEST(CycleTurnsTest, WhoIsNotReadyLetsOthersPass) {
+  CycleTurns turns({0, 0});
+  turns.wait(0, at(50));
+  turns.wait(1, at(51));
+  EXPECT_EQ(turns.next([](std::size_t who) { return who == 1; }), Who{1});
+  EXPECT_TRUE(turns.next([](std::size_t) { return false; }).empty());
+}
+
+TEST(CycleTurnsTest, EachHasARateOfItsOwn) {
+  CycleTurns turns({10, 0});
+  turns.start({0, 1}, kStart);
+  EXPECT_FALSE(turns.mayWait(0, kStart + milliseconds(99)));
+  EXPECT_TRUE(turns.mayWait(0, kStart + milliseconds(100)));
+  EXPECT_TRUE(turns.mayWait(1, kStart));
+  EXPECT_EQ(turns.earliest(0), kStart + milliseconds(100));
+}
+
+TEST(CycleTurnsTest, WhatIsClearedDoesNotWait) {
+  CycleTurns turns({0});
+  turns.wait(0, at(50));
+  EXPECT_TRUE(turns.anyWaits());
+  EXPECT_FALSE(turns.mayWait(0, kStart)) << "one waits already";
+  turns.clear();
+  EXPECT_FALSE(turns.anyWaits());
+  EXPECT_TRUE(turns.mayWait(0, kStart));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
