@@ -122,7 +122,8 @@ class LoopTest : public ::testing::Test {
           parameters_,
           LoopSources{requests_, meshes_, transforms_, [this] { return newestRobot(); }},
           LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }},
-          std::make_unique<FakeDetector>(&detector_), std::make_unique<FakeSink>(&said_, &at_cycle_));
+          std::make_unique<FakeDetector>(&detector_),
+          std::make_unique<FakeSink>(&said_, &at_cycle_));
     }
     wake_time_ = loop_->step();
     return std::exchange(said_.lines, {});
