@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "robot/link_mesh_file.h"
@@ -172,6 +173,28 @@ TEST_F(ReaderProcess, OneThatHangsIsEndedInTime) {
     const int process = std::stoi(readText(reading.program + ".process"));
     EXPECT_NE(kill(process, 0), 0) << script << " runs on";
   }
+}
+
+// Faces in which finding ears takes a minute.
+TEST_F(ReaderProcess, AFileThatTakesTooLong) {
+  constexpr int kCorners = 19'000;
+  std::string vertices, face = "f";
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 6.283 * i / kCorners, radius = 1 + 0.3 * (i % 2);
+    vertices += "v " + std::to_string(radius * std::cos(angle)) + " " +
+                std::to_string(radius * std::sin(angle)) + " 0\n";
+    face += " " + std::to_string(i + 1);
+  }
+  std::string faces;
+  for (int i = 0; i < 40; ++i) faces += face + "\n";
+  MeshReading reading;
+  reading.file_time = milliseconds(3000);
+  const std::string slow = folder_.write("slow.obj", vertices + faces);
+  const std::string good = folder_.write("good.obj", "v 0 0 0\nv 1 0 0\nv 0 2 3\nf 1 2 3\n");
+  const auto start = steady_clock::now();
+  const std::string problem = load(robotOf({slow, good}), reading).links.at(0).problem;
+  EXPECT_LT(secondsSince(start), 15);
+  EXPECT_EQ(problem, "link 'l': " + slow + ": " + slow + ": takes longer than 3 s to read");
 }
 
 TEST_F(ReaderProcess, WhatDripsIsEndedInTimeToo) {
