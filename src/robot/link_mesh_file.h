@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -19,6 +20,7 @@ struct MeshReading {
   std::string program;
   std::chrono::milliseconds file_time = kMaxFileTime;
   std::chrono::milliseconds robot_time = kMaxRobotTime;
+  std::size_t robot_mib = kMaxRobotMib;
 };
 
 // MeshReading::stop said so.

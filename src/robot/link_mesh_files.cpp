@@ -71,9 +71,9 @@ LinkMeshFiles::LinkMeshFiles(const std::vector<std::string>& uris, const Resourc
                                  seconds(reading.robot_time));
       }
       SourceMesh mesh = readLinkMeshFile(path, this_reading);
-      if ((bytes += meshBytes(mesh)) > kMaxRobotMib * kBytesPerMib) {
+      if ((bytes += meshBytes(mesh)) > reading.robot_mib * kBytesPerMib) {
         throw std::runtime_error(path + ": left out, for the robot's meshes take more than " +
-                                 std::to_string(kMaxRobotMib) + " MiB");
+                                 std::to_string(reading.robot_mib) + " MiB");
       }
       file.mesh = std::move(mesh);
     } catch (const ReadingStopped&) {

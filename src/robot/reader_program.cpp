@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 constexpr char kProgram[] = "read_link_mesh";
 constexpr char kPackage[] = "deformable_contact_monitor";
 
-// Of the program or shared library that this function is in; empty if it cannot be told.
+// Of the program or shared library that this function is in, without symbolic links; empty if it
+// cannot be told.
 fs::path thisFolder() {
   std::error_code error;
   Dl_info info;
@@ -28,9 +29,8 @@ fs::path thisFolder() {
   const int found = dladdr1(reinterpret_cast<const void*>(&thisFolder), &info,
                             reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP);
   const bool is_library = found != 0 && object != nullptr && *object->l_name != '\0';
-  const fs::path file =
-      is_library ? fs::path(object->l_name) : fs::read_symlink("/proc/self/exe", error);
-  return fs::absolute(file, error).parent_path();
+  const fs::path file = is_library ? object->l_name : "/proc/self/exe";
+  return fs::canonical(file, error).parent_path();
 }
 
 std::vector<fs::path> places() {

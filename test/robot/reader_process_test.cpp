@@ -232,6 +232,18 @@ TEST_F(ReaderProcess, ManyThatHangTakeBoundedTime) {
   EXPECT_NE(problem.find("not read, for the robot's files took 0.5 s"), std::string::npos);
 }
 
+TEST_F(ReaderProcess, ManyMeshesTakeBoundedMemory) {
+  MeshReading reading =
+      writing(header(30'000, 1, 0),
+              "head -c 720000 /dev/zero; printf '\\0\\0\\0\\0\\1\\0\\0\\0\\2\\0\\0\\0'");
+  reading.robot_mib = 1;
+  EXPECT_EQ(load(robotOf({"/a.stl"}), reading).links.at(0).problem, "");
+  const std::string problem = load(robotOf({"/a.stl", "/b.stl"}), reading).links.at(0).problem;
+  EXPECT_NE(problem.find(".stl: left out, for the robot's meshes take more than 1 MiB"),
+            std::string::npos)
+      << problem;
+}
+
 TEST_F(ReaderProcess, EachFileIsReadOnce) {
   const MeshReading reading = scripted("echo \"$1\" >>\"$0\".files; exit 1");
   load(robotOf({"/a.stl", "/b.stl", "/a.stl", "/b.stl", "/a.stl"}), reading);

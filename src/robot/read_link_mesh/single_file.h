@@ -4,7 +4,9 @@
 #include <assimp/MemoryIOWrapper.h>
 
 #include <assimp/IOSystem.hpp>
+#include <cstdint>
 #include <string>
+#include <utility>
 
 namespace deformable_contact_monitor {
 
