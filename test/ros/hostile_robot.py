@@ -12,15 +12,16 @@ import threading
 import time
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 from std_srvs.srv import Trigger
 
-from deformable_contact_monitor.msg import ContactState
+from deformable_contact_monitor.msg import ContactState, LinkMeshes
 
 from boxes_scene import CLOTH, REFERENCE_FRAME, UPRIGHT
 from monitor_test_support import (
-    PACKAGE, WAIT_S, MeshPublisher, Monitor, Transforms, executable, now, pairs_of, touching,
+    PACKAGE, WAIT_S, Log, MeshPublisher, Monitor, Transforms, executable, now, pairs_of, touching,
     until_frames_are_seen, wait_until)
 
 BOX = '<box size="0.1 0.1 0.1"/>'
@@ -84,12 +85,12 @@ class HostileRobot(unittest.TestCase):
             file.write(text)
         return f'<mesh filename="{path}"/>'
 
-    def start(self, name, description):
+    def start(self, name, description, command=(executable("contact_monitor"),)):
         rospy.set_param("/robot_description", description)
         rospy.set_param(f"/{name}/reference_frame", REFERENCE_FRAME)
         rospy.set_param(f"/{name}/tf_timeout_s", 1.0)
         rospy.set_param(f"/{name}/objects", [{"name": "cloth", "topic": f"/{name}/cloth"}])
-        node = subprocess.Popen([executable("contact_monitor"), "__name:=" + name])
+        node = subprocess.Popen([*command, "__name:=" + name])
         self.addCleanup(node.kill)
         return node
 
@@ -115,6 +116,16 @@ class HostileRobot(unittest.TestCase):
         node.wait()
         wait_until(lambda: not parent_of(reader) is not None, "the reader's end")
         self.assertLess(time.monotonic() - start, END_S)
+
+    def test_a_nodelet_finds_the_reader(self):
+        """Its process is of another package."""
+        mesh = self.mesh("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 2 3\nf 1 2 3\n")
+        nodelet, = roslib.packages.find_node("nodelet", "nodelet")
+        self.start("standalone", urdf({"read": mesh}),
+                   (nodelet, "standalone", PACKAGE + "/ContactMonitor"))
+        message = Log("/standalone/robot_meshes", LinkMeshes).wait("the robot")
+        self.assertEqual([(link.link, len(link.triangles)) for link in message.meshes],
+                         [("read", 3)])
 
     def test_a_bad_file_and_a_slow_reload_cost_nobody_else(self):
         node = self.start("reloading", urdf({"good": BOX, "bad": self.mesh("self.dae", ITSELF)}))
