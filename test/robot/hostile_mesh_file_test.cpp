@@ -166,10 +166,12 @@ TEST_F(HostileMeshFile, InstancesWithinReasonAreRead) {
   const LinkGeometry link = load(folder_.write("t.dae", collada.text()));
   EXPECT_EQ(link.problem, "");
   EXPECT_EQ(link.mesh.triangleCount(), 5U * 5 * 5 * 5 + 5 * 5 * 5);
-  // An id is sought before a name.
-  collada.nodes = "<node name=\"a\">" + instance("a") + "</node>";
-  collada.libraries = "<library_nodes><node id=\"a\">" + kGeometry + "</node></library_nodes>";
-  expectTheTriangle("u.dae", collada.text());
+  // Nodes of the library go before others of that name, or even of that id.
+  for (const std::string name : {"name", "id"}) {
+    collada.nodes = "<node " + name + "=\"a\">" + instance("a") + "</node>";
+    collada.libraries = "<library_nodes><node id=\"a\">" + kGeometry + "</node></library_nodes>";
+    expectTheTriangle("u.dae", collada.text());
+  }
 }
 
 TEST_F(HostileMeshFile, ASkinThatDeformsItself) {

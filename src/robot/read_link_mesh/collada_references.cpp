@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "robot/read_link_mesh/index_text.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -23,6 +25,10 @@ constexpr std::size_t kMaxDepth = 200;
 
 [[noreturn]] void fail(const XMLElement& at, const std::string& what) {
   throw std::runtime_error("line " + std::to_string(at.GetLineNum()) + ": " + what);
+}
+
+[[noreturn]] void failForDepth(const XMLElement& at) {
+  fail(at, "nodes are more than " + std::to_string(kMaxDepth) + " deep");
 }
 
 bool is(const XMLElement& element, const char* name) {
@@ -40,6 +46,10 @@ class Collector : public tinyxml2::XMLVisitor {
   bool VisitEnter(const XMLElement& element, const tinyxml2::XMLAttribute*) override {
     if (is(element, "node")) {
       nodes.push_back(&element);
+      const XMLElement* parent = element.Parent()->ToElement();
+      if (parent != nullptr && is(*parent, "library_nodes")) {
+        in_library[text(element, "id")].push_back(&element);
+      }
       by_id[text(element, "id")].push_back(&element);
       by_name[text(element, "name")].push_back(&element);
     } else if (is(element, "skin") || is(element, "morph")) {
@@ -49,9 +59,9 @@ class Collector : public tinyxml2::XMLVisitor {
     return true;
   }
 
-  // Whom an <instance_node> may mean to Assimp.
+  // Whom an <instance_node> may mean to Assimp, which looks in the library first.
   std::vector<const XMLElement*> named(const std::string& url) const {
-    for (const auto* names : {&by_id, &by_name}) {
+    for (const auto* names : {&in_library, &by_id, &by_name}) {
       const auto found = names->find(url);
       if (found != names->end()) return found->second;
     }
@@ -59,7 +69,7 @@ class Collector : public tinyxml2::XMLVisitor {
   }
 
   std::vector<const XMLElement*> nodes;
-  std::map<std::string, std::vector<const XMLElement*>> by_id, by_name;
+  std::map<std::string, std::vector<const XMLElement*>> in_library, by_id, by_name;
   std::map<std::string, const XMLElement*> deformed_by;  // <skin> or <morph>, by their controller
 };
 
@@ -82,16 +92,18 @@ class NodeTree {
     const auto known = extent_.find(&node);
     if (known != extent_.end()) return known->second;
     if (!open_.insert(&node).second) {
-      fail(node, "node '" + text(node, "id") + "' instances itself");
+      fail(node, "node '" + shortened(text(node, "id")) + "' instances itself");
     }
     Extent extent;
     const auto add = [&](const XMLElement& child) {
-      if (above >= kMaxDepth) fail(child, "nodes are more than 200 deep");
+      if (above >= kMaxDepth) failForDepth(child);
       const Extent its = measure(child, above + 1);
       extent.nodes += its.nodes;
       extent.depth = std::max(extent.depth, its.depth + 1);
-      if (extent.nodes > kMaxNodes) fail(node, "instances come to more than 100000 nodes");
-      if (extent.depth > kMaxDepth) fail(node, "nodes are more than 200 deep");
+      if (extent.nodes > kMaxNodes) {
+        fail(node, "instances come to more than " + std::to_string(kMaxNodes) + " nodes");
+      }
+      if (extent.depth > kMaxDepth) failForDepth(node);
     };
     for (const XMLElement* e = node.FirstChildElement(); e != nullptr;
          e = e->NextSiblingElement()) {
@@ -113,7 +125,9 @@ void checkSkins(const Collector& collected) {
   for (const auto& [controller, first] : collected.deformed_by) {
     std::set<const XMLElement*> open;
     for (const XMLElement* at = first; done.count(at) == 0;) {
-      if (!open.insert(at).second) fail(*first, "controller '" + controller + "' deforms itself");
+      if (!open.insert(at).second) {
+        fail(*first, "controller '" + shortened(controller) + "' deforms itself");
+      }
       const auto next = collected.deformed_by.find(text(*at, "source"));
       if (next == collected.deformed_by.end()) break;
       at = next->second;
