@@ -62,6 +62,8 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
 }
 
 ContactMonitor::~ContactMonitor() {
+  robot_source_.stop();
+  reload_spinner_.stop();
   diagnostics_timer_.stop();
   mailbox_.stop();
   thread_.join();
@@ -110,12 +112,15 @@ void ContactMonitor::subscribeToMeshes() {
 }
 
 void ContactMonitor::advertiseServices() {
+  ros::NodeHandle reload_node(private_node_);
+  reload_node.setCallbackQueue(&reload_queue_);
   services_ = {private_node_.advertiseService("set_allowed_contacts",
                                               &ContactMonitor::setAllowedContacts, this),
                private_node_.advertiseService("get_contacts", &ContactMonitor::getContacts, this),
                private_node_.advertiseService("set_enabled", &ContactMonitor::setEnabled, this),
                private_node_.advertiseService("reset", &ContactMonitor::requestReset, this),
-               private_node_.advertiseService("reload_robot", &ContactMonitor::reloadRobot, this)};
+               reload_node.advertiseService("reload_robot", &ContactMonitor::reloadRobot, this)};
+  reload_spinner_.start();
 }
 
 bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,

@@ -3,6 +3,7 @@
 
 #include <deformable_contact_monitor/GetContacts.h>
 #include <deformable_contact_monitor/SetAllowedContacts.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
@@ -60,6 +61,10 @@ class ContactMonitor {
   LatestContacts latest_;
   RobotSource robot_source_;
   NodeDiagnostics diagnostics_;
+
+  // Reading a robot takes long, if its files are bad; messages go on meanwhile.
+  ros::CallbackQueue reload_queue_;
+  ros::AsyncSpinner reload_spinner_{1, &reload_queue_};
 
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;

@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "node/contact_monitor.h"
+#include "robot/link_mesh_file.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "contact_monitor");
@@ -11,6 +12,8 @@ int main(int argc, char** argv) {
   try {
     deformable_contact_monitor::ContactMonitor monitor(node, private_node);
     ros::spin();
+  } catch (const deformable_contact_monitor::ReadingStopped&) {
+    return 0;  // Ctrl-C while the robot was read
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(error.what());
     return 1;

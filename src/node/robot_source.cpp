@@ -2,6 +2,7 @@
 #include "node/robot_source.h"
 
 #include <ros/console.h>
+#include <ros/init.h>
 #include <ros/param.h>
 
 #include <algorithm>
@@ -78,7 +79,10 @@ RobotGeometry RobotSource::loadFromDescription() const {
   }
   RobotGeometry robot;
   try {
-    robot = loadRobotGeometry(urdf, parameters_.geometry, makeRosResolver());
+    MeshReading reading;
+    // Before ros::ok() says so, a shutdown waits for the service's callback.
+    reading.stop = [this] { return is_stopped_ || ros::isShuttingDown(); };
+    robot = loadRobotGeometry(urdf, parameters_.geometry, makeRosResolver(), reading);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error("parameter '" + found + "': " + error.what());
   }

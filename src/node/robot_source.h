@@ -4,6 +4,7 @@
 #include <deformable_contact_monitor/LinkMeshes.h>
 #include <ros/node_handle.h>
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -17,8 +18,9 @@ namespace deformable_contact_monitor {
 class RobotSource {
  public:
   // With robot_source urdf, loads the robot; throws std::runtime_error if there is none, it is
-  // malformed, or (strict_geometry) a link has no usable geometry. With robot_source topic,
-  // subscribes to ~robot_link_meshes, a latched topic that may come late, again and changed.
+  // malformed, or (strict_geometry) a link has no usable geometry; ReadingStopped if ROS shuts down
+  // meanwhile. With robot_source topic, subscribes to ~robot_link_meshes, a latched topic that may
+  // come late, again and changed.
   // `changed` is called from a callback thread after a new robot is there; the parameters must
   // outlive this.
   RobotSource(const MonitorParameters& parameters, const ros::NodeHandle& node,
@@ -31,8 +33,11 @@ class RobotSource {
   std::string problem() const;
 
   // Reads robot_description again. Throws as the constructor does, and then keeps the robot; also
-  // if the robot comes from a topic.
+  // if the robot comes from a topic. A bad mesh file may keep it waiting for kMaxRobotTime.
   void reload();
+
+  // Ends a reload that is under way, as ROS's shutdown does, and every later one. Any thread.
+  void stop() { is_stopped_ = true; }
 
  private:
   RobotGeometry loadFromDescription() const;
@@ -43,6 +48,7 @@ class RobotSource {
   const MonitorParameters& parameters_;
   const ros::NodeHandle node_;
   const std::function<void()> changed_;
+  std::atomic<bool> is_stopped_{false};
   ros::Subscriber subscriber_;
 
   mutable std::mutex mutex_;

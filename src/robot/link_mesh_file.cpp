@@ -1,109 +1,63 @@
-// Mesh files of robot links, by Assimp.
+// Mesh files of robot links. They are foreign, and so is the library that reads them: each is read
+// by a process of its own.
 #include "robot/link_mesh_file.h"
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
 #include <algorithm>
-#include <assimp/Importer.hpp>
-#include <cctype>
-#include <filesystem>
-#include <new>
-#include <stdexcept>
-#include <utility>
 
-#include "robot/collada_check.h"
+#include "robot/mesh_stream.h"
+#include "robot/reader_process.h"
+#include "robot/reader_program.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& what) {
-  throw std::runtime_error(path + ": " + what);
+// Sizes are looked at before anything is allocated for them.
+MeshStreamHeader readHeader(ReaderProcess& reader) {
+  MeshStreamHeader header;
+  reader.read(&header, sizeof(header));
+  if (header.start != kMeshStreamStart) {
+    throw std::runtime_error("its reader's answer is none: is it of another version?");
+  }
+  if (header.refusal_bytes > kMaxRefusalBytes ||
+      !fitsMeshLimit(header.vertices, header.triangles, kMaxMeshMib * kBytesPerMib)) {
+    throw std::runtime_error("more than " + std::to_string(kMaxMeshMib) +
+                             " MiB of vertices and triangles");
+  }
+  return header;
 }
 
-// In small letters, with its dot. Assimp would go by content next, and read any of its forty
-// formats.
-std::string knownEnding(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending != ".stl" && ending != ".dae" && ending != ".obj") {
-    fail(path, "'" + ending + "' is no mesh format of robot links: STL, DAE and OBJ are");
+SourceMesh readMesh(ReaderProcess& reader) {
+  const MeshStreamHeader header = readHeader(reader);
+  if (header.refusal_bytes > 0) {
+    std::string refusal(header.refusal_bytes, '\0');
+    reader.read(refusal.data(), refusal.size());
+    throw std::runtime_error(refusal);
   }
-  return ending;
-}
-
-Eigen::Affine3d toEigen(const aiMatrix4x4& m) {
-  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
-  transform.linear() << m.a1, m.a2, m.a3, m.b1, m.b2, m.b3, m.c1, m.c2, m.c3;
-  transform.translation() << m.a4, m.b4, m.c4;
-  return transform;
-}
-
-void appendMesh(const aiMesh& from, const Eigen::Affine3d& file_from_node, SourceMesh& to) {
-  const std::size_t first = to.vertices.size();
-  if (first + from.mNumVertices >= (std::size_t{1} << 31)) {
-    throw std::length_error("more than 2^31 vertices");
-  }
-  for (unsigned i = 0; i < from.mNumVertices; ++i) {
-    const aiVector3D& v = from.mVertices[i];
-    to.vertices.push_back(file_from_node * Eigen::Vector3d(v.x, v.y, v.z));
-  }
-  const bool mirrors = file_from_node.linear().determinant() < 0;
-  for (unsigned i = 0; i < from.mNumFaces; ++i) {
-    const aiFace& face = from.mFaces[i];
-    if (face.mNumIndices != 3) continue;  // a point or a line
-    std::array<std::uint32_t, 3> triangle;
-    for (int corner = 0; corner < 3; ++corner) {
-      if (face.mIndices[corner] >= from.mNumVertices) {
-        throw std::out_of_range("a face has a vertex index out of range");
-      }
-      triangle[corner] = static_cast<std::uint32_t>(first + face.mIndices[corner]);
+  SourceMesh mesh;
+  mesh.vertices.resize(header.vertices);
+  reader.read(mesh.vertices.data(), mesh.vertices.size() * sizeof(StreamVertex));
+  mesh.triangles.resize(header.triangles);
+  reader.read(mesh.triangles.data(), mesh.triangles.size() * sizeof(StreamTriangle));
+  for (const StreamTriangle& triangle : mesh.triangles) {
+    if (*std::max_element(triangle.begin(), triangle.end()) >= header.vertices) {
+      throw std::runtime_error("its reader's answer has a vertex index out of range");
     }
-    if (mirrors) std::swap(triangle[1], triangle[2]);
-    to.triangles.push_back(triangle);
   }
-}
-
-void appendNode(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& file_from_parent,
-                SourceMesh& to) {
-  const Eigen::Affine3d file_from_node = file_from_parent * toEigen(node.mTransformation);
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    appendMesh(*scene.mMeshes[node.mMeshes[i]], file_from_node, to);
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) {
-    appendNode(scene, *node.mChildren[i], file_from_node, to);
-  }
+  return mesh;
 }
 
 }  // namespace
 
-SourceMesh readLinkMeshFile(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) fail(path, "no such file");
-  if (!std::filesystem::is_regular_file(path, error)) fail(path, "is not a regular file");
-  const std::string ending = knownEnding(path);
-
-  Assimp::Importer importer;
-  // Otherwise Assimp turns a COLLADA scene so that y points up. rviz takes that rotation out again.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  // And it would draw the skeleton of a scene that has no mesh.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-  SourceMesh mesh;
+SourceMesh readLinkMeshFile(const std::string& path, const MeshReading& reading) {
   try {
-    if (ending == ".dae") checkCollada(path);
-    const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-    if (scene == nullptr || scene->mRootNode == nullptr)
-      throw std::runtime_error(importer.GetErrorString());
-    appendNode(*scene, *scene->mRootNode, Eigen::Affine3d::Identity(), mesh);
-  } catch (const std::bad_alloc&) {
-    fail(path, "too large for this machine's memory");
+    ReaderProcess reader(reading.program.empty() ? findReaderProgram() : reading.program, path,
+                         reading.file_time, reading.stop);
+    return readMesh(reader);
+  } catch (const ReadingStopped&) {
+    throw;
   } catch (const std::exception& e) {
-    fail(path, e.what());
+    throw std::runtime_error(path + ": " + e.what());
   }
-  if (mesh.triangles.empty()) fail(path, "holds no triangle");
-  return mesh;
 }
 
 }  // namespace deformable_contact_monitor

@@ -2,11 +2,10 @@
 #include "robot/robot_geometry.h"
 
 #include <algorithm>
-#include <map>
 #include <sstream>
 #include <stdexcept>
 
-#include "robot/link_mesh_file.h"
+#include "robot/link_mesh_files.h"
 #include "robot/primitives.h"
 #include "robot/source_mesh.h"
 #include "robot/urdf_document.h"
@@ -16,7 +15,7 @@ namespace {
 
 class GeometryLoader {
  public:
-  explicit GeometryLoader(const ResourceResolver& resolve) : resolve_(resolve) {}
+  explicit GeometryLoader(const LinkMeshFiles& files) : files_(files) {}
 
   LinkGeometry load(const UrdfLink& link) {
     LinkGeometry geometry;
@@ -68,7 +67,7 @@ class GeometryLoader {
         text << "its scale is " << scale.transpose() << ", but must be finite and nowhere zero";
         throw std::invalid_argument(text.str());
       }
-      builder.append(meshFile(mesh->filename), element.origin * Eigen::Scaling(scale));
+      builder.append(files_.mesh(mesh->filename), element.origin * Eigen::Scaling(scale));
     } else if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
       builder.append(makeBox({box->dim.x, box->dim.y, box->dim.z}), element.origin);
     } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
@@ -80,15 +79,7 @@ class GeometryLoader {
     }
   }
 
-  const SourceMesh& meshFile(const std::string& uri) {
-    const std::string path = resolve_(uri);
-    const auto known = meshes_.find(path);
-    if (known != meshes_.end()) return known->second;
-    return meshes_.emplace(path, readLinkMeshFile(path)).first->second;
-  }
-
-  const ResourceResolver& resolve_;
-  std::map<std::string, SourceMesh> meshes_;  // robots use one file for many links
+  const LinkMeshFiles& files_;
 };
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -109,23 +100,37 @@ void requireLinks(const std::vector<std::string>& names, const char* option,
   }
 }
 
+std::vector<std::string> meshUris(const std::vector<const UrdfLink*>& links) {
+  std::vector<std::string> uris;
+  for (const UrdfLink* link : links) {
+    for (const UrdfElement& element : link->elements) {
+      const auto* mesh = dynamic_cast<const urdf::Mesh*>(element.geometry.get());
+      if (mesh != nullptr) uris.push_back(mesh->filename);
+    }
+  }
+  return uris;
+}
+
 }  // namespace
 
 RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
-                                const ResourceResolver& resolve) {
+                                const ResourceResolver& resolve, const MeshReading& reading) {
   const UrdfDocument document = readUrdf(urdf_xml, options.kind);
   requireLinks(options.links, "links", document);
   requireLinks(options.ignored_links, "ignored_links", document);
 
-  RobotGeometry robot;
-  robot.name = document.name;
-  GeometryLoader loader(resolve);
+  std::vector<const UrdfLink*> links;
   for (const UrdfLink& link : document.links) {
     const bool wanted = options.links.empty() || contains(options.links, link.name);
     const bool has_geometry = !link.elements.empty() || !link.problem.empty();
     if (!wanted || !has_geometry || contains(options.ignored_links, link.name)) continue;
-    robot.links.push_back(loader.load(link));
+    links.push_back(&link);
   }
+  const LinkMeshFiles files(meshUris(links), resolve, reading);
+  GeometryLoader loader(files);
+  RobotGeometry robot;
+  robot.name = document.name;
+  for (const UrdfLink* link : links) robot.links.push_back(loader.load(*link));
   return robot;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/triangle_mesh.h"
+#include "robot/link_mesh_file.h"
 
 namespace deformable_contact_monitor {
 
@@ -38,12 +39,13 @@ ResourceResolver makeRosResolver();
 
 // Every link's collision (or visual) elements as triangles: meshes (STL, DAE, OBJ) and primitives.
 // A link whose mesh cannot be had keeps its place, with `problem` set and an empty mesh, so that
-// one missing file costs nobody else's data. Triangles are in the order of the elements and, within
-// an STL, of its file; equal vertices are stored once. Throws std::invalid_argument, naming element
-// and line where there is one, if the URDF itself is malformed, or a name in the options is no
-// link.
+// one file that is missing or does harm costs nobody else's data. Triangles are in the order of the
+// elements and, within an STL, of its file; equal vertices are stored once. Throws
+// std::invalid_argument, naming element and line where there is one, if the URDF itself is
+// malformed, or a name in the options is no link; and ReadingStopped. It takes little more than
+// reading.robot_time at most.
 RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
-                                const ResourceResolver& resolve);
+                                const ResourceResolver& resolve, const MeshReading& reading = {});
 
 // One line for each fact about a usable link that its owner should know: longer than 10 m or
 // shorter than 1 mm, more than 200 000 triangles, vertices that are not finite.

@@ -47,7 +47,9 @@ std::optional<Robot> loadRobot(const ros::NodeHandle& node) {
   std::string key, xml;
   if (!node.searchParam("robot_description", key) || !node.getParam(key, xml)) return std::nullopt;
   Robot robot;
-  robot.geometry = loadRobotGeometry(xml, {}, makeRosResolver());
+  MeshReading reading;
+  reading.stop = ros::isShuttingDown;
+  robot.geometry = loadRobotGeometry(xml, {}, makeRosResolver(), reading);
   robot.model = urdf::parseURDF(xml);
   if (robot.model == nullptr) throw std::runtime_error(key + ": urdfdom cannot read it");
   return robot;

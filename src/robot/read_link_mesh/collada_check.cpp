@@ -1,5 +1,5 @@
 // What Assimp takes on trust in a COLLADA file.
-#include "robot/collada_check.h"
+#include "robot/read_link_mesh/collada_check.h"
 
 #include <tinyxml2.h>
 
@@ -8,8 +8,12 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "robot/read_link_mesh/collada_references.h"
+#include "robot/read_link_mesh/index_text.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -38,7 +42,9 @@ class Visitor : public tinyxml2::XMLVisitor {
  public:
   bool VisitEnter(const XMLElement& element, const tinyxml2::XMLAttribute*) override {
     const std::string name = element.Name();
-    if (name == "p" || name == "vcount" || name == "v" || name == "h") {
+    if (name == "p" || name == "vcount" || name == "h") {
+      requireIndices(element);
+    } else if (name == "v") {
       requireIntegers(element);
     } else if (name == "float_array") {
       const char* id = element.Attribute("id");
@@ -77,6 +83,21 @@ class Visitor : public tinyxml2::XMLVisitor {
   }
 
  private:
+  // Assimp would take a negative one or a signed count for 0, and a large one modulo 2^32.
+  static void requireIndices(const XMLElement& list) {
+    for (const tinyxml2::XMLNode* n = list.FirstChild(); n != nullptr; n = n->NextSibling()) {
+      if (n->ToText() == nullptr) continue;
+      std::istringstream numbers(n->Value());
+      for (std::string text; numbers >> text;) {
+        if (isIndex(text)) continue;
+        const bool is_integer = text.find_first_not_of("0123456789+-") == std::string::npos;
+        fail(list.GetLineNum(),
+             std::string("<") + list.Name() + "> holds " +
+                 (is_integer ? shortened(text) + ", which is no index" : "more than integers"));
+      }
+    }
+  }
+
   static void requireIntegers(const XMLElement& list) {
     for (const tinyxml2::XMLNode* n = list.FirstChild(); n != nullptr; n = n->NextSibling()) {
       if (n->ToText() == nullptr) continue;
@@ -93,15 +114,16 @@ class Visitor : public tinyxml2::XMLVisitor {
 
 }  // namespace
 
-void checkCollada(const std::string& path) {
+void checkCollada(const std::string& text) {
   tinyxml2::XMLDocument document;
-  if (document.LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) {
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     fail(std::max(document.ErrorLineNum(), 1),
          std::string("not well-formed XML: ") + document.ErrorName());
   }
   Visitor visitor;
   document.Accept(&visitor);
   visitor.checkAccessors();
+  checkColladaReferences(document);
 }
 
 }  // namespace deformable_contact_monitor

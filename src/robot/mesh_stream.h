@@ -1,0 +1,34 @@
+// What read_link_mesh writes to its standard output: a header, then either the vertices (three
+// doubles each) and triangles (three std::uint32_t each) or the text of a refusal. In this
+// machine's byte order, for both ends are of one build.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "robot/source_mesh.h"
+
+namespace deformable_contact_monitor {
+
+constexpr std::uint64_t kMeshStreamStart = 0x316873656d6d6364;  // "dcmmesh1"
+
+struct MeshStreamHeader {
+  std::uint64_t start = kMeshStreamStart;
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t refusal_bytes = 0;  // 0: a mesh follows, else as many characters
+};
+static_assert(sizeof(MeshStreamHeader) == 32, "no padding");
+
+using StreamVertex = Eigen::Vector3d;
+using StreamTriangle = std::array<std::uint32_t, 3>;
+static_assert(sizeof(StreamVertex) == 24 && sizeof(StreamTriangle) == 12, "no padding");
+
+// Whether a mesh of this size is within kMaxMeshMib.
+constexpr bool fitsMeshLimit(std::uint64_t vertices, std::uint64_t triangles,
+                             std::uint64_t max_bytes) {
+  return vertices <= max_bytes / sizeof(StreamVertex) &&
+         triangles <= (max_bytes - vertices * sizeof(StreamVertex)) / sizeof(StreamTriangle);
+}
+
+}  // namespace deformable_contact_monitor
