@@ -144,9 +144,11 @@ std::string unknownBecause(const CycleReport& report, const MonitoredPair& pair,
     if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
   }
   if (report.result == nullptr) return "no detection ran";
-  // The pair's contacts may be among those that are not listed.
+  // The pair's contacts may be among those that are not listed, or that were not looked at.
   const bool touching = summary.count > 0 && summary.min_separation_m == 0;
-  return report.result->left_out > 0 && !touching ? "contacts were left out: memory_limit_mib" : "";
+  if (touching) return "";
+  if (report.result->cut_off) return report.result->cut_off_because;
+  return report.result->left_out > 0 ? "contacts were left out: memory_limit_mib" : "";
 }
 
 void describe(const Summary& summary, bool has_normal, ContactState* state) {
