@@ -61,8 +61,8 @@ DCM_HD inline bool exceeds(float high, float low, float distance) {
   return (high - (gap + part)) + (part - low) > 0;
 }
 
-// Whether the boxes are more than `distance` apart along some axis, in real numbers: then they do
-// not meet if one of them is inflated by it, and vice versa but for rounding.
+// Whether the boxes are more than `distance` apart along some axis, in real numbers. If they are
+// not, either of them, inflated by it, meets the other.
 DCM_HD inline bool areApart(const Aabb& a, const Aabb& b, float distance) {
   return exceeds(b.min.x, a.max.x, distance) || exceeds(a.min.x, b.max.x, distance) ||
          exceeds(b.min.y, a.max.y, distance) || exceeds(a.min.y, b.max.y, distance) ||

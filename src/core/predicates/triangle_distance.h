@@ -82,8 +82,8 @@ struct VertexEdgeAreas {
   Vec3d of[3][3];
 
   DCM_HD VertexEdgeAreas(const Triangle& t, const Triangle& u) {
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
+    DCM_ROLLED for (int i = 0; i < 3; ++i) {
+      DCM_ROLLED for (int j = 0; j < 3; ++j) {
         of[i][j] = crossOf(t.v[i], u.v[j], u.v[j], u.v[j == 2 ? 0 : j + 1]);
       }
     }
@@ -96,7 +96,7 @@ DCM_HD inline double squaredVertexDistance(const Triangle& t, const Triangle& u,
   const Vec3d normal = crossOf(u.v[0], u.v[1], u.v[1], u.v[2]);
   const double size2 = dot(normal, normal);
   double least2 = INFINITY;
-  for (int i = 0; i < 3; ++i) {
+  DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const Vec3d* const area = areas.of[i];
     if (size2 > 0 && dot(area[0], normal) >= 0 && dot(area[1], normal) >= 0 &&
         dot(area[2], normal) >= 0) {
@@ -104,7 +104,7 @@ DCM_HD inline double squaredVertexDistance(const Triangle& t, const Triangle& u,
       least2 = least(least2, volume * volume / size2);
       continue;  // no edge is nearer
     }
-    for (int j = 0; j < 3; ++j) {
+    DCM_ROLLED for (int j = 0; j < 3; ++j) {
       least2 = least(least2, squaredToSegment(t.v[i], u.v[j], u.v[j == 2 ? 0 : j + 1], area[j]));
     }
   }
@@ -116,9 +116,9 @@ DCM_HD inline double squaredEdgeDistance(const Triangle& t, const Triangle& u,
                                          const VertexEdgeAreas& t_areas,
                                          const VertexEdgeAreas& u_areas) {
   double least2 = INFINITY;
-  for (int i = 0; i < 3; ++i) {
+  DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const int i_next = i == 2 ? 0 : i + 1;
-    for (int j = 0; j < 3; ++j) {
+    DCM_ROLLED for (int j = 0; j < 3; ++j) {
       const int j_next = j == 2 ? 0 : j + 1;
       const Vec3d normal = crossOf(t.v[i], t.v[i_next], u.v[j], u.v[j_next]);
       const double size2 = dot(normal, normal);
