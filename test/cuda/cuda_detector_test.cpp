@@ -141,16 +141,17 @@ TEST(CudaDetector, WithNextToNoMemoryTheResultIsCutOffAndSaysSo) {
 
 TEST(CudaDetector, IsWholeAgainOnceTheMemoryDoes) {
   CudaSettings settings;
-  settings.memory_limit_bytes = 1024;
+  settings.memory_limit_bytes = 64;
   const auto detector = makeOrSayWhy(settings);
   if (detector == nullptr) return;
   EXPECT_TRUE(detector->detect(crowdedScene(500, 0), Options()).cut_off);
-  const Scene small = crowdedScene(3, 0);
-  const auto expected = makeCpuDetector()->detect(small, Options()).contacts;
-  const DetectionResult& result = detector->detect(small, Options());
+  const Scene crossing =
+      pairScene(meshOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}),
+                meshOf({{{{0.2F, 0.2F, -1}, {0.2F, 0.3F, 1}, {0.3F, 0.2F, 1}}}}));
+  const DetectionResult& result = detector->detect(crossing, Options());
   EXPECT_FALSE(result.cut_off);
   EXPECT_TRUE(result.cut_off_because.empty());
-  EXPECT_TRUE(samePairs(expected, result.contacts));
+  EXPECT_EQ(result.contacts.size(), 1U);
 }
 
 TEST(CudaDetector, RepeatsGiveTheSameSetAHundredTimes) {
