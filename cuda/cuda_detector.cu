@@ -13,6 +13,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Bounds the time that a tiny memory limit can cost.
+constexpr std::uint32_t kMostPasses = 4096;
+
 class CudaDetector : public Detector {
  public:
   explicit CudaDetector(const CudaSettings& settings)
@@ -79,6 +82,7 @@ const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& o
     const std::uint32_t listed = listable(counted.contacts);
     output_.list(scene_, listed, result_);
     result_.left_out = counted.contacts - listed;
+    if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
     result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);
     result_.memory_bytes = memory_.bytes() + output_.bytes();
     count(counted);
@@ -230,14 +234,19 @@ bool CudaDetector::makeRoom() {
   return fits && !grown;
 }
 
-// More candidates than memory: judges them in several passes over the work units and blocks.
+// More candidates than memory: judges them in several passes over the work units and blocks. What
+// even the last division leaves too many of in a pass is cut off: counted, but not judged.
 void CudaDetector::sweepInPasses() {
   const cudaStream_t stream = stream_.get();
   const CycleShape shape{device_, false, 0};
-  auto passes = static_cast<std::uint32_t>(counters_[0].judged / sizes_.candidates + 2);
+  const std::uint32_t most =
+      std::min(kMostPasses, std::max(counters_[0].units, largeBlocks(arrays_)));
+  const std::uint64_t found = counters_[0].judged + counters_[0].unjudged;
+  auto passes =
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(most, found / sizes_.candidates + 2));
   while (true) {
     bool fits = true;
-    for (std::uint32_t pass = 0; pass < passes && fits; ++pass) {
+    for (std::uint32_t pass = 0; pass < passes && (fits || passes == most); ++pass) {
       params_[0].pass = pass;
       params_[0].passes = passes;
       sendParams();
@@ -250,11 +259,8 @@ void CudaDetector::sweepInPasses() {
       fits = counters_[0].candidates <= sizes_.candidates;
     }
     cycle_end_.record(stream);
-    if (fits) return;
-    if (passes > std::max(counters_[0].units, largeBlocks(arrays_))) {
-      throw CudaError("a single block has more candidates than the memory limit allows");
-    }
-    passes *= 2;
+    if (fits || passes == most) return;
+    passes = std::min(most, 2 * passes);
   }
 }
 

@@ -11,7 +11,8 @@ namespace deformable_contact_monitor {
 struct CudaSettings {
   int device = 0;
   // Upper bound of the device memory that the lists of candidates and contacts may take [bytes].
-  // Beyond it a cycle takes several passes, and contacts are left out of the result's list.
+  // Beyond it a cycle takes several passes, and contacts are left out of the result's list. Where
+  // that does not do either, the result is cut off: "memory_limit_mib".
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30;
   // Times each stage, which keeps stages from overlapping: for benchmarks.
   bool time_stages = false;

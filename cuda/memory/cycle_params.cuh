@@ -26,7 +26,7 @@ struct CycleParams {
   float fuzzifier;
   AdjacentPairs adjacent;
   Predicates predicates;
-  std::uint32_t margins;       // some body has one
+  std::uint32_t margins;       // some body that takes part has one
   std::uint32_t group_count;   // <= kMostGroups
   std::uint32_t bucket_shift;  // from kAxisBits along the first axis to a bucket of a group
   std::uint32_t groups_exact;  // no two groups of bodies share a number
@@ -56,7 +56,8 @@ struct alignas(kLine) CycleCounters {
   std::uint32_t exact, undecided;
   std::uint32_t blocks_done;
   unsigned long long interval_overlaps;
-  unsigned long long judged;  // all passes' candidates
+  unsigned long long judged;    // all passes' candidates
+  unsigned long long unjudged;  // those that there was no room for: no verdict on them
   alignas(kLine) std::uint32_t far_vertices;
   alignas(kLine) std::uint32_t wide;
   alignas(kLine) std::uint32_t list_words;

@@ -156,7 +156,7 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
 }
 
 void DeviceScene::send(const Scene& scene, const SceneScale& scale, cudaStream_t stream) {
-  any_margin_ = false;
+  any_margin_ = scene.anyMargin();
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const BodyId id = taking_part_[i];
     const Body& from = scene.body(id);
@@ -165,7 +165,6 @@ void DeviceScene::send(const Scene& scene, const SceneScale& scale, cudaStream_t
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
     body.margin_m = from.margin_m;
     body.slack = scaledSlack(from.margin_m, scale);
-    any_margin_ = any_margin_ || from.margin_m > 0;
     staged_bodies_[i] = body;
     if (vertices_[id] == from.vertices_revision) continue;
     const std::size_t first = 3 * std::size_t{body.first_vertex};

@@ -29,6 +29,7 @@ class DeviceScene {
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return group_count_; }
   bool anySelf() const { return any_self_; }
+  // Scene::anyMargin() of the scene that was sent.
   bool anyMargin() const { return any_margin_; }
 
   // The body of the scene that a triangle is of, and its number there.

@@ -67,7 +67,12 @@ __device__ void leaveCounters(const CycleArrays& c) {
   if (threadIdx.x == 0) {
     __threadfence();
     last = atomicAdd(&counters.blocks_done, 1U) == gridDim.x - 1;
-    if (last) counters.judged += __ldcg(&counters.candidates);
+    if (last) {
+      const unsigned long long found = __ldcg(&counters.candidates);
+      const unsigned long long room = c.contacts.candidates.size();
+      counters.judged += min(found, room);
+      counters.unjudged += found - min(found, room);
+    }
     __threadfence();
   }
   __syncthreads();
@@ -121,7 +126,7 @@ __global__ void restartKernel(CycleArrays c, bool first) {
   if (!first) return;
   counters.contacts = 0;
   counters.exact = counters.undecided = 0;
-  counters.judged = 0;
+  counters.judged = counters.unjudged = 0;
 }
 
 }  // namespace

@@ -58,13 +58,17 @@ struct Counters {
 
 struct DetectionResult {
   std::vector<TrianglePair> contacts;  // sorted, each once
-  // Distance of each contact's triangles [m], 0 where they intersect; empty while no body has a
-  // margin: then all of them intersect.
+  // Distance of each contact's triangles [m], 0 where they intersect, above 0 elsewhere. There iff
+  // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
+  // intersect.
   std::vector<float> separations_m;
   // Contacts that were found and counted but are not in the list: the backend's memory limit was
-  // reached. Which ones is arbitrary.
+  // reached, or no time was left to sort them. Which ones is arbitrary.
   std::uint64_t left_out = 0;
-  bool guaranteed = false;  // the settings in force cannot lose a contact
+  bool cut_off =
+      false;  // pairs found are contacts, but others may be missing: time or memory ran out
+  std::string cut_off_because;  // "no time", "stopped", "memory_limit_mib"; empty: it was not
+  bool guaranteed = false;      // the settings in force cannot lose a contact; a cycle cut off may
   Counters counters;
   // Times [ms] of the stages (core/stages.h) in their order. A backend on which stages overlap
   // gives several as one ("pose_to_judge"), one that has other stages gives those.
@@ -75,6 +79,9 @@ struct DetectionResult {
 
   // Forgets the last cycle and counts the scene's triangles: so every backend begins a cycle.
   void begin(const Scene& scene, bool is_guaranteed);
+
+  // Says that the cycle was cut off; the first reason stays.
+  void cutOff(const std::string& because);
 };
 
 // A detector keeps buffers and prototypes from cycle to cycle. One thread at a time.

@@ -91,6 +91,13 @@ bool Scene::takesPart(BodyId id) const {
   return std::find(row.begin(), row.end(), true) != row.end();
 }
 
+bool Scene::anyMargin() const {
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    if (bodies_[id].margin_m > 0 && takesPart(id)) return true;
+  }
+  return false;
+}
+
 std::size_t Scene::triangleCount() const {
   std::size_t count = 0;
   for (const Body& body : bodies_) count += body.mesh.triangleCount();

@@ -49,6 +49,8 @@ class Scene {
   bool pairEnabled(BodyId a, BodyId b) const;
   // Whether some pair of the body, or the body with itself, is enabled.
   bool takesPart(BodyId id) const;
+  // Whether some body that takes part has a margin.
+  bool anyMargin() const;
   // Like the bodies' revisions: of the enabled pairs and the number of bodies.
   std::uint64_t pairsRevision() const { return pairs_revision_; }
 

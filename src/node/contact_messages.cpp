@@ -71,7 +71,7 @@ ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts)
     message.rejected_triangles = static_cast<std::uint32_t>(result.counters.rejected);
     message.compute_time = ros::Duration(result.round_trip_ms / 1e3);
     message.complete = result.guaranteed && message.skipped.empty() &&
-                       result.counters.rejected == 0 && !message.truncated;
+                       result.counters.rejected == 0 && !message.truncated && !result.cut_off;
   }
   message.backend = report.backend;
   message.predicates = toString(report.options.predicates);

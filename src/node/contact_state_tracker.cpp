@@ -116,7 +116,9 @@ std::string ContactStateTracker::resultProblem(const CycleReport& report, const 
                                                const PairSummary& summary) const {
   if (report.result == nullptr) return "no detection ran";
   if (summary.touches()) return "";
-  // The pair's contacts may be among those that are not listed, or of triangles that took no part.
+  // The pair's contacts may be among those that are not listed, that were not looked at, or of
+  // triangles that took no part.
+  if (report.result->cut_off) return report.result->cut_off_because;
   if (report.result->left_out > 0) return "contacts were left out: memory_limit_mib";
   for (const BodyId id : {pair.a, pair.b}) {
     const BodyStatus& body = report.bodies.at(id);

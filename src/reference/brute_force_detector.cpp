@@ -92,8 +92,7 @@ class BruteForceDetector : public Detector {
   void writeContacts(const Scene& scene) {
     std::sort(found_.begin(), found_.end(),
               [](const Found& x, const Found& y) { return x.pair < y.pair; });
-    const bool margins = std::any_of(scene.bodies().begin(), scene.bodies().end(),
-                                     [](const Body& body) { return body.margin_m > 0; });
+    const bool margins = scene.anyMargin();
     for (const Found& f : found_) {
       result_.contacts.push_back(f.pair);
       if (margins) result_.separations_m.push_back(f.separation_m);

@@ -69,6 +69,7 @@ class FclDetector : public Detector {
     std::sort(result_.contacts.begin(), result_.contacts.end());
     result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
                            result_.contacts.end());
+    if (scene.anyMargin()) result_.separations_m.assign(result_.contacts.size(), 0);
     result_.detect_ms = result_.round_trip_ms = cycle.elapsedMs();
     return result_;
   }

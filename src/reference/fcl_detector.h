@@ -1,7 +1,7 @@
 // FCL's bounding volume hierarchies behind the detector's interface, for comparison: its triangle
 // test works in floating point, so its pairs may differ from the exact ones (`guaranteed` is always
 // false). It cannot tell whether triangles that share a vertex meet beyond it, so such pairs are
-// left out whatever `adjacent` says. Margins are ignored; one thread.
+// left out whatever `adjacent` says. Margins are ignored, all separations are 0; one thread.
 #pragma once
 
 #include <memory>

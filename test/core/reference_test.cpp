@@ -63,6 +63,18 @@ TEST(FclDetector, CountsWhatItHas) {
   }
 }
 
+TEST(FclDetector, GivesSeparationsByTheRuleOfAll) {
+  Scene scene = pairScene(clothGrid(9, 1, 0, 0.1F), clothGrid(8, 1, 0.01F, -0.1F));
+  const BodyId idle = scene.addBody("idle", clothGrid(2, 1, 0, 0));
+  scene.setMargin(idle, 1);
+  const auto detector = makeFclDetector();
+  const std::size_t count = detector->detect(scene, Options()).contacts.size();
+  ASSERT_GT(count, 10U);
+  EXPECT_TRUE(detector->detect(scene, Options()).separations_m.empty());
+  scene.setMargin(0, 0.01F);
+  EXPECT_EQ(detector->detect(scene, Options()).separations_m, std::vector<float>(count, 0));
+}
+
 #endif
 
 TEST(BruteForceDetector, IsNotGuaranteedWithFastPredicates) {

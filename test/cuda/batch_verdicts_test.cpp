@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <random>
 
 #include "cuda/device/cuda_error.h"
@@ -77,6 +78,49 @@ TEST(BatchVerdicts, AreTheHostsOrSayWhyNot) {
         EXPECT_GT(exact, pairs.size() / 40);
       }
     }
+  }
+}
+
+// Pairs a little apart, at all scales, some with vertices at up to 3e38.
+std::vector<VerdictQuestion> nearPairs(std::size_t count, float margin_m) {
+  std::mt19937 random(9);
+  const auto unit = [&] { return static_cast<float>(random() % 2000001) / 1e6F - 1; };
+  const auto point = [&](float size) { return Vec3f{size * unit(), size * unit(), size * unit()}; };
+  std::vector<VerdictQuestion> pairs(count);
+  for (VerdictQuestion& pair : pairs) {
+    const float size = std::min(margin_m, 1e30F) * static_cast<float>(random() % 50 + 1);
+    const Vec3f off = point(3 * size);
+    for (Vec3f& v : pair.a.v) v = point(size);
+    for (Vec3f& v : pair.b.v) v = off + point(size);
+    const auto kind = random() % 8;
+    const float far = std::ldexp(std::max(size, 1.0F), static_cast<int>(random() % 26));
+    if (kind == 0) pair.a.v[random() % 3] = point(far);
+    if (kind == 1) pair.b.v[0] = (pair.b.v[1] = point(far)) * -1;
+    if (kind == 2) pair.b.v[0] = pair.a.v[0] = point(1e38F);
+    if (kind == 3) pair.a.v[0] = pair.a.v[1];
+    if (kind == 4) pair.a.v[2] = pair.a.v[0] + (pair.a.v[1] - pair.a.v[0]) * 0.5F;
+  }
+  return pairs;
+}
+
+TEST(BatchVerdicts, SeparationsAreTheHostsBitByBit) {
+  if (!deviceIsThere()) return;
+  for (const float margin_m : {1e-40F, 1e-30F, 1e-3F, 1.0F, 1e30F, 3e38F}) {
+    const std::vector<VerdictQuestion> pairs = nearPairs(kPairs, margin_m);
+    const auto verdicts =
+        batchVerdicts(pairs, AdjacentPairs::kBeyondShared, Predicates::kExact, margin_m);
+    std::size_t near = 0, wrong = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      PredicateState state;
+      // In the other order.
+      const Verdict host =
+          pairVerdict(pairs[i].b, pairs[i].a, false, AdjacentPairs::kBeyondShared, margin_m, state);
+      wrong += host.contact != (verdicts[i].contact == 1) ||
+               std::memcmp(&host.separation_m, &verdicts[i].separation_m, sizeof(float)) != 0;
+      near += host.separation_m > 0;
+    }
+    EXPECT_EQ(wrong, 0U) << margin_m;
+    EXPECT_GT(near, pairs.size() / 100) << margin_m;
   }
 }
 

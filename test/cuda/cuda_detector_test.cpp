@@ -112,6 +112,48 @@ TEST(CudaDetector, PassesThatOutgrowTheListOfContactsStartAgain) {
   }
 }
 
+// Not even one work unit's candidates fit: what was judged is true, and the rest is said.
+TEST(CudaDetector, WithNextToNoMemoryTheResultIsCutOffAndSaysSo) {
+  for (const float margin_m : {0.0F, 0.05F}) {
+    Scene scene = crowdedScene(500, margin_m);
+    scene.addBody("huge", {{-99, -99, 1.5F, 199, -99, 1.4F, 50, 199, 1.6F}, {0, 1, 2}});
+    scene.setPairEnabled(0, 1, true);
+    const auto all = makeCpuDetector()->detect(scene, Options()).contacts;
+    for (const std::uint64_t limit : {1, 64, 1024}) {
+      CudaSettings settings;
+      settings.memory_limit_bytes = limit;
+      const auto detector = makeOrSayWhy(settings);
+      if (detector == nullptr) return;
+      for (int i = 0; i < 3; ++i) {
+        const DetectionResult& result = detector->detect(scene, Options());
+        EXPECT_TRUE(result.cut_off) << limit;
+        EXPECT_EQ(result.cut_off_because, "memory_limit_mib");
+        EXPECT_GT(result.contacts.size(), 0U);
+        EXPECT_LT(result.contacts.size() + result.left_out, all.size());
+        EXPECT_EQ(result.separations_m.size(), margin_m > 0 ? result.contacts.size() : 0);
+        EXPECT_TRUE(isOrdered(result.contacts));
+        EXPECT_TRUE(
+            std::includes(all.begin(), all.end(), result.contacts.begin(), result.contacts.end()));
+      }
+    }
+  }
+}
+
+TEST(CudaDetector, IsWholeAgainOnceTheMemoryDoes) {
+  CudaSettings settings;
+  settings.memory_limit_bytes = 64;
+  const auto detector = makeOrSayWhy(settings);
+  if (detector == nullptr) return;
+  EXPECT_TRUE(detector->detect(crowdedScene(500, 0), Options()).cut_off);
+  const Scene crossing =
+      pairScene(meshOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}),
+                meshOf({{{{0.2F, 0.2F, -1}, {0.2F, 0.3F, 1}, {0.3F, 0.2F, 1}}}}));
+  const DetectionResult& result = detector->detect(crossing, Options());
+  EXPECT_FALSE(result.cut_off);
+  EXPECT_TRUE(result.cut_off_because.empty());
+  EXPECT_EQ(result.contacts.size(), 1U);
+}
+
 TEST(CudaDetector, RepeatsGiveTheSameSetAHundredTimes) {
   const auto detector = makeOrSayWhy();
   if (detector == nullptr) return;

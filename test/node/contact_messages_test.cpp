@@ -86,6 +86,10 @@ TEST(ContactArrayTest, whateverIsMissingMakesItIncomplete) {
   EXPECT_EQ(toContactArray(rejected.report, 0).rejected_triangles, 4U);
   EXPECT_FALSE(toContactArray(rejected.report, 0).complete);
 
+  SampleReport cut_off;
+  cut_off.result.cutOff("no time");
+  EXPECT_FALSE(toContactArray(cut_off.report, 0).complete);
+
   SampleReport lossy;
   lossy.result.guaranteed = false;
   lossy.result.counters.undecided = 2;

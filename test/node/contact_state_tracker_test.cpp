@@ -232,6 +232,21 @@ TEST(ContactStateTrackerTest, contactsThatWereLeftOutAreNotNoContact) {
             "END arm/hand cloth 0 contacts were left out: memory_limit_mib");
 }
 
+// Pairs of triangles were not looked at: only what touches is known.
+TEST(ContactStateTrackerTest, whatWasCutOffIsNotNoContact) {
+  SampleReport sample;
+  sample.result.cutOff("no time");
+  sample.result.cutOff("memory_limit_mib");
+  ContactStateTracker tracker(1, 2);
+  ContactStates message = tracker.update(sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  sample.result.separations_m = {.1F, .2F, .3F};
+  message = tracker.update(sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::UNKNOWN) << "near, but it may touch";
+  EXPECT_EQ(texts(tracker.takeEvents()).back(), "END arm/hand cloth 0 no time");
+}
+
 TEST(ContactStateTrackerTest, sinceCountsStampsInTheSameState) {
   SampleReport sample;
   ContactStateTracker tracker(rules(1, 1));

@@ -29,8 +29,7 @@ std::vector<WorkingContact> sorted(const std::vector<WorkingContact>& contacts,
 void writeContacts(const Scene& scene, const WorkingSet& set,
                    const std::vector<WorkingContact>& contacts, DetectionResult& result) {
   const std::vector<WorkingContact> in_order = sorted(contacts, set.size());
-  const bool margins = std::any_of(scene.bodies().begin(), scene.bodies().end(),
-                                   [](const Body& body) { return body.margin_m > 0; });
+  const bool margins = scene.anyMargin();
   result.contacts.reserve(in_order.size());
   for (const WorkingContact& c : in_order) {
     const std::uint32_t a = c.a.value, b = c.b.value;

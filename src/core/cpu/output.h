@@ -10,7 +10,7 @@
 
 namespace deformable_contact_monitor {
 
-// Fills result.contacts and, where some body has a margin, result.separations_m; both were empty.
+// Fills result.contacts and, if scene.anyMargin(), result.separations_m; both were empty.
 void writeContacts(const Scene& scene, const WorkingSet& set,
                    const std::vector<WorkingContact>& contacts, DetectionResult& result);
 

@@ -1,15 +1,11 @@
 #include "core/cpu/screen.h"
 
-#include <algorithm>
-
 #include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
 
 PairScreen::PairScreen(const CycleInput& input)
-    : input_(input), margins_(std::any_of(input.slack.begin(), input.slack.end(), [](float slack) {
-        return slack > 0;
-      })) {}
+    : input_(input), margins_(input.scene.anyMargin()) {}
 
 void PairScreen::screen(const std::vector<PreparedTriangle>& triangles, BoxPair* pairs,
                         std::size_t count, std::vector<Candidate>& candidates) {

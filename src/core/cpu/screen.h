@@ -49,7 +49,7 @@ class PairScreen {
                         std::vector<Candidate>& candidates) const;
 
   const CycleInput& input_;
-  bool margins_ = false;  // some body has one
+  bool margins_ = false;  // some body that takes part has one
   std::vector<BoxPair> neighbours_;
 };
 

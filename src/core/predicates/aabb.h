@@ -1,8 +1,8 @@
 // Axis-aligned bounding boxes of float32 points; closed, and never rounded inwards.
 #pragma once
 
+#include <cfloat>
 #include <cmath>
-#include <limits>
 
 #include "core/predicates/host_device.h"
 #include "core/predicates/triangle.h"
@@ -39,13 +39,46 @@ DCM_HD inline Aabb boxOf(const Triangle& t) {
   return box;
 }
 
-// The box grown by `distance` >= 0 in every direction, rounded outwards; 0 leaves it untouched.
+// The box grown by `distance` >= 0 in every direction, rounded outwards; 0 leaves it untouched. It
+// ends at the largest float32: no vertex lies beyond.
 DCM_HD inline Aabb inflated(const Aabb& box, float distance) {
   if (distance == 0) return box;
-  const auto down = [distance](float x) { return nextafterf(x - distance, -INFINITY); };
-  const auto up = [distance](float x) { return nextafterf(x + distance, INFINITY); };
+  const auto down = [distance](float x) {
+    return most(nextafterf(x - distance, -INFINITY), -FLT_MAX);
+  };
+  const auto up = [distance](float x) {
+    return least(nextafterf(x + distance, INFINITY), FLT_MAX);
+  };
   return {{down(box.min.x), down(box.min.y), down(box.min.z)},
           {up(box.max.x), up(box.max.y), up(box.max.z)}};
+}
+
+// Whether high - low > distance, in real numbers.
+DCM_HD inline bool exceeds(float high, float low, float distance) {
+  const double gap = static_cast<double>(high) - low;
+  if (gap != distance) return gap > distance;
+  const double part = high - gap;  // what rounding took off the gap (Knuth's two-sum)
+  return (high - (gap + part)) + (part - low) > 0;
+}
+
+// Whether the boxes are more than `distance` apart along some axis, in real numbers. If they are
+// not, either of them, inflated by it, meets the other.
+DCM_HD inline bool areApart(const Aabb& a, const Aabb& b, float distance) {
+  return exceeds(b.min.x, a.max.x, distance) || exceeds(a.min.x, b.max.x, distance) ||
+         exceeds(b.min.y, a.max.y, distance) || exceeds(a.min.y, b.max.y, distance) ||
+         exceeds(b.min.z, a.max.z, distance) || exceeds(a.min.z, b.max.z, distance);
+}
+
+// Of two boxes, in double; 0 where they intersect.
+DCM_HD inline double squaredGap(const Aabb& a, const Aabb& b) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double above = static_cast<double>(b.min[k]) - a.max[k];
+    const double below = static_cast<double>(a.min[k]) - b.max[k];
+    const double gap = most(most(above, below), 0.0);
+    sum += gap * gap;
+  }
+  return sum;
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,6 +1,7 @@
 // From a pair of triangles to its verdict: which pairs are candidates, and which of them contacts.
 #pragma once
 
+#include "core/predicates/aabb.h"
 #include "core/predicates/adjacency.h"
 #include "core/predicates/plane_filter.h"
 #include "core/predicates/triangle_distance.h"
@@ -12,11 +13,24 @@ struct Verdict {
   float separation_m = 0;  // 0: they intersect
 };
 
-// Two triangles that do not intersect. `margin_m` is the larger of their bodies' margins.
+// Two triangles that do not intersect. `margin_m` is the larger of their bodies' margins. They are
+// near iff their boxes are at most that far apart along each axis, in real numbers, and their
+// distance, rounded to float32, is at most that much.
 DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float margin_m) {
   if (margin_m == 0) return {};
+  constexpr double kSlack = 1 + 1e-6;  // rounding
+  const double most_m = margin_m * kSlack;
+  const Aabb box_a = boxOf(a), box_b = boxOf(b);
+  if (areApart(box_a, box_b, margin_m) || squaredGap(box_a, box_b) > most_m * most_m ||
+      arePlanesApart(a, b, most_m)) {
+    return {};
+  }
   const double distance = separation(a, b);
-  return {distance <= margin_m, static_cast<float>(distance)};
+  if (distance > most_m) return {};
+  constexpr float kLeast = 1.4e-45F;  // 0 is for those that intersect
+  const float rounded = most(kLeast, static_cast<float>(least<double>(distance, FLT_MAX)));
+  if (rounded > margin_m) return {};
+  return {true, rounded};
 }
 
 // The float32 filters of two triangles that share no vertex: true if one is certainly strictly on

@@ -52,6 +52,13 @@ class Expansion {
     return component_[size_ - 1] > 0 ? 1 : -1;
   }
 
+  // Off by less than 2^-51 of itself.
+  DCM_HD double value() const {
+    double sum = 0;
+    for (int i = 0; i < size_; ++i) sum += component_[i];
+    return sum;
+  }
+
  private:
   double component_[kCapacity];
   int size_ = 0;
@@ -83,16 +90,21 @@ DCM_HD inline void addDeterminant(Expansion<N>& sum, const Vec3d& a, const Vec3d
 
 }  // namespace detail
 
-// Sign of det[b-a; c-a; d-a] by exact arithmetic alone.
-DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                            const Vec3f& d) {
-  // The four minors of the 4x4 determinant.
+// det[b-a; c-a; d-a], exactly: the four minors of the 4x4 determinant.
+DCM_HD inline Expansion<48> expandedOrient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                             const Vec3f& d) {
   Expansion<48> sum;
   detail::addDeterminant(sum, toDouble(b), toDouble(c), toDouble(d), 1);
   detail::addDeterminant(sum, toDouble(a), toDouble(c), toDouble(d), -1);
   detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(d), 1);
   detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(c), -1);
-  return sum.sign();
+  return sum;
+}
+
+// Sign of det[b-a; c-a; d-a] by exact arithmetic alone.
+DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                            const Vec3f& d) {
+  return expandedOrient3d(a, b, c, d).sign();
 }
 
 DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
@@ -106,15 +118,22 @@ DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const V
 
 constexpr int kUncertain = 2;
 
-// Sign of det[b-a; c-a; d-a] in double, or kUncertain.
-DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+// det[b-a; c-a; d-a] in double, and the sum of its terms' sizes.
+DCM_HD inline double orient3dDouble(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
+                                    double& permanent) {
   const Vec3d o = toDouble(a);
   const Vec3d u = toDouble(b) - o, v = toDouble(c) - o, w = toDouble(d) - o;
   const double m1 = v.y * w.z, m2 = v.z * w.y, m3 = v.z * w.x;
   const double m4 = v.x * w.z, m5 = v.x * w.y, m6 = v.y * w.x;
-  const double det = u.x * (m1 - m2) + u.y * (m3 - m4) + u.z * (m5 - m6);
-  const double permanent = fabs(u.x) * (fabs(m1) + fabs(m2)) + fabs(u.y) * (fabs(m3) + fabs(m4)) +
-                           fabs(u.z) * (fabs(m5) + fabs(m6));
+  permanent = fabs(u.x) * (fabs(m1) + fabs(m2)) + fabs(u.y) * (fabs(m3) + fabs(m4)) +
+              fabs(u.z) * (fabs(m5) + fabs(m6));
+  return u.x * (m1 - m2) + u.y * (m3 - m4) + u.z * (m5 - m6);
+}
+
+// Sign of det[b-a; c-a; d-a] in double, or kUncertain.
+DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+  double permanent;
+  const double det = orient3dDouble(a, b, c, d, permanent);
   constexpr double kBound = 7.7715611723761e-16;  // (7 + 56 eps) eps, eps = 2^-53
   const double bound = kBound * permanent;
   if (det > bound) return 1;

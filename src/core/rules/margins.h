@@ -1,6 +1,7 @@
 // How bodies' margins act on pairs and on clusters.
 #pragma once
 
+#include <cfloat>
 #include <cmath>
 
 #include "core/predicates/host_device.h"
@@ -14,11 +15,14 @@ DCM_HD inline float pairMargin(float margin_a_m, float margin_b_m) {
   return most(margin_a_m, margin_b_m);
 }
 
-// Slack of the half-space rule for a body with this margin [scaled]: twice the margin, rounded
-// upwards. Each body is inflated by its full own margin.
+// Slack of the half-space rule for a body with this margin [scaled]: twice the margin and a little
+// more, for distances are rounded before they are compared with it. Each body is inflated by its
+// full own margin.
 inline float scaledSlack(float margin_m, const SceneScale& scale) {
-  const double margin = margin_m * scale.scale;
-  return margin > 0 ? std::nextafter(static_cast<float>(2 * margin), INFINITY) : 0.0F;
+  constexpr double kMore = 1 + 1e-6;
+  const double slack = 2 * (margin_m * scale.scale) * kMore;
+  return slack > 0 ? std::nextafter(static_cast<float>(least<double>(slack, FLT_MAX)), INFINITY)
+                   : 0.0F;
 }
 
 }  // namespace deformable_contact_monitor

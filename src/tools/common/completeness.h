@@ -5,9 +5,11 @@
 
 namespace deformable_contact_monitor {
 
-// The settings are complete by proof, every triangle took part and no contact was left out.
+// The settings are complete by proof, every triangle took part, no contact was left out and
+// nothing was cut off.
 inline bool isComplete(const DetectionResult& result) {
-  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0;
+  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0 &&
+         !result.cut_off;
 }
 
 }  // namespace deformable_contact_monitor

@@ -96,6 +96,7 @@ std::string bodyPairs(const Scene& scene, const std::vector<TrianglePair>& conta
 std::string completeness(const DetectionResult& result) {
   std::string text = isComplete(result) ? "complete: yes" : "complete: no";
   if (!result.guaranteed) text += "; these settings or this backend may err";
+  if (result.cut_off) text += "; cut off: " + result.cut_off_because;
   if (result.counters.rejected > 0) {
     text += "; " + std::to_string(result.counters.rejected) +
             " triangles have a NaN or infinite vertex and took no part";
@@ -143,6 +144,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["options"] = optionsJson(arguments);
   json["contacts"] = last.contacts.size() + last.left_out;
   json["contacts_left_out"] = last.left_out;
+  json["cut_off_because"] = last.cut_off_because;
   json["complete"] = isComplete(last);
   json["guaranteed"] = last.guaranteed;
   json["triangles"] = counters.triangles;

@@ -61,6 +61,12 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
         "for\n",
         static_cast<unsigned long long>(result.left_out));
   }
+  if (result.cut_off) {
+    std::fprintf(stderr,
+                 "detect_contacts: note: the result is not complete, not all pairs were looked at "
+                 "(%s)\n",
+                 result.cut_off_because.c_str());
+  }
   if (arguments.meshes.size() == 1 && !arguments.self) {
     std::fputs("detect_contacts: note: one mesh and no --self, so there is nothing to test\n",
                stderr);

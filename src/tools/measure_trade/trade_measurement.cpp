@@ -95,6 +95,9 @@ Measurement measure(FrameSource* frames, const ExactResults& exact, const Settin
                     const CycleCounts& cycles, Detector* detector, const SayProgress& progress) {
   const auto detect = [&]() -> const DetectionResult& {
     const DetectionResult& result = detector->detect(frames->scene(), setting.options);
+    if (result.cut_off) {
+      throw std::runtime_error(describe(setting) + " was cut off: " + result.cut_off_because);
+    }
     if (result.left_out == 0) return result;
     throw std::runtime_error(describe(setting) + ": " + std::to_string(result.left_out) +
                              " contacts did not fit into the device memory allowed for them");

@@ -93,6 +93,9 @@ TEST(EvaluationRun, CompleteMeansThatNothingCanBeMissing) {
   result.counters.rejected = 1;
   EXPECT_FALSE(isComplete(cycle, result));
   result.counters.rejected = 0;
+  result.cut_off = true;
+  EXPECT_FALSE(isComplete(cycle, result));
+  result.cut_off = false;
   cycle.bodies[0].unknown_because = "no mesh yet";
   EXPECT_FALSE(isComplete(cycle, result));
 }

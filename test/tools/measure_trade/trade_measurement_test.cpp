@@ -131,6 +131,12 @@ TEST_F(TradeMeasurement, WhatIsNotGuaranteedMayErr) {
   EXPECT_EQ(m.bodies.at({0, 1}).recall.worst_frame, 2U);
 }
 
+TEST_F(TradeMeasurement, WhatWasCutOffIsNoMeasurement) {
+  EXPECT_THROW(
+      measured(Options(), [](DetectionResult* result, std::size_t) { result->cutOff("no time"); }),
+      std::runtime_error);
+}
+
 TEST_F(TradeMeasurement, ContactsLeftOutAreNoMeasurement) {
   EXPECT_THROW(
       measured(Options(), [](DetectionResult* result, std::size_t) { result->left_out = 1; }),
