@@ -237,12 +237,12 @@ TEST(ContactStateTrackerTest, whatWasCutOffIsNotNoContact) {
   SampleReport sample;
   sample.result.cutOff("no time");
   sample.result.cutOff("memory_limit_mib");
-  ContactStateTracker tracker(1, 2);
-  ContactStates message = tracker.update(sample.report);
+  ContactStateTracker tracker(rules(1, 2));
+  ContactStates message = take(&tracker, sample.report);
   EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT);
   EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
   sample.result.separations_m = {.1F, .2F, .3F};
-  message = tracker.update(sample.report);
+  message = take(&tracker, sample.report);
   EXPECT_EQ(message.states[kHandCloth].state, ContactState::UNKNOWN) << "near, but it may touch";
   EXPECT_EQ(texts(tracker.takeEvents()).back(), "END arm/hand cloth 0 no time");
 }
