@@ -6,6 +6,8 @@ void DetectionResult::begin(const Scene& scene, bool is_guaranteed) {
   contacts.clear();
   separations_m.clear();
   left_out = 0;
+  cut_off = false;
+  cut_off_because.clear();
   guaranteed = is_guaranteed;
   counters = Counters();
   counters.triangles = scene.triangleCount();
@@ -13,6 +15,11 @@ void DetectionResult::begin(const Scene& scene, bool is_guaranteed) {
   detect_ms = 0;
   memory_bytes = 0;
   round_trip_ms = 0;
+}
+
+void DetectionResult::cutOff(const std::string& because) {
+  if (!cut_off) cut_off_because = because;
+  cut_off = true;
 }
 
 }  // namespace deformable_contact_monitor

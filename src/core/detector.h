@@ -62,9 +62,12 @@ struct DetectionResult {
   // margin: then all of them intersect.
   std::vector<float> separations_m;
   // Contacts that were found and counted but are not in the list: the backend's memory limit was
-  // reached. Which ones is arbitrary.
+  // reached, or no time was left to sort them. Which ones is arbitrary.
   std::uint64_t left_out = 0;
-  bool guaranteed = false;  // the settings in force cannot lose a contact
+  // pairs found are contacts, but others may be missing: time or memory ran out
+  bool cut_off = false;
+  std::string cut_off_because;  // "no time", "stopped", "memory_limit_mib"; empty: it was not
+  bool guaranteed = false;      // the settings in force cannot lose a contact; a cycle cut off may
   Counters counters;
   // Times [ms] of the stages (core/stages.h) in their order. A backend on which stages overlap
   // gives several as one ("pose_to_judge"), one that has other stages gives those.
@@ -75,6 +78,9 @@ struct DetectionResult {
 
   // Forgets the last cycle and counts the scene's triangles: so every backend begins a cycle.
   void begin(const Scene& scene, bool is_guaranteed);
+
+  // Says that the cycle was cut off; the first reason stays.
+  void cutOff(const std::string& because);
 };
 
 // A detector keeps buffers and prototypes from cycle to cycle. One thread at a time.
@@ -89,6 +95,8 @@ class Detector {
   virtual std::string backend() const = 0;
 
   // Finds every contact of the scene's enabled pairs. The result is valid until the next call.
+  // A cycle that ends early, by options.limits, is no error: see cut_off. The next one is as if it
+  // had not been.
   // Throws std::invalid_argument, listing all problems(options).
   virtual const DetectionResult& detect(const Scene& scene, const Options& options) = 0;
 
