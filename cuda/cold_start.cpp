@@ -8,14 +8,15 @@
 
 namespace deformable_contact_monitor {
 
-ColdStart measureScene(const Scene& scene, const Options& options,
-                       const ClusterCountPolicy& policy) {
+ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
+                       const CycleLimit& limit) {
   WorkingSet set;
   SizeSplit split;
   Counters counters;
-  WorkingSetBuilder().build(scene, set, counters);
-  splitBySize(set, split);
   ColdStart start;
+  WorkingSetBuilder().build(scene, set, counters, limit);
+  if (!limit.wasOver()) splitBySize(set, split, limit);
+  if (limit.wasOver()) return start;
   start.scale = split.scale;
   start.size_rule = split.rule;
   start.regular = split.regular.size();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/options.h"
 #include "core/rules/cluster_count.h"
 #include "core/rules/scene_scale.h"
@@ -20,9 +21,9 @@ struct ColdStart {
   std::size_t large = 0;     // triangles for the list of their own
 };
 
-// Costs milliseconds: for first cycles and changes of the scene's make-up. Seeds are centroids of
-// triangles evenly spread over their order.
-ColdStart measureScene(const Scene& scene, const Options& options,
-                       const ClusterCountPolicy& policy);
+// Costs milliseconds (of no use where the limit was over): for first cycles and changes of the
+// scene's make-up. Seeds are centroids of triangles evenly spread over their order.
+ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
+                       const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor

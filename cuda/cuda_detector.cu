@@ -7,7 +7,9 @@
 #include "cuda/cold_start.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/cycle_graph.cuh"
+#include "cuda/device/usable_device.cuh"
 #include "cuda/memory/device_scene.cuh"
+#include "cuda/memory/host_stop.cuh"
 #include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
@@ -24,6 +26,7 @@ class CudaDetector : public Detector {
         cluster_counts_{500, 8192, 1600, device_.multiprocessors} {}
   ~CudaDetector() override {
     cudaSetDevice(settings_.device);
+    stop_.set();
     cudaStreamSynchronize(stream_.get());
   }
   std::string backend() const override { return "cuda"; }
@@ -31,16 +34,21 @@ class CudaDetector : public Detector {
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
-  bool upload(const Scene& scene, const Options& options);
-  void startCold(const Scene& scene, const Options& options);
+  void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
+                    const Stopwatch& watch);
+  bool upload(const Scene& scene, const Options& options, const CycleLimit& limit);
+  bool startCold(const Scene& scene, const Options& options, const CycleLimit& limit);
   void makeArrays();
   void sendParams();
   void sizeBins();
   void runCycle(const Options& options);
-  void runUntilItFits(const Options& options);
+  bool runUntilItFits(const Options& options, const CycleLimit& limit);
+  bool runInPasses(const CycleLimit& limit);
+  bool isCutOff(const CycleLimit& limit) const;
   bool makeRoom();
-  void sweepInPasses();
-  void fetchContacts();
+  bool sweepInPasses(const CycleLimit& limit);
+  void fetchContacts(bool few);
+  void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
   std::uint32_t listable(std::uint64_t contacts) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
   }
@@ -59,6 +67,7 @@ class CudaDetector : public Detector {
   CycleGraph graphs_[2];  // with and without refinement of the prototypes
   PinnedBuffer<CycleParams> params_{1};
   PinnedBuffer<CycleCounters> counters_{1};
+  HostStop stop_;
   ContactOutput output_;
   SceneScale scale_;
   SizeRule size_rule_;
@@ -74,56 +83,75 @@ const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& o
   requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
   const Stopwatch watch;
+  const CycleLimit limit(options.limits);
   result_.begin(scene, isGuaranteed(options));
-  if (upload(scene, options)) {
-    const double upload_ms = watch.elapsedMs();
-    runUntilItFits(options);
-    const CycleCounters& counted = counters_[0];
-    const std::uint32_t listed = listable(counted.contacts);
-    output_.list(scene_, listed, result_);
-    result_.left_out = counted.contacts - listed;
-    if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
-    result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);
-    result_.memory_bytes = memory_.bytes() + output_.bytes();
-    count(counted);
-    last_contacts_ = counted.contacts;
-    cold_ = isOutgrown(counted, options);
-    const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
-    if (settings_.time_stages) {
-      StageTimes times = graphs_[0].times();
-      times.add(Stage::kOutput, output_ms);
-      result_.stages_ms = times.byName();
-    } else {
-      result_.stages_ms = {{"upload", upload_ms},
-                           {"pose_to_judge", result_.detect_ms},
-                           {kStageNames[static_cast<int>(Stage::kOutput)], output_ms}};
-    }
+  stop_.clear();
+  if (limit.over()) {
+    result_.cutOff(limit.why());
+  } else {
+    findContacts(scene, options, limit, watch);
   }
   result_.round_trip_ms = watch.elapsedMs();
   return result_;
 }
 
-// Brings the scene and the settings to the device; false if there is nothing to look at.
-bool CudaDetector::upload(const Scene& scene, const Options& options) {
+// `watch` runs since the cycle began.
+void CudaDetector::findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
+                                const Stopwatch& watch) {
+  if (!upload(scene, options, limit)) {
+    if (limit.wasOver()) result_.cutOff(limit.why());
+    return;
+  }
+  const double upload_ms = watch.elapsedMs();
+  const bool all = runUntilItFits(options, limit);
+  const CycleCounters& counted = counters_[0];
+  output_.list(scene_, std::min(listable(counted.contacts), output_.fetched()), limit, result_);
+  result_.left_out = counted.contacts - result_.contacts.size();
+  if (!all || result_.contacts.size() < listable(counted.contacts)) result_.cutOff(limit.why());
+  if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
+  if (counted.list_words > sizes_.list_words) dropRepeated(result_);
+  result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);
+  result_.memory_bytes = memory_.bytes() + output_.bytes();
+  count(counted);
+  last_contacts_ = counted.contacts;
+  cold_ = isOutgrown(counted, options);
+  const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
+  if (settings_.time_stages) {
+    StageTimes times = graphs_[0].times();
+    times.add(Stage::kOutput, output_ms);
+    result_.stages_ms = times.byName();
+  } else {
+    result_.stages_ms = {{"upload", upload_ms},
+                         {"pose_to_judge", result_.detect_ms},
+                         {kStageNames[static_cast<int>(Stage::kOutput)], output_ms}};
+  }
+}
+
+// Brings the scene and the settings to the device; false if there is nothing to look at, or the
+// limit was over.
+bool CudaDetector::upload(const Scene& scene, const Options& options, const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
   const bool was_cold = cold_ || asked_clusters_ != options.clusters;
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
   const bool laid_out_anew = scene_.layOut(scene, stream);
   if (scene_.triangleCount() == 0) return false;
   const bool starts = was_cold || laid_out_anew;
-  if (starts) startCold(scene, options);
+  if (starts && !startCold(scene, options, limit)) return false;
   scene_.send(scene, scale_, stream);
   params_[0] =
       cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyMargin());
   params_[0].scale = scale_;
   params_[0].size = size_rule_;
+  params_[0].limited = limit.isSet() ? 1 : 0;
   if (starts) sizeBins();
   return true;
 }
 
-// What the first cycle of a scene needs and others take over from the one before.
-void CudaDetector::startCold(const Scene& scene, const Options& options) {
-  const ColdStart start = measureScene(scene, options, cluster_counts_);
+// What the first cycle of a scene needs and others take over from the one before. False if the
+// limit was over.
+bool CudaDetector::startCold(const Scene& scene, const Options& options, const CycleLimit& limit) {
+  const ColdStart start = measureScene(scene, options, cluster_counts_, limit);
+  if (limit.wasOver()) return false;
   asked_clusters_ = options.clusters;
   scale_ = start.scale;
   size_rule_ = start.size_rule;
@@ -157,6 +185,7 @@ void CudaDetector::startCold(const Scene& scene, const Options& options) {
   launchClusterLists(arrays_, stream);
   stream_.synchronise();  // the host's arrays go
   cycles_since_refresh_ = 0;
+  return true;
 }
 
 // Arrays of the sizes; recorded graphs know other ones.
@@ -165,6 +194,7 @@ void CudaDetector::makeArrays() {
   arrays_.clusters.count = sizes_.clusters;
   arrays_.clusters.sample_count = sizes_.samples;
   arrays_.host_counters.pointTo(counters_.data());
+  arrays_.host_stop.pointTo(stop_.word());
   for (CycleGraph& graph : graphs_) graph.forget();
 }
 
@@ -204,26 +234,35 @@ void CudaDetector::runCycle(const Options& options) {
   cycle_end_.record(stream);
 }
 
-// Runs cycles until all that one finds has room, and fetches the contacts.
-void CudaDetector::runUntilItFits(const Options& options) {
+// Runs cycles until all that one finds has room, and fetches the contacts. False if the limit was
+// over before that: then they are what the last one found.
+bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limit) {
   constexpr int kMostTries = 16;
+  bool all = false;
   for (int tries = 1;; ++tries) {
     runCycle(options);
-    fetchContacts();
+    fetchContacts(limit.isSet());
     checkCuda(cudaGetLastError(), "a launch");
-    stream_.synchronise();
-    if (makeRoom()) break;
+    wait(limit);
+    if (isCutOff(limit)) break;
+    all = makeRoom();
+    if (all) break;
     if (tries == kMostTries) throw CudaError("the sizes of a cycle do not settle");
   }
-  const bool in_passes = counters_[0].candidates > sizes_.candidates;
-  if (in_passes) {
-    do sweepInPasses();
-    while (!makeRoom());
+  const bool in_passes = counters_[0].candidates > sizes_.candidates && !limit.over();
+  if (in_passes) all = runInPasses(limit);
+  if (in_passes || listable(counters_[0].contacts) > output_.fetched()) {
+    last_contacts_ = counters_[0].contacts;
+    fetchContacts(limit.over());
+    wait(limit);
   }
-  if (!in_passes && listable(counters_[0].contacts) <= output_.fetched()) return;
-  last_contacts_ = counters_[0].contacts;
-  fetchContacts();
-  stream_.synchronise();
+  return all && counters_[0].candidates <= sizes_.candidates;
+}
+
+// Whether the last cycle gave up, or leaves work for which no time is left.
+bool CudaDetector::isCutOff(const CycleLimit& limit) const {
+  if (counters_[0].cut_off != 0) return true;
+  return limit.over() && !(counters_[0].bin_overflow == 0 && sizes_.hold(counters_[0]));
 }
 
 // After a cycle that may have overflown: true if it fitted, else there is more room now.
@@ -234,9 +273,18 @@ bool CudaDetector::makeRoom() {
   return fits && !grown;
 }
 
+// As sweepInPasses(), until the contacts have room.
+bool CudaDetector::runInPasses(const CycleLimit& limit) {
+  while (sweepInPasses(limit) && !isCutOff(limit)) {
+    if (makeRoom()) return true;
+  }
+  return false;
+}
+
 // More candidates than memory: judges them in several passes over the work units and blocks. What
-// even the last division leaves too many of in a pass is cut off: counted, but not judged.
-void CudaDetector::sweepInPasses() {
+// even the last division leaves too many of in a pass is cut off: counted, but not judged. False if
+// the limit was over before the last.
+bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
   const CycleShape shape{device_, false, 0};
   const std::uint32_t most =
@@ -255,19 +303,25 @@ void CudaDetector::sweepInPasses() {
       launchLarge(arrays_, shape, stream);
       launchJudge(arrays_, shape, stream);
       checkCuda(cudaGetLastError(), "a launch");
-      stream_.synchronise();
+      wait(limit);
       fits = counters_[0].candidates <= sizes_.candidates;
+      if (counters_[0].cut_off != 0 || ((pass + 1 < passes || !fits) && limit.over())) {
+        cycle_end_.record(stream);
+        return false;
+      }
     }
     cycle_end_.record(stream);
-    if (fits || passes == most) return;
+    if (fits || passes == most) return true;
     passes = std::min(most, 2 * passes);
   }
 }
 
-// Behind what is in the stream, as many contacts as there were last time.
-void CudaDetector::fetchContacts() {
-  output_.fetch(arrays_, scene_.anyMargin(), params_[0].index_bits, listable(last_contacts_),
-                stream_.get());
+// Behind what is in the stream, as many contacts as there were last time; `few`: no more than are
+// sorted and copied in little time.
+void CudaDetector::fetchContacts(bool few) {
+  const std::uint64_t most = few ? kMostListedLate : last_contacts_;
+  output_.fetch(arrays_, scene_.anyMargin(), params_[0].index_bits,
+                listable(std::min(last_contacts_, most)), stream_.get());
 }
 
 void CudaDetector::count(const CycleCounters& counted) {
@@ -299,24 +353,7 @@ bool CudaDetector::isOutgrown(const CycleCounters& counted, const Options& optio
 }  // namespace
 
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
-  int count = 0;
-  checkCuda(cudaGetDeviceCount(&count), "no CUDA device can be used");
-  if (settings.device < 0 || settings.device >= count) {
-    throw CudaError("there is no CUDA device " + std::to_string(settings.device) + "; there are " +
-                    std::to_string(count));
-  }
-  checkCuda(cudaSetDevice(settings.device), "cudaSetDevice");
-  int major = 0, minor = 0;
-  checkCuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, settings.device),
-            "cudaDeviceGetAttribute");
-  checkCuda(cudaDeviceGetAttribute(&minor, cudaDevAttrComputeCapabilityMinor, settings.device),
-            "cudaDeviceGetAttribute");
-  constexpr int kLeastCapability = 75;
-  if (10 * major + minor < kLeastCapability) {
-    throw CudaError("CUDA device " + std::to_string(settings.device) +
-                    " is of compute capability " + std::to_string(major) + "." +
-                    std::to_string(minor) + "; 7.5 or newer is needed");
-  }
+  requireUsable(settings.device);
   return std::make_unique<CudaDetector>(settings);
 }
 

@@ -29,12 +29,13 @@ BackendChoice toBackendChoice(const std::string& name) {
 std::unique_ptr<Detector> makeChosenDetector(
     BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
     const std::function<void(const std::string&)>& fell_back) {
-  if (choice == BackendChoice::kCpu) return makeCpuDetector();
+  const CpuSettings on_cpu{settings.memory_limit_bytes};
+  if (choice == BackendChoice::kCpu) return makeCpuDetector(on_cpu);
   if (choice == BackendChoice::kCuda && without_cuda == WithoutCuda::kRefuse) {
     return makeCudaDetector(settings);
   }
-  return makeFallbackDetector([&settings] { return makeCudaDetector(settings); }, makeCpuDetector,
-                              fell_back);
+  return makeFallbackDetector([&settings] { return makeCudaDetector(settings); },
+                              [on_cpu] { return makeCpuDetector(on_cpu); }, fell_back);
 }
 
 }  // namespace deformable_contact_monitor

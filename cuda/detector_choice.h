@@ -23,6 +23,7 @@ enum class WithoutCuda {
   kRefuse,    // CudaError: somebody measures or compares, and what is called cuda must be CUDA
 };
 
+// settings.memory_limit_bytes holds on the CPU too.
 // kCpu is the CPU backend. kAuto is CUDA, and the CPU once CUDA cannot be made or fails in a
 // detection; so is kCuda with kFallBack. The change is for good and calls fell_back(why), one line,
 // once. kCuda with kRefuse is CUDA alone and throws as makeCudaDetector() does.

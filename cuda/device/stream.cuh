@@ -18,6 +18,16 @@ class CudaStream {
   ~CudaStream() { cudaStreamDestroy(stream_); }
 
   cudaStream_t get() const { return stream_; }
+  // Whether all that was put into it is done.
+  bool isIdle() const {
+    const cudaError_t status = cudaStreamQuery(stream_);
+    if (status == cudaErrorNotReady) {
+      cudaGetLastError();  // no error
+      return false;
+    }
+    checkCuda(status, "cudaStreamQuery");
+    return true;
+  }
   void synchronise() { checkCuda(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
 
  private:

@@ -26,6 +26,7 @@ struct CycleArrays : ArrayGroup {
   ContactArrays contacts;
 
   PinnedPointer<CycleCounters> host_counters;  // where the last kernel leaves the counters
+  PinnedPointer<std::uint32_t> host_stop;      // not 0: the cycle is to end
 
   __device__ const CycleParams& params() const { return *the_params.data(); }
   __device__ CycleCounters& counters() const { return *the_counters.data(); }

@@ -34,6 +34,7 @@ struct CycleParams {
                                // list, whose number % passes == pass
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number in a contact's key
+  std::uint32_t limited;       // the host may end the cycle early (stages/cut_off.cuh)
 
   DCM_HD std::uint32_t bucketsOfGroup() const { return 1U << (kAxisBits - bucket_shift); }
 };
@@ -55,6 +56,7 @@ struct alignas(kLine) CycleCounters {
   std::uint32_t bins_wanted;               // members that next cycle's bins want room for
   std::uint32_t exact, undecided;
   std::uint32_t blocks_done;
+  std::uint32_t cut_off;  // some work was given up, for the host wanted the cycle to end
   unsigned long long interval_overlaps;
   unsigned long long judged;    // all passes' candidates
   unsigned long long unjudged;  // those that there was no room for: no verdict on them

@@ -43,6 +43,11 @@ void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
   contacts = std::max(contacts, withinLimit(clustered + 256, kContactBytes, memory_limit_bytes));
 }
 
+bool CycleSizes::hold(const CycleCounters& c) const {
+  return c.bins_wanted <= members && c.list_words <= list_words && c.units <= units &&
+         c.candidates <= candidates && c.contacts <= contacts;
+}
+
 bool CycleSizes::growFor(const CycleCounters& c, std::uint64_t memory_limit_bytes) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 29;  // the sweep packs members' places
   if (c.bins_wanted >= kMost || c.list_words >= kMost || c.units >= kMost) {

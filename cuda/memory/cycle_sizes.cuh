@@ -23,6 +23,9 @@ struct CycleSizes {
   void prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                std::uint64_t memory_limit_bytes);
 
+  // Whether all that a cycle counted has room.
+  bool hold(const CycleCounters& counters) const;
+
   // After a cycle that counted so. True if some capacity grew; candidates and contacts do not
   // beyond the limit. Throws CudaError where the places of members would not fit their bits.
   bool growFor(const CycleCounters& counters, std::uint64_t memory_limit_bytes);

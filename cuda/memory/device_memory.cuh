@@ -100,7 +100,7 @@ class DeviceArray {
 // A place in an array whose elements have no name of their own.
 using Place = Index<struct PlaceTag>;
 
-// Page-locked memory of the host, where kernels leave things.
+// Page-locked memory of the host, through which kernels and the host tell each other things.
 template <class T>
 class PinnedPointer {
  public:

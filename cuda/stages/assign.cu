@@ -2,6 +2,7 @@
 #include "core/rules/sampling.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -267,7 +268,9 @@ __global__ void __launch_bounds__(kThreads) assignWideKernel(CycleArrays c) {
   const std::uint32_t count = c.counters().wide;
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
   const std::uint32_t rounded = (view.count + kWarp - 1) / kWarp * kWarp;
-  for (std::uint32_t i = (blockIdx.x * kThreads + threadIdx.x) / kWarp; i < count; i += warps) {
+  const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
+  for (std::uint32_t i = warp; i < count; i += warps) {
+    if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) return;
     const WideTriangle wide = c.members.wide[Place(i)];
     const Corners corners(c.scene, wide.triangle);
     std::uint32_t first;

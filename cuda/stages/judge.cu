@@ -2,6 +2,7 @@
 // that they leave.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -11,6 +12,8 @@ namespace {
 constexpr unsigned kThreads = 128;
 // Of a multiprocessor; more of them, with so long a code, disturb each other.
 constexpr unsigned kFullBlocksEach = 2;
+
+constexpr unsigned kBlocksPerAsker = 64;  // whose first warp asks the host whether to go on
 
 // By floating-point filters alone. Within a margin, pairs that are apart may be contacts too.
 __device__ PartVerdict quickVerdictOf(const CycleArrays& c, const DeviceCandidate& candidate,
@@ -39,7 +42,11 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   const auto count = static_cast<std::uint32_t>(
       min(c.counters().candidates, static_cast<unsigned long long>(c.contacts.candidates.size())));
-  for (std::uint32_t first = blockIdx.x * kThreads; first < count; first += gridDim.x * kThreads) {
+  const std::uint32_t stride = gridDim.x * kThreads;
+  const bool asks = blockIdx.x % kBlocksPerAsker == 0 && threadIdx.x < kWarp;
+  for (std::uint32_t first = blockIdx.x * kThreads; first < count; first += stride) {
+    // The first round is always worth its time: else a cycle cut off in its sweep would find none.
+    if (first >= stride && warpIsCutOff(c, asks)) break;
     const Place i(first + threadIdx.x);
     PartVerdict verdict = PartVerdict::kApart;
     TriangleIndex a(0), b(0);
@@ -96,6 +103,7 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
   for (std::uint32_t first = warp * each; first < count; first += warps * each) {
+    if (first >= warps * each && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) break;
     const std::uint32_t i = first + laneId();
     Verdict verdict;
     PredicateState state;

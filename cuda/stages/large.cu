@@ -2,6 +2,7 @@
 // members, and each other.
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -46,10 +47,12 @@ __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberInde
 __device__ unsigned long long sweepAmong(const CycleArrays& c, const Bin& large,
                                          std::uint32_t large_count, std::uint32_t first) {
   unsigned long long pairs = 0;
+  PacedCutOff pace(c, threadIdx.x == 0);
   for (std::uint32_t i = first; i < large_count; i += kBlocksAmong) {
     const MemberIndex at(large.begin + i);
     const Aabb box = memberBox(c, c.members.members[at]);
     for (std::uint32_t j = i + 1 + threadIdx.x; j < large_count; j += kThreads) {
+      if (pace.isOver(1)) return pairs;
       ++pairs;
       const MemberIndex other(large.begin + j);
       if (intersects(box, memberBox(c, c.members.members[other]))) screenBoxPair(c, at, other);
@@ -80,6 +83,7 @@ __device__ unsigned long long sweepCluster(const CycleArrays& c, const Bin& larg
   const std::uint32_t begin = c.members.bins[cluster].begin, count = c.members.present(cluster);
   const Aabb cluster_box = homeBox(c, begin, count);
   unsigned long long pairs = 0;
+  PacedCutOff pace(c, threadIdx.x == 0);
   for (std::uint32_t first = 0; first < large_count; first += kThreads) {
     if (threadIdx.x == 0) near_count = 0;
     __syncthreads();
@@ -90,6 +94,7 @@ __device__ unsigned long long sweepCluster(const CycleArrays& c, const Bin& larg
     }
     __syncthreads();
     for (std::uint32_t m = threadIdx.x; near_count > 0 && m < count; m += kThreads) {
+      if (pace.isOver(near_count)) break;
       const Member member = c.members.members[MemberIndex(begin + m)];
       if (!member.isHome()) continue;  // it has its turn there
       const Aabb box = memberBox(c, member);
@@ -100,7 +105,7 @@ __device__ unsigned long long sweepCluster(const CycleArrays& c, const Bin& larg
         }
       }
     }
-    __syncthreads();
+    if (__syncthreads_or(pace.wasOver() ? 1 : 0) != 0) break;
   }
   return pairs;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cub/device/device_radix_sort.cuh>
+#include <vector>
 
 #include "cuda/stages/output.cuh"
 
@@ -67,18 +68,38 @@ void ContactOutput::fetch(const CycleArrays& cycle, bool separations, unsigned i
   if (separations) sorted_separations_.download(separations_.data(), fetched_, stream);
 }
 
-void ContactOutput::list(const DeviceScene& scene, std::uint32_t count,
+void ContactOutput::list(const DeviceScene& scene, std::uint32_t count, const CycleLimit& limit,
                          DetectionResult& result) const {
+  PacedLimit pace(limit, 1 << 16);
   const std::uint64_t mask = (std::uint64_t{1} << index_bits_) - 1;
   result.contacts.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) {
+    if (i >= kMostListedLate && pace.over()) {
+      count = i;
+      break;
+    }
     const TriangleIndex a(static_cast<std::uint32_t>(keys_[i] >> index_bits_));
     const TriangleIndex b(static_cast<std::uint32_t>(keys_[i] & mask));
     result.contacts[i] = {scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)};
   }
+  result.contacts.resize(count);
   if (with_separations_) {
     result.separations_m.assign(separations_.data(), separations_.data() + count);
   }
+}
+
+void dropRepeated(DetectionResult& result) {
+  std::vector<TrianglePair>& contacts = result.contacts;
+  std::vector<float>& separations_m = result.separations_m;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (kept > 0 && contacts[i] == contacts[kept - 1]) continue;
+    contacts[kept] = contacts[i];
+    if (!separations_m.empty()) separations_m[kept] = separations_m[i];
+    ++kept;
+  }
+  contacts.resize(kept);
+  if (!separations_m.empty()) separations_m.resize(kept);
 }
 
 }  // namespace deformable_contact_monitor

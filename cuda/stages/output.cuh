@@ -3,12 +3,17 @@
 
 #include <cstdint>
 
+#include "core/cycle_limit.h"
 #include "core/detector.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_scene.cuh"
 
 namespace deformable_contact_monitor {
+
+// Of a sorted list, each contact once. A cycle that is cut off while lists of clusters have no room
+// finds some twice: triangles without a list are as if each of their clusters were the only one.
+void dropRepeated(DetectionResult& result);
 
 class ContactOutput {
  public:
@@ -24,8 +29,10 @@ class ContactOutput {
     return sorted_keys_.bytes() + sorted_separations_.bytes() + scratch_.bytes();
   }
 
-  // The first `count` of them, once the stream has been waited for.
-  void list(const DeviceScene& scene, std::uint32_t count, DetectionResult& result) const;
+  // The first `count` of them, once the stream has been waited for; where the limit is over, at
+  // least kMostListedLate of them, if there are so many.
+  void list(const DeviceScene& scene, std::uint32_t count, const CycleLimit& limit,
+            DetectionResult& result) const;
 
  private:
   void makeRoom(std::uint32_t count, std::uint32_t most, bool separations);

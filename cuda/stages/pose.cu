@@ -4,6 +4,7 @@
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -107,6 +108,7 @@ __global__ void __launch_bounds__(kThreads) farKernel(CycleArrays c) {
   const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
   for (std::uint32_t first = warp * each; first < count; first += warps * each) {
+    if (first >= warps * each && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) return;
     const std::uint32_t k = first + laneId();
     const bool mine = laneId() < each && k < count;
     const FarVertex far = mine ? c.scene.far_vertices[Place(k)] : FarVertex{};

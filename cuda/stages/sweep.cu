@@ -2,6 +2,7 @@
 // every test runs on full warps.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -54,6 +55,12 @@ struct WarpMemory {
   DeviceCandidate candidates[kQueueCapacity];
 };
 
+// A unit takes less than a fifth of a millisecond. One in so many asks whether the cycle is cut
+// off; if so, the counter of units, which every warp looks at for its next one, is set beyond all
+// units.
+constexpr std::uint32_t kUnitsPerAsker = 256;
+constexpr std::uint32_t kGivenUp = 1U << 30;
+
 class Sweeper {
  public:
   __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
@@ -92,7 +99,11 @@ class Sweeper {
   __device__ bool takeUnit(std::uint32_t turn) {
     const CycleParams& params = c_.params();
     const std::uint32_t index = turn * params.passes + params.pass;
-    if (index >= min(c_.counters().units, c_.sweep.units.size())) return false;
+    if (turn >= kGivenUp || index >= min(c_.counters().units, c_.sweep.units.size())) return false;
+    if (turn % kUnitsPerAsker == 0 && turn >= gridDim.x * kWarps && warpIsCutOff(c_, true)) {
+      if (laneId() == 0) atomicMax(&c_.counters().units_taken, kGivenUp);
+      return false;
+    }
     unit_ = c_.sweep.units[Place(index)];
     const SortedIndex row = unit_.first_row + min(laneId(), unit_.rows() - 1);
     const ColumnRange range =

@@ -65,8 +65,8 @@ struct DetectionResult {
   // Contacts that were found and counted but are not in the list: the backend's memory limit was
   // reached, or no time was left to sort them. Which ones is arbitrary.
   std::uint64_t left_out = 0;
-  bool cut_off =
-      false;  // pairs found are contacts, but others may be missing: time or memory ran out
+  // Pairs found are contacts, but others may be missing: time or memory ran out.
+  bool cut_off = false;
   std::string cut_off_because;  // "no time", "stopped", "memory_limit_mib"; empty: it was not
   bool guaranteed = false;      // the settings in force cannot lose a contact; a cycle cut off may
   Counters counters;
@@ -96,6 +96,8 @@ class Detector {
   virtual std::string backend() const = 0;
 
   // Finds every contact of the scene's enabled pairs. The result is valid until the next call.
+  // A cycle that ends early, by options.limits, is no error: see cut_off. The next one is as if it
+  // had not been.
   // Throws std::invalid_argument, listing all problems(options).
   virtual const DetectionResult& detect(const Scene& scene, const Options& options) = 0;
 

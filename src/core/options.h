@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/limits.h"
 #include "core/predicates/pair_settings.h"
 
 namespace deformable_contact_monitor {
@@ -21,6 +22,8 @@ struct Options {
   int iterations = 1;      // of fuzzy c-means a refresh, warm-started, [0, 100]
   int refresh_period = 1;  // cycles between refreshes, >= 1
   int threads = 0;         // of the CPU backend; 0: all cores
+
+  Limits limits;  // what ends a cycle early; none by default
 };
 
 constexpr int kMaxClusters = 65535;

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/cycle_limit.h"
+
 namespace deformable_contact_monitor {
 
 inline std::size_t blockCount(std::size_t n, std::size_t block_size) {
@@ -20,6 +22,24 @@ void parallelBlocks(std::size_t n, std::size_t block_size, const Body& body) {
   tbb::parallel_for(std::size_t{0}, blockCount(n, block_size), [&](std::size_t block) {
     body(block, block * block_size, std::min(n, (block + 1) * block_size));
   });
+}
+
+// As above, but once the limit is over, blocks that did not begin are left out.
+template <class Body>
+void parallelBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_size,
+                    const Body& body) {
+  parallelBlocks(n, block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    if (!limit.over()) body(block, begin, end);
+  });
+}
+
+// body(begin, end) for each block of [0, n), by this thread and in order, until the limit is over.
+template <class Body>
+void serialBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_size,
+                  const Body& body) {
+  for (std::size_t begin = 0; begin < n && !limit.over(); begin += block_size) {
+    body(begin, std::min(n, begin + block_size));
+  }
 }
 
 // Both, at the same time if there are threads for it.

@@ -27,6 +27,8 @@ class StageTimes {
     for (std::size_t s = 0; s < kStageCount; ++s) ms_[s] += share * other.ms_[s];
   }
 
+  double of(Stage stage) const { return ms_[static_cast<std::size_t>(stage)]; }
+
   double totalMs() const { return std::accumulate(ms_.begin(), ms_.end(), 0.0); }
 
   // [ms] by name, all stages in their order.

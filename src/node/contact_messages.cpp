@@ -67,6 +67,7 @@ ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts)
     const DetectionResult& result = *report.result;
     addPairs(result, max_contacts, &message);
     message.guaranteed = result.guaranteed;
+    message.timed_out = result.cut_off && result.cut_off_because == "no time";
     message.undecided = static_cast<std::uint32_t>(result.counters.undecided);
     message.rejected_triangles = static_cast<std::uint32_t>(result.counters.rejected);
     message.compute_time = ros::Duration(result.round_trip_ms / 1e3);

@@ -73,7 +73,7 @@ ContactMonitor::~ContactMonitor() {
 // A state becomes too old at a time of the ROS clock, which may run fast or jump: it is looked at.
 void ContactMonitor::keepStatesFresh() {
   constexpr std::chrono::milliseconds kPeriod(10);
-  while (!mailbox_.isStopped()) {
+  while (!mailbox_.stopped()) {
     states_.beat(diagnostics_.whySilent());
     std::this_thread::sleep_for(kPeriod);
   }

@@ -242,7 +242,7 @@ void DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
   try {
-    report.result = &runDetector();
+    report.result = &runDetector(start);
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
     noteRejected(&report);
@@ -255,8 +255,13 @@ void DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
 }
 
 // A detector that is given nothing to look at would forget what it started from.
-const DetectionResult& DetectionLoop::runDetector() {
-  if (scene_.looksAtAny()) return detector_->detect(scene_.scene(), parameters_.detector);
+const DetectionResult& DetectionLoop::runDetector(SteadyTime start) {
+  if (scene_.looksAtAny()) {
+    Options options = parameters_.detector;
+    options.limits.deadline = start + seconds(parameters_.max_cycle_s);
+    options.limits.stop = &sources_.requests.stopped();
+    return detector_->detect(scene_.scene(), options);
+  }
   nothing_.begin(scene_.scene(), isGuaranteed(parameters_.detector));
   return nothing_;
 }

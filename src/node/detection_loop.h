@@ -71,7 +71,7 @@ class DetectionLoop {
   void takeTurn(const std::vector<std::size_t>& who);
   void detect(const ros::Time& t, const CycleTrigger& trigger, double waited_s,
               CycleClock::SteadyTime mesh_arrival);
-  const DetectionResult& runDetector();
+  const DetectionResult& runDetector(CycleClock::SteadyTime start);
 
   void listPairs();
   void heartbeat();

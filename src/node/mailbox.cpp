@@ -41,11 +41,6 @@ void Mailbox::stop() {
   wakeLocked();
 }
 
-bool Mailbox::isStopped() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return stopped_;
-}
-
 void Mailbox::wakeLocked() {
   woken_ = true;
   wake_.notify_one();

@@ -1,6 +1,7 @@
 // What service threads ask of the detection thread, and what wakes it.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <memory>
@@ -34,7 +35,8 @@ class Mailbox {
   void wake();
   // Ends this wait() and every later one.
   void stop();
-  bool isStopped() const;
+  // Set by stop(): for who works long between two looks at this.
+  const std::atomic<bool>& stopped() const { return stopped_; }
 
   // Waits until `then`, or until one of the functions above is called, before or meanwhile. Returns
   // false once stop() was called.
@@ -49,10 +51,11 @@ class Mailbox {
   std::mutex change_mutex_;                         // one change of the rules at a time
   std::shared_ptr<const AllowedContacts> allowed_;  // all in force, guarded by it
 
-  mutable std::mutex mutex_;  // guards what follows; never held for long
+  std::mutex mutex_;  // guards what follows; never held for long
   std::condition_variable wake_;
   Requests requests_;
-  bool woken_ = false, stopped_ = false;
+  bool woken_ = false;
+  std::atomic<bool> stopped_{false};
 };
 
 }  // namespace deformable_contact_monitor

@@ -126,6 +126,7 @@ void readOutput(ParameterReader* reader, MonitorParameters* p) {
   constexpr int kMaxCount = 1000000000;
   p->max_rate_hz = reader->number("max_rate_hz", p->max_rate_hz, 0, 10000);
   p->robot_rate_hz = reader->number("robot_rate_hz", p->robot_rate_hz, 0.1, 1000);
+  p->max_cycle_s = reader->number("max_cycle_s", p->max_cycle_s, 0.001, 3600);
   p->tf_timeout_s = reader->number("tf_timeout_s", p->tf_timeout_s, 0, 1);
   p->max_mesh_age_s = reader->number("max_mesh_age_s", p->max_mesh_age_s, 0, 60);
   p->tolerated_rejects = reader->number("tolerated_rejects", p->tolerated_rejects, 0, 1);

@@ -35,27 +35,30 @@ class BruteForceDetector : public Detector {
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     requireValid(options);
     const Stopwatch watch;
+    const CycleLimit limit(options.limits);
     result_.begin(scene, options.predicates != Predicates::kFast);
     found_.clear();
-    const std::vector<std::vector<PosedTriangle>> bodies = posedBodies(scene);
+    const std::vector<std::vector<PosedTriangle>> bodies = posedBodies(scene, limit);
     for (BodyId a = 0; a < scene.bodyCount(); ++a) {
-      for (BodyId b = a; b < scene.bodyCount(); ++b) {
+      for (BodyId b = a; b < scene.bodyCount() && !limit.over(); ++b) {
         if (!scene.pairEnabled(a, b)) continue;
         margin_m_ = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
-        compare(a, bodies[a], b, bodies[b], options);
+        compare(a, bodies[a], b, bodies[b], options, limit);
       }
     }
     writeContacts(scene);
+    if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = watch.elapsedMs();
     return result_;
   }
 
  private:
-  std::vector<std::vector<PosedTriangle>> posedBodies(const Scene& scene) {
+  std::vector<std::vector<PosedTriangle>> posedBodies(const Scene& scene, const CycleLimit& limit) {
     std::vector<std::vector<PosedTriangle>> bodies(scene.bodyCount());
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
       if (!scene.takesPart(b)) continue;
-      bodies[b] = finiteTriangles(scene.body(b));
+      bodies[b] = finiteTriangles(scene.body(b), limit);
+      if (limit.over()) break;
       result_.counters.posed += scene.body(b).mesh.triangleCount();
       result_.counters.rejected += scene.body(b).mesh.triangleCount() - bodies[b].size();
     }
@@ -63,9 +66,13 @@ class BruteForceDetector : public Detector {
   }
 
   void compare(BodyId a, const std::vector<PosedTriangle>& of_a, BodyId b,
-               const std::vector<PosedTriangle>& of_b, const Options& options) {
+               const std::vector<PosedTriangle>& of_b, const Options& options,
+               const CycleLimit& limit) {
+    constexpr std::uint64_t kLook = 512;  // pairs
+    PacedLimit pace(limit, kLook);
     for (std::size_t i = 0; i < of_a.size(); ++i) {
       for (std::size_t j = a == b ? i + 1 : 0; j < of_b.size(); ++j) {
+        if (pace.over()) return;
         const Verdict verdict = verdictOn(of_a[i], of_b[j], a == b, options);
         if (!verdict.contact) continue;
         found_.push_back({{a, of_a[i].index, b, of_b[j].index}, verdict.separation_m});

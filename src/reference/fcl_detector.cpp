@@ -3,7 +3,8 @@
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
-#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/detail/traversal/collision/mesh_collision_traversal_node.h>
+#include <fcl/narrowphase/detail/traversal/collision_node.h>
 
 #include <algorithm>
 #include <limits>
@@ -22,8 +23,8 @@ struct FclBody {
   std::vector<PosedTriangle> triangles;
   Model model;
 
-  explicit FclBody(const Body& body) : triangles(finiteTriangles(body)) {
-    if (triangles.empty()) return;
+  FclBody(const Body& body, const CycleLimit& limit) : triangles(finiteTriangles(body, limit)) {
+    if (triangles.empty() || limit.wasOver()) return;
     model.beginModel(static_cast<int>(triangles.size()), static_cast<int>(3 * triangles.size()));
     for (const PosedTriangle& t : triangles) {
       const auto at = [&t](int k) {
@@ -35,6 +36,16 @@ struct FclBody {
   }
 };
 
+// What fcl::collide() runs, but for the limit.
+class Traversal : public fcl::detail::MeshCollisionTraversalNodeOBBRSS<double> {
+ public:
+  explicit Traversal(const CycleLimit& limit) : pace_(limit, 512) {}
+  bool canStop() const override { return pace_.over(); }
+
+ private:
+  mutable PacedLimit pace_;
+};
+
 class FclDetector : public Detector {
  public:
   std::string backend() const override { return "fcl"; }
@@ -44,24 +55,25 @@ class FclDetector : public Detector {
     requireValid(options);
     const Stopwatch cycle;
     Stopwatch watch;
+    const CycleLimit limit(options.limits);
     result_.begin(scene, false);
 
     std::vector<std::unique_ptr<FclBody>> bodies;
-    for (BodyId b = 0; b < scene.bodyCount(); ++b) {
+    for (BodyId b = 0; b < scene.bodyCount() && !limit.over(); ++b) {
       if (!scene.takesPart(b)) {
         bodies.push_back(nullptr);
         continue;
       }
       const Body& body = scene.body(b);
-      bodies.push_back(std::make_unique<FclBody>(body));
+      bodies.push_back(std::make_unique<FclBody>(body, limit));
       result_.counters.posed += body.mesh.triangleCount();
       result_.counters.rejected += body.mesh.triangleCount() - bodies[b]->triangles.size();
     }
     result_.stages_ms.emplace_back("build", watch.lapMs());
 
     for (BodyId a = 0; a < scene.bodyCount(); ++a) {
-      for (BodyId b = a; b < scene.bodyCount(); ++b) {
-        if (scene.pairEnabled(a, b)) collide(*bodies[a], a, *bodies[b], b);
+      for (BodyId b = a; b < scene.bodyCount() && !limit.over(); ++b) {
+        if (scene.pairEnabled(a, b)) collide(*bodies[a], a, *bodies[b], b, limit);
       }
     }
     result_.stages_ms.emplace_back("collide", watch.lapMs());
@@ -70,18 +82,23 @@ class FclDetector : public Detector {
     result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
                            result_.contacts.end());
     if (scene.anyMargin()) result_.separations_m.assign(result_.contacts.size(), 0);
+    if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = cycle.elapsedMs();
     return result_;
   }
 
  private:
-  void collide(const FclBody& body_a, BodyId a, const FclBody& body_b, BodyId b) {
+  void collide(const FclBody& body_a, BodyId a, const FclBody& body_b, BodyId b,
+               const CycleLimit& limit) {
     if (body_a.triangles.empty() || body_b.triangles.empty()) return;
     fcl::CollisionRequest<double> request;
     request.num_max_contacts = std::numeric_limits<std::size_t>::max();
     fcl::CollisionResult<double> found;
     const fcl::Transform3d identity = fcl::Transform3d::Identity();
-    fcl::collide(&body_a.model, identity, &body_b.model, identity, request, found);
+    Traversal traversal(limit);
+    fcl::detail::initialize(traversal, body_a.model, identity, body_b.model, identity, request,
+                            found);
+    fcl::detail::collide(&traversal);
     for (std::size_t i = 0; i < found.numContacts(); ++i) {
       const fcl::Contact<double>& contact = found.getContact(i);
       const PosedTriangle* first = &body_a.triangles[static_cast<std::size_t>(contact.b1)];

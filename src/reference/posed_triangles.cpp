@@ -4,12 +4,13 @@
 
 namespace deformable_contact_monitor {
 
-std::vector<PosedTriangle> finiteTriangles(const Body& body) {
+std::vector<PosedTriangle> finiteTriangles(const Body& body, const CycleLimit& limit) {
   const auto count = static_cast<std::uint32_t>(body.mesh.triangleCount());
   const PosedBody posed(body);
   std::vector<PosedTriangle> triangles;
   triangles.reserve(count);
-  for (std::uint32_t t = 0; t < count; ++t) {
+  PacedLimit pace(limit, 1 << 14);
+  for (std::uint32_t t = 0; t < count && !pace.over(); ++t) {
     const PosedTriangle triangle{t, posed.received(t), posed.triangle(t)};
     if (isFinite(triangle.posed)) triangles.push_back(triangle);
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/options.h"
 #include "core/predicates/adjacency.h"
 #include "core/predicates/triangle.h"
@@ -17,7 +18,8 @@ struct PosedTriangle {
   Triangle posed;       // scene frame
 };
 
-// In ascending order of index; triangles with a non-finite vertex are left out.
-std::vector<PosedTriangle> finiteTriangles(const Body& body);
+// In ascending order of index; triangles with a non-finite vertex are left out. Not all where the
+// limit was over.
+std::vector<PosedTriangle> finiteTriangles(const Body& body, const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor

@@ -94,7 +94,9 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     }
   }
   Contacts contacts;
-  for (const WorkingContact& c : output.contacts) contacts.emplace(c.a.value, c.b.value);
+  for (const std::vector<WorkingContact>& block : output.contacts.blocks()) {
+    for (const WorkingContact& c : block) contacts.emplace(c.a.value, c.b.value);
+  }
   std::printf("| %s | %zu | %s | %.2f | %zu | %.1f | %.0f | %.0f | %zu |\n", name, count, rule.name,
               static_cast<double>(entries) / static_cast<double>(rule.split.regular.size()),
               largest, static_cast<double>(output.interval_overlaps) * 1e-6, median(assign_ms),

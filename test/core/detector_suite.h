@@ -29,7 +29,7 @@ inline std::ostream& operator<<(std::ostream& out, const Backend& backend) {
 
 // What users get. The CUDA backend joins where there is a device for it.
 inline std::vector<Backend> productBackends() {
-  std::vector<Backend> backends = {{"cpu", makeCpuDetector}};
+  std::vector<Backend> backends = {{"cpu", [] { return makeCpuDetector(); }}};
   try {
     makeCudaDetector();
     backends.push_back({"cuda", [] { return makeCudaDetector(); }});

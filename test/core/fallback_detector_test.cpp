@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <stdexcept>
 
 #include "core/cpu/cpu_detector.h"
@@ -31,8 +32,9 @@ class Failing : public Detector {
 class Fallback : public testing::Test {
  protected:
   std::unique_ptr<Detector> make(const MakeDetector& first) {
-    return makeFallbackDetector(first, makeCpuDetector,
-                                [this](const std::string& why) { warnings_.push_back(why); });
+    return makeFallbackDetector(
+        first, [] { return makeCpuDetector(); },
+        [this](const std::string& why) { warnings_.push_back(why); });
   }
   std::vector<std::string> warnings_;
   Scene scene_ = pairScene(clothGrid(4, 1, 0, 0.1F), clothGrid(3, 1, 0.01F, 0));
@@ -67,8 +69,20 @@ TEST_F(Fallback, LosesNoCycleWhenTheFirstFails) {
   EXPECT_EQ(warnings_[0], "out of memory");
 }
 
+TEST_F(Fallback, ACycleThatIsCutOffIsNoReasonToFallBack) {
+  const auto detector = make([] { return std::make_unique<Failing>(100); });
+  Options options;
+  options.limits.deadline = std::chrono::steady_clock::now();
+  const DetectionResult& result = detector->detect(scene_, options);
+  EXPECT_TRUE(result.cut_off);
+  EXPECT_EQ("no time", result.cut_off_because);
+  EXPECT_EQ(detector->backend(), "failing");
+  EXPECT_TRUE(warnings_.empty());
+  EXPECT_FALSE(detector->detect(scene_, Options()).contacts.empty());
+}
+
 TEST_F(Fallback, BadOptionsAreNoReasonToFallBack) {
-  const auto detector = make(makeCpuDetector);
+  const auto detector = make([] { return makeCpuDetector(); });
   Options options;
   options.overlap = 2;
   EXPECT_THROW(detector->detect(scene_, options), std::invalid_argument);

@@ -89,6 +89,7 @@ TEST(ContactArrayTest, whateverIsMissingMakesItIncomplete) {
   SampleReport cut_off;
   cut_off.result.cutOff("no time");
   EXPECT_FALSE(toContactArray(cut_off.report, 0).complete);
+  EXPECT_TRUE(toContactArray(cut_off.report, 0).timed_out);
 
   SampleReport lossy;
   lossy.result.guaranteed = false;

@@ -8,6 +8,7 @@
 #include "core/cpu/pose.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
+#include "core/cycle_limit.h"
 #include "core/index.h"
 #include "core/scene.h"
 
@@ -39,9 +40,10 @@ struct ClusterAssignment {
 class ClusterAssigner {
  public:
   // overlap in [0, 1]: the share of each triangle, about its centroid, that decides. Margins are
-  // the bodies'.
+  // the bodies'. Where the limit was over, the assignment is of no use.
   void assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
-              const Prototypes& prototypes, float overlap, ClusterAssignment& assignment);
+              const Prototypes& prototypes, float overlap, ClusterAssignment& assignment,
+              const CycleLimit& limit = noLimit());
 
  private:
   // Lists of one block of triangles, to be joined in order.
@@ -51,12 +53,12 @@ class ClusterAssigner {
   };
 
   void findNearest(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
-                   const std::vector<float>& slack);
+                   const std::vector<float>& slack, const CycleLimit& limit);
   void assignBlock(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
                    float overlap, const std::vector<float>& slack, std::size_t begin,
-                   std::size_t end, Block& block) const;
+                   std::size_t end, const CycleLimit& limit, Block& block) const;
   void collectMembers(const WorkingSet& set, const SizeSplit& split, std::size_t cluster_count,
-                      ClusterAssignment& assignment);
+                      const CycleLimit& limit, ClusterAssignment& assignment);
 
   std::vector<Block> blocks_;
 

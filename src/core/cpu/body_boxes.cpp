@@ -4,26 +4,30 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/parallel.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
 // The box of all vertices; false if some coordinate is not finite, then the box is of no use. Four
 // vertices at a time, which is one loop over vectors.
-bool boundFinite(const std::vector<float>& xyz, Aabb& box) {
-  constexpr std::size_t kStep = 12;
+bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& box) {
+  constexpr std::size_t kStep = 12, kBlock = kStep << 15;
   float lo[kStep], hi[kStep], check[kStep] = {};  // check turns NaN with the first that is not
   std::fill_n(lo, kStep, INFINITY);
   std::fill_n(hi, kStep, -INFINITY);
-  std::size_t i = 0;
-  for (; i + kStep <= xyz.size(); i += kStep) {
-    for (std::size_t k = 0; k < kStep; ++k) {
-      const float x = xyz[i + k];
-      lo[k] = least(lo[k], x);
-      hi[k] = most(hi[k], x);
-      check[k] += x - x;
+  const std::size_t whole = xyz.size() / kStep * kStep;
+  serialBlocks(limit, whole, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; i += kStep) {
+      for (std::size_t k = 0; k < kStep; ++k) {
+        const float x = xyz[i + k];
+        lo[k] = least(lo[k], x);
+        hi[k] = most(hi[k], x);
+        check[k] += x - x;
+      }
     }
-  }
-  for (; i < xyz.size(); ++i) {
+  });
+  for (std::size_t i = whole; i < xyz.size(); ++i) {
     const std::size_t k = i % 3;
     lo[k] = least(lo[k], xyz[i]);
     hi[k] = most(hi[k], xyz[i]);
@@ -35,11 +39,14 @@ bool boundFinite(const std::vector<float>& xyz, Aabb& box) {
   return std::all_of(check, check + kStep, [](float c) { return c == 0; });
 }
 
-Aabb boxOfFiniteVertices(const TriangleMesh& mesh) {
+Aabb boxOfFiniteVertices(const TriangleMesh& mesh, const CycleLimit& limit) {
+  constexpr std::size_t kBlock = 1 << 16;
   Aabb box;
-  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
-    if (isFinite(mesh.vertex(i))) box.include(mesh.vertex(i));
-  }
+  serialBlocks(limit, mesh.vertexCount(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (isFinite(mesh.vertex(i))) box.include(mesh.vertex(i));
+    }
+  });
   return box;
 }
 
@@ -68,7 +75,7 @@ Aabb posedBox(const Aabb& received, const RigidTransform& pose, float margin_m) 
 
 }  // namespace
 
-void BodyBoxes::update(const Scene& scene) {
+void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
   received_.resize(scene.bodyCount());
   posed_.resize(scene.bodyCount());
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
@@ -77,8 +84,12 @@ void BodyBoxes::update(const Scene& scene) {
     ReceivedBox& received = received_[id];
     if (received.vertices_revision != body.vertices_revision) {
       received = {body.vertices_revision, Aabb(), true};
-      received.all_finite = boundFinite(body.mesh.vertices, received.box);
-      if (!received.all_finite) received.box = boxOfFiniteVertices(body.mesh);
+      received.all_finite = boundFinite(body.mesh.vertices, limit, received.box);
+      if (!received.all_finite) received.box = boxOfFiniteVertices(body.mesh, limit);
+      if (limit.wasOver()) {
+        received = ReceivedBox();  // of some vertices alone
+        return;
+      }
     }
     posed_[id] = posedBox(received.box, body.pose, body.margin_m);
   }

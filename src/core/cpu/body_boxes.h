@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/predicates/aabb.h"
 #include "core/scene.h"
 
@@ -28,7 +29,7 @@ struct PartnerBoxes {
 class BodyBoxes {
  public:
   // Of all bodies that take part; the others' are of no use.
-  void update(const Scene& scene);
+  void update(const Scene& scene, const CycleLimit& limit);
 
   PartnerBoxes partnersOf(const Scene& scene, BodyId id) const;
 

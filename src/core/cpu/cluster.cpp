@@ -16,8 +16,9 @@ constexpr int kColdIterations = 5;  // times as many as a warm refresh
 
 // `warm`: scaled prototypes to start from; empty: from seeds among the points.
 std::vector<Vec3f> refreshed(std::vector<Vec3f> warm, std::size_t count,
-                             const std::vector<Vec3f>& points, const Options& options) {
-  FuzzyClustering clustering(options.fuzzifier);
+                             const std::vector<Vec3f>& points, const Options& options,
+                             const CycleLimit& limit) {
+  FuzzyClustering clustering(options.fuzzifier, limit);
   const bool cold = warm.empty();
   if (cold) {
     clustering.initialise(points, count);
@@ -25,7 +26,7 @@ std::vector<Vec3f> refreshed(std::vector<Vec3f> warm, std::size_t count,
     clustering.setPrototypes(std::move(warm));
   }
   const int iterations = options.iterations * (cold ? kColdIterations : 1);
-  for (int i = 0; i < iterations; ++i) clustering.iterate(points);
+  for (int i = 0; i < iterations && !limit.over(); ++i) clustering.iterate(points);
   return clustering.prototypes();
 }
 
@@ -44,7 +45,7 @@ std::vector<Vec3f> sampleCentroids(const WorkingSet& set, const SizeSplit& split
 }
 
 void PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, const Options& options,
-                              Prototypes& searchable) {
+                              const CycleLimit& limit, Prototypes& searchable) {
   const std::size_t count =
       clusterCountFor(options.clusters, kClusterCounts, split.regular.size(), prototypes_.size());
   const bool cold = prototypes_.size() != count;
@@ -57,11 +58,13 @@ void PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, con
     const Sampling sampling = samplingOf(static_cast<std::uint32_t>(split.regular.size()),
                                          static_cast<std::uint32_t>(count), kLeastSamples);
     if (cold) scaled.clear();
-    scaled = refreshed(std::move(scaled), count, sampleCentroids(set, split, sampling), options);
+    scaled =
+        refreshed(std::move(scaled), count, sampleCentroids(set, split, sampling), options, limit);
   }
+  searchable.build(scaled, limit);
+  if (limit.wasOver()) return;
   prototypes_.clear();
   for (const Vec3f& p : scaled) prototypes_.push_back(split.scale.invert(p));
-  searchable.build(scaled);
 }
 
 }  // namespace deformable_contact_monitor

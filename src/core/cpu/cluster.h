@@ -6,6 +6,7 @@
 #include "core/cpu/pose.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
+#include "core/cycle_limit.h"
 #include "core/options.h"
 #include "core/rules/sampling.h"
 
@@ -23,9 +24,10 @@ class PrototypeTracker {
   void clear() { prototypes_.clear(); }
 
   // Fuzzy c-means on a sample of the centroids, from last cycle's prototypes if there are as many
-  // as wanted; between refreshes the prototypes stay where they are in the scene.
+  // as wanted; between refreshes the prototypes stay where they are in the scene. Where the limit
+  // was over, they stay too, and `searchable` is of no use.
   void update(const WorkingSet& set, const SizeSplit& split, const Options& options,
-              Prototypes& searchable);
+              const CycleLimit& limit, Prototypes& searchable);
 
  private:
   std::vector<Vec3d> prototypes_;  // scene frame [m]

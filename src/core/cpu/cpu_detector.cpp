@@ -25,9 +25,9 @@ namespace {
 void sweepClusters(const CycleInput& input, CycleOutput& output) {
   tbb::enumerable_thread_specific<ClusterSweeper> sweepers(std::cref(input));
   tbb::parallel_for(std::size_t{0}, input.assignment.clusterCount(), [&](std::size_t g) {
-    sweepers.local().sweep(ClusterIndex(static_cast<std::uint32_t>(g)));
+    if (!input.limit.over()) sweepers.local().sweep(ClusterIndex(static_cast<std::uint32_t>(g)));
   });
-  for (ClusterSweeper& sweeper : sweepers) output.add(sweeper.output());
+  for (ClusterSweeper& sweeper : sweepers) output.take(sweeper.output());
 }
 
 // Stages that run at the same time on several threads share the wall time as their work was.
@@ -38,15 +38,21 @@ void addShares(const StageTimes& work, double wall_ms, StageTimes& times) {
 
 class CpuDetector : public Detector {
  public:
+  explicit CpuDetector(const CpuSettings& settings) : settings_(settings) {}
   std::string backend() const override { return "cpu"; }
   void reset() override { tracker_.clear(); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
   void run(const Scene& scene, const Options& options);
+  bool makeClusters(const Scene& scene, const Options& options, const CycleLimit& limit,
+                    StageTimes& times);
+  void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
+                    StageTimes& times);
   void countClusters();
   void countPairs(const CycleOutput& output);
 
+  CpuSettings settings_;
   WorkingSetBuilder builder_;
   WorkingSet set_;
   SizeSplit split_;
@@ -66,35 +72,51 @@ const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& op
 
 void CpuDetector::run(const Scene& scene, const Options& options) {
   const Stopwatch cycle;
-  Stopwatch watch;
+  const CycleLimit limit(options.limits);
   StageTimes times;
   result_.begin(scene, isGuaranteed(options));
+  if (makeClusters(scene, options, limit, times)) findContacts(scene, options, limit, times);
+  if (limit.wasOver()) result_.cutOff(limit.why());
+  result_.stages_ms = times.byName();
+  result_.round_trip_ms = cycle.elapsedMs();
+  result_.detect_ms = times.totalMs() - times.of(Stage::kOutput);
+}
 
-  builder_.build(scene, set_, result_.counters);
-  splitBySize(set_, split_);
+// The stages ahead of the pairs; false if the limit was over.
+bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const CycleLimit& limit,
+                               StageTimes& times) {
+  if (limit.over()) return false;
+  Stopwatch watch;
+  builder_.build(scene, set_, result_.counters, limit);
+  if (!limit.wasOver()) splitBySize(set_, split_, limit);
   times.add(Stage::kPose, watch.lapMs());
-  tracker_.update(set_, split_, options, prototypes_);
+  if (limit.wasOver()) return false;
+  tracker_.update(set_, split_, options, limit, prototypes_);
   times.add(Stage::kCluster, watch.lapMs());
-  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment_);
+  if (limit.wasOver()) return false;
+  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment_, limit);
   times.add(Stage::kAssign, watch.lapMs());
+  return !limit.wasOver();
+}
 
+void CpuDetector::findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
+                               StageTimes& times) {
+  Stopwatch watch;
   const BodyGroups groups(scene);
   const std::vector<float> slack = scaledSlacks(scene, split_.scale);
-  const CycleInput input{scene, set_, split_, assignment_, groups, slack, options};
-  CycleOutput output;
+  ContactRoom room(settings_.memory_limit_bytes);
+  const CycleInput input{scene, set_, split_, assignment_, groups, slack, options, limit, &room};
+  CycleOutput output(input);
   sweepClusters(input, output);
   addShares(output.work, watch.lapMs(), times);
   output.work = StageTimes();
-  sweepLargeTriangles(input, output);
+  if (!limit.wasOver()) sweepLargeTriangles(input, output);
   addShares(output.work, watch.lapMs(), times);
-  result_.detect_ms = cycle.elapsedMs();
 
-  writeContacts(scene, set_, output.contacts, result_);
+  writeContacts(scene, set_, output.contacts, limit, result_);
   countClusters();
   countPairs(output);
   times.add(Stage::kOutput, watch.lapMs());
-  result_.stages_ms = times.byName();
-  result_.round_trip_ms = cycle.elapsedMs();
 }
 
 void CpuDetector::countClusters() {
@@ -118,6 +140,8 @@ void CpuDetector::countPairs(const CycleOutput& output) {
 
 }  // namespace
 
-std::unique_ptr<Detector> makeCpuDetector() { return std::make_unique<CpuDetector>(); }
+std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings) {
+  return std::make_unique<CpuDetector>(settings);
+}
 
 }  // namespace deformable_contact_monitor

@@ -6,8 +6,10 @@
 
 #include "core/body_groups.h"
 #include "core/cpu/assign.h"
+#include "core/cpu/contact_list.h"
 #include "core/cpu/pose.h"
 #include "core/cpu/size_split.h"
+#include "core/cycle_limit.h"
 #include "core/index.h"
 #include "core/options.h"
 #include "core/predicates/narrow_phase.h"
@@ -25,6 +27,8 @@ struct CycleInput {
   const BodyGroups& groups;
   const std::vector<float>& slack;  // per body [scaled]
   const Options& options;
+  const CycleLimit& limit = noLimit();
+  ContactRoom* room = nullptr;  // for contacts; null: without bound
 };
 
 // Two triangles of the working set that boxes and plane filters leave to the verdict.
@@ -33,20 +37,18 @@ struct Candidate {
   PairFacts facts;
 };
 
-// A contact between two triangles of the working set, a < b.
-struct WorkingContact {
-  TriangleIndex a, b;
-  float separation_m = 0;
-};
-
 // What these stages add to, each thread to one of its own.
 struct CycleOutput {
-  std::vector<WorkingContact> contacts;
+  ContactList contacts;
   std::uint64_t interval_overlaps = 0, candidates = 0, exact = 0, undecided = 0;
   StageTimes work;  // of this thread
 
-  void add(const CycleOutput& part) {
-    contacts.insert(contacts.end(), part.contacts.begin(), part.contacts.end());
+  CycleOutput() = default;
+  explicit CycleOutput(const CycleInput& input) : contacts(input.room) {}
+
+  // All of another's, which must not be used any more.
+  void take(CycleOutput& part) {
+    contacts.take(part.contacts);
     interval_overlaps += part.interval_overlaps;
     candidates += part.candidates;
     exact += part.exact;

@@ -12,6 +12,8 @@ namespace {
 // The inner loops run over all prototypes for one point. They are written in fixed lanes, which the
 // compiler turns into vector instructions without being allowed to reorder a sum.
 constexpr std::size_t kLanes = 8;
+// Points with a look at the limit once in so many.
+constexpr std::size_t kPoints = 32;
 
 struct SquarePowers {  // m = 2, the default
   float weight(float ratio) const { return ratio; }
@@ -109,10 +111,11 @@ void accumulate(const Powers& powers, const Lanes& p, const Vec3f& point, Sums& 
 
 template <class Powers>
 void accumulateAll(const Powers& powers, const Lanes& p, const std::vector<Vec3f>& points,
-                   std::size_t block_size, std::vector<Sums>& partial) {
-  parallelBlocks(points.size(), block_size,
+                   std::size_t block_size, const CycleLimit& limit, std::vector<Sums>& partial) {
+  parallelBlocks(limit, points.size(), block_size,
                  [&](std::size_t block, std::size_t begin, std::size_t end) {
-                   for (std::size_t i = begin; i < end; ++i) {
+                   PacedLimit pace(limit, kPoints);
+                   for (std::size_t i = begin; i < end && !pace.over(); ++i) {
                      accumulate(powers, p, points[i], partial[block]);
                    }
                  });
@@ -129,7 +132,9 @@ void FuzzyClustering::initialise(const std::vector<Vec3f>& points, std::size_t c
   std::vector<float> d2(lanes.size());
   std::vector<Vec3d> sums(prototypes_.size());
   std::vector<std::size_t> members(prototypes_.size());
+  PacedLimit pace(limit_, kPoints);
   for (const Vec3f& p : points) {
+    if (pace.over()) return;
     const float min2 = fillDistances(lanes, p, d2);
     const auto nearest =
         static_cast<std::size_t>(std::find(d2.begin(), d2.end(), min2) - d2.begin());
@@ -147,10 +152,11 @@ double FuzzyClustering::iterate(const std::vector<Vec3f>& points) {
   const Lanes lanes(prototypes_);
   std::vector<Sums> partial(blockCount(points.size(), kBlock), Sums(lanes.size()));
   if (powers_.m == 2) {
-    accumulateAll(SquarePowers(), lanes, points, kBlock, partial);
+    accumulateAll(SquarePowers(), lanes, points, kBlock, limit_, partial);
   } else {
-    accumulateAll(powers_, lanes, points, kBlock, partial);
+    accumulateAll(powers_, lanes, points, kBlock, limit_, partial);
   }
+  if (limit_.wasOver()) return 0;
   double objective = 0;
   for (const Sums& sums : partial) objective += sums.objective;
   for (std::size_t j = 0; j < prototypes_.size(); ++j) {

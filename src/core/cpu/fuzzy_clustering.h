@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/predicates/vector3.h"
 #include "core/rules/fcm_powers.h"
 
@@ -17,8 +18,10 @@ namespace deformable_contact_monitor {
 // Points and prototypes are in scaled coordinates; up to 1e6 off the origin is fine.
 class FuzzyClustering {
  public:
-  // m in [1.05, 4]: towards 1 hard k-means, upwards ever softer.
-  explicit FuzzyClustering(float fuzzifier) : powers_{fuzzifier} {}
+  // m in [1.05, 4]: towards 1 hard k-means, upwards ever softer. Where the limit, which outlives
+  // this, was over, the prototypes are of no use.
+  explicit FuzzyClustering(float fuzzifier, const CycleLimit& limit = noLimit())
+      : powers_{fuzzifier}, limit_(limit) {}
 
   // Starts from the means of the points nearest to each of `count` of them, evenly spread over
   // their order. (A prototype on a point would hardly move from there.)
@@ -38,6 +41,7 @@ class FuzzyClustering {
 
  private:
   FuzzyPowers powers_;
+  const CycleLimit& limit_;
   std::vector<Vec3f> prototypes_;
 };
 

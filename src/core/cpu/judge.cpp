@@ -6,16 +6,19 @@ namespace deformable_contact_monitor {
 
 void judgeCandidates(const CycleInput& input, const std::vector<Candidate>& candidates,
                      CycleOutput& output) {
-  output.candidates += candidates.size();
+  constexpr std::uint64_t kLook = 64;
+  PacedLimit pace(input.limit, kLook);
   for (const Candidate& candidate : candidates) {
+    if (pace.over()) return;
+    ++output.candidates;
     PredicateState state{input.options.predicates};
     const Verdict verdict = candidateVerdict(input.set.posed(candidate.a),
                                              input.set.posed(candidate.b), candidate.facts, state);
     output.exact += state.exact > 0;
     if (!verdict.contact) continue;
     output.undecided += state.undecided;
-    output.contacts.push_back({std::min(candidate.a, candidate.b),
-                               std::max(candidate.a, candidate.b), verdict.separation_m});
+    output.contacts.add({std::min(candidate.a, candidate.b), std::max(candidate.a, candidate.b),
+                         verdict.separation_m});
   }
 }
 

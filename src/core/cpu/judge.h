@@ -7,7 +7,7 @@
 
 namespace deformable_contact_monitor {
 
-// Counts the candidates and adds those that are contacts to `output`.
+// Counts the candidates and adds those that are contacts to `output`, until the limit is over.
 void judgeCandidates(const CycleInput& input, const std::vector<Candidate>& candidates,
                      CycleOutput& output);
 

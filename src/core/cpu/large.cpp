@@ -10,12 +10,17 @@
 namespace deformable_contact_monitor {
 namespace {
 
+constexpr std::uint64_t kLook = 1 << 14;          // boxes between looks at the limit
+constexpr std::size_t kMostCandidates = 1 << 14;  // bounds the memory of dense scenes
+
 // Boxes of the triangles that are at home in each cluster.
 std::vector<Aabb> homeBoxes(const CycleInput& input) {
   const ClusterAssignment& assignment = input.assignment;
   std::vector<Aabb> boxes(assignment.clusterCount());
+  PacedLimit pace(input.limit, kLook);
   for (std::uint32_t g = 0; g < boxes.size(); ++g) {
     for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1]; ++m) {
+      if (pace.over()) return boxes;
       const ClusterMember& member = assignment.members[m];
       if (!assignment.isHome(member, ClusterIndex(g))) continue;
       boxes[g].include(input.set.box(member.triangle));
@@ -28,10 +33,12 @@ std::vector<Aabb> homeBoxes(const CycleInput& input) {
 std::vector<TriangleIndex> sortedAlongX(const CycleInput& input) {
   std::vector<TriangleIndex> large = input.split.large;
   const WorkingSet& set = input.set;
-  std::sort(large.begin(), large.end(), [&set](TriangleIndex a, TriangleIndex b) {
+  const auto along_x = [&set](TriangleIndex a, TriangleIndex b) {
     const float x_a = set.box(a).min.x, x_b = set.box(b).min.x;
     return x_a != x_b ? x_a < x_b : a < b;
-  });
+  };
+  sortWithin(input.limit, large.size(), along_x,
+             [&large](const auto& less) { std::sort(large.begin(), large.end(), less); });
   return large;
 }
 
@@ -47,25 +54,30 @@ class LargeSweeper {
       : input_(input),
         large_(large),
         cluster_boxes_(cluster_boxes),
+        pace_(input.limit, kLook),
         screen_(input),
         output_(output) {}
 
   // The i-th in the order along x.
   void sweep(std::size_t i) {
     const PreparedTriangle triangle = prepared(input_.set, large_[i]);
-    candidates_.clear();
     meetLarge(triangle, i);
     meetMembers(triangle);
-    output_.work.add(Stage::kLarge, watch_.lapMs());
-    judgeCandidates(input_, candidates_, output_);
-    output_.work.add(Stage::kJudge, watch_.lapMs());
+    judge();
   }
 
  private:
+  void judge() {
+    output_.work.add(Stage::kLarge, watch_.lapMs());
+    judgeCandidates(input_, candidates_, output_);
+    candidates_.clear();
+    output_.work.add(Stage::kJudge, watch_.lapMs());
+  }
+
   void meetLarge(const PreparedTriangle& triangle, std::size_t i) {
     const float end = input_.set.box(triangle.triangle).max.x;
     for (std::size_t j = i + 1; j < large_.size(); ++j) {
-      if (input_.set.box(large_[j]).min.x > end) break;
+      if (input_.set.box(large_[j]).min.x > end || pace_.over()) break;
       meet(triangle, large_[j]);
     }
   }
@@ -73,8 +85,10 @@ class LargeSweeper {
   void meetMembers(const PreparedTriangle& triangle) {
     const ClusterAssignment& assignment = input_.assignment;
     for (std::uint32_t g = 0; g < cluster_boxes_.size(); ++g) {
+      if (pace_.over()) return;
       if (!intersects(input_.set.box(triangle.triangle), cluster_boxes_[g])) continue;
       for (std::uint32_t m = assignment.member_begin[g]; m < assignment.member_begin[g + 1]; ++m) {
+        if (pace_.over()) return;
         const ClusterMember& member = assignment.members[m];
         if (assignment.isHome(member, ClusterIndex(g))) meet(triangle, member.triangle);
       }
@@ -88,12 +102,14 @@ class LargeSweeper {
     if (intersects(set.box(triangle.triangle), set.box(other)) &&
         input_.groups.enabled[group[triangle.body.value]][group[set.bodyOf(other).value]]) {
       screen_.screen(triangle, prepared(set, other), candidates_);
+      if (candidates_.size() >= kMostCandidates) judge();
     }
   }
 
   const CycleInput& input_;
   const std::vector<TriangleIndex>& large_;
   const std::vector<Aabb>& cluster_boxes_;
+  PacedLimit pace_;
   PairScreen screen_;
   std::vector<Candidate> candidates_;
   Stopwatch watch_;
@@ -109,12 +125,14 @@ void sweepLargeTriangles(const CycleInput& input, CycleOutput& output) {
   const std::vector<TriangleIndex> large = sortedAlongX(input);
   output.work.add(Stage::kLarge, watch.elapsedMs());
   constexpr std::size_t kBlock = 16;
-  std::vector<CycleOutput> outputs(blockCount(large.size(), kBlock));
-  parallelBlocks(large.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+  if (input.limit.wasOver()) return;
+  std::vector<CycleOutput> outputs(blockCount(large.size(), kBlock), CycleOutput(input));
+  const auto sweepBlock = [&](std::size_t block, std::size_t begin, std::size_t end) {
     LargeSweeper sweeper(input, large, cluster_boxes, outputs[block]);
-    for (std::size_t i = begin; i < end; ++i) sweeper.sweep(i);
-  });
-  for (const CycleOutput& part : outputs) output.add(part);
+    for (std::size_t i = begin; i < end && !input.limit.over(); ++i) sweeper.sweep(i);
+  };
+  parallelBlocks(input.limit, large.size(), kBlock, sweepBlock);
+  for (CycleOutput& part : outputs) output.take(part);
 }
 
 }  // namespace deformable_contact_monitor

@@ -6,7 +6,7 @@
 namespace deformable_contact_monitor {
 
 // Tests each large triangle by boxes against the clusters and, where they meet, their members; and
-// the large ones against each other, by a sweep along x. Adds to `output`.
+// the large ones against each other, by a sweep along x. Adds to `output`, until the limit is over.
 void sweepLargeTriangles(const CycleInput& input, CycleOutput& output);
 
 }  // namespace deformable_contact_monitor

@@ -7,6 +7,7 @@
 
 #include "core/cpu/body_boxes.h"
 #include "core/cpu/vertex_identity.h"
+#include "core/cycle_limit.h"
 #include "core/detector.h"
 #include "core/index.h"
 #include "core/predicates/aabb.h"
@@ -46,8 +47,10 @@ struct WorkingSet {
 class WorkingSetBuilder {
  public:
   // A body takes part if its box meets a partner's; a triangle, if its box meets the box of a
-  // partner of its body. Adds to counters.rejected, posed and culled.
-  void build(const Scene& scene, WorkingSet& set, Counters& counters);
+  // partner of its body. Adds to counters.rejected, posed and culled. Where the limit was over, the
+  // set is of no use.
+  void build(const Scene& scene, WorkingSet& set, Counters& counters,
+             const CycleLimit& limit = noLimit());
 
  private:
   // What one block of a body's triangles contributes.
@@ -57,12 +60,14 @@ class WorkingSetBuilder {
     std::uint64_t rejected = 0;
   };
 
-  void countLeftOut(const Scene& scene, BodyId id, Counters& counters) const;
-  void addBody(const Scene& scene, BodyId id, const PartnerBoxes& partners, WorkingSet& set,
-               Counters& counters);
-  void identifyVertices(const Body& body, bool self, std::uint32_t first, WorkingSet& set);
+  void countLeftOut(const Scene& scene, BodyId id, const CycleLimit& limit,
+                    Counters& counters) const;
+  void addBody(const Scene& scene, BodyId id, const PartnerBoxes& partners, const CycleLimit& limit,
+               WorkingSet& set, Counters& counters);
+  void identifyVertices(const Body& body, bool self, std::uint32_t first, const CycleLimit& limit,
+                        WorkingSet& set);
   void chooseTriangles(const Body& body, std::uint32_t first, const PartnerBoxes& partners,
-                       const WorkingSet& set);
+                       const CycleLimit& limit, const WorkingSet& set);
 
   BodyBoxes body_boxes_;
   VertexIdentity identity_;

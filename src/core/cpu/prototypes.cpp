@@ -15,7 +15,7 @@ static_assert(kLength <= kMostNeighbours);
 
 // Of those that coincide the first. The others keep their order, so that a cluster has the same
 // number from cycle to cycle.
-std::vector<Vec3f> distinct(const std::vector<Vec3f>& prototypes) {
+std::vector<Vec3f> distinct(const std::vector<Vec3f>& prototypes, const CycleLimit& limit) {
   // Sorted by x, a prototype's duplicates are near in the order.
   std::vector<std::uint32_t> order(prototypes.size());
   std::iota(order.begin(), order.end(), 0);
@@ -23,9 +23,10 @@ std::vector<Vec3f> distinct(const std::vector<Vec3f>& prototypes) {
     return prototypes[a].x != prototypes[b].x ? prototypes[a].x < prototypes[b].x : a < b;
   });
   std::vector<bool> duplicate(prototypes.size(), false);
+  PacedLimit pace(limit, 1 << 16);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Vec3f& p = prototypes[order[i]];
-    for (std::size_t j = i; j-- > 0;) {
+    for (std::size_t j = i; j-- > 0 && !pace.over();) {
       const Vec3f& q = prototypes[order[j]];
       if (!duplicate[order[j]] && squaredDistance(p, q) < kCoincident2) duplicate[order[i]] = true;
       if (duplicate[order[i]] || (p.x - q.x) * (p.x - q.x) >= kCoincident2) break;
@@ -40,12 +41,12 @@ std::vector<Vec3f> distinct(const std::vector<Vec3f>& prototypes) {
 
 }  // namespace
 
-void Prototypes::build(const std::vector<Vec3f>& prototypes) {
-  points_ = distinct(prototypes);
+void Prototypes::build(const std::vector<Vec3f>& prototypes, const CycleLimit& limit) {
+  points_ = distinct(prototypes, limit);
   list_reach_.resize(points_.size());
   neighbours_.assign(points_.size() * kMostNeighbours, Neighbour());
   neighbour_cluster_.resize(neighbours_.size());
-  parallelBlocks(points_.size(), 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+  parallelBlocks(limit, points_.size(), 16, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<std::pair<float, std::uint32_t>> others;
     for (std::size_t g = begin; g < end; ++g) listNeighbours(g, others);
   });

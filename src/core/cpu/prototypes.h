@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/rules/half_space.h"
 
 namespace deformable_contact_monitor {
@@ -13,7 +14,8 @@ namespace deformable_contact_monitor {
 class Prototypes {
  public:
   // Takes prototypes in scaled coordinates; of those that coincide, one is kept. At least one.
-  void build(const std::vector<Vec3f>& prototypes);
+  // Where the limit was over, they are of no use.
+  void build(const std::vector<Vec3f>& prototypes, const CycleLimit& limit = noLimit());
 
   PrototypesView view() const {
     return {points_.data(), list_reach_.data(), neighbours_.data(), neighbour_cluster_.data(),

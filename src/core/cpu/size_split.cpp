@@ -55,7 +55,7 @@ Usual measure(const WorkingSet& set) {
 
 }  // namespace
 
-void splitBySize(const WorkingSet& set, SizeSplit& split) {
+void splitBySize(const WorkingSet& set, SizeSplit& split, const CycleLimit& limit) {
   split.large.clear();
   split.regular.clear();
   split.scale = SceneScale();
@@ -69,18 +69,19 @@ void splitBySize(const WorkingSet& set, SizeSplit& split) {
   std::vector<double> reach_in(blocks);
   SizeRule& rule = split.rule;
   rule = {usual.origin, 32 * usual.extent, 64 * usual.reach};
-  while (true) {
-    parallelBlocks(set.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
-      large_in[b] = 0;
-      reach_in[b] = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        if (rule.isLarge(set.boxes[i])) {
-          ++large_in[b];
-        } else {
-          reach_in[b] = std::max(reach_in[b], reachFrom(usual.origin, set.boxes[i]));
-        }
-      }
-    });
+  while (!limit.over()) {
+    parallelBlocks(limit, set.size(), kBlock,
+                   [&](std::size_t b, std::size_t begin, std::size_t end) {
+                     large_in[b] = 0;
+                     reach_in[b] = 0;
+                     for (std::size_t i = begin; i < end; ++i) {
+                       if (rule.isLarge(set.boxes[i])) {
+                         ++large_in[b];
+                       } else {
+                         reach_in[b] = std::max(reach_in[b], reachFrom(usual.origin, set.boxes[i]));
+                       }
+                     }
+                   });
     std::size_t large = 0;
     for (const std::size_t n : large_in) large += n;
     if (large <= allowed) break;
@@ -88,9 +89,11 @@ void splitBySize(const WorkingSet& set, SizeSplit& split) {
     rule.most_extent = std::max(4 * rule.most_extent, 1e-44);
     rule.most_reach = std::max(4 * rule.most_reach, 1e-44);
   }
-  for (std::uint32_t i = 0; i < set.size(); ++i) {
-    (rule.isLarge(set.boxes[i]) ? split.large : split.regular).emplace_back(i);
-  }
+  serialBlocks(limit, set.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      (rule.isLarge(set.boxes[i]) ? split.large : split.regular).emplace_back(i);
+    }
+  });
   split.scale.origin = usual.origin;
   const double reach = *std::max_element(reach_in.begin(), reach_in.end());
   if (reach > 0) split.scale.scale = std::ldexp(1.0, -(std::ilogb(reach) + 1));

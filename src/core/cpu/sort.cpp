@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/rules/ordered_bits.h"
 #include "core/rules/principal_axes.h"
@@ -20,7 +21,7 @@ void ClusterSorter::project(const ClusterMember* members) {
   // Axes of the centroids, about the first of them.
   Moments moments;
   Vec3f first;
-  for (std::uint32_t m = 0; m < count; ++m) {
+  for (std::uint32_t m = 0; m < count && !pace_.over(); ++m) {
     Vec3f* scaled = projected_[m].scaled;
     for (int k = 0; k < 3; ++k) scaled[k] = input_.split.scale.apply(members[m].posed.v[k]);
     const Vec3f centroid = centroidOf(scaled);
@@ -31,7 +32,7 @@ void ClusterSorter::project(const ClusterMember* members) {
 
   float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   one_group_ = true;
-  for (std::uint32_t m = 0; m < count; ++m) {
+  for (std::uint32_t m = 0; m < count && !pace_.over(); ++m) {
     Projected& projected = projected_[m];
     const std::uint32_t body = members[m].body.value;
     projected.group = input_.groups.group[body];
@@ -48,25 +49,29 @@ void ClusterSorter::project(const ClusterMember* members) {
 }
 
 void ClusterSorter::order() {
-  std::sort(order_.begin(), order_.end());
-  if (one_group_) return;
-  std::stable_sort(order_.begin(), order_.end(), [this](std::uint64_t a, std::uint64_t b) {
+  sortWithin(input_.limit, order_.size(), std::less<std::uint64_t>(),
+             [this](const auto& less) { std::sort(order_.begin(), order_.end(), less); });
+  if (one_group_ || input_.limit.wasOver()) return;
+  const auto by_group = [this](std::uint64_t a, std::uint64_t b) {
     return projected_[memberOf(a)].group < projected_[memberOf(b)].group;
-  });
+  };
+  sortWithin(input_.limit, order_.size(), by_group,
+             [this](const auto& less) { std::stable_sort(order_.begin(), order_.end(), less); });
 }
 
 // Every array of `sorted` but `cluster`.
-void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) const {
+void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) {
   const auto count = static_cast<std::uint32_t>(order_.size());
   sorted.groups.clear();
   sorted.lo.resize(count);
   sorted.hi.resize(count);
   sorted.packed_lo.resize(count + kScanChunk);
   sorted.packed_hi.resize(count + kScanChunk);
-  sorted.boxes.resize(count);
-  sorted.triangles.resize(count);
+  resizeWithin(input_.limit, count, sorted.boxes);
+  resizeWithin(input_.limit, count, sorted.triangles);
   sorted.clusters.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
+  if (input_.limit.wasOver()) return;
+  for (std::uint32_t i = 0; i < count && !pace_.over(); ++i) {
     const ClusterMember& member = members[memberOf(order_[i])];
     const Projected& projected = projected_[memberOf(order_[i])];
     if (sorted.groups.empty() || sorted.groups.back().group != projected.group) {
@@ -87,17 +92,21 @@ void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) 
   }
 }
 
-void ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
+bool ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
   const ClusterAssignment& assignment = input_.assignment;
   const std::uint32_t begin = assignment.member_begin[cluster.value];
   const std::uint32_t count = assignment.member_begin[cluster.value + 1] - begin;
   const ClusterMember* const members = assignment.members.data() + begin;
-  projected_.resize(count);
+  resizeWithin(input_.limit, count, projected_);
   order_.resize(count);
+  if (input_.limit.wasOver()) return false;
   project(members);
+  if (input_.limit.wasOver()) return false;
   order();
+  if (input_.limit.wasOver()) return false;
   layOut(members, sorted);
   sorted.cluster = cluster;
+  return !input_.limit.wasOver();
 }
 
 }  // namespace deformable_contact_monitor

@@ -33,9 +33,10 @@ struct SortedCluster {
 // Keeps its buffers from cluster to cluster. One per thread and cycle.
 class ClusterSorter {
  public:
-  explicit ClusterSorter(const CycleInput& input) : input_(input) {}
+  explicit ClusterSorter(const CycleInput& input) : input_(input), pace_(input.limit, kLook) {}
 
-  void sort(ClusterIndex cluster, SortedCluster& sorted);
+  // False if the limit was over: then `sorted` is of no use.
+  bool sort(ClusterIndex cluster, SortedCluster& sorted);
 
  private:
   // What is computed for a member before its place in the order is known.
@@ -47,9 +48,12 @@ class ClusterSorter {
 
   void project(const ClusterMember* members);
   void order();
-  void layOut(const ClusterMember* members, SortedCluster& sorted) const;
+  void layOut(const ClusterMember* members, SortedCluster& sorted);
+
+  static constexpr std::uint64_t kLook = 1 << 12;  // members between looks at the limit
 
   const CycleInput& input_;
+  PacedLimit pace_;
   std::vector<Projected> projected_;  // per member
   std::vector<std::uint64_t> order_;  // where the member's interval begins, then the member
   bool one_group_ = true;

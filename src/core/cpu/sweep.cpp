@@ -3,12 +3,16 @@
 #include <algorithm>
 
 #include "core/cpu/judge.h"
+#include "core/parallel.h"
 #include "core/rules/ownership.h"
 
 namespace deformable_contact_monitor {
 
-void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-  if (begin == end) return;
+// False once the limit is over.
+bool ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+  constexpr std::uint32_t kRow = 16;  // what a row costs beside its columns, in columns
+  if (pace_.over(end - begin + kRow)) return false;
+  if (begin == end) return true;
   output_.interval_overlaps += end - begin;
   const std::size_t room = pair_count_ + (end - begin) + kScanChunk;
   if (pairs_.size() < room) pairs_.resize(2 * room);
@@ -17,6 +21,7 @@ void ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t 
               sorted_.packed_lo.data(), sorted_.packed_hi.data(), begin, end, &pairs_[pair_count_]);
   constexpr std::size_t kMostPairs = 1 << 18;  // bounds the memory of dense clusters
   if (pair_count_ > kMostPairs) judgePairs();
+  return true;
 }
 
 // Each unordered pair once: the partner begins later in the order.
@@ -24,7 +29,7 @@ void ClusterSweeper::sweepWithin(const GroupRange& range) {
   const std::vector<float>& lo = sorted_.lo;
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
     const auto last = std::upper_bound(lo.begin() + i + 1, lo.begin() + range.end, sorted_.hi[i]);
-    scan(i, i + 1, static_cast<std::uint32_t>(last - lo.begin()));
+    if (!scan(i, i + 1, static_cast<std::uint32_t>(last - lo.begin()))) return;
   }
 }
 
@@ -36,8 +41,10 @@ void ClusterSweeper::sweepAcross(const GroupRange& rows, const GroupRange& colum
   for (std::uint32_t i = rows.begin; i < rows.end; ++i) {
     while (first != columns_end && (closed ? *first < lo[i] : *first <= lo[i])) ++first;
     const auto last = std::upper_bound(first, columns_end, sorted_.hi[i]);
-    scan(i, static_cast<std::uint32_t>(first - lo.begin()),
-         static_cast<std::uint32_t>(last - lo.begin()));
+    if (!scan(i, static_cast<std::uint32_t>(first - lo.begin()),
+              static_cast<std::uint32_t>(last - lo.begin()))) {
+      return;
+    }
   }
 }
 
@@ -54,19 +61,27 @@ void ClusterSweeper::sweepGroups() {
   }
 }
 
-// What was found so far: boxes, owner and plane filters end the sweep, then come the verdicts.
+// What was found so far, in parts that take a millisecond or two without their verdicts.
 void ClusterSweeper::judgePairs() {
+  constexpr std::size_t kPart = 1 << 16;
+  serialBlocks(input_.limit, pair_count_, kPart, [this](std::size_t begin, std::size_t end) {
+    judgeSome(&pairs_[begin], end - begin);
+  });
+  pair_count_ = 0;
+}
+
+// Boxes, owner and plane filters end the sweep, then come the verdicts. Leaves rubbish in `pairs`.
+void ClusterSweeper::judgeSome(BoxPair* pairs, std::size_t count) {
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < pair_count_; ++i) {
-    const BoxPair pair = pairs_[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    const BoxPair pair = pairs[i];
     const bool owned = ownsPair(sorted_.cluster.value, sorted_.clusters[pair.a.value],
                                 sorted_.clusters[pair.b.value]);
-    pairs_[kept] = pair;
+    pairs[kept] = pair;
     kept += intersects(sorted_.boxes[pair.a.value], sorted_.boxes[pair.b.value]) & owned;
   }
-  pair_count_ = 0;
   candidates_.clear();
-  screen_.screen(sorted_.triangles, pairs_.data(), kept, candidates_);
+  screen_.screen(sorted_.triangles, pairs, kept, candidates_);
   output_.work.add(Stage::kSweep, watch_.lapMs());
   judgeCandidates(input_, candidates_, output_);
   output_.work.add(Stage::kJudge, watch_.lapMs());
@@ -76,8 +91,9 @@ void ClusterSweeper::sweep(ClusterIndex cluster) {
   const std::vector<std::uint32_t>& begin = input_.assignment.member_begin;
   if (begin[cluster.value] == begin[cluster.value + 1]) return;
   watch_ = Stopwatch();
-  sorter_.sort(cluster, sorted_);
+  const bool is_sorted = sorter_.sort(cluster, sorted_);
   output_.work.add(Stage::kSort, watch_.lapMs());
+  if (!is_sorted) return;
   sweepGroups();
   judgePairs();
 }

@@ -14,11 +14,11 @@
 namespace deformable_contact_monitor {
 
 // Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache; keeps its
-// buffers from cluster to cluster. One per thread and cycle.
+// buffers from cluster to cluster. Gives up once the limit is over. One per thread and cycle.
 class ClusterSweeper {
  public:
   explicit ClusterSweeper(const CycleInput& input)
-      : input_(input), sorter_(input), screen_(input) {}
+      : input_(input), pace_(input.limit, kLook), sorter_(input), screen_(input), output_(input) {}
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
@@ -30,10 +30,14 @@ class ClusterSweeper {
   void sweepGroups();
   void sweepWithin(const GroupRange& range);
   void sweepAcross(const GroupRange& rows, const GroupRange& columns, bool closed);
-  void scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
+  bool scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
   void judgePairs();
+  void judgeSome(BoxPair* pairs, std::size_t count);
+
+  static constexpr std::uint64_t kLook = 1 << 17;  // columns between looks at the limit
 
   const CycleInput& input_;
+  PacedLimit pace_;
   ClusterSorter sorter_;
   SortedCluster sorted_;
   PairScreen screen_;

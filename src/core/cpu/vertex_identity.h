@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cycle_limit.h"
+
 namespace deformable_contact_monitor {
 
 // Keeps its table from call to call.
@@ -12,7 +14,8 @@ class VertexIdentity {
  public:
   // For each vertex (x y z each) the least index of a vertex with equal coordinates; -0 equals 0.
   // A vertex that is not finite is equal to none.
-  void identify(const std::vector<float>& xyz, std::vector<std::uint32_t>& least_equal);
+  void identify(const std::vector<float>& xyz, std::vector<std::uint32_t>& least_equal,
+                const CycleLimit& limit = noLimit());
 
  private:
   std::vector<std::uint32_t> table_;  // open addressing; a vertex index, or kFree

@@ -75,7 +75,7 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   std::string predicates = "exact", clusters = "auto";
   std::uint64_t memory_limit_mib = arguments->cuda.memory_limit_bytes >> 20;
   app.add_option("--memory-limit", memory_limit_mib,
-                 "Device memory for candidates and contacts, in MiB")
+                 "Memory for lists of contacts, and of candidates on CUDA, in MiB")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   addAdjacent(&app, &arguments->options.adjacent);

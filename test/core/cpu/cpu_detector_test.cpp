@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "pair_sets.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {
@@ -57,6 +59,32 @@ TEST(CpuDetector, TakesNoTimeForLargeTrianglesWhereThereAreNone) {
   ASSERT_EQ(0U, result.counters.large);
   const std::map<std::string, double> ms(result.stages_ms.begin(), result.stages_ms.end());
   EXPECT_EQ(0, ms.at("large"));
+}
+
+TEST(CpuDetector, WithLittleMemoryTheCountStaysExactAndTheListIsPartOfIt) {
+  Scene scene = pairScene(clothGrid(120, 1, 0, 0.1F), clothGrid(121, 1, 0.001F, -0.1F));
+  scene.setPairEnabled(0, 0, true);
+  for (const float margin_m : {0.0F, 0.001F}) {
+    scene.setMargin(0, margin_m);
+    const auto all = makeCpuDetector()->detect(scene, Options()).contacts;
+    ASSERT_GT(all.size(), 2500U);
+    for (const std::uint64_t bytes : {1U, 60000U, 100000U}) {
+      for (const int threads : {1, 2}) {
+        Options options;
+        options.threads = threads;
+        const auto detector = makeCpuDetector({bytes});
+        for (int cycle = 0; cycle < 2; ++cycle) {
+          const DetectionResult& result = detector->detect(scene, options);
+          EXPECT_EQ(all.size(), result.contacts.size() + result.left_out);
+          EXPECT_GT(result.left_out, 0U);
+          EXPECT_FALSE(result.cut_off) << "all were found";
+          EXPECT_TRUE(isOrdered(result.contacts));
+          EXPECT_TRUE(std::includes(all.begin(), all.end(), result.contacts.begin(),
+                                    result.contacts.end()));
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

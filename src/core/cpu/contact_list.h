@@ -1,0 +1,92 @@
+// Contacts as they are found, in bounded memory.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "core/detector.h"
+#include "core/index.h"
+
+namespace deformable_contact_monitor {
+
+// A contact between two triangles of the working set, a < b.
+struct WorkingContact {
+  TriangleIndex a, b;
+  float separation_m = 0;
+};
+
+// How many contacts all lists of a cycle may hold together. Any number of threads.
+class ContactRoom {
+ public:
+  // Upper bound of the memory of the contacts, from where they are found to the result [bytes].
+  explicit ContactRoom(std::uint64_t memory_limit_bytes)
+      : blocks_left_(std::clamp<std::int64_t>(
+            static_cast<std::int64_t>(memory_limit_bytes / (kBlock * kBytesEach)), 1,
+            kMostContacts / kBlock)) {}
+
+  // Room for so many more; false if there is none.
+  bool takeBlock() { return blocks_left_.fetch_sub(1, std::memory_order_relaxed) > 0; }
+
+  static constexpr std::int64_t kBlock = 1024;
+
+ private:
+  // The list, the sorted one, and the result's.
+  static constexpr std::int64_t kBytesEach =
+      2 * sizeof(WorkingContact) + sizeof(TrianglePair) + sizeof(float);
+  static constexpr std::int64_t kMostContacts = std::int64_t{1} << 31;
+
+  std::atomic<std::int64_t> blocks_left_;
+};
+
+// One thread's. In blocks, so that it never moves.
+class ContactList {
+ public:
+  // Null: room without bound.
+  explicit ContactList(ContactRoom* room = nullptr) : room_(room) {}
+
+  // Counts it, and keeps it if there is room.
+  void add(const WorkingContact& contact) {
+    if (room_in_block_ == 0 && !makeRoom()) {
+      ++left_out_;
+      return;
+    }
+    --room_in_block_;
+    blocks_.back().push_back(contact);
+  }
+
+  // All of another's, which must not be used any more.
+  void take(ContactList& other) {
+    std::move(other.blocks_.begin(), other.blocks_.end(), std::back_inserter(blocks_));
+    left_out_ += other.left_out_;
+    room_in_block_ = 0;
+  }
+
+  const std::vector<std::vector<WorkingContact>>& blocks() const { return blocks_; }
+  std::size_t size() const {
+    std::size_t size = 0;
+    for (const std::vector<WorkingContact>& block : blocks_) size += block.size();
+    return size;
+  }
+  std::uint64_t leftOut() const { return left_out_; }
+
+ private:
+  bool makeRoom() {
+    if (left_out_ > 0 || (room_ != nullptr && !room_->takeBlock())) return false;
+    blocks_.emplace_back();
+    blocks_.back().reserve(ContactRoom::kBlock);
+    room_in_block_ = ContactRoom::kBlock;
+    return true;
+  }
+
+  ContactRoom* room_;
+  std::vector<std::vector<WorkingContact>> blocks_;
+  std::size_t room_in_block_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace deformable_contact_monitor
