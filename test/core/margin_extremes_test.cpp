@@ -31,7 +31,7 @@ struct Expected {
 template <class Visit>
 void forEachPair(const Scene& scene, const Visit& visit) {
   std::vector<std::vector<PosedTriangle>> bodies;
-  for (const Body& body : scene.bodies()) bodies.push_back(finiteTriangles(body));
+  for (const Body& body : scene.bodies()) bodies.push_back(finiteTriangles(body, noLimit()));
   for (BodyId a = 0; a < scene.bodyCount(); ++a) {
     for (std::size_t i = 0; i < bodies[a].size(); ++i) {
       for (BodyId b = a; b < scene.bodyCount(); ++b) {
@@ -201,7 +201,7 @@ TEST_P(MarginExtremes, RandomScenes) {
     Scene scene = randomScene(seed);
     float size = 0;  // of some triangle
     for (const Body& body : scene.bodies()) {
-      for (const PosedTriangle& t : finiteTriangles(body)) {
+      for (const PosedTriangle& t : finiteTriangles(body, noLimit())) {
         size = std::max(size, std::abs(t.posed.v[1].x - t.posed.v[0].x));
         if (size > 0) break;
       }
