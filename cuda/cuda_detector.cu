@@ -107,7 +107,8 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   const CycleCounters& counted = counters_[0];
   output_.list(scene_, std::min(listable(counted.contacts), output_.fetched()), limit, result_);
   result_.left_out = counted.contacts - result_.contacts.size();
-  if (!all || result_.contacts.size() < listable(counted.contacts)) result_.cutOff(limit.why());
+  const bool listed = result_.contacts.size() >= listable(counted.contacts);
+  if (limit.wasOver() && !(all && listed)) result_.cutOff(limit.why());
   if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
   if (counted.list_words > sizes_.list_words) dropRepeated(result_);
   result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);

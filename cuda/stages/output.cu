@@ -70,18 +70,21 @@ void ContactOutput::fetch(const CycleArrays& cycle, bool separations, unsigned i
 
 void ContactOutput::list(const DeviceScene& scene, std::uint32_t count, const CycleLimit& limit,
                          DetectionResult& result) const {
-  PacedLimit pace(limit, 1 << 16);
+  constexpr std::uint32_t kBlock = 1 << 16;
   const std::uint64_t mask = (std::uint64_t{1} << index_bits_) - 1;
   result.contacts.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (i >= kMostListedLate && pace.over()) {
-      count = i;
-      break;
+  std::uint32_t done = 0;
+  while (done < count && (done < kMostListedLate || !limit.over())) {
+    // Nothing but the list within: it is the longest part of the way back.
+    const std::uint32_t end = std::min(count, std::max(kMostListedLate, done + kBlock));
+    for (std::uint32_t i = done; i < end; ++i) {
+      const TriangleIndex a(static_cast<std::uint32_t>(keys_[i] >> index_bits_));
+      const TriangleIndex b(static_cast<std::uint32_t>(keys_[i] & mask));
+      result.contacts[i] = {scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)};
     }
-    const TriangleIndex a(static_cast<std::uint32_t>(keys_[i] >> index_bits_));
-    const TriangleIndex b(static_cast<std::uint32_t>(keys_[i] & mask));
-    result.contacts[i] = {scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)};
+    done = end;
   }
+  count = done;
   result.contacts.resize(count);
   if (with_separations_) {
     result.separations_m.assign(separations_.data(), separations_.data() + count);

@@ -93,7 +93,8 @@ std::vector<VerdictQuestion> nearPairs(std::size_t count, float margin_m) {
     for (Vec3f& v : pair.a.v) v = point(size);
     for (Vec3f& v : pair.b.v) v = off + point(size);
     const auto kind = random() % 8;
-    const float far = std::ldexp(std::max(size, 1.0F), static_cast<int>(random() % 26));
+    const float far =
+        std::min(std::ldexp(std::max(size, 1.0F), static_cast<int>(random() % 26)), 1e38F);
     if (kind == 0) pair.a.v[random() % 3] = point(far);
     if (kind == 1) pair.b.v[0] = (pair.b.v[1] = point(far)) * -1;
     if (kind == 2) pair.b.v[0] = pair.a.v[0] = point(1e38F);
