@@ -213,7 +213,8 @@ void CudaDetector::runUntilItFits(const Options& options) {
     checkCuda(cudaGetLastError(), "a launch");
     stream_.synchronise();
     if (makeRoom()) break;
-    if (tries == kMostTries) throw CudaError("the sizes of a cycle do not settle");
+    if (tries == kMostTries)
+      throw CudaError(BackendFault::kTransient, "the sizes of a cycle do not settle");
   }
   const bool in_passes = counters_[0].candidates > sizes_.candidates;
   if (in_passes) {
@@ -302,8 +303,9 @@ std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
   int count = 0;
   checkCuda(cudaGetDeviceCount(&count), "no CUDA device can be used");
   if (settings.device < 0 || settings.device >= count) {
-    throw CudaError("there is no CUDA device " + std::to_string(settings.device) + "; there are " +
-                    std::to_string(count));
+    throw CudaError(BackendFault::kUnavailable, "there is no CUDA device " +
+                                                    std::to_string(settings.device) +
+                                                    "; there are " + std::to_string(count));
   }
   checkCuda(cudaSetDevice(settings.device), "cudaSetDevice");
   int major = 0, minor = 0;
@@ -313,9 +315,10 @@ std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
             "cudaDeviceGetAttribute");
   constexpr int kLeastCapability = 75;
   if (10 * major + minor < kLeastCapability) {
-    throw CudaError("CUDA device " + std::to_string(settings.device) +
-                    " is of compute capability " + std::to_string(major) + "." +
-                    std::to_string(minor) + "; 7.5 or newer is needed");
+    throw CudaError(BackendFault::kUnavailable,
+                    "CUDA device " + std::to_string(settings.device) +
+                        " is of compute capability " + std::to_string(major) + "." +
+                        std::to_string(minor) + "; 7.5 or newer is needed");
   }
   return std::make_unique<CudaDetector>(settings);
 }
