@@ -244,6 +244,7 @@ class MeasureTrade(Case):
             self.skipTest("SKIPPED: no matplotlib")
         for picture in folder.glob("*.png"):
             picture.unlink()
+        (folder / "accuracy.png").write_text("what was there")
         before = sorted(os.listdir(folder))
         done = subprocess.run(
             [str(pathlib.Path(TOOL).with_name("plot_trade.py")), str(folder), "--out", str(folder)],
@@ -252,6 +253,7 @@ class MeasureTrade(Case):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("plot_trade.py: ", done.stderr)
         self.assertEqual(sorted(os.listdir(folder)), before)
+        self.assertEqual((folder / "accuracy.png").read_text(), "what was there")
 
     def test_without_matplotlib_there_are_no_plots_and_a_note(self):
         os.mkdir(self.path("blocked"))
