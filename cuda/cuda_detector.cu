@@ -248,7 +248,8 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
     if (isCutOff(limit)) break;
     all = makeRoom();
     if (all) break;
-    if (tries == kMostTries) throw CudaError("the sizes of a cycle do not settle");
+    if (tries == kMostTries)
+      throw CudaError(BackendFault::kTransient, "the sizes of a cycle do not settle");
   }
   const bool in_passes = counters_[0].candidates > sizes_.candidates && !limit.over();
   if (in_passes) all = runInPasses(limit);

@@ -19,8 +19,9 @@ struct CudaSettings {
 };
 
 // Throws CudaError, one line, if there is no driver, no such device, one older than compute
-// capability 7.5, or if it fails; so may detect(). Detectors in one process do not wait for each
-// other.
+// capability 7.5, or if it fails; so may detect(). After kSceneTooLarge (more than 2^27 triangles
+// or vertices, or too crowded) the detector goes on with other scenes; after other errors, make
+// another one. Detectors in one process do not wait for each other.
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings = CudaSettings());
 
 }  // namespace deformable_contact_monitor

@@ -1,9 +1,9 @@
 #include "cuda/detector_choice.h"
 
+#include <optional>
 #include <stdexcept>
 
 #include "core/cpu/cpu_detector.h"
-#include "core/fallback_detector.h"
 
 namespace deformable_contact_monitor {
 
@@ -28,14 +28,16 @@ BackendChoice toBackendChoice(const std::string& name) {
 
 std::unique_ptr<Detector> makeChosenDetector(
     BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
-    const std::function<void(const std::string&)>& fell_back) {
+    const std::function<void(const BackendState&)>& changed) {
   const CpuSettings on_cpu{settings.memory_limit_bytes};
   if (choice == BackendChoice::kCpu) return makeCpuDetector(on_cpu);
   if (choice == BackendChoice::kCuda && without_cuda == WithoutCuda::kRefuse) {
     return makeCudaDetector(settings);
   }
-  return makeFallbackDetector([&settings] { return makeCudaDetector(settings); },
-                              [on_cpu] { return makeCpuDetector(on_cpu); }, fell_back);
+  return makeFallbackDetector(
+      [settings] { return makeCudaDetector(settings); },
+      [on_cpu] { return makeCpuDetector(on_cpu); }, changed,
+      without_cuda == WithoutCuda::kTryAgain ? std::optional(RetryTimes()) : std::nullopt);
 }
 
 }  // namespace deformable_contact_monitor

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/detector.h"
+#include "core/fallback_detector.h"
 #include "cuda/cuda_detector.h"
 
 namespace deformable_contact_monitor {
@@ -19,16 +20,18 @@ BackendChoice toBackendChoice(const std::string& name);
 
 // What becomes of kCuda where CUDA cannot be used.
 enum class WithoutCuda {
-  kFallBack,  // the CPU takes over: somebody waits for contacts
+  kTryAgain,  // the CPU takes over until CUDA works again: somebody waits for contacts, for days
+  kFallBack,  // the CPU takes over for good: somebody waits for contacts, once
   kRefuse,    // CudaError: somebody measures or compares, and what is called cuda must be CUDA
 };
 
 // settings.memory_limit_bytes holds on the CPU too.
-// kCpu is the CPU backend. kAuto is CUDA, and the CPU once CUDA cannot be made or fails in a
-// detection; so is kCuda with kFallBack. The change is for good and calls fell_back(why), one line,
-// once. kCuda with kRefuse is CUDA alone and throws as makeCudaDetector() does.
+// kCpu is the CPU backend. kAuto is CUDA, and the CPU where CUDA cannot be made or fails in a
+// detection, by makeFallbackDetector()'s rules, which tell `changed`; so is kCuda unless with
+// kRefuse: that is CUDA alone and throws as makeCudaDetector() does. Only with kTryAgain is CUDA
+// tried again.
 std::unique_ptr<Detector> makeChosenDetector(
     BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
-    const std::function<void(const std::string&)>& fell_back);
+    const std::function<void(const BackendState&)>& changed);
 
 }  // namespace deformable_contact_monitor

@@ -5,7 +5,8 @@
 namespace deformable_contact_monitor {
 
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& /*settings*/) {
-  throw CudaError("this build has no CUDA backend: nvcc was not there, or WITH_CUDA was off");
+  throw CudaError(BackendFault::kUnavailable,
+                  "this build has no CUDA backend: nvcc was not there, or WITH_CUDA was off");
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,15 +1,15 @@
 // CUDA failures as exceptions.
 #pragma once
 
-#include <stdexcept>
-#include <string>
+#include "core/backend_error.h"
 
 namespace deformable_contact_monitor {
 
-// A call into CUDA failed; what() names the call and CUDA's reason.
-class CudaError : public std::runtime_error {
+// A call into CUDA failed, or there is something that the CUDA backend cannot do; what() names the
+// call and CUDA's reason.
+class CudaError : public BackendError {
  public:
-  using std::runtime_error::runtime_error;
+  using BackendError::BackendError;
 };
 
 }  // namespace deformable_contact_monitor

@@ -15,8 +15,9 @@ inline void requireUsable(int device) {
   int count = 0;
   checkCuda(cudaGetDeviceCount(&count), "no CUDA device can be used");
   if (device < 0 || device >= count) {
-    throw CudaError("there is no CUDA device " + std::to_string(device) + "; there are " +
-                    std::to_string(count));
+    throw CudaError(BackendFault::kUnavailable, "there is no CUDA device " +
+                                                    std::to_string(device) + "; there are " +
+                                                    std::to_string(count));
   }
   checkCuda(cudaSetDevice(device), "cudaSetDevice");
   int major = 0, minor = 0;
@@ -26,9 +27,10 @@ inline void requireUsable(int device) {
             "cudaDeviceGetAttribute");
   constexpr int kLeastCapability = 75;
   if (10 * major + minor < kLeastCapability) {
-    throw CudaError("CUDA device " + std::to_string(device) + " is of compute capability " +
-                    std::to_string(major) + "." + std::to_string(minor) +
-                    "; 7.5 or newer is needed");
+    throw CudaError(BackendFault::kUnavailable,
+                    "CUDA device " + std::to_string(device) + " is of compute capability " +
+                        std::to_string(major) + "." + std::to_string(minor) +
+                        "; 7.5 or newer is needed");
   }
 }
 

@@ -52,8 +52,9 @@ bool CycleSizes::growFor(const CycleCounters& c, std::uint64_t memory_limit_byte
   constexpr std::uint64_t kMost = std::uint64_t{1} << 29;  // the sweep packs members' places
   if (c.bins_wanted >= kMost || c.list_words >= kMost || c.units >= kMost) {
     throw CudaError(
+        BackendFault::kSceneTooLarge,
         "the scene is too crowded for the CUDA backend: " + std::to_string(c.bins_wanted) +
-        " places in clusters, " + std::to_string(c.units) + " work units");
+            " places in clusters, " + std::to_string(c.units) + " work units");
   }
   bool grown = grow(members, c.bins_wanted, kMost);
   grown |= grow(list_words, c.list_words, kMost);

@@ -109,9 +109,10 @@ void DeviceScene::numberMeshes(const Scene& scene) {
     triangles += scene.body(id).mesh.triangleCount();
   }
   if (triangles > kMostTriangles || vertices > kMostTriangles) {
-    throw CudaError("the scene has " + std::to_string(triangles) + " triangles and " +
-                    std::to_string(vertices) + " vertices; the CUDA backend takes up to " +
-                    std::to_string(kMostTriangles) + " of each");
+    throw CudaError(BackendFault::kSceneTooLarge, "the scene has " + std::to_string(triangles) +
+                                                      " triangles and " + std::to_string(vertices) +
+                                                      " vertices; the CUDA backend takes up to " +
+                                                      std::to_string(kMostTriangles) + " of each");
   }
   vertex_count_ = static_cast<std::uint32_t>(vertices);
   arrays_.triangle_count = static_cast<std::uint32_t>(triangles);

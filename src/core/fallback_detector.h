@@ -1,20 +1,47 @@
 // A detector that does not fail while another backend is left.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "core/backend_error.h"
 #include "core/detector.h"
 
 namespace deformable_contact_monitor {
 
 using MakeDetector = std::function<std::unique_ptr<Detector>()>;
 
-// Runs what `first` makes; once that fails to be made or to detect, with a std::runtime_error,
-// calls warn(why), one line, and from then on, that cycle included, runs what `second` makes.
-// backend() is the one that runs.
-std::unique_ptr<Detector> makeFallbackDetector(const MakeDetector& first, MakeDetector second,
-                                               std::function<void(const std::string&)> warn);
+// Why the first backend is not used, or not for every scene.
+struct BackendState {
+  std::string problem;  // one line; empty: there is none
+  BackendFault fault = BackendFault::kTransient;
+  bool tried_again = false;  // it may come back by itself
+};
+
+// When a backend that failed is tried again: after `first_s`, then after twice as long each time
+// that it fails again, up to `most_s`. It starts over after it worked for as long as it had been
+// left alone.
+struct RetryTimes {
+  double first_s = 5;
+  double most_s = 60;
+  std::function<std::chrono::steady_clock::time_point()> now = std::chrono::steady_clock::now;
+};
+
+// Runs what `first` makes. A cycle for which that fails to be made or to detect, with a
+// std::runtime_error, is run by what `second` makes. What happens then goes by
+// BackendError::fault(); any other std::runtime_error counts as kTransient.
+// kTransient: what was made is thrown away; `first` makes another at the retry time.
+// kSticky, kUnavailable: the change is for good.
+// kSceneTooLarge: scenes of fewer triangles in bodies that take part go on with the first, others
+// only from the retry time on.
+// Without retry times, every change is for good.
+// `changed` is told of the state when it changes, so also when there is no problem any more, from
+// within this call or detect(). backend() is the one that ran last.
+std::unique_ptr<Detector> makeFallbackDetector(MakeDetector first, MakeDetector second,
+                                               std::function<void(const BackendState&)> changed,
+                                               std::optional<RetryTimes> retry = std::nullopt);
 
 }  // namespace deformable_contact_monitor

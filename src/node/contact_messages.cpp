@@ -1,8 +1,11 @@
 // Conversions between what the monitor computes and its messages.
 #include "node/contact_messages.h"
 
+#include <ros/serialization.h>
+
 #include <algorithm>
 #include <exception>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,6 +15,11 @@
 
 namespace deformable_contact_monitor {
 namespace {
+
+std::uint32_t saturated(std::uint64_t count) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  return count < kMost ? static_cast<std::uint32_t>(count) : kMost;
+}
 
 void addBodies(const CycleReport& report, ContactArray* message) {
   for (const BodyStatus& body : report.bodies) {
@@ -27,9 +35,9 @@ void addBodies(const CycleReport& report, ContactArray* message) {
   }
 }
 
-void addPairs(const DetectionResult& result, std::size_t max_contacts, ContactArray* message) {
+void addPairs(const DetectionResult& result, std::size_t most, ContactArray* message) {
   const std::size_t total = result.contacts.size();
-  const std::size_t kept = max_contacts == 0 ? total : std::min(total, max_contacts);
+  const std::size_t kept = std::min(total, most);
   message->pairs.resize(kept);
   for (std::size_t i = 0; i < kept; ++i) {
     const TrianglePair& contact = result.contacts[i];
@@ -58,26 +66,36 @@ std::string problemOf(const LinkMesh& link, const TriangleMesh& mesh, bool seen_
 
 }  // namespace
 
-ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts) {
+std::size_t mostPairs(std::uint64_t most_bytes, std::uint64_t other_bytes,
+                      std::uint64_t pair_bytes) {
+  return other_bytes < most_bytes ? (most_bytes - other_bytes) / pair_bytes : 0;
+}
+
+ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts,
+                            std::uint64_t most_bytes) {
   ContactArray message;
   message.header = report.header;
   message.cycle = report.cycle;
   addBodies(report, &message);
-  if (report.result != nullptr) {
-    const DetectionResult& result = *report.result;
-    addPairs(result, max_contacts, &message);
-    message.guaranteed = result.guaranteed;
-    message.timed_out = result.cut_off && result.cut_off_because == "no time";
-    message.undecided = static_cast<std::uint32_t>(result.counters.undecided);
-    message.rejected_triangles = static_cast<std::uint32_t>(result.counters.rejected);
-    message.compute_time = ros::Duration(result.round_trip_ms / 1e3);
-    message.complete = result.guaranteed && message.skipped.empty() &&
-                       result.counters.rejected == 0 && !message.truncated && !result.cut_off;
-  }
   message.backend = report.backend;
   message.predicates = toString(report.options.predicates);
   message.overlap = report.options.overlap;
   message.age = toDuration(secondsBetween(report.now, report.header.stamp));
+  if (report.result != nullptr) {
+    const DetectionResult& result = *report.result;
+    // Behind all else that takes room.
+    using ros::serialization::serializationLength;
+    const std::size_t room =
+        mostPairs(most_bytes, serializationLength(message), serializationLength(ContactPair()));
+    addPairs(result, max_contacts == 0 ? room : std::min(max_contacts, room), &message);
+    message.guaranteed = result.guaranteed;
+    message.timed_out = result.cut_off && result.cut_off_because == "no time";
+    message.undecided = saturated(result.counters.undecided);
+    message.rejected_triangles = saturated(result.counters.rejected);
+    message.compute_time = ros::Duration(result.round_trip_ms / 1e3);
+    message.complete = result.guaranteed && message.skipped.empty() &&
+                       result.counters.rejected == 0 && !message.truncated && !result.cut_off;
+  }
   return message;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cuda/detector_choice.h"
+#include "node/backend_status.h"
 #include "node/cycle_publisher.h"
 #include "node/monitor_sink.h"
 #include "node/time_difference.h"
@@ -85,12 +86,22 @@ std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
       parameters_,
       LoopSources{mailbox_, mesh_mailboxes_, buffer_, [this] { return robot_source_.newest(); }},
       LoopTime{std::chrono::steady_clock::now, ros::Time::now},
-      makeChosenDetector(parameters_.backend, WithoutCuda::kFallBack, parameters_.cuda,
-                         [](const std::string& why) {
-                           ROS_WARN_STREAM(
-                               "contacts are found on the CPU, for CUDA cannot be used: " << why);
-                         }),
+      makeChosenDetector(parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda,
+                         [this](const BackendState& state) { noteBackend(state); }),
       std::make_unique<MonitorSink>(std::move(publisher), diagnostics_));
+}
+
+// Called by the detector: at first here, then by the detection thread.
+void ContactMonitor::noteBackend(const BackendState& state) {
+  diagnostics_.recordBackend(state);
+  const BackendStatus status = backendStatus(parameters_.backend, state);
+  if (status.level == diagnostic_msgs::DiagnosticStatus::ERROR) {
+    ROS_ERROR_STREAM(status.summary);
+  } else if (!status.summary.empty()) {
+    ROS_WARN_STREAM(status.summary);
+  } else {
+    ROS_INFO("contacts are found with CUDA again");
+  }
 }
 
 void ContactMonitor::subscribeToMeshes() {

@@ -47,6 +47,7 @@ class ContactMonitor {
   bool requestReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool reloadRobot(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   std::unique_ptr<DetectionLoop> makeLoop();
+  void noteBackend(const BackendState& state);
   void keepStatesFresh();
 
   ros::NodeHandle node_, private_node_;

@@ -95,16 +95,18 @@ void MeshInput::learnTopology(const DeformableMesh& keyframe) {
     validate(mesh, "topology " + std::to_string(keyframe.topology_id));
     topology_ = std::make_shared<const Topology>(
         Topology{keyframe.topology_id, vertex_count, std::move(mesh.triangles)});
-    topology_refusal_.clear();
+    refused_topology_.reset();
   } catch (const std::invalid_argument& error) {
     topology_ = nullptr;
-    topology_refusal_ = error.what();
+    refused_topology_ = {keyframe.topology_id, error.what()};
     throw;
   }
 }
 
 void MeshInput::checkTopology(const DeformableMesh& message) const {
-  if (!topology_ && !topology_refusal_.empty()) refuse(topology_refusal_);
+  if (refused_topology_ && refused_topology_->id == message.topology_id) {
+    refuse(refused_topology_->why);
+  }
   if (!topology_ || topology_->id != message.topology_id) {
     refuse("no triangles of topology_id " + std::to_string(message.topology_id) +
            " seen yet; publishers send them on change and at least once a second");

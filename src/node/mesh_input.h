@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,11 @@ class MeshInput {
   void forget();
 
  private:
+  struct RefusedTopology {
+    std::uint32_t id;
+    std::string why;
+  };
+
   bool isOld(const ros::Time& stamp, const ros::Time& now) const;
   bool isOutdated(const ros::Time& stamp, const ros::Time& now) const;
   // These throw std::invalid_argument.
@@ -87,7 +93,7 @@ class MeshInput {
   MeshCounters counters_;
   std::deque<AcceptedMesh> accepted_;  // ascending stamps
   std::shared_ptr<const Topology> topology_;
-  std::string topology_refusal_;  // why the newest triangles sent are not in topology_
+  std::optional<RefusedTopology> refused_topology_;  // of the newest triangles sent
 };
 
 }  // namespace deformable_contact_monitor

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "node/backend_status.h"
 #include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -117,6 +118,11 @@ void NodeDiagnostics::recordDetectorError(const std::string& error) {
   detector_error_ = error;
 }
 
+void NodeDiagnostics::recordBackend(const BackendState& state) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  backend_state_ = state;
+}
+
 void NodeDiagnostics::recordReset(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++resets_;
@@ -155,7 +161,11 @@ void NodeDiagnostics::describeStatus(Status& status) {
   if (!detector_error_.empty()) {
     status.mergeSummary(DiagnosticStatus::ERROR, "detection failed: " + detector_error_);
   }
+  const BackendStatus backend = backendStatus(parameters_.backend, backend_state_);
+  if (backend.level != DiagnosticStatus::OK) status.mergeSummary(backend.level, backend.summary);
   status.add("backend", backend_);
+  status.add("backend asked for", toString(parameters_.backend));
+  status.add("backend problem", backend_state_.problem);
   status.add("cycles", cycles_);
   status.add("resets", resets_);
   status.add("last reset", last_reset_);

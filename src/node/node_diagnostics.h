@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/fallback_detector.h"
 #include "node/cycle_report.h"
 #include "node/mesh_mailbox.h"
 #include "node/monitor_scene.h"
@@ -41,6 +42,8 @@ class NodeDiagnostics {
   void recordTransforms(const TransformReport& report);
   // A detection that failed; empty: it did not.
   void recordDetectorError(const std::string& error);
+  // The backend that was asked for fails, or works again.
+  void recordBackend(const BackendState& state);
   void recordReset(const std::string& reason);
   void recordEnabled(bool enabled);
 
@@ -75,6 +78,7 @@ class NodeDiagnostics {
   std::vector<MeshWatch> watches_;  // by object
   bool enabled_ = true;
   std::string backend_, detector_error_, last_reset_;
+  BackendState backend_state_;
   std::uint64_t cycles_ = 0, resets_ = 0;
   std::map<std::string, std::deque<double>> times_ms_;  // by stage; the latest cycles
   double busy_s_ = 0;                                   // since last_timing_

@@ -124,6 +124,7 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
 
 void readOutput(ParameterReader* reader, MonitorParameters* p) {
   constexpr int kMaxCount = 1000000000;
+  constexpr int kMostMarkerTriangles = 5000000;  // 600 MB: roscpp takes messages below a gigabyte
   p->max_rate_hz = reader->number("max_rate_hz", p->max_rate_hz, 0, 10000);
   p->robot_rate_hz = reader->number("robot_rate_hz", p->robot_rate_hz, 0.1, 1000);
   p->max_cycle_s = reader->number("max_cycle_s", p->max_cycle_s, 0.001, 3600);
@@ -136,7 +137,7 @@ void readOutput(ParameterReader* reader, MonitorParameters* p) {
   p->marker_rate_hz = reader->number("marker_rate_hz", p->marker_rate_hz, 0.1, 100);
   p->marker_lifetime_s = reader->number("marker_lifetime_s", p->marker_lifetime_s, 0.1, 60);
   p->max_marker_triangles = reader->integer(
-      "max_marker_triangles", static_cast<int>(p->max_marker_triangles), 1, kMaxCount);
+      "max_marker_triangles", static_cast<int>(p->max_marker_triangles), 1, kMostMarkerTriangles);
   p->diagnostic_min_rate_hz =
       reader->number("diagnostic_min_rate_hz", p->diagnostic_min_rate_hz, 0, 10000);
 }

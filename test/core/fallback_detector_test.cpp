@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "core/cpu/cpu_detector.h"
 #include "pair_sets.h"
@@ -13,60 +16,246 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Fails from the `failing`-th cycle on.
-class Failing : public Detector {
+// What the first backend does now, and what became of it.
+struct Device {
+  std::exception_ptr make_fails, detect_fails;
+  std::size_t most_triangles = ~std::size_t{0};
+  int made = 0, alive = 0, resets = 0, detections = 0;
+
+  void fails(BackendFault fault) {
+    detect_fails = std::make_exception_ptr(BackendError(fault, "it broke"));
+  }
+};
+
+class DeviceDetector : public Detector {
  public:
-  explicit Failing(int failing) : failing_(failing), works_(makeCpuDetector()) {}
-  std::string backend() const override { return "failing"; }
-  void reset() override {}
+  explicit DeviceDetector(Device* device) : device_(*device), works_(makeCpuDetector()) {
+    ++device_.made;
+    ++device_.alive;
+  }
+  ~DeviceDetector() override { --device_.alive; }
+  std::string backend() const override { return "device"; }
+  void reset() override { ++device_.resets; }
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
-    if (++cycle_ >= failing_) throw std::runtime_error("out of memory");
+    ++device_.detections;
+    if (device_.detect_fails) std::rethrow_exception(device_.detect_fails);
+    if (scene.triangleCount() > device_.most_triangles) {
+      throw BackendError(BackendFault::kSceneTooLarge, "too large");
+    }
     return works_->detect(scene, options);
   }
 
  private:
-  int failing_, cycle_ = 0;
+  Device& device_;
   std::unique_ptr<Detector> works_;
 };
 
 class Fallback : public testing::Test {
  protected:
-  std::unique_ptr<Detector> make(const MakeDetector& first) {
-    return makeFallbackDetector(
+  // With a clock that stands until the test moves it.
+  void make(bool tries_again = true) {
+    RetryTimes retry{5, 60, [this] { return now_; }};
+    const MakeDetector first = [this]() -> std::unique_ptr<Detector> {
+      if (device_.make_fails) std::rethrow_exception(device_.make_fails);
+      return std::make_unique<DeviceDetector>(&device_);
+    };
+    detector_ = makeFallbackDetector(
         first, [] { return makeCpuDetector(); },
-        [this](const std::string& why) { warnings_.push_back(why); });
+        [this](const BackendState& state) { told_.push_back(state); },
+        tries_again ? std::optional(retry) : std::nullopt);
   }
-  std::vector<std::string> warnings_;
-  Scene scene_ = pairScene(clothGrid(4, 1, 0, 0.1F), clothGrid(3, 1, 0.01F, 0));
+
+  // A cycle loses nothing, whatever runs it. Returns the backend that did.
+  std::string detect() { return detect(scene_); }
+  std::string detect(const Scene& scene) {
+    const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(samePairs(expected, detector_->detect(scene, Options()).contacts));
+    return detector_->backend();
+  }
+  std::string detectAfter(double s) {
+    now_ += std::chrono::milliseconds(static_cast<int>(1e3 * s));
+    return detect();
+  }
+
+  Device device_;
+  std::unique_ptr<Detector> detector_;
+  std::vector<BackendState> told_;
+  std::chrono::steady_clock::time_point now_{std::chrono::hours(3)};
+  const Scene scene_ = pairScene(clothGrid(4, 1, 0, 0.1F), clothGrid(3, 1, 0.01F, 0));
+  const Scene large_ = pairScene(clothGrid(8, 1, 0, 0.1F), clothGrid(8, 1, 0.01F, 0));
 };
 
 TEST_F(Fallback, RunsTheFirstWhileItWorks) {
-  const auto detector = make([] { return std::make_unique<Failing>(100); });
-  EXPECT_EQ(detector->backend(), "failing");
-  EXPECT_FALSE(detector->detect(scene_, Options()).contacts.empty());
-  EXPECT_EQ(detector->backend(), "failing");
-  EXPECT_TRUE(warnings_.empty());
+  make();
+  EXPECT_EQ(detector_->backend(), "device");
+  EXPECT_EQ(detect(), "device");
+  EXPECT_EQ(detectAfter(100), "device");
+  EXPECT_EQ(device_.made, 1);
+  EXPECT_TRUE(told_.empty());
 }
 
-TEST_F(Fallback, RunsTheSecondWhereTheFirstCannotBeMade) {
-  const auto detector =
-      make([]() -> std::unique_ptr<Detector> { throw std::runtime_error("no device"); });
-  EXPECT_EQ(detector->backend(), "cpu");
-  EXPECT_EQ(warnings_, std::vector<std::string>{"no device"});
-  EXPECT_FALSE(detector->detect(scene_, Options()).contacts.empty());
-  EXPECT_EQ(warnings_.size(), 1U);
+TEST_F(Fallback, RunsTheSecondForGoodWhereThereIsNoFirst) {
+  device_.make_fails =
+      std::make_exception_ptr(BackendError(BackendFault::kUnavailable, "no device"));
+  make();
+  EXPECT_EQ(detector_->backend(), "cpu");
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_EQ(told_[0].problem, "no device");
+  EXPECT_EQ(told_[0].fault, BackendFault::kUnavailable);
+  EXPECT_FALSE(told_[0].tried_again);
+  device_.make_fails = nullptr;
+  EXPECT_EQ(detect(), "cpu");
+  EXPECT_EQ(detectAfter(1000), "cpu");
+  EXPECT_EQ(told_.size(), 1U);
 }
 
-TEST_F(Fallback, LosesNoCycleWhenTheFirstFails) {
-  const auto expected = makeCpuDetector()->detect(scene_, Options()).contacts;
-  ASSERT_FALSE(expected.empty());
-  const auto detector = make([] { return std::make_unique<Failing>(3); });
-  for (int cycle = 1; cycle <= 5; ++cycle) {
-    EXPECT_TRUE(samePairs(expected, detector->detect(scene_, Options()).contacts));
-    EXPECT_EQ(detector->backend(), cycle < 3 ? "failing" : "cpu");
-    EXPECT_EQ(warnings_.size(), cycle < 3 ? 0U : 1U);
+TEST_F(Fallback, ABusyDeviceIsTriedAgain) {
+  device_.make_fails = std::make_exception_ptr(BackendError(BackendFault::kTransient, "busy"));
+  make();
+  EXPECT_EQ(detect(), "cpu");
+  EXPECT_TRUE(told_.at(0).tried_again);
+  device_.make_fails = nullptr;
+  EXPECT_EQ(detectAfter(4.9), "cpu");
+  EXPECT_EQ(detectAfter(0.1), "device");
+  ASSERT_EQ(told_.size(), 2U);
+  EXPECT_TRUE(told_[1].problem.empty());
+}
+
+TEST_F(Fallback, ATransientFailureCostsNoCycleAndIsOverOnceAnotherOneWorks) {
+  make();
+  EXPECT_EQ(detect(), "device");
+  device_.fails(BackendFault::kTransient);
+  EXPECT_EQ(detect(), "cpu");
+  EXPECT_EQ(device_.alive, 0) << "its state is in doubt, and its memory is wanted";
+  EXPECT_EQ(told_.at(0).problem, "it broke");
+  EXPECT_EQ(told_[0].fault, BackendFault::kTransient);
+  EXPECT_TRUE(told_[0].tried_again);
+  device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(4.9), "cpu");
+  EXPECT_EQ(device_.made, 1);
+  EXPECT_EQ(detectAfter(0.1), "device");
+  EXPECT_EQ(device_.made, 2);
+  ASSERT_EQ(told_.size(), 2U);
+  EXPECT_TRUE(told_[1].problem.empty());
+}
+
+TEST_F(Fallback, WaitsTwiceAsLongEachTimeUpToAMinute) {
+  make();
+  device_.fails(BackendFault::kTransient);
+  detect();
+  for (const double wait_s : {5.0, 10.0, 20.0, 40.0, 60.0, 60.0}) {
+    const int before = device_.detections;
+    EXPECT_EQ(detectAfter(wait_s - 0.1), "cpu");
+    EXPECT_EQ(device_.detections, before) << wait_s;
+    EXPECT_EQ(detectAfter(0.1), "cpu");
+    EXPECT_EQ(device_.detections, before + 1) << wait_s;
   }
-  EXPECT_EQ(warnings_[0], "out of memory");
+  EXPECT_EQ(told_.size(), 1U) << "once";
+}
+
+TEST_F(Fallback, WhatFailsSoonAgainWaitsLonger) {
+  make();
+  device_.fails(BackendFault::kTransient);
+  detect();
+  device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(5), "device");
+  device_.fails(BackendFault::kTransient);
+  EXPECT_EQ(detectAfter(4.9), "cpu");
+  device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(9.9), "cpu");
+  EXPECT_EQ(detectAfter(0.1), "device");
+  device_.fails(BackendFault::kTransient);
+  EXPECT_EQ(detectAfter(10), "cpu") << "it worked as long as it had been left alone";
+  device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(5), "device");
+}
+
+TEST_F(Fallback, AStickyFailureIsForGood) {
+  make();
+  device_.fails(BackendFault::kSticky);
+  EXPECT_EQ(detect(), "cpu");
+  device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(3600), "cpu");
+  EXPECT_EQ(device_.detections, 1);
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_EQ(told_[0].fault, BackendFault::kSticky);
+  EXPECT_FALSE(told_[0].tried_again);
+}
+
+TEST_F(Fallback, ATransientFailureMayTurnOutToBeSticky) {
+  make();
+  device_.fails(BackendFault::kTransient);
+  detect();
+  device_.make_fails = std::make_exception_ptr(BackendError(BackendFault::kSticky, "dead"));
+  EXPECT_EQ(detectAfter(5), "cpu");
+  EXPECT_EQ(told_.back().fault, BackendFault::kSticky);
+  EXPECT_EQ(told_.back().problem, "dead");
+  device_.make_fails = device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(3600), "cpu");
+}
+
+TEST_F(Fallback, ASceneThatIsTooLargeCostsOthersNothing) {
+  device_.most_triangles = scene_.triangleCount();
+  make();
+  EXPECT_EQ(detect(large_), "cpu");
+  EXPECT_EQ(told_.at(0).fault, BackendFault::kSceneTooLarge);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(detect(scene_), "device");
+    const int before = device_.detections;
+    EXPECT_EQ(detect(large_), "cpu");
+    EXPECT_EQ(device_.detections, before) << "it is known to be too large";
+  }
+  EXPECT_EQ(device_.made, 1) << "nothing is wrong with it";
+  EXPECT_EQ(told_.size(), 1U) << "the large one still waits";
+  EXPECT_EQ(detectAfter(5), "device");
+  ASSERT_EQ(told_.size(), 2U);
+  EXPECT_TRUE(told_[1].problem.empty());
+}
+
+// A scene can be too crowded for its size, and then no longer be.
+TEST_F(Fallback, ASceneThatWasTooLargeIsTriedAgain) {
+  make();
+  device_.fails(BackendFault::kSceneTooLarge);
+  EXPECT_EQ(detect(), "cpu");
+  device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(4.9), "cpu");
+  EXPECT_EQ(detectAfter(0.1), "device");
+  EXPECT_EQ(device_.made, 1);
+  EXPECT_TRUE(told_.back().problem.empty());
+}
+
+TEST_F(Fallback, BodiesThatTakeNoPartMakeNoSceneLarge) {
+  make();
+  device_.fails(BackendFault::kSceneTooLarge);
+  EXPECT_EQ(detect(large_), "cpu");
+  device_.detect_fails = nullptr;
+  Scene scene = pairScene(clothGrid(4, 1, 0, 0.1F), clothGrid(3, 1, 0.01F, 0));
+  scene.addBody("bystander", clothGrid(20, 1, 0, 0));
+  EXPECT_EQ(detect(scene), "device");
+}
+
+TEST_F(Fallback, AnyOtherRuntimeErrorIsTransient) {
+  make();
+  device_.detect_fails = std::make_exception_ptr(std::runtime_error("who knows"));
+  EXPECT_EQ(detect(), "cpu");
+  device_.detect_fails = nullptr;
+  EXPECT_EQ(detectAfter(5), "device");
+}
+
+TEST_F(Fallback, WithoutRetryTimesEveryChangeIsForGood) {
+  for (const BackendFault fault :
+       {BackendFault::kTransient, BackendFault::kSceneTooLarge, BackendFault::kSticky}) {
+    told_.clear();
+    make(false);
+    EXPECT_EQ(detect(large_), "device");
+    device_.fails(fault);
+    EXPECT_EQ(detect(large_), "cpu");
+    device_.detect_fails = nullptr;
+    EXPECT_EQ(detectAfter(3600), "cpu");
+    EXPECT_EQ(told_.size(), 1U);
+    EXPECT_FALSE(told_.at(0).tried_again);
+  }
 }
 
 TEST_F(Fallback, ACycleThatIsCutOffIsNoReasonToFallBack) {
@@ -82,11 +271,12 @@ TEST_F(Fallback, ACycleThatIsCutOffIsNoReasonToFallBack) {
 }
 
 TEST_F(Fallback, BadOptionsAreNoReasonToFallBack) {
-  const auto detector = make([] { return makeCpuDetector(); });
+  make();
   Options options;
   options.overlap = 2;
-  EXPECT_THROW(detector->detect(scene_, options), std::invalid_argument);
-  EXPECT_TRUE(warnings_.empty());
+  EXPECT_THROW(detector_->detect(scene_, options), std::invalid_argument);
+  EXPECT_EQ(detector_->backend(), "device");
+  EXPECT_TRUE(told_.empty());
 }
 
 }  // namespace

@@ -20,16 +20,23 @@ CudaSettings noSuchDevice() {
   return settings;
 }
 
+constexpr WithoutCuda kAnswers[] = {WithoutCuda::kTryAgain, WithoutCuda::kFallBack,
+                                    WithoutCuda::kRefuse};
+
 struct Made {
   std::unique_ptr<Detector> detector;
   std::vector<std::string> reasons;  // for which the CPU took over
+  std::vector<BackendFault> faults;
 };
 
+// The settings go before the detector does: what is made later must not need them.
 Made make(BackendChoice choice, WithoutCuda without_cuda) {
   Made made;
   made.detector =
-      makeChosenDetector(choice, without_cuda, noSuchDevice(),
-                         [&made](const std::string& why) { made.reasons.push_back(why); });
+      makeChosenDetector(choice, without_cuda, noSuchDevice(), [&made](const BackendState& state) {
+        made.reasons.push_back(state.problem);
+        made.faults.push_back(state.fault);
+      });
   return made;
 }
 
@@ -52,7 +59,7 @@ TEST(DetectorChoice, NamesReadBack) {
 }
 
 TEST(DetectorChoice, CpuAsksForNoCuda) {
-  for (const WithoutCuda without_cuda : {WithoutCuda::kFallBack, WithoutCuda::kRefuse}) {
+  for (const WithoutCuda without_cuda : kAnswers) {
     const Made made = make(BackendChoice::kCpu, without_cuda);
     EXPECT_EQ(made.detector->backend(), "cpu");
     EXPECT_TRUE(made.reasons.empty());
@@ -60,17 +67,20 @@ TEST(DetectorChoice, CpuAsksForNoCuda) {
 }
 
 TEST(DetectorChoice, AutoFallsBackAndSaysWhyOnce) {
-  for (const WithoutCuda without_cuda : {WithoutCuda::kFallBack, WithoutCuda::kRefuse}) {
+  for (const WithoutCuda without_cuda : kAnswers) {
     const Made made = make(BackendChoice::kAuto, without_cuda);
     EXPECT_EQ(made.detector->backend(), "cpu");
     EXPECT_EQ(made.reasons, std::vector<std::string>{whyNotCuda()});
+    EXPECT_EQ(made.faults, std::vector<BackendFault>{BackendFault::kUnavailable});
   }
 }
 
 TEST(DetectorChoice, CudaFallsBackOnlyWhereThatIsAllowed) {
-  const Made made = make(BackendChoice::kCuda, WithoutCuda::kFallBack);
-  EXPECT_EQ(made.detector->backend(), "cpu");
-  EXPECT_EQ(made.reasons, std::vector<std::string>{whyNotCuda()});
+  for (const WithoutCuda without_cuda : {WithoutCuda::kTryAgain, WithoutCuda::kFallBack}) {
+    const Made made = make(BackendChoice::kCuda, without_cuda);
+    EXPECT_EQ(made.detector->backend(), "cpu");
+    EXPECT_EQ(made.reasons, std::vector<std::string>{whyNotCuda()});
+  }
   EXPECT_THROW(make(BackendChoice::kCuda, WithoutCuda::kRefuse), CudaError);
 }
 

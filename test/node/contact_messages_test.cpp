@@ -2,6 +2,7 @@
 #include "node/contact_messages.h"
 
 #include <gtest/gtest.h>
+#include <ros/serialization.h>
 
 #include <array>
 #include <cstdint>
@@ -62,6 +63,47 @@ TEST(ContactArrayTest, truncationKeepsTheFirstPairsAndTheCount) {
   EXPECT_EQ(whole.pairs.size(), 3U);
   EXPECT_FALSE(whole.truncated);
   EXPECT_TRUE(whole.complete);
+}
+
+TEST(ContactArrayTest, aMessageHoldsAsManyPairsAsHaveRoom) {
+  EXPECT_EQ(mostPairs(1000, 0, 16), 62U);
+  EXPECT_EQ(mostPairs(1000, 8, 16), 62U);
+  EXPECT_EQ(mostPairs(1000, 9, 16), 61U);
+  EXPECT_EQ(mostPairs(1000, 984, 16), 1U);
+  EXPECT_EQ(mostPairs(1000, 985, 16), 0U);
+  EXPECT_EQ(mostPairs(1000, 1001, 16), 0U);
+  EXPECT_LT(kMostMessageBytes, 1000000000U) << "roscpp drops connections for more";
+  EXPECT_EQ(mostPairs(kMostMessageBytes, 4000, 16), 56249750U);
+}
+
+TEST(ContactArrayTest, beyondItsRoomItIsTruncatedAndSaysSo) {
+  const SampleReport sample;
+  const auto bytesOf = [](const ContactArray& message) {
+    return ros::serialization::serializationLength(message);
+  };
+  const ContactArray whole = toContactArray(sample.report, 0);
+  EXPECT_EQ(toContactArray(sample.report, 0, bytesOf(whole)).pairs.size(), 3U);
+  const ContactArray cut = toContactArray(sample.report, 0, bytesOf(whole) - 1);
+  EXPECT_EQ(pairsOf(cut), (PairList{{0, 0, 2, 0}, {0, 0, 2, 1}}));
+  EXPECT_EQ(bytesOf(cut), bytesOf(whole) - 16);
+  EXPECT_EQ(cut.pair_count, 3U);
+  EXPECT_TRUE(cut.truncated);
+  EXPECT_FALSE(cut.complete);
+  EXPECT_EQ(toContactArray(sample.report, 1, bytesOf(whole) - 1).pairs.size(), 1U);
+  EXPECT_EQ(toContactArray(sample.report, 3, bytesOf(whole) - 1).pairs.size(), 2U);
+  EXPECT_TRUE(toContactArray(sample.report, 0, 1).pairs.empty());
+}
+
+TEST(ContactArrayTest, countsStopAtWhatTheirFieldsHold) {
+  SampleReport sample;
+  sample.result.left_out = std::uint64_t{1} << 33;
+  sample.result.counters.undecided = std::uint64_t{1} << 32;
+  sample.result.counters.rejected = (std::uint64_t{1} << 32) + 5;
+  const ContactArray message = toContactArray(sample.report, 0);
+  EXPECT_EQ(message.pair_count, (std::uint64_t{1} << 33) + 3);
+  EXPECT_EQ(message.undecided, 0xFFFFFFFFU);
+  EXPECT_EQ(message.rejected_triangles, 0xFFFFFFFFU);
+  EXPECT_FALSE(message.complete);
 }
 
 TEST(ContactArrayTest, contactsThatTheDetectorLeftOutAreCounted) {

@@ -10,15 +10,6 @@ namespace {
 
 using ChangesTest = LoopTest;
 
-void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s) {
-  geometry_msgs::TransformStamped t;
-  t.header.frame_id = "base";
-  t.header.stamp = ros::Time(stamp_s);
-  t.child_frame_id = frame;
-  t.transform.rotation.w = 1;
-  buffer->setTransform(t, "test");
-}
-
 AllowedContact allowed(const std::string& a, const std::string& b) {
   AllowedContact rule;
   rule.body_a = a;

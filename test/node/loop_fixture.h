@@ -89,6 +89,15 @@ struct FakeSink : CycleSink {
   std::function<void()>* const at_start;
 };
 
+inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s) {
+  geometry_msgs::TransformStamped t;
+  t.header.frame_id = "base";
+  t.header.stamp = ros::Time(stamp_s);
+  t.child_frame_id = frame;
+  t.transform.rotation.w = 1;
+  buffer->setTransform(t, "test");
+}
+
 // Two objects, 0 "cloth" and 1 "cable", in the reference frame "base", monitored against each
 // other; no limit of the rate. Clocks stand until the test moves them.
 class LoopTest : public ::testing::Test {

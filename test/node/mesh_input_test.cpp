@@ -130,6 +130,16 @@ TEST_F(MeshInputTest, AfterBadTrianglesTheOldOnesAreNotUsed) {
   EXPECT_NE(at(50.3), nullptr);
 }
 
+// And no longer under its id once that has good ones.
+TEST_F(MeshInputTest, TheReasonOfBadTrianglesIsThatOfTheirIdAlone) {
+  expectRefused(keyframe(50, 1, {0, 1, 9}), "refers to vertex 9");
+  expectRefused(mesh(50.1, 2), "no triangles of topology_id 2 seen yet");
+  EXPECT_EQ(input_.counters().refusal.find("vertex 9"), std::string::npos);
+  expectRefused(mesh(50.2, 1), "refers to vertex 9");
+  give(keyframe(50.3, 2));
+  expectRefused(mesh(50.4, 1), "no triangles of topology_id 1 seen yet");
+}
+
 TEST_F(MeshInputTest, SenselessHeadersAreRefused) {
   auto nameless = keyframe(50);
   nameless->header.frame_id.clear();
@@ -187,6 +197,13 @@ TEST_F(MeshInputTest, AMeshWithTheStampOfTheNewestReplacesIt) {
   EXPECT_EQ(give(again), Acceptance::kAccepted);
   EXPECT_EQ(at(50)->message, again);
   EXPECT_EQ(input_.newestAt(ros::Time(50.4), &why_not_)->message, again);
+}
+
+TEST_F(MeshInputTest, MeshesOfOneStampTakeNoOthersPlace) {
+  give(keyframe(50));
+  for (int i = 0; i < 100; ++i) give(mesh(50.1));
+  ASSERT_NE(at(50.05), nullptr) << "only 32 are kept";
+  EXPECT_EQ(at(50.05)->stamp(), ros::Time(50));
 }
 
 // Without a clock, or where the newest was stamped ahead of it.

@@ -139,9 +139,12 @@ TEST(Parameters, EndsOfRangesAreIn) {
   tree["tf_timeout_s"] = 1;
   tree["max_rate_hz"] = 0;
   tree["clusters"] = kMaxClusters;
+  tree["max_marker_triangles"] = 5000000;
   EXPECT_NO_THROW(parse(tree));
   tree["clusters"] = kMaxClusters + 1;
+  tree["max_marker_triangles"] = 5000001;
   expectIn("clusters is 65536", refusalOf(tree));
+  expectIn("max_marker_triangles is 5000001", refusalOf(tree));
 }
 
 TEST(Parameters, UnknownNamesAreWarningsAtEveryLevel) {

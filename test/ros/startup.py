@@ -8,7 +8,7 @@ import unittest
 
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 import boxes_scene
 from boxes_scene import CLOTH, REFERENCE_FRAME
@@ -63,6 +63,28 @@ class Startup(unittest.TestCase):
         self.assertGreater(times["cycle"], times["detection"])
         self.assertGreater(times["latency"], times["detection"])
         self.assertTrue(any(what.startswith("stage ") for what in times), times)
+
+    def test_cuda_asked_for_by_name_and_not_to_be_had_is_an_error(self):
+        for parameter, value in {**GOOD, "backend": "cuda", "device": 1023}.items():
+            rospy.set_param(f"/no_such_device/{parameter}", value)
+        node = subprocess.Popen([executable("contact_monitor"), "__name:=no_such_device"],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(node.wait, WAIT_S)
+        self.addCleanup(node.terminate)
+
+        def status(diagnostics):
+            return [status for status in diagnostics.status
+                    if "no_such_device" in status.name and status.name.endswith("status")
+                    and {"backend": "cpu"}.items() <= values(status).items()]
+
+        def values(status):
+            return {value.key: value.value for value in status.values}
+
+        found, = status(Log("/diagnostics", DiagnosticArray).wait("the status", status))
+        self.assertEqual(found.level, DiagnosticStatus.ERROR)
+        self.assertIn("contacts are found on the CPU, for CUDA cannot be used: ", found.message)
+        self.assertEqual(values(found)["backend asked for"], "cuda")
+        self.assertNotEqual(values(found)["backend problem"], "")
 
     def test_bad_parameters_are_refused_all_of_them(self):
         bad = {"tf_timeout_s": 7.5, "predicates": "sloppy", "max_contacts": -3,

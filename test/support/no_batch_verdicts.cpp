@@ -7,7 +7,7 @@ namespace deformable_contact_monitor {
 std::vector<BatchVerdict> batchVerdicts(const std::vector<VerdictQuestion>& /*pairs*/,
                                         AdjacentPairs /*adjacent*/, Predicates /*predicates*/,
                                         float /*margin_m*/) {
-  throw CudaError("this build has no CUDA backend");
+  throw CudaError(BackendFault::kUnavailable, "this build has no CUDA backend");
 }
 
 }  // namespace deformable_contact_monitor

@@ -27,10 +27,11 @@ std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda w
 #endif
   }
   const BackendChoice choice = toBackendChoice(backend);
-  return makeChosenDetector(choice, without_cuda, settings, [warn, choice](const std::string& why) {
-    if (choice == BackendChoice::kAuto) return;
-    warn("CUDA cannot be used, so on the CPU: " + why);
-  });
+  return makeChosenDetector(choice, without_cuda, settings,
+                            [warn, choice](const BackendState& state) {
+                              if (choice == BackendChoice::kAuto) return;
+                              warn("CUDA cannot be used, so on the CPU: " + state.problem);
+                            });
 }
 
 bool supportsMargins(const Detector& detector) { return detector.backend() != "fcl"; }

@@ -9,19 +9,25 @@ namespace deformable_contact_monitor {
 
 class OutputFile {
  public:
-  // Opens and empties the file; "-" is standard output. Throws std::system_error that names it.
+  // "-" is standard output. Sees that the file can be written, so that what takes long is not in
+  // vain, but leaves it as it is. Throws std::system_error that names it.
   explicit OutputFile(const std::string& path);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
 
-  // Once. All of it is with the system when this returns. Throws std::system_error that names the
-  // file; a reader that went away is std::errc::broken_pipe (with SIGPIPE ignored).
+  // Once. All of it is with the system when this returns; a file is replaced as a whole, or, where
+  // this throws, not at all. Throws std::system_error that names the file; a reader that went away
+  // is std::errc::broken_pipe (with SIGPIPE ignored).
   void write(std::string_view text);
 
  private:
-  std::string name_;
-  std::FILE* file_;
+  [[noreturn]] void fail() const;
+  std::FILE* open(const std::string& path) const;
+  void writeTo(std::FILE* file, std::string_view text) const;
+
+  std::string path_;
+  std::FILE* stream_ = nullptr;  // of what is no plain file; else null
 };
 
 // With the folders above it, where they are missing. Throws std::system_error that names it.

@@ -142,7 +142,8 @@ BagSetup setUp(const EvaluateArguments& arguments, const BagContents& contents) 
 // Made if need be. What this evaluation may not write must not be an earlier one's.
 std::string cleanFolder(const std::string& folder) {
   makeFolder(folder);
-  for (const char* name : {"/summary.json", "/pairs.csv", "/report.html"}) {
+  for (const char* name :
+       {"/frames.csv", "/links.csv", "/summary.json", "/pairs.csv", "/report.html"}) {
     std::error_code none;
     std::filesystem::remove(folder + name, none);
   }

@@ -203,6 +203,19 @@ def about_table(summary):
     return table(["", ""], [[html.escape(name), html.escape(text)] for name, text in rows])
 
 
+def write_whole(path, content):
+    """The file has its name only once it is whole."""
+    part = f"{path}.{os.getpid()}.part"
+    try:
+        with open(part, "wb") as file:
+            file.write(content)
+        os.replace(part, path)
+    except OSError:
+        if os.path.exists(part):
+            os.remove(part)
+        raise
+
+
 def report(folder):
     with open(os.path.join(folder, "summary.json"), errors="replace") as file:
         summary = json.load(file)
@@ -224,9 +237,9 @@ def report(folder):
                   "<h2>Pairs over time</h2>", plot_pairs(runs, start),
                   "<h2>Latency</h2>", plot_latency(runs), plot_stages(summary)]
     parts += ["<h2>What was evaluated</h2>", about_table(summary)]
-    with open(os.path.join(folder, "report.html"), "w") as file:
-        file.write(f'<!DOCTYPE html><meta charset="utf-8"><title>{html.escape(bags)}</title>'
-                   f"<style>{STYLE}</style>" + "\n".join(parts) + "\n")
+    text = (f'<!DOCTYPE html><meta charset="utf-8"><title>{html.escape(bags)}</title>'
+            f"<style>{STYLE}</style>" + "\n".join(parts) + "\n")
+    write_whole(os.path.join(folder, "report.html"), text.encode(errors="replace"))
 
 
 if __name__ == "__main__":

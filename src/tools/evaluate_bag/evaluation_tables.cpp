@@ -46,7 +46,8 @@ std::string objects(const CycleReport& cycle) {
 
 }  // namespace
 
-TableFile::TableFile(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+TableFile::TableFile(const std::string& path)
+    : path_(path), part_(path), file_(part_.writtenAs(), std::ios::binary) {
   if (!file_) fail();
 }
 
@@ -56,8 +57,9 @@ void TableFile::line(const std::string& text) {
 }
 
 void TableFile::finish() {
-  file_.flush();
+  file_.close();
   if (!file_) fail();
+  part_.finish();
 }
 
 void TableFile::fail() const {

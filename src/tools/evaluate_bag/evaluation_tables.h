@@ -9,22 +9,24 @@
 #include <utility>
 #include <vector>
 
+#include "tools/common/part_file.h"
 #include "tools/evaluate_bag/evaluation_run.h"
 
 namespace deformable_contact_monitor {
 
-// A file of lines. Throws std::system_error that names it.
+// A file of lines, which has its name from finish() on. Throws std::system_error that names it.
 class TableFile {
  public:
   explicit TableFile(const std::string& path);
   void line(const std::string& text);
-  // All of it is with the system when this returns.
+  // All of it is with the system when this returns. Once, and nothing after it.
   void finish();
 
  private:
   [[noreturn]] void fail() const;
 
   std::string path_;
+  PartFile part_;
   std::ofstream file_;
 };
 

@@ -8,6 +8,7 @@ exact.png     the share of candidate pairs that reached the exact stage
 """
 import argparse
 import csv
+import os
 import pathlib
 import sys
 
@@ -201,6 +202,18 @@ def plot_exact(scenes):
     return figure
 
 
+def write_whole(path, figure):
+    """The picture has its name only once it is whole."""
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        figure.savefig(part, format="png", dpi=100, bbox_inches="tight")
+        part.replace(path)
+    except OSError:
+        if part.exists():
+            part.unlink()
+        raise
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -213,7 +226,7 @@ def main():
     for name, plot in (("accuracy", plot_accuracy), ("work", plot_work),
                        ("clusters", plot_clusters), ("exact", plot_exact)):
         figure = plot(scenes)
-        figure.savefig(arguments.out / f"{name}.png", dpi=100, bbox_inches="tight")
+        write_whole(arguments.out / f"{name}.png", figure)
         pyplot.close(figure)
 
 

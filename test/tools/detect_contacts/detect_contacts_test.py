@@ -7,6 +7,7 @@ checked on real data.
 import json
 import os
 import pathlib
+import resource
 import shutil
 import struct
 import subprocess
@@ -226,6 +227,25 @@ class DetectContacts(unittest.TestCase):
                                   stderr=subprocess.PIPE, text=True, timeout=60, check=False)
         self.assertEqual(done.returncode, 2)
         self.assertIn("standard output", done.stderr)
+
+    def test_a_disk_that_is_full_leaves_no_half_a_file(self):
+        floor = self.mesh("floor.obj", FLOOR)
+        touch = self.mesh("touch.obj", TOUCHING + "f 1 2 3\n" * 300)
+        for earlier in (None, "what was there\n"):
+            if earlier:
+                with open(self.path("pairs"), "w") as file:
+                    file.write(earlier)
+            before = sorted(os.listdir(self.folder))
+            done = subprocess.run(
+                [TOOL, "--pairs", self.path("pairs"), floor, touch], stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE, text=True, timeout=60, check=False, restore_signals=False,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn("pairs: cannot be written", done.stderr)
+            self.assertEqual(sorted(os.listdir(self.folder)), before)
+            if earlier:
+                with open(self.path("pairs")) as file:
+                    self.assertEqual(file.read(), earlier)
 
     def test_reader_that_goes_away(self):
         floor = self.mesh("floor.obj", FLOOR + "f 1 2 3\n" * 300)

@@ -7,6 +7,7 @@ import os
 import pathlib
 import random
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -295,6 +296,18 @@ class EvaluateBag(unittest.TestCase):
             report = file.read()
         self.assertEqual(report.count("<svg"), 4)
         self.assertIn("panda_hand / tshirt", re.sub(r"<!--|-->", "", report))
+
+    def test_a_disk_that_is_full_leaves_no_half_a_report(self):
+        self.evaluate(self.bag())
+        os.remove(self.path("out/report.html"))
+        before = sorted(os.listdir(self.path("out")))
+        done = subprocess.run(
+            [str(pathlib.Path(TOOL).with_name("evaluation_report.py")), self.path("out")],
+            stderr=subprocess.PIPE, text=True, timeout=120, check=False, restore_signals=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000)))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("evaluation_report.py: ", done.stderr)
+        self.assertEqual(sorted(os.listdir(self.path("out"))), before)
 
     def test_nothing_of_an_earlier_evaluation_is_left(self):
         self.evaluate(self.bag())

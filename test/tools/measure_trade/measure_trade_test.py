@@ -8,6 +8,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import re
 import shutil
 import subprocess
@@ -235,6 +236,24 @@ class MeasureTrade(Case):
                               timeout=120, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"\Aplot_trade.py: .*three/settings.csv.*\n\Z")
+
+    def test_a_disk_that_is_full_leaves_no_half_a_picture(self):
+        self.works(*self.scene(), *quick(overlaps="1", predicates="exact"))
+        folder = pathlib.Path(self.path("trade"))
+        if not (folder / "work.png").exists():
+            self.skipTest("SKIPPED: no matplotlib")
+        for picture in folder.glob("*.png"):
+            picture.unlink()
+        (folder / "accuracy.png").write_text("what was there")
+        before = sorted(os.listdir(folder))
+        done = subprocess.run(
+            [str(pathlib.Path(TOOL).with_name("plot_trade.py")), str(folder), "--out", str(folder)],
+            stderr=subprocess.PIPE, text=True, timeout=120, check=False, restore_signals=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000)))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("plot_trade.py: ", done.stderr)
+        self.assertEqual(sorted(os.listdir(folder)), before)
+        self.assertEqual((folder / "accuracy.png").read_text(), "what was there")
 
     def test_without_matplotlib_there_are_no_plots_and_a_note(self):
         os.mkdir(self.path("blocked"))

@@ -1,0 +1,158 @@
+// What a device that fails costs: out of memory, some cycles on the CPU; a dead context, CUDA.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/cpu/cpu_detector.h"
+#include "core/fallback_detector.h"
+#include "cuda/cuda_detector.h"
+#include "cuda/device/check.cuh"
+#include "pair_sets.h"
+#include "scenes.h"
+#include "test_data.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+TEST(DeviceFailures, AreToldApart) {
+  for (const cudaError_t status : {cudaErrorMemoryAllocation, cudaErrorDevicesUnavailable}) {
+    EXPECT_EQ(faultOf(status), BackendFault::kTransient) << cudaGetErrorName(status);
+  }
+  for (const cudaError_t status : {cudaErrorIllegalAddress, cudaErrorLaunchFailure,
+                                   cudaErrorECCUncorrectable, cudaErrorAssert}) {
+    EXPECT_EQ(faultOf(status), BackendFault::kSticky) << cudaGetErrorName(status);
+  }
+  for (const cudaError_t status : {cudaErrorNoDevice, cudaErrorInsufficientDriver}) {
+    EXPECT_EQ(faultOf(status), BackendFault::kUnavailable) << cudaGetErrorName(status);
+  }
+}
+
+bool hasDevice() {
+  try {
+    makeCudaDetector();
+    return true;
+  } catch (const CudaError& error) {
+    EXPECT_FALSE(isCudaRequired()) << error.what();
+    return false;
+  }
+}
+
+// All of the device's memory that can be had, until this goes.
+class MemoryHog {
+ public:
+  MemoryHog() {
+    constexpr std::size_t kLeast = std::size_t{1} << 16;
+    for (std::size_t bytes = std::size_t{1} << 34; bytes >= kLeast; bytes /= 2) {
+      void* block = nullptr;
+      while (cudaMalloc(&block, bytes) == cudaSuccess) blocks_.push_back(block);
+      cudaGetLastError();
+    }
+  }
+  MemoryHog(const MemoryHog&) = delete;
+  MemoryHog& operator=(const MemoryHog&) = delete;
+  ~MemoryHog() {
+    for (void* block : blocks_) cudaFree(block);
+  }
+
+ private:
+  std::vector<void*> blocks_;
+};
+
+Scene smallScene() { return pairScene(clothGrid(20, 1, 0, 0.1F), clothGrid(20, 1, 0.01F, 0)); }
+Scene wideScene() { return pairScene(clothGrid(400, 1, 0, 0.1F), clothGrid(400, 1, 0.01F, 0)); }
+
+// With a clock that the test moves.
+struct Monitored {
+  std::chrono::steady_clock::time_point now{std::chrono::hours(3)};
+  std::vector<BackendState> told;
+  std::unique_ptr<Detector> detector =
+      makeFallbackDetector([] { return makeCudaDetector(); }, makeCpuDetector,
+                           [this](const BackendState& state) { told.push_back(state); },
+                           RetryTimes{5, 60, [this] { return now; }});
+
+  // A cycle finds what the CPU finds. Returns the backend that ran.
+  std::string detect(const Scene& scene) {
+    const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(samePairs(expected, detector->detect(scene, Options()).contacts));
+    return detector->backend();
+  }
+};
+
+TEST(DeviceFailures, OutOfMemoryIsTransient) {
+  if (!hasDevice()) return;
+  const auto detector = makeCudaDetector();
+  const MemoryHog hog;
+  try {
+    detector->detect(wideScene(), Options());
+    ADD_FAILURE() << "there was memory left";
+  } catch (const CudaError& error) {
+    EXPECT_EQ(error.fault(), BackendFault::kTransient) << error.what();
+    EXPECT_NE(std::string(error.what()).find("memory"), std::string::npos) << error.what();
+  }
+}
+
+TEST(DeviceFailures, AfterOutOfMemoryCudaComesBack) {
+  if (!hasDevice()) return;
+  Monitored monitored;
+  EXPECT_EQ(monitored.detect(smallScene()), "cuda");
+  {
+    const MemoryHog hog;
+    EXPECT_EQ(monitored.detect(wideScene()), "cpu");
+    ASSERT_EQ(monitored.told.size(), 1U);
+    EXPECT_EQ(monitored.told[0].fault, BackendFault::kTransient);
+    EXPECT_TRUE(monitored.told[0].tried_again);
+    monitored.now += std::chrono::seconds(5);
+    EXPECT_EQ(monitored.detect(wideScene()), "cpu") << "still none";
+  }
+  EXPECT_EQ(monitored.detect(wideScene()), "cpu") << "it is not time yet";
+  monitored.now += std::chrono::seconds(10);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(monitored.detect(wideScene()), "cuda");
+  EXPECT_TRUE(monitored.told.back().problem.empty());
+}
+
+__global__ void writeToNowhere(int* nowhere) { *nowhere = 1; }
+__global__ void trap() { asm("trap;"); }
+
+// Ends the process: 0 if all is as it should be.
+void killContextAndGoOn(bool by_address) {
+  Monitored monitored;
+  int problems = monitored.detect(smallScene()) == "cuda" ? 0 : 1;
+  if (by_address) {
+    writeToNowhere<<<1, 1>>>(nullptr);
+  } else {
+    trap<<<1, 1>>>();
+  }
+  cudaDeviceSynchronize();
+  for (int i = 0; i < 3; ++i) {
+    if (monitored.detect(smallScene()) != "cpu") problems += 2;
+    monitored.now += std::chrono::hours(1);
+  }
+  if (monitored.told.size() != 1 || monitored.told[0].fault != BackendFault::kSticky ||
+      monitored.told[0].tried_again) {
+    problems += 16;
+  }
+  for (const BackendState& state : monitored.told) {
+    std::fprintf(stderr, "told: %s\n", state.problem.c_str());
+  }
+  if (testing::Test::HasFailure()) problems += 32;
+  monitored.detector.reset();  // may neither throw nor hang
+  std::exit(problems);
+}
+
+// In processes of their own, started afresh: a forked one cannot use CUDA.
+TEST(DeviceFailures, ADeadContextIsSticky) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  if (!hasDevice()) return;
+  for (const bool by_address : {true, false}) {
+    EXPECT_EXIT(killContextAndGoOn(by_address), testing::ExitedWithCode(0), "told: ") << by_address;
+  }
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

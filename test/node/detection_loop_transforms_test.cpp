@@ -1,0 +1,103 @@
+// How long the detection loop waits for transforms, and whom that holds up.
+#include <string>
+
+#include "loop_fixture.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// The cloth is seen by a camera; the cable needs no transforms.
+class TransformsTest : public LoopTest {
+ protected:
+  TransformsTest() { parameters_.tf_timeout_s = 0.125; }
+
+  static std::string late(const std::string& wanted, const std::string& newest) {
+    return "(TF from 'camera' to 'base' is late: wanted " + wanted + "00000000, newest available " +
+           newest + "00000000)";
+  }
+
+  const std::string kLate = late("50.0", "49.5");
+};
+
+TEST_F(TransformsTest, TheWaitEndsAtTheTimeout) {
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  EXPECT_EQ(step(), Lines());
+  EXPECT_LE(sleepMs(), 1) << "transforms wake nobody";
+  EXPECT_GT(sleepMs(), 0);
+  EXPECT_EQ(stepAfter(124), Lines());
+  EXPECT_EQ(stepAfter(1),
+            (Lines{"miss of cloth", "cycle 50: *cloth" + kLate + " cable(no mesh yet)"}));
+  EXPECT_EQ(step(), Lines()) << "once";
+}
+
+TEST_F(TransformsTest, TheWaitEndsAsSoonAsTheTransformComes) {
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(stepAfter(3), Lines());
+  addTransform(&transforms_, "camera", 50);
+  EXPECT_EQ(stepAfter(1), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
+}
+
+TEST_F(TransformsTest, OthersHaveTheirTurnsMeanwhile) {
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  EXPECT_EQ(step(), Lines());
+  for (int i = 0; i < 4; ++i) {
+    give(1, 50 + i / 64.0);
+    const Lines said = stepAfter(16);
+    ASSERT_FALSE(said.empty()) << i;
+    EXPECT_NE(said.back().find("*cable@"), std::string::npos) << said.back();
+    EXPECT_EQ(said.back().find("*cloth"), std::string::npos) << said.back();
+  }
+  EXPECT_EQ(stepAfter(60), Lines());
+  EXPECT_EQ(stepAfter(1), (Lines{"miss of cloth", "cycle 50: *cloth" + kLate + " cable@50"}))
+      << "125 ms after it came, whatever others did";
+}
+
+// Of equal stamps they would share a cycle, but not for that price.
+TEST_F(TransformsTest, WhoHasTheStampOfOneThatWaitsDoesNotWaitForIt) {
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  give(1, 50);
+  EXPECT_EQ(step().back(), "cycle 50: cloth" + kLate + " *cable@50");
+}
+
+TEST_F(TransformsTest, AFrameThatStandsStillIsWaitedForOnce) {
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(stepAfter(125).size(), 2U);
+  give(0, 50.5, "camera");
+  EXPECT_EQ(step(), (Lines{"miss of cloth",
+                           "cycle 50.5: *cloth" + late("50.5", "49.5") + " cable(no mesh yet)"}))
+      << "at once";
+  addTransform(&transforms_, "camera", 50.5);
+  give(0, 50.75, "camera");
+  EXPECT_EQ(step(), Lines()) << "it moves again";
+  addTransform(&transforms_, "camera", 51);
+  EXPECT_EQ(stepAfter(1), Lines{"cycle 50.75: *cloth@50.75 cable(no mesh yet)"});
+}
+
+TEST_F(TransformsTest, AFrameThatWasNeverSeenIsNotWaitedFor) {
+  addTransform(&transforms_, "arm", 50);
+  give(0, 50, "camera");
+  EXPECT_EQ(step(), (Lines{"miss of cloth",
+                           "cycle 50: *cloth(TF frame 'camera' never seen)"
+                           " cable(no mesh yet)"}));
+}
+
+// The mesh that waits has its cycle; what came meanwhile is next.
+TEST_F(TransformsTest, ANewerMeshDoesNotProlongTheWait) {
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  EXPECT_EQ(step(), Lines());
+  give(0, 50.25, "camera");
+  EXPECT_EQ(stepAfter(124), Lines());
+  EXPECT_EQ(stepAfter(1).back(), "cycle 50: *cloth" + kLate + " cable(no mesh yet)");
+  EXPECT_EQ(step().back().substr(0, 11), "cycle 50.25");
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
