@@ -8,6 +8,7 @@
 
 #include "cuda/detector_choice.h"
 #include "node/cycle_publisher.h"
+#include "node/mesh_subscription.h"
 #include "node/monitor_sink.h"
 #include "node/time_difference.h"
 
@@ -96,18 +97,17 @@ std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
 void ContactMonitor::subscribeToMeshes() {
   for (std::size_t i = 0; i < mesh_mailboxes_.size(); ++i) {
     const ObjectParameters& object = parameters_.objects[i];
-    const boost::function<void(const DeformableMesh::ConstPtr&)> store =
-        [this, i](const DeformableMesh::ConstPtr& message) {
-          mesh_mailboxes_[i].store(message);
-          mailbox_.wake();
-        };
+    const MeshReceiver store = [this, i](const DeformableMesh::ConstPtr& message,
+                                         const std::string& refusal) {
+      mesh_mailboxes_[i].store(message, refusal);
+      mailbox_.wake();
+    };
     const bool is_private = object.topic.empty() || object.topic.front() == '~';
     const std::string topic = object.topic.empty() ? "objects/" + object.name + "/mesh"
                               : is_private         ? object.topic.substr(1)
                                                    : object.topic;
-    subscribers_.push_back((is_private ? private_node_ : node_)
-                               .subscribe<DeformableMesh>(topic, 1, store, ros::VoidConstPtr(),
-                                                          ros::TransportHints().tcpNoDelay()));
+    ros::SubscribeOptions options = meshSubscription(topic, parameters_.max_mesh_bytes, store);
+    subscribers_.push_back((is_private ? private_node_ : node_).subscribe(options));
   }
 }
 

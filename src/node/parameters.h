@@ -61,6 +61,9 @@ struct MonitorParameters {
   std::size_t max_marker_triangles = 20000;
 
   double diagnostic_min_rate_hz = 5;
+
+  // Of one mesh, and of all that are kept of one object.
+  std::size_t max_mesh_bytes = std::size_t{512} << 20U;
 };
 
 // Lists every problem, one a line.
