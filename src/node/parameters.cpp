@@ -165,6 +165,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   std::string all =
       std::to_string(found.size()) + " bad parameter(s), see config/contact_monitor.yaml:";
   for (const std::string& problem : found) all += "\n  " + problem;
+  for (const std::string& warning : *warnings) all += "\n  " + warning;
   throw ParameterError(all);
 }
 

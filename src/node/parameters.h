@@ -72,7 +72,7 @@ struct ParameterError : std::runtime_error {
 };
 
 // `tree`: the private namespace as the parameter server hands it out (invalid: nothing is set).
-// Names that nothing reads go to `warnings`. Throws ParameterError.
+// Names that nothing reads go to `warnings`. Throws ParameterError, which lists those, too.
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings);
 

@@ -128,10 +128,10 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   for (const char* name :
        {"~max_rate_hz is -1", "~tf_timeout_s is nan", "~max_mesh_age_s is inf",
         "~backend is 'gpu', must be one of: auto, cuda, cpu", "~overlap is 1.5", "~device is -1",
-        "~memory_limit_mib is 0", "~max_mesh_mib is 4096", "~iterations is 101", "~debounce_on_cycles is 0",
-        "~strict_geometry", "~links", "~reference_frame is '/base'", "robot_cloth",
-        "~objects[1]/name is 'cloth'", "~objects[2]/name is '*'", "~objects[3]/topic",
-        "~objects[4]/ must be a map"}) {
+        "~memory_limit_mib is 0", "~max_mesh_mib is 4096", "~iterations is 101",
+        "~debounce_on_cycles is 0", "~strict_geometry", "~links", "~reference_frame is '/base'",
+        "robot_cloth", "~objects[1]/name is 'cloth'", "~objects[2]/name is '*'",
+        "~objects[3]/topic", "~objects[4]/ must be a map"}) {
     expectIn(name, all);
   }
 }
@@ -156,7 +156,13 @@ TEST(Parameters, UnknownNamesAreWarningsAtEveryLevel) {
   parse(tree, &warnings);
   ASSERT_EQ(warnings.size(), 2U);
   expectIn("~objects[0]/margin ", warnings[0] + warnings[1]);
-  expectIn("~max_rate ", warnings[0] + warnings[1]);
+  expectIn("~objects[0]/margin (did you mean 'margin_m'?)", warnings[0] + warnings[1]);
+  expectIn("~max_rate (did you mean 'max_rate_hz'?)", warnings[0] + warnings[1]);
+  tree["max_rate_hz"] = -1;
+  const std::string all = refusalOf(tree);
+  for (const char* name : {"~max_rate_hz is -1", "~objects[0]/margin ", "~max_rate "}) {
+    expectIn(name, all);
+  }
 }
 
 TEST(Parameters, ATreeThatIsNoMapIsRefused) {
