@@ -5,6 +5,7 @@
 #include <ros/subscribe_options.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 
