@@ -1,14 +1,19 @@
 // The monitor: how it is set up, and what its callbacks do.
 #include "node/contact_monitor.h"
 
+#include <xmlrpcpp/XmlRpcException.h>
+
 #include <chrono>
+#include <map>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "cuda/detector_choice.h"
 #include "node/backend_status.h"
 #include "node/cycle_publisher.h"
+#include "node/mesh_subscription.h"
 #include "node/monitor_sink.h"
 #include "node/time_difference.h"
 
@@ -52,17 +57,25 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       transforms_(buffer_, node),
       states_(parameters_, private_node),
       robot_source_(parameters_, node, private_node, [this] { mailbox_.wake(); }),
-      diagnostics_(parameters_, mesh_mailboxes_, robot_source_, node, private_node) {
+      diagnostics_(parameters_, mesh_mailboxes_, robot_source_, node, private_node),
+      master_watch_(private_node.resolveName("contacts")) {
   std::unique_ptr<DetectionLoop> loop = makeLoop();
   subscribeToMeshes();
   advertiseServices();
   diagnostics_timer_ = node_.createWallTimer(
       ros::WallDuration(1), [this](const ros::WallTimerEvent&) { diagnostics_.publish(); });
+  ros::NodeHandle watch_node(node_);
+  watch_node.setCallbackQueue(&watch_queue_);
+  watch_timer_ = watch_node.createWallTimer(ros::WallDuration(1),
+                                            [this](const ros::WallTimerEvent&) { lookAround(); });
+  watch_spinner_.start();
   thread_ = startThread(mailbox_, std::move(loop));
   states_thread_ = std::thread([this] { keepStatesFresh(); });
 }
 
 ContactMonitor::~ContactMonitor() {
+  watch_timer_.stop();
+  watch_spinner_.stop();
   robot_source_.stop();
   reload_spinner_.stop();
   diagnostics_timer_.stop();
@@ -78,6 +91,51 @@ void ContactMonitor::keepStatesFresh() {
     states_.beat(diagnostics_.whySilent());
     std::this_thread::sleep_for(kPeriod);
   }
+}
+
+// Once a second, in the thread that may wait for the ROS master.
+void ContactMonitor::lookAround() {
+  try {
+    warnOfInputs();
+    lookAtMaster();
+  } catch (const XmlRpc::XmlRpcException& error) {
+    ROS_WARN_STREAM("the ROS master's answer cannot be read: " << error.getMessage());
+  }
+}
+
+void ContactMonitor::warnOfInputs() {
+  if (!diagnostics_.isEnabled()) return;
+  const std::map<std::string, std::string> types = publishedTypes();
+  std::vector<InputStatus> inputs;
+  for (std::size_t i = 0; i < subscribers_.size(); ++i) {
+    InputStatus input;
+    input.object = parameters_.objects[i].name;
+    input.topic = subscribers_[i].getTopic();
+    input.required = parameters_.objects[i].required;
+    input.received = mesh_mailboxes_[i].counters().received;
+    std::tie(input.refusal, input.oddity) = diagnostics_.meshProblems(i);
+    input.publishers = subscribers_[i].getNumPublishers();
+    const auto type = types.find(input.topic);
+    if (type != types.end()) input.type = type->second;
+    inputs.push_back(std::move(input));
+  }
+  for (const std::string& warning : input_warnings_.look(
+           inputs, ros::Time::now(), ros::Time::isSimTime(), std::chrono::steady_clock::now())) {
+    ROS_WARN_STREAM(warning);
+  }
+}
+
+void ContactMonitor::lookAtMaster() {
+  constexpr std::chrono::seconds kPeriod(3);
+  const auto now = std::chrono::steady_clock::now();
+  if (now < master_due_) return;
+  master_due_ = now + kPeriod;
+  if (!master_watch_.isForgotten()) return;
+  ROS_ERROR(
+      "the ROS master was started anew and does not know this node: nobody finds its topics. Load "
+      "its parameters there and start it again");
+  diagnostics_.recordForgotten();
+  is_forgotten_ = true;
 }
 
 std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
@@ -107,18 +165,17 @@ void ContactMonitor::noteBackend(const BackendState& state) {
 void ContactMonitor::subscribeToMeshes() {
   for (std::size_t i = 0; i < mesh_mailboxes_.size(); ++i) {
     const ObjectParameters& object = parameters_.objects[i];
-    const boost::function<void(const DeformableMesh::ConstPtr&)> store =
-        [this, i](const DeformableMesh::ConstPtr& message) {
-          mesh_mailboxes_[i].store(message);
-          mailbox_.wake();
-        };
+    const MeshReceiver store = [this, i](const DeformableMesh::ConstPtr& message,
+                                         const std::string& refusal) {
+      mesh_mailboxes_[i].store(message, refusal);
+      mailbox_.wake();
+    };
     const bool is_private = object.topic.empty() || object.topic.front() == '~';
     const std::string topic = object.topic.empty() ? "objects/" + object.name + "/mesh"
                               : is_private         ? object.topic.substr(1)
                                                    : object.topic;
-    subscribers_.push_back((is_private ? private_node_ : node_)
-                               .subscribe<DeformableMesh>(topic, 1, store, ros::VoidConstPtr(),
-                                                          ros::TransportHints().tcpNoDelay()));
+    ros::SubscribeOptions options = meshSubscription(topic, parameters_.max_mesh_bytes, store);
+    subscribers_.push_back((is_private ? private_node_ : node_).subscribe(options));
   }
 }
 

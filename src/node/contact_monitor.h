@@ -9,13 +9,17 @@
 #include <std_srvs/Trigger.h>
 #include <tf2/buffer_core.h>
 
+#include <atomic>
+#include <chrono>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "node/detection_loop.h"
+#include "node/input_warnings.h"
 #include "node/latest_contacts.h"
 #include "node/mailbox.h"
+#include "node/master_watch.h"
 #include "node/mesh_mailbox.h"
 #include "node/node_diagnostics.h"
 #include "node/parameters.h"
@@ -37,6 +41,10 @@ class ContactMonitor {
   ContactMonitor& operator=(const ContactMonitor&) = delete;
   ~ContactMonitor();
 
+  // The ROS master was started anew and does not know this node: nobody finds it, and only a new
+  // process can register again. Any thread.
+  bool isForgotten() const { return is_forgotten_; }
+
  private:
   void subscribeToMeshes();
   void advertiseServices();
@@ -49,6 +57,9 @@ class ContactMonitor {
   std::unique_ptr<DetectionLoop> makeLoop();
   void noteBackend(const BackendState& state);
   void keepStatesFresh();
+  void lookAround();
+  void warnOfInputs();
+  void lookAtMaster();
 
   ros::NodeHandle node_, private_node_;
   const MonitorParameters parameters_;
@@ -67,9 +78,17 @@ class ContactMonitor {
   ros::CallbackQueue reload_queue_;
   ros::AsyncSpinner reload_spinner_{1, &reload_queue_};
 
+  // The ROS master is asked in a thread of its own: it may take long.
+  ros::CallbackQueue watch_queue_;
+  ros::AsyncSpinner watch_spinner_{1, &watch_queue_};
+  InputWarnings input_warnings_{std::chrono::steady_clock::now()};
+  MasterWatch master_watch_;
+  std::chrono::steady_clock::time_point master_due_;
+  std::atomic<bool> is_forgotten_{false};
+
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
-  ros::WallTimer diagnostics_timer_;
+  ros::WallTimer diagnostics_timer_, watch_timer_;
   std::thread thread_;         // of the loop
   std::thread states_thread_;  // waits for no detection
 };

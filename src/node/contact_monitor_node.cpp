@@ -1,4 +1,5 @@
 // The monitor as a node of its own.
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <exception>
@@ -11,7 +12,13 @@ int main(int argc, char** argv) {
   const ros::NodeHandle node, private_node("~");  // outlive the try: without one, ROS logs nothing
   try {
     deformable_contact_monitor::ContactMonitor monitor(node, private_node);
-    ros::spin();
+    while (ros::ok() && !monitor.isForgotten()) {
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+    }
+    if (monitor.isForgotten()) {
+      ROS_FATAL("ends, for the ROS master does not know it any more; respawn starts it again");
+      return 1;
+    }
   } catch (const deformable_contact_monitor::ReadingStopped&) {
     return 0;  // Ctrl-C while the robot was read
   } catch (const std::exception& error) {

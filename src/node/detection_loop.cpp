@@ -119,8 +119,9 @@ void DetectionLoop::applyEnabled(bool enabled) {
 void DetectionLoop::warnOfUnknownNames() {
   if (names_checked_ || (robot_ == nullptr && parameters_.pair_classes.needRobot())) return;
   names_checked_ = true;
-  for (const std::string& name : unknownNames(scene_.allowedContacts(), scene_.bodies())) {
-    ROS_WARN_STREAM("allowed contacts name '" << name << "', which is no link or object");
+  for (const std::string& line :
+       describeUnknownNames(parameters_, scene_.allowedContacts(), scene_.bodies())) {
+    ROS_WARN_STREAM(line);
   }
 }
 
@@ -276,8 +277,6 @@ void DetectionLoop::listPairs() {
 
 void DetectionLoop::heartbeat() {
   clock_.startHeartbeat(time_.steady());
-  // Without use_sim_time, ROS time is never zero.
-  if (clock_.rosTime().isZero()) ROS_WARN("use_sim_time is set: waiting for /clock");
   // ROS time may stand still, and then nothing grows old by it.
   sink_->forgetStates("", "no new mesh");
   std::vector<std::string> why = whyUnknown();

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "robot/nearest_name.h"
+
 namespace deformable_contact_monitor {
 
 std::string describeMisses(const TransformReport& transforms) {
@@ -19,16 +21,40 @@ std::string describeMisses(const TransformReport& transforms) {
   return text;
 }
 
-std::vector<std::string> unknownNames(const AllowedContacts& allowed,
-                                      const std::vector<BodyStatus>& bodies) {
-  std::set<std::string> known{"*"}, unknown;
-  for (const BodyStatus& body : bodies) known.insert(body.name);
+std::vector<std::string> describeUnknownNames(const MonitorParameters& parameters,
+                                              const AllowedContacts& allowed,
+                                              const std::vector<BodyStatus>& bodies) {
+  constexpr std::size_t kShown = 20;
+  std::set<std::string> known{"*"}, in_rules;
+  std::vector<std::string> names, links, lines;
+  for (const BodyStatus& body : bodies) {
+    known.insert(body.name);
+    names.push_back(body.name);
+    if (body.kind == BodyKind::kLink) links.push_back(body.name);
+  }
   for (const AllowedContact& rule : allowed.rules()) {
     for (const std::string& name : {rule.body_a, rule.body_b}) {
-      if (known.count(name) == 0) unknown.insert(name);
+      if (known.count(name) == 0) in_rules.insert(name);
     }
   }
-  return {unknown.begin(), unknown.end()};
+  std::size_t more = 0;
+  const auto add = [&](const std::string& where, const std::string& name, const char* what,
+                       const std::vector<std::string>& candidates) {
+    if (lines.size() == kShown) {
+      ++more;
+      return;
+    }
+    lines.push_back(where + " name '" + name + "'" + nearestNameHint(name, candidates) +
+                    ", which is no " + what);
+  };
+  for (const auto& [name, margin_m] : parameters.link_margin_m) {
+    if (std::find(links.begin(), links.end(), name) == links.end()) {
+      add("margins (~link_margin_m)", name, "link that is looked at", links);
+    }
+  }
+  for (const std::string& name : in_rules) add("allowed contacts", name, "link or object", names);
+  if (more > 0) lines.push_back("and " + std::to_string(more) + " more names are unknown");
+  return lines;
 }
 
 }  // namespace deformable_contact_monitor

@@ -7,14 +7,17 @@
 #include "node/cycle_report.h"
 #include "node/monitor_scene.h"
 #include "node/pair_table.h"
+#include "node/parameters.h"
 
 namespace deformable_contact_monitor {
 
 // Which bodies are UNKNOWN for want of a transform, and why; the first few, one a line.
 std::string describeMisses(const TransformReport& transforms);
 
-// Names in rules that are no body's, as often as they stand there, in the order of the rules.
-std::vector<std::string> unknownNames(const AllowedContacts& allowed,
-                                      const std::vector<BodyStatus>& bodies);
+// A line for each name that is no body's, with the nearest that is: of the rules, and of the
+// parameters' link_margin_m. The first few, and how many more.
+std::vector<std::string> describeUnknownNames(const MonitorParameters& parameters,
+                                              const AllowedContacts& allowed,
+                                              const std::vector<BodyStatus>& bodies);
 
 }  // namespace deformable_contact_monitor

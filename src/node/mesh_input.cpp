@@ -33,6 +33,7 @@ Acceptance MeshInput::accept(const ArrivedMesh& mesh, const ros::Time& now) {
   Acceptance answer = Acceptance::kDropped;
   try {
     if (mesh.keyframe) learnTopology(*mesh.keyframe);
+    if (!mesh.refusal.empty()) refuse(mesh.refusal);
     checkHeader(*mesh.message);
     if (!isOutdated(mesh.message->header.stamp, now)) {
       checkAge(mesh.message->header.stamp, now);

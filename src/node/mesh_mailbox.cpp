@@ -9,11 +9,12 @@ bool isMeshOf(const std::string& object, const DeformableMesh& message) {
   return message.object.empty() || message.object == object;
 }
 
-void MeshMailbox::store(const DeformableMesh::ConstPtr& message) {
+void MeshMailbox::store(const DeformableMesh::ConstPtr& message, const std::string& refusal) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counters_.received;
   if (waiting_.message) ++counters_.dropped;
   waiting_.message = message;
+  waiting_.refusal = refusal;
   waiting_.arrival = std::chrono::steady_clock::now();
   if (!message->triangles.empty() && isMeshOf(object_, *message)) waiting_.keyframe = message;
 }
@@ -33,6 +34,7 @@ void MeshMailbox::dropIf(const std::function<bool(const ros::Time&)>& unwanted) 
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!waiting_.message || !unwanted(waiting_.message->header.stamp)) return;
   waiting_.message = nullptr;
+  waiting_.refusal.clear();
   ++counters_.dropped;
 }
 

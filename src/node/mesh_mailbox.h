@@ -20,6 +20,7 @@ struct ArrivedMesh {
   // The newest message with triangles that came since a mesh was last taken; null: none.
   DeformableMesh::ConstPtr keyframe;
   std::chrono::steady_clock::time_point arrival;  // of `message`
+  std::string refusal{};  // why it is no mesh, and only has a stamp; empty: it is one
 };
 
 struct ArrivalCounters {
@@ -36,8 +37,8 @@ class MeshMailbox {
   // `object`: the name that its messages carry, or leave empty.
   explicit MeshMailbox(std::string object) : object_(std::move(object)) {}
 
-  // Makes `message` the one that waits.
-  void store(const DeformableMesh::ConstPtr& message);
+  // Makes `message` the one that waits; `refusal` as in ArrivedMesh.
+  void store(const DeformableMesh::ConstPtr& message, const std::string& refusal = "");
 
   // Takes the mesh that waits, if one does: to look at it and to take it is one act, or a newer one
   // that arrives in between would be lost.

@@ -9,8 +9,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::size_t kHistoryBytes = std::size_t{512} << 20U;  // of an object's meshes
-
 RobotGeometry missingRobot(const std::string& why) {
   RobotGeometry robot;
   robot.links.push_back({"robot", "", TriangleMesh(), why});
@@ -22,7 +20,7 @@ RobotGeometry missingRobot(const std::string& why) {
 MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
   MeshInputs inputs;
   for (const ObjectParameters& object : parameters.objects) {
-    inputs.emplace_back(object.name, MeshLimits{parameters.max_mesh_age_s, kHistoryBytes});
+    inputs.emplace_back(object.name, MeshLimits{parameters.max_mesh_age_s, parameters.max_mesh_bytes});
   }
   return inputs;
 }

@@ -17,6 +17,9 @@ void MonitorSink::sendCycle(CycleReport* report, std::chrono::steady_clock::time
   const boost::shared_ptr<const ContactArray> sent = publisher_->publish(report);
   const double latency_s = secondsSince(mesh_arrival);  // markers are for people and can wait
   publisher_->publishMarkers(*report);
+  for (const auto& [object, oddity] : size_check_.look(*report, std::chrono::steady_clock::now())) {
+    diagnostics_.recordOddity(object, oddity);
+  }
   diagnostics_.recordCycle(*report, *sent, secondsSince(start), latency_s);
 }
 

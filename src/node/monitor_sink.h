@@ -8,6 +8,7 @@
 #include "node/cycle_publisher.h"
 #include "node/cycle_sink.h"
 #include "node/node_diagnostics.h"
+#include "node/size_check.h"
 
 namespace deformable_contact_monitor {
 
@@ -42,6 +43,7 @@ class MonitorSink : public CycleSink {
  private:
   const std::unique_ptr<CyclePublisher> publisher_;
   NodeDiagnostics& diagnostics_;
+  SizeCheck size_check_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -97,6 +97,23 @@ void NodeDiagnostics::recordMesh(std::size_t object, const MeshCounters& counter
   watches_[object].counters = counters;
 }
 
+void NodeDiagnostics::recordOddity(const std::string& object, const std::string& oddity) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    if (parameters_.objects[i].name == object) watches_[i].oddity = oddity;
+  }
+}
+
+std::pair<std::string, std::string> NodeDiagnostics::meshProblems(std::size_t object) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return {watches_[object].counters.refusal, watches_[object].oddity};
+}
+
+bool NodeDiagnostics::isEnabled() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return enabled_;
+}
+
 void NodeDiagnostics::recordTransforms(const TransformReport& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   worst_wait_s_ = std::max(worst_wait_s_, report.waited_s);
@@ -163,6 +180,10 @@ void NodeDiagnostics::describeStatus(Status& status) {
   }
   const BackendStatus backend = backendStatus(parameters_.backend, backend_state_);
   if (backend.level != DiagnosticStatus::OK) status.mergeSummary(backend.level, backend.summary);
+  if (is_forgotten_) {
+    status.mergeSummary(DiagnosticStatus::ERROR,
+                        "the ROS master does not know this node any more: start it again");
+  }
   status.add("backend", backend_);
   status.add("backend asked for", toString(parameters_.backend));
   status.add("backend problem", backend_state_.problem);
@@ -194,6 +215,7 @@ void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
   } else {
     status.summary(DiagnosticStatus::OK, "meshes arrive");
   }
+  if (!watch.oddity.empty()) status.mergeSummary(DiagnosticStatus::WARN, watch.oddity);
   status.add("rate [Hz]", rate_hz);
   if (!counters.stamp.isZero()) {
     status.add("age of newest [s]", secondsBetween(ros::Time::now(), counters.stamp));

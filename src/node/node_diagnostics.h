@@ -5,12 +5,14 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/fallback_detector.h"
@@ -39,6 +41,8 @@ class NodeDiagnostics {
                    double latency_s);
   // The last mesh of this object was looked at: what is counted since the start.
   void recordMesh(std::size_t object, const MeshCounters& counters);
+  // What is odd about the size or place of this object; empty: nothing.
+  void recordOddity(const std::string& object, const std::string& oddity);
   void recordTransforms(const TransformReport& report);
   // A detection that failed; empty: it did not.
   void recordDetectorError(const std::string& error);
@@ -49,6 +53,14 @@ class NodeDiagnostics {
 
   // Why no cycle has ended lately: for states that have become too old.
   std::string whySilent() const;
+
+  // The ROS master does not know this node any more.
+  void recordForgotten() { is_forgotten_ = true; }
+
+  // Why the object's newest mesh was refused, and what is odd about the newest that was not; empty:
+  // nothing.
+  std::pair<std::string, std::string> meshProblems(std::size_t object) const;
+  bool isEnabled() const;
 
   // To be called once a second.
   void publish() { updater_.force_update(); }
@@ -65,6 +77,7 @@ class NodeDiagnostics {
 
   struct MeshWatch {
     MeshCounters counters;
+    std::string oddity;
     std::uint64_t received = 0;  // at the last publication
     Clock::time_point when = Clock::now();
   };
@@ -73,6 +86,8 @@ class NodeDiagnostics {
   const MeshMailboxes& mailboxes_;
   const RobotSource& robot_;
   diagnostic_updater::Updater updater_;
+
+  std::atomic<bool> is_forgotten_{false};
 
   mutable std::mutex mutex_;        // guards what follows
   std::vector<MeshWatch> watches_;  // by object

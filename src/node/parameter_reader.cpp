@@ -5,6 +5,8 @@
 #include <sstream>
 #include <utility>
 
+#include "robot/nearest_name.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -168,8 +170,10 @@ std::vector<ParameterReader> ParameterReader::structs(const std::string& name) {
 std::vector<std::string> ParameterReader::unknown() const {
   std::vector<std::string> names;
   if (!tree_.valid()) return names;
+  const std::vector<std::string> known(known_.begin(), known_.end());
   for (const auto& entry : tree_) {
-    if (known_.count(entry.first) == 0) names.push_back(where_ + entry.first);
+    if (known_.count(entry.first) != 0) continue;
+    names.push_back(where_ + entry.first + nearestNameHint(entry.first, known));
   }
   return names;
 }

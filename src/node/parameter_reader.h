@@ -33,7 +33,7 @@ class ParameterReader {
 
   void addProblem(const std::string& name, const std::string& what);
 
-  // Names that are there but were never asked for.
+  // Names that are there but were never asked for, each with the nearest that was.
   std::vector<std::string> unknown() const;
 
  private:

@@ -142,6 +142,11 @@ void readOutput(ParameterReader* reader, MonitorParameters* p) {
       reader->number("diagnostic_min_rate_hz", p->diagnostic_min_rate_hz, 0, 10000);
 }
 
+void readInput(ParameterReader* reader, MonitorParameters* p) {
+  constexpr std::size_t kMebibyte = 1U << 20U;
+  p->max_mesh_bytes = kMebibyte * reader->integer("max_mesh_mib", 512, 1, 4095);
+}
+
 }  // namespace
 
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
@@ -155,12 +160,14 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   readPairs(&reader, warnings, &p);
   readDetector(&reader, &p);
   readOutput(&reader, &p);
+  readInput(&reader, &p);
   for (const std::string& problem : problems(p.detector)) found.push_back("~" + problem);
   warnOfUnknown(reader, warnings);
   if (found.empty()) return p;
   std::string all =
       std::to_string(found.size()) + " bad parameter(s), see config/contact_monitor.yaml:";
   for (const std::string& problem : found) all += "\n  " + problem;
+  for (const std::string& warning : *warnings) all += "\n  " + warning;
   throw ParameterError(all);
 }
 

@@ -62,6 +62,9 @@ struct MonitorParameters {
   std::size_t max_marker_triangles = 20000;
 
   double diagnostic_min_rate_hz = 5;
+
+  // Of one mesh, and of all that are kept of one object.
+  std::size_t max_mesh_bytes = std::size_t{512} << 20U;
 };
 
 // Lists every problem, one a line.
@@ -70,7 +73,7 @@ struct ParameterError : std::runtime_error {
 };
 
 // `tree`: the private namespace as the parameter server hands it out (invalid: nothing is set).
-// Names that nothing reads go to `warnings`. Throws ParameterError.
+// Names that nothing reads go to `warnings`. Throws ParameterError, which lists those, too.
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings);
 

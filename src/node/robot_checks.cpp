@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "robot/nearest_name.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -16,6 +18,17 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
+std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot) {
+  std::vector<std::string> links;
+  for (const LinkGeometry& link : robot.links) links.push_back(link.link);
+  std::string missing;
+  for (const std::string& name : names) {
+    if (contains(links, name)) continue;
+    missing += (missing.empty() ? "'" : ", '") + name + "'" + nearestNameHint(name, links);
+  }
+  return missing;
+}
+
 RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& options) {
   std::set<std::string> sent;
   for (const LinkGeometry& link : robot.links) {
@@ -23,10 +36,8 @@ RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& opt
       throw std::runtime_error("link '" + link.link + "' was sent twice in one message");
     }
   }
-  for (const std::string& link : options.links) {
-    if (sent.count(link) == 0)
-      throw std::runtime_error("link '" + link + "' of ~links is not there");
-  }
+  const std::string missing = namesOfNoLink(options.links, robot);
+  if (!missing.empty()) throw std::runtime_error("~links: " + missing + ": no such link was sent");
   const auto unwanted = [&options](const LinkGeometry& link) {
     return (!options.links.empty() && !contains(options.links, link.link)) ||
            contains(options.ignored_links, link.link);

@@ -1,6 +1,9 @@
 // What a robot from any source must be like before it is monitored.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "node/parameters.h"
 #include "robot/robot_geometry.h"
 
@@ -9,6 +12,9 @@ namespace deformable_contact_monitor {
 // Keeps the links that the options ask for, in order. Throws std::runtime_error if a link is there
 // twice, or one that `options.links` names is not there.
 RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& options);
+
+// "'hnad' (did you mean 'hand'?), 'arm'": those of the names that are no link's; empty: none.
+std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot);
 
 // Throws std::runtime_error if a link has an object's name or, with strict_geometry, a problem.
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters);

@@ -92,7 +92,11 @@ RobotGeometry RobotSource::loadFromDescription() const {
 
 void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
   try {
-    RobotGeometry robot = selectedLinks(fromLinkMeshes(*message), parameters_.geometry);
+    RobotGeometry sent = fromLinkMeshes(*message);
+    const std::string ignored = namesOfNoLink(parameters_.geometry.ignored_links, sent);
+    if (!ignored.empty())
+      ROS_WARN_STREAM("~ignored_links: " << ignored << ": no such link was sent");
+    RobotGeometry robot = selectedLinks(std::move(sent), parameters_.geometry);
     checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {

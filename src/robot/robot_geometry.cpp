@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "robot/link_mesh_files.h"
+#include "robot/nearest_name.h"
 #include "robot/primitives.h"
 #include "robot/source_mesh.h"
 #include "robot/urdf_document.h"
@@ -88,11 +89,12 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 void requireLinks(const std::vector<std::string>& names, const char* option,
                   const UrdfDocument& document) {
+  std::vector<std::string> links;
+  for (const UrdfLink& link : document.links) links.push_back(link.name);
   std::string unknown;
   for (const std::string& name : names) {
-    const bool found = std::any_of(document.links.begin(), document.links.end(),
-                                   [&](const UrdfLink& link) { return link.name == name; });
-    if (!found) unknown += (unknown.empty() ? "'" : ", '") + name + "'";
+    if (contains(links, name)) continue;
+    unknown += (unknown.empty() ? "'" : ", '") + name + "'" + nearestNameHint(name, links);
   }
   if (!unknown.empty()) {
     throw std::invalid_argument(std::string(option) + ": " + unknown + ": no such link in robot '" +

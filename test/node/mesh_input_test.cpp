@@ -57,6 +57,16 @@ TEST_F(MeshInputTest, NothingYet) {
   EXPECT_EQ(why_not_, "no mesh yet");
 }
 
+TEST_F(MeshInputTest, WhatCameAsNoMeshIsRefusedWithItsReason) {
+  give(keyframe(50));
+  EXPECT_NE(at(50), nullptr);
+  mailbox_.store(mesh(50.1), "too large");
+  EXPECT_EQ(input_.accept(*mailbox_.take(), kNow), Acceptance::kRefused);
+  EXPECT_EQ(at(50.1), nullptr);
+  EXPECT_EQ(why_not_, "mesh refused: too large");
+  EXPECT_EQ(give(mesh(50.2)), Acceptance::kAccepted) << "the triangles stay known";
+}
+
 TEST_F(MeshInputTest, AKeyframeAndWhatRefersToIt) {
   EXPECT_EQ(Acceptance::kAccepted, give(keyframe(50)));
   const auto topology = at(50)->topology;

@@ -78,6 +78,7 @@ TEST(Parameters, ValuesArrive) {
   tree["backend"] = "cpu";
   tree["device"] = 2;
   tree["memory_limit_mib"] = 8192;
+  tree["max_mesh_mib"] = 4095;
   tree["predicates"] = "fast";
   tree["adjacent_pairs"] = "skip";
   tree["links"] = list("hand", "arm");
@@ -99,6 +100,7 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_EQ(p.backend, BackendChoice::kCpu);
   EXPECT_EQ(p.cuda.device, 2);
   EXPECT_EQ(p.cuda.memory_limit_bytes, std::uint64_t{8192} << 20);
+  EXPECT_EQ(p.max_mesh_bytes, std::size_t{4095} << 20);
   EXPECT_EQ(p.detector.predicates, Predicates::kFast);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kSkip);
   EXPECT_EQ(p.max_contacts, 7U);
@@ -112,6 +114,7 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   tree["backend"] = "gpu";
   tree["device"] = -1;
   tree["memory_limit_mib"] = 0;
+  tree["max_mesh_mib"] = 4096;
   tree["overlap"] = 1.5;
   tree["iterations"] = 101;
   tree["debounce_on_cycles"] = 0;
@@ -125,10 +128,10 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   for (const char* name :
        {"~max_rate_hz is -1", "~tf_timeout_s is nan", "~max_mesh_age_s is inf",
         "~backend is 'gpu', must be one of: auto, cuda, cpu", "~overlap is 1.5", "~device is -1",
-        "~memory_limit_mib is 0", "~iterations is 101", "~debounce_on_cycles is 0",
-        "~strict_geometry", "~links", "~reference_frame is '/base'", "robot_cloth",
-        "~objects[1]/name is 'cloth'", "~objects[2]/name is '*'", "~objects[3]/topic",
-        "~objects[4]/ must be a map"}) {
+        "~memory_limit_mib is 0", "~max_mesh_mib is 4096", "~iterations is 101",
+        "~debounce_on_cycles is 0", "~strict_geometry", "~links", "~reference_frame is '/base'",
+        "robot_cloth", "~objects[1]/name is 'cloth'", "~objects[2]/name is '*'",
+        "~objects[3]/topic", "~objects[4]/ must be a map"}) {
     expectIn(name, all);
   }
 }
@@ -156,7 +159,13 @@ TEST(Parameters, UnknownNamesAreWarningsAtEveryLevel) {
   parse(tree, &warnings);
   ASSERT_EQ(warnings.size(), 2U);
   expectIn("~objects[0]/margin ", warnings[0] + warnings[1]);
-  expectIn("~max_rate ", warnings[0] + warnings[1]);
+  expectIn("~objects[0]/margin (did you mean 'margin_m'?)", warnings[0] + warnings[1]);
+  expectIn("~max_rate (did you mean 'max_rate_hz'?)", warnings[0] + warnings[1]);
+  tree["max_rate_hz"] = -1;
+  const std::string all = refusalOf(tree);
+  for (const char* name : {"~max_rate_hz is -1", "~objects[0]/margin ", "~max_rate "}) {
+    expectIn(name, all);
+  }
 }
 
 TEST(Parameters, ATreeThatIsNoMapIsRefused) {

@@ -72,6 +72,10 @@ TEST(RobotGeometry, OptionsChooseLinksAndAreChecked) {
   options.links = {"alpha", "zulu"};
   options.ignored_links = {"alpha"};
   expectLinks(loadRobotGeometry(threeLinks(), options, noFiles), {"zulu"});
+  options.links = {"alhpa", "bravo", "zullu"};
+  EXPECT_EQ(refusal(threeLinks(), options),
+            "links: 'alhpa' (did you mean 'alpha'?), 'bravo', 'zullu' (did you mean 'zulu'?): no "
+            "such link in robot 'r'");
   options.links = {"alpha", "bravo", "yankee"};
   EXPECT_EQ(refusal(threeLinks(), options), "links: 'bravo', 'yankee': no such link in robot 'r'");
   options.links.clear();

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Nothing to see, the same again and again, and bad input: it is named, and costs nobody else's
 data. Beside the monitor runs one that lacks a link's mesh file, and one without objects."""
+import io
+import struct
 import sys
 import unittest
 
@@ -13,8 +15,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 import boxes_scene
 from boxes_scene import CLOTH, FAR_CLOTH, SMALL_CLOTH
 from monitor_test_support import (
-    PACKAGE, ContactState, Log, MeshPublisher, Monitor, Transforms, now, pairs_of, touching,
-    until_frames_are_seen)
+    PACKAGE, ContactState, Log, MeshPublisher, Monitor, RawMesh, Transforms, mesh_message, now,
+    pairs_of, peak_memory_mib, touching, until_frames_are_seen)
 
 UNKNOWN, CONTACT, NONE = ContactState.UNKNOWN, ContactState.CONTACT, ContactState.NONE
 BOXES = ("palm", "finger")
@@ -69,6 +71,10 @@ class BadMeshes(unittest.TestCase):
 
     def states(self):
         return self.monitor.states_at(self.stamp)
+
+    def states_now(self):
+        states = self.monitor.states.wait("states", since=self.monitor.states.count())
+        return {(s.body_a, s.body_b): s.state for s in states.states}
 
     def reason(self, contacts, body):
         """Why the body was skipped."""
@@ -181,6 +187,26 @@ class BadMeshes(unittest.TestCase):
             contacts = self.send_cloth(turned, topology_id=4, keyframe=keyframe)
             self.assertEqual(contacts.topology_ids[contacts.bodies.index("cloth")], 4)
             self.assertEqual(pairs_of(contacts), self.expected(turned))
+
+    def test_a_claim_to_be_huge_costs_nothing(self):
+        self.send_cloth(CLOTH)
+        before_mib = peak_memory_mib("/contact_monitor")
+        cls = type(self)
+        cls.stamp = now(after=cls.stamp)
+        message = mesh_message("cloth", cls.stamp, boxes_scene.REFERENCE_FRAME, SMALL_CLOTH)
+        whole = io.BytesIO()
+        message.serialize(whole)
+        length_at = whole.getvalue().index(struct.pack("<I", SMALL_CLOTH[0].size))
+        for claim in (750000000, 0x40000001):  # 3 GB, and what is 4 bytes in 32 bits
+            data = bytearray(whole.getvalue())
+            struct.pack_into("<I", data, length_at, claim)
+            self.cloth.publisher.publish(RawMesh(bytes(data)))
+            contacts = self.monitor.contacts.wait("a refusal", lambda m: any(
+                str(4 * claim) in text for text in m.skipped))
+            self.assertIn("vertices claims", self.reason(contacts, "cloth"))
+        self.assertLess(peak_memory_mib("/contact_monitor"), before_mib + 200)
+        self.assertEqual(self.states_now()["palm", "cloth"], UNKNOWN)
+        self.assertEqual(pairs_of(self.send_cloth(CLOTH)), self.expected(CLOTH))
 
     def test_the_diagnostics_count_what_was_sent(self):
         log = Log("/diagnostics", DiagnosticArray)

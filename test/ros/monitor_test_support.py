@@ -5,8 +5,10 @@ import subprocess
 import tempfile
 import threading
 import time
+import xmlrpc.client
 
 import numpy as np
+import rosgraph
 import rospy
 import roslib.packages
 import tf2_py
@@ -166,6 +168,26 @@ class MeshPublisher:
 
     def send(self, stamp, frame, mesh, **arguments):
         self.publisher.publish(mesh_message(self.name, stamp, frame, mesh, **arguments))
+
+
+class RawMesh(DeformableMesh):
+    """Bytes that go out as a DeformableMesh, whatever they are."""
+
+    def __init__(self, data):
+        DeformableMesh.__init__(self)
+        self.data = data
+
+    def serialize(self, buff):
+        buff.write(self.data)
+
+
+def peak_memory_mib(node):
+    """The most that the process of that node ever took."""
+    api = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(node))
+    pid = api.getPid("/test")[2]
+    with open(f"/proc/{pid}/status") as status:
+        line = next(line for line in status if line.startswith("VmHWM:"))
+    return int(line.split()[1]) / 1024
 
 
 def to_mesh(vertices, triangles):

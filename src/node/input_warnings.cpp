@@ -1,0 +1,81 @@
+// Warnings on the console about input that is missing, refused or odd.
+#include "node/input_warnings.h"
+
+#include <deformable_contact_monitor/DeformableMesh.h>
+#include <ros/message_traits.h>
+
+#include <sstream>
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::chrono::seconds kPeriod(5);  // of a warning, and what counts as missing
+
+double seconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+// Who publishes on the topic, and what.
+std::string describePublishers(const InputStatus& input) {
+  const std::string wanted = ros::message_traits::datatype<DeformableMesh>();
+  std::string text = " on " + input.topic + ", on which ";
+  if (!input.type) return text + (input.publishers == 0 ? "nobody publishes" : "no type is known");
+  if (*input.type != wanted) return text + *input.type + " is published, and not " + wanted;
+  return text + std::to_string(input.publishers) + " publisher(s) of " + wanted + " are connected";
+}
+
+}  // namespace
+
+std::vector<std::string> InputWarnings::look(const std::vector<InputStatus>& inputs,
+                                             const ros::Time& ros_time, bool is_simulated,
+                                             SteadyTime now) {
+  std::vector<std::string> warnings;
+  const bool is_silent = isClockSilent(ros_time, is_simulated, now);
+  if (is_silent && now >= clock_due_) {
+    clock_due_ = now + kPeriod;
+    std::ostringstream text;
+    text << "use_sim_time is set, but /clock is silent for " << seconds(now - clock_moved_)
+         << " s (" << (ros_time.isZero() ? "it never came" : "it stands still")
+         << "): nothing can be said about contacts without it";
+    warnings.push_back(text.str());
+  }
+  for (const InputStatus& input : inputs) {
+    Watch& watch = watches_.emplace(input.object, Watch{0, start_, start_}).first->second;
+    if (input.received != watch.received) watch.changed = now;
+    watch.received = input.received;
+    if (now < watch.due) continue;
+    if (is_silent && now - watch.changed >= kPeriod) continue;
+    const std::string text = describe(input, watch, now);
+    if (text.empty()) continue;
+    watch.due = now + kPeriod;
+    warnings.push_back(text);
+  }
+  return warnings;
+}
+
+bool InputWarnings::isClockSilent(const ros::Time& ros_time, bool is_simulated, SteadyTime now) {
+  if (!is_simulated || ros_time != ros_time_) clock_moved_ = now;
+  ros_time_ = ros_time;
+  return now - clock_moved_ >= kPeriod;
+}
+
+// Empty: nothing is wrong.
+std::string InputWarnings::describe(const InputStatus& input, const Watch& watch,
+                                    SteadyTime now) const {
+  std::ostringstream text;
+  text << "object '" << input.object << "': ";
+  const bool is_published = input.type.has_value() || input.publishers > 0;
+  if (now - watch.changed >= kPeriod) {
+    if (!input.required && !is_published) return "";
+    text << "no mesh for " << seconds(now - watch.changed) << " s" << describePublishers(input);
+  } else if (!input.refusal.empty()) {
+    text << "mesh refused: " << input.refusal << "; it came" << describePublishers(input);
+  } else if (!input.oddity.empty()) {
+    text << input.oddity;
+  } else {
+    return "";
+  }
+  return text.str();
+}
+
+}  // namespace deformable_contact_monitor

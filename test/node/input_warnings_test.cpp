@@ -1,0 +1,122 @@
+// Which warnings about input are due, and what they say.
+#include "node/input_warnings.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr const char* kMeshType = "deformable_contact_monitor/DeformableMesh";
+
+InputStatus cloth() {
+  InputStatus input;
+  input.object = "cloth";
+  input.topic = "/robot/cloth";
+  return input;
+}
+
+class InputWarningsTest : public ::testing::Test {
+ protected:
+  // One look a second from `from_s` to `to_s`; all warnings.
+  std::vector<std::string> lookAt(InputStatus input, int from_s, int to_s, bool meshes_come) {
+    std::vector<std::string> all;
+    for (int s = from_s; s <= to_s; ++s) {
+      if (meshes_come) received_ += 30;
+      input.received = received_;
+      for (std::string& text : warnings_.look({input}, ros::Time(clock_runs_ ? 100 + s : 100),
+                                              is_simulated_, start_ + seconds(s))) {
+        all.push_back(std::move(text));
+      }
+    }
+    return all;
+  }
+
+  static void expectIn(const std::string& part, const std::string& all) {
+    EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in: " << all;
+  }
+
+  const InputWarnings::SteadyTime start_{std::chrono::hours(1)};
+  InputWarnings warnings_{start_};
+  std::uint64_t received_ = 0;
+  bool clock_runs_ = true, is_simulated_ = false;
+};
+
+TEST_F(InputWarningsTest, NothingIsSaidWhileMeshesCome) {
+  EXPECT_TRUE(lookAt(cloth(), 0, 30, true).empty());
+}
+
+TEST_F(InputWarningsTest, AMissingMeshIsNamedEveryFiveSeconds) {
+  const std::vector<std::string> all = lookAt(cloth(), 0, 24, false);
+  ASSERT_EQ(all.size(), 4U);  // at 5, 10, 15 and 20 s
+  EXPECT_EQ(all[0], "object 'cloth': no mesh for 5 s on /robot/cloth, on which nobody publishes");
+  EXPECT_EQ(lookAt(cloth(), 25, 29, true).size(), 0U);
+  EXPECT_EQ(lookAt(cloth(), 30, 35, false).size(), 1U) << "they came until 29 s";
+}
+
+TEST_F(InputWarningsTest, APublisherOfAnotherTypeIsNamed) {
+  InputStatus input = cloth();
+  input.type = "std_msgs/String";
+  const std::vector<std::string> all = lookAt(input, 0, 5, false);
+  ASSERT_EQ(all.size(), 1U);
+  expectIn(std::string("std_msgs/String is published, and not ") + kMeshType, all[0]);
+}
+
+TEST_F(InputWarningsTest, SilentPublishersAreCounted) {
+  InputStatus input = cloth();
+  input.type = kMeshType;
+  input.publishers = 2;
+  const std::vector<std::string> all = lookAt(input, 0, 5, false);
+  ASSERT_EQ(all.size(), 1U);
+  expectIn("2 publisher(s)", all[0]);
+}
+
+TEST_F(InputWarningsTest, WhatNeedNotBeThereMayBeMissingUnlessSomebodyPublishes) {
+  InputStatus input = cloth();
+  input.required = false;
+  EXPECT_TRUE(lookAt(input, 0, 20, false).empty());
+  input.type = "std_msgs/String";
+  EXPECT_FALSE(lookAt(input, 21, 26, false).empty());
+}
+
+TEST_F(InputWarningsTest, ARefusalIsNamedAtOnceAndThenEveryFiveSeconds) {
+  InputStatus input = cloth();
+  input.refusal = "header.stamp is zero";
+  input.type = kMeshType;
+  input.publishers = 1;
+  EXPECT_EQ(lookAt(input, 0, 0, true),
+            (std::vector<std::string>{
+                std::string("object 'cloth': mesh refused: header.stamp is zero; it came on "
+                            "/robot/cloth, on which 1 publisher(s) of ") +
+                kMeshType + " are connected"}));
+  EXPECT_EQ(lookAt(input, 1, 20, true).size(), 4U);
+}
+
+TEST_F(InputWarningsTest, WhatIsOddIsNamed) {
+  InputStatus input = cloth();
+  input.oddity = "its mesh is 800 m long";
+  EXPECT_EQ(lookAt(input, 0, 4, true),
+            std::vector<std::string>{"object 'cloth': its mesh is 800 m long"});
+}
+
+TEST_F(InputWarningsTest, ASilentClockIsTheOneWarningAboutWhatIsMissing) {
+  is_simulated_ = true;
+  clock_runs_ = false;
+  const std::vector<std::string> all = lookAt(cloth(), 0, 14, false);
+  ASSERT_EQ(all.size(), 2U);
+  expectIn("/clock is silent for 5 s", all[0]);
+  clock_runs_ = true;
+  const std::vector<std::string> missing = lookAt(cloth(), 15, 15, false);
+  ASSERT_EQ(missing.size(), 1U);
+  expectIn("no mesh for 15 s", missing[0]);
+}
+
+TEST_F(InputWarningsTest, AClockThatStandsStillWithoutUseSimTimeIsNoMatter) {
+  clock_runs_ = false;
+  EXPECT_TRUE(lookAt(cloth(), 0, 20, true).empty());
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
