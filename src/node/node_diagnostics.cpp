@@ -210,6 +210,9 @@ void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
     status.summary(bad, "mesh refused: " + counters.refusal);
   } else if (rate_hz == 0) {
     status.summary(bad, "no mesh within the last second");
+  } else if (rate_hz * parameters_.max_mesh_age_s < 1) {
+    status.summary(DiagnosticStatus::WARN,
+                   "slower than max_mesh_age_s: UNKNOWN between its meshes; raise max_mesh_age_s");
   } else if (rate_hz < parameters_.diagnostic_min_rate_hz) {
     status.summary(DiagnosticStatus::WARN, "rate below diagnostic_min_rate_hz");
   } else {

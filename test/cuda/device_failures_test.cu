@@ -71,7 +71,7 @@ struct Monitored {
   std::chrono::steady_clock::time_point now{std::chrono::hours(3)};
   std::vector<BackendState> told;
   std::unique_ptr<Detector> detector =
-      makeFallbackDetector([] { return makeCudaDetector(); }, makeCpuDetector,
+      makeFallbackDetector([] { return makeCudaDetector(); }, [] { return makeCpuDetector(); },
                            [this](const BackendState& state) { told.push_back(state); },
                            RetryTimes{5, 60, [this] { return now; }});
 
