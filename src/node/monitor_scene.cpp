@@ -20,7 +20,8 @@ RobotGeometry missingRobot(const std::string& why) {
 MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
   MeshInputs inputs;
   for (const ObjectParameters& object : parameters.objects) {
-    inputs.emplace_back(object.name, MeshLimits{parameters.max_mesh_age_s, parameters.max_mesh_bytes});
+    inputs.emplace_back(object.name,
+                        MeshLimits{parameters.max_mesh_age_s, parameters.max_mesh_bytes});
   }
   return inputs;
 }
