@@ -48,7 +48,7 @@ struct MonitorParameters {
 
   double max_rate_hz = 100;   // of an object's cycles; 0: every mesh
   double robot_rate_hz = 30;  // of the robot's own cycles (robot_self)
-  double max_cycle_s = 1;  // a cycle that takes longer ends early, and says so
+  double max_cycle_s = 1;     // a cycle that takes longer ends early, and says so
   double tf_timeout_s = 0.05;
   double max_mesh_age_s = 0.5;
   double tolerated_rejects = 0;  // share of a body's triangles

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/rejected_triangles.h"
 #include "detector_suite.h"
 #include "scenes.h"
 
@@ -60,6 +61,28 @@ TEST_P(CountersTest, TrianglesAreThoseOfTheSceneRejectedThoseOfBodiesThatTakePar
   scene.setPose(off, far);
   scene.setPairEnabled(off, 0, true);
   EXPECT_EQ(12U, counters(scene, Predicates::kExact).rejected);
+  const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene);
+  EXPECT_EQ(6U, rejected[0].count);
+  EXPECT_EQ(0U, rejected[1].count);
+  EXPECT_EQ(6U, rejected[off].count);
+  EXPECT_FALSE(rejected[0].by_pose || rejected[off].by_pose);
+}
+
+TEST_P(CountersTest, APoseThatMakesVerticesInfiniteRejectsTheirTriangles) {
+  Scene scene = pairScene(clothGrid(6, 1, 0, 0.1F), clothGrid(6, 1, 0.01F, -0.1F));
+  const std::size_t count = scene.body(0).mesh.triangleCount();
+  EXPECT_EQ(0U, counters(scene, Predicates::kExact).rejected);
+  for (const double x : {1e39, -1e39, 1e300}) {
+    RigidTransform pose;
+    pose.translation[0] = x;
+    scene.setPose(0, pose);
+    EXPECT_EQ(count, counters(scene, Predicates::kExact).rejected) << x;
+    EXPECT_TRUE(contacts(scene).empty());
+    const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene);
+    EXPECT_EQ(count, rejected[0].count);
+    EXPECT_TRUE(rejected[0].by_pose);
+    EXPECT_EQ(0U, rejected[1].count);
+  }
 }
 
 TEST_P(CountersTest, ExactIsPairsThatNoFilterDecides) {

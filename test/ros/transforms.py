@@ -13,7 +13,7 @@ from boxes_scene import CLOTH, REFERENCE_FRAME
 from deformable_contact_monitor.msg import ContactEvent
 from monitor_test_support import (
     PACKAGE, ContactState, MeshPublisher, Monitor, Transforms, pairs_of, touching,
-    until_frames_are_seen, wait_until)
+    transform_message, until_frames_are_seen, wait_until)
 
 UNKNOWN, CONTACT, NONE = ContactState.UNKNOWN, ContactState.CONTACT, ContactState.NONE
 STEP_S = 0.05
@@ -108,6 +108,13 @@ class TransformTests(unittest.TestCase):
             self.assertEqual(contacts.pairs, [])
             self.assertEqual(states, {("palm", "cloth"): UNKNOWN, ("finger", "cloth"): UNKNOWN})
         self.check_good_cycle()
+
+    def test_a_transform_from_far_ahead_shuts_out_none(self):
+        self.check_good_cycle()
+        ahead = rospy.Time.from_sec(self.time_s + 3600)
+        self.transforms.publisher.publish(transform_message(ahead, boxes_scene.edges()))
+        for _ in range(3):
+            self.check_good_cycle()
 
     def test_the_clock_jumps_back(self):
         self.check_good_cycle()
