@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "node/time_difference.h"
@@ -119,6 +120,9 @@ std::string ContactStateTracker::resultProblem(const CycleReport& report, const 
   // The pair's contacts may be among those that are not listed, that were not looked at, or of
   // triangles that took no part.
   if (report.result->cut_off) return report.result->cut_off_because;
+  if (secondsBetween(report.now, report.header.stamp) > rules_.max_age_s) {
+    return "the cycle ended later than max_mesh_age_s after its stamp";
+  }
   if (report.result->left_out > 0) return "contacts were left out: memory_limit_mib";
   for (const BodyId id : {pair.a, pair.b}) {
     const BodyStatus& body = report.bodies.at(id);

@@ -35,10 +35,11 @@ class ContactStateTracker {
   // Takes over which pairs there are: one that is new is UNKNOWN, an open contact whose pair is
   // gone ends ("no longer monitored"); pairs are told apart by their bodies' names. Then the states
   // of the cycle's pairs (isOfCycle) at the report's stamp:
-  // - UNKNOWN if a body of it is, if no detection ran, or if contacts or too many triangles of its
-  //   bodies were left out and no contact that is listed is the pair's. But where only the partner
-  //   of the object that triggered has no mesh for that stamp, what is known of the pair stays: the
-  //   partner has cycles too.
+  // - UNKNOWN if a body of it is, or if no detection ran; also where no contact that is listed is
+  // the
+  //   pair's, if contacts or too many triangles of its bodies were left out, or if the report is
+  //   too old already. But where only the partner of the object that triggered has no mesh for that
+  //   stamp, what is known of the pair stays: the partner has cycles too.
   // - else CONTACT, or NEAR when every triangle pair is apart (within the margin), or NONE.
   // What is known of a later stamp stays. States follow each cycle at once (only events are
   // debounced).

@@ -22,18 +22,23 @@ bool CycleTurns::anyWaits() const {
                      [](const Entry& entry) { return entry.waiting.has_value(); });
 }
 
+// Who is asked may be costly to answer: the one whose turn it is comes first.
 std::vector<std::size_t> CycleTurns::next(const std::function<bool(std::size_t)>& is_ready) const {
-  std::vector<std::size_t> ready;
-  std::optional<std::size_t> first;
+  std::vector<std::size_t> order;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (!entries_[i].waiting || !is_ready(i)) continue;
-    ready.push_back(i);
-    if (!first || entries_[i].last_turn < entries_[*first].last_turn) first = i;
+    if (entries_[i].waiting) order.push_back(i);
   }
-  std::vector<std::size_t> together;
-  for (const std::size_t i : ready) {
-    if (entries_[i].waiting->stamp == entries_[*first].waiting->stamp) together.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
+    return entries_[a].last_turn < entries_[b].last_turn;
+  });
+  const auto first = std::find_if(order.begin(), order.end(), is_ready);
+  if (first == order.end()) return {};
+  std::vector<std::size_t> together{*first};
+  for (auto other = first + 1; other != order.end(); ++other) {
+    const bool same_stamp = entries_[*other].waiting->stamp == entries_[*first].waiting->stamp;
+    if (same_stamp && is_ready(*other)) together.push_back(*other);
   }
+  std::sort(together.begin(), together.end());
   return together;
 }
 

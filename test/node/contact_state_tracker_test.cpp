@@ -247,6 +247,17 @@ TEST(ContactStateTrackerTest, whatWasCutOffIsNotNoContact) {
   EXPECT_EQ(texts(tracker.takeEvents()).back(), "END arm/hand cloth 0 no time");
 }
 
+// As of a cycle that took long.
+TEST(ContactStateTrackerTest, whatIsTooOldWhenItComesIsNotNoContact) {
+  SampleReport sample;
+  sample.report.now = sample.report.header.stamp + ros::Duration(0.6);
+  ContactStateTracker tracker(rules(1, 2));
+  const ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT) << "it was one";
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  EXPECT_NE(message.states[kBaseCloth].reason.find("max_mesh_age_s"), std::string::npos);
+}
+
 TEST(ContactStateTrackerTest, sinceCountsStampsInTheSameState) {
   SampleReport sample;
   ContactStateTracker tracker(rules(1, 1));

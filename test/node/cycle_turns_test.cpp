@@ -63,6 +63,19 @@ TEST(CycleTurnsTest, WhoIsNotReadyLetsOthersPass) {
   EXPECT_TRUE(turns.next([](std::size_t) { return false; }).empty());
 }
 
+// To ask costs lookups of transforms.
+TEST(CycleTurnsTest, OnlyThoseAreAskedWhoseAnswerMatters) {
+  CycleTurns turns({0, 0, 0, 0});
+  for (std::size_t i = 0; i < 4; ++i) turns.wait(i, at(i == 3 ? 50 : 50 + static_cast<double>(i)));
+  Who asked;
+  const Who next = turns.next([&asked](std::size_t who) {
+    asked.push_back(who);
+    return true;
+  });
+  EXPECT_EQ(next, (Who{0, 3}));
+  EXPECT_EQ(asked, (Who{0, 3}));
+}
+
 TEST(CycleTurnsTest, EachHasARateOfItsOwn) {
   CycleTurns turns({10, 0});
   turns.start({0, 1}, kStart);
