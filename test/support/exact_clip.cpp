@@ -1,19 +1,17 @@
 // The contact definition by construction: two closed sets are clipped in exact rationals.
 #include "exact_clip.h"
 
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-
 #include <algorithm>
+
+#include "exact_points.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
-using Rational = Kernel::FT;
-using Point = Kernel::Point_3;
-using Vector = Kernel::Vector_3;
-
-Point toPoint(const Vec3f& v) { return {double{v.x}, double{v.y}, double{v.z}}; }
+using exact::Point;
+using exact::Rational;
+using exact::toPoint;
+using exact::Vector;
 
 // The points x with normal . (x - origin) <= 0.
 struct HalfSpace {

@@ -1,20 +1,18 @@
 // Distance of two triangles by exact rationals: parameters of nearest points, not determinants.
 #include "exact_distance.h"
 
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "exact_points.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
-using Rational = Kernel::FT;
-using Point = Kernel::Point_3;
-using Vector = Kernel::Vector_3;
-
-Point toPoint(const Vec3f& v) { return {double{v.x}, double{v.y}, double{v.z}}; }
+using exact::Point;
+using exact::Rational;
+using exact::toPoint;
+using exact::Vector;
 
 Rational toSegment(const Point& p, const Point& q, const Point& r) {
   const Vector along = r - q;
