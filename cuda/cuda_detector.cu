@@ -137,6 +137,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const bool laid_out_anew = scene_.layOut(scene, stream);
   if (scene_.triangleCount() == 0) return false;
   const bool starts = was_cold || laid_out_anew;
+  result_.started_cold = starts;
   if (starts && !startCold(scene, options, limit)) return false;
   scene_.send(scene, scale_, stream);
   params_[0] =

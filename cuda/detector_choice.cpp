@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/cpu/cpu_detector.h"
+#include "core/pair_set_detector.h"
 
 namespace deformable_contact_monitor {
 
@@ -29,14 +30,19 @@ BackendChoice toBackendChoice(const std::string& name) {
 std::unique_ptr<Detector> makeChosenDetector(
     BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
     const std::function<void(const BackendState&)>& changed) {
-  const CpuSettings on_cpu{settings.memory_limit_bytes};
-  if (choice == BackendChoice::kCpu) return makeCpuDetector(on_cpu);
-  if (choice == BackendChoice::kCuda && without_cuda == WithoutCuda::kRefuse) {
-    return makeCudaDetector(settings);
-  }
+  PairSetLimits limits;
+  limits.memory_bytes = settings.memory_limit_bytes;
+  const MakeDetector on_cpu = [settings, limits] {
+    const CpuSettings cpu{settings.memory_limit_bytes};
+    return makePairSetDetector([cpu] { return makeCpuDetector(cpu); }, limits);
+  };
+  const MakeDetector on_cuda = [settings, limits] {
+    return makePairSetDetector([settings] { return makeCudaDetector(settings); }, limits);
+  };
+  if (choice == BackendChoice::kCpu) return on_cpu();
+  if (choice == BackendChoice::kCuda && without_cuda == WithoutCuda::kRefuse) return on_cuda();
   return makeFallbackDetector(
-      [settings] { return makeCudaDetector(settings); },
-      [on_cpu] { return makeCpuDetector(on_cpu); }, changed,
+      on_cuda, on_cpu, changed,
       without_cuda == WithoutCuda::kTryAgain ? std::optional(RetryTimes()) : std::nullopt);
 }
 

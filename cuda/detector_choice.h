@@ -25,7 +25,9 @@ enum class WithoutCuda {
   kRefuse,    // CudaError: somebody measures or compares, and what is called cuda must be CUDA
 };
 
-// settings.memory_limit_bytes holds on the CPU too.
+// settings.memory_limit_bytes holds on the CPU too. Sets of enabled pairs that take turns have
+// detectors of their own (makePairSetDetector): the bound is for each, and no more are made once
+// together they take as much.
 // kCpu is the CPU backend. kAuto is CUDA, and the CPU where CUDA cannot be made or fails in a
 // detection, by makeFallbackDetector()'s rules, which tell `changed`; so is kCuda unless with
 // kRefuse: that is CUDA alone and throws as makeCudaDetector() does. Only with kTryAgain is CUDA

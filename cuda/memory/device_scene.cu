@@ -37,17 +37,32 @@ void put(const std::vector<T>& from, void* to, cudaStream_t stream) {
 
 }  // namespace
 
-bool DeviceScene::layOut(const Scene& scene, cudaStream_t stream) {
+std::vector<std::uint64_t> DeviceScene::topologyOf(const Scene& scene) const {
   std::vector<std::uint64_t> topology;
-  topology.reserve(scene.bodyCount());
-  for (const Body& body : scene.bodies()) topology.push_back(body.topology_revision);
-  if (pairs_revision_ == scene.pairsRevision() && topology == topology_) return false;
-  pairs_revision_ = 0;  // until all of it is there
-  layOutPairs(scene, stream);
-  layOutMeshes(scene, stream);
-  topology_ = std::move(topology);
+  topology.reserve(taking_part_.size());
+  for (const BodyId id : taking_part_) topology.push_back(scene.body(id).topology_revision);
+  return topology;
+}
+
+// Pairs that were switched off and on again are the same ones.
+bool DeviceScene::isLaidOut(const Scene& scene) const {
+  if (!laid_out_) return false;
+  if (pairs_revision_ != scene.pairsRevision() && pairs_ != scene.enabledPairs()) return false;
+  return topology_ == topologyOf(scene);
+}
+
+bool DeviceScene::layOut(const Scene& scene, cudaStream_t stream) {
+  const bool anew = !isLaidOut(scene);
+  if (anew) {
+    laid_out_ = false;  // until all of it is there
+    pairs_ = scene.enabledPairs();
+    layOutPairs(scene, stream);
+    layOutMeshes(scene, stream);
+    topology_ = topologyOf(scene);
+    laid_out_ = true;
+  }
   pairs_revision_ = scene.pairsRevision();
-  return true;
+  return anew;
 }
 
 void DeviceScene::addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row,

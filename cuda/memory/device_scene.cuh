@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/body_groups.h"
@@ -19,8 +20,8 @@ class DeviceScene {
   DeviceScene(DeviceMemory& memory, CycleSizes& sizes, SceneArrays& arrays)
       : memory_(memory), sizes_(sizes), arrays_(arrays) {}
 
-  // Lays the scene out anew if its topology or its pairs changed; true if so. Then arrays may have
-  // moved. Throws CudaError if it is too large.
+  // Lays the scene out anew if other pairs are enabled, or the topology of a body of theirs
+  // changed; true if so. Then arrays may have moved. Throws CudaError if it is too large.
   bool layOut(const Scene& scene, cudaStream_t stream);
 
   // Sends vertices that changed, and all poses and margins. `scale`: of the clustering.
@@ -45,6 +46,8 @@ class DeviceScene {
     std::vector<std::uint32_t> group_mask, pair_enabled;
   };
 
+  bool isLaidOut(const Scene& scene) const;
+  std::vector<std::uint64_t> topologyOf(const Scene& scene) const;
   PairTables tabulatePairs(const Scene& scene);
   void addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row, PairTables& tables);
   void layOutPairs(const Scene& scene, cudaStream_t stream);
@@ -55,8 +58,10 @@ class DeviceScene {
   CycleSizes& sizes_;
   SceneArrays& arrays_;
 
-  std::uint64_t pairs_revision_ = 0;
-  std::vector<std::uint64_t> topology_;        // revisions, per body of the scene
+  bool laid_out_ = false;             // what is below is on the device
+  std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
+  std::vector<std::pair<BodyId, BodyId>> pairs_;
+  std::vector<std::uint64_t> topology_;        // revisions, per body on the device
   std::vector<std::uint64_t> vertices_;        // revisions on the device, per body of the scene
   std::vector<BodyId> taking_part_;            // bodies of the scene, per body on the device
   std::vector<DeviceBody> body_;               // per body on the device

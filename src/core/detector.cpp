@@ -9,6 +9,7 @@ void DetectionResult::begin(const Scene& scene, bool is_guaranteed) {
   cut_off = false;
   cut_off_because.clear();
   guaranteed = is_guaranteed;
+  started_cold = false;
   counters = Counters();
   counters.triangles = scene.triangleCount();
   stages_ms.clear();

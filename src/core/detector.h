@@ -69,6 +69,7 @@ struct DetectionResult {
   bool cut_off = false;
   std::string cut_off_because;  // "no time", "stopped", "memory_limit_mib"; empty: it was not
   bool guaranteed = false;      // the settings in force cannot lose a contact; a cycle cut off may
+  bool started_cold = false;    // nothing of earlier cycles was of use, so this one took longer
   Counters counters;
   // Times [ms] of the stages (core/stages.h) in their order. A backend on which stages overlap
   // gives several as one ("pose_to_judge"), one that has other stages gives those.

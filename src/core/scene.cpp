@@ -86,6 +86,16 @@ void Scene::setPairEnabled(BodyId a, BodyId b, bool enabled) {
 
 bool Scene::pairEnabled(BodyId a, BodyId b) const { return enabled_.at(a).at(b); }
 
+std::vector<std::pair<BodyId, BodyId>> Scene::enabledPairs() const {
+  std::vector<std::pair<BodyId, BodyId>> pairs;
+  for (BodyId a = 0; a < bodies_.size(); ++a) {
+    for (BodyId b = a; b < bodies_.size(); ++b) {
+      if (enabled_[a][b]) pairs.emplace_back(a, b);
+    }
+  }
+  return pairs;
+}
+
 bool Scene::takesPart(BodyId id) const {
   const std::vector<bool>& row = enabled_.at(id);
   return std::find(row.begin(), row.end(), true) != row.end();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/rules/rigid_transform.h"
@@ -47,6 +48,8 @@ class Scene {
   // a == b: contacts of the body with itself.
   void setPairEnabled(BodyId a, BodyId b, bool enabled);
   bool pairEnabled(BodyId a, BodyId b) const;
+  // All of them, (a, b) with a <= b, ascending.
+  std::vector<std::pair<BodyId, BodyId>> enabledPairs() const;
   // Whether some pair of the body, or the body with itself, is enabled.
   bool takesPart(BodyId id) const;
   // Whether some body that takes part has a margin.

@@ -86,6 +86,7 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
     times.push_back(ms);
     if (times.size() > kTimedCycles) times.pop_front();
   };
+  if (report.result->started_cold) ++cold_starts_;
   add("latency [ms]", 1e3 * latency_s);
   add("cycle [ms]", 1e3 * cycle_s);
   add("detection [ms]", report.result->round_trip_ms);
@@ -265,6 +266,7 @@ void NodeDiagnostics::describeTiming(Status& status) {
                    "busy: a cycle runs for " + std::to_string(running_s) + " s");
   }
   status.add("busy share", busy);
+  status.add("cold starts", cold_starts_);
   for (const auto& [stage, times_ms] : times_ms_) status.add(stage, meanP95Max(times_ms));
 }
 

@@ -94,7 +94,7 @@ class NodeDiagnostics {
   bool enabled_ = true;
   std::string backend_, detector_error_, last_reset_;
   BackendState backend_state_;
-  std::uint64_t cycles_ = 0, resets_ = 0;
+  std::uint64_t cycles_ = 0, cold_starts_ = 0, resets_ = 0;
   std::map<std::string, std::deque<double>> times_ms_;  // by stage; the latest cycles
   double busy_s_ = 0;                                   // since last_timing_
   std::optional<Clock::time_point> running_since_;      // the cycle that has not ended

@@ -81,6 +81,17 @@ TEST_F(SceneTest, PairsAreOffAtFirstAndSymmetric) {
   EXPECT_FALSE(scene_.pairEnabled(2, cloth_));
 }
 
+TEST_F(SceneTest, EnabledPairsAreListedOnceInOrder) {
+  const BodyId rope = scene_.addBody("rope", oneTriangle());
+  EXPECT_TRUE(scene_.enabledPairs().empty());
+  scene_.setPairEnabled(rope, cloth_, true);
+  scene_.setPairEnabled(hand_, hand_, true);
+  scene_.setPairEnabled(cloth_, hand_, true);
+  scene_.setPairEnabled(cloth_, hand_, false);
+  const std::vector<std::pair<BodyId, BodyId>> expected = {{cloth_, rope}, {hand_, hand_}};
+  EXPECT_EQ(scene_.enabledPairs(), expected);
+}
+
 TEST_F(SceneTest, RevisionsTellEveryStateApart) {
   Scene other;
   other.addBody("cloth", oneTriangle());

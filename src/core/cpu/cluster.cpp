@@ -44,7 +44,7 @@ std::vector<Vec3f> sampleCentroids(const WorkingSet& set, const SizeSplit& split
   return centroids;
 }
 
-void PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, const Options& options,
+bool PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, const Options& options,
                               const CycleLimit& limit, Prototypes& searchable) {
   const std::size_t count =
       clusterCountFor(options.clusters, kClusterCounts, split.regular.size(), prototypes_.size());
@@ -62,9 +62,10 @@ void PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, con
         refreshed(std::move(scaled), count, sampleCentroids(set, split, sampling), options, limit);
   }
   searchable.build(scaled, limit);
-  if (limit.wasOver()) return;
+  if (limit.wasOver()) return cold;
   prototypes_.clear();
   for (const Vec3f& p : scaled) prototypes_.push_back(split.scale.invert(p));
+  return cold;
 }
 
 }  // namespace deformable_contact_monitor

@@ -25,8 +25,8 @@ class PrototypeTracker {
 
   // Fuzzy c-means on a sample of the centroids, from last cycle's prototypes if there are as many
   // as wanted; between refreshes the prototypes stay where they are in the scene. Where the limit
-  // was over, they stay too, and `searchable` is of no use.
-  void update(const WorkingSet& set, const SizeSplit& split, const Options& options,
+  // was over, they stay too, and `searchable` is of no use. Whether it started from nothing.
+  bool update(const WorkingSet& set, const SizeSplit& split, const Options& options,
               const CycleLimit& limit, Prototypes& searchable);
 
  private:

@@ -91,7 +91,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
   if (!limit.wasOver()) splitBySize(set_, split_, limit);
   times.add(Stage::kPose, watch.lapMs());
   if (limit.wasOver()) return false;
-  tracker_.update(set_, split_, options, limit, prototypes_);
+  result_.started_cold = tracker_.update(set_, split_, options, limit, prototypes_);
   times.add(Stage::kCluster, watch.lapMs());
   if (limit.wasOver()) return false;
   assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment_, limit);
