@@ -81,6 +81,9 @@ struct DetectionResult {
   // Forgets the last cycle and counts the scene's triangles: so every backend begins a cycle.
   void begin(const Scene& scene, bool is_guaranteed);
 
+  // Whether it was cut off by its deadline.
+  bool isOutOfTime() const { return cut_off && cut_off_because == "no time"; }
+
   // Says that the cycle was cut off; the first reason stays.
   void cutOff(const std::string& because);
 };

@@ -89,7 +89,7 @@ ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts,
         mostPairs(most_bytes, serializationLength(message), serializationLength(ContactPair()));
     addPairs(result, max_contacts == 0 ? room : std::min(max_contacts, room), &message);
     message.guaranteed = result.guaranteed;
-    message.timed_out = result.cut_off && result.cut_off_because == "no time";
+    message.timed_out = result.isOutOfTime();
     message.undecided = saturated(result.counters.undecided);
     message.rejected_triangles = saturated(result.counters.rejected);
     message.compute_time = ros::Duration(result.round_trip_ms / 1e3);

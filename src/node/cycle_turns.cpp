@@ -34,9 +34,10 @@ std::vector<std::size_t> CycleTurns::next(const std::function<bool(std::size_t)>
   const auto first = std::find_if(order.begin(), order.end(), is_ready);
   if (first == order.end()) return {};
   std::vector<std::size_t> together{*first};
+  if (entries_[*first].overran) return together;
   for (auto other = first + 1; other != order.end(); ++other) {
     const bool same_stamp = entries_[*other].waiting->stamp == entries_[*first].waiting->stamp;
-    if (same_stamp && is_ready(*other)) together.push_back(*other);
+    if (same_stamp && !entries_[*other].overran && is_ready(*other)) together.push_back(*other);
   }
   std::sort(together.begin(), together.end());
   return together;
@@ -51,8 +52,15 @@ void CycleTurns::start(const std::vector<std::size_t>& who, SteadyTime now) {
   }
 }
 
+void CycleTurns::finish(const std::vector<std::size_t>& who, bool overran) {
+  for (const std::size_t i : who) entries_[i].overran = overran;
+}
+
 void CycleTurns::clear() {
-  for (Entry& entry : entries_) entry.waiting.reset();
+  for (Entry& entry : entries_) {
+    entry.waiting.reset();
+    entry.overran = false;
+  }
 }
 
 }  // namespace deformable_contact_monitor

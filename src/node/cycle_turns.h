@@ -35,13 +35,17 @@ class CycleTurns {
   bool anyWaits() const;
 
   // The one among those that wait and are ready whose last turn is the longest ago, with all others
-  // ready for the same stamp, ascending; empty: nobody is.
+  // ready for the same stamp, ascending; empty: nobody is. Who overran shares with nobody.
   std::vector<std::size_t> next(const std::function<bool(std::size_t)>& is_ready) const;
 
   // They have their turn: what waited is gone.
   void start(const std::vector<std::size_t>& who, SteadyTime now);
 
-  // Nothing waits any more.
+  // Whether the turn that they had ran out of time. It costs them alone, from their next turn on.
+  void finish(const std::vector<std::size_t>& who, bool overran);
+  bool overran(std::size_t who) const { return entries_[who].overran; }
+
+  // Nothing waits any more, and all is forgiven.
   void clear();
 
   // When the rate allows the next cycle of `who`.
@@ -54,6 +58,7 @@ class CycleTurns {
     std::optional<Waiting> waiting;
     SteadyTime earliest;
     std::uint64_t last_turn = 0;
+    bool overran = false;
   };
 
   std::vector<Entry> entries_;

@@ -229,11 +229,21 @@ void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
     waited_s = std::max(waited_s, std::chrono::duration<double>(now - taken).count());
   }
   turns_.start(who, now);
-  detect(stamp, trigger, waited_s, arrival);
+  turns_.finish(who, !detect(stamp, trigger, budgetS(who), waited_s, arrival));
 }
 
-void DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, double waited_s,
-                           SteadyTime mesh_arrival) {
+// [s]. Who ran out of time has less of it, so that others do not grow old meanwhile.
+double DetectionLoop::budgetS(const std::vector<std::size_t>& who) const {
+  constexpr double kShareAfterOverrun = 0.25;
+  const bool has_others = inputs_.size() > 1 || parameters_.pair_classes.robot_self;
+  const bool overran =
+      std::any_of(who.begin(), who.end(), [this](std::size_t i) { return turns_.overran(i); });
+  return parameters_.max_cycle_s * (has_others && overran ? kShareAfterOverrun : 1);
+}
+
+// Whether it ended in time.
+bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s,
+                           double waited_s, SteadyTime mesh_arrival) {
   const SteadyTime start = time_.steady();
   clock_.startCycle(start);
   sink_->recordStart();
@@ -243,7 +253,7 @@ void DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
   try {
-    report.result = &runDetector(start);
+    report.result = &runDetector(start + seconds(budget_s));
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
     noteRejected(&report);
@@ -252,14 +262,16 @@ void DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
     ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());
   }
+  const bool in_time = report.result == nullptr || !report.result->isOutOfTime();
   sink_->sendCycle(&report, start, mesh_arrival);
+  return in_time;
 }
 
 // A detector that is given nothing to look at would forget what it started from.
-const DetectionResult& DetectionLoop::runDetector(SteadyTime start) {
+const DetectionResult& DetectionLoop::runDetector(SteadyTime deadline) {
   if (scene_.looksAtAny()) {
     Options options = parameters_.detector;
-    options.limits.deadline = start + seconds(parameters_.max_cycle_s);
+    options.limits.deadline = deadline;
     options.limits.stop = &sources_.requests.stopped();
     return detector_->detect(scene_.scene(), options);
   }

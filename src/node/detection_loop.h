@@ -69,9 +69,10 @@ class DetectionLoop {
   std::optional<ros::Time> robotsStamp() const;
   bool isReady(std::size_t who);
   void takeTurn(const std::vector<std::size_t>& who);
-  void detect(const ros::Time& t, const CycleTrigger& trigger, double waited_s,
+  double budgetS(const std::vector<std::size_t>& who) const;
+  bool detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s, double waited_s,
               CycleClock::SteadyTime mesh_arrival);
-  const DetectionResult& runDetector(CycleClock::SteadyTime start);
+  const DetectionResult& runDetector(CycleClock::SteadyTime deadline);
 
   void listPairs();
   void heartbeat();

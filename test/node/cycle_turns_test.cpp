@@ -55,6 +55,23 @@ TEST(CycleTurnsTest, OneStampIsOneCycle) {
   EXPECT_FALSE(turns.waiting(0));
 }
 
+TEST(CycleTurnsTest, WhoOverranSharesWithNobodyUntilATurnEndsInTime) {
+  CycleTurns turns({0, 0, 0});
+  turns.finish({0, 1}, true);
+  EXPECT_TRUE(turns.overran(0) && turns.overran(1) && !turns.overran(2));
+  for (std::size_t i = 0; i < 3; ++i) turns.wait(i, at(50));
+  EXPECT_EQ(turns.next(always), Who{0});
+  turns.start({0}, kStart);
+  turns.finish({0}, false);
+  turns.wait(0, at(50));
+  EXPECT_EQ(turns.next(always), Who{1});
+  turns.start({1}, kStart);
+  turns.wait(1, at(50));
+  EXPECT_EQ(turns.next(always), (Who{0, 2})) << "1 has not ended in time yet";
+  turns.clear();
+  EXPECT_FALSE(turns.overran(1));
+}
+
 TEST(CycleTurnsTest, WhoIsNotReadyLetsOthersPass) {
   CycleTurns turns({0, 0});
   turns.wait(0, at(50));

@@ -186,6 +186,44 @@ TEST_F(MeshesTest, ADetectorThatThrowsCostsOneCycle) {
   EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable@50"});
 }
 
+// A mesh that takes too long costs its own object time, and nobody else.
+TEST_F(MeshesTest, WhoRunsOutOfTimeHasLessOfItAndSharesNoCycle) {
+  const auto budgetMs = [this] {
+    return std::chrono::duration<double, std::milli>(detector_.deadline - steady_time_).count();
+  };
+  parameters_.max_cycle_s = 2;
+  detector_.out_of_time = true;
+  give(0, 50);
+  give(1, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 *cable@50"});
+  EXPECT_EQ(budgetMs(), 2000);
+  give(0, 50.25);
+  give(1, 50.25);
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable@50.25"});
+  EXPECT_EQ(budgetMs(), 500);
+  detector_.out_of_time = false;
+  EXPECT_EQ(step(), Lines{"cycle 50.25: cloth@50.25 *cable@50.25"});
+  EXPECT_EQ(budgetMs(), 500);
+  give(1, 50.5);
+  EXPECT_EQ(step(), Lines{"cycle 50.5: cloth@50.25 *cable@50.5"});
+  EXPECT_EQ(budgetMs(), 2000) << "its last cycle ended in time";
+  give(0, 50.5);
+  EXPECT_EQ(step(), Lines{"cycle 50.5: *cloth@50.5 cable@50.5"});
+  EXPECT_EQ(budgetMs(), 500);
+}
+
+TEST_F(MeshesTest, WithoutOthersNobodyIsShortOfTime) {
+  parameters_.objects.pop_back();
+  meshes_.pop_back();
+  parameters_.pair_classes = {false, false, true, false};
+  detector_.out_of_time = true;
+  for (const double stamp_s : {50.0, 50.25, 50.5}) {
+    give(0, stamp_s);
+    EXPECT_EQ(step().size(), 1U);
+    EXPECT_EQ(detector_.deadline - steady_time_, std::chrono::seconds(1)) << stamp_s;
+  }
+}
+
 TEST_F(MeshesTest, WhereNothingIsToBeLookedAtNoDetectorRuns) {
   detector_.failure = "it ran";
   give(0, 50);

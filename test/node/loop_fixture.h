@@ -19,12 +19,17 @@ namespace deformable_contact_monitor {
 struct FakeDetector : Detector {
   struct Script {
     std::string failure;  // detect() throws it; empty: it finds nothing
+    bool out_of_time = false;
+    std::chrono::steady_clock::time_point deadline;  // of the last detection
     int resets = 0;
   };
 
   explicit FakeDetector(Script* script) : script(script) {}
   std::string backend() const override { return "fake"; }
-  const DetectionResult& detect(const Scene& /*scene*/, const Options& /*options*/) override {
+  const DetectionResult& detect(const Scene& scene, const Options& options) override {
+    script->deadline = options.limits.deadline;
+    result.begin(scene, true);
+    if (script->out_of_time) result.cutOff("no time");
     if (!script->failure.empty()) throw std::runtime_error(script->failure);
     return result;
   }
