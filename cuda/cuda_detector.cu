@@ -52,7 +52,6 @@ class CudaDetector : public Detector {
   std::uint32_t listable(std::uint64_t contacts) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
   }
-  void count(const CycleCounters& counted);
   bool isOutgrown(const CycleCounters& counted, const Options& options) const;
 
   CudaSettings settings_;
@@ -113,7 +112,8 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   if (counted.list_words > sizes_.list_words) dropRepeated(result_);
   result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);
   result_.memory_bytes = memory_.bytes() + output_.bytes();
-  count(counted);
+  result_.counters.posed = scene_.triangleCount();
+  tell(counted, sizes_.clusters, result_.counters);
   last_contacts_ = counted.contacts;
   cold_ = isOutgrown(counted, options);
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
@@ -325,22 +325,6 @@ void CudaDetector::fetchContacts(bool few) {
   const std::uint64_t most = few ? kMostListedLate : last_contacts_;
   output_.fetch(arrays_, scene_.anyMargin(), params_[0].index_bits,
                 listable(std::min(last_contacts_, most)), stream_.get());
-}
-
-void CudaDetector::count(const CycleCounters& counted) {
-  Counters& counters = result_.counters;
-  counters.rejected = counted.rejected;
-  counters.posed = scene_.triangleCount();
-  counters.culled = counted.culled;
-  counters.clustered = counted.clustered;
-  counters.large = counted.large;
-  counters.clusters = counted.clustered > 0 ? sizes_.clusters : 0;
-  counters.cluster_entries = counted.members;
-  counters.largest_cluster = counted.largest_cluster;
-  counters.interval_overlaps = counted.interval_overlaps;
-  counters.candidates = counted.judged;
-  counters.exact = counted.exact;
-  counters.undecided = counted.undecided;
 }
 
 // A scene that has outgrown its clusters or its scale starts anew.

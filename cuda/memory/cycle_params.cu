@@ -39,4 +39,18 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   return p;
 }
 
+void tell(const CycleCounters& counted, std::uint32_t clusters, Counters& told) {
+  told.rejected = counted.rejected;
+  told.culled = counted.culled;
+  told.clustered = counted.clustered;
+  told.large = counted.large;
+  told.clusters = counted.clustered > 0 ? clusters : 0;
+  told.cluster_entries = counted.members;
+  told.largest_cluster = counted.largest_cluster;
+  told.interval_overlaps = counted.interval_overlaps;
+  told.candidates = counted.judged;
+  told.exact = counted.exact;
+  told.undecided = counted.undecided;
+}
+
 }  // namespace deformable_contact_monitor

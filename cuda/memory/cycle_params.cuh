@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/detector.h"
 #include "core/options.h"
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
@@ -69,5 +70,8 @@ struct alignas(kLine) CycleCounters {
   alignas(kLine) std::uint32_t open;
   alignas(kLine) unsigned long long contacts;
 };
+
+// What users are told of them; `clusters`: how many the cycle had. The rest of `told` stays.
+void tell(const CycleCounters& counted, std::uint32_t clusters, Counters& told);
 
 }  // namespace deformable_contact_monitor

@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/steady_time.h"
+
 namespace deformable_contact_monitor {
 namespace {
-
-using SteadyTime = std::chrono::steady_clock::time_point;
 
 std::uint64_t trianglesThatTakePart(const Scene& scene) {
   std::uint64_t triangles = 0;
@@ -99,12 +99,9 @@ class FallbackDetector : public Detector {
   }
 
   void setRetryTime(bool failed_before) {
-    const auto seconds = [](double s) {
-      return std::chrono::duration_cast<SteadyTime::duration>(std::chrono::duration<double>(s));
-    };
     const SteadyTime now = retry_->now();
     const bool again = failed_before || now < calm_at_;
-    wait_ = again ? std::min(2 * wait_, seconds(retry_->most_s)) : seconds(retry_->first_s);
+    wait_ = again ? std::min(2 * wait_, fromSeconds(retry_->most_s)) : fromSeconds(retry_->first_s);
     retry_at_ = now + wait_;
   }
 

@@ -9,6 +9,7 @@
 
 #include "core/backend_error.h"
 #include "core/detector.h"
+#include "core/steady_time.h"
 
 namespace deformable_contact_monitor {
 
@@ -27,7 +28,7 @@ struct BackendState {
 struct RetryTimes {
   double first_s = 5;
   double most_s = 60;
-  std::function<std::chrono::steady_clock::time_point()> now = std::chrono::steady_clock::now;
+  std::function<SteadyTime()> now = std::chrono::steady_clock::now;
 };
 
 // Runs what `first` makes. A cycle for which that fails to be made or to detect, with a

@@ -2,22 +2,20 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
+
+#include "core/steady_time.h"
 
 namespace deformable_contact_monitor {
 
 // By default never: then results are the same from run to run. Else the detector gives up within
 // some 10 ms and says so in its result (DetectionResult::cut_off).
 struct Limits {
-  std::chrono::steady_clock::time_point deadline =
-      std::chrono::steady_clock::time_point::max();  // max(): none
+  SteadyTime deadline = SteadyTime::max();  // max(): none
   // The cycle ends once it is true, which any thread may set; it outlives the detection. Null:
   // none.
   const std::atomic<bool>* stop = nullptr;
 
-  bool any() const {
-    return stop != nullptr || deadline != std::chrono::steady_clock::time_point::max();
-  }
+  bool any() const { return stop != nullptr || deadline != SteadyTime::max(); }
 };
 
 }  // namespace deformable_contact_monitor

@@ -41,7 +41,7 @@ MeshMailboxes makeMeshMailboxes(const MonitorParameters& parameters) {
 // The loop dies with its thread.
 std::thread startThread(Mailbox& mailbox, std::unique_ptr<DetectionLoop> loop) {
   return std::thread([&mailbox, loop = std::move(loop)] {
-    CycleClock::SteadyTime wake_time = std::chrono::steady_clock::now();
+    SteadyTime wake_time = std::chrono::steady_clock::now();
     while (mailbox.wait(wake_time)) wake_time = loop->step();
   });
 }

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/steady_time.h"
 #include "node/detection_loop.h"
 #include "node/input_warnings.h"
 #include "node/latest_contacts.h"
@@ -83,7 +84,7 @@ class ContactMonitor {
   ros::AsyncSpinner watch_spinner_{1, &watch_queue_};
   InputWarnings input_warnings_{std::chrono::steady_clock::now()};
   MasterWatch master_watch_;
-  std::chrono::steady_clock::time_point master_due_;
+  SteadyTime master_due_;
   std::atomic<bool> is_forgotten_{false};
 
   std::vector<ros::Subscriber> subscribers_;

@@ -14,15 +14,11 @@ constexpr std::chrono::seconds kHeartbeatPeriod(1);
 constexpr std::chrono::milliseconds kLeftoverWindow(500);
 constexpr double kClockToleranceS = 0.1;  // clocks of two machines differ a little
 
-Duration seconds(double s) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
-}
-
 }  // namespace
 
 // Silence after a cycle is no news until its mesh is too old.
 CycleClock::CycleClock(double max_mesh_age_s, SteadyTime start)
-    : silence_(std::max<Duration>(kHeartbeatPeriod, seconds(max_mesh_age_s))),
+    : silence_(std::max<Duration>(kHeartbeatPeriod, fromSeconds(max_mesh_age_s))),
       heartbeat_due_(start + kHeartbeatPeriod) {}
 
 double CycleClock::update(const ros::Time& now) {
@@ -41,8 +37,6 @@ void CycleClock::startCycle(SteadyTime now) { heartbeat_due_ = now + silence_; }
 
 void CycleClock::startHeartbeat(SteadyTime now) { heartbeat_due_ = now + kHeartbeatPeriod; }
 
-CycleClock::SteadyTime CycleClock::retryTime(SteadyTime now) const {
-  return now + kHeartbeatPeriod;
-}
+SteadyTime CycleClock::retryTime(SteadyTime now) const { return now + kHeartbeatPeriod; }
 
 }  // namespace deformable_contact_monitor

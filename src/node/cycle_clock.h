@@ -5,14 +5,14 @@
 
 #include <chrono>
 
+#include "core/steady_time.h"
+
 namespace deformable_contact_monitor {
 
 // Reads no clock: every function goes by the times that it is given. Intervals are of the steady
 // clock, since ROS time may stand still, run fast or go back.
 class CycleClock {
  public:
-  using SteadyTime = std::chrono::steady_clock::time_point;
-
   // The first heartbeat is due a second after `start`.
   CycleClock(double max_mesh_age_s, SteadyTime start);
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "core/steady_time.h"
 #include "node/contact_markers.h"
 #include "node/cycle_report.h"
 #include "node/latest_contacts.h"
@@ -48,7 +49,7 @@ class CyclePublisher {
   const std::chrono::duration<double> marker_period_;
   ContactMarkers markers_;
   // By body: of the last markers in whose cycle it triggered.
-  std::map<std::string, std::chrono::steady_clock::time_point> last_markers_;
+  std::map<std::string, SteadyTime> last_markers_;
   ros::Publisher contacts_publisher_, markers_publisher_, robot_publisher_;
 };
 

@@ -1,10 +1,10 @@
 // What the detection loop says to the outside.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <string>
 
+#include "core/steady_time.h"
 #include "node/cycle_report.h"
 #include "node/mesh_input.h"
 #include "node/monitor_scene.h"
@@ -25,8 +25,7 @@ class CycleSink {
   virtual void recordStart() = 0;
   // A cycle: its work began at `start`, the mesh that asked for it came at `mesh_arrival`. The
   // report has no result if detection failed. Sets the report's `now`.
-  virtual void sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
-                         std::chrono::steady_clock::time_point mesh_arrival) = 0;
+  virtual void sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) = 0;
   // A report without detection, so that silence is not mistaken for "no contact". Sets its `now`.
   virtual void sendHeartbeat(CycleReport* report) = 0;
   // The pairs that there are, or which of them are allowed, changed.

@@ -7,9 +7,7 @@ namespace deformable_contact_monitor {
 
 CycleTurns::CycleTurns(const std::vector<double>& max_rates_hz) : entries_(max_rates_hz.size()) {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (max_rates_hz[i] <= 0) continue;
-    entries_[i].period = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-        std::chrono::duration<double>(1 / max_rates_hz[i]));
+    if (max_rates_hz[i] > 0) entries_[i].period = fromSeconds(1 / max_rates_hz[i]);
   }
 }
 

@@ -3,20 +3,19 @@
 
 #include <ros/time.h>
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
 
+#include "core/steady_time.h"
+
 namespace deformable_contact_monitor {
 
 // One thread at a time. Reads no clock.
 class CycleTurns {
  public:
-  using SteadyTime = std::chrono::steady_clock::time_point;
-
   // What waits for its cycle.
   struct Waiting {
     ros::Time stamp;     // of the cycle
@@ -54,7 +53,7 @@ class CycleTurns {
 
  private:
   struct Entry {
-    std::chrono::steady_clock::duration period{};
+    SteadyTime::duration period{};
     std::optional<Waiting> waiting;
     SteadyTime earliest;
     std::uint64_t last_turn = 0;

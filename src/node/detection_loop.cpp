@@ -12,8 +12,6 @@
 
 namespace deformable_contact_monitor {
 
-using SteadyTime = CycleClock::SteadyTime;
-
 namespace {
 
 // Of the objects, in their order, and of the robot.
@@ -21,11 +19,6 @@ std::vector<double> maxRatesHz(const MonitorParameters& parameters) {
   std::vector<double> rates_hz(parameters.objects.size(), parameters.max_rate_hz);
   rates_hz.push_back(parameters.robot_rate_hz);
   return rates_hz;
-}
-
-std::chrono::steady_clock::duration seconds(double s) {
-  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(s));
 }
 
 }  // namespace
@@ -160,7 +153,7 @@ void DetectionLoop::takeMeshes() {
     }
     const bool refused = answer == Acceptance::kRefused;
     turns_.wait(i, {cycleStamp(mesh->message->header.stamp, refused), mesh->arrival,
-                    now + seconds(parameters_.tf_timeout_s)});
+                    now + fromSeconds(parameters_.tf_timeout_s)});
     held_up_[i] = false;
   }
 }
@@ -179,7 +172,7 @@ void DetectionLoop::lookAtRobotsTime() {
   const SteadyTime now = time_.steady();
   if (!parameters_.pair_classes.robot_self || robot_ == nullptr || !enabled_) return;
   if (!turns_.mayWait(robot, now) || now < robots_look_) return;
-  robots_look_ = now + seconds(1 / parameters_.robot_rate_hz);
+  robots_look_ = now + fromSeconds(1 / parameters_.robot_rate_hz);
   const std::optional<ros::Time> stamp = robotsStamp();
   if (!stamp) return;
   robots_stamp_ = *stamp;
@@ -225,8 +218,8 @@ void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
     }
     trigger.objects.push_back(i);
     if (!held_up_[i]) continue;
-    const auto taken = waiting.give_up - seconds(parameters_.tf_timeout_s);
-    waited_s = std::max(waited_s, std::chrono::duration<double>(now - taken).count());
+    const auto taken = waiting.give_up - fromSeconds(parameters_.tf_timeout_s);
+    waited_s = std::max(waited_s, toSeconds(now - taken));
   }
   turns_.start(who, now);
   turns_.finish(who, !detect(stamp, trigger, budgetS(who), waited_s, arrival));
@@ -253,7 +246,7 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
   try {
-    report.result = &runDetector(start + seconds(budget_s));
+    report.result = &runDetector(start + fromSeconds(budget_s));
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
     noteRejected(&report);

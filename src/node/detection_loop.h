@@ -4,7 +4,6 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "core/detector.h"
+#include "core/steady_time.h"
 #include "node/cycle_clock.h"
 #include "node/cycle_sink.h"
 #include "node/cycle_turns.h"
@@ -35,7 +35,7 @@ struct LoopSources {
 };
 
 struct LoopTime {
-  std::function<CycleClock::SteadyTime()> steady;
+  std::function<SteadyTime()> steady;
   std::function<ros::Time()> ros;  // zero: no clock yet
 };
 
@@ -52,7 +52,7 @@ class DetectionLoop {
   // Looks at everything once and makes at most one cycle, so that requests and the clock are looked
   // at in between. Returns when to call it again unless something happens before. A
   // std::exception (out of memory, say) is reported, not thrown: the next mesh may be smaller.
-  CycleClock::SteadyTime step();
+  SteadyTime step();
 
  private:
   void lookAtTime();
@@ -71,15 +71,15 @@ class DetectionLoop {
   void takeTurn(const std::vector<std::size_t>& who);
   double budgetS(const std::vector<std::size_t>& who) const;
   bool detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s, double waited_s,
-              CycleClock::SteadyTime mesh_arrival);
-  const DetectionResult& runDetector(CycleClock::SteadyTime deadline);
+              SteadyTime mesh_arrival);
+  const DetectionResult& runDetector(SteadyTime deadline);
 
   void listPairs();
   void heartbeat();
   std::vector<std::string> whyUnknown() const;
   CycleReport makeReport(const ros::Time& stamp);
   void lookAtMisses(const TransformReport& transforms);
-  CycleClock::SteadyTime wakeTime() const;
+  SteadyTime wakeTime() const;
 
   const MonitorParameters& parameters_;
   const LoopSources sources_;
@@ -95,11 +95,11 @@ class DetectionLoop {
   DetectionResult nothing_;                     // of a cycle without an enabled pair
   std::vector<bool> held_up_;                   // by object: its cycle waited for transforms
   ros::Time robots_stamp_;                      // of its own last cycle
-  CycleClock::SteadyTime robots_look_;          // when to look for a new one
+  SteadyTime robots_look_;                      // when to look for a new one
   bool enabled_ = true;
   bool names_checked_ = false;  // of the allowed contacts, against the bodies'
   std::uint64_t cycle_ = 0;
-  CycleClock::SteadyTime list_due_, last_warning_;
+  SteadyTime list_due_, last_warning_;
 };
 
 }  // namespace deformable_contact_monitor

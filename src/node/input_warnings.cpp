@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::chrono::seconds kPeriod(5);  // of a warning, and what counts as missing
 
-double seconds(std::chrono::steady_clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 // Who publishes on the topic, and what.
 std::string describePublishers(const InputStatus& input) {
   const std::string wanted = ros::message_traits::datatype<DeformableMesh>();
@@ -34,7 +30,7 @@ std::vector<std::string> InputWarnings::look(const std::vector<InputStatus>& inp
   if (is_silent && now >= clock_due_) {
     clock_due_ = now + kPeriod;
     std::ostringstream text;
-    text << "use_sim_time is set, but /clock is silent for " << seconds(now - clock_moved_)
+    text << "use_sim_time is set, but /clock is silent for " << toSeconds(now - clock_moved_)
          << " s (" << (ros_time.isZero() ? "it never came" : "it stands still")
          << "): nothing can be said about contacts without it";
     warnings.push_back(text.str());
@@ -67,7 +63,7 @@ std::string InputWarnings::describe(const InputStatus& input, const Watch& watch
   const bool is_published = input.type.has_value() || input.publishers > 0;
   if (now - watch.changed >= kPeriod) {
     if (!input.required && !is_published) return "";
-    text << "no mesh for " << seconds(now - watch.changed) << " s" << describePublishers(input);
+    text << "no mesh for " << toSeconds(now - watch.changed) << " s" << describePublishers(input);
   } else if (!input.refusal.empty()) {
     text << "mesh refused: " << input.refusal << "; it came" << describePublishers(input);
   } else if (!input.oddity.empty()) {

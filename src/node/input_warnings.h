@@ -3,12 +3,13 @@
 
 #include <ros/time.h>
 
-#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "core/steady_time.h"
 
 namespace deformable_contact_monitor {
 
@@ -25,8 +26,6 @@ struct InputStatus {
 // Says what is wrong, every 5 s for as long as it is. One thread at a time. Reads no clock.
 class InputWarnings {
  public:
-  using SteadyTime = std::chrono::steady_clock::time_point;
-
   explicit InputWarnings(SteadyTime start) : start_(start), clock_moved_(start) {}
 
   // To be called about once a second; the warnings that are due, of as many lines. While ROS time

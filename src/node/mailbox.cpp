@@ -46,7 +46,7 @@ void Mailbox::wakeLocked() {
   wake_.notify_one();
 }
 
-bool Mailbox::wait(std::chrono::steady_clock::time_point then) {
+bool Mailbox::wait(SteadyTime then) {
   std::unique_lock<std::mutex> lock(mutex_);
   wake_.wait_until(lock, then, [this] { return woken_ || stopped_; });
   woken_ = false;

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
 
+#include "core/steady_time.h"
 #include "node/pair_table.h"
 
 namespace deformable_contact_monitor {
@@ -40,7 +40,7 @@ class Mailbox {
 
   // Waits until `then`, or until one of the functions above is called, before or meanwhile. Returns
   // false once stop() was called.
-  bool wait(std::chrono::steady_clock::time_point then);
+  bool wait(SteadyTime then);
 
   // What was asked for since the last call.
   Requests take();

@@ -4,7 +4,6 @@
 #include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -13,13 +12,15 @@
 #include <string>
 #include <utility>
 
+#include "core/steady_time.h"
+
 namespace deformable_contact_monitor {
 
 struct ArrivedMesh {
   DeformableMesh::ConstPtr message;
   // The newest message with triangles that came since a mesh was last taken; null: none.
   DeformableMesh::ConstPtr keyframe;
-  std::chrono::steady_clock::time_point arrival;  // of `message`
+  SteadyTime arrival;     // of `message`
   std::string refusal{};  // why it is no mesh, and only has a stamp; empty: it is one
 };
 

@@ -2,18 +2,9 @@
 #include "node/monitor_sink.h"
 
 namespace deformable_contact_monitor {
-namespace {
-
-double secondsSince(std::chrono::steady_clock::time_point then) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-}
-
-}  // namespace
-
 void MonitorSink::recordStart() { diagnostics_.recordStart(); }
 
-void MonitorSink::sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
-                            std::chrono::steady_clock::time_point mesh_arrival) {
+void MonitorSink::sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) {
   const boost::shared_ptr<const ContactArray> sent = publisher_->publish(report);
   const double latency_s = secondsSince(mesh_arrival);  // markers are for people and can wait
   publisher_->publishMarkers(*report);

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/steady_time.h"
 #include "node/cycle_publisher.h"
 #include "node/cycle_sink.h"
 #include "node/node_diagnostics.h"
@@ -19,8 +20,7 @@ class MonitorSink : public CycleSink {
       : publisher_(std::move(publisher)), diagnostics_(diagnostics) {}
 
   void recordStart() override;
-  void sendCycle(CycleReport* report, std::chrono::steady_clock::time_point start,
-                 std::chrono::steady_clock::time_point mesh_arrival) override;
+  void sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) override;
   void sendHeartbeat(CycleReport* report) override;
   void listPairs(CycleReport* report) override { publisher_->publishStates(report); }
   void forgetStates(const std::string& body, const std::string& reason) override {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/steady_time.h"
 #include "node/backend_status.h"
 #include "node/time_difference.h"
 
@@ -16,10 +17,6 @@ constexpr std::size_t kTimedCycles = 200;
 constexpr double kMissingTooLongS = 5;
 constexpr double kBusyShare = 0.9;
 constexpr double kLongCycleS = 0.5;
-
-double secondsSince(std::chrono::steady_clock::time_point then) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-}
 
 std::string meanP95Max(const std::deque<double>& times_ms) {
   std::vector<double> sorted(times_ms.begin(), times_ms.end());

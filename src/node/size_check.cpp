@@ -96,8 +96,7 @@ std::string whatIsOdd(const Box& body, const Box& robot) {
 
 }  // namespace
 
-std::vector<SizeCheck::Finding> SizeCheck::look(const CycleReport& report,
-                                                std::chrono::steady_clock::time_point now) {
+std::vector<SizeCheck::Finding> SizeCheck::look(const CycleReport& report, SteadyTime now) {
   std::vector<Finding> findings;
   std::optional<Box> robot;
   for (BodyId id = 0; report.scene != nullptr && id < report.bodies.size(); ++id) {

@@ -1,12 +1,12 @@
 // Deformable bodies whose size or distance cannot be meant: a mesh in millimetres, say.
 #pragma once
 
-#include <chrono>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/steady_time.h"
 #include "node/cycle_report.h"
 
 namespace deformable_contact_monitor {
@@ -20,10 +20,10 @@ class SizeCheck {
   // Looks at the objects whose cycle it is, each once a second at most, beside the links that were
   // posed for it: odd is what is 100 times the robot, or so far away from it. Without a posed link
   // there is nothing to compare with, and no finding.
-  std::vector<Finding> look(const CycleReport& report, std::chrono::steady_clock::time_point now);
+  std::vector<Finding> look(const CycleReport& report, SteadyTime now);
 
  private:
-  std::map<std::string, std::chrono::steady_clock::time_point> due_;  // by object
+  std::map<std::string, SteadyTime> due_;  // by object
 };
 
 }  // namespace deformable_contact_monitor

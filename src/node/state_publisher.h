@@ -3,10 +3,10 @@
 
 #include <ros/node_handle.h>
 
-#include <chrono>
 #include <mutex>
 #include <string>
 
+#include "core/steady_time.h"
 #include "node/contact_state_tracker.h"
 #include "node/cycle_report.h"
 #include "node/parameters.h"
@@ -38,7 +38,7 @@ class StatePublisher {
   const ros::Publisher states_publisher_, events_publisher_;
 
   std::mutex mutex_;  // so that messages go out in the order in which they were made
-  std::chrono::steady_clock::time_point last_;
+  SteadyTime last_;
 };
 
 }  // namespace deformable_contact_monitor

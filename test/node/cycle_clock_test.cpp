@@ -8,9 +8,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-const CycleClock::SteadyTime kStart{std::chrono::hours(7)};
+const SteadyTime kStart{std::chrono::hours(7)};
 
-CycleClock::SteadyTime at(int ms) { return kStart + milliseconds(ms); }
+SteadyTime at(int ms) { return kStart + milliseconds(ms); }
 
 TEST(CycleClockTest, TheFirstHeartbeatIsAfterASecond) {
   const CycleClock clock(0.5, kStart);

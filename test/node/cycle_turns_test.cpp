@@ -12,7 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using Who = std::vector<std::size_t>;
 
-const CycleTurns::SteadyTime kStart{std::chrono::hours(7)};
+const SteadyTime kStart{std::chrono::hours(7)};
 
 CycleTurns::Waiting at(double stamp_s) { return {ros::Time(stamp_s), kStart, kStart}; }
 

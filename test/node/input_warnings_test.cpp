@@ -38,7 +38,7 @@ class InputWarningsTest : public ::testing::Test {
     EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in: " << all;
   }
 
-  const InputWarnings::SteadyTime start_{std::chrono::hours(1)};
+  const SteadyTime start_{std::chrono::hours(1)};
   InputWarnings warnings_{start_};
   std::uint64_t received_ = 0;
   bool clock_runs_ = true, is_simulated_ = false;

@@ -65,8 +65,7 @@ struct FakeSink : CycleSink {
   void recordStart() override {
     if (*at_start) std::exchange(*at_start, nullptr)();
   }
-  void sendCycle(CycleReport* report, CycleClock::SteadyTime /*start*/,
-                 CycleClock::SteadyTime /*mesh_arrival*/) override {
+  void sendCycle(CycleReport* report, SteadyTime /*start*/, SteadyTime /*mesh_arrival*/) override {
     addReport(report->result != nullptr ? "cycle" : "no result", *report);
   }
   void sendHeartbeat(CycleReport* report) override { addReport("heartbeat", *report); }
@@ -161,7 +160,7 @@ class LoopTest : public ::testing::Test {
   std::function<std::shared_ptr<const RobotGeometry>()> robot_source_;
   FakeDetector::Script detector_;
   FakeSink::Log said_;
-  CycleClock::SteadyTime steady_time_{std::chrono::hours(7)};
+  SteadyTime steady_time_{std::chrono::hours(7)};
   ros::Time ros_time_{50};
   // Called once, when the loop says that a cycle begins.
   std::function<void()> at_cycle_;
@@ -172,7 +171,7 @@ class LoopTest : public ::testing::Test {
   }
 
   std::unique_ptr<DetectionLoop> loop_;
-  CycleClock::SteadyTime wake_time_;
+  SteadyTime wake_time_;
 };
 
 }  // namespace deformable_contact_monitor
