@@ -105,7 +105,7 @@ class Detector {
   // Throws std::invalid_argument, listing all problems(options).
   virtual const DetectionResult& detect(const Scene& scene, const Options& options) = 0;
 
-  // Forgets what earlier cycles left (warm starts); results never depend on it.
+  // Forgets what earlier cycles left (warm starts); exact results never depend on it.
   virtual void reset() = 0;
 };
 

@@ -16,7 +16,8 @@ struct Options {
   // proof; below, contacts at cluster borders are lost; 0: hard clustering.
   float overlap = 1;
 
-  // What follows costs or saves time and never changes the result while overlap is 1.
+  // What follows costs or saves time and never changes the result while overlap is 1 and predicates
+  // are exact. Below exact, it decides with the earlier cycles which pairs come to be undecided.
   int clusters = 0;        // 0: from the scene; at most kMaxClusters
   float fuzzifier = 2;     // [1.05, 4]
   int iterations = 1;      // of fuzzy c-means a refresh, warm-started, [0, 100]

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
-#include <cstring>
 #include <random>
 #include <set>
 
@@ -70,17 +69,6 @@ Expected byVerdictsAlone(const Scene& scene) {
   });
   if (!scene.anyMargin()) expected.separations_m.clear();
   return expected;
-}
-
-::testing::AssertionResult sameBits(const std::vector<float>& a, const std::vector<float>& b) {
-  if (a.size() != b.size()) {
-    return ::testing::AssertionFailure() << a.size() << " and " << b.size() << " separations";
-  }
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (std::memcmp(&a[i], &b[i], sizeof a[i]) == 0) continue;
-    return ::testing::AssertionFailure() << "separation " << i << ": " << a[i] << ", " << b[i];
-  }
-  return ::testing::AssertionSuccess();
 }
 
 // Two waving cloths of 2 n n triangles each, 1 m wide, one over the other, with themselves too.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <iterator>
 #include <ostream>
 #include <vector>
@@ -52,6 +53,19 @@ inline ::testing::AssertionResult samePairs(const std::vector<TrianglePair>& exp
     failure << " +" << extra[i];
   }
   return failure;
+}
+
+// Separations, bit by bit.
+inline ::testing::AssertionResult sameBits(const std::vector<float>& a,
+                                           const std::vector<float>& b) {
+  if (a.size() != b.size()) {
+    return ::testing::AssertionFailure() << a.size() << " and " << b.size() << " separations";
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::memcmp(&a[i], &b[i], sizeof a[i]) == 0) continue;
+    return ::testing::AssertionFailure() << "separation " << i << ": " << a[i] << ", " << b[i];
+  }
+  return ::testing::AssertionSuccess();
 }
 
 }  // namespace deformable_contact_monitor
