@@ -240,4 +240,16 @@ visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) 
   return array;
 }
 
+bool MarkerRate::isDue(const CycleReport& report, SteadyTime now) {
+  const auto hasNone = [&](const BodyStatus& body) {
+    const auto last = last_.find(body.name);
+    return body.triggered && (last == last_.end() || now - last->second >= period_);
+  };
+  if (std::none_of(report.bodies.begin(), report.bodies.end(), hasNone)) return false;
+  for (const BodyStatus& body : report.bodies) {
+    if (body.triggered) last_[body.name] = now;
+  }
+  return true;
+}
+
 }  // namespace deformable_contact_monitor

@@ -5,10 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "core/steady_time.h"
 #include "node/cycle_report.h"
 
 namespace deformable_contact_monitor {
@@ -40,6 +42,21 @@ class ContactMarkers {
   MarkerOptions options_;
   bool cleared_ = false;
   std::set<std::pair<std::string, std::int32_t>> drawn_;  // namespaces and ids
+};
+
+// How often markers are drawn. Each body has a rate of its own: of objects in turns, none is left
+// out. One thread at a time. Reads no clock.
+class MarkerRate {
+ public:
+  explicit MarkerRate(double rate_hz) : period_(fromSeconds(1 / rate_hz)) {}
+
+  // Whether this cycle's are due: a body that triggered it had none within the period. If so, all
+  // that triggered it have theirs now.
+  bool isDue(const CycleReport& report, SteadyTime now);
+
+ private:
+  const SteadyTime::duration period_;
+  std::map<std::string, SteadyTime> last_;  // by body
 };
 
 }  // namespace deformable_contact_monitor

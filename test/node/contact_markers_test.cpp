@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -153,6 +154,26 @@ TEST(ContactMarkersTest, nonFiniteTrianglesAreLeftOut) {
   const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
   expectValid(array);
   EXPECT_EQ(triangles(array), (Counts{{"arm/hand/cloth", 4}}));
+}
+
+TEST(MarkerRateTest, EachBodyHasItsOwn) {
+  const SampleReport sample;
+  CycleReport cloths = sample.report, links = sample.report;
+  links.bodies[0].triggered = true;
+  links.bodies[2].triggered = false;
+  MarkerRate rate(10);
+  const SteadyTime start{std::chrono::hours(7)};
+  const auto at = [start](int ms) { return start + std::chrono::milliseconds(ms); };
+  EXPECT_TRUE(rate.isDue(cloths, at(0)));
+  EXPECT_TRUE(rate.isDue(links, at(1)));
+  EXPECT_FALSE(rate.isDue(cloths, at(99)));
+  EXPECT_TRUE(rate.isDue(cloths, at(100)));
+  EXPECT_FALSE(rate.isDue(links, at(100)));
+  int drawn = 0;
+  for (int ms = 1000; ms < 2000; ++ms) drawn += rate.isDue(cloths, at(ms)) ? 1 : 0;
+  EXPECT_EQ(drawn, 10) << "a second of 1000 Hz";
+  cloths.bodies[2].triggered = false;
+  EXPECT_FALSE(rate.isDue(cloths, at(9000))) << "nobody's cycle";
 }
 
 }  // namespace
