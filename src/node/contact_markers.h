@@ -29,13 +29,13 @@ class ContactMarkers {
 
   // Of the cycle's pairs and of the objects that triggered it, in report.header's frame; what was
   // drawn of others stays until its lifetime is over. The first array begins with a DELETEALL.
-  //   "<a>/<b>"   the triangles in contact of each pair of bodies that has any, links' and objects'
-  //               in colors of their own
+  //   "<a>/<b>"   the triangles in contact, or paler within the margin, of each pair of bodies that
+  //               has any, links' and objects' in colors of their own
   //   "<object>"  the rest of each known object, translucent (rviz draws the robot)
   // one TRIANGLE_LIST each, with an id that is stable while the bodies are the same, none of them
   // empty: one that was drawn and has nothing to show any more is deleted. Over max_triangles,
-  // contacts come first, an equal share for each pair of bodies, and of a surface every k-th
-  // triangle is drawn. Non-finite triangles are left out: rviz refuses them.
+  // contacts come first, then what is near, an equal share for each pair of bodies, and of a
+  // surface every k-th triangle is drawn. Non-finite triangles are left out: rviz refuses them.
   visualization_msgs::MarkerArray make(const CycleReport& report);
 
  private:

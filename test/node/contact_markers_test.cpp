@@ -146,6 +146,30 @@ TEST(ContactMarkersTest, theCapHoldsAndContactsComeFirst) {
   }
 }
 
+TEST(ContactMarkersTest, whatIsOnlyNearIsPalerAndComesLast) {
+  SampleReport sample;
+  const MarkerArray touching = ContactMarkers(MarkerOptions()).make(sample.report);
+  // Hand 0 with cloth 0 and 1, hand 1 with cloth 1: the last pair alone touches.
+  sample.result.separations_m = {0.25F, 0.125F, 0};
+  const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(triangles(array), triangles(touching));
+  const auto& strong = touching.markers[1].colors;  // hand 0, hand 1, cloth 0, cloth 1
+  const auto& colors = array.markers[1].colors;     // hand 1, hand 0, cloth 1, cloth 0
+  ASSERT_EQ(colors.size(), 12U);
+  EXPECT_EQ(array.markers[1].points[1].y, 1) << "hand 1";
+  for (const std::size_t object : {0, 6}) {
+    EXPECT_EQ(colors[object], strong[object]);
+    EXPECT_GT(colors[object + 3].b, strong[object + 3].b);
+  }
+  MarkerOptions options;
+  options.max_triangles = 2;
+  const MarkerArray two = ContactMarkers(options).make(sample.report);
+  EXPECT_EQ(triangles(two), (Counts{{"arm/hand/cloth", 2}}));
+  EXPECT_EQ(two.markers[1].colors[0], strong[0]);
+  EXPECT_EQ(two.markers[1].colors[3], strong[6]);
+}
+
 TEST(ContactMarkersTest, nonFiniteTrianglesAreLeftOut) {
   SampleReport sample;
   TriangleMesh mesh = threeTriangles();
