@@ -51,8 +51,7 @@ tidy() {
   install_packages build run tidy
 
   say "The flags of each file, and the messages"
-  must "configuring" cmake -S . -B build/tidy -G Ninja -DWITH_CUDA=OFF -DBUILD_BENCHMARKS=OFF \
-    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+  must "configuring" cmake -S . -B build/tidy -G Ninja -DWITH_CUDA=OFF -DBUILD_BENCHMARKS=OFF
   must "generating messages" cmake --build build/tidy \
     --target deformable_contact_monitor_generate_messages_cpp
 

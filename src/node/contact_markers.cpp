@@ -35,6 +35,10 @@ std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {
   return kind == BodyKind::kLink ? color(1, 0.1F, 0.1F, alpha) : color(1, 0.8F, 0, alpha);
 }
 
+std_msgs::ColorRGBA nearColor(BodyKind kind, float alpha) {
+  return kind == BodyKind::kLink ? color(1, 0.7F, 0.7F, alpha) : color(1, 0.95F, 0.7F, alpha);
+}
+
 // Triangles of one body, each once. Contacts are many, and the next cycle waits for the markers.
 class TriangleSet {
  public:
@@ -55,6 +59,7 @@ class TriangleSet {
 // The triangles to draw of one pair of bodies; of a body with itself, all in `a`.
 struct Drawn {
   TriangleSet a, b;
+  std::size_t touching_a = 0, touching_b = 0;  // the first of them touch, the others are near
   std::size_t size() const { return a.list().size() + b.list().size(); }
 };
 
@@ -118,17 +123,24 @@ class MarkerBuilder {
 
   const Body& body(BodyId id) const { return report_.scene->body(id); }
 
-  // Calls visit(contact, what is drawn of its pair of bodies). Those of a pair mostly follow one
-  // another.
+  bool touches(std::size_t contact) const {
+    const std::vector<float>& separations_m = report_.result->separations_m;
+    return separations_m.empty() || separations_m[contact] <= 0;
+  }
+
+  // Calls visit(contact, what is drawn of its pair of bodies) for those that touch, or for those
+  // that are near. Those of a pair mostly follow one another.
   template <class Visit>
-  void forEachContact(std::map<BodyPair, Drawn>* pairs, const Visit& visit) const {
+  void forEachContact(bool touching, std::map<BodyPair, Drawn>* pairs, const Visit& visit) const {
     auto of_last = pairs->end();
-    for (const TrianglePair& c : report_.result->contacts) {
+    for (std::size_t i = 0; i < report_.result->contacts.size(); ++i) {
+      if (touches(i) != touching) continue;
+      const TrianglePair& c = report_.result->contacts[i];
       const BodyPair pair{c.body_a, c.body_b};
       if (of_last == pairs->end() || of_last->first != pair) {
         of_last = pairs->find(pair);
         if (of_last == pairs->end()) {
-          const Drawn nothing{TriangleSet(body(c.body_a)), TriangleSet(body(c.body_b))};
+          const Drawn nothing{TriangleSet(body(c.body_a)), TriangleSet(body(c.body_b)), 0, 0};
           of_last = pairs->emplace(pair, nothing).first;
         }
       }
@@ -137,14 +149,22 @@ class MarkerBuilder {
   }
 
   std::map<BodyPair, Drawn> drawnPairs() const {
+    const bool any_near = !report_.result->separations_m.empty();
     std::map<BodyPair, Drawn> pairs;
-    forEachContact(&pairs, [](const TrianglePair&, Drawn*) {});
+    forEachContact(true, &pairs, [](const TrianglePair&, Drawn*) {});
+    if (any_near) forEachContact(false, &pairs, [](const TrianglePair&, Drawn*) {});
     const std::size_t share = pairs.empty() ? 0 : budget_ / pairs.size();
-    forEachContact(&pairs, [share](const TrianglePair& c, Drawn* drawn) {
+    const auto draw = [share](const TrianglePair& c, Drawn* drawn) {
       if (drawn->size() + 2 > share) return;
       drawn->a.insert(c.triangle_a);
       (c.body_a == c.body_b ? drawn->a : drawn->b).insert(c.triangle_b);
-    });
+    };
+    forEachContact(true, &pairs, draw);
+    for (auto& [pair, drawn] : pairs) {
+      drawn.touching_a = drawn.a.list().size();
+      drawn.touching_b = drawn.b.list().size();
+    }
+    if (any_near) forEachContact(false, &pairs, draw);
     return pairs;
   }
 
@@ -154,19 +174,22 @@ class MarkerBuilder {
       Marker marker = triangleList(contactName(report_, a, b), contactId(report_, a, b));
       marker.points.reserve(3 * drawn.size());
       marker.colors.reserve(3 * drawn.size());
-      highlight(a, drawn.a, &marker);
-      highlight(b, drawn.b, &marker);
+      highlight(a, drawn.a, drawn.touching_a, &marker);
+      highlight(b, drawn.b, drawn.touching_b, &marker);
       marker.color = contactColor(BodyKind::kLink, options_.alpha);
       add(std::move(marker));
     }
   }
 
-  void highlight(BodyId id, const TriangleSet& triangles, Marker* marker) {
+  void highlight(BodyId id, const TriangleSet& triangles, std::size_t touching, Marker* marker) {
     TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
-    const auto tint = contactColor(report_.bodies[id].kind, options_.alpha);
-    for (const std::uint32_t triangle : triangles.list()) {
+    const BodyKind kind = report_.bodies[id].kind;
+    for (std::size_t i = 0; i < triangles.list().size(); ++i) {
+      const std::uint32_t triangle = triangles.list()[i];
       if (!addTriangle(id, triangle, marker)) continue;
-      marker->colors.insert(marker->colors.end(), 3, tint);
+      marker->colors.insert(
+          marker->colors.end(), 3,
+          i < touching ? contactColor(kind, options_.alpha) : nearColor(kind, options_.alpha));
       highlighted.insert(triangle);
     }
   }
@@ -238,6 +261,18 @@ visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) 
   array.markers.insert(array.markers.end(), std::make_move_iterator(markers.begin()),
                        std::make_move_iterator(markers.end()));
   return array;
+}
+
+bool MarkerRate::isDue(const CycleReport& report, SteadyTime now) {
+  const auto hasNone = [&](const BodyStatus& body) {
+    const auto last = last_.find(body.name);
+    return body.triggered && (last == last_.end() || now - last->second >= period_);
+  };
+  if (std::none_of(report.bodies.begin(), report.bodies.end(), hasNone)) return false;
+  for (const BodyStatus& body : report.bodies) {
+    if (body.triggered) last_[body.name] = now;
+  }
+  return true;
 }
 
 }  // namespace deformable_contact_monitor

@@ -5,10 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "core/steady_time.h"
 #include "node/cycle_report.h"
 
 namespace deformable_contact_monitor {
@@ -27,19 +29,34 @@ class ContactMarkers {
 
   // Of the cycle's pairs and of the objects that triggered it, in report.header's frame; what was
   // drawn of others stays until its lifetime is over. The first array begins with a DELETEALL.
-  //   "<a>/<b>"   the triangles in contact of each pair of bodies that has any, links' and objects'
-  //               in colors of their own
+  //   "<a>/<b>"   the triangles in contact, or paler within the margin, of each pair of bodies that
+  //               has any, links' and objects' in colors of their own
   //   "<object>"  the rest of each known object, translucent (rviz draws the robot)
   // one TRIANGLE_LIST each, with an id that is stable while the bodies are the same, none of them
   // empty: one that was drawn and has nothing to show any more is deleted. Over max_triangles,
-  // contacts come first, an equal share for each pair of bodies, and of a surface every k-th
-  // triangle is drawn. Non-finite triangles are left out: rviz refuses them.
+  // contacts come first, then what is near, an equal share for each pair of bodies, and of a
+  // surface every k-th triangle is drawn. Non-finite triangles are left out: rviz refuses them.
   visualization_msgs::MarkerArray make(const CycleReport& report);
 
  private:
   MarkerOptions options_;
   bool cleared_ = false;
   std::set<std::pair<std::string, std::int32_t>> drawn_;  // namespaces and ids
+};
+
+// How often markers are drawn. Each body has a rate of its own: of objects in turns, none is left
+// out. One thread at a time. Reads no clock.
+class MarkerRate {
+ public:
+  explicit MarkerRate(double rate_hz) : period_(fromSeconds(1 / rate_hz)) {}
+
+  // Whether this cycle's are due: a body that triggered it had none within the period. If so, all
+  // that triggered it have theirs now.
+  bool isDue(const CycleReport& report, SteadyTime now);
+
+ private:
+  const SteadyTime::duration period_;
+  std::map<std::string, SteadyTime> last_;  // by body
 };
 
 }  // namespace deformable_contact_monitor

@@ -2,6 +2,7 @@
 #include "node/cycle_publisher.h"
 
 #include <boost/make_shared.hpp>
+#include <chrono>
 
 #include "core/parallel.h"
 #include "node/contact_messages.h"
@@ -23,7 +24,7 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
     : states_(states),
       latest_(latest),
       max_contacts_(parameters.max_contacts),
-      marker_period_(1 / parameters.marker_rate_hz),
+      marker_rate_(parameters.marker_rate_hz),
       markers_(markerOptions(parameters)),
       contacts_publisher_(private_node.advertise<ContactArray>("contacts", 2)),
       markers_publisher_(private_node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
@@ -47,18 +48,9 @@ void CyclePublisher::publishStates(CycleReport* report) {
   states_.publish(*report);
 }
 
-// Each body that triggered has a rate of its own: of objects in turns, none is left out.
 void CyclePublisher::publishMarkers(const CycleReport& report) {
   if (markers_publisher_.getNumSubscribers() == 0) return;
-  const auto now = std::chrono::steady_clock::now();
-  bool due = false;
-  for (const BodyStatus& body : report.bodies) {
-    due = due || (body.triggered && now - last_markers_[body.name] >= marker_period_);
-  }
-  if (!due) return;
-  for (const BodyStatus& body : report.bodies) {
-    if (body.triggered) last_markers_[body.name] = now;
-  }
+  if (!marker_rate_.isDue(report, std::chrono::steady_clock::now())) return;
   markers_publisher_.publish(markers_.make(report));
 }
 

@@ -3,11 +3,8 @@
 
 #include <ros/node_handle.h>
 
-#include <chrono>
-#include <map>
 #include <string>
 
-#include "core/steady_time.h"
 #include "node/contact_markers.h"
 #include "node/cycle_report.h"
 #include "node/latest_contacts.h"
@@ -46,10 +43,8 @@ class CyclePublisher {
   StatePublisher& states_;
   LatestContacts& latest_;
   const std::size_t max_contacts_;
-  const std::chrono::duration<double> marker_period_;
+  MarkerRate marker_rate_;
   ContactMarkers markers_;
-  // By body: of the last markers in whose cycle it triggered.
-  std::map<std::string, SteadyTime> last_markers_;
   ros::Publisher contacts_publisher_, markers_publisher_, robot_publisher_;
 };
 

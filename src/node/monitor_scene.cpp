@@ -46,9 +46,7 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
     bodies.push_back({name, kind, ros::Time(), 0, ""});
   };
   for (const LinkGeometry& link : robot.links) {
-    const auto margin = parameters_.link_margin_m.find(link.link);
-    addBody(link.link, BodyKind::kLink, link.mesh,
-            margin == parameters_.link_margin_m.end() ? parameters_.margin_m : margin->second);
+    addBody(link.link, BodyKind::kLink, link.mesh, linkMarginM(parameters_, link.link));
     problems.push_back(link.problem);
   }
   for (const ObjectParameters& object : parameters_.objects) {

@@ -14,7 +14,6 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 
 constexpr std::size_t kTimedCycles = 200;
-constexpr double kMissingTooLongS = 5;
 constexpr double kBusyShare = 0.9;
 constexpr double kLongCycleS = 0.5;
 
@@ -114,18 +113,7 @@ bool NodeDiagnostics::isEnabled() const {
 
 void NodeDiagnostics::recordTransforms(const TransformReport& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  worst_wait_s_ = std::max(worst_wait_s_, report.waited_s);
-  transform_misses_ += report.misses.size();
-  // Bodies of other cycles are as they were.
-  std::map<std::string, std::pair<Clock::time_point, std::string>> before;
-  for (const std::string& body : report.asked) {
-    if (auto entry = missing_.extract(body)) before.insert(std::move(entry));
-  }
-  for (const TransformReport::Miss& miss : report.misses) {
-    const auto found = before.find(miss.body);
-    const auto since = found == before.end() ? Clock::now() : found->second.first;
-    missing_[miss.body] = {since, miss.answer.problem};
-  }
+  transforms_.record(report, Clock::now());
 }
 
 void NodeDiagnostics::recordDetectorError(const std::string& error) {
@@ -229,23 +217,7 @@ void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
 
 void NodeDiagnostics::describeTransforms(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  status.summary(DiagnosticStatus::OK, "all transforms in time");
-  std::string missing;
-  double longest_s = 0;
-  for (const auto& [body, since_what] : missing_) {
-    const double since_s = secondsSince(since_what.first);
-    longest_s = std::max(longest_s, since_s);
-    missing += (missing.empty() ? "" : ", ") + body;
-    status.add(body + " missing for [s]", since_s);
-    status.add(body, since_what.second);
-  }
-  if (!missing.empty()) {
-    status.summary(longest_s > kMissingTooLongS ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN,
-                   "no transform for: " + missing);
-  }
-  status.add("misses", transform_misses_);
-  status.add("worst wait [s]", worst_wait_s_);
-  worst_wait_s_ = 0;
+  transforms_.describe(status, Clock::now());
 }
 
 void NodeDiagnostics::describeTiming(Status& status) {

@@ -18,9 +18,9 @@
 #include "core/fallback_detector.h"
 #include "node/cycle_report.h"
 #include "node/mesh_mailbox.h"
-#include "node/monitor_scene.h"
 #include "node/parameters.h"
 #include "node/robot_source.h"
+#include "node/transform_watch.h"
 
 namespace deformable_contact_monitor {
 
@@ -99,10 +99,8 @@ class NodeDiagnostics {
   double busy_s_ = 0;                                   // since last_timing_
   std::optional<Clock::time_point> running_since_;      // the cycle that has not ended
   Clock::time_point last_timing_ = Clock::now();
-  std::map<std::string, std::pair<Clock::time_point, std::string>> missing_;  // since when, what
-  std::uint64_t transform_misses_ = 0;
-  double worst_wait_s_ = 0;  // since the last publication
-  ContactArray output_;      // of the latest cycle, without the pairs
+  TransformWatch transforms_;
+  ContactArray output_;  // of the latest cycle, without the pairs
 };
 
 }  // namespace deformable_contact_monitor

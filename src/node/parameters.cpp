@@ -149,6 +149,11 @@ void readInput(ParameterReader* reader, MonitorParameters* p) {
 
 }  // namespace
 
+double linkMarginM(const MonitorParameters& parameters, const std::string& link) {
+  const auto own = parameters.link_margin_m.find(link);
+  return own == parameters.link_margin_m.end() ? parameters.margin_m : own->second;
+}
+
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings) {
   std::vector<std::string> found;

@@ -67,6 +67,9 @@ struct MonitorParameters {
   std::size_t max_mesh_bytes = std::size_t{512} << 20U;
 };
 
+// Of the link of that name [m].
+double linkMarginM(const MonitorParameters& parameters, const std::string& link);
+
 // Lists every problem, one a line.
 struct ParameterError : std::runtime_error {
   using std::runtime_error::runtime_error;

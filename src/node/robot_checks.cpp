@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -61,6 +62,15 @@ void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters)
     throw std::runtime_error("strict_geometry is on, and these links have no usable geometry:" +
                              bad);
   }
+}
+
+std::string describeLink(const LinkGeometry& link, const MonitorParameters& parameters) {
+  if (!link.problem.empty()) return link.problem + "; the link is UNKNOWN";
+  std::ostringstream text;
+  text << "link '" << link.link << "': " << link.mesh.triangleCount() << " triangles, "
+       << linkLengthM(link) << " m long, margin " << linkMarginM(parameters, link.link)
+       << " m, from " << link.source;
+  return text.str();
 }
 
 }  // namespace deformable_contact_monitor

@@ -19,4 +19,8 @@ std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeom
 // Throws std::runtime_error if a link has an object's name or, with strict_geometry, a problem.
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters);
 
+// "link 'hand': 12 triangles, 0.2 m long, margin 0.01 m, from box ..."; of one without usable
+// geometry: why, and that it is UNKNOWN.
+std::string describeLink(const LinkGeometry& link, const MonitorParameters& parameters);
+
 }  // namespace deformable_contact_monitor

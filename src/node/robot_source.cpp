@@ -24,13 +24,12 @@ bool same(const RobotGeometry& a, const RobotGeometry& b) {
                     });
 }
 
-void log(const RobotGeometry& robot) {
+void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
   for (const LinkGeometry& link : robot.links) {
     if (link.problem.empty()) {
-      ROS_INFO_STREAM("link '" << link.link << "': " << link.mesh.triangleCount()
-                               << " triangles from " << link.source);
+      ROS_INFO_STREAM(describeLink(link, parameters));
     } else {
-      ROS_WARN_STREAM(link.problem << "; the link is UNKNOWN");
+      ROS_WARN_STREAM(describeLink(link, parameters));
     }
   }
   for (const std::string& warning : geometryWarnings(robot)) ROS_WARN_STREAM(warning);
@@ -109,7 +108,7 @@ void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
 bool RobotSource::use(RobotGeometry robot) {
   const std::shared_ptr<const RobotGeometry> old = newest();
   const bool is_new = !old || !same(*old, robot);
-  if (is_new) log(robot);
+  if (is_new) log(robot, parameters_);
   const std::lock_guard<std::mutex> lock(mutex_);
   problem_.clear();
   if (is_new) robot_ = std::make_shared<const RobotGeometry>(std::move(robot));

@@ -1,4 +1,4 @@
-// What is odd about a robot's geometry, though usable.
+// How large a robot's links are, and what is odd about them, though usable.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -41,6 +41,8 @@ Extent measure(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+double linkLengthM(const LinkGeometry& link) { return measure(link.mesh).largest_m; }
 
 std::vector<std::string> geometryWarnings(const RobotGeometry& robot) {
   std::vector<std::string> warnings;

@@ -47,6 +47,9 @@ ResourceResolver makeRosResolver();
 RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
                                 const ResourceResolver& resolve, const MeshReading& reading = {});
 
+// The longest side of the box around its finite vertices; 0: it has none.
+double linkLengthM(const LinkGeometry& link);
+
 // One line for each fact about a usable link that its owner should know: longer than 10 m or
 // shorter than 1 mm, more than 200 000 triangles, vertices that are not finite.
 std::vector<std::string> geometryWarnings(const RobotGeometry& robot);

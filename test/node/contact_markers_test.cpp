@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -145,6 +146,30 @@ TEST(ContactMarkersTest, theCapHoldsAndContactsComeFirst) {
   }
 }
 
+TEST(ContactMarkersTest, whatIsOnlyNearIsPalerAndComesLast) {
+  SampleReport sample;
+  const MarkerArray touching = ContactMarkers(MarkerOptions()).make(sample.report);
+  // Hand 0 with cloth 0 and 1, hand 1 with cloth 1: the last pair alone touches.
+  sample.result.separations_m = {0.25F, 0.125F, 0};
+  const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(triangles(array), triangles(touching));
+  const auto& strong = touching.markers[1].colors;  // hand 0, hand 1, cloth 0, cloth 1
+  const auto& colors = array.markers[1].colors;     // hand 1, hand 0, cloth 1, cloth 0
+  ASSERT_EQ(colors.size(), 12U);
+  EXPECT_EQ(array.markers[1].points[1].y, 1) << "hand 1";
+  for (const std::size_t object : {0, 6}) {
+    EXPECT_EQ(colors[object], strong[object]);
+    EXPECT_GT(colors[object + 3].b, strong[object + 3].b);
+  }
+  MarkerOptions options;
+  options.max_triangles = 2;
+  const MarkerArray two = ContactMarkers(options).make(sample.report);
+  EXPECT_EQ(triangles(two), (Counts{{"arm/hand/cloth", 2}}));
+  EXPECT_EQ(two.markers[1].colors[0], strong[0]);
+  EXPECT_EQ(two.markers[1].colors[3], strong[6]);
+}
+
 TEST(ContactMarkersTest, nonFiniteTrianglesAreLeftOut) {
   SampleReport sample;
   TriangleMesh mesh = threeTriangles();
@@ -153,6 +178,26 @@ TEST(ContactMarkersTest, nonFiniteTrianglesAreLeftOut) {
   const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
   expectValid(array);
   EXPECT_EQ(triangles(array), (Counts{{"arm/hand/cloth", 4}}));
+}
+
+TEST(MarkerRateTest, EachBodyHasItsOwn) {
+  const SampleReport sample;
+  CycleReport cloths = sample.report, links = sample.report;
+  links.bodies[0].triggered = true;
+  links.bodies[2].triggered = false;
+  MarkerRate rate(10);
+  const SteadyTime start{std::chrono::hours(7)};
+  const auto at = [start](int ms) { return start + std::chrono::milliseconds(ms); };
+  EXPECT_TRUE(rate.isDue(cloths, at(0)));
+  EXPECT_TRUE(rate.isDue(links, at(1)));
+  EXPECT_FALSE(rate.isDue(cloths, at(99)));
+  EXPECT_TRUE(rate.isDue(cloths, at(100)));
+  EXPECT_FALSE(rate.isDue(links, at(100)));
+  int drawn = 0;
+  for (int ms = 1000; ms < 2000; ++ms) drawn += rate.isDue(cloths, at(ms)) ? 1 : 0;
+  EXPECT_EQ(drawn, 10) << "a second of 1000 Hz";
+  cloths.bodies[2].triggered = false;
+  EXPECT_FALSE(rate.isDue(cloths, at(9000))) << "nobody's cycle";
 }
 
 }  // namespace

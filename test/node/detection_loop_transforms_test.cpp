@@ -99,5 +99,25 @@ TEST_F(TransformsTest, ANewerMeshDoesNotProlongTheWait) {
   EXPECT_EQ(step().back().substr(0, 11), "cycle 50.25");
 }
 
+TEST_F(TransformsTest, MissesAreSaidOnceASecond) {
+  parameters_.tf_timeout_s = 0;
+  addTransform(&transforms_, "camera", 49.5);
+  step();
+  const auto warnings = [this](int ms) {
+    ::testing::internal::CaptureStderr();
+    give(0, 50, "camera");
+    EXPECT_EQ(stepAfter(ms).front(), "miss of cloth");
+    const std::string text = ::testing::internal::GetCapturedStderr();
+    const bool is_said = text.find("UNKNOWN for want of a transform:\n  cloth: TF from 'camera'") !=
+                         std::string::npos;
+    EXPECT_EQ(text.empty(), !is_said) << text;
+    return is_said;
+  };
+  EXPECT_TRUE(warnings(0));
+  EXPECT_FALSE(warnings(500));
+  EXPECT_FALSE(warnings(499));
+  EXPECT_TRUE(warnings(1));
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

@@ -164,6 +164,32 @@ TEST(RobotGeometry, MirroredScaleTurnsTheWindingRound) {
   }
 }
 
+// Where links stand is TF's affair: of joints only their being well-formed counts.
+TEST(RobotGeometry, MimicAndOtherJointsChangeNothing) {
+  const auto withJoint = [](const std::string& type, const std::string& content) {
+    const std::string end = "<parent link=\"a\"/><child link=\"b\"/>" + content + "</joint>";
+    return loadRobotGeometry(
+        "<robot name=\"r\"><link name=\"a\">" + box("1 1 1") + "</link><link name=\"b\">" +
+            box("2 2 2") + "</link><joint name=\"j\" type=\"" + type + "\">" + end + "</robot>",
+        {}, noFiles);
+  };
+  const std::string limit = "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>";
+  const std::string origin = "<origin xyz=\"1 2 3\" rpy=\"1 0 0\"/>";
+  const RobotGeometry fixed = withJoint("fixed", "");
+  for (const std::string& content :
+       {origin, limit, limit + "<mimic joint=\"j\"/>", limit + "<mimic joint=\"gone\"/>",
+        limit + origin + "<mimic joint=\"gone\" multiplier=\"-2\" offset=\"1\"/>"}) {
+    SCOPED_TRACE(content);
+    const RobotGeometry robot = withJoint(content == origin ? "floating" : "revolute", content);
+    expectLinks(robot, {"a", "b"});
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(robot.links[i].problem, "");
+      EXPECT_EQ(robot.links[i].mesh.vertices, fixed.links[i].mesh.vertices);
+      EXPECT_EQ(robot.links[i].mesh.triangles, fixed.links[i].mesh.triangles);
+    }
+  }
+}
+
 TEST(RobotGeometry, AFileThatIsMissingCostsNobodyElse) {
   const std::string urdf = "<robot name=\"r\"><link name=\"a\">" + box("1 1 1") +
                            mesh("package://gone/one.stl") + mesh("package://gone/two.stl") +

@@ -236,6 +236,8 @@ class BadMeshes(unittest.TestCase):
             drawn[name] = {m.ns for m in added}
             deleted = {m.ns for m in markers if m.action == Marker.DELETE}
             self.assertLessEqual(deleted, {"palm/cloth", "finger/cloth"})
+        self.assertEqual(log.messages[0].markers[0].action, Marker.DELETEALL,
+                         "markers were made before anybody looked")
         self.assertEqual(drawn, {"in contact": {"palm/cloth", "finger/cloth", "cloth"},
                                  "apart": {"cloth"}})
 
