@@ -15,7 +15,7 @@ namespace {
 class Turns {
  public:
   Turns() {
-    for (const int n : {40, 30, 20}) {
+    for (const int n : {40, 30, 20, 15}) {
       cloths_.push_back(scene_.addBody("cloth", clothGrid(n, 1, 0.01F, 0.03F)));
     }
   }
@@ -149,6 +149,14 @@ TEST_F(PairSetLimitsTest, BeyondTheirNumberTheLongestIdleIsTakenOver) {
   EXPECT_EQ(cycles_, std::vector<int>({3, 3}));
   turns({1});  // and now that of 0
   EXPECT_EQ(cycles_, std::vector<int>({4, 3}));
+}
+
+TEST_F(PairSetLimitsTest, OfSeveralTheLongestIdleIsTakenOver) {
+  make({3, 1000});
+  turns({0, 1, 2, 0, 3});  // that of 1
+  EXPECT_EQ(cycles_, std::vector<int>({2, 2, 1}));
+  turns({2, 0});
+  EXPECT_EQ(cycles_, std::vector<int>({3, 2, 2}));
 }
 
 TEST_F(PairSetLimitsTest, BeyondTheirMemoryToo) {
