@@ -139,6 +139,7 @@ class Session:
         self.api = xmlrpc.client.ServerProxy(self.uri)
 
     def __enter__(self):
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
         try:
             self.start_master()
         except BaseException:

@@ -1,5 +1,6 @@
 """What a monitor is loaded with, and what came of it."""
 import collections
+import sys
 import time
 
 from deaf_subscriber import DeafSubscriber
@@ -68,6 +69,8 @@ def run_scenario(name, seconds, devel, parameters, client_options, say=print):
                                 **client_options, **scenario.client)
         deaf = connect_deaf(session, scenario.deaf) if scenario.deaf else []
         wait_until(lambda: client.lines or not client.runs(), "the load")
+        if not client.runs():
+            sys.exit("the load ended: " + client.output())
         figures = watch(monitor, client, diagnostics, seconds, say)
         figures["deaf_still_connected"] = sum(one.is_connected() for one in deaf)
         if monitor.runs():
@@ -76,7 +79,8 @@ def run_scenario(name, seconds, devel, parameters, client_options, say=print):
         for one in deaf:
             one.close()
         figures["log_tail"] = monitor.output()[-2000:]
-    figures.update(scenario=name, backend=diagnostics.values.get("status", {}).get("backend"))
+    figures.update(scenario=name, backend=diagnostics.values.get("status", {}).get("backend"),
+                   backend_asked_for=parameters["backend"])
     return figures, problems(figures)
 
 
@@ -120,6 +124,8 @@ def problems(figures):
         found.append("the monitor died: " + figures["log_tail"])
     elif figures.get("exit_code") != 0:
         found.append(f"the monitor ended with exit code {figures.get('exit_code')}")
+    if figures["backend"] != figures["backend_asked_for"]:
+        found.append(f"contacts were found by {figures['backend']}")
     if figures["client"]["longest_silence_s"] > LONGEST_SILENCE_S:
         found.append(f"contact_states was silent for {figures['client']['longest_silence_s']:.2f} s")
     if has_grown(figures["memory_mib"]):
