@@ -137,17 +137,20 @@ void DetectionLoop::dropLeftovers() {
   }
 }
 
-// One of each object, so that what waits is the newest. A refused one has a cycle too, in which its
-// object is UNKNOWN.
+// One of each object: the newest, also if its turn is long in coming, but for one that waits for
+// transforms, as later meshes would have to wait for later ones. A refused one has a cycle too, in
+// which its object is UNKNOWN.
 void DetectionLoop::takeMeshes() {
   const SteadyTime now = time_.steady();
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    if (!turns_.mayWait(i, now)) continue;
+    const bool replaces = turns_.waiting(i) && !held_up_[i];
+    if (!replaces && !turns_.mayWait(i, now)) continue;
     const std::optional<ArrivedMesh> mesh = sources_.meshes[i].take();
     if (!mesh) continue;
     const Acceptance answer = inputs_[i].accept(*mesh, clock_.rosTime());
     sink_->recordMesh(i, inputs_[i].counters());
     if (answer == Acceptance::kDropped) continue;
+    if (replaces) sources_.meshes[i].noteReplaced();
     if (answer == Acceptance::kJumped) {
       sink_->forgetStates(parameters_.objects[i].name, "the stamps of its meshes went back");
     }

@@ -25,6 +25,11 @@ std::optional<ArrivedMesh> MeshMailbox::take() {
   return std::exchange(waiting_, ArrivedMesh());
 }
 
+void MeshMailbox::noteReplaced() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++counters_.dropped;
+}
+
 bool MeshMailbox::isEmpty() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return !waiting_.message;

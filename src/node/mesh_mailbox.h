@@ -26,7 +26,7 @@ struct ArrivedMesh {
 
 struct ArrivalCounters {
   std::uint64_t received = 0;
-  std::uint64_t dropped = 0;  // while they waited: replaced by a newer one, or not wanted
+  std::uint64_t dropped = 0;  // before their cycle: replaced by a newer one, or not wanted
 };
 
 // Threads may call every function at any time.
@@ -44,6 +44,9 @@ class MeshMailbox {
   // Takes the mesh that waits, if one does: to look at it and to take it is one act, or a newer one
   // that arrives in between would be lost.
   std::optional<ArrivedMesh> take();
+
+  // A newer one came before the cycle of the mesh that was taken last.
+  void noteReplaced();
 
   bool isEmpty() const;
 

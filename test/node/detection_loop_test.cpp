@@ -74,6 +74,30 @@ TEST_F(MeshesTest, OfMeshesThatComeBetweenCyclesTheNewestWaits) {
   EXPECT_EQ(meshes_[0].counters().dropped, 1U);
 }
 
+// However long its object's turn is in coming.
+TEST_F(MeshesTest, OfMeshesThatComeBeforeTheirTurnTheNewestHasTheCycle) {
+  give(0, 50);
+  give(1, 50.0625);
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh as old as this cycle)"});
+  give(1, 50.125);
+  give(1, 50.25);
+  give(0, 50.25);
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 *cable@50.25"});
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(meshes_[1].counters().dropped, 2U);
+  EXPECT_EQ(meshes_[0].counters().dropped, 0U);
+}
+
+TEST_F(MeshesTest, AnOlderMeshReplacesNoneThatWaits) {
+  give(0, 50);
+  give(1, 50.0625);
+  step();
+  give(1, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50.0625: cloth@50 *cable@50.0625"});
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(meshes_[1].counters().dropped, 0U) << "it is the input that drops it";
+}
+
 TEST_F(MeshesTest, AMeshThatComesWhileAnotherIsTakenHasItsOwnCycle) {
   step();
   give(0, 50);
