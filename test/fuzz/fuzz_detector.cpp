@@ -13,7 +13,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr int kCycles = 3;
-constexpr std::size_t kMostBodies = 4, kMostVertices = 24, kMostTriangles = 24;
+constexpr std::size_t kMostBodies = 4, kMostVertices = 16, kMostTriangles = 16;
 
 // Indices may be one beyond the last.
 TriangleMesh meshFrom(ByteSource* source) {

@@ -1,10 +1,12 @@
-// Robot descriptions. The first byte chooses the kind of geometry, the others are the text.
+// Robot descriptions. The first byte chooses the kind of geometry, and whether the others are the
+// text or what a mostly well-formed one is made of.
 #include <stdexcept>
 #include <string>
 
 #include "core/triangle_mesh.h"
 #include "fuzz_target.h"
 #include "robot/robot_geometry.h"
+#include "urdf_writer.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -19,7 +21,9 @@ bool tryUrdf(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return false;
   RobotGeometryOptions options;
   options.kind = data[0] % 2 == 0 ? GeometryKind::kCollision : GeometryKind::kVisual;
-  const std::string text(reinterpret_cast<const char*>(data + 1), size - 1);
+  constexpr std::uint8_t kMade = 128;
+  ByteSource source(data + 1, size - 1);
+  const std::string text = data[0] < kMade ? source.text(size) : urdfFrom(&source);
   try {
     const RobotGeometry robot = loadRobotGeometry(text, options, resolveNothing);
     for (const LinkGeometry& link : robot.links) {

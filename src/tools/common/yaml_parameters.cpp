@@ -32,11 +32,12 @@ struct Size {
   std::size_t values = 0, characters = 0;
 };
 
-// `value` has none yet. Adds to `size`.
+// Of a key that is there twice the last value counts, as in rosparam. Adds to `size`.
 void fill(const YAML::Node& node, int depth, Size* size, XmlRpc::XmlRpcValue* value) {
   if (depth > kDeepest) {
     throw YAML::ParserException(node.Mark(), "nested too deeply");
   }
+  value->clear();
   ++size->values;
   if (node.IsScalar()) size->characters += node.Scalar().size();
   if (size->values > kMostValues || size->characters > kMostCharacters) {
