@@ -50,10 +50,10 @@ Aabb boxOfFiniteVertices(const TriangleMesh& mesh, const CycleLimit& limit) {
   return box;
 }
 
-// A box in the scene frame that holds every posed float32 vertex of a body with this received box.
-Aabb posedBox(const Aabb& received, const RigidTransform& pose, float margin_m) {
-  if (received.empty()) return received;
-  if (pose.isIdentity()) return inflated(received, margin_m);
+// A box in the scene frame that holds every posed float32 vertex of a body with this received box;
+// infinite where double does not tell.
+Aabb posedBox(const Aabb& received, const RigidTransform& pose) {
+  if (received.empty() || pose.isIdentity()) return received;
   const double lo[3] = {received.min.x, received.min.y, received.min.z};
   const double hi[3] = {received.max.x, received.max.y, received.max.z};
   float min[3], max[3];
@@ -69,8 +69,12 @@ Aabb posedBox(const Aabb& received, const RigidTransform& pose, float margin_m) 
     const double reach = extent + size * 2.5e-7 + 1e-44;
     min[i] = static_cast<float>(centre - reach);
     max[i] = static_cast<float>(centre + reach);
+    if (std::isnan(min[i]) || std::isnan(max[i])) {  // infinities were subtracted
+      min[i] = -INFINITY;
+      max[i] = INFINITY;
+    }
   }
-  return inflated({{min[0], min[1], min[2]}, {max[0], max[1], max[2]}}, margin_m);
+  return {{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
 
 }  // namespace
@@ -78,6 +82,7 @@ Aabb posedBox(const Aabb& received, const RigidTransform& pose, float margin_m) 
 void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
   received_.resize(scene.bodyCount());
   posed_.resize(scene.bodyCount());
+  all_finite_.resize(scene.bodyCount());
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (!scene.takesPart(id)) continue;
     const Body& body = scene.body(id);
@@ -91,7 +96,10 @@ void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
         return;
       }
     }
-    posed_[id] = posedBox(received.box, body.pose, body.margin_m);
+    const Aabb posed = posedBox(received.box, body.pose);
+    all_finite_[id] = received.all_finite && isFinite(posed.min) && isFinite(posed.max);
+    // Inflated, what is infinite ends at the largest float32.
+    posed_[id] = posed.empty() ? posed : inflated(posed, body.margin_m);
   }
 }
 

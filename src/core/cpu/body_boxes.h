@@ -34,9 +34,7 @@ class BodyBoxes {
   PartnerBoxes partnersOf(const Scene& scene, BodyId id) const;
 
   // Whether every vertex is certainly finite, as received and as posed.
-  bool allFinite(BodyId id) const {
-    return received_[id].all_finite && isFinite(posed_[id].min) && isFinite(posed_[id].max);
-  }
+  bool allFinite(BodyId id) const { return all_finite_[id]; }
 
  private:
   struct ReceivedBox {
@@ -48,6 +46,7 @@ class BodyBoxes {
   std::vector<ReceivedBox> received_;
   // Each holds every finite vertex of its body as posed in float32, grown by the body's margin [m].
   std::vector<Aabb> posed_;
+  std::vector<bool> all_finite_;  // of each body
 };
 
 }  // namespace deformable_contact_monitor
