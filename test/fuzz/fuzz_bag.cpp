@@ -35,9 +35,8 @@ void prepareProcess() {
   static const int registered = pthread_atfork(nullptr, nullptr, [] {
     const rlimit none{0, 0};
     setrlimit(RLIMIT_FSIZE, &none);
-    for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXFSZ}) {
-      signal(fatal, SIG_DFL);
-    }
+    signal(SIGXFSZ, SIG_IGN);
+    for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) signal(fatal, SIG_DFL);
   });
   requireThat(registered == 0, "no handler of forks");
 }
