@@ -7,12 +7,16 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <ostream>
 #include <random>
 
 #include "core/stopwatch.h"
 #include "fuzz_target.h"
 
 namespace deformable_contact_monitor {
+
+void PrintTo(const FuzzTarget& target, std::ostream* out) { *out << target.name; }
+
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
