@@ -8,6 +8,8 @@
 
 #include <array>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "byte_source.h"
 #include "core/cpu/cpu_detector.h"
@@ -53,7 +55,10 @@ void writeBag(ByteSource* source, const std::string& path) {
     const auto recorded = kTypes.at(source->below(kTypes.size()));
     const char* const topic = kTopics[source->below(std::size(kTopics))];
     time += ros::Duration(0.01 * source->byte());
-    const RecordedBytes message = recorded(source->bytes(source->number<std::uint16_t>()));
+    // Of no bytes, rosbag's own writing copies from null.
+    std::vector<std::uint8_t> bytes = source->bytes(source->number<std::uint16_t>());
+    if (bytes.empty()) bytes.push_back(0);
+    const RecordedBytes message = recorded(std::move(bytes));
     bag.write(topic, time, message);
   }
 }
