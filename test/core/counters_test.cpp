@@ -78,7 +78,10 @@ TEST_P(CountersTest, APoseThatMakesVerticesInfiniteRejectsTheirTriangles) {
     RigidTransform pose;
     pose.translation[0] = x;
     scene.setPose(0, pose);
-    EXPECT_EQ(count, counters(scene, Predicates::kExact).rejected) << x;
+    for (const float margin_m : {0.F, 0.1F}) {
+      scene.setMargin(0, margin_m);
+      EXPECT_EQ(count, counters(scene, Predicates::kExact).rejected) << x << " " << margin_m;
+    }
     EXPECT_TRUE(contacts(scene).empty());
     const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene);
     EXPECT_EQ(count, rejected[0].count);

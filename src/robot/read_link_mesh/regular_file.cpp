@@ -16,6 +16,22 @@ namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
 
+class OpenFile {
+ public:
+  // It may have become something else than a regular file; nothing is waited for.
+  explicit OpenFile(const std::string& path)
+      : number_(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (number_ >= 0) close(number_);
+  }
+  int number() const { return number_; }  // < 0: see errno
+
+ private:
+  const int number_;
+};
+
 [[noreturn]] void failed(int error) {
   if (error == ENOENT || error == ENOTDIR) throw std::runtime_error("no such file");
   throw std::runtime_error("cannot be read: " + std::generic_category().message(error));
@@ -55,13 +71,12 @@ std::string readRegularFile(const std::string& path) {
   struct stat status;
   if (stat(path.c_str(), &status) != 0) failed(errno);
   requireRegular(status);
-  // It may have become something else since.
-  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-  if (file < 0) failed(errno);
-  if (fstat(file, &status) != 0) failed(errno);
+  const OpenFile file(path);
+  if (file.number() < 0) failed(errno);
+  if (fstat(file.number(), &status) != 0) failed(errno);
   requireRegular(status);
   requireModest(static_cast<std::size_t>(status.st_size));
-  return readAll(file);  // this process ends soon, and the file is closed then
+  return readAll(file.number());
 }
 
 }  // namespace deformable_contact_monitor

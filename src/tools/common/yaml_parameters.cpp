@@ -11,7 +11,11 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr int kDeepest = 32;  // lists of lists of lists: nobody's parameters
+// Nobody's parameters are lists of lists of lists, or as many as that: 20 000 rules for allowed
+// contacts. Yaml's aliases make billions of values of a few lines.
+constexpr int kDeepest = 32;
+constexpr std::size_t kMostValues = 100000;
+constexpr std::size_t kMostCharacters = std::size_t{16} << 20U;
 
 XmlRpc::XmlRpcValue fromScalar(const YAML::Node& node) {
   const bool quoted = node.Tag() == "!";
@@ -24,28 +28,37 @@ XmlRpc::XmlRpcValue fromScalar(const YAML::Node& node) {
   return node.Scalar();
 }
 
-XmlRpc::XmlRpcValue fromNode(const YAML::Node& node, int depth) {
+struct Size {
+  std::size_t values = 0, characters = 0;
+};
+
+// Of a key that is there twice the last value counts, as in rosparam. Adds to `size`.
+void fill(const YAML::Node& node, int depth, Size* size, XmlRpc::XmlRpcValue* value) {
   if (depth > kDeepest) {
     throw YAML::ParserException(node.Mark(), "nested too deeply");
   }
-  XmlRpc::XmlRpcValue value;
+  value->clear();
+  ++size->values;
+  if (node.IsScalar()) size->characters += node.Scalar().size();
+  if (size->values > kMostValues || size->characters > kMostCharacters) {
+    throw YAML::ParserException(node.Mark(), "too many values, or too much text");
+  }
   switch (node.Type()) {
     case YAML::NodeType::Scalar:
-      return fromScalar(node);
+      *value = fromScalar(node);
+      break;
     case YAML::NodeType::Sequence:
-      value.setSize(static_cast<int>(node.size()));
-      for (std::size_t i = 0; i < node.size(); ++i) {
-        value[static_cast<int>(i)] = fromNode(node[i], depth + 1);
-      }
-      return value;
+      value->setSize(static_cast<int>(node.size()));
+      for (int i = 0; i < value->size(); ++i) fill(node[i], depth + 1, size, &(*value)[i]);
+      break;
     case YAML::NodeType::Map:
       for (const auto& entry : node) {
         if (!entry.first.IsScalar()) throw YAML::ParserException(node.Mark(), "a key is no text");
-        value[entry.first.Scalar()] = fromNode(entry.second, depth + 1);
+        fill(entry.second, depth + 1, size, &(*value)[entry.first.Scalar()]);
       }
-      return value;
+      break;
     default:
-      return std::string();
+      *value = std::string();
   }
 }
 
@@ -66,7 +79,10 @@ XmlRpc::XmlRpcValue readYamlParameters(const std::string& path) {
   const YAML::Node root = load(path);
   if (!root.IsDefined() || root.IsNull()) return XmlRpc::XmlRpcValue();
   try {
-    return fromNode(root, 0);
+    Size size;
+    XmlRpc::XmlRpcValue parameters;
+    fill(root, 0, &size, &parameters);
+    return parameters;
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(path + ": " + error.msg + ", line " +
                              std::to_string(error.mark.line + 1));
@@ -76,8 +92,11 @@ XmlRpc::XmlRpcValue readYamlParameters(const std::string& path) {
 std::string readRobotDescription(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file || text.empty()) throw std::runtime_error(path + ": cannot be read, or is empty");
-  if (text[text.find_first_not_of(" \t\r\n")] == '<') return text;
+  const std::size_t start = text.find_first_not_of(" \t\r\n");
+  if (!file || start == std::string::npos) {
+    throw std::runtime_error(path + ": cannot be read, or is empty");
+  }
+  if (text[start] == '<') return text;
   const YAML::Node root = load(path);
   if (root.IsScalar()) return root.Scalar();
   if (root.IsMap() && root["robot_description"] && root["robot_description"].IsScalar()) {

@@ -1,0 +1,112 @@
+// Bags, from their bytes to states. Even first byte: the others are a bag. Odd: they are messages
+// of one, so that damage gets beyond the index.
+#include <console_bridge/console.h>
+#include <pthread.h>
+#include <rosbag/bag.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <array>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "byte_source.h"
+#include "core/cpu/cpu_detector.h"
+#include "fuzz_target.h"
+#include "recorded_bytes.h"
+#include "scratch_file.h"
+#include "tools/bags/bag_cycles.h"
+#include "tools/bags/bag_index.h"
+#include "tools/bags/bag_messages.h"
+#include "tools/bags/bag_setup.h"
+#include "tools/evaluate_bag/evaluation_run.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::size_t kMostMessages = 16;
+
+// What crashes the process that reads with rosbag's library is no finding: it must not leave
+// libFuzzer's files, which every process of the program would write. The rest is as in
+// evaluate_bag.
+void prepareProcess() {
+  signal(SIGPIPE, SIG_IGN);
+  ros::Time::init();
+  console_bridge::noOutputHandler();
+  static const int registered = pthread_atfork(nullptr, nullptr, [] {
+    const rlimit none{0, 0};
+    setrlimit(RLIMIT_FSIZE, &none);
+    signal(SIGXFSZ, SIG_IGN);
+    for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) signal(fatal, SIG_DFL);
+  });
+  requireThat(registered == 0, "no handler of forks");
+}
+
+// A message for each of `source`'s: its type, its topic, its time, its bytes.
+void writeBag(ByteSource* source, const std::string& path) {
+  constexpr const char* kTopics[] = {
+      "/cloth", "/towel", "/tf", "/tf_static", "/robot_description", "/link_meshes"};
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  ros::Time time(100, 0);
+  for (std::size_t i = 0; i < kMostMessages && source->left() > 0; ++i) {
+    constexpr std::array kTypes = {recordedAs<DeformableMesh>, recordedAs<tf2_msgs::TFMessage>,
+                                   recordedAs<LinkMeshes>, recordedAs<std_msgs::String>};
+    const auto recorded = kTypes.at(source->below(kTypes.size()));
+    const char* const topic = kTopics[source->below(std::size(kTopics))];
+    time += ros::Duration(0.01 * source->byte());
+    // Of no bytes, rosbag's own writing copies from null.
+    std::vector<std::uint8_t> bytes = source->bytes(source->number<std::uint16_t>());
+    if (bytes.empty()) bytes.push_back(0);
+    const RecordedBytes message = recorded(std::move(bytes));
+    bag.write(topic, time, message);
+  }
+}
+
+void evaluate(const ScratchFile& file, BagReader* reader, const BagContents& contents) {
+  BagFiles files;
+  files.bags = {file.path()};
+  try {
+    const BagSetup setup = setUpBags(files, SceneObject(), contents, [](const std::string&) {});
+    Options options;
+    options.threads = 1;  // no threads where forks come
+    EvaluationRun run("cpu", makeCpuDetector(), options, StateRules(), {});
+    BagCycles cycles(setup.parameters, contents, setup.robot, nullptr);
+    cycles.run(reader, [&run](CycleReport* cycle) { run.detect(cycle); });
+    requireThat(run.cycles <= contents.meshes.size(), "more cycles than meshes");
+  } catch (const std::exception& refusal) {
+    requireThat(*refusal.what() != '\0', "a refusal without a reason");
+  }
+}
+
+// Past the first check: a message of a type that is needed was read.
+bool tryBag(const std::uint8_t* data, std::size_t size) {
+  static const ScratchFile file(".bag");
+  prepareProcess();
+  ByteSource source(data, size);
+  if (source.flag()) {
+    writeBag(&source, file.path());
+  } else {
+    file.write(data + 1, size == 0 ? 0 : size - 1);
+  }
+  try {
+    checkBagIndex(file.path());
+  } catch (const std::runtime_error& refusal) {
+    requireThat(*refusal.what() != '\0', "a refusal without a reason");
+  }
+  try {
+    BagReader reader({file.path()}, neededTypes());
+    const BagContents contents = scanBags(&reader, [](std::uint64_t) {});
+    if (contents.topics.empty()) return false;
+    evaluate(file, &reader, contents);
+    return true;
+  } catch (const std::runtime_error& refusal) {
+    requireThat(namesFile(refusal.what(), file), "a refusal does not name its file");
+    return false;
+  }
+}
+
+const FuzzTargetEntry entry("bag", tryBag);
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,190 @@
+// Messages of a deformable mesh, from their bytes on the wire to the states of bodies: roscpp's
+// reading behind our check, the mailbox, the rules of acceptance, the scene, the CPU backend.
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/message_event.h>
+#include <ros/serialization.h>
+#include <ros/subscription_callback_helper.h>
+#include <tf2/buffer_core.h>
+
+#include <boost/make_shared.hpp>
+#include <vector>
+
+#include "byte_source.h"
+#include "core/cpu/cpu_detector.h"
+#include "detector_check.h"
+#include "fuzz_target.h"
+#include "node/contact_messages.h"
+#include "node/contact_state_tracker.h"
+#include "node/mesh_subscription.h"
+#include "node/monitor_scene.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::size_t kMostMessages = 8;
+constexpr std::size_t kMaxBytes = 1 << 16;
+
+Bytes serialized(const DeformableMesh& message) {
+  Bytes bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  return bytes;
+}
+
+// A well-formed message of more or less sense.
+DeformableMesh messageFrom(ByteSource* source, const ros::Time& stamp) {
+  constexpr const char* kFrames[] = {"base_link", "camera", "/camera", "nowhere", ""};
+  constexpr const char* kObjects[] = {"cloth", "", "cloth", "towel"};
+  DeformableMesh message;
+  message.header.stamp = source->below(16) == 15 ? ros::Time() : stamp;
+  message.header.frame_id = kFrames[source->below(5)];
+  message.object = kObjects[source->below(4)];
+  message.topology_id = static_cast<std::uint32_t>(source->below(3));
+  message.vertices.resize(source->below(40));
+  for (float& coordinate : message.vertices) coordinate = source->coordinate();
+  message.triangles.resize(source->below(40));
+  for (std::uint32_t& index : message.triangles) index = source->byte() % 14;
+  return message;
+}
+
+MonitorParameters makeParameters() {
+  MonitorParameters parameters;
+  ObjectParameters object;
+  object.name = "cloth";
+  object.margin_m = 0.1F;
+  parameters.objects = {object};
+  parameters.pair_classes.deformable_self = true;
+  parameters.max_mesh_bytes = kMaxBytes;
+  parameters.detector.threads = 1;
+  return parameters;
+}
+
+RobotGeometry makeRobot() {
+  const TriangleMesh tetrahedron{{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                 {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}};
+  RobotGeometry robot;
+  robot.links = {{"base_link", "", tetrahedron, ""}, {"hand", "", tetrahedron, ""}};
+  return robot;
+}
+
+void addStaticTransform(const std::string& frame, double x, tf2::BufferCore* buffer) {
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = "base_link";
+  transform.child_frame_id = frame;
+  transform.transform.translation.x = x;
+  transform.transform.rotation.w = 1;
+  buffer->setTransform(transform, "fuzz", true);
+}
+
+// What the node does with one object's messages, in one thread.
+class Monitor {
+ public:
+  Monitor()
+      : scene_(parameters_),
+        inputs_(makeMeshInputs(parameters_)),
+        lookup_(buffer_, parameters_.reference_frame),
+        subscription_(meshSubscription("/cloth", kMaxBytes,
+                                       [this](const auto& message, const std::string& refusal) {
+                                         was_mesh_ = refusal.empty();
+                                         mailbox_.store(message, refusal);
+                                       })),
+        detector_(makeCpuDetector()),
+        tracker_(StateRules()) {
+    scene_.setRobot(makeRobot());
+    addStaticTransform("camera", 0.25, &buffer_);
+    addStaticTransform("hand", 0.5, &buffer_);
+  }
+
+  // Returns whether the bytes were a mesh. Some calls find the mailbox full: the node was busy.
+  bool arrive(Bytes bytes, const ros::Time& now, bool is_busy) {
+    ros::SubscriptionCallbackHelperDeserializeParams wire;
+    wire.buffer = bytes.data();
+    wire.length = static_cast<std::uint32_t>(bytes.size());
+    ros::SubscriptionCallbackHelperCallParams call;
+    call.event = ros::MessageEvent<void const>(subscription_.helper->deserialize(wire),
+                                               boost::make_shared<ros::M_string>(), now, false,
+                                               ros::MessageEvent<void const>::CreateFunction());
+    subscription_.helper->call(call);
+    if (was_mesh_) {
+      const auto message =
+          boost::static_pointer_cast<const DeformableMesh>(call.event.getMessage());
+      requireThat(serialized(*message) == bytes, "a message is not what was sent");
+    }
+    if (!is_busy) runCycle(now);
+    return was_mesh_;
+  }
+
+ private:
+  void runCycle(const ros::Time& now) {
+    const std::optional<ArrivedMesh> mesh = mailbox_.take();
+    requireThat(mesh.has_value(), "a message did not arrive");
+    const Acceptance answer = inputs_[0].accept(*mesh, now);
+    requireThat((answer == Acceptance::kRefused) == !inputs_[0].counters().refusal.empty() ||
+                    answer == Acceptance::kDropped,
+                "a refusal without a reason");
+    CycleTrigger trigger;
+    trigger.objects = {0};
+    const ros::Time& stamp = mesh->message->header.stamp;
+    scene_.prepare(stamp, trigger, inputs_, lookup_);
+    CycleReport report = scene_.makeReport(stamp, ++cycle_);
+    report.scene = &scene_.scene();
+    report.now = now;
+    report.options = parameters_.detector;
+    if (scene_.looksAtAny()) {
+      requireThat(answer != Acceptance::kRefused, "a refused mesh was looked at");
+      report.result = &detectChecked(detector_.get(), scene_.scene(), parameters_.detector);
+      noteRejected(&report);
+    }
+    tracker_.update(report);
+    check(tracker_.states(stamp, now), *report.scene);
+    toContactArray(report, 0);
+  }
+
+  // Nothing is claimed of a body with a triangle that took no part.
+  static void check(const ContactStates& states, const Scene& scene) {
+    for (const ContactState& state : states.states) {
+      requireThat(state.state != ContactState::UNKNOWN || !state.reason.empty(),
+                  "UNKNOWN without a reason");
+      const bool is_free = state.state == ContactState::NONE || state.state == ContactState::NEAR;
+      const std::vector<float>& cloth = scene.bodies().back().mesh.vertices;
+      requireThat(!is_free || !cloth.empty(), "no contact is claimed of no mesh");
+    }
+  }
+
+  const MonitorParameters parameters_ = makeParameters();
+  MonitorScene scene_;
+  MeshInputs inputs_;
+  MeshMailbox mailbox_{"cloth"};
+  tf2::BufferCore buffer_;
+  const TransformLookup lookup_;
+  const ros::SubscribeOptions subscription_;
+  const std::unique_ptr<Detector> detector_;
+  ContactStateTracker tracker_;
+  bool was_mesh_ = false;
+  std::uint64_t cycle_ = 0;
+};
+
+// Past the first check: some bytes were a mesh.
+bool tryMeshMessage(const std::uint8_t* data, std::size_t size) {
+  ByteSource source(data, size);
+  Monitor monitor;
+  bool any = false;
+  ros::Time now(100, 0);
+  for (std::size_t i = 0; i < kMostMessages && source.left() > 0; ++i) {
+    constexpr int kRaw = 1, kBusy = 2, kBack = 4, kLeap = 8;
+    const std::uint8_t how = source.byte();
+    const ros::Duration step((how & kLeap) != 0 ? 3 : 0.01);
+    now = (how & kBack) != 0 && now.sec > 50 ? now - step : now + step;
+    const Bytes bytes = (how & kRaw) != 0 ? source.bytes(source.number<std::uint16_t>())
+                                          : serialized(messageFrom(&source, now));
+    any = monitor.arrive(bytes, now, (how & kBusy) != 0) || any;
+  }
+  return any;
+}
+
+const FuzzTargetEntry entry("mesh_message", tryMeshMessage);
+
+}  // namespace
+}  // namespace deformable_contact_monitor
