@@ -25,7 +25,8 @@ class PairSetDetector : public Detector {
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     choose(scene);
     const DetectionResult& result = kept_.front().detector->detect(scene, options);
-    kept_.front().memory_bytes = result.memory_bytes;
+    // It never shrinks, and a cycle that is cut off at once does not count it.
+    kept_.front().memory_bytes = std::max(kept_.front().memory_bytes, result.memory_bytes);
     return result;
   }
 

@@ -106,7 +106,7 @@ class CountingDetector : public Detector {
     ++cycles_[number_];
     if (scene.body(0).name == "bad") throw std::runtime_error("it broke");
     result_.begin(scene, true);
-    result_.memory_bytes = 100;
+    result_.memory_bytes = cycles_[number_] == 1 ? 100 : 0;  // cut off at once
     return result_;
   }
 
@@ -161,8 +161,8 @@ TEST_F(PairSetLimitsTest, OfSeveralTheLongestIdleIsTakenOver) {
 
 TEST_F(PairSetLimitsTest, BeyondTheirMemoryToo) {
   make({10, 150});
-  turns({0, 1, 2, 0});
-  EXPECT_EQ(cycles_, std::vector<int>({2, 2}));
+  turns({0, 0, 1, 1, 2});
+  EXPECT_EQ(cycles_, std::vector<int>({3, 2}));
 }
 
 TEST_F(PairSetLimitsTest, WhatADetectorThrowsGoesToTheCaller) {
