@@ -4,8 +4,9 @@
 problems=()
 passed=0 failed=0 skipped=0
 
-# Other Pythons lack catkin's modules.
-export PATH=/usr/bin:/bin:$PATH
+# Other Pythons lack the modules of Debian's ROS. Another ROS, once it is sourced, has put its own
+# first.
+[ "${ROS_DISTRO:-Debian}" != Debian ] || export PATH=/usr/bin:/bin:$PATH
 unset ROS_MASTER_URI ROS_HOSTNAME ROS_IP
 
 say() { printf '\n== %s\n' "$*"; }
