@@ -1,0 +1,56 @@
+# A root of Debian 11, the nearest that Debian's archive has to Ubuntu 20.04 (gcc 9, Boost 1.74,
+# TBB 2020, CGAL 5.2, Python 3.9, ROS of that time), and what is built and tested there. For
+# test/run --stand-in and --aarch64. Sourced after test/checks.sh.
+
+stand_in_package=/work/package  # within the root
+
+# The packages of SECTIONs of test/stand_in_packages.txt.
+stand_in_packages() {
+  local section
+  for section in "$@"; do sed -n "/^# $section\$/,/^# /{/^[^#]/p}" test/stand_in_packages.txt; done
+}
+
+# make_stand_in SECTION...: sets $stand_in to a root with their packages, which lies outside of the
+# tree and is made again when the list changes. Fails where it cannot be had.
+make_stand_in() {
+  local packages mark
+  packages=$(stand_in_packages "$@")
+  stand_in=${XDG_CACHE_HOME:-$HOME/.cache}/deformable_contact_monitor/debian11-$1
+  mark=$stand_in/packages.txt
+  [ "$(cat "$mark" 2>/dev/null)" = "$packages" ] && return
+  [ "$(id -u)" -eq 0 ] || { echo "needs root, for debootstrap and chroot"; return 1; }
+  config/install_packages stand_in || return 1
+  rm -rf --one-file-system "$stand_in"
+  mkdir -p "$stand_in"
+  echo "makes a root of Debian 11 in $stand_in (minutes)"
+  debootstrap --variant=minbase bullseye "$stand_in" >"$stand_in.log" 2>&1 &&
+    chroot "$stand_in" dpkg --add-architecture arm64 &&
+    chroot "$stand_in" apt-get update -qq &&
+    chroot "$stand_in" env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -y -qq --no-install-recommends $packages >>"$stand_in.log" 2>&1 ||
+    { tail -5 "$stand_in.log"; return 1; }
+  echo "$packages" >"$mark"
+}
+
+# in_stand_in COMMAND...: runs it there, in the package's folder; what is mounted for it is gone
+# afterwards.
+in_stand_in() {
+  unshare --mount -- bash -c '
+    root=$1 package=$2 data=$3
+    shift 3
+    mount --rbind /proc "$root/proc" && mount --rbind /dev "$root/dev" &&
+      mkdir -p "$root/work/shared/data" || exit 1
+    if [ -d "$data" ]; then mount --bind "$data" "$root/work/shared/data" || exit 1; fi
+    exec chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
+      bash -c "cd $package && \"\$@\"" bash "$@"' \
+    bash "$stand_in" "$stand_in_package" "${DCM_TEST_DATA:-$PWD/../shared/data}" "$@"
+}
+
+# This tree as it stands, without what git ignores. Build folders there stay, for the next time.
+copy_to_stand_in() {
+  local to=$stand_in$stand_in_package
+  mkdir -p "$to"
+  find "$to" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
+  git ls-files -z --cached --others --exclude-standard |
+    tar -c --null --ignore-failed-read -T - 2>/dev/null | tar -x -C "$to"
+}
