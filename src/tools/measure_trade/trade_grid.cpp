@@ -2,7 +2,9 @@
 #include "tools/measure_trade/trade_grid.h"
 
 #include <algorithm>
-#include <charconv>
+#include <limits>
+#include <locale>
+#include <sstream>
 #include <tuple>
 
 namespace deformable_contact_monitor {
@@ -17,10 +19,21 @@ bool same(const Setting& a, const Setting& b) {
   return values(a) == values(b);
 }
 
+// A decimal of digits10 digits or fewer, if there is one, shows with those alone.
 template <class Number>
 std::string shortest(Number value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+  std::string text;
+  Number read = 0;
+  for (int digits = std::numeric_limits<Number>::digits10;
+       read != value && digits <= std::numeric_limits<Number>::max_digits10; ++digits) {
+    std::stringstream stream;
+    stream.imbue(std::locale::classic());
+    stream.precision(digits);
+    stream << value;
+    text = stream.str();
+    stream >> read;
+  }
+  return text;
 }
 
 }  // namespace
