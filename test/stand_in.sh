@@ -32,18 +32,21 @@ make_stand_in() {
   echo "$packages" >"$mark"
 }
 
-# in_stand_in COMMAND...: runs it there, in the package's folder; what is mounted for it is gone
-# afterwards.
+# in_stand_in COMMAND...: runs it there, in the package's folder, with the folder of the test data
+# beside it. What is mounted for it is gone afterwards.
 in_stand_in() {
+  local beside=$stand_in/work/shared data=${DCM_TEST_DATA:-$PWD/../shared/data}
+  mkdir -p "$stand_in/work"
+  if [ -d "$data" ]; then mkdir -p "$beside"; else rm -rf --one-file-system "$beside"; fi
+  # shellcheck disable=SC2016
   unshare --mount -- bash -c '
     root=$1 package=$2 data=$3
     shift 3
-    mount --rbind /proc "$root/proc" && mount --rbind /dev "$root/dev" &&
-      mkdir -p "$root/work/shared/data" || exit 1
-    if [ -d "$data" ]; then mount --bind "$data" "$root/work/shared/data" || exit 1; fi
+    mount --rbind /proc "$root/proc" && mount --rbind /dev "$root/dev" || exit 1
+    [ ! -d "$data" ] || mount --bind "$data/.." "$root/work/shared" || exit 1
     exec chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
-      bash -c "cd $package && \"\$@\"" bash "$@"' \
-    bash "$stand_in" "$stand_in_package" "${DCM_TEST_DATA:-$PWD/../shared/data}" "$@"
+      bash -c "cd $package && exec \"\$@\"" bash "$@"' \
+    bash "$stand_in" "$stand_in_package" "$data" "$@"
 }
 
 # This tree as it stands, without what git ignores. Build folders there stay, for the next time.
@@ -53,4 +56,36 @@ copy_to_stand_in() {
   find "$to" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
   git ls-files -z --cached --others --exclude-standard |
     tar -c --null --ignore-failed-read -T - 2>/dev/null | tar -x -C "$to"
+}
+
+# stand_in_tests ROOT WHAT: as test/stand_in_tests WHAT, in the root for the packages of section
+# ROOT; its counts are added to this run's. Said aloud where there can be no such root.
+stand_in_tests() {
+  local log=build/stand_in_$2.log counts
+  say "On Debian 11: $2"
+  mkdir -p build
+  if ! make_stand_in "$1"; then
+    echo "SKIPPED: there is no Debian 11 to be had here, see above"
+    return 1
+  fi
+  copy_to_stand_in
+  in_stand_in test/stand_in_tests "$2" 2>&1 | tee "$log"
+  [ "${PIPESTATUS[0]}" -eq 0 ] || problems+=("on Debian 11: $2, see $log")
+  counts=$(tail -1 "$log")
+  [[ $counts =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed,\ ([0-9]+)\ skipped$ ]] || return 1
+  passed=$((passed + BASH_REMATCH[1])) failed=$((failed + BASH_REMATCH[2]))
+  skipped=$((skipped + BASH_REMATCH[3]))
+}
+
+# aarch64_tests all|few DETECT_CONTACTS: the core built for that processor and tested under qemu;
+# its pairs are those of DETECT_CONTACTS, this machine's, byte for byte.
+aarch64_tests() {
+  local what=aarch64 data=${DCM_TEST_DATA:-$PWD/../shared/data} theirs
+  [ "$1" = all ] || what=aarch64_few
+  stand_in_tests core $what || return
+  [ -d "$data" ] || return
+  theirs=$stand_in$stand_in_package/build/pairs
+  test/pair_files "$1" "$data" build/pairs "$2" && diff -rq build/pairs "$theirs" ||
+    problems+=("aarch64: other pairs than here")
+  echo "$(ls "$theirs" | wc -l) files of pairs compared: $(cat "$theirs"/* | wc -l) lines"
 }
