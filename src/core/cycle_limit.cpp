@@ -6,7 +6,7 @@ bool CycleLimit::look() const {
   if (limits_.stop != nullptr && limits_.stop->load(std::memory_order_relaxed)) {
     why_.store("stopped", std::memory_order_relaxed);
   } else if (std::chrono::steady_clock::now() >= limits_.deadline) {
-    why_.store("no time", std::memory_order_relaxed);
+    why_.store(kNoTime, std::memory_order_relaxed);
   }
   return wasOver();
 }

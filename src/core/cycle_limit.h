@@ -27,7 +27,7 @@ class CycleLimit {
   // Whether over() has said so to somebody: only then some work may have been left undone.
   bool wasOver() const { return why_.load(std::memory_order_relaxed) != nullptr; }
 
-  // "no time", "stopped"; null unless wasOver().
+  // kNoTime, "stopped"; null unless wasOver().
   const char* why() const { return why_.load(std::memory_order_relaxed); }
 
  private:

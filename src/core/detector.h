@@ -67,7 +67,7 @@ struct DetectionResult {
   std::uint64_t left_out = 0;
   // Pairs found are contacts, but others may be missing: time or memory ran out.
   bool cut_off = false;
-  std::string cut_off_because;  // "no time", "stopped", "memory_limit_mib"; empty: it was not
+  std::string cut_off_because;  // kNoTime, "stopped", "memory_limit_mib"; empty: it was not
   bool guaranteed = false;      // the settings in force cannot lose a contact; a cycle cut off may
   bool started_cold = false;    // nothing of earlier cycles was of use, so this one took longer
   Counters counters;
@@ -82,7 +82,7 @@ struct DetectionResult {
   void begin(const Scene& scene, bool is_guaranteed);
 
   // Whether it was cut off by its deadline.
-  bool isOutOfTime() const { return cut_off && cut_off_because == "no time"; }
+  bool isOutOfTime() const { return cut_off && cut_off_because == kNoTime; }
 
   // Says that the cycle was cut off; the first reason stays.
   void cutOff(const std::string& because);

@@ -7,6 +7,9 @@
 
 namespace deformable_contact_monitor {
 
+// Why a cycle ended early (DetectionResult::cut_off_because): its deadline had come.
+constexpr const char* kNoTime = "no time";
+
 // By default never: then results are the same from run to run. Else the detector gives up within
 // some 10 ms and says so in its result (DetectionResult::cut_off).
 struct Limits {

@@ -1,33 +1,13 @@
 // The monitor's health on /diagnostics.
 #include "node/node_diagnostics.h"
 
-#include <algorithm>
-#include <numeric>
-
 #include "core/steady_time.h"
 #include "node/backend_status.h"
 #include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
-namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
-
-constexpr std::size_t kTimedCycles = 200;
-constexpr double kBusyShare = 0.9;
-constexpr double kLongCycleS = 0.5;
-
-std::string meanP95Max(const std::deque<double>& times_ms) {
-  std::vector<double> sorted(times_ms.begin(), times_ms.end());
-  std::sort(sorted.begin(), sorted.end());
-  const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / sorted.size();
-  char text[96];
-  std::snprintf(text, sizeof text, "mean %.3f, p95 %.3f, max %.3f", mean,
-                sorted[(sorted.size() - 1) * 95 / 100], sorted.back());
-  return text;
-}
-
-}  // namespace
 
 NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
                                  const MeshMailboxes& mailboxes, const RobotSource& robot,
@@ -50,13 +30,13 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
 
 void NodeDiagnostics::recordStart() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  running_since_ = Clock::now();
+  timing_.start(Clock::now());
 }
 
 std::string NodeDiagnostics::whySilent() const {
   constexpr double kLongS = 0.1;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const double running_s = running_since_ ? secondsSince(*running_since_) : 0;
+  const double running_s = timing_.runsFor(Clock::now());
   if (running_s < kLongS) return "no new mesh within max_mesh_age_s";
   return "busy: a cycle has been running for " + std::to_string(running_s) + " s";
 }
@@ -65,9 +45,8 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
                                   double cycle_s, double latency_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++cycles_;
-  running_since_.reset();
+  timing_.end(report.result, cycle_s, latency_s);
   backend_ = report.backend;
-  busy_s_ += cycle_s;
   output_ = ContactArray();
   output_.pair_count = sent.pair_count;
   output_.complete = sent.complete;
@@ -76,17 +55,6 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
   output_.rejected_triangles = sent.rejected_triangles;
   output_.skipped = sent.skipped;
   output_.age = sent.age;
-  if (report.result == nullptr) return;
-  const auto add = [this](const std::string& stage, double ms) {
-    std::deque<double>& times = times_ms_[stage];
-    times.push_back(ms);
-    if (times.size() > kTimedCycles) times.pop_front();
-  };
-  if (report.result->started_cold) ++cold_starts_;
-  add("latency [ms]", 1e3 * latency_s);
-  add("cycle [ms]", 1e3 * cycle_s);
-  add("detection [ms]", report.result->round_trip_ms);
-  for (const auto& [stage, ms] : report.result->stages_ms) add("stage " + stage + " [ms]", ms);
 }
 
 void NodeDiagnostics::recordMesh(std::size_t object, const MeshCounters& counters) {
@@ -222,21 +190,7 @@ void NodeDiagnostics::describeTransforms(Status& status) {
 
 void NodeDiagnostics::describeTiming(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const double busy = busy_s_ / secondsSince(last_timing_);
-  busy_s_ = 0;
-  last_timing_ = Clock::now();
-  status.summary(DiagnosticStatus::OK, "in time");
-  if (busy > kBusyShare) {
-    status.summary(DiagnosticStatus::WARN, "always busy: meshes come faster than they are done");
-  }
-  const double running_s = running_since_ ? secondsSince(*running_since_) : 0;
-  if (running_s > kLongCycleS) {
-    status.summary(DiagnosticStatus::WARN,
-                   "busy: a cycle runs for " + std::to_string(running_s) + " s");
-  }
-  status.add("busy share", busy);
-  status.add("cold starts", cold_starts_);
-  for (const auto& [stage, times_ms] : times_ms_) status.add(stage, meanP95Max(times_ms));
+  timing_.describe(status, Clock::now());
 }
 
 void NodeDiagnostics::describeOutput(Status& status) {

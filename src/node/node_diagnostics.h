@@ -7,10 +7,7 @@
 
 #include <atomic>
 #include <chrono>
-#include <deque>
-#include <map>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +17,7 @@
 #include "node/mesh_mailbox.h"
 #include "node/parameters.h"
 #include "node/robot_source.h"
+#include "node/timing_watch.h"
 #include "node/transform_watch.h"
 
 namespace deformable_contact_monitor {
@@ -94,11 +92,8 @@ class NodeDiagnostics {
   bool enabled_ = true;
   std::string backend_, detector_error_, last_reset_;
   BackendState backend_state_;
-  std::uint64_t cycles_ = 0, cold_starts_ = 0, resets_ = 0;
-  std::map<std::string, std::deque<double>> times_ms_;  // by stage; the latest cycles
-  double busy_s_ = 0;                                   // since last_timing_
-  std::optional<Clock::time_point> running_since_;      // the cycle that has not ended
-  Clock::time_point last_timing_ = Clock::now();
+  std::uint64_t cycles_ = 0, resets_ = 0;
+  TimingWatch timing_{Clock::now()};
   TransformWatch transforms_;
   ContactArray output_;  // of the latest cycle, without the pairs
 };

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
 
 #include "core/steady_time.h"
 #include "node/monitor_scene.h"
@@ -20,11 +19,17 @@ class TransformWatch {
   void record(const TransformReport& report, SteadyTime now);
 
   // A warning that names the bodies without a transform, an error once one of them has had none for
-  // more than 5 s; then the longest wait since the last description.
+  // more than 5 s; then the longest wait since the last description. Bodies that no cycle has asked
+  // for during 30 s are forgotten: nobody knows how they stand.
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now);
 
  private:
-  std::map<std::string, std::pair<SteadyTime, std::string>> missing_;  // since when, what
+  struct Missing {
+    SteadyTime since, last_asked;
+    std::string problem;
+  };
+
+  std::map<std::string, Missing> missing_;  // by body
   std::uint64_t misses_ = 0;
   double worst_wait_s_ = 0;
 };

@@ -16,7 +16,8 @@ namespace {
 
 class GeometryLoader {
  public:
-  explicit GeometryLoader(const LinkMeshFiles& files) : files_(files) {}
+  GeometryLoader(const LinkMeshFiles& files, const std::function<bool()>& stop)
+      : files_(files), stop_(stop) {}
 
   LinkGeometry load(const UrdfLink& link) {
     LinkGeometry geometry;
@@ -24,6 +25,7 @@ class GeometryLoader {
     geometry.problem = link.problem;
     LinkMeshBuilder builder;
     for (const UrdfElement& element : link.elements) {
+      if (stop_ && stop_()) throw ReadingStopped();
       const std::string name = describe(*element.geometry);
       geometry.source += (geometry.source.empty() ? "" : "; ") + name;
       try {
@@ -81,6 +83,7 @@ class GeometryLoader {
   }
 
   const LinkMeshFiles& files_;
+  const std::function<bool()>& stop_;
 };
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -129,9 +132,10 @@ RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometry
     links.push_back(&link);
   }
   const LinkMeshFiles files(meshUris(links), resolve, reading);
-  GeometryLoader loader(files);
+  GeometryLoader loader(files, reading.stop);
   RobotGeometry robot;
   robot.name = document.name;
+  robot.root_link = document.root_link;
   for (const UrdfLink* link : links) robot.links.push_back(loader.load(*link));
   return robot;
 }

@@ -21,6 +21,7 @@ struct LinkGeometry {
 
 struct RobotGeometry {
   std::string name;
+  std::string root_link;            // empty where there is no URDF
   std::vector<LinkGeometry> links;  // document order; links without geometry do not appear
 };
 

@@ -110,6 +110,7 @@ UrdfDocument readUrdf(const std::string& urdf_xml, GeometryKind kind) {
 
   UrdfDocument document;
   document.name = unguarded(parsed.model->getName());
+  document.root_link = unguarded(parsed.model->getRoot()->name);
   for (const UrdfText::Link& entry : text.links) {
     const urdf::LinkConstSharedPtr found = parsed.model->getLink(guarded(entry.name));
     if (!found) refuse(text, "link '" + entry.name + "' cannot be read");

@@ -24,6 +24,7 @@ struct UrdfLink {
 
 struct UrdfDocument {
   std::string name;
+  std::string root_link;
   std::vector<UrdfLink> links;  // document order
 };
 

@@ -1,6 +1,7 @@
 // What a device that fails costs: out of memory, some cycles on the CPU; a dead context, CUDA.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -114,6 +115,63 @@ TEST(DeviceFailures, AfterOutOfMemoryCudaComesBack) {
   monitored.now += std::chrono::seconds(10);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(monitored.detect(wideScene()), "cuda");
   EXPECT_TRUE(monitored.told.back().problem.empty());
+}
+
+// Keeps every multiprocessor to itself for so long.
+__global__ void hold(unsigned long long nanoseconds) {
+  unsigned long long begin = 0, now = 0;
+  asm volatile("mov.u64 %0, %globaltimer;" : "=l"(begin));
+  do {
+    asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now));
+  } while (now - begin < nanoseconds);
+}
+
+// A device that others keep busy, for a second in all, until this goes.
+class BusyDevice {
+ public:
+  BusyDevice() {
+    cudaDeviceProp device{};
+    EXPECT_EQ(cudaGetDeviceProperties(&device, 0), cudaSuccess);
+    EXPECT_EQ(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), cudaSuccess);
+    const int blocks = device.multiProcessorCount * device.maxThreadsPerMultiProcessor / 1024;
+    for (int i = 0; i < 10; ++i) hold<<<blocks, 1024, 0, stream_>>>(100'000'000);
+    EXPECT_EQ(cudaGetLastError(), cudaSuccess);
+  }
+  BusyDevice(const BusyDevice&) = delete;
+  BusyDevice& operator=(const BusyDevice&) = delete;
+  ~BusyDevice() {
+    EXPECT_EQ(cudaStreamSynchronize(stream_), cudaSuccess);
+    cudaStreamDestroy(stream_);
+  }
+
+  bool isBusy() const { return cudaStreamQuery(stream_) == cudaErrorNotReady; }
+
+ private:
+  cudaStream_t stream_ = nullptr;
+};
+
+TEST(DeviceFailures, ABusyDeviceCostsTimeAndNothingElse) {
+  if (!hasDevice()) return;
+  Monitored monitored;
+  EXPECT_EQ(monitored.detect(smallScene()), "cuda");
+  const auto expected = makeCpuDetector()->detect(smallScene(), Options()).contacts;
+  int in_time = 0, late = 0;
+  {
+    const BusyDevice others;
+    while (others.isBusy()) {
+      Options options;
+      options.limits.deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(20);
+      const DetectionResult& result = monitored.detector->detect(smallScene(), options);
+      EXPECT_TRUE(std::includes(expected.begin(), expected.end(), result.contacts.begin(),
+                                result.contacts.end()));
+      if (!result.cut_off) EXPECT_TRUE(samePairs(expected, result.contacts));
+      ++(result.cut_off ? late : in_time);
+    }
+  }
+  std::printf("while others had the device: %d cycles in time, %d cut off\n", in_time, late);
+  EXPECT_GT(in_time + late, 0);
+  EXPECT_EQ(monitored.detect(smallScene()), "cuda") << "nothing was wrong with it";
+  EXPECT_TRUE(monitored.told.empty());
 }
 
 __global__ void writeToNowhere(int* nowhere) { *nowhere = 1; }

@@ -75,6 +75,18 @@ TEST_F(TransformWatchTest, BodiesOfOtherCyclesAreAsTheyWere) {
   EXPECT_EQ(describe().level, DiagnosticStatus::OK);
 }
 
+TEST_F(TransformWatchTest, WhatNobodyAsksForIsForgotten) {
+  record({"hand", "cloth"}, {"hand", "cloth"});
+  now_ += std::chrono::seconds(20);
+  record({"hand"}, {"hand"});
+  now_ += std::chrono::seconds(10);
+  EXPECT_EQ(describe().message, "no transform for: cloth, hand") << "not more than 30 s";
+  now_ += std::chrono::milliseconds(1);
+  EXPECT_EQ(describe().message, "no transform for: hand") << "the cloth's meshes have stopped";
+  now_ += std::chrono::seconds(21);
+  EXPECT_EQ(describe().level, DiagnosticStatus::OK);
+}
+
 TEST_F(TransformWatchTest, TheWorstWaitIsThatSinceTheLastDescription) {
   record({}, {}, 0.25);
   record({}, {}, 0.125);

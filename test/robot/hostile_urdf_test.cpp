@@ -73,6 +73,7 @@ TEST_F(HostileUrdf, PercentSignsInNamesComeThrough) {
       "<mesh filename=\"package://a/b%20c.stl\"/></geometry></collision></link></robot>",
       {}, noFiles);
   EXPECT_EQ(robot.name, "50%");
+  EXPECT_EQ(robot.root_link, "%20");
   ASSERT_EQ(robot.links.size(), 1U);
   EXPECT_EQ(robot.links[0].link, "%20");
   EXPECT_EQ(robot.links[0].source, "package://a/b%20c.stl");

@@ -61,8 +61,17 @@ void expectLinks(const RobotGeometry& robot, const std::vector<std::string>& nam
 TEST(RobotGeometry, LinksWithGeometryInDocumentOrder) {
   const RobotGeometry robot = loadRobotGeometry(threeLinks(), {}, noFiles);
   EXPECT_EQ(robot.name, "r");
+  EXPECT_EQ(robot.root_link, "zulu");
   expectLinks(robot, {"zulu", "alpha"});
   EXPECT_EQ(robot.links[0].source, "box 1 x 1 x 1 m");
+}
+
+TEST(RobotGeometry, StopsBetweenElements) {
+  int asked = 0;
+  MeshReading reading;
+  reading.stop = [&asked] { return ++asked == 2; };
+  EXPECT_THROW(loadRobotGeometry(threeLinks(), {}, noFiles, reading), ReadingStopped);
+  EXPECT_EQ(asked, 2);
 }
 
 TEST(RobotGeometry, OptionsChooseLinksAndAreChecked) {

@@ -2,8 +2,6 @@
 // the bags.
 #include "tools/bags/bag_setup.h"
 
-#include <urdf_parser/urdf_parser.h>
-
 #include <algorithm>
 #include <set>
 #include <stdexcept>
@@ -51,11 +49,6 @@ void addPlayedObject(const SceneObject& object, MonitorParameters* parameters) {
   objects.push_back(added);
 }
 
-std::string rootOf(const std::string& urdf) {
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(urdf);
-  return model ? model->getRoot()->name : "";
-}
-
 // Also sets the frame of a robot whose root link is known, where nobody said another.
 void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup) {
   std::string urdf = contents.robot_description;
@@ -79,8 +72,7 @@ void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* set
     throw std::runtime_error(setup->robot_from + ": " + error.what());
   }
   if (files.config.empty() && files.reference_frame.empty()) {
-    const std::string root = rootOf(urdf);
-    if (!root.empty()) setup->parameters.reference_frame = root;
+    setup->parameters.reference_frame = setup->robot.root_link;
   }
 }
 

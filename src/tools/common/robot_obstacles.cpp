@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robot/urdf_text.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -50,7 +52,7 @@ Eigen::Isometry3d toIsometry(const urdf::Pose& pose) {
 
 double positionOf(const urdf::Joint& joint, const std::map<std::string, double>& positions) {
   const std::string& name = joint.mimic == nullptr ? joint.name : joint.mimic->joint_name;
-  const auto found = positions.find(name);
+  const auto found = positions.find(unguarded(name));
   const double position = found == positions.end() ? 0 : found->second;
   return joint.mimic == nullptr ? position
                                 : joint.mimic->multiplier * position + joint.mimic->offset;
@@ -110,16 +112,16 @@ std::map<std::string, Capsule> linkCapsules(const RobotGeometry& robot) {
 RobotObstacles::RobotObstacles(urdf::ModelInterfaceSharedPtr robot, const RobotGeometry& geometry,
                                std::string frame)
     : robot_(std::move(robot)), capsules_(linkCapsules(geometry)), frame_(std::move(frame)) {
-  if (robot_->getLink(frame_) == nullptr) {
-    throw std::invalid_argument("frame '" + frame_ + "' is no link of robot '" + robot_->getName() +
-                                "'");
+  if (robot_->getLink(guarded(frame_)) == nullptr) {
+    throw std::invalid_argument("frame '" + frame_ + "' is no link of robot '" +
+                                unguarded(robot_->getName()) + "'");
   }
 }
 
 void RobotObstacles::place(const urdf::Link& link, const Eigen::Isometry3d& pose,
                            const std::map<std::string, double>& positions,
                            std::map<std::string, Eigen::Isometry3d>* poses) const {
-  (*poses)[link.name] = pose;
+  (*poses)[unguarded(link.name)] = pose;
   for (const auto& joint : link.child_joints) {
     place(*robot_->getLink(joint->child_link_name), pose * childPose(*joint, positions), positions,
           poses);

@@ -23,7 +23,8 @@ std::map<std::string, Capsule> linkCapsules(const RobotGeometry& robot);
 
 class RobotObstacles {
  public:
-  // Obstacles will be in the frame of link `frame`. Links without usable geometry are none. Throws
+  // Obstacles will be in the frame of link `frame`. Links without usable geometry are none. `robot`
+  // was read from guarded() text (robot/urdf_text.h); all other names are as in the URDF. Throws
   // std::invalid_argument if `frame` is no link of the robot.
   RobotObstacles(urdf::ModelInterfaceSharedPtr robot, const RobotGeometry& geometry,
                  std::string frame);

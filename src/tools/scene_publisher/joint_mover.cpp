@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "robot/urdf_text.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -43,7 +45,7 @@ JointMover::JointMover(const urdf::ModelInterface& robot, std::uint32_t seed) {
         swing.rate = std::min(swing.rate, limits.velocity / (2 * swing.amplitude));
       }
     }
-    names_.push_back(name);
+    names_.push_back(unguarded(name));
     swings_.push_back(swing);
   }
 }

@@ -12,6 +12,7 @@ namespace deformable_contact_monitor {
 // Every joint that moves and mimics none, in alphabetical order. Deterministic by seed.
 class JointMover {
  public:
+  // Of a model that was read from guarded() text (robot/urdf_text.h); names() are as in the URDF.
   JointMover(const urdf::ModelInterface& robot, std::uint32_t seed);
 
   const std::vector<std::string>& names() const { return names_; }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "robot/robot_geometry.h"
+#include "robot/urdf_text.h"
 #include "tools/common/command_line.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/common/run_tool.h"
@@ -49,7 +50,7 @@ std::optional<Robot> loadRobot(const ros::NodeHandle& node) {
   MeshReading reading;
   reading.stop = ros::isShuttingDown;
   robot.geometry = loadRobotGeometry(xml, {}, makeRosResolver(), reading);
-  robot.model = urdf::parseURDF(xml);
+  robot.model = urdf::parseURDF(guarded(xml));
   if (robot.model == nullptr) throw std::runtime_error(key + ": urdfdom cannot read it");
   return robot;
 }

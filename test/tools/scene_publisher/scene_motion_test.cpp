@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "robot/urdf_text.h"
 #include "tools/common/mesh_player.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/scene_publisher/joint_mover.h"
@@ -99,6 +100,28 @@ TEST(RobotObstaclesTest, followTheJointsAndTheirMimics) {
   const auto seen_from_arm =
       RobotObstacles(urdf::parseURDF(kUrdf), geometry, "arm").at({{"lift", 0.7}});
   EXPECT_NEAR(((seen_from_arm[0].a + seen_from_arm[0].b) / 2).x(), 0, 1e-6);
+}
+
+TEST(RobotObstaclesTest, namesAreThoseOfTheUrdf) {
+  std::string urdf = kUrdf;
+  for (const char* name : {"\"base\"", "\"arm\"", "\"push\"", "\"follower\"", "\"r\""}) {
+    for (auto at = urdf.find(name); at != std::string::npos; at = urdf.find(name, at)) {
+      urdf.insert(at + 1, "%n");
+    }
+  }
+  const auto robot = urdf::parseURDF(guarded(urdf));
+  ASSERT_NE(robot, nullptr);
+  EXPECT_EQ(JointMover(*robot, 1).names(), (std::vector<std::string>{"%npush", "lift", "roll"}));
+  RobotGeometry geometry;
+  geometry.links.push_back({"%nfollower", "", tube(), ""});
+  const RobotObstacles obstacles(robot, geometry, "%narm");
+  EXPECT_NEAR(obstacles.at({{"%npush", 0.03}})[0].a.x() - obstacles.at({})[0].a.x(), 0.06, 1e-6);
+  try {
+    RobotObstacles(robot, geometry, "arm");
+    ADD_FAILURE() << "no such link";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "frame 'arm' is no link of robot '%nr'");
+  }
 }
 
 TEST(MeshPlayerTest, scalesShiftsAndTellsTopologiesApart) {

@@ -1,0 +1,46 @@
+// How long cycles take, and whether they keep up.
+#pragma once
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/detector.h"
+#include "core/steady_time.h"
+
+namespace deformable_contact_monitor {
+
+// One thread at a time. Reads no clock.
+class TimingWatch {
+ public:
+  explicit TimingWatch(SteadyTime now) : described_(now) {}
+
+  // A cycle begins.
+  void start(SteadyTime now) { running_since_ = now; }
+
+  // It has ended. `cycle_s`: the work, from taking transforms to the markers; `latency_s`: from the
+  // arrival of the mesh that asked for it until all but the markers is published. `result` is null
+  // if nothing was detected.
+  void end(const DetectionResult* result, double cycle_s, double latency_s);
+
+  // Of the cycle that has not ended [s]; 0 if there is none.
+  double runsFor(SteadyTime now) const;
+
+  // A warning if cycles took more than nine tenths of the time since the last description, or one
+  // has been running for more than half a second; then mean, p95 and most of the last 200 cycles'
+  // latency, work, detection and stages.
+  void describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now);
+
+ private:
+  std::map<std::string, std::deque<double>> times_ms_;  // by what; the latest cycles
+  std::uint64_t cold_starts_ = 0;
+  double busy_s_ = 0;  // since described_
+  SteadyTime described_;
+  std::optional<SteadyTime> running_since_;
+};
+
+}  // namespace deformable_contact_monitor
