@@ -19,21 +19,21 @@ bool same(const Setting& a, const Setting& b) {
   return values(a) == values(b);
 }
 
-// A decimal of digits10 digits or fewer, if there is one, shows with those alone.
+// A number that has a decimal of digits10 digits or fewer shows with those alone.
 template <class Number>
 std::string shortest(Number value) {
-  std::string text;
-  Number read = 0;
-  for (int digits = std::numeric_limits<Number>::digits10;
-       read != value && digits <= std::numeric_limits<Number>::max_digits10; ++digits) {
-    std::stringstream stream;
-    stream.imbue(std::locale::classic());
-    stream.precision(digits);
-    stream << value;
-    text = stream.str();
-    stream >> read;
+  int digits = std::numeric_limits<Number>::digits10;
+  while (true) {
+    std::stringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(digits);
+    text << value;
+    const std::string written = text.str();
+    Number read = 0;
+    text >> read;
+    if (read == value || digits == std::numeric_limits<Number>::max_digits10) return written;
+    ++digits;
   }
-  return text;
 }
 
 }  // namespace
