@@ -68,8 +68,10 @@ void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
   checkCuda(cudaLaunchKernelEx(&config, kernel, argument), "cudaLaunchKernelEx");
 #else
   static_cast<void>(device);
-  kernel<<<dim3(blocks), threads, shared_bytes, stream>>>(argument);
-  checkCuda(cudaGetLastError(), "a launch");
+  void* arguments[] = {const_cast<Argument*>(&argument)};
+  checkCuda(cudaLaunchKernel(reinterpret_cast<const void*>(kernel), dim3(blocks), dim3(threads),
+                             arguments, shared_bytes, stream),
+            "cudaLaunchKernel");
 #endif
 }
 
