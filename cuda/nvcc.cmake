@@ -31,14 +31,15 @@ message(STATUS "CUDA ${dcm_cuda_version} for ${dcm_architectures}")
 
 enable_language(CUDA)
 set(DCM_CUDA_ENABLED ON)
+set(CMAKE_CUDA_STANDARD 17)
+set(CMAKE_CUDA_STANDARD_REQUIRED ON)
 if(NOT CMAKE_VERSION VERSION_LESS 3.18)
-  set(CMAKE_CUDA_STANDARD 17)
-  set(CMAKE_CUDA_STANDARD_REQUIRED ON)
   return()
 endif()
 
-# Older CMakes know neither architectures nor C++17 in CUDA.
-string(APPEND CMAKE_CUDA_FLAGS " -std=c++17")
+# Older CMakes know neither C++17 in CUDA nor architectures.
+set(CMAKE_CUDA17_STANDARD_COMPILE_OPTION -std=c++17)
+set(CMAKE_CUDA17_EXTENSION_COMPILE_OPTION -std=c++17)
 foreach(architecture ${CMAKE_CUDA_ARCHITECTURES})
   string(REGEX REPLACE "-.*" "" number ${architecture})
   if(NOT architecture MATCHES "-virtual$")

@@ -31,7 +31,8 @@ if(AS_VERSION)
 endif()
 set(DCM_CUDA_ENABLED OFF)
 include(${NVCC_CMAKE})
-foreach(name DCM_CUDA_ENABLED CMAKE_CUDA_ARCHITECTURES CMAKE_CUDA_STANDARD CMAKE_CUDA_FLAGS)
+foreach(name DCM_CUDA_ENABLED CMAKE_CUDA_ARCHITECTURES CMAKE_CUDA_STANDARD
+    CMAKE_CUDA17_EXTENSION_COMPILE_OPTION CMAKE_CUDA_FLAGS)
   message(STATUS "${name} is '${${name}}'")
 endforeach()
 """
@@ -68,11 +69,12 @@ class Nvcc(unittest.TestCase):
         for version, known, numbers in (("11.4", KNOWN_TO_11_4, (80, 86, 87)),
                                         ("11.8", KNOWN_TO_11_8, (80, 86, 87, 89, 90)),
                                         ("13.0", KNOWN_TO_13_0, (80, 86, 87, 89, 90, 120))):
-            variables = configured(version, known)[1]
+            variables = configured(version, known, "-DAS_VERSION=3.18.0")[1]
             self.assertEqual(variables["DCM_CUDA_ENABLED"], "ON")
             self.assertEqual(variables["CMAKE_CUDA_ARCHITECTURES"],
                              "".join("%d-real;" % n for n in numbers) + "75-virtual")
             self.assertEqual(variables["CMAKE_CUDA_STANDARD"], "17")
+            self.assertEqual(variables["CMAKE_CUDA17_EXTENSION_COMPILE_OPTION"], "")
             self.assertEqual(variables["CMAKE_CUDA_FLAGS"], "")
 
     def test_what_is_asked_for_wins(self):
@@ -84,10 +86,10 @@ class Nvcc(unittest.TestCase):
                              ("86", "86,code=sm_86 86,code=compute_86")):
             variables = configured("11.4", KNOWN_TO_11_4, "-DAS_VERSION=3.16.3",
                                    "-DCMAKE_CUDA_ARCHITECTURES=" + asked)[1]
-            self.assertEqual(variables["CMAKE_CUDA_STANDARD"], "")
-            self.assertEqual(
-                variables["CMAKE_CUDA_FLAGS"].split(),
-                ["-std=c++17"] + ["-gencode=arch=compute_" + code for code in codes.split()])
+            self.assertEqual(variables["CMAKE_CUDA_STANDARD"], "17")
+            self.assertEqual(variables["CMAKE_CUDA17_EXTENSION_COMPILE_OPTION"], "-std=c++17")
+            self.assertEqual(variables["CMAKE_CUDA_FLAGS"].split(),
+                             ["-gencode=arch=compute_" + code for code in codes.split()])
 
 
 if __name__ == "__main__":
