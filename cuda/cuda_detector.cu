@@ -81,7 +81,7 @@ class CudaDetector : public Detector {
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
-  const Stopwatch watch;
+  const Stopwatch watch{};
   const CycleLimit limit(options.limits);
   result_.begin(scene, isGuaranteed(options));
   stop_.clear();
