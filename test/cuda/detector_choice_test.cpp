@@ -33,7 +33,7 @@ struct Made {
 Made make(BackendChoice choice, WithoutCuda without_cuda) {
   Made made;
   made.detector =
-      makeChosenDetector(choice, without_cuda, noSuchDevice(), [&made](const BackendState& state) {
+      makeDetector(choice, without_cuda, noSuchDevice(), [&made](const BackendState& state) {
         made.reasons.push_back(state.problem);
         made.faults.push_back(state.fault);
       });
