@@ -91,5 +91,30 @@ TEST(DetectorChoice, WhatTookOverDetects) {
   EXPECT_EQ(made.reasons.size(), 1U);
 }
 
+// By default nobody is told, cuda by name is CUDA or an error, and there are contacts all the same.
+TEST(DetectorChoice, DefaultsDoWithoutCuda) {
+  const Scene scene = pairScene(clothGrid(4, 1, 0, 0.2F), clothGrid(4, 1, 0.05F, 0));
+  const auto expected = makeCpuDetector()->detect(scene).contacts;
+  EXPECT_FALSE(expected.empty());
+  EXPECT_TRUE(samePairs(expected, makeDetector()->detect(scene).contacts));
+  for (const WithoutCuda answer : kAnswers) {
+    const auto detector = makeDetector(BackendChoice::kAuto, answer, noSuchDevice());
+    EXPECT_TRUE(samePairs(expected, detector->detect(scene).contacts));
+    EXPECT_EQ(detector->backend(), "cpu");
+  }
+  std::string why;
+  try {
+    makeDetector(BackendChoice::kCuda)->detect(scene);
+  } catch (const BackendError& error) {
+    why = error.what();
+  }
+  try {
+    makeCudaDetector();
+    EXPECT_EQ(why, "");
+  } catch (const BackendError& error) {
+    EXPECT_EQ(why, error.what());
+  }
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

@@ -109,15 +109,15 @@ void checkChoice() {
   checkDetector(dcm::makeDetector().get());
   checkDetector(dcm::makeDetector(dcm::BackendChoice::kCpu).get());
   std::string why;
-  const auto fallen = dcm::makeDetector(
-      dcm::BackendChoice::kCuda, dcm::WithoutCuda::kFallBack, dcm::CudaSettings(),
-      [&why](const dcm::BackendState& state) { why = state.problem; });
+  const auto fallen =
+      dcm::makeDetector(dcm::BackendChoice::kCuda, dcm::WithoutCuda::kFallBack, dcm::CudaSettings(),
+                        [&why](const dcm::BackendState& state) { why = state.problem; });
   checkDetector(fallen.get());
   if (why.empty()) return;
   expect(fallen->backend() == "cpu", "the CPU takes over");
-  expect(refusalOf<dcm::BackendError>(
-             [] { dcm::makeDetector(dcm::toBackendChoice("cuda")); }) == why,
-         "cuda by name is refused with the same reason");
+  expect(
+      refusalOf<dcm::BackendError>([] { dcm::makeDetector(dcm::toBackendChoice("cuda")); }) == why,
+      "cuda by name is refused with the same reason");
   std::cerr << "without CUDA: " << why << "\n";
 }
 
