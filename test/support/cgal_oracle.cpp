@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/rules/posed_vertex.h"
 #include "exact_distance.h"
 
 namespace deformable_contact_monitor {
