@@ -172,8 +172,8 @@ void bindDetector(py::module& module) {
            py::arg("fuzzifier") = options.fuzzifier, py::arg("iterations") = options.iterations,
            py::arg("refresh_period") = options.refresh_period, py::arg("threads") = options.threads,
            kInitText)
-      .def("detect", &Self::detect, py::arg("scene"), py::arg("max_time_s") = py::none(),
-           kDetectText)
+      .def("detect", &Self::detect, py::arg("scene").none(false),
+           py::arg("max_time_s") = py::none(), kDetectText)
       .def("reset", &Self::reset,
            "Forgets what earlier cycles left; exact results never depend on it.")
       .def_property_readonly("backend", &Self::backend,
