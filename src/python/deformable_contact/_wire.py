@@ -130,7 +130,8 @@ class Array:
         """As on the wire; refuses what would not survive that."""
         given = self._given(values)
         if given.shape[1:] != self._row and (given.ndim != 1 or self._counted > 1):
-            raise ValueError("has shape %s, must be %s" % (given.shape, ("k",) + self._row))
+            raise ValueError("has shape %s, must be (n%s)" % (
+                given.shape, "".join(", %d" % size for size in self._row) or ","))
         if given.dtype != self._dtype:
             if self._dtype.names or given.dtype.kind not in "biuf":
                 raise ValueError("is of %s, must be of %s" % (given.dtype, self._dtype))

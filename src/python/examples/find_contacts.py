@@ -38,7 +38,7 @@ def touching_triangles(result, body):
 
 
 def plot(meshes, result, path):
-    """Contact triangles in red over the meshes' vertices; without a path, in a window."""
+    """Contact triangles in red among the meshes' vertices; without a path, in a window."""
     import matplotlib
     if path:
         matplotlib.use("Agg")
@@ -46,22 +46,25 @@ def plot(meshes, result, path):
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     figure = pyplot.figure(figsize=(8, 8))
-    axes = figure.add_subplot(111, projection="3d")
+    axes = figure.add_axes([0, 0, 1, 0.95], projection="3d")
+    axes.computed_zorder = False  # contacts in front of all else; before matplotlib 3.4, by depth
     corners = []
     for body, (name, vertices, triangles) in enumerate(meshes):
         finite = vertices[numpy.isfinite(vertices).all(axis=1)]
         shown = finite[::max(1, len(finite) // 20000)]
-        axes.scatter(*shown.T, s=0.2, alpha=0.3, label=name)
+        axes.scatter(*shown.T, s=0.3, alpha=0.2, zorder=1, label=name)
         touching = vertices[triangles[touching_triangles(result, body)]]
         axes.add_collection3d(Poly3DCollection(touching, facecolors="red", edgecolors="darkred",
-                                               linewidths=0.3))
+                                               linewidths=0.3, zorder=2))
+        # Small triangles alone would not show.
+        axes.scatter(*touching.mean(axis=1).T, s=4, color="red", zorder=2, depthshade=False)
         corners += [finite.min(axis=0), finite.max(axis=0)]
     low, high = numpy.min(corners, axis=0), numpy.max(corners, axis=0)
     middle, half = (low + high) / 2, (high - low).max() / 2
     for at, set_limits in zip(middle, (axes.set_xlim, axes.set_ylim, axes.set_zlim)):
         set_limits(at - half, at + half)
     axes.set_title("%d contacts" % len(result.pairs))
-    axes.legend(markerscale=10)
+    axes.legend(markerscale=10, loc="lower left")
     if path:
         figure.savefig(path, dpi=120)
     else:
