@@ -33,7 +33,8 @@ enum class WithoutCuda {
 // detection, by makeFallbackDetector()'s rules, which tell `changed`; so is kCuda unless with
 // kRefuse: that is CUDA alone and throws as makeCudaDetector() does. Only with kTryAgain is CUDA
 // tried again.
-// `changed` may be empty.
+// `changed` may be empty. Where the CPU takes over, detect() refuses vertices that are on a device
+// (Scene::setDeviceVertices).
 DCM_EXPORT std::unique_ptr<Detector> makeDetector(
     BackendChoice choice = BackendChoice::kAuto, WithoutCuda without_cuda = WithoutCuda::kRefuse,
     const CudaSettings& settings = CudaSettings(),

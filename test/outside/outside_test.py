@@ -1,4 +1,4 @@
-"""The library as somebody else's project uses it: installed, in the devel space, as a subproject."""
+"""The library as others use it: installed, in the devel space, as a subproject."""
 import json
 import os
 from pathlib import Path

@@ -1,6 +1,6 @@
 # The library that others link: deformable_contact_monitor::core and ::cuda, with headers under
-# deformable_contact_monitor/. The programs and tests of this tree link dcm_core and dcm_cuda, static
-# libraries of the same objects, which have no end at the public headers.
+# deformable_contact_monitor/. The programs and tests of this tree link dcm_core and dcm_cuda,
+# static libraries of the same objects, for they use more than what is public.
 
 # Where others find the headers before they are installed.
 set(DCM_PUBLIC_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
@@ -8,8 +8,8 @@ if(WITH_ROS)
   set(DCM_PUBLIC_INCLUDE_DIR ${CATKIN_DEVEL_PREFIX}/include)
 endif()
 
-# dcm_share(NAME FOLDER headers...): deformable_contact_monitor::NAME of the objects of dcm_NAME, and
-# its headers, which FOLDER/ has as this tree includes them, with includes as others need them.
+# dcm_share(NAME FOLDER headers...): deformable_contact_monitor::NAME, of the objects of dcm_NAME,
+# and its headers: as they lie in FOLDER, but with the includes that others need.
 function(dcm_share name folder)
   set(library ${PROJECT_NAME}_${name})
   add_library(${library} SHARED $<TARGET_OBJECTS:dcm_${name}>)
