@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/rules/posed_vertex.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
