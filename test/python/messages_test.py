@@ -223,14 +223,14 @@ class Refusals(unittest.TestCase):
             for end in range(len(data)):
                 with self.assertRaises(genpy.DeserializationError):
                     getattr(messages, name)().deserialize(data[:end])
-        # Lengths that no buffer holds must not be allocated or waited for.
-        head = to_bytes(generated.DeformableMesh())
-        for at in range(0, len(head) - 3, 4):
-            data = head[:at] + b"\xff" * 4 + head[at + 4:]
-            try:
-                messages.DeformableMesh().deserialize(data)
-            except genpy.DeserializationError:
-                pass
+        # Lengths that no buffer holds are neither allocated nor waited for.
+        data = to_bytes(generated.DeformableMesh())
+        for at, field in enumerate(("frame_id", "object", "", "vertices", "triangles")):
+            at = 12 + 4 * at
+            if field:
+                with self.assertRaisesRegex(genpy.DeserializationError, r"\d bytes are announced"):
+                    messages.DeformableMesh().deserialize(
+                        data[:at] + b"\xff" * 4 + data[at + 4:])
 
 
 class InRos(unittest.TestCase):
