@@ -35,7 +35,7 @@ def random_value(kind, draw):
         if kind == "bool":
             return bool(draw.randrange(2))
         if kind == "float32":
-            return draw.choice([0.0, -0.0, 1.5, float("inf"), -float("inf"), float("nan"), 2.0**-149])
+            return draw.choice([0.0, -0.0, 1.5, numpy.inf, -numpy.inf, numpy.nan, 2.0**-149])
         return draw.choice([0, 1, 7, 2**(8 * size - 1), 2**(8 * size) - 1])
     if kind == "string":
         return draw.choice(STRINGS)
@@ -205,7 +205,7 @@ class Refusals(unittest.TestCase):
         for pairs, shape in ([[1, 2, 3]], "(1, 3)"), ([1, 2, 3, 4], "(4,)"):
             self.refused("ContactArray.pairs has shape %s, must be (n, 4)" % shape,
                          contacts(pairs=pairs))
-        with self.assertRaisesRegex(genpy.SerializationError, "ContactArray.geometry is of float64"):
+        with self.assertRaisesRegex(genpy.SerializationError, "Array.geometry is of float64"):
             to_bytes(contacts(geometry=[1.0]))
         with self.assertRaisesRegex(genpy.SerializationError, "ContactStates.states is of"):
             to_bytes(messages.ContactStates(states=[1.0]))
