@@ -45,7 +45,7 @@ class Interface {
   }
 
   py::tuple tuple(const char* name) const {
-    const py::object value = field(name);
+    py::object value = field(name);
     if (!py::isinstance<py::tuple>(value)) refuse(std::string("has ") + name + " " + shown(name));
     return value;
   }
@@ -65,6 +65,12 @@ class Interface {
   py::dict fields_;
 };
 
+// The interface has addresses as integers.
+template <class T>
+T* toPointer(std::uintptr_t address) {
+  return reinterpret_cast<T*>(address);  // NOLINT(performance-no-int-to-ptr)
+}
+
 void requireContiguous(const Interface& interface, std::size_t count) {
   if (interface.field("strides").is_none() || count == 0) return;
   const std::vector<std::int64_t> strides = interface.numbers("strides");
@@ -75,12 +81,12 @@ void requireContiguous(const Interface& interface, std::size_t count) {
 }
 
 void* toStream(const Interface& interface, std::optional<std::uintptr_t> given) {
-  if (given) return reinterpret_cast<void*>(*given);
+  if (given) return toPointer<void>(*given);
   const py::object stream = interface.field("stream");
   if (stream.is_none()) return nullptr;  // nothing to wait for, or nothing known
   const auto handle = interface.as<std::uintptr_t>("stream", stream);
   if (handle == 0) interface.refuse("has stream 0, which means none in particular");
-  return reinterpret_cast<void*>(handle);
+  return toPointer<void>(handle);
 }
 
 }  // namespace
@@ -106,7 +112,7 @@ DeviceArray toDeviceArray(py::handle vertices, std::optional<std::uintptr_t> str
   const auto address = interface.as<std::uintptr_t>("data", data[0]);
   if (address == 0 && count > 0)
     interface.refuse("has no data, but shape " + interface.shown("shape"));
-  return {reinterpret_cast<const float*>(address), count, toStream(interface, stream)};
+  return {toPointer<const float>(address), count, toStream(interface, stream)};
 }
 
 }  // namespace deformable_contact_monitor
