@@ -87,7 +87,7 @@ VertexArray toVertexArray(py::handle vertices, const std::string& body) {
   const py::array array = argument.toArray(vertices);
   argument.requireKind(array, kReal, "real numbers");
   argument.requireRowsOfThree(array);
-  const VertexArray plain = VertexArray::ensure(array);
+  VertexArray plain = VertexArray::ensure(array);
   if (!plain) throw py::error_already_set();
   return plain;
 }

@@ -9,3 +9,5 @@ for prefix in os.path.join(sys.prefix, "local"), sys.prefix:
     if folder.startswith(prefix + "/"):
         print(os.path.relpath(folder, prefix))
         break
+else:
+    print("lib/python%d.%d/site-packages" % sys.version_info[:2])

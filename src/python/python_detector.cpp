@@ -114,8 +114,8 @@ PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& setting
   requireValid(options_);
   const auto without_cuda =
       choice == BackendChoice::kCuda ? WithoutCuda::kRefuse : WithoutCuda::kTryAgain;
-  detector_ = makeChosenDetector(choice, without_cuda, settings,
-                                 [this](const BackendState& state) { state_ = state; });
+  detector_ = makeDetector(choice, without_cuda, settings,
+                           [this](const BackendState& state) { state_ = state; });
   update();
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "python/array_arguments.h"
+#include "python/device_array.h"
 
 namespace deformable_contact_monitor {
 namespace py = pybind11;
@@ -43,6 +44,18 @@ constexpr const char* kSetVerticesText = R"(Replaces the vertices, (n, 3) [m].
 
 Raises ValueError where there are not as many as before.)";
 
+constexpr const char* kSetDeviceVerticesText =
+    R"(Replaces the vertices by some in a CUDA device's memory, (n, 3) float32 [m].
+
+vertices: contiguous, with __cuda_array_interface__ of version 2 or later, as CuPy, Numba and
+    PyTorch have it; it may be read-only. Nothing is copied, and the array is kept until the body
+    has other vertices. After writing to it, call this again ahead of the next detect().
+stream: behind which the vertices are ready: a cudaStream_t as an int; None: the interface's own, or
+    else the legacy default stream. PyTorch's says none: where the current stream is not the default
+    one, pass torch.cuda.current_stream().cuda_stream. It must live as long as the array is used.
+The CUDA backend alone reads them, on its own device: detect() on any other raises ValueError.
+Raises ValueError where there are not as many as before, or where they are not such an array.)";
+
 constexpr const char* kSetPoseText = R"(Where the body is: p_scene = rotation p_body + translation.
 
 rotation: (3, 3). translation: (3,) [m]. Both float64. A vertex in the scene's frame is the float32
@@ -68,11 +81,20 @@ BodyId PythonScene::addBody(const std::string& name, py::handle vertices, py::ha
 void PythonScene::setMesh(std::int64_t id, py::handle vertices, py::handle triangles) {
   TriangleMesh mesh = toMesh(vertices, triangles, nameOf(id));
   changeable().setMesh(checkedId(id), std::move(mesh));
+  device_arrays_.erase(checkedId(id));
 }
 
 void PythonScene::setVertices(std::int64_t id, py::handle vertices) {
   const VertexArray array = toVertexArray(vertices, nameOf(id));
   changeable().setVertices(checkedId(id), array.data(), static_cast<std::size_t>(array.shape(0)));
+  device_arrays_.erase(checkedId(id));
+}
+
+void PythonScene::setDeviceVertices(std::int64_t id, py::object vertices,
+                                    std::optional<std::uintptr_t> stream) {
+  const DeviceArray array = toDeviceArray(vertices, stream, nameOf(id));
+  changeable().setDeviceVertices(checkedId(id), array.xyz, array.count, array.stream);
+  device_arrays_[checkedId(id)] = std::move(vertices);
 }
 
 void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle translation) {
@@ -124,6 +146,8 @@ void bindScene(py::module& module) {
       .def("set_mesh", &Self::setMesh, py::arg("id"), py::arg("vertices"), py::arg("triangles"),
            kSetMeshText)
       .def("set_vertices", &Self::setVertices, py::arg("id"), py::arg("vertices"), kSetVerticesText)
+      .def("set_device_vertices", &Self::setDeviceVertices, py::arg("id"), py::arg("vertices"),
+           py::arg("stream") = py::none(), kSetDeviceVerticesText)
       .def("set_pose", &Self::setPose, py::arg("id"), py::arg("rotation"), py::arg("translation"),
            kSetPoseText)
       .def("set_margin", &Self::setMargin, py::arg("id"), py::arg("margin_m"), kSetMarginText)

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +23,9 @@ class PythonScene {
   BodyId addBody(const std::string& name, pybind11::handle vertices, pybind11::handle triangles);
   void setMesh(std::int64_t id, pybind11::handle vertices, pybind11::handle triangles);
   void setVertices(std::int64_t id, pybind11::handle vertices);
+  // The array lives until the body has other vertices.
+  void setDeviceVertices(std::int64_t id, pybind11::object vertices,
+                         std::optional<std::uintptr_t> stream);
   void setPose(std::int64_t id, pybind11::handle rotation, pybind11::handle translation);
   void setMargin(std::int64_t id, float margin_m);
   void setPairEnabled(std::int64_t a, std::int64_t b, bool enabled);
@@ -52,6 +57,7 @@ class PythonScene {
   const std::string& nameOf(std::int64_t id) const { return scene_.body(checkedId(id)).name; }
 
   Scene scene_;
+  std::map<BodyId, pybind11::object> device_arrays_;  // that the scene's bodies point into
   int lookers_ = 0;
 };
 

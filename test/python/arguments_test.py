@@ -74,7 +74,7 @@ class Arrays(unittest.TestCase):
                 self.assertEqual(self.contacts(vertices, triangles), CONTACT, (name, types))
 
     def test_doubles_are_rounded_to_the_nearest_float(self):
-        # The tip touches the plane z = 0 only where 1e-60 becomes 0, and x = 16777217 rounds to even.
+        # The tip touches z = 0 only where 1e-60 becomes 0, and x = 16777217 rounds to even.
         tip = [[1, 1, 1e-60], [1, 1, 1], [1, 2, 1]]
         self.assertEqual(self.contacts(tip, TRIANGLES), [[0, 0, 1, 0]])
         scene = Scene()

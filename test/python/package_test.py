@@ -14,8 +14,6 @@ from deformable_contact import _core
 
 SOURCE = pathlib.Path(os.environ["DCM_SOURCE_DIR"]) / "src/python"
 FOLDER = pathlib.Path(deformable_contact.__file__).parent
-# What a stub says of arguments that the module takes as any object.
-ANY = {"object", "Any", "handle"}
 
 
 def run_python(code, **environment):
@@ -33,6 +31,16 @@ def arguments_of(function):
               for argument, default in zip(given.kwonlyargs, given.kw_defaults)]
     return [(name, default and ast.literal_eval(default), by_keyword)
             for name, default, by_keyword in named if name != "self"]
+
+
+# pybind11 before 2.6 has no arguments by keyword only.
+KEYWORDS_ONLY = "*, device" in deformable_contact.Detector.__init__.__doc__
+
+
+def as_built(arguments):
+    """What the stub says, with keywords as this build has them."""
+    return [(name, default, by_keyword and KEYWORDS_ONLY)
+            for name, default, by_keyword in arguments]
 
 
 def signature_of(value):
@@ -65,12 +73,12 @@ class Stubs(unittest.TestCase):
                 value = getattr(getattr(_core, name), node.name)
                 self.assertEqual(bool(node.decorator_list), isinstance(value, property), node.name)
                 if not isinstance(value, property) and (name, node.name) != ("Result", "__init__"):
-                    self.assertEqual(arguments_of(node), arguments_of(signature_of(value)),
-                                     node.name)
+                    self.assertEqual(as_built(arguments_of(node)),
+                                     arguments_of(signature_of(value)), node.name)
                     checked += 1
         self.assertEqual(arguments_of(self.functions["read_mesh"]),
                          arguments_of(signature_of(_core.read_mesh)))
-        self.assertEqual(checked, 12)
+        self.assertEqual(checked, 13)
 
     def test_everything_public_has_a_docstring(self):
         for name in self.functions:
@@ -123,6 +131,7 @@ class Imports(unittest.TestCase):
             from deformable_contact import messages
             messages.Contacts
 
+    @unittest.skipUnless(KEYWORDS_ONLY, "pybind11 is older than 2.6")
     def test_options_are_keywords(self):
         with self.assertRaises(TypeError):
             deformable_contact.Detector("cpu", 0)

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """The global lock, use from several threads, lifetimes and memory."""
 import gc
+import os
+import tempfile
 import threading
 import time
 import unittest
@@ -150,6 +152,10 @@ class Memory(unittest.TestCase):
         scene.set_margin(0, 0.1)
         vertices, triangles = mesh_scenes.soup(rng, 12)
         doubles = vertices.astype(float)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = os.path.join(folder.name, "mesh.obj")
+        mesh_scenes.write_obj(path, *mesh_scenes.soup(rng, 100))
 
         def call(number):
             scene.set_vertices(0, doubles if number % 2 else vertices)
@@ -162,6 +168,7 @@ class Memory(unittest.TestCase):
                 with self.assertRaises(ValueError):
                     scene.set_vertices(0, [[1, 2]])
                 Detector("cpu", threads=1)
+                read_mesh(path)
 
         for number in range(1000):
             call(number)
