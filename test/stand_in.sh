@@ -4,31 +4,41 @@
 
 stand_in_package=/work/package  # within the root
 
-# The packages of SECTIONs of test/stand_in_packages.txt.
+# section FILE NAME: the packages that FILE lists under "# NAME".
+section() { sed -n "/^# $2\$/,/^# /{/^[^#]/p}" "$1"; }
+
+# The packages of a root: `core` is what the core takes, here and for aarch64, `whole` what all does.
 stand_in_packages() {
-  local section
-  for section in "$@"; do sed -n "/^# $section\$/,/^# /{/^[^#]/p}" test/stand_in_packages.txt; done
+  local name
+  section test/stand_in_packages.txt "$1"
+  [ "$1" = core ] || for name in build run test; do section config/debian_packages.txt $name; done
 }
 
-# make_stand_in SECTION...: sets $stand_in to a root with their packages, which lies outside of the
-# tree and is made again when the list changes. Fails where it cannot be had.
+# make_stand_in core|whole: sets $stand_in to such a root, which lies outside of the tree and is made
+# again when the list of packages changes. Fails where it cannot be had.
 make_stand_in() {
-  local packages mark
-  packages=$(stand_in_packages "$@")
+  local packages mark log
+  packages=$(stand_in_packages "$1")
   stand_in=${XDG_CACHE_HOME:-$HOME/.cache}/deformable_contact_monitor/debian11-$1
-  mark=$stand_in/packages.txt
+  mark=$stand_in/packages.txt log=$stand_in.log
   [ "$(cat "$mark" 2>/dev/null)" = "$packages" ] && return
   [ "$(id -u)" -eq 0 ] || { echo "needs root, for debootstrap and chroot"; return 1; }
   config/install_packages stand_in || return 1
   rm -rf --one-file-system "$stand_in"
   mkdir -p "$stand_in"
   echo "makes a root of Debian 11 in $stand_in (minutes)"
-  debootstrap --variant=minbase bullseye "$stand_in" >"$stand_in.log" 2>&1 &&
+  # shellcheck disable=SC2086
+  debootstrap --variant=minbase bullseye "$stand_in" >"$log" 2>&1 &&
+    cp -L /etc/resolv.conf "$stand_in/etc/" &&
+    echo "127.0.0.1 localhost $(hostname)" >"$stand_in/etc/hosts" &&
     chroot "$stand_in" dpkg --add-architecture arm64 &&
-    chroot "$stand_in" apt-get update -qq &&
+    chroot "$stand_in" apt-get update -qq >>"$log" 2>&1 &&
     chroot "$stand_in" env DEBIAN_FRONTEND=noninteractive \
-      apt-get install -y -qq --no-install-recommends $packages >>"$stand_in.log" 2>&1 ||
-    { tail -5 "$stand_in.log"; return 1; }
+      apt-get install -y -qq --no-install-recommends $packages >>"$log" 2>&1 ||
+    { tail -5 "$log"; return 1; }
+  # Its rospy and roslaunch are of before Python 3.9, which it has.
+  echo "import threading; threading.Thread.isAlive = threading.Thread.is_alive" \
+    >>"$stand_in/etc/python3.9/sitecustomize.py"
   echo "$packages" >"$mark"
 }
 
@@ -58,8 +68,8 @@ copy_to_stand_in() {
     tar -c --null --ignore-failed-read -T - 2>/dev/null | tar -x -C "$to"
 }
 
-# stand_in_tests ROOT WHAT: as test/stand_in_tests WHAT, in the root for the packages of section
-# ROOT; its counts are added to this run's. Said aloud where there can be no such root.
+# stand_in_tests ROOT WHAT: as test/stand_in_tests WHAT, in the root ROOT (core, whole); its counts are
+# added to this run's. Said aloud where there can be no such root.
 stand_in_tests() {
   local log=build/stand_in_$2.log counts
   say "On Debian 11: $2"
