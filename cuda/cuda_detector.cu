@@ -288,9 +288,8 @@ bool CudaDetector::runInPasses(const CycleLimit& limit) {
   return false;
 }
 
-// More candidates than memory: judges them in several passes over the work units and blocks. What
-// even the last division leaves too many of in a pass is cut off: counted, but not judged. False if
-// the limit was over before the last.
+// More candidates than memory: judges them in several passes over the work units and blocks. Those
+// that no pass has room for are counted, not judged. False if the limit was over before the last.
 bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
   const CycleShape shape{device_, false, 0};
