@@ -30,9 +30,16 @@ must() {
   fi
 }
 
+# And says how CMake builds: a ROS elsewhere may go without ninja.
 install_packages() {
   say "Packages"
   must "packages could not be installed" config/install_packages "$@"
+  export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
+  keep_going=(-k)
+  if command -v ninja >/dev/null; then
+    export CMAKE_GENERATOR=${CMAKE_GENERATOR:-Ninja}
+    [ "$CMAKE_GENERATOR" != Ninja ] || keep_going=(-k 0)
+  fi
 }
 
 # run_tests BUILD [ARGS of ctest...]: a skip is a problem where the test data are there.
