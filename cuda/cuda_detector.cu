@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,7 +63,7 @@ class CudaDetector : public Detector {
   DeviceMemory memory_;
   CycleSizes sizes_;
   CycleArrays arrays_{memory_};
-  DeviceScene scene_{memory_, sizes_, arrays_.scene};
+  DeviceScene scene_{settings_.device, memory_, sizes_, arrays_.scene};
   CycleGraph graphs_[2];  // with and without refinement of the prototypes
   PinnedBuffer<CycleParams> params_{1};
   PinnedBuffer<CycleCounters> counters_{1};
@@ -81,7 +82,7 @@ class CudaDetector : public Detector {
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
-  const Stopwatch watch;
+  const Stopwatch watch{};
   const CycleLimit limit(options.limits);
   result_.begin(scene, isGuaranteed(options));
   stop_.clear();
@@ -136,10 +137,11 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
   const bool laid_out_anew = scene_.layOut(scene, stream);
   if (scene_.triangleCount() == 0) return false;
+  scene_.sendVertices(scene, stream);
   const bool starts = was_cold || laid_out_anew;
   result_.started_cold = starts;
   if (starts && !startCold(scene, options, limit)) return false;
-  scene_.send(scene, scale_, stream);
+  scene_.sendBodies(scene, scale_, stream);
   params_[0] =
       cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyMargin());
   params_[0].scale = scale_;
@@ -152,7 +154,9 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
 // What the first cycle of a scene needs and others take over from the one before. False if the
 // limit was over.
 bool CudaDetector::startCold(const Scene& scene, const Options& options, const CycleLimit& limit) {
-  const ColdStart start = measureScene(scene, options, cluster_counts_, limit);
+  std::optional<Scene> on_host;
+  if (scene_.anyFromDevice()) on_host = scene_.onHost(scene, stream_.get());
+  const ColdStart start = measureScene(on_host ? *on_host : scene, options, cluster_counts_, limit);
   if (limit.wasOver()) return false;
   asked_clusters_ = options.clusters;
   scale_ = start.scale;
@@ -284,9 +288,8 @@ bool CudaDetector::runInPasses(const CycleLimit& limit) {
   return false;
 }
 
-// More candidates than memory: judges them in several passes over the work units and blocks. What
-// even the last division leaves too many of in a pass is cut off: counted, but not judged. False if
-// the limit was over before the last.
+// More candidates than memory: judges them in several passes over the work units and blocks. Those
+// that no pass has room for are counted, not judged. False if the limit was over before the last.
 bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
   const CycleShape shape{device_, false, 0};

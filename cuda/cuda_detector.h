@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/detector.h"
+#include "core/export.h"
 
 namespace deformable_contact_monitor {
 
@@ -18,10 +19,11 @@ struct CudaSettings {
   bool time_stages = false;
 };
 
-// Throws CudaError, one line, if there is no driver, no such device, one older than compute
-// capability 7.5, or if it fails; so may detect(). After kSceneTooLarge (more than 2^27 triangles
-// or vertices, or too crowded) the detector goes on with other scenes; after other errors, make
-// another one. Detectors in one process do not wait for each other.
-std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings = CudaSettings());
+// Throws BackendError, one line, if the build is without CUDA, there is no driver, no such device,
+// one older than compute capability 7.5, or if it fails; so may detect(). After kSceneTooLarge
+// (more than 2^27 triangles or vertices, or too crowded) the detector goes on with other scenes;
+// after other errors, make another one. Detectors in one process do not wait for each other.
+DCM_EXPORT std::unique_ptr<Detector> makeCudaDetector(
+    const CudaSettings& settings = CudaSettings());
 
 }  // namespace deformable_contact_monitor

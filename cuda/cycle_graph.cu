@@ -75,9 +75,9 @@ void CycleGraph::prepare(const CycleArrays& cycle, const CycleShape& shape, cuda
     throw;
   }
   checkCuda(cudaStreamEndCapture(stream, &recorded), "cudaStreamEndCapture");
-  const cudaError_t status = cudaGraphInstantiate(&graph_, recorded, 0);
+  const cudaError_t status = cudaGraphInstantiateWithFlags(&graph_, recorded, 0);
   cudaGraphDestroy(recorded);
-  checkCuda(status, "cudaGraphInstantiate");
+  checkCuda(status, "cudaGraphInstantiateWithFlags");
 }
 
 void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {

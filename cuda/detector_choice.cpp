@@ -27,16 +27,16 @@ BackendChoice toBackendChoice(const std::string& name) {
   throw std::invalid_argument("backend '" + name + "' is none of auto, cuda, cpu");
 }
 
-std::unique_ptr<Detector> makeChosenDetector(
-    BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
-    const std::function<void(const BackendState&)>& changed) {
+std::unique_ptr<Detector> makeDetector(BackendChoice choice, WithoutCuda without_cuda,
+                                       const CudaSettings& settings,
+                                       const std::function<void(const BackendState&)>& changed) {
   PairSetLimits limits;
   limits.memory_bytes = settings.memory_limit_bytes;
-  const MakeDetector on_cpu = [settings, limits] {
+  const DetectorMaker on_cpu = [settings, limits] {
     const CpuSettings cpu{settings.memory_limit_bytes};
     return makePairSetDetector([cpu] { return makeCpuDetector(cpu); }, limits);
   };
-  const MakeDetector on_cuda = [settings, limits] {
+  const DetectorMaker on_cuda = [settings, limits] {
     return makePairSetDetector([settings] { return makeCudaDetector(settings); }, limits);
   };
   if (choice == BackendChoice::kCpu) return on_cpu();

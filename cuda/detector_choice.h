@@ -1,4 +1,4 @@
-// Which backend runs: CUDA or the CPU. Decided here for node and tools.
+// Which backend runs: CUDA or the CPU. Decided here for node, tools and other programs.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/detector.h"
+#include "core/export.h"
 #include "core/fallback_detector.h"
 #include "cuda/cuda_detector.h"
 
@@ -14,15 +15,15 @@ namespace deformable_contact_monitor {
 enum class BackendChoice { kAuto, kCuda, kCpu };
 
 // "auto", "cuda", "cpu".
-const char* toString(BackendChoice choice);
+DCM_EXPORT const char* toString(BackendChoice choice);
 // The inverse. Throws std::invalid_argument at any other name.
-BackendChoice toBackendChoice(const std::string& name);
+DCM_EXPORT BackendChoice toBackendChoice(const std::string& name);
 
 // What becomes of kCuda where CUDA cannot be used.
 enum class WithoutCuda {
   kTryAgain,  // the CPU takes over until CUDA works again: somebody waits for contacts, for days
   kFallBack,  // the CPU takes over for good: somebody waits for contacts, once
-  kRefuse,    // CudaError: somebody measures or compares, and what is called cuda must be CUDA
+  kRefuse,    // BackendError: somebody measures or compares, and what is called cuda must be CUDA
 };
 
 // settings.memory_limit_bytes holds on the CPU too. Sets of enabled pairs that take turns have
@@ -32,8 +33,11 @@ enum class WithoutCuda {
 // detection, by makeFallbackDetector()'s rules, which tell `changed`; so is kCuda unless with
 // kRefuse: that is CUDA alone and throws as makeCudaDetector() does. Only with kTryAgain is CUDA
 // tried again.
-std::unique_ptr<Detector> makeChosenDetector(
-    BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
-    const std::function<void(const BackendState&)>& changed);
+// `changed` may be empty. Where the CPU takes over, detect() refuses vertices that are on a device
+// (Scene::setDeviceVertices).
+DCM_EXPORT std::unique_ptr<Detector> makeDetector(
+    BackendChoice choice = BackendChoice::kAuto, WithoutCuda without_cuda = WithoutCuda::kRefuse,
+    const CudaSettings& settings = CudaSettings(),
+    const std::function<void(const BackendState&)>& changed = nullptr);
 
 }  // namespace deformable_contact_monitor

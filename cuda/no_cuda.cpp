@@ -6,7 +6,8 @@ namespace deformable_contact_monitor {
 
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& /*settings*/) {
   throw CudaError(BackendFault::kUnavailable,
-                  "this build has no CUDA backend: nvcc was not there, or WITH_CUDA was off");
+                  "this build has no CUDA backend: there was no nvcc of CUDA 11.4 or newer, or "
+                  "WITH_CUDA was off");
 }
 
 }  // namespace deformable_contact_monitor

@@ -4,8 +4,9 @@
 problems=()
 passed=0 failed=0 skipped=0
 
-# Other Pythons lack catkin's modules.
-export PATH=/usr/bin:/bin:$PATH
+# Other Pythons lack the modules of Debian's ROS. Another ROS, once it is sourced, has put its own
+# first.
+[ "${ROS_DISTRO:-Debian}" != Debian ] || export PATH=/usr/bin:/bin:$PATH
 unset ROS_MASTER_URI ROS_HOSTNAME ROS_IP
 
 say() { printf '\n== %s\n' "$*"; }
@@ -29,29 +30,32 @@ must() {
   fi
 }
 
+# And says how CMake builds: a ROS elsewhere may go without ninja.
 install_packages() {
   say "Packages"
   must "packages could not be installed" config/install_packages "$@"
-}
-
-# An attribute of the root element of ctest's report.
-count() {
-  tr '\n\t' '  ' <"$1" 2>/dev/null | grep -o '<testsuite [^>]*>' | grep -o " $2=\"[0-9]*\"" |
-    tr -dc 0-9
+  export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
+  keep_going=(-k)
+  if command -v ninja >/dev/null; then
+    export CMAKE_GENERATOR=${CMAKE_GENERATOR:-Ninja}
+    [ "$CMAKE_GENERATOR" != Ninja ] || keep_going=(-k 0)
+  fi
 }
 
 # run_tests BUILD [ARGS of ctest...]: a skip is a problem where the test data are there.
 run_tests() {
-  local build=$1 report=$1/ctest.xml total code inner
+  local build=$1 log=$1/ctest.log total code inner
   shift
   say "Tests"
   export ROS_HOME=$build/ros_home
-  rm -rf "$report" "$build/Testing" "$build/test_results"
-  (cd "$build" && ctest --output-on-failure --no-tests=error --output-junit "$report" "$@")
-  code=$?
-  total=$(count "$report" tests) failed=$(count "$report" failures)
-  skipped=$(count "$report" skipped)
-  total=${total:-0} failed=${failed:-0} skipped=${skipped:-0}
+  rm -rf "$log" "$build/Testing" "$build/test_results"
+  (cd "$build" && ctest --output-on-failure "$@") | tee "$log"
+  code=${PIPESTATUS[0]}
+  # Its last words: older CMakes write no report of use. Without a summary nothing ran.
+  read -r failed total < <(sed -En \
+    's/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p' "$log" | tail -1)
+  skipped=$(sed -n '/^The following tests did not run:$/,$p' "$log" | grep -c ' (Skipped)$')
+  total=${total:-0} failed=${failed:-0}
   passed=$((total - failed - skipped))
   # rostests say in their own results that they were skipped.
   inner=$(grep -rlE '<skipped|\[  SKIPPED \]' "$build/test_results" 2>/dev/null)

@@ -28,6 +28,7 @@ inline BackendFault faultOf(cudaError_t status) {
     case cudaErrorNvlinkUncorrectable:
     case cudaErrorUnknown:
       return BackendFault::kSticky;
+    case cudaErrorCallRequiresNewerDriver:
     case cudaErrorCompatNotSupportedOnDevice:
     case cudaErrorInitializationError:
     case cudaErrorInsufficientDriver:

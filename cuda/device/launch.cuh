@@ -7,6 +7,9 @@
 
 #include "cuda/device/check.cuh"
 
+// Recorded graphs know of early launches from CUDA 12.3 on. Below, every launch is a plain one.
+#define DCM_EARLY_LAUNCHES (CUDART_VERSION >= 12030)
+
 namespace deformable_contact_monitor {
 
 struct DeviceTraits {
@@ -22,9 +25,7 @@ struct DeviceTraits {
     };
     DeviceTraits traits;
     traits.multiprocessors = static_cast<unsigned>(get(cudaDevAttrMultiProcessorCount));
-    // Recorded graphs know of it from CUDA 12.3 on.
-    traits.overlaps_launches =
-        CUDART_VERSION >= 12030 && get(cudaDevAttrComputeCapabilityMajor) >= 9;
+    traits.overlaps_launches = DCM_EARLY_LAUNCHES && get(cudaDevAttrComputeCapabilityMajor) >= 9;
     return traits;
   }
   bool operator==(const DeviceTraits& o) const {
@@ -49,6 +50,7 @@ template <class Argument>
 void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
                  std::size_t shared_bytes, const DeviceTraits& device, cudaStream_t stream,
                  const Argument& argument) {
+#if DCM_EARLY_LAUNCHES
   // Code for older devices, which newer ones may run too, does not await anything.
   cudaFuncAttributes code{};
   checkCuda(cudaFuncGetAttributes(&code, kernel), "cudaFuncGetAttributes");
@@ -64,11 +66,18 @@ void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
   config.attrs = &early;
   config.numAttrs = device.overlaps_launches && awaits ? 1 : 0;
   checkCuda(cudaLaunchKernelEx(&config, kernel, argument), "cudaLaunchKernelEx");
+#else
+  static_cast<void>(device);
+  void* arguments[] = {const_cast<Argument*>(&argument)};
+  checkCuda(cudaLaunchKernel(reinterpret_cast<const void*>(kernel), dim3(blocks), dim3(threads),
+                             arguments, shared_bytes, stream),
+            "cudaLaunchKernel");
+#endif
 }
 
 // Until the kernel ahead has ended and all that it wrote can be read; before anything else.
 __device__ inline void awaitKernelAhead() {
-#if __CUDA_ARCH__ >= 900
+#if DCM_EARLY_LAUNCHES && __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
 #endif
 }
@@ -76,7 +85,7 @@ __device__ inline void awaitKernelAhead() {
 // In a kernel that was itself launched early, only after awaitKernelAhead(): else what comes next
 // could overtake the kernel before this one.
 __device__ inline void letNextStart() {
-#if __CUDA_ARCH__ >= 900
+#if DCM_EARLY_LAUNCHES && __CUDA_ARCH__ >= 900
   cudaTriggerProgrammaticLaunchCompletion();
 #endif
 }

@@ -41,9 +41,9 @@ class CudaEvent {
   CudaEvent& operator=(const CudaEvent&) = delete;
   ~CudaEvent() { cudaEventDestroy(event_); }
 
-  void record(cudaStream_t stream) {
-    checkCuda(cudaEventRecord(event_, stream), "cudaEventRecord");
-  }
+  void record(cudaStream_t stream) { checkCuda(tryRecord(stream), "cudaEventRecord"); }
+  // For streams of others, which may not do.
+  cudaError_t tryRecord(cudaStream_t stream) { return cudaEventRecord(event_, stream); }
   // Makes what is put into the stream from now on wait for what was before the record.
   void makeWait(cudaStream_t stream) const {
     checkCuda(cudaStreamWaitEvent(stream, event_), "cudaStreamWaitEvent");

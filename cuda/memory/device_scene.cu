@@ -171,24 +171,59 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   vertices_.assign(scene.bodyCount(), 0);  // no revision is 0
 }
 
-void DeviceScene::send(const Scene& scene, const SceneScale& scale, cudaStream_t stream) {
-  any_margin_ = scene.anyMargin();
+void DeviceScene::sendVertices(const Scene& scene, cudaStream_t stream) {
+  any_from_device_ = false;
+  for (const BodyId id : taking_part_) {
+    const Body& from = scene.body(id);
+    if (!from.device_vertices) continue;
+    any_from_device_ = true;
+    if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
+  }
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const BodyId id = taking_part_[i];
     const Body& from = scene.body(id);
+    if (vertices_[id] == from.vertices_revision) continue;
+    const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
+    float* const to = arrays_.received.data() + first;
+    if (from.device_vertices) {
+      copier_.copy(from, to, stream);
+    } else {
+      const std::vector<float>& vertices = from.mesh.vertices;
+      std::copy(vertices.begin(), vertices.end(), staged_vertices_.data() + first);
+      upload(staged_vertices_.data() + first, vertices.size(), to, stream);
+    }
+    vertices_[id] = from.vertices_revision;
+  }
+}
+
+Scene DeviceScene::onHost(const Scene& scene, cudaStream_t stream) const {
+  Scene on_host = scene;
+  std::vector<float> xyz;
+  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
+    const BodyId id = taking_part_[i];
+    if (!scene.body(id).device_vertices) continue;
+    const std::size_t count = body_[i].vertex_count;
+    xyz.resize(3 * count);
+    checkCuda(cudaMemcpyAsync(xyz.data(),
+                              arrays_.received.data() + 3 * std::size_t{body_[i].first_vertex},
+                              xyz.size() * sizeof(float), cudaMemcpyDeviceToHost, stream),
+              "cudaMemcpyAsync to the host");
+    checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
+    on_host.setVertices(id, xyz.data(), count);
+  }
+  return on_host;
+}
+
+void DeviceScene::sendBodies(const Scene& scene, const SceneScale& scale, cudaStream_t stream) {
+  any_margin_ = scene.anyMargin();
+  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
+    const Body& from = scene.body(taking_part_[i]);
     DeviceBody& body = body_[i];
     body.pose = from.pose;
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
     body.margin_m = from.margin_m;
     body.slack = scaledSlack(from.margin_m, scale);
     staged_bodies_[i] = body;
-    if (vertices_[id] == from.vertices_revision) continue;
-    const std::size_t first = 3 * std::size_t{body.first_vertex};
-    const std::vector<float>& vertices = from.mesh.vertices;
-    std::copy(vertices.begin(), vertices.end(), staged_vertices_.data() + first);
-    upload(staged_vertices_.data() + first, vertices.size(), arrays_.received.data() + first,
-           stream);
-    vertices_[id] = from.vertices_revision;
   }
   upload(staged_bodies_.data(), body_.size(), arrays_.bodies.data(), stream);
 }

@@ -9,6 +9,7 @@
 #include "core/scene.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
+#include "cuda/memory/device_vertices.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -16,16 +17,26 @@ namespace deformable_contact_monitor {
 // vertices and triangles are numbered through, in the bodies' order.
 class DeviceScene {
  public:
-  // Fills in `arrays`, whose memory it makes grow by `sizes`. All must outlive this.
-  DeviceScene(DeviceMemory& memory, CycleSizes& sizes, SceneArrays& arrays)
-      : memory_(memory), sizes_(sizes), arrays_(arrays) {}
+  // Fills in `arrays`, whose memory it makes grow by `sizes`. All must outlive this. `device`: the
+  // current one's number.
+  DeviceScene(int device, DeviceMemory& memory, CycleSizes& sizes, SceneArrays& arrays)
+      : device_(device), memory_(memory), sizes_(sizes), arrays_(arrays) {}
 
   // Lays the scene out anew if other pairs are enabled, or the topology of a body of theirs
   // changed; true if so. Then arrays may have moved. Throws CudaError if it is too large.
   bool layOut(const Scene& scene, cudaStream_t stream);
 
-  // Sends vertices that changed, and all poses and margins. `scale`: of the clustering.
-  void send(const Scene& scene, const SceneScale& scale, cudaStream_t stream);
+  // Sends vertices that changed; those that are on the device are copied there. Throws
+  // std::invalid_argument, naming the body, where they cannot be read.
+  void sendVertices(const Scene& scene, cudaStream_t stream);
+
+  // Whether the scene that was sent has vertices on the device.
+  bool anyFromDevice() const { return any_from_device_; }
+  // That scene, with all of them brought to the host: takes milliseconds.
+  Scene onHost(const Scene& scene, cudaStream_t stream) const;
+
+  // Sends all poses and margins. `scale`: of the clustering.
+  void sendBodies(const Scene& scene, const SceneScale& scale, cudaStream_t stream);
 
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return group_count_; }
@@ -54,6 +65,7 @@ class DeviceScene {
   void numberMeshes(const Scene& scene);
   void layOutMeshes(const Scene& scene, cudaStream_t stream);
 
+  const int device_;
   DeviceMemory& memory_;
   CycleSizes& sizes_;
   SceneArrays& arrays_;
@@ -68,8 +80,9 @@ class DeviceScene {
   std::vector<std::uint32_t> first_triangle_;  // per body of the scene
   std::vector<BodyId> body_of_;                // per triangle
   std::uint32_t vertex_count_ = 0, group_count_ = 0;
-  bool any_self_ = false, any_margin_ = false;
+  bool any_self_ = false, any_margin_ = false, any_from_device_ = false;
 
+  DeviceVertexCopier copier_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;
 };

@@ -26,7 +26,7 @@ class HostStop {
   void wait(CudaStream& stream, const CycleLimit& limit) {
     constexpr double kAwakeMs = 2;
     constexpr std::chrono::microseconds kSleep(50);
-    const Stopwatch watch;
+    const Stopwatch watch{};
     while (limit.isSet() && !stream.isIdle()) {
       if (limit.over()) {
         set();

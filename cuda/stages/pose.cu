@@ -1,5 +1,6 @@
 // Stage pose: vertices into the scene frame, boxes of the bodies, nearest prototypes, equal
 // vertices.
+#include "core/rules/posed_vertex.h"
 #include "core/rules/vertex_hash.h"
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/launch.cuh"

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/export.h"
+
 namespace deformable_contact_monitor {
 
 enum class BackendFault {
@@ -14,7 +16,7 @@ enum class BackendFault {
 };
 
 // what() is one line that names the call and the backend's own reason.
-class BackendError : public std::runtime_error {
+class DCM_EXPORT BackendError : public std::runtime_error {
  public:
   BackendError(BackendFault fault, const std::string& what)
       : std::runtime_error(what), fault_(fault) {}

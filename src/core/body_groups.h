@@ -9,7 +9,7 @@
 
 namespace deformable_contact_monitor {
 
-struct BodyGroups {
+struct DCM_EXPORT BodyGroups {
   std::vector<std::uint32_t> group;        // per body
   std::vector<std::vector<bool>> enabled;  // per pair of groups
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/export.h"
 #include "core/limits.h"
 
 namespace deformable_contact_monitor {
@@ -31,7 +32,7 @@ class CycleLimit {
   const char* why() const { return why_.load(std::memory_order_relaxed); }
 
  private:
-  bool look() const;
+  DCM_EXPORT bool look() const;
 
   Limits limits_;
   bool set_;

@@ -8,13 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/export.h"
 #include "core/options.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
 
 // (body_a, triangle_a) < (body_b, triangle_b), lexicographically.
-struct TrianglePair {
+struct DCM_EXPORT TrianglePair {
   std::uint32_t body_a, triangle_a, body_b, triangle_b;
 
   // Uninitialised: to resize a list that is about to be filled costs nothing.
@@ -40,7 +41,7 @@ struct TrianglePair {
 
 // Work done in one cycle [triangles or pairs]; the same on every backend, and 0 where one does not
 // do that work.
-struct Counters {
+struct DCM_EXPORT Counters {
   std::uint64_t triangles = 0;        // in the scene
   std::uint64_t rejected = 0;         // left out for a non-finite vertex
   std::uint64_t posed = 0;            // of bodies whose vertices were brought into the scene frame
@@ -56,7 +57,7 @@ struct Counters {
   std::uint64_t undecided = 0;  // of the contacts: assumed to be some, by conservative predicates
 };
 
-struct DetectionResult {
+struct DCM_EXPORT DetectionResult {
   std::vector<TrianglePair> contacts;  // sorted, each once
   // Distance of each contact's triangles [m], 0 where they intersect, above 0 elsewhere. There iff
   // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
@@ -89,7 +90,7 @@ struct DetectionResult {
 };
 
 // A detector keeps buffers and prototypes from cycle to cycle. One thread at a time.
-class Detector {
+class DCM_EXPORT Detector {
  public:
   Detector() = default;
   Detector(const Detector&) = delete;
@@ -99,11 +100,16 @@ class Detector {
   // "cpu", "cuda", "fcl", "brute_force".
   virtual std::string backend() const = 0;
 
-  // Finds every contact of the scene's enabled pairs. The result is valid until the next call.
+  // Finds every contact of the scene's enabled pairs. The result belongs to the detector: no copy
+  // is made, and it is valid until the next call or the detector's end.
   // A cycle that ends early, by options.limits, is no error: see cut_off. The next one is as if it
   // had not been.
-  // Throws std::invalid_argument, listing all problems(options).
+  // Throws std::invalid_argument, listing all problems(options), and where a body's vertices are on
+  // a device that this backend cannot read; a std::runtime_error (BackendError) where it fails.
   virtual const DetectionResult& detect(const Scene& scene, const Options& options) = 0;
+
+  // With default options.
+  const DetectionResult& detect(const Scene& scene) { return detect(scene, Options()); }
 
   // Forgets what earlier cycles left (warm starts); exact results never depend on it.
   virtual void reset() = 0;

@@ -25,12 +25,12 @@ BackendFault faultOf(const std::runtime_error& error) {
 
 class FallbackDetector : public Detector {
  public:
-  FallbackDetector(MakeDetector first, MakeDetector second,
+  FallbackDetector(DetectorMaker first, DetectorMaker second,
                    std::function<void(const BackendState&)> changed,
                    std::optional<RetryTimes> retry)
       : make_first_(std::move(first)),
         make_second_(std::move(second)),
-        changed_(std::move(changed)),
+        changed_(changed ? std::move(changed) : [](const BackendState&) {}),
         retry_(std::move(retry)) {
     try {
       first_ = make_first_();
@@ -105,7 +105,7 @@ class FallbackDetector : public Detector {
     retry_at_ = now + wait_;
   }
 
-  const MakeDetector make_first_, make_second_;
+  const DetectorMaker make_first_, make_second_;
   const std::function<void(const BackendState&)> changed_;
   const std::optional<RetryTimes> retry_;
   std::unique_ptr<Detector> first_, second_;
@@ -118,7 +118,7 @@ class FallbackDetector : public Detector {
 
 }  // namespace
 
-std::unique_ptr<Detector> makeFallbackDetector(MakeDetector first, MakeDetector second,
+std::unique_ptr<Detector> makeFallbackDetector(DetectorMaker first, DetectorMaker second,
                                                std::function<void(const BackendState&)> changed,
                                                std::optional<RetryTimes> retry) {
   return std::make_unique<FallbackDetector>(std::move(first), std::move(second), std::move(changed),

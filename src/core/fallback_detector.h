@@ -9,14 +9,15 @@
 
 #include "core/backend_error.h"
 #include "core/detector.h"
+#include "core/export.h"
 #include "core/steady_time.h"
 
 namespace deformable_contact_monitor {
 
-using MakeDetector = std::function<std::unique_ptr<Detector>()>;
+using DetectorMaker = std::function<std::unique_ptr<Detector>()>;
 
 // Why the first backend is not used, or not for every scene.
-struct BackendState {
+struct DCM_EXPORT BackendState {
   std::string problem;  // one line; empty: there is none
   BackendFault fault = BackendFault::kTransient;
   bool tried_again = false;  // it may come back by itself
@@ -40,9 +41,9 @@ struct RetryTimes {
 // only from the retry time on.
 // Without retry times, every change is for good.
 // `changed` is told of the state when it changes, so also when there is no problem any more, from
-// within this call or detect(). backend() is the one that ran last.
-std::unique_ptr<Detector> makeFallbackDetector(MakeDetector first, MakeDetector second,
-                                               std::function<void(const BackendState&)> changed,
-                                               std::optional<RetryTimes> retry = std::nullopt);
+// within this call or detect(); it may be empty. backend() is the one that ran last.
+DCM_EXPORT std::unique_ptr<Detector> makeFallbackDetector(
+    DetectorMaker first, DetectorMaker second, std::function<void(const BackendState&)> changed,
+    std::optional<RetryTimes> retry = std::nullopt);
 
 }  // namespace deformable_contact_monitor

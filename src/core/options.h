@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/export.h"
 #include "core/limits.h"
 #include "core/predicates/pair_settings.h"
 
@@ -30,20 +31,20 @@ struct Options {
 constexpr int kMaxClusters = 65535;
 
 // Whether the settings cannot lose a contact: complete by proof.
-bool isGuaranteed(const Options& options);
+DCM_EXPORT bool isGuaranteed(const Options& options);
 
 // One clear line for each value out of range; empty if there is none.
-std::vector<std::string> problems(const Options& options);
+DCM_EXPORT std::vector<std::string> problems(const Options& options);
 
 // Throws std::invalid_argument, listing all problems(options).
-void requireValid(const Options& options);
+DCM_EXPORT void requireValid(const Options& options);
 
 // "beyond_shared", "skip".
-const char* toString(AdjacentPairs adjacent);
+DCM_EXPORT const char* toString(AdjacentPairs adjacent);
 
 // "exact", "conservative", "fast".
-const char* toString(Predicates predicates);
+DCM_EXPORT const char* toString(Predicates predicates);
 // The inverse. Throws std::invalid_argument at any other name.
-Predicates toPredicates(const std::string& name);
+DCM_EXPORT Predicates toPredicates(const std::string& name);
 
 }  // namespace deformable_contact_monitor

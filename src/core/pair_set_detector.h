@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/detector.h"
+#include "core/export.h"
 
 namespace deformable_contact_monitor {
 
@@ -20,7 +21,7 @@ struct PairSetLimits {
 // (prototypes, arrays, the scene on a device) is of no use to another. The first is made at once,
 // others when their set first comes; beyond the limits a new set takes over the detector whose last
 // cycle is the longest ago. What `make` and the detectors throw goes to the caller.
-std::unique_ptr<Detector> makePairSetDetector(std::function<std::unique_ptr<Detector>()> make,
-                                              const PairSetLimits& limits = PairSetLimits());
+DCM_EXPORT std::unique_ptr<Detector> makePairSetDetector(
+    std::function<std::unique_ptr<Detector>()> make, const PairSetLimits& limits = PairSetLimits());
 
 }  // namespace deformable_contact_monitor

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/predicates/triangle.h"
-#include "core/rules/rigid_transform.h"
+#include "core/rules/posed_vertex.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {

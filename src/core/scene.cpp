@@ -42,17 +42,35 @@ void Scene::setMesh(BodyId id, TriangleMesh mesh) {
   Body& body = checkedBody(id);
   validate(mesh, body.name);
   body.mesh = std::move(mesh);
+  body.device_vertices.reset();
   body.topology_revision = body.vertices_revision = nextRevision();
 }
 
-void Scene::setVertices(BodyId id, const float* xyz, std::size_t count) {
+Body& Scene::checkedBody(BodyId id, std::size_t vertex_count) {
   Body& body = checkedBody(id);
-  if (count != body.mesh.vertexCount()) {
-    throw std::invalid_argument(body.name + ": " + std::to_string(count) +
+  if (vertex_count != body.mesh.vertexCount()) {
+    throw std::invalid_argument(body.name + ": " + std::to_string(vertex_count) +
                                 " vertices, but its triangles are of a mesh with " +
                                 std::to_string(body.mesh.vertexCount()));
   }
+  return body;
+}
+
+void Scene::setVertices(BodyId id, const float* xyz, std::size_t count) {
+  Body& body = checkedBody(id, count);
   std::copy_n(xyz, 3 * count, body.mesh.vertices.begin());
+  body.device_vertices.reset();
+  body.vertices_revision = nextRevision();
+}
+
+void Scene::setDeviceVertices(BodyId id, const float* device_xyz, std::size_t count, void* stream) {
+  Body& body = checkedBody(id, count);
+  if (device_xyz == nullptr && count > 0) {
+    throw std::invalid_argument(body.name + ": its " + std::to_string(count) +
+                                " vertices are said to be at a null pointer");
+  }
+  body.device_vertices.reset();
+  if (count > 0) body.device_vertices = DeviceVertices{device_xyz, stream};
   body.vertices_revision = nextRevision();
 }
 

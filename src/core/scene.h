@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/export.h"
 #include "core/rules/rigid_transform.h"
 #include "core/triangle_mesh.h"
 
@@ -14,9 +16,17 @@ namespace deformable_contact_monitor {
 
 using BodyId = std::uint32_t;
 
-struct Body {
+// Vertices in the memory of a CUDA device: see Scene::setDeviceVertices().
+struct DCM_EXPORT DeviceVertices {
+  const float* xyz;  // as many as the mesh has, x y z each [m]
+  void* stream;      // a cudaStream_t; null: the legacy default stream
+};
+
+struct DCM_EXPORT Body {
   std::string name;
-  TriangleMesh mesh;    // in the body's frame
+  TriangleMesh mesh;  // in the body's frame
+  // In place of mesh.vertices, which then only say how many there are.
+  std::optional<DeviceVertices> device_vertices;
   RigidTransform pose;  // scene frame from body frame; identity leaves the vertices untouched
   float margin_m = 0;   // a pair of bodies counts at a distance <= the larger of its two margins
   // Revisions say what changed since a detector last looked; they only grow, and equal ones, of
@@ -25,10 +35,10 @@ struct Body {
   std::uint64_t vertices_revision = 0;
 };
 
-// Plain host data, for one thread at a time. Pairs of bodies, and a body with itself, are off until
+// Plain data, for one thread at a time. Pairs of bodies, and a body with itself, are off until
 // they are switched on. Every refusal is a std::invalid_argument that names the body and leaves the
 // scene as it was.
-class Scene {
+class DCM_EXPORT Scene {
  public:
   // Adds a body (its mesh may be empty, to be set later); ids count up from 0.
   BodyId addBody(std::string name, TriangleMesh mesh);
@@ -36,8 +46,20 @@ class Scene {
   // Replaces vertices and triangles.
   void setMesh(BodyId id, TriangleMesh mesh);
 
-  // Replaces the vertices: `count` of them, x y z each [m]; must be as many as before.
+  // Replaces the vertices: `count` of them, x y z each [m]; must be as many as before. A copy: the
+  // caller's may go.
   void setVertices(BodyId id, const float* xyz, std::size_t count);
+
+  // As setVertices(), but they are in the memory of a CUDA device (or managed memory), and stay
+  // there: no copy is made before a detector reads them. It reads behind what is in `stream` by
+  // then, so that kernels which still write the vertices are waited for, whatever the limits.
+  // Whoever writes there again, once detect() has returned, calls this again ahead of the next
+  // detect(); memory and stream must live until the body has other vertices or is looked at no
+  // more. The CUDA backend alone reads them, on its own device; detect() of any other throws
+  // std::invalid_argument, naming the body, if the body takes part. Refuses null, but for a body
+  // without vertices.
+  void setDeviceVertices(BodyId id, const float* device_xyz, std::size_t count,
+                         void* stream = nullptr);
 
   // Refuses a pose with a non-finite number.
   void setPose(BodyId id, const RigidTransform& pose);
@@ -64,6 +86,7 @@ class Scene {
 
  private:
   Body& checkedBody(BodyId id);
+  Body& checkedBody(BodyId id, std::size_t vertex_count);
 
   std::vector<Body> bodies_;
   std::vector<std::vector<bool>> enabled_;  // symmetric

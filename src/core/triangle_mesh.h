@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "core/export.h"
 #include "core/predicates/vector3.h"
 
 namespace deformable_contact_monitor {
 
-struct TriangleMesh {
+struct DCM_EXPORT TriangleMesh {
   std::vector<float> vertices;           // x y z per vertex [m]; may hold NaN or infinity
   std::vector<std::uint32_t> triangles;  // three vertex indices per triangle
 
@@ -24,6 +25,6 @@ struct TriangleMesh {
 // Throws std::invalid_argument, beginning with `name`, if an array's size is no multiple of three,
 // an index is out of range, or there are 2^31 vertices or triangles or more. Non-finite vertices
 // are no error here: the detector leaves their triangles out and counts them.
-void validate(const TriangleMesh& mesh, const std::string& name);
+DCM_EXPORT void validate(const TriangleMesh& mesh, const std::string& name);
 
 }  // namespace deformable_contact_monitor

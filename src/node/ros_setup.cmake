@@ -12,6 +12,6 @@ add_service_files(DIRECTORY msg FILES GetContacts.srv SetAllowedContacts.srv)
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 catkin_package(
-  LIBRARIES ${PROJECT_NAME}_nodelet
+  CFG_EXTRAS ${PROJECT_SOURCE_DIR}/src/core/library/${PROJECT_NAME}-extras.cmake
   CATKIN_DEPENDS diagnostic_msgs geometry_msgs message_runtime nodelet roscpp sensor_msgs std_msgs std_srvs tf2
     tf2_ros visualization_msgs)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/host_vertices.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
 #include "core/stopwatch.h"
@@ -34,6 +35,7 @@ class BruteForceDetector : public Detector {
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     requireValid(options);
+    requireHostVertices(scene, backend());
     const Stopwatch watch;
     const CycleLimit limit(options.limits);
     result_.begin(scene, options.predicates != Predicates::kFast);

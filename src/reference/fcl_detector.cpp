@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/host_vertices.h"
 #include "core/stopwatch.h"
 #include "reference/posed_triangles.h"
 
@@ -53,6 +54,7 @@ class FclDetector : public Detector {
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     requireValid(options);
+    requireHostVertices(scene, backend());
     const Stopwatch cycle;
     Stopwatch watch;
     const CycleLimit limit(options.limits);

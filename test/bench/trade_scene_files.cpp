@@ -9,6 +9,7 @@
 
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/triangle.h"
+#include "core/rules/posed_vertex.h"
 #include "panda_scene.h"
 #include "scenes.h"
 #include "test_data.h"

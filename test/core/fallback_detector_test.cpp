@@ -55,7 +55,7 @@ class Fallback : public testing::Test {
   // With a clock that stands until the test moves it.
   void make(bool tries_again = true) {
     RetryTimes retry{5, 60, [this] { return now_; }};
-    const MakeDetector first = [this]() -> std::unique_ptr<Detector> {
+    const DetectorMaker first = [this]() -> std::unique_ptr<Detector> {
       if (device_.make_fails) std::rethrow_exception(device_.make_fails);
       return std::make_unique<DeviceDetector>(&device_);
     };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cgal_oracle.h"
+#include "core/rules/posed_vertex.h"
 #include "detector_suite.h"
 #include "scenes.h"
 

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "core/cpu/cpu_detector.h"
 #include "cuda/device/cuda_error.h"
+#include "pair_sets.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {
@@ -33,7 +35,7 @@ struct Made {
 Made make(BackendChoice choice, WithoutCuda without_cuda) {
   Made made;
   made.detector =
-      makeChosenDetector(choice, without_cuda, noSuchDevice(), [&made](const BackendState& state) {
+      makeDetector(choice, without_cuda, noSuchDevice(), [&made](const BackendState& state) {
         made.reasons.push_back(state.problem);
         made.faults.push_back(state.fault);
       });
@@ -89,6 +91,31 @@ TEST(DetectorChoice, WhatTookOverDetects) {
   const Scene scene = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0, 0));
   EXPECT_FALSE(made.detector->detect(scene, Options()).contacts.empty());
   EXPECT_EQ(made.reasons.size(), 1U);
+}
+
+// By default nobody is told, cuda by name is CUDA or an error, and there are contacts all the same.
+TEST(DetectorChoice, DefaultsDoWithoutCuda) {
+  const Scene scene = pairScene(clothGrid(4, 1, 0, 0.2F), clothGrid(4, 1, 0.05F, 0));
+  const auto expected = makeCpuDetector()->detect(scene).contacts;
+  EXPECT_FALSE(expected.empty());
+  EXPECT_TRUE(samePairs(expected, makeDetector()->detect(scene).contacts));
+  for (const WithoutCuda answer : kAnswers) {
+    const auto detector = makeDetector(BackendChoice::kAuto, answer, noSuchDevice());
+    EXPECT_TRUE(samePairs(expected, detector->detect(scene).contacts));
+    EXPECT_EQ(detector->backend(), "cpu");
+  }
+  std::string why;
+  try {
+    makeDetector(BackendChoice::kCuda)->detect(scene);
+  } catch (const BackendError& error) {
+    why = error.what();
+  }
+  try {
+    makeCudaDetector();
+    EXPECT_EQ(why, "");
+  } catch (const BackendError& error) {
+    EXPECT_EQ(why, error.what());
+  }
 }
 
 }  // namespace

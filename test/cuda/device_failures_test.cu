@@ -28,7 +28,8 @@ TEST(DeviceFailures, AreToldApart) {
                                    cudaErrorECCUncorrectable, cudaErrorAssert}) {
     EXPECT_EQ(faultOf(status), BackendFault::kSticky) << cudaGetErrorName(status);
   }
-  for (const cudaError_t status : {cudaErrorNoDevice, cudaErrorInsufficientDriver}) {
+  for (const cudaError_t status :
+       {cudaErrorNoDevice, cudaErrorInsufficientDriver, cudaErrorCallRequiresNewerDriver}) {
     EXPECT_EQ(faultOf(status), BackendFault::kUnavailable) << cudaGetErrorName(status);
   }
 }

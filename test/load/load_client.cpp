@@ -3,7 +3,6 @@
 #include <ros/ros.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -18,6 +17,8 @@
 #include "load_scene.h"
 #include "scenes.h"
 #include "states_watch.h"
+#include "tools/common/command_line.h"
+#include "tools/common/run_tool.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -132,20 +133,44 @@ void sendAndWatch(const LoadOptions& options) {
   print("summary", watch ? watch->summary() : nlohmann::json());
 }
 
-void addOptions(CLI::App* app, LoadOptions* options) {
-  app->add_option("--monitor", options->monitor, "the node to watch");
-  app->add_flag("--unwatched", options->unwatched, "watch none");
-  app->add_option("--objects", options->objects, "how many");
-  app->add_option("--first", options->first, "number of the first of them");
-  app->add_option("--links", options->links, "how many links TF moves; 0: none of this client's");
-  app->add_option("--cells", options->cells,
-                  "the objects' meshes are grids of CELLS^2 x 2 triangles");
-  app->add_option("--mesh", options->mesh_file, "OBJ, PLY, STL or OFF instead of a grid");
-  app->add_option("--rate", options->rate_hz, "of each object [Hz]")->check(CLI::PositiveNumber);
-  app->add_flag("--together", options->together, "all objects' meshes have the same stamps");
-  app->add_option("--warm-up", options->warm_up_s, "time that does not count, before the rest [s]");
-  app->add_option("--seconds", options->seconds, "how long; 0: until SIGINT");
-  app->add_option("--period", options->period_s, "between lines [s]");
+void addOptions(CommandLine* line, LoadOptions* options) {
+  line->add("--monitor", &options->monitor, "the node to watch");
+  line->addFlag("--unwatched", &options->unwatched, "watch none");
+  line->add("--objects", &options->objects, "how many");
+  line->add("--first", &options->first, "number of the first of them");
+  line->add("--links", &options->links, "how many links TF moves; 0: none of this client's");
+  line->add("--cells", &options->cells, "the objects' meshes are grids of CELLS^2 x 2 triangles");
+  line->add("--mesh", &options->mesh_file, "OBJ, PLY, STL or OFF instead of a grid");
+  line->add("--rate", &options->rate_hz, "of each object [Hz]", isPositive());
+  line->addFlag("--together", &options->together, "all objects' meshes have the same stamps");
+  line->add("--warm-up", &options->warm_up_s, "time that does not count, before the rest [s]");
+  line->add("--seconds", &options->seconds, "how long; 0: until SIGINT");
+  line->add("--period", &options->period_s, "between lines [s]");
+}
+
+int run(const LoadOptions& options) {
+  const ros::NodeHandle node;
+  ros::AsyncSpinner spinner(1);  // /clock
+  spinner.start();
+  std::atomic<bool> stopped{false};
+  std::thread mover;
+  if (options.links > 0) mover = std::thread([&] { moveLinks(options.links, stopped); });
+  const auto stop = [&] {
+    stopped = true;
+    if (mover.joinable()) mover.join();
+  };
+  try {
+    if (options.objects > 0) {
+      sendAndWatch(options);
+    } else {
+      ros::waitForShutdown();
+    }
+  } catch (...) {
+    stop();
+    throw;
+  }
+  stop();
+  return 0;
 }
 
 }  // namespace
@@ -154,28 +179,11 @@ void addOptions(CLI::App* app, LoadOptions* options) {
 int main(int argc, char** argv) {
   using namespace deformable_contact_monitor;
   ros::init(argc, argv, "load_client", ros::init_options::AnonymousName);
-  CLI::App app{"Loads a monitor with meshes and transforms, and watches its ~contact_states"};
-  LoadOptions options;
-  addOptions(&app, &options);
-  CLI11_PARSE(app, argc, argv);
-  const ros::NodeHandle node;
-  ros::AsyncSpinner spinner(1);  // /clock
-  spinner.start();
-  std::atomic<bool> stopped{false};
-  std::thread mover;
-  if (options.links > 0) mover = std::thread([&] { moveLinks(options.links, stopped); });
-  int code = 0;
-  try {
-    if (options.objects > 0) {
-      sendAndWatch(options);
-    } else {
-      ros::waitForShutdown();
-    }
-  } catch (const std::exception& error) {
-    std::cerr << "load_client: " << error.what() << '\n';
-    code = 2;
-  }
-  stopped = true;
-  if (mover.joinable()) mover.join();
-  return code;
+  return runTool("load_client", [argc, argv] {
+    CommandLine line("load_client",
+                     "Loads a monitor with meshes and transforms, and watches its ~contact_states");
+    LoadOptions options;
+    addOptions(&line, &options);
+    return line.parse(argc, argv) ? run(options) : 0;
+  });
 }

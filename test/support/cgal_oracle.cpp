@@ -4,10 +4,12 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 #include <CGAL/intersections.h>
-#include <CGAL/squared_distance_3.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "core/rules/posed_vertex.h"
+#include "exact_distance.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -149,7 +151,7 @@ std::size_t oracleBoxPairs(const Scene& scene) {
 double oracleDistance(const Triangle& a, const Triangle& b) {
   const CgalTriangle p = toTriangle({a.v[0], a.v[1], a.v[2]});
   const CgalTriangle q = toTriangle({b.v[0], b.v[1], b.v[2]});
-  return std::sqrt(CGAL::squared_distance(p, q));
+  return CGAL::do_intersect(p, q) ? 0 : exactDistance(a, b);
 }
 
 }  // namespace deformable_contact_monitor

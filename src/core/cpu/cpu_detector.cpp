@@ -16,6 +16,7 @@
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
 #include "core/cpu/sweep.h"
+#include "core/host_vertices.h"
 #include "core/stages.h"
 #include "core/stopwatch.h"
 
@@ -65,6 +66,7 @@ class CpuDetector : public Detector {
 
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
+  requireHostVertices(scene, backend());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] { run(scene, options); });
   return result_;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/detector.h"
+#include "core/export.h"
 
 namespace deformable_contact_monitor {
 
@@ -14,6 +15,7 @@ struct CpuSettings {
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30;
 };
 
-std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings = CpuSettings());
+// On threads of its own arena of TBB: see Options::threads.
+DCM_EXPORT std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings = CpuSettings());
 
 }  // namespace deformable_contact_monitor

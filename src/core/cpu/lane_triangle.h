@@ -54,10 +54,11 @@ inline IntLanes identityLanes(const std::array<std::uint32_t, 3>& id) {
                   static_cast<int>(id[2])};
 }
 
-// Which of a's vertices, as bits, are also b's.
-inline int sharedBits(const IntLanes& a, const IntLanes& b) {
-  return laneBits((a == b) | (a == __builtin_shufflevector(b, b, 1, 2, 0, 0)) |
-                  (a == __builtin_shufflevector(b, b, 2, 0, 1, 1)));
+// Which of a's vertices, as bits, are also b's. By value, and so in registers: compilers then make
+// one shuffle of each braced list.
+inline int sharedBits(IntLanes a, IntLanes b) {
+  return laneBits((a == b) | (a == IntLanes{b[1], b[2], b[0], b[0]}) |
+                  (a == IntLanes{b[2], b[0], b[1], b[1]}));
 }
 
 // Are the vertices that are not shared certainly all on one side of a plane through the shared

@@ -49,8 +49,8 @@ class WorkingSetBuilder {
   // A body takes part if its box meets a partner's; a triangle, if its box meets the box of a
   // partner of its body. Adds to counters.rejected, posed and culled. Where the limit was over, the
   // set is of no use.
-  void build(const Scene& scene, WorkingSet& set, Counters& counters,
-             const CycleLimit& limit = noLimit());
+  DCM_EXPORT void build(const Scene& scene, WorkingSet& set, Counters& counters,
+                        const CycleLimit& limit = noLimit());
 
  private:
   // What one block of a body's triangles contributes.

@@ -5,6 +5,7 @@
 
 #include "core/cpu/pose.h"
 #include "core/cycle_limit.h"
+#include "core/export.h"
 #include "core/index.h"
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
@@ -21,6 +22,7 @@ struct SizeSplit {
 // Large: 32 times the median extent, or 64 times the median distance from the middle of the scene.
 // Where more than 64 and a 64th of the scene would be, the bounds are raised until it is not.
 // Where the limit was over, the split is of no use.
-void splitBySize(const WorkingSet& set, SizeSplit& split, const CycleLimit& limit = noLimit());
+DCM_EXPORT void splitBySize(const WorkingSet& set, SizeSplit& split,
+                            const CycleLimit& limit = noLimit());
 
 }  // namespace deformable_contact_monitor

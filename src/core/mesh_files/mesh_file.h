@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/export.h"
 #include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {
@@ -13,9 +14,9 @@ namespace deformable_contact_monitor {
 // (beyond float32's range: infinity), and non-finite ones are kept.
 // Throws std::runtime_error, "<path>: <what>" or "<path>:<line>: <what>", if the file cannot be
 // read, is malformed or holds no triangle.
-TriangleMesh readMeshFile(const std::string& path);
+DCM_EXPORT TriangleMesh readMeshFile(const std::string& path);
 
 // Whether the name ends like one of these formats.
-bool isMeshFileName(const std::string& path);
+DCM_EXPORT bool isMeshFileName(const std::string& path);
 
 }  // namespace deformable_contact_monitor

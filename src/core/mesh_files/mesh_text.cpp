@@ -1,9 +1,12 @@
 // Text scanning shared by the mesh readers. Independent of the locale.
 #include "core/mesh_files/mesh_text.h"
 
+#include <locale.h>
+#include <stdlib.h>
+
 #include <algorithm>
 #include <charconv>
-#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -16,22 +19,28 @@ bool isOrdinary(char c) { return static_cast<unsigned char>(c) > ' ' && c != '#'
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// Whether a decimal number that float32 cannot hold is too large (else it is too small), from the
-// decimal exponent of its first digit other than 0.
-bool isOverflow(std::string_view number) {
-  std::int64_t exponent = 0;
-  const std::size_t e = std::min(number.find_first_of("eE"), number.size());
-  if (e < number.size()) {
-    const char* first = number.data() + e + 1;
-    if (*first == '+') ++first;
-    const auto parsed = std::from_chars(first, number.data() + number.size(), exponent);
-    if (parsed.ec == std::errc::result_out_of_range) return *first != '-';
+bool isHexadecimal(std::string_view number) {
+  const std::size_t digits = number.find_first_not_of("+-");
+  return digits + 1 < number.size() && number[digits] == '0' && lower(number[digits + 1]) == 'x';
+}
+
+// All of `word` as real() has it; nothing if it is no such number. strtof rounds correctly, but
+// wants a NUL after its text, and reads hexadecimal numbers, which mesh files do not have.
+std::optional<float> toFloat(std::string_view word) {
+  static const locale_t kClassic = newlocale(LC_ALL_MASK, "C", nullptr);
+  char copy[64];
+  std::string longer;
+  const char* text = copy;
+  if (word.size() < sizeof copy) {
+    *std::copy(word.begin(), word.end(), copy) = '\0';
+  } else {
+    longer = word;
+    text = longer.c_str();
   }
-  const std::string_view mantissa = number.substr(0, e);
-  const auto point = static_cast<std::int64_t>(std::min(mantissa.find('.'), mantissa.size()));
-  const auto leading = static_cast<std::int64_t>(mantissa.find_first_of("123456789"));
-  // Written so that no sum overflows: positions are small, the exponent may be anything.
-  return exponent > leading - point;
+  char* end = nullptr;
+  const float value = strtof_l(text, &end, kClassic);
+  const bool is_number = !word.empty() && end == text + word.size() && !isHexadecimal(word);
+  return is_number ? std::optional<float>(value) : std::nullopt;
 }
 
 }  // namespace
@@ -131,21 +140,10 @@ std::string_view MeshText::word() {
 std::string_view MeshText::wordOnAnyLine() { return skipToWord() ? word() : std::string_view(); }
 
 float MeshText::real(const char* what) {
-  if (atLineEnd()) failAt({}, what);
-  const char* first = at_;
-  if (*first == '+' && first + 1 != end_ && first[1] != '-') ++first;
-  float value = 0;
-  const auto parsed = std::from_chars(first, end_, value);
-  if (parsed.ec == std::errc::invalid_argument || !isDelimiter(parsed.ptr)) {
-    failAt(word(), what);
-  }
-  if (parsed.ec == std::errc::result_out_of_range) {
-    const std::string_view text(first, static_cast<std::size_t>(parsed.ptr - first));
-    value = isOverflow(text) ? std::numeric_limits<float>::infinity() : 0.0F;
-    if (*first == '-') value = -value;
-  }
-  at_ = parsed.ptr;
-  return value;
+  const std::string_view text = word();
+  const std::optional<float> value = toFloat(text);
+  if (!value) failAt(text, what);
+  return *value;
 }
 
 std::uint64_t MeshText::count(const char* what, std::uint64_t limit) {

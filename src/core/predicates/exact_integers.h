@@ -1,5 +1,6 @@
 // Signs of determinants by integers: exact where the coordinates' sizes are not too far apart,
-// which is nearly always, and much faster than sums of doubles there.
+// which is nearly always, and much faster than sums of doubles there. Device code has integers of
+// 128 bits from CUDA 11.5 on; below, it takes the sums.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,13 @@
 
 #include "core/predicates/host_device.h"
 
+#if defined(__CUDA_ARCH__) && __CUDACC_VER_MAJOR__ * 100 + __CUDACC_VER_MINOR__ < 1105
+#define DCM_INT128 0
+#else
+#define DCM_INT128 1
+#endif
+
+#if DCM_INT128
 namespace deformable_contact_monitor {
 
 __extension__ using Int128 = __int128;
@@ -73,3 +81,4 @@ DCM_HD inline int determinantSign2(std::int64_t ux, std::int64_t uy, std::int64_
 }
 
 }  // namespace deformable_contact_monitor
+#endif

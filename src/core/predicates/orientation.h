@@ -109,11 +109,15 @@ DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, cons
 
 DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                          const Vec3f& d) {
+#if DCM_INT128
   const float x[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
   std::int64_t i[12];
-  if (!toIntegers(x, i)) return orient3dExpanded(a, b, c, d);
-  for (int k = 3; k < 12; ++k) i[k] -= i[k % 3];
-  return determinantSign(i + 3, i + 6, i + 9);
+  if (toIntegers(x, i)) {
+    for (int k = 3; k < 12; ++k) i[k] -= i[k % 3];
+    return determinantSign(i + 3, i + 6, i + 9);
+  }
+#endif
+  return orient3dExpanded(a, b, c, d);
 }
 
 constexpr int kUncertain = 2;
@@ -164,13 +168,7 @@ DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f&
 }
 
 // Sign of det[b-a; c-a] by exact arithmetic alone.
-DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
-                                         float cy) {
-  const float x[6] = {ax, ay, bx, by, cx, cy};
-  std::int64_t i[6];
-  if (toIntegers(x, i)) {
-    return determinantSign2(i[2] - i[0], i[3] - i[1], i[4] - i[0], i[5] - i[1]);
-  }
+DCM_HD inline int orient2dExpanded(float ax, float ay, float bx, float by, float cx, float cy) {
   Expansion<6> sum;  // each product of two float32 is exact in double
   sum.add(static_cast<double>(ax) * by);
   sum.add(-static_cast<double>(ay) * bx);
@@ -179,6 +177,18 @@ DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by,
   sum.add(static_cast<double>(cx) * ay);
   sum.add(-static_cast<double>(cy) * ax);
   return sum.sign();
+}
+
+DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
+                                         float cy) {
+#if DCM_INT128
+  const float x[6] = {ax, ay, bx, by, cx, cy};
+  std::int64_t i[6];
+  if (toIntegers(x, i)) {
+    return determinantSign2(i[2] - i[0], i[3] - i[1], i[4] - i[0], i[5] - i[1]);
+  }
+#endif
+  return orient2dExpanded(ax, ay, bx, by, cx, cy);
 }
 
 // The coordinates of a projection along coordinate axis `axis` (0, 1, 2).

@@ -102,7 +102,7 @@ PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
       settings.frame.empty() ? setup.parameters.reference_frame : plainFrame(settings.frame);
   played.rate_hz = settings.rate_hz;
   std::map<std::string, Capsule> capsules;
-  if (settings.cloth_triangles > 0) capsules = linkCapsules(setup.robot);
+  if (settings.cloth_triangles) capsules = linkCapsules(setup.robot);
   played.next = [source = makeMeshSource(settings, [](std::size_t) {}),
                  capsules](const LinkPose& pose_of) mutable {
     std::vector<Capsule> obstacles;

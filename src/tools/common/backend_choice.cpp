@@ -27,11 +27,10 @@ std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda w
 #endif
   }
   const BackendChoice choice = toBackendChoice(backend);
-  return makeChosenDetector(choice, without_cuda, settings,
-                            [warn, choice](const BackendState& state) {
-                              if (choice == BackendChoice::kAuto) return;
-                              warn("CUDA cannot be used, so on the CPU: " + state.problem);
-                            });
+  return makeDetector(choice, without_cuda, settings, [warn, choice](const BackendState& state) {
+    if (choice == BackendChoice::kAuto) return;
+    warn("CUDA cannot be used, so on the CPU: " + state.problem);
+  });
 }
 
 bool supportsMargins(const Detector& detector) { return detector.backend() != "fcl"; }

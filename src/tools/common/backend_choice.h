@@ -14,7 +14,7 @@ namespace deformable_contact_monitor {
 // "auto" and the backends' names, whether this build has them or not.
 const std::vector<std::string>& backendNames();
 
-// "auto", "cuda" and "cpu" as makeChosenDetector() has them; "auto" falls back without a word, and
+// "auto", "cuda" and "cpu" as makeDetector() has them; "auto" falls back without a word, and
 // "cuda" with one warn(why). Throws CudaError where kRefuse asks for it, and std::runtime_error,
 // one line with a way out, where a reference is not built.
 std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda without_cuda,

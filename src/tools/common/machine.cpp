@@ -39,7 +39,7 @@ Machine thisMachine() {
   return machine;
 }
 
-nlohmann::ordered_json machineJson() {
+nlohmann::json machineJson() {
   const Machine machine = thisMachine();
   return {{"system", machine.system},         {"cpu", machine.cpu},   {"cores", machine.cores},
           {"gpu_driver", machine.gpu_driver}, {"gpus", machine.gpus}, {"compiler", __VERSION__}};

@@ -19,6 +19,6 @@ struct Machine {
 Machine thisMachine();
 
 // The same for a file, with the compiler.
-nlohmann::ordered_json machineJson();
+nlohmann::json machineJson();
 
 }  // namespace deformable_contact_monitor

@@ -6,35 +6,31 @@
 
 namespace deformable_contact_monitor {
 
-void describe(CLI::App* app, SceneObject* object) {
-  auto* meshes = app->add_option("--meshes", object->meshes,
-                                 "mesh files (OBJ, PLY, STL, OFF), played in this order");
-  app->add_option("--cloth", object->cloth_triangles,
-                  "make a square cloth of about so many triangles that is held at one edge, falls, "
-                  "and is pushed by the robot")
-      ->check(CLI::Range(2, 2000000))
-      ->excludes(meshes);
-  app->add_flag("--loop", object->loop, "play the files again and again");
-  app->add_option("--object", object->name, "name of the object")->capture_default_str();
-  app->add_option("--frame", object->frame,
-                  "frame of the vertices; a link, for --cloth (default: the robot's root link)");
-  app->add_option("--rate", object->rate_hz, "messages a second [Hz]")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
-  app->add_option("--scale", object->scale, "meshes: factor to metres; cloth: its edge [m]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app->add_option("--offset", object->offset,
-                  "x y z [m]: meshes: added after scaling; cloth: middle of the held edge")
-      ->expected(3);
-  app->add_option("--seed", object->seed, "of what is random")->capture_default_str();
+void describe(CommandLine* line, SceneObject* object) {
+  line->addWords("--meshes", &object->meshes,
+                 "mesh files (OBJ, PLY, STL, OFF), played in this order");
+  line->add("--cloth", &object->cloth_triangles,
+            "make a square cloth of about so many triangles that is held at one edge, falls, and "
+            "is pushed by the robot; not with --meshes",
+            inRange(2, 2000000));
+  line->refuseTogether("--cloth", "--meshes");
+  line->addFlag("--loop", &object->loop, "play the files again and again");
+  line->add("--object", &object->name, "name of the object");
+  line->add("--frame", &object->frame,
+            "frame of the vertices; a link, for --cloth (else: the robot's root link)");
+  line->add("--rate", &object->rate_hz, "messages a second [Hz]", inRange(0.1, 1000.0));
+  line->add("--scale", &object->scale, "meshes: factor to metres; cloth: its edge [m]",
+            isPositive());
+  line->addNumbers("--offset", &object->offset,
+                   "x y z [m]: meshes: added after scaling; cloth: middle of the held edge");
+  line->add("--seed", &object->seed, "of what is random");
 }
 
 MeshSource makeMeshSource(const SceneObject& object,
                           const std::function<void(std::size_t)>& progress) {
-  if (object.cloth_triangles > 0) {
+  if (object.cloth_triangles) {
     ClothOptions options;
-    options.triangles = object.cloth_triangles;
+    options.triangles = *object.cloth_triangles;
     options.edge_m = object.scale;
     options.held_at = Eigen::Vector3d::Map(object.offset.data());
     options.seed = object.seed;

@@ -1,7 +1,6 @@
 // A deforming object from the command line: mesh files in turn, or a simulated cloth.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -10,13 +9,14 @@
 #include <vector>
 
 #include "tools/common/cloth.h"
+#include "tools/common/command_line.h"
 #include "tools/common/mesh_player.h"
 
 namespace deformable_contact_monitor {
 
 struct SceneObject {
   std::vector<std::string> meshes;
-  int cloth_triangles = 0;  // 0: no cloth
+  std::optional<int> cloth_triangles;  // none: no cloth
   bool loop = false;
   std::string name = "cloth";
   std::string frame;  // of the vertices; empty: the robot's root link
@@ -25,11 +25,11 @@ struct SceneObject {
   std::vector<double> offset = {0, 0, 0};
   std::uint32_t seed = 1;
 
-  bool isWanted() const { return !meshes.empty() || cloth_triangles > 0; }
+  bool isWanted() const { return !meshes.empty() || cloth_triangles; }
 };
 
 // Adds --meshes, --cloth, --loop, --object, --frame, --rate, --scale, --offset and --seed.
-void describe(CLI::App* app, SceneObject* object);
+void describe(CommandLine* line, SceneObject* object);
 
 // The next state, pushed by `obstacles` if it is a cloth; nothing when the files are at their end.
 using MeshSource = std::function<std::optional<MeshFrame>(const std::vector<Capsule>& obstacles)>;

@@ -14,7 +14,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 Json timesJson(const std::vector<double>& ms) {
   return {{"first", ms.front()}, {"median", median(ms)}, {"p95", percentile(ms, 0.95)}};
@@ -22,18 +22,16 @@ Json timesJson(const std::vector<double>& ms) {
 
 // A stage that a cycle left out took no time in it.
 Json stagesJson(const DetectionTimes& times) {
-  std::vector<std::string> names;
   std::map<std::string, std::vector<double>> samples;
   for (std::size_t cycle = 0; cycle < times.stages.size(); ++cycle) {
     for (const auto& [name, ms] : times.stages[cycle]) {
       std::vector<double>& of_stage = samples[name];
-      if (of_stage.empty()) names.push_back(name);
       of_stage.resize(times.stages.size());
       of_stage[cycle] += ms;
     }
   }
   Json json = Json::object();
-  for (const std::string& name : names) json[name] = median(samples[name]);
+  for (const auto& [name, ms] : samples) json[name] = median(ms);
   return json;
 }
 

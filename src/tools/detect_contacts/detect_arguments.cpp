@@ -1,8 +1,8 @@
 // The command line of detect_contacts.
 #include "tools/detect_contacts/detect_arguments.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
+#include <cstdint>
 #include <system_error>
 
 #include "tools/common/backend_choice.h"
@@ -30,60 +30,45 @@ int clustersFrom(const std::string& text) {
   return clusters;
 }
 
-void addOptions(CLI::App* app, DetectArguments* arguments) {
+void addOptions(CommandLine* line, DetectArguments* arguments) {
   Options& options = arguments->options;
-  app->add_option("MESH", arguments->meshes, "Mesh files")->required();
-  app->add_flag("--self", arguments->self, "Also find contacts of every body with itself");
-  app->add_option("--backend", arguments->backend, "What runs the detection")
-      ->check(CLI::IsMember(backendNames()))
-      ->capture_default_str();
-  app->add_option("--device", arguments->cuda.device, "Of the CUDA devices, which one")
-      ->check(CLI::Range(0, 1023))
-      ->capture_default_str();
-  app->add_option("--overlap", options.overlap,
-                  "Share of a triangle that decides its clusters, in [0, 1]; 1 finds every contact")
-      ->capture_default_str();
-  app->add_option("--margin", arguments->margin_m,
-                  "Report triangles at this distance or less, in the meshes' unit")
-      ->capture_default_str();
-  app->add_option("--repeat", arguments->repeat, "Detect this often, for the times")
-      ->check(CLI::Range(1, 1000000000))
-      ->capture_default_str();
-  app->add_option("--threads", options.threads, "Threads of the cpu backend; 0: all cores")
-      ->capture_default_str();
-  app->add_option("--fuzzifier", options.fuzzifier, "Of fuzzy c-means, in [1.05, 4]")
-      ->capture_default_str();
-  app->add_option("--iterations", options.iterations, "Of fuzzy c-means a refresh, in [0, 100]")
-      ->capture_default_str();
-  app->add_option("--refresh-period", options.refresh_period, "Cycles between refreshes")
-      ->capture_default_str();
-  app->add_option(
-      "--pairs", arguments->pairs_file,
-      "Write a line 'bodyA triA bodyB triB' for each contact, sorted, here (-: standard "
-      "output)");
-  app->add_option("--json", arguments->json_file,
-                  "Write counts, options and milliseconds here (-: standard output)");
+  line->addPositionals("MESH", &arguments->meshes, true, "Mesh files");
+  line->addFlag("--self", &arguments->self, "Also find contacts of every body with itself");
+  line->add("--backend", &arguments->backend, "What runs the detection", oneOf(backendNames()));
+  line->add("--device", &arguments->cuda.device, "Of the CUDA devices, which one",
+            inRange(0, 1023));
+  line->add("--overlap", &options.overlap,
+            "Share of a triangle that decides its clusters, in [0, 1]; 1 finds every contact");
+  line->add("--margin", &arguments->margin_m,
+            "Report triangles at this distance or less, in the meshes' unit");
+  line->add("--repeat", &arguments->repeat, "Detect this often, for the times",
+            inRange(1, 1000000000));
+  line->add("--threads", &options.threads, "Threads of the cpu backend; 0: all cores");
+  line->add("--fuzzifier", &options.fuzzifier, "Of fuzzy c-means, in [1.05, 4]");
+  line->add("--iterations", &options.iterations, "Of fuzzy c-means a refresh, in [0, 100]");
+  line->add("--refresh-period", &options.refresh_period, "Cycles between refreshes");
+  line->add("--pairs", &arguments->pairs_file,
+            "Write a line 'bodyA triA bodyB triB' for each contact, sorted, here (-: standard "
+            "output)");
+  line->add("--json", &arguments->json_file,
+            "Write counts, options and milliseconds here (-: standard output)");
+  line->add("--adjacent", &options.adjacent, kAdjacentHelp);
 }
 
 }  // namespace
 
 bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
-  CLI::App app(kDescription, "detect_contacts");
-  app.footer(kFooter);
-  app.set_version_flag("--version", "detect_contacts " DCM_VERSION);
-  addOptions(&app, arguments);
+  CommandLine line("detect_contacts", kDescription, kFooter);
+  addOptions(&line, arguments);
   std::string predicates = "exact", clusters = "auto";
   std::uint64_t memory_limit_mib = arguments->cuda.memory_limit_bytes >> 20;
-  app.add_option("--memory-limit", memory_limit_mib,
-                 "Memory for lists of contacts, and of candidates on CUDA, in MiB")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  addAdjacent(&app, &arguments->options.adjacent);
-  app.add_option("--predicates", predicates, "How sure each verdict is")
-      ->check(CLI::IsMember({"exact", "conservative", "fast"}))
-      ->capture_default_str();
-  app.add_option("--clusters", clusters, "Number of clusters, or auto")->capture_default_str();
-  if (!parsed(&app, argc, argv)) return false;
+  line.add("--memory-limit", &memory_limit_mib,
+           "Memory for lists of contacts, and of candidates on CUDA, in MiB",
+           inRange<std::uint64_t>(1, 1 << 20));
+  line.add("--predicates", &predicates, "How sure each verdict is",
+           oneOf({"exact", "conservative", "fast"}));
+  line.add("--clusters", &clusters, "Number of clusters, or auto");
+  if (!line.parse(argc, argv)) return false;
 
   Options& options = arguments->options;
   options.predicates = toPredicates(predicates);

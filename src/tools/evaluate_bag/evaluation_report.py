@@ -110,7 +110,8 @@ def plot_timeline(links, run, start):
             begin = float(s["from"]) - start
             axes.barh(y, max(float(s["to"]) - float(s["from"]), .01), left=begin, height=.7,
                       color=COLORS[s["state"]], linewidth=0)
-    axes.set_yticks(range(len(shown)), [" / ".join(bodies) for bodies, _ in shown], fontsize=8)
+    axes.set_yticks(range(len(shown)))
+    axes.set_yticklabels([" / ".join(bodies) for bodies, _ in shown], fontsize=8)
     axes.invert_yaxis()
     axes.set_xlabel("time since the first cycle [s]")
     axes.grid(alpha=.3, axis="x")
@@ -121,19 +122,24 @@ def plot_timeline(links, run, start):
     return to_svg(figure) + (f"<p>And {more} more pairs of bodies.</p>" if more > 0 else "")
 
 
-def plot_stages(summary):
+def stages_of(rows):
+    """In order of execution: columns of frames.csv."""
+    titles = list(rows[0])
+    columns = titles[titles.index("round_trip_ms") + 1:titles.index("other_ms")]
+    return [column[:-len("_ms")] for column in columns]
+
+
+def plot_stages(summary, names):
     figure, axes = plt.subplots(figsize=(9, .8 + .4 * len(summary["times"]["runs"])))
-    names = []
-    for run in summary["times"]["runs"]:
-        names += [stage for stage in run["median_stages_ms"] if stage not in names]
     colors = {name: plt.get_cmap("tab20")(i % 20) for i, name in enumerate(names)}
     for y, run in enumerate(summary["times"]["runs"]):
         left = 0
-        for stage, ms in run["median_stages_ms"].items():
+        for stage in names:
+            ms = run["median_stages_ms"].get(stage, 0)
             axes.barh(y, ms, left=left, color=colors[stage], height=.6)
             left += ms
-    axes.set_yticks(range(len(summary["times"]["runs"])),
-                    [run["name"] for run in summary["times"]["runs"]], fontsize=8)
+    axes.set_yticks(range(len(summary["times"]["runs"])))
+    axes.set_yticklabels([run["name"] for run in summary["times"]["runs"]], fontsize=8)
     axes.invert_yaxis()
     axes.set_xlabel("median time of each stage [ms]")
     handles = [plt.Rectangle((0, 0), 1, 1, color=colors[name]) for name in names]
@@ -235,7 +241,7 @@ def report(folder):
         parts += [f"<h2>Who touches whom</h2><p>{html.escape(first)}</p>",
                   plot_timeline(links, first, start),
                   "<h2>Pairs over time</h2>", plot_pairs(runs, start),
-                  "<h2>Latency</h2>", plot_latency(runs), plot_stages(summary)]
+                  "<h2>Latency</h2>", plot_latency(runs), plot_stages(summary, stages_of(runs[first]))]
     parts += ["<h2>What was evaluated</h2>", about_table(summary)]
     text = (f'<!DOCTYPE html><meta charset="utf-8"><title>{html.escape(bags)}</title>'
             f"<style>{STYLE}</style>" + "\n".join(parts) + "\n")

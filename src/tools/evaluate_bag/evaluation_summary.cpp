@@ -14,7 +14,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 Json topicsJson(const BagContents& contents) {
   Json json = Json::object();

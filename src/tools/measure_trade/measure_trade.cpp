@@ -53,8 +53,7 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
   results.exact = exactResults(frames, arguments.base.adjacent,
                                [&](const std::string& what) { progress->set(what); });
   const int frame_count = static_cast<int>(results.exact.labels.size());
-  const int least_cycles = arguments.least_cycles > 0 ? arguments.least_cycles : 20;
-  const CycleCounts cycles{arguments.warm_up, (least_cycles - 1) / frame_count + 1};
+  const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
   std::vector<Worth> worth;
   for (const Setting& setting : settings) {
     const std::string place = "setting " + std::to_string(worth.size() + 1) + " of " +

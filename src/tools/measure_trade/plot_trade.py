@@ -56,7 +56,7 @@ def numbers(rows, key):
 
 
 def panels(rows, columns, **options):
-    figure, axes = pyplot.subplots(rows, columns, squeeze=False, layout="constrained",
+    figure, axes = pyplot.subplots(rows, columns, squeeze=False, constrained_layout=True,
                                    figsize=(WIDTH * max(columns, 1.6), HEIGHT * rows), **options)
     for axis in axes.flat:
         axis.grid(alpha=0.3)
@@ -75,7 +75,7 @@ def scene_panels(scenes):
 def log_axis(axis):
     """With plain numbers at 1, 2, 5."""
     axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
-    axis.set_major_formatter("{x:g}")
+    axis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(ticker.NullFormatter())
 
 
@@ -198,7 +198,7 @@ def plot_exact(scenes):
                               "candidates that reach\nthe exact stage [%]")
     axis.set_yscale("symlog", linthresh=0.001)  # it may be none
     axis.set_ylim(bottom=0)
-    axis.yaxis.set_major_formatter("{x:g}")
+    axis.yaxis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
     return figure
 
 

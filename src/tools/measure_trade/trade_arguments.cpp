@@ -1,8 +1,6 @@
 // The command line of measure_trade.
 #include "tools/measure_trade/trade_arguments.h"
 
-#include <CLI/CLI.hpp>
-#include <cmath>
 #include <vector>
 
 #include "tools/common/command_line.h"
@@ -31,53 +29,51 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-template <class Value>
-void addList(CLI::App* app, const std::string& name, std::vector<Value>* values,
-             const std::string& help) {
-  const auto not_empty = [](const std::string& text) {
-    return text.empty() ? std::string("has an empty value") : std::string();
-  };
-  app->add_option(name, *values, help)->delimiter(',')->check(not_empty)->capture_default_str();
-}
-
-void addScene(CLI::App* app, TradeArguments* arguments) {
+void addScene(CommandLine* line, TradeArguments* arguments) {
   MeshFrameFiles& meshes = arguments->meshes;
-  auto* states = app->add_option("STATE", meshes.states, "Mesh files: OBJ, PLY, STL or OFF");
-  auto* against = app->add_option("--against", meshes.against,
-                                  "Mesh files, each a body that stands still, as a robot's link");
-  auto* self = app->add_flag("--self", meshes.self, "Also contacts of the body with itself");
+  line->addPositionals("STATE", &meshes.states, false, "Mesh files: OBJ, PLY, STL or OFF");
+  line->addWords("--against", &meshes.against,
+                 "Mesh files, each a body that stands still, as a robot's link");
+  line->addFlag("--self", &meshes.self, "Also contacts of the body with itself");
   BagFiles& recorded = arguments->recorded;
-  auto* bags = app->add_option("--bag", recorded.bags, "Recorded bags instead of mesh files")
-                   ->excludes(states)
-                   ->excludes(against)
-                   ->excludes(self);
-  app->add_option("--config", recorded.config, "With --bag: parameters of contact_monitor, yaml")
-      ->needs(bags);
-  app->add_option("--robot-description", recorded.robot_description,
-                  "With --bag: URDF, or a rosparam dump of it, unless the bags have the robot")
-      ->needs(bags);
-  app->add_option("--reference-frame", recorded.reference_frame,
-                  "With --bag: frame of the contacts, instead of the configuration's")
-      ->needs(bags);
+  line->addWords("--bag", &recorded.bags,
+                 "Recorded bags instead of mesh files, without --against and --self");
+  for (const char* other : {"STATE", "--against", "--self"}) line->refuseTogether("--bag", other);
+  line->add("--config", &recorded.config, "With --bag: parameters of contact_monitor, yaml");
+  line->add("--robot-description", &recorded.robot_description,
+            "With --bag: URDF, or a rosparam dump of it, unless the bags have the robot");
+  line->add("--reference-frame", &recorded.reference_frame,
+            "With --bag: frame of the contacts, instead of the configuration's");
+  for (const char* option : {"--config", "--robot-description", "--reference-frame"}) {
+    line->requireFor(option, "--bag");
+  }
+  line->add("--adjacent", &arguments->base.adjacent, kAdjacentHelp);
 }
 
-void addRun(CLI::App* app, TradeArguments* arguments) {
-  app->add_option("--threads", arguments->base.threads, "Threads of the cpu backend; 0: all cores")
-      ->capture_default_str();
-  app->add_option("--cycles", arguments->least_cycles,
-                  "Measure at least so many cycles of each setting, in whole passes through the "
-                  "states (default: 20)")
-      ->check(CLI::Range(1, 1000000000));
-  app->add_option("--warm-up", arguments->warm_up, "Cycles before them that are not counted")
-      ->check(CLI::Range(0, 1000000000))
-      ->capture_default_str();
-  app->add_option("--out", arguments->out_folder, "Folder for the results; made if need be")
-      ->capture_default_str();
-  app->add_option("--budget-ms", arguments->budget_ms,
-                  "Choose the most accurate setting that takes no longer in 95 of 100 cycles "
-                  "(default: the fastest of those that are guaranteed)");
-  app->add_option("--write-config", arguments->config_file,
-                  "Write the chosen setting here, as parameters of contact_monitor (YAML)");
+void addGrid(CommandLine* line, TradeGrid* grid, std::vector<std::string>* predicates) {
+  line->addList("--backends", &grid->backends, "Each", oneOf({"cpu", "cuda"}));
+  line->addList("--overlaps", &grid->overlaps, "Each in [0, 1]");
+  line->addList("--predicates", predicates, "Each", oneOf({"exact", "conservative", "fast"}));
+  line->addList("--clusters", &grid->clusters, "0: from the scene");
+  line->addList("--fuzzifiers", &grid->fuzzifiers, "Each in [1.05, 4]");
+  line->addList("--iterations", &grid->iterations, "Each in [0, 100]");
+  line->addList("--refresh-periods", &grid->refresh_periods, "In cycles, each >= 1");
+}
+
+void addRun(CommandLine* line, TradeArguments* arguments) {
+  line->add("--threads", &arguments->base.threads, "Threads of the cpu backend; 0: all cores");
+  line->add("--cycles", &arguments->least_cycles,
+            "Measure at least so many cycles of each setting, in whole passes through the states",
+            inRange(1, 1000000000));
+  line->add("--warm-up", &arguments->warm_up, "Cycles before them that are not counted",
+            inRange(0, 1000000000));
+  line->add("--out", &arguments->out_folder, "Folder for the results; made if need be");
+  line->add("--budget-ms", &arguments->budget_ms,
+            "Choose the most accurate setting that takes no longer in 95 of 100 cycles "
+            "(else: the fastest of those that are guaranteed)",
+            isPositive());
+  line->add("--write-config", &arguments->config_file,
+            "Write the chosen setting here, as parameters of contact_monitor (YAML)");
 }
 
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
@@ -99,9 +95,6 @@ void check(const TradeArguments& arguments) {
     const std::vector<std::string> found = problems(setting.options);
     if (!found.empty()) refuseUsage(found.front());
   }
-  if (arguments.budget_ms && !(std::isfinite(*arguments.budget_ms) && *arguments.budget_ms > 0)) {
-    refuseUsage("--budget-ms: must be a finite number > 0");
-  }
   if (arguments.out_folder.empty()) refuseUsage("--out: must not be empty");
   refuseMeshAsOutput("--write-config", arguments.config_file);
 }
@@ -109,25 +102,14 @@ void check(const TradeArguments& arguments) {
 }  // namespace
 
 bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
-  CLI::App app(kDescription, "measure_trade");
-  app.footer(kFooter);
-  app.set_version_flag("--version", "measure_trade " DCM_VERSION);
+  CommandLine line("measure_trade", kDescription, kFooter);
   arguments->base.threads = 1;
   TradeGrid& grid = arguments->grid;
   std::vector<std::string> predicates = {"exact", "conservative", "fast"};
-  addScene(&app, arguments);
-  addAdjacent(&app, &arguments->base.adjacent);
-  addList(&app, "--backends", &grid.backends, "Of cpu, cuda");
-  app.get_option("--backends")->check(CLI::IsMember({"cpu", "cuda"}));
-  addList(&app, "--overlaps", &grid.overlaps, "In [0, 1]");
-  addList(&app, "--predicates", &predicates, "Of exact, conservative, fast");
-  app.get_option("--predicates")->check(CLI::IsMember({"exact", "conservative", "fast"}));
-  addList(&app, "--clusters", &grid.clusters, "0: from the scene");
-  addList(&app, "--fuzzifiers", &grid.fuzzifiers, "In [1.05, 4]");
-  addList(&app, "--iterations", &grid.iterations, "In [0, 100]");
-  addList(&app, "--refresh-periods", &grid.refresh_periods, "In cycles, >= 1");
-  addRun(&app, arguments);
-  if (!parsed(&app, argc, argv)) return false;
+  addScene(&line, arguments);
+  addGrid(&line, &grid, &predicates);
+  addRun(&line, arguments);
+  if (!line.parse(argc, argv)) return false;
   grid.predicates = predicatesFrom(predicates);
   for (int i = 0; i < argc; ++i) {
     arguments->command += (i == 0 ? "" : " ") + quoted(i == 0 ? "measure_trade" : argv[i]);

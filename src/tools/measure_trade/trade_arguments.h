@@ -15,9 +15,9 @@ struct TradeArguments {
   MeshFrameFiles meshes;  // no states if there is a bag
   BagFiles recorded;      // no bags if there are meshes
   TradeGrid grid;
-  Options base;          // what the grid does not vary
-  int least_cycles = 0;  // measured for each setting; 0: 20, or a pass through all frames
-  int warm_up = 5;       // cycles before them
+  Options base;           // what the grid does not vary
+  int least_cycles = 20;  // measured for each setting, in whole passes through the frames
+  int warm_up = 5;        // cycles before them
   std::optional<double> budget_ms;
   std::string out_folder = "trade";
   std::string config_file;  // empty: not wanted

@@ -2,7 +2,9 @@
 #include "tools/measure_trade/trade_grid.h"
 
 #include <algorithm>
-#include <charconv>
+#include <limits>
+#include <locale>
+#include <sstream>
 #include <tuple>
 
 namespace deformable_contact_monitor {
@@ -17,10 +19,21 @@ bool same(const Setting& a, const Setting& b) {
   return values(a) == values(b);
 }
 
+// A number that has a decimal of digits10 digits or fewer shows with those alone.
 template <class Number>
 std::string shortest(Number value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+  int digits = std::numeric_limits<Number>::digits10;
+  while (true) {
+    std::stringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(digits);
+    text << value;
+    const std::string written = text.str();
+    Number read = 0;
+    text >> read;
+    if (read == value || digits == std::numeric_limits<Number>::max_digits10) return written;
+    ++digits;
+  }
 }
 
 }  // namespace

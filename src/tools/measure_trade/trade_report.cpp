@@ -12,7 +12,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 std::string milliseconds(double ms) {
   char text[40];

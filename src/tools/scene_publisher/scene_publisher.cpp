@@ -3,7 +3,6 @@
 #include <sensor_msgs/JointState.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -31,11 +30,11 @@ struct Settings {
   bool joints = false;
 };
 
-void describe(CLI::App* app, Settings* s) {
-  describe(app, &s->object);
-  app->add_flag("--joints", s->joints,
+void describe(CommandLine* line, Settings* s) {
+  describe(line, &s->object);
+  line->addFlag("--joints", &s->joints,
                 "move the joints of robot_description: publish joint_states");
-  app->add_option("--topic", s->topic, "where its meshes are published")->capture_default_str();
+  line->add("--topic", &s->topic, "where its meshes are published");
 }
 
 // The robot of the parameter robot_description; nothing if there is none.
@@ -119,7 +118,7 @@ int run(const Settings& s) {
   ros::Time::init();
   const MeshSource source = openSource(object);  // bad files need no master to be refused
   ros::NodeHandle node;
-  const bool needs_robot = s.joints || object.cloth_triangles > 0;
+  const bool needs_robot = s.joints || object.cloth_triangles;
   const std::optional<Robot> robot = needs_robot ? loadRobot(node) : std::nullopt;
   if (s.joints && !robot) {
     throw std::runtime_error(
@@ -128,7 +127,7 @@ int run(const Settings& s) {
   const std::string frame =
       !object.frame.empty() ? object.frame : (robot ? robot->model->getRoot()->name : "base_link");
   std::optional<RobotObstacles> obstacles;
-  if (robot && object.cloth_triangles > 0) obstacles.emplace(robot->model, robot->geometry, frame);
+  if (robot && object.cloth_triangles) obstacles.emplace(robot->model, robot->geometry, frame);
   Joints joints(s, robot, &node);
   MeshStream stream(&node, s.topic, object.name, frame, ros::Duration(1 / object.rate_hz));
 
@@ -161,9 +160,10 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "scene_publisher");
   return dcm::runTool("scene_publisher", [argc, argv] {
     dcm::Settings settings;
-    CLI::App app(
+    dcm::CommandLine line(
+        "scene_publisher",
         "Publishes a deforming mesh, from files or as a simulated cloth, and moves a robot.");
-    describe(&app, &settings);
-    return dcm::parsed(&app, argc, argv) ? dcm::run(settings) : 0;
+    describe(&line, &settings);
+    return line.parse(argc, argv) ? dcm::run(settings) : 0;
   });
 }

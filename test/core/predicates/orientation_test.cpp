@@ -40,6 +40,8 @@ TEST(Orientation, IntegersAgreeWithExpansions) {
         ASSERT_EQ(sign, orient3dExpanded(a, b, c, d)) << "spread " << spread << ", grid " << grid;
         ASSERT_EQ(sign, -orient3dExact(b, a, c, d));
         ASSERT_EQ(sign, -orient3dExact(a, b, d, c));
+        ASSERT_EQ(orient2dExact(a.x, a.y, b.x, b.y, c.x, c.y),
+                  orient2dExpanded(a.x, a.y, b.x, b.y, c.x, c.y));
         zeros += sign == 0;
       }
     }

@@ -296,6 +296,8 @@ class EvaluateBag(unittest.TestCase):
             report = file.read()
         self.assertEqual(report.count("<svg"), 4)
         self.assertIn("panda_hand / tshirt", re.sub(r"<!--|-->", "", report))
+        stages = re.findall("<!-- (pose|cluster|assign|sort|sweep|judge|output) -->", report)
+        self.assertEqual(stages, ["pose", "cluster", "assign", "sort", "sweep", "judge", "output"])
 
     def test_a_disk_that_is_full_leaves_no_half_a_report(self):
         self.evaluate(self.bag())

@@ -1,0 +1,82 @@
+// The compiled part of the Python package deformable_contact.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/mesh_files/mesh_file.h"
+#include "python/python_detector.h"
+#include "python/python_result.h"
+#include "python/python_scene.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+namespace py = pybind11;
+
+constexpr const char* kModuleText = "Contacts between deforming triangle meshes.";
+
+constexpr const char* kReadMeshText = R"(Reads OBJ, PLY, STL or OFF, by the file name's ending.
+
+Returns vertices, (n, 3) float32, and triangles, (m, 3) uint32, in file order: polygons are fanned
+from their first vertex, nothing is welded, removed or scaled. A coordinate is the nearest float32
+of its text or double.
+Raises OSError where the file cannot be opened; ValueError, "path: what" or "path:line: what", where
+it is no mesh or holds no triangle.)";
+
+// (n, 3), without a copy.
+template <class T>
+py::array_t<T> toRowsOfThree(std::vector<T> values) {
+  auto* const owned = new std::vector<T>(std::move(values));
+  const py::capsule owner(owned, [](void* at) { delete static_cast<std::vector<T>*>(at); });
+  return py::array_t<T>({owned->size() / 3, std::size_t{3}}, owned->data(), owner);
+}
+
+// Throws what Python's open() would.
+void requireReadable(const std::string& path) {
+  std::error_code no_file;
+  const bool is_directory = std::filesystem::is_directory(path, no_file);
+  if (!is_directory && access(path.c_str(), R_OK) == 0) return;
+  if (is_directory) errno = EISDIR;
+  PyErr_SetFromErrnoWithFilename(PyExc_OSError, path.c_str());
+  throw py::error_already_set();
+}
+
+py::tuple readMesh(const py::object& path) {
+  PyObject* bytes = nullptr;
+  if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
+  const std::string name = py::reinterpret_steal<py::bytes>(bytes);
+  requireReadable(name);
+  TriangleMesh mesh;
+  try {
+    const py::gil_scoped_release others_run;
+    mesh = readMeshFile(name);
+  } catch (const std::runtime_error& refused) {
+    throw std::invalid_argument(refused.what());
+  }
+  return py::make_tuple(toRowsOfThree(std::move(mesh.vertices)),
+                        toRowsOfThree(std::move(mesh.triangles)));
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = kModuleText;
+  module.attr("__version__") = DCM_VERSION;
+  bindResult(module);
+  bindScene(module);
+  bindDetector(module);
+  module.def("read_mesh", &readMesh, py::arg("path"), kReadMeshText);
+  for (const char* name : {"Detector", "Result", "Scene", "read_mesh"}) {
+    module.attr(name).attr("__module__") = "deformable_contact";
+  }
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,187 @@
+#include "python/python_detector.h"
+
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+
+#include "core/options.h"
+
+namespace deformable_contact_monitor {
+namespace py = pybind11;
+namespace {
+
+constexpr const char* kDetectorText = R"(Finds every contact of a scene's enabled pairs.
+
+It keeps buffers and prototypes from cycle to cycle: use one for many cycles. For one thread at a
+time: a call while another thread's detect() runs is refused by a RuntimeError.)";
+
+constexpr const char* kInitText = R"(Options, all but the backend by keyword only.
+
+backend: 'cuda', 'cpu', or 'auto': CUDA where it can be used, else the CPU, for as long as CUDA
+    fails (backend_problem says why).
+device: of the CUDA devices, which one.
+memory_limit_mib: for lists of contacts, and of candidates on CUDA [MiB].
+adjacent_pairs: triangles of one body that share a vertex: 'beyond_shared' reports those that meet
+    beyond what they share, 'skip' none.
+predicates: 'exact'; 'conservative' (what double arithmetic cannot decide counts as contact);
+    'fast' (float32: may err either way).
+overlap: share [0, 1] of a triangle that decides its clusters; below 1, contacts are lost.
+clusters (0: from the scene), fuzzifier [1.05, 4], iterations [0, 100], refresh_period (>= 1):
+    speed alone while overlap is 1 and predicates are exact.
+threads: of the CPU backend; 0: all cores.
+
+Raises ValueError that lists every value out of range; RuntimeError, with the reason, where
+backend='cuda' cannot be used.)";
+
+constexpr const char* kDetectText = R"(Finds every contact of the scene's enabled pairs.
+
+max_time_s: when the cycle ends early [s], with what was found by then (Result.cut_off); None:
+    never. Ctrl-C waits for the end of the cycle.
+Other threads run meanwhile.
+Raises ValueError at a negative time; RuntimeError where the backend fails ('auto' goes on on the
+CPU instead), or where another thread uses this detector.)";
+
+constexpr int kMaxDevice = 1023;
+constexpr std::int64_t kMaxMemoryMib = 1 << 20;
+
+AdjacentPairs toAdjacentPairs(const std::string& name) {
+  for (const AdjacentPairs adjacent : {AdjacentPairs::kBeyondShared, AdjacentPairs::kSkip}) {
+    if (name == toString(adjacent)) return adjacent;
+  }
+  throw std::invalid_argument("adjacent_pairs '" + name + "' is none of beyond_shared, skip");
+}
+
+CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib) {
+  const auto require = [](const char* name, std::int64_t value, std::int64_t low,
+                          std::int64_t high) {
+    if (value < low || value > high) {
+      throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
+                                  ", must be in [" + std::to_string(low) + ", " +
+                                  std::to_string(high) + "]");
+    }
+  };
+  require("device", device, 0, kMaxDevice);
+  require("memory_limit_mib", memory_limit_mib, 1, kMaxMemoryMib);
+  CudaSettings settings;
+  settings.device = static_cast<int>(device);
+  settings.memory_limit_bytes = static_cast<std::uint64_t>(memory_limit_mib) << 20;
+  return settings;
+}
+
+SteadyTime deadlineIn(std::optional<double> max_time_s) {
+  constexpr double kForEver = 1e8;
+  if (!max_time_s) return SteadyTime::max();
+  if (!(*max_time_s >= 0)) {
+    throw std::invalid_argument("max_time_s is " + std::to_string(*max_time_s) +
+                                ", must be >= 0, or None");
+  }
+  if (*max_time_s > kForEver) return SteadyTime::max();
+  return std::chrono::steady_clock::now() + std::chrono::duration_cast<SteadyTime::duration>(
+                                                std::chrono::duration<double>(*max_time_s));
+}
+
+std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, std::int64_t device,
+                                                   std::int64_t memory_limit_mib,
+                                                   const std::string& adjacent_pairs,
+                                                   const std::string& predicates, float overlap,
+                                                   int clusters, float fuzzifier, int iterations,
+                                                   int refresh_period, int threads) {
+  Options options;
+  options.adjacent = toAdjacentPairs(adjacent_pairs);
+  options.predicates = toPredicates(predicates);
+  options.overlap = overlap;
+  options.clusters = clusters;
+  options.fuzzifier = fuzzifier;
+  options.iterations = iterations;
+  options.refresh_period = refresh_period;
+  options.threads = threads;
+  return std::make_unique<PythonDetector>(toBackendChoice(backend),
+                                          toSettings(device, memory_limit_mib), options);
+}
+
+std::string describe(const PythonDetector& detector) {
+  return "<Detector: backend " + detector.backend() + ">";
+}
+
+}  // namespace
+
+PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& settings,
+                               const Options& options)
+    : options_(options) {
+  requireValid(options_);
+  const auto without_cuda =
+      choice == BackendChoice::kCuda ? WithoutCuda::kRefuse : WithoutCuda::kTryAgain;
+  detector_ = makeDetector(choice, without_cuda, settings,
+                           [this](const BackendState& state) { state_ = state; });
+  update();
+}
+
+PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> max_time_s) {
+  requireUnused();
+  Options options = options_;
+  options.limits.deadline = deadlineIn(max_time_s);
+  const DetectionResult* result = nullptr;
+  {
+    const PythonScene::Looking looking(scene);
+    // Ends with the global lock taken again, whatever detect() throws.
+    struct Detecting {
+      PythonDetector* self;
+      ~Detecting() {
+        self->detecting_ = false;
+        self->update();
+      }
+    } const detecting{this};
+    detecting_ = true;
+    const py::gil_scoped_release others_run;
+    result = &detector_->detect(scene->scene(), options);
+  }
+  return {*result, backend_, scene->scene().anyMargin()};
+}
+
+void PythonDetector::reset() {
+  requireUnused();
+  detector_->reset();
+}
+
+void PythonDetector::requireUnused() const {
+  if (detecting_) throw std::runtime_error("the detector is in use by another thread's detect()");
+}
+
+void PythonDetector::update() {
+  backend_ = detector_->backend();
+  backend_problem_ = state_.problem;
+}
+
+void bindDetector(py::module& module) {
+  using Self = PythonDetector;
+  const Options options;
+  const CudaSettings settings;
+  const auto memory_limit_mib = static_cast<std::int64_t>(settings.memory_limit_bytes >> 20);
+  py::class_<Self>(module, "Detector", kDetectorText)
+      .def(py::init(&makePythonDetector), py::arg("backend") = toString(BackendChoice::kAuto),
+#if PYBIND11_VERSION_MAJOR > 2 || PYBIND11_VERSION_MINOR >= 6
+           py::kw_only(),
+#endif
+           py::arg("device") = settings.device, py::arg("memory_limit_mib") = memory_limit_mib,
+           py::arg("adjacent_pairs") = toString(options.adjacent),
+           py::arg("predicates") = toString(options.predicates),
+           py::arg("overlap") = options.overlap, py::arg("clusters") = options.clusters,
+           py::arg("fuzzifier") = options.fuzzifier, py::arg("iterations") = options.iterations,
+           py::arg("refresh_period") = options.refresh_period, py::arg("threads") = options.threads,
+           kInitText)
+      .def("detect", &Self::detect, py::arg("scene").none(false),
+           py::arg("max_time_s") = py::none(), kDetectText)
+      .def("reset", &Self::reset,
+           "Forgets what earlier cycles left; exact results never depend on it.")
+      .def_property_readonly("backend", &Self::backend,
+                             "What ran last, or will run first: 'cpu' or 'cuda'.")
+      .def_property_readonly("backend_problem", &Self::backendProblem,
+                             "Why 'auto' does not use CUDA, one line; empty: it does, or the CPU "
+                             "was asked for.")
+      .def("__repr__", &describe);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,30 @@
+// The result of the Python module.
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <cstdint>
+#include <string>
+
+#include "core/detector.h"
+
+namespace deformable_contact_monitor {
+
+// A copy of a result, as Python's own objects: it outlives detector and scene.
+struct PythonResult {
+  // `any_margin`: the scene's; then there are separations, however few.
+  PythonResult(const DetectionResult& result, const std::string& in_backend, bool any_margin);
+
+  pybind11::array pairs;         // (k, 4) uint32
+  pybind11::object separations;  // (k,) float32, or None
+  bool complete, guaranteed, cut_off, started_cold;
+  std::string cut_off_because, backend;
+  std::uint64_t left_out, memory_bytes;
+  double detect_ms, round_trip_ms;
+  pybind11::dict counters, stages_ms;
+};
+
+// Adds the class Result.
+void bindResult(pybind11::module& module);  // NOLINT(google-runtime-references): pybind11's custom
+
+}  // namespace deformable_contact_monitor

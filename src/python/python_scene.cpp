@@ -1,0 +1,165 @@
+#include "python/python_scene.h"
+
+#include <pybind11/stl.h>
+
+#include <stdexcept>
+
+#include "python/array_arguments.h"
+#include "python/device_array.h"
+
+namespace deformable_contact_monitor {
+namespace py = pybind11;
+namespace {
+
+TriangleMesh toMesh(py::handle vertices, py::handle triangles, const std::string& body) {
+  TriangleMesh mesh;
+  mesh.vertices = toVertices(vertices, body);
+  mesh.triangles = toTriangles(triangles, mesh.vertexCount(), body);
+  return mesh;
+}
+
+constexpr const char* kSceneText = R"(Bodies, their poses, and which pairs of bodies matter.
+
+Pairs of bodies, and a body with itself, are off until set_pair_enabled() switches them on. Every
+refusal is a ValueError that names the body and leaves the scene as it was. For one thread at a
+time: while a detect() in another thread looks at the scene, a change is refused by a RuntimeError.
+
+Arrays are copied: yours may change or go. Vertices: real numbers of shape (n, 3), x y z [m];
+float32 is taken as it is, anything else is rounded to the nearest float32 (beyond its range:
+infinity). Triangles: integers of shape (m, 3), three vertex indices each. Triangles with a NaN or
+infinite vertex take no part and are counted in Result.counters["rejected"]; the result is not
+complete then.)";
+
+constexpr const char* kAddBodyText = R"(Adds a body and returns its id; ids count up from 0.
+
+vertices: (n, 3) [m], in the body's frame. triangles: (m, 3). Both may be empty, of shape (0, 3),
+and set later.
+Raises ValueError where a shape, a dtype or an index does not fit.)";
+
+constexpr const char* kSetMeshText = R"(Replaces vertices, (n, 3) [m], and triangles, (m, 3).
+
+Raises ValueError as add_body() does.)";
+
+constexpr const char* kSetVerticesText = R"(Replaces the vertices, (n, 3) [m].
+
+Raises ValueError where there are not as many as before.)";
+
+constexpr const char* kSetDeviceVerticesText =
+    R"(Replaces the vertices by some in a CUDA device's memory, (n, 3) float32 [m].
+
+vertices: contiguous, with __cuda_array_interface__ of version 2 or later, as CuPy, Numba and
+    PyTorch have it; it may be read-only. Nothing is copied, and the array is kept until the body
+    has other vertices. After writing to it, call this again ahead of the next detect().
+stream: behind which the vertices are ready: a cudaStream_t as an int; None: the interface's own, or
+    else the legacy default stream. PyTorch's says none: where the current stream is not the default
+    one, pass torch.cuda.current_stream().cuda_stream. It must live as long as the array is used.
+The CUDA backend alone reads them, on its own device: detect() on any other raises ValueError.
+Raises ValueError where there are not as many as before, or where they are not such an array.)";
+
+constexpr const char* kSetPoseText = R"(Where the body is: p_scene = rotation p_body + translation.
+
+rotation: (3, 3). translation: (3,) [m]. Both float64. A vertex in the scene's frame is the float32
+of that sum; the identity leaves it untouched.
+Raises ValueError at a wrong shape or a number that is not finite.)";
+
+constexpr const char* kSetMarginText = R"(At which distance triangles of the body count [m], >= 0.
+
+Of a pair of bodies, the larger of the two margins holds; a distance equal to it counts.
+Raises ValueError at a margin that is negative or not finite.)";
+
+constexpr const char* kSetPairEnabledText = R"(Whether contacts of bodies a and b are looked for.
+
+a == b: contacts of the body with itself.)";
+
+}  // namespace
+
+BodyId PythonScene::addBody(const std::string& name, py::handle vertices, py::handle triangles) {
+  TriangleMesh mesh = toMesh(vertices, triangles, name);
+  return changeable().addBody(name, std::move(mesh));
+}
+
+void PythonScene::setMesh(std::int64_t id, py::handle vertices, py::handle triangles) {
+  TriangleMesh mesh = toMesh(vertices, triangles, nameOf(id));
+  changeable().setMesh(checkedId(id), std::move(mesh));
+  device_arrays_.erase(checkedId(id));
+}
+
+void PythonScene::setVertices(std::int64_t id, py::handle vertices) {
+  const VertexArray array = toVertexArray(vertices, nameOf(id));
+  changeable().setVertices(checkedId(id), array.data(), static_cast<std::size_t>(array.shape(0)));
+  device_arrays_.erase(checkedId(id));
+}
+
+void PythonScene::setDeviceVertices(std::int64_t id, py::object vertices,
+                                    std::optional<std::uintptr_t> stream) {
+  const DeviceArray array = toDeviceArray(vertices, stream, nameOf(id));
+  changeable().setDeviceVertices(checkedId(id), array.xyz, array.count, array.stream);
+  device_arrays_[checkedId(id)] = std::move(vertices);
+}
+
+void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle translation) {
+  const RigidTransform pose = toPose(rotation, translation, nameOf(id));
+  changeable().setPose(checkedId(id), pose);
+}
+
+void PythonScene::setMargin(std::int64_t id, float margin_m) {
+  changeable().setMargin(checkedId(id), margin_m);
+}
+
+void PythonScene::setPairEnabled(std::int64_t a, std::int64_t b, bool enabled) {
+  changeable().setPairEnabled(checkedId(a), checkedId(b), enabled);
+}
+
+bool PythonScene::pairEnabled(std::int64_t a, std::int64_t b) const {
+  return scene_.pairEnabled(checkedId(a), checkedId(b));
+}
+
+std::vector<std::string> PythonScene::names() const {
+  std::vector<std::string> names;
+  for (const Body& body : scene_.bodies()) names.push_back(body.name);
+  return names;
+}
+
+Scene& PythonScene::changeable() {
+  if (lookers_ > 0) {
+    throw std::runtime_error(
+        "the scene cannot change while detect() looks at it in another thread");
+  }
+  return scene_;
+}
+
+// As Scene's own refusal, for ids that no BodyId can hold too.
+BodyId PythonScene::checkedId(std::int64_t id) const {
+  if (id < 0 || static_cast<std::uint64_t>(id) >= scene_.bodyCount()) {
+    throw std::invalid_argument("body " + std::to_string(id) + " does not exist; there are " +
+                                std::to_string(scene_.bodyCount()));
+  }
+  return static_cast<BodyId>(id);
+}
+
+void bindScene(py::module& module) {
+  using Self = PythonScene;
+  py::class_<Self>(module, "Scene", kSceneText)
+      .def(py::init<>(), "An empty scene.")
+      .def("add_body", &Self::addBody, py::arg("name"), py::arg("vertices"), py::arg("triangles"),
+           kAddBodyText)
+      .def("set_mesh", &Self::setMesh, py::arg("id"), py::arg("vertices"), py::arg("triangles"),
+           kSetMeshText)
+      .def("set_vertices", &Self::setVertices, py::arg("id"), py::arg("vertices"), kSetVerticesText)
+      .def("set_device_vertices", &Self::setDeviceVertices, py::arg("id"), py::arg("vertices"),
+           py::arg("stream") = py::none(), kSetDeviceVerticesText)
+      .def("set_pose", &Self::setPose, py::arg("id"), py::arg("rotation"), py::arg("translation"),
+           kSetPoseText)
+      .def("set_margin", &Self::setMargin, py::arg("id"), py::arg("margin_m"), kSetMarginText)
+      .def("set_pair_enabled", &Self::setPairEnabled, py::arg("a"), py::arg("b"),
+           py::arg("enabled") = true, kSetPairEnabledText)
+      .def("pair_enabled", &Self::pairEnabled, py::arg("a"), py::arg("b"),
+           "Whether contacts of bodies a and b are looked for.")
+      .def("enabled_pairs", &Self::enabledPairs,
+           "All enabled pairs of ids, (a, b) with a <= b, ascending.")
+      .def_property_readonly("body_count", &Self::bodyCount, "How many bodies there are.")
+      .def_property_readonly("triangle_count", &Self::triangleCount, "Of all bodies together.")
+      .def_property_readonly("names", &Self::names, "The bodies' names, by id.");
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,148 @@
+"""The library as others use it: installed, in the devel space, as a subproject."""
+import json
+import os
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BUILD = Path(os.environ["DCM_BINARY_DIR"])
+SOURCE = Path(os.environ["DCM_SOURCE_DIR"])
+HERE = Path(__file__).resolve().parent
+PACKAGE = "deformable_contact_monitor"
+WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror"
+KNOWN_PAIRS = "0 0 1 0\n0 1 1 0\n"
+PUBLIC_HEADERS = {
+    "core": {
+        "backend_error.h", "cpu/cpu_detector.h", "detector.h", "export.h", "fallback_detector.h",
+        "limits.h", "mesh_files/mesh_file.h", "options.h", "predicates/host_device.h",
+        "predicates/pair_settings.h", "predicates/vector3.h", "rules/rigid_transform.h", "scene.h",
+        "steady_time.h", "triangle_mesh.h"},
+    "cuda": {"cuda_detector.h", "detector_choice.h"},
+}
+
+
+def run(*command, **options):
+    """Its output; a failure shows all of it."""
+    done = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, universal_newlines=True, **options)
+    if done.returncode != 0:
+        raise AssertionError("%s\nended with %d:\n%s" % (command, done.returncode, done.stdout))
+    return done.stdout
+
+
+def cached(name):
+    """A variable of the build under test."""
+    found = re.search("^%s:[A-Z]+=(.*)$" % name, (BUILD / "CMakeCache.txt").read_text(), re.M)
+    return found.group(1) if found else ""
+
+
+WITH_ROS = cached("WITH_ROS").upper() in ("ON", "1", "TRUE", "YES")
+
+
+class OutsideTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = Path(tempfile.mkdtemp(prefix="outside_test_"))
+        cls.addClassCleanup(shutil.rmtree, str(cls.folder))
+        cls.prefix = cls.folder / "installed"
+        run(cached("CMAKE_COMMAND"), "--install", BUILD, "--prefix", cls.prefix)
+
+    def build(self, name, library_from, *options):
+        """Builds the outside project with this tree's tools, and runs what it made."""
+        build = self.folder / name
+        run(cached("CMAKE_COMMAND"), "-S", HERE, "-B", build, "-G", cached("CMAKE_GENERATOR"),
+            "-DCMAKE_CXX_COMPILER=" + cached("CMAKE_CXX_COMPILER"),
+            "-DCMAKE_CXX_COMPILER_LAUNCHER=" + cached("CMAKE_CXX_COMPILER_LAUNCHER"),
+            "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DLIBRARY_FROM=%s" % library_from, *options)
+        run(cached("CMAKE_COMMAND"), "--build", build, "--", "-j2")
+        pairs = subprocess.run([str(build / "use_library")], stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, universal_newlines=True, cwd=str(build))
+        self.assertEqual((pairs.returncode, pairs.stdout), (0, KNOWN_PAIRS), pairs.stderr)
+        mesh = build / "crossing.off"
+        mesh.write_text("OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 -1\n1 0 1\n0 1 1\n3 0 1 2\n3 3 4 5\n")
+        lines = run(build / "example", mesh, mesh).splitlines()
+        self.assertEqual([line for line in lines if line.startswith("cloth")], ["cloth 0 cloth 1"])
+        self.assertEqual(len(lines), 5)
+        return build
+
+    def find_package(self, name, prefix):
+        return self.build(name, "package", "-DCMAKE_PREFIX_PATH=%s" % prefix,
+                          "-DCMAKE_CXX_FLAGS=-O0 " + WARNINGS)
+
+    def test_installed(self):
+        """And moved since."""
+        moved = self.folder / "moved"
+        shutil.copytree(str(self.prefix), str(moved), symlinks=True)
+        cache = (self.find_package("by_package", moved) / "CMakeCache.txt").read_text()
+        self.assertIn("%s_DIR:PATH=%s" % (PACKAGE, moved), cache)
+
+    @unittest.skipUnless(WITH_ROS, "this build is without ROS")
+    def test_devel_space(self):
+        self.find_package("by_devel_space", cached("CATKIN_DEVEL_PREFIX") or BUILD / "devel")
+
+    @unittest.skipUnless(WITH_ROS, "this build is without ROS")
+    def test_component_of_catkin(self):
+        self.build("by_catkin", "catkin", "-DCMAKE_PREFIX_PATH=%s" % self.prefix)
+
+    def test_only_public_headers_are_installed(self):
+        for name, expected in PUBLIC_HEADERS.items():
+            folder = self.prefix / "include" / PACKAGE / name
+            self.assertEqual({str(p.relative_to(folder)) for p in folder.rglob("*.*")}, expected)
+        folders = {p.name for p in (self.prefix / "include" / PACKAGE).iterdir() if p.is_dir()}
+        self.assertEqual(folders, set(PUBLIC_HEADERS))
+        include = {p.name for p in (self.prefix / "include").iterdir()}
+        self.assertEqual(include, {PACKAGE})
+
+    def test_names_and_versions_of_the_libraries(self):
+        version = re.search(r"VERSION (\d+\.\d+)\.(\d+) ", (SOURCE / "CMakeLists.txt").read_text())
+        for name in PUBLIC_HEADERS:
+            library = "lib%s_%s.so" % (PACKAGE, name)
+            found = [p for p in self.prefix.rglob(library)]
+            self.assertEqual(len(found), 1, library)
+            self.assertTrue(Path("%s.%s.%s" % (found[0], version[1], version[2])).is_file())
+            dynamic = run("readelf", "-d", found[0])
+            self.assertIn("soname: [%s.%s]" % (library, version[1]), dynamic)
+            self.assertNotIn(str(BUILD), dynamic)
+
+    def test_what_is_inline_stays_inside(self):
+        """Else a copy that the program made, with other flags, would be used by verdicts."""
+        core = next(self.prefix.rglob("lib%s_core.so" % PACKAGE))
+        names = [line.split(" ", 2)[2] for line in run("nm", "-DC", "--defined-only", core)
+                 .splitlines()]
+        ours = [name for name in names if name.startswith(PACKAGE)]
+        self.assertTrue([name for name in ours if "makeCpuDetector" in name], names)
+        inside = r"::(dot|cross|operator[-+*]|apply|posedVertex|orientation\w*|\w*[vV]erdict\w*)\("
+        self.assertEqual([name for name in ours if re.search(inside, name)], [])
+
+    def test_as_a_subproject(self):
+        build = self.build("as_subproject", SOURCE, "-DWITH_CUDA=OFF", "-DBUILD_TESTING=ON",
+                           "-DCMAKE_CXX_FLAGS=-O0 -ffast-math " + WARNINGS)
+        commands = json.loads((build / "compile_commands.json").read_text())
+        theirs = [c["command"] for c in commands if Path(c["file"]).parent == HERE]
+        ours = [c for c in commands if Path(c["file"]).parent != HERE]
+        self.assertEqual(len(theirs), 2)
+        for command in theirs:
+            for flag in ("-ffp-contract", "-fno-math-errno", "-fvisibility", " -w ", "-O3",
+                         "-DNDEBUG", "-std=c++17", "-fPIC"):
+                self.assertNotIn(flag, command)
+            self.assertNotIn("-I%s" % SOURCE, command)
+        for made in ours:
+            self.assertRegex(made["command"], "-ffast-math .*-fno-fast-math.* -ffp-contract=off")
+            self.assertIn(SOURCE / ("cuda" if "cuda" in made["file"] else "src/core"),
+                          Path(made["file"]).parents)
+        self.assertFalse([c for c in ours if "/test/" in c["file"] or "/tools/" in c["file"]])
+        self.assertIn("CMAKE_BUILD_TYPE:STRING=\n", (build / "CMakeCache.txt").read_text())
+        run(cached("CMAKE_COMMAND"), "--install", build, "--prefix", self.folder / "nothing")
+        self.assertFalse((self.folder / "nothing").exists())
+
+    def test_the_example_is_the_one_of_the_readme(self):
+        self.assertIn((HERE / "example.cpp").read_text(),
+                      (SOURCE / "src/core/README.md").read_text())
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main(verbosity=2))

@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+"""The contacts that the Python package finds, as sets, against the oracle and brute force."""
+import unittest
+
+import deformable_contact
+import mesh_scenes
+import numpy
+from deformable_contact import Detector, Scene
+from mesh_scenes import as_set
+
+FUNNEL = mesh_scenes.DATA / "cloth-funnel/227.ply"
+
+
+def scene_of(meshes, enabled):
+    scene = Scene()
+    for number, (vertices, triangles) in enumerate(meshes):
+        scene.add_body("body%d" % number, vertices, triangles)
+    for a, b in enabled:
+        scene.set_pair_enabled(a, b)
+    return scene
+
+
+def all_pairs(count):
+    return [(a, b) for a in range(count) for b in range(a, count)]
+
+
+def crossing_walls(count):
+    """Two bodies of `count` triangles each; each of one meets each of the other."""
+    at = numpy.arange(count, dtype=numpy.float32) / count
+    one, zero = numpy.ones(count, numpy.float32), numpy.zeros(count, numpy.float32)
+    a = numpy.stack([at, -3 * one, zero, at, 3 * one, -3 * one, at, 3 * one, 3 * one], axis=1)
+    b = numpy.stack([-3 * one, at, zero, 3 * one, at, -3 * one, 3 * one, at, 3 * one], axis=1)
+    triangles = numpy.arange(3 * count, dtype=numpy.uint32).reshape(-1, 3)
+    return [(a.reshape(-1, 3), triangles), (b.reshape(-1, 3), triangles)]
+
+
+class AgainstTheOracle(unittest.TestCase):
+
+    def test_random_scenes_with_poses(self):
+        for seed in range(12):
+            rng = numpy.random.default_rng(seed)
+            meshes = [mesh_scenes.soup(rng, 30, on_grid=seed % 2) for _ in range(3)]
+            poses = [mesh_scenes.random_pose(rng) if rng.integers(2) else mesh_scenes.IDENTITY
+                     for _ in meshes]
+            enabled = [pair for pair in all_pairs(3) if rng.integers(4)]
+            adjacent = ("beyond_shared", "skip")[seed // 2 % 2]
+            scene = scene_of(meshes, enabled)
+            for body, (rotation, translation) in enumerate(poses):
+                scene.set_pose(body, rotation, translation)
+            self.assertEqual(scene.enabled_pairs(), enabled)
+
+            result = Detector(adjacent_pairs=adjacent).detect(scene)
+            moved = [(mesh_scenes.posed(vertices, pose), triangles)
+                     for (vertices, triangles), pose in zip(meshes, poses)]
+            expected = {pair for pair in mesh_scenes.oracle_pairs(moved, adjacent)
+                        if (pair[0], pair[2]) in enabled}
+            self.assertEqual(as_set(result.pairs), expected, seed)
+            self.assertGreater(len(expected), 20)
+            self.assertTrue(result.complete)
+            self.assertIsNone(result.separations_m)
+
+    def test_margins(self):
+        for seed, margin_m in enumerate((0.125, 0.5)):
+            rng = numpy.random.default_rng(seed)
+            meshes = [mesh_scenes.soup(rng, 20) for _ in range(2)]
+            scene = scene_of(meshes, all_pairs(2))
+            detector = Detector()
+            touching = as_set(detector.detect(scene).pairs)
+            scene.set_margin(0, margin_m)
+            scene.set_margin(1, margin_m)
+            result = detector.detect(scene)
+            expected = mesh_scenes.brute_force_pairs(meshes, margin_m)
+            self.assertEqual(as_set(result.pairs), expected)
+            self.assertLess(touching, expected)
+            self.assertEqual(result.separations_m.dtype, numpy.float32)
+            self.assertTrue(((0 <= result.separations_m)
+                             & (result.separations_m <= margin_m)).all())
+            self.assertEqual(as_set(result.pairs[result.separations_m == 0]), touching)
+
+    def test_margins_without_a_contact(self):
+        scene = scene_of([([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+                          ([[0, 0, 9], [1, 0, 9], [0, 1, 9]], [[0, 1, 2]])], [(0, 1)])
+        scene.set_margin(0, 0.5)
+        result = Detector().detect(scene)
+        self.assertEqual(result.pairs.shape, (0, 4))
+        self.assertEqual(result.separations_m.shape, (0,))
+
+    def test_moving_vertices(self):
+        rng = numpy.random.default_rng(5)
+        meshes = [mesh_scenes.soup(rng, 40) for _ in range(2)]
+        scene = scene_of(meshes, all_pairs(2))
+        detector = Detector()
+        for _ in range(3):
+            detector.detect(scene)
+            vertices = rng.uniform(0, 3, meshes[0][0].shape).astype(numpy.float32)
+            scene.set_vertices(0, vertices)
+            meshes[0] = vertices, meshes[0][1]
+            self.assertEqual(as_set(detector.detect(scene).pairs),
+                             mesh_scenes.brute_force_pairs(meshes))
+        meshes[1] = mesh_scenes.soup(rng, 25)
+        scene.set_mesh(1, *meshes[1])
+        self.assertEqual(scene.triangle_count, 65)
+        self.assertEqual(as_set(detector.detect(scene).pairs),
+                         mesh_scenes.brute_force_pairs(meshes))
+
+    @unittest.skipUnless(FUNNEL.exists(), "no %s" % FUNNEL)
+    def test_a_real_mesh(self):
+        vertices, triangles = deformable_contact.read_mesh(FUNNEL)
+        self.assertEqual((vertices.dtype, triangles.dtype), (numpy.float32, numpy.uint32))
+        scene = scene_of([(vertices, triangles)], [(0, 0)])
+        for adjacent, count in ("beyond_shared", 309), ("skip", 261):
+            result = Detector(adjacent_pairs=adjacent).detect(scene)
+            self.assertEqual(as_set(result.pairs),
+                             mesh_scenes.oracle_pairs_of_file(FUNNEL, adjacent))
+            self.assertEqual(len(result.pairs), count)
+
+
+class WhatAResultSays(unittest.TestCase):
+
+    def setUp(self):
+        rng = numpy.random.default_rng(1)
+        self.meshes = [mesh_scenes.soup(rng, 50) for _ in range(2)]
+        self.scene = scene_of(self.meshes, all_pairs(2))
+        self.expected = as_set(Detector().detect(self.scene).pairs)
+
+    def test_options_that_cost_time_alone_do_not_change_pairs(self):
+        for options in ({"clusters": 7}, {"fuzzifier": 1.5}, {"iterations": 0}, {"threads": 1},
+                        {"refresh_period": 3}, {"backend": "cpu"}, {"memory_limit_mib": 64}):
+            detector = Detector(**options)
+            for _ in range(3):
+                result = detector.detect(self.scene)
+                self.assertEqual(as_set(result.pairs), self.expected, options)
+            detector.reset()
+            self.assertEqual(as_set(detector.detect(self.scene).pairs), self.expected)
+        self.assertEqual(detector.detect(self.scene).counters["clusters"] > 0, True)
+        self.assertEqual(Detector("cpu", clusters=7).detect(self.scene).counters["clusters"], 7)
+
+    def test_what_may_err_says_so(self):
+        result = Detector(overlap=0.5).detect(self.scene)
+        self.assertEqual((result.guaranteed, result.complete), (False, False))
+        self.assertFalse(Detector(predicates="fast").detect(self.scene).guaranteed)
+        result = Detector(predicates="conservative").detect(self.scene)
+        self.assertTrue(result.guaranteed)
+        self.assertLessEqual(self.expected, as_set(result.pairs))
+
+    def test_triangles_that_are_not_finite_are_counted(self):
+        vertices, triangles = self.meshes[0]
+        vertices = vertices.copy()
+        vertices[triangles[3, 1], 2] = numpy.nan
+        self.scene.set_vertices(0, vertices)
+        result = Detector().detect(self.scene)
+        hit = int((triangles == triangles[3, 1]).any(axis=1).sum())
+        self.assertEqual(result.counters["rejected"], hit)
+        self.assertTrue(result.guaranteed)
+        self.assertFalse(result.complete)
+
+    def test_no_time(self):
+        result = Detector().detect(self.scene, max_time_s=0)
+        self.assertEqual((result.cut_off, result.cut_off_because), (True, "no time"))
+        self.assertFalse(result.complete)
+        for enough in 1e3, 1e300, float("inf"), None:
+            result = Detector().detect(self.scene, max_time_s=enough)
+            self.assertEqual((result.cut_off, result.cut_off_because), (False, ""))
+            self.assertEqual(as_set(result.pairs), self.expected)
+
+    def test_little_memory(self):
+        scene = scene_of(crossing_walls(300), [(0, 1)])
+        whole = Detector("cpu").detect(scene)
+        self.assertEqual((len(whole.pairs), whole.left_out), (90000, 0))
+        part = Detector("cpu", memory_limit_mib=1).detect(scene)
+        self.assertGreater(part.left_out, 0)
+        self.assertEqual(len(part.pairs) + part.left_out, 90000)
+        self.assertFalse(part.complete)
+        self.assertLess(as_set(part.pairs), as_set(whole.pairs))
+
+    def test_times_and_counters(self):
+        result = Detector("cpu").detect(self.scene)
+        self.assertEqual(result.backend, "cpu")
+        self.assertEqual(result.counters["triangles"], 100)
+        self.assertEqual(list(result.stages_ms), ["pose", "cluster", "assign", "sort", "sweep",
+                                                  "large", "judge", "output"])
+        self.assertGreater(result.detect_ms, 0)
+        self.assertGreaterEqual(result.round_trip_ms, result.detect_ms)
+        self.assertTrue(result.started_cold)
+        self.assertEqual(repr(result), "<Result: %d contacts, complete>" % len(self.expected))
+
+
+if __name__ == "__main__":
+    unittest.main()

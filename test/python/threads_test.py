@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""The global lock, use from several threads, lifetimes and memory."""
+import gc
+import os
+import tempfile
+import threading
+import time
+import unittest
+
+import mesh_scenes
+import numpy
+from deformable_contact import Detector, Scene, read_mesh
+
+TICKS = 20
+
+
+def small_scene(rng):
+    scene = Scene()
+    for name in "ab":
+        scene.add_body(name, *mesh_scenes.soup(rng, 12))
+    scene.set_pair_enabled(0, 1)
+    return scene
+
+
+def long_scene():
+    """Of 9 million candidate pairs: on one thread, more than LongDetection gives it."""
+    rng = numpy.random.default_rng(3)
+    scene = Scene()
+    for name in "ab":
+        vertices = rng.uniform(0, 1, (9000, 3)).astype(numpy.float32)
+        scene.add_body(name, vertices, numpy.arange(9000).reshape(-1, 3))
+    scene.set_pair_enabled(0, 1)
+    return scene
+
+
+class LongDetection:
+    """A detection in another thread, while the context lasts."""
+
+    def __init__(self, scene, detector):
+        self._begins = threading.Event()
+        self.result = None
+        self.ended = None
+
+        def run():
+            self._begins.set()
+            self.result = detector.detect(scene, max_time_s=2)
+            self.ended = time.monotonic()
+
+        self._thread = threading.Thread(target=run)
+
+    def __enter__(self):
+        self._thread.start()
+        self._begins.wait()
+        time.sleep(0.02)
+        return self
+
+    def __exit__(self, *_):
+        self._thread.join()
+
+
+class Threads(unittest.TestCase):
+
+    def test_others_run_while_it_detects(self):
+        ticks = []
+        with LongDetection(long_scene(), Detector("cpu", threads=1)) as detection:
+            while len(ticks) < TICKS:
+                time.sleep(0.001)
+                ticks.append(time.monotonic())
+        self.assertGreater(detection.ended, ticks[-1])
+
+    def test_what_another_thread_uses_is_refused(self):
+        scene, detector = long_scene(), Detector("cpu", threads=1)
+        other_scene = small_scene(numpy.random.default_rng(1))
+        with LongDetection(scene, detector) as detection:
+            changing = "the scene cannot change while detect\\(\\) looks at it in another thread"
+            for change in (lambda: scene.set_margin(0, 1), lambda: scene.set_pair_enabled(0, 0),
+                           lambda: scene.set_vertices(0, numpy.zeros((9000, 3))),
+                           lambda: scene.set_mesh(0, numpy.zeros((3, 3)), [[0, 1, 2]]),
+                           lambda: scene.set_pose(0, numpy.eye(3), [0, 0, 1]),
+                           lambda: scene.add_body("c", numpy.zeros((3, 3)), [[0, 1, 2]])):
+                with self.assertRaisesRegex(RuntimeError, changing):
+                    change()
+            busy = "the detector is in use by another thread's detect\\(\\)"
+            with self.assertRaisesRegex(RuntimeError, busy):
+                detector.detect(other_scene)
+            with self.assertRaisesRegex(RuntimeError, busy):
+                detector.reset()
+            # To look is allowed, and so is another detector.
+            self.assertEqual((scene.body_count, detector.backend), (2, "cpu"))
+            self.assertTrue(Detector("cpu").detect(scene, max_time_s=0).cut_off)
+            with self.assertRaisesRegex(RuntimeError, changing):
+                scene.set_margin(0, 1)
+            self.assertIsNone(detection.ended)
+        self.assertGreater(len(detection.result.pairs), 0)
+        scene.set_margin(0, 0)
+        detector.reset()
+        self.assertTrue(detector.detect(other_scene).complete)
+
+    def test_a_refusal_leaves_both_usable(self):
+        scene, detector = small_scene(numpy.random.default_rng(2)), Detector()
+        with self.assertRaises(ValueError):
+            detector.detect(scene, max_time_s=-1)
+        with self.assertRaises(TypeError):
+            detector.detect(None)
+        scene.set_margin(0, 1)
+        self.assertTrue(detector.detect(scene).complete)
+
+
+class Lifetimes(unittest.TestCase):
+
+    def test_results_outlive_detector_and_scene(self):
+        rng = numpy.random.default_rng(4)
+        scene, detector = small_scene(rng), Detector()
+        scene.set_margin(0, 0.5)
+        result = detector.detect(scene)
+        pairs, separations = result.pairs, result.separations_m
+        kept = pairs.copy(), separations.copy()
+        self.assertGreater(len(pairs), 0)
+        self.assertIs(pairs, result.pairs)
+        for _ in range(20):
+            scene.set_vertices(0, rng.uniform(0, 3, (24, 3)))
+            detector.detect(scene)
+        del scene, detector, result
+        gc.collect()
+        garbage = [numpy.full((len(pairs), 4), 7, numpy.uint32) for _ in range(50)]
+        numpy.testing.assert_array_equal(pairs, kept[0])
+        numpy.testing.assert_array_equal(separations, kept[1])
+        self.assertTrue(pairs.flags.owndata and separations.flags.owndata)
+        del garbage
+
+    @unittest.skipUnless((mesh_scenes.DATA / "tshirt/000.obj").exists(), "no real mesh")
+    def test_meshes_outlive_their_reader(self):
+        path = mesh_scenes.DATA / "tshirt/000.obj"
+        vertices = read_mesh(path)[0]
+        kept = vertices.copy()
+        for _ in range(10):
+            read_mesh(path)
+        gc.collect()
+        numpy.testing.assert_array_equal(vertices, kept)
+
+
+def resident_bytes():
+    with open("/proc/self/status") as file:
+        return next(1024 * int(line.split()[1]) for line in file if line.startswith("VmRSS"))
+
+
+class Memory(unittest.TestCase):
+
+    def test_is_flat_over_10_000_calls(self):
+        rng = numpy.random.default_rng(5)
+        scene, detector = small_scene(rng), Detector("cpu", threads=1)
+        scene.set_margin(0, 0.1)
+        vertices, triangles = mesh_scenes.soup(rng, 12)
+        doubles = vertices.astype(float)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = os.path.join(folder.name, "mesh.obj")
+        mesh_scenes.write_obj(path, *mesh_scenes.soup(rng, 100))
+
+        def call(number):
+            scene.set_vertices(0, doubles if number % 2 else vertices)
+            scene.set_pose(1, numpy.eye(3), rng.uniform(0, 1, 3))
+            result = detector.detect(scene)
+            self.assertEqual(len(result.pairs), len(result.separations_m))
+            self.assertTrue(result.counters and result.stages_ms)
+            if number % 10 == 0:
+                scene.set_mesh(1, vertices, triangles.astype(int))
+                with self.assertRaises(ValueError):
+                    scene.set_vertices(0, [[1, 2]])
+                Detector("cpu", threads=1)
+                read_mesh(path)
+
+        for number in range(1000):
+            call(number)
+        before = resident_bytes()
+        for number in range(10000):
+            call(number)
+        self.assertLess(resident_bytes() - before, 1 << 20)
+
+
+if __name__ == "__main__":
+    unittest.main()
