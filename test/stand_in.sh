@@ -1,8 +1,7 @@
-# A root of Debian 11, the nearest that Debian's archive has to Ubuntu 20.04 (gcc 9, Boost 1.74,
-# TBB 2020, CGAL 5.2, Python 3.9, ROS of that time), and what is built and tested there. For
-# test/run --stand-in and --aarch64. Sourced after test/checks.sh.
+# A root of Debian 11 with g++ 9, the nearest that Debian's archive has to Ubuntu 20.04, and what is
+# built and tested there. For test/run --stand-in and --aarch64. Sourced after test/checks.sh.
 
-stand_in_package=/work/package  # within the root
+stand_in_package=/tree/package  # within the root
 
 # section FILE NAME: the packages that FILE lists under "# NAME".
 section() { sed -n "/^# $2\$/,/^# /{/^[^#]/p}" "$1"; }
@@ -45,15 +44,15 @@ make_stand_in() {
 # in_stand_in COMMAND...: runs it there, in the package's folder, with the folder of the test data
 # beside it. What is mounted for it is gone afterwards.
 in_stand_in() {
-  local beside=$stand_in/work/shared data=${DCM_TEST_DATA:-$PWD/../shared/data}
-  mkdir -p "$stand_in/work"
+  local beside=$stand_in/tree/shared data=${DCM_TEST_DATA:-$PWD/../shared/data}
+  mkdir -p "$stand_in/tree"
   if [ -d "$data" ]; then mkdir -p "$beside"; else rm -rf --one-file-system "$beside"; fi
   # shellcheck disable=SC2016
   unshare --mount -- bash -c '
     root=$1 package=$2 data=$3
     shift 3
     mount --rbind /proc "$root/proc" && mount --rbind /dev "$root/dev" || exit 1
-    [ ! -d "$data" ] || mount --bind "$data/.." "$root/work/shared" || exit 1
+    [ ! -d "$data" ] || mount --bind "$data/.." "$root/tree/shared" || exit 1
     exec chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
       bash -c "cd $package && exec \"\$@\"" bash "$@"' \
     bash "$stand_in" "$stand_in_package" "$data" "$@"

@@ -3,24 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 #include <stdexcept>
+
+#include "refusal.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 TriangleMesh oneTriangle() { return {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}}; }
-
-// The message of what `action` throws; empty if it throws nothing.
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
