@@ -40,9 +40,13 @@ TriangleMesh SceneWalk::randomMesh() {
   const std::size_t kind = below(40);
   if (kind == 0) return {};
   if (kind == 1) return {{0, 0, 0.5F, 1, 0, 0.5F, 0, 1, 0.5F}, {0, 1, 2}};
-  if (kind == 2) return clothGrid(20 + static_cast<int>(below(12)), 1, unit(), 0.2F);
+  // One draw a statement: compilers differ in the order in which they evaluate arguments.
   if (kind < 20) {
-    return clothGrid(1 + static_cast<int>(below(9)), 0.5F + unit(), unit(), 0.4F * unit());
+    const bool is_large = kind == 2;
+    const int cells = is_large ? 20 + static_cast<int>(below(12)) : 1 + static_cast<int>(below(9));
+    const float height = unit(), size = is_large ? 1 : 0.5F + unit();
+    const float wave = is_large ? 0.2F : 0.4F * unit();
+    return clothGrid(cells, size, height, wave);
   }
   const std::size_t vertices = 3 + below(40), triangles = 1 + below(80);
   TriangleMesh mesh;
@@ -105,7 +109,8 @@ std::string SceneWalk::makeStrange() {
   std::vector<float> vertices = scene_.body(id).mesh.vertices;
   if (vertices.empty()) return replaceMesh();
   for (std::size_t i = 0; i <= below(4); ++i) {
-    vertices[below(vertices.size())] = kStrange[below(std::size(kStrange))];
+    const std::size_t place = below(vertices.size());
+    vertices[place] = kStrange[below(std::size(kStrange))];
   }
   setVertices(id, vertices);
   return "strange vertices" + nameOf(id);
@@ -113,7 +118,8 @@ std::string SceneWalk::makeStrange() {
 
 std::string SceneWalk::scale() {
   const BodyId id = anyBody();
-  const int exponent = static_cast<int>(below(isOneOf(4) ? 60 : 9)) - (isOneOf(2) ? 30 : 4);
+  const int least = isOneOf(2) ? -30 : -4;
+  const int exponent = least + static_cast<int>(below(isOneOf(4) ? 60 : 9));
   const auto factor = static_cast<float>(std::pow(10.0, exponent));
   std::vector<float> vertices = scene_.body(id).mesh.vertices;
   for (float& x : vertices) x *= factor;
