@@ -64,7 +64,8 @@ struct DCM_EXPORT DetectionResult {
   // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
   // intersect.
   std::vector<float> separations_m;
-  // Of each contact, if options.geometry; else empty.
+  // Of each contact, if options.geometry; else empty. Empty too if the limits left no time for all
+  // of it: that alone is no cut-off, for the list is what it is.
   std::vector<PairGeometry> geometry;
   // Contacts that were found and counted but are not in the list: the backend's memory limit was
   // reached, or no time was left to sort them. Which ones is arbitrary.
