@@ -12,7 +12,8 @@ namespace deformable_contact_monitor {
 
 // On their triangles, and as far apart as these are, but for a part in 2^22 of the points' largest
 // coordinate, rounding to float32 included, and a part in 2^24 of the smaller triangle's longest
-// edge. The direction is right to 2^-13 [rad]: so much it may turn where the distance hardly changes.
+// edge. The direction is right to 2^-13 [rad]: so much it may turn where the distance hardly
+// changes.
 struct ClosestPoints {
   Vec3f on_a, on_b;
   Vec3d direction;      // from a to b, a unit vector

@@ -73,7 +73,7 @@ DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b, PredicateS
   return orient3d(of_a.low, of_a.high, of_b.low, of_b.high, state);
 }
 
-DCM_HD inline Vec3f pointOf(const Crossing& crossing, const Triangle& plane) {
+DCM_HD DCM_RARE inline Vec3f pointOf(const Crossing& crossing, const Triangle& plane) {
   if (crossing.at_low == 0) return crossing.low;
   if (crossing.at_high == 0) return crossing.high;
   return nearestFloats(zeroBetween(crossing.low, crossing.high, crossing.at_low, crossing.at_high,
@@ -126,8 +126,8 @@ DCM_HD DCM_RARE inline bool pointAcrossPlane(const Triangle& t, const Triangle& 
 }
 
 // det[b - a; c - a] of the points' projections along `axis`.
-DCM_HD inline Expansion<6> expandedOrient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                            int axis) {
+DCM_HD DCM_RARE inline Expansion<6> expandedOrient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                                     int axis) {
   float ax, ay, bx, by, cx, cy;
   projected(a, axis, ax, ay);
   projected(b, axis, bx, by);
@@ -150,7 +150,7 @@ struct FarthestPair {
   CommonSegment segment;
   double longest2 = -1;
 
-  DCM_HD void add(const Vec3f& p) {
+  DCM_HD DCM_RARE void add(const Vec3f& p) {
     point[count++] = p;
     DCM_ROLLED for (int i = 0; i < count; ++i) {
       const Vec3d d = toDouble(p) - toDouble(point[i]);
@@ -161,6 +161,19 @@ struct FarthestPair {
     }
   }
 };
+
+// Adds the vertices of t that are in u, in the same plane.
+DCM_HD DCM_RARE inline void addVerticesWithin(const Triangle& t, const Triangle& u, int axis,
+                                              FarthestPair& points) {
+  PredicateState state;
+  const bool has_area = axis >= 0 && orient2d(u.v[0], u.v[1], u.v[2], axis, state) != 0;
+  DCM_ROLLED for (int i = 0; i < 3; ++i) {
+    const Vec3f& v = t.v[i];
+    const bool within =
+        has_area ? pointInTriangle(v, u, axis, state) : segmentMeetsEdges(v, v, u, state);
+    if (within) points.add(v);
+  }
+}
 
 // Adds the points at which edges of a and b, in one plane, cross at inner points of both.
 DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int axis,
@@ -185,13 +198,8 @@ DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int ax
 DCM_HD DCM_RARE inline bool longestChord(const Triangle& a, const Triangle& b, int axis,
                                          CommonSegment& segment) {
   FarthestPair points;
-  PredicateState state;
-  for (const Vec3f& v : a.v) {
-    if (segmentIntersectsTriangle(v, v, b, state)) points.add(v);
-  }
-  for (const Vec3f& v : b.v) {
-    if (segmentIntersectsTriangle(v, v, a, state)) points.add(v);
-  }
+  addVerticesWithin(a, b, axis, points);
+  addVerticesWithin(b, a, axis, points);
   if (axis >= 0) addEdgeCrossings(a, b, axis, points);
   segment = points.segment;
   return points.count > 0;

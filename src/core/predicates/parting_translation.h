@@ -27,7 +27,7 @@ DCM_HD inline Vec3d unit(const Vec3d& v) { return v * (1 / sqrt(dot(v, v))); }
 
 DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
   Expansion<72> sum;
-  for (int i = 0; i < 3; ++i) {
+  DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const Vec3d u = toDouble(t.v[i]), v = toDouble(t.v[i == 2 ? 0 : i + 1]);
     addDeterminant(sum, u, v, toDouble(q), 1);
     addDeterminant(sum, u, v, toDouble(p), -1);

@@ -12,8 +12,8 @@
 #include "core/predicates/host_device.h"
 #include "core/predicates/intersection_segment.h"
 #include "core/predicates/parting_translation.h"
+#include "core/predicates/segment_intersection.h"
 #include "core/predicates/triangle.h"
-#include "core/predicates/triangle_intersection.h"
 
 namespace deformable_contact_monitor {
 
@@ -24,9 +24,9 @@ namespace detail {
 DCM_HD DCM_RARE inline int axisOfPlane(const Triangle& a, const Triangle& b, Vec3d& normal) {
   PredicateState state;
   const auto at = [&](int i) -> const Vec3f& { return i < 3 ? a.v[i] : b.v[i - 3]; };
-  for (int i = 0; i < 6; ++i) {
-    for (int j = i + 1; j < 6; ++j) {
-      for (int k = j + 1; k < 6; ++k) {
+  DCM_ROLLED for (int i = 0; i < 6; ++i) {
+    DCM_ROLLED for (int j = i + 1; j < 6; ++j) {
+      DCM_ROLLED for (int k = j + 1; k < 6; ++k) {
         const int axis = projectionAxis(at(i), at(j), at(k), state);
         if (axis < 0) continue;
         normal = crossOf(at(i), at(j), at(j), at(k));
@@ -37,7 +37,16 @@ DCM_HD DCM_RARE inline int axisOfPlane(const Triangle& a, const Triangle& b, Vec
   return -1;
 }
 
-DCM_HD inline bool hasArea(const Triangle& t) {
+// Segments or points both.
+DCM_HD DCM_RARE inline bool linesMeet(const Triangle& a, const Triangle& b) {
+  PredicateState state;
+  DCM_ROLLED for (int i = 0; i < 3; ++i) {
+    if (segmentMeetsEdges(a.v[i], a.v[i == 2 ? 0 : i + 1], b, state)) return true;
+  }
+  return false;
+}
+
+DCM_HD DCM_RARE inline bool hasArea(const Triangle& t) {
   PredicateState state;
   return projectionAxis(t.v[0], t.v[1], t.v[2], state) >= 0;
 }
@@ -83,10 +92,7 @@ DCM_HD inline bool fillCrossing(const Triangle& a, const Triangle& b, bool a_has
 DCM_HD inline bool fillContact(const Triangle& a, const Triangle& b, PairGeometry& geometry) {
   const bool a_has_area = hasArea(a), b_has_area = hasArea(b);
   if (!a_has_area || !b_has_area) geometry.flags |= kDegenerate;
-  if (!a_has_area && !b_has_area) {
-    PredicateState state;
-    return edgesMeetTriangles(a, b, state) && fillCoplanar(a, b, geometry);
-  }
+  if (!a_has_area && !b_has_area) return linesMeet(a, b) && fillCoplanar(a, b, geometry);
   const Heights heights(a, b);
   const bool coplanar = a_has_area ? allZero(heights.of_b) : allZero(heights.of_a);
   return coplanar ? fillCoplanar(a, b, geometry)
@@ -119,9 +125,9 @@ DCM_HD inline PairGeometry geometryOf(const Triangle& a, const Triangle& b, floa
   PairGeometry geometry;
   const bool meet = separation_m <= 0 && detail::fillContact(first, second, geometry);
   if (!meet) detail::fillApart(first, second, separation_m, geometry);
+  const Vec3f zero;  // makes 0 of -0
+  geometry.normal = swap ? zero - geometry.normal : zero + geometry.normal;
   if (!swap) return geometry;
-  const Vec3f& n = geometry.normal;
-  geometry.normal = {0.0F - n.x, 0.0F - n.y, 0.0F - n.z};
   if (!meet) {
     const Vec3f on_first = geometry.point_a;
     geometry.point_a = geometry.point_b;

@@ -145,7 +145,7 @@ class DetectContacts(unittest.TestCase):
     def test_geometry(self):
         """What the manual shows; the pairs are --pairs's, the numbers the float32 themselves."""
         meshes = [self.mesh("floor.obj", FLOOR),
-                  self.mesh("blade.obj", "v 1 1 -0.5\nv 1 0.5 2\nv 1 1.5 2\nf 1 2 3\n")]
+                  self.mesh("blade.obj", "v 1 1 -0.5\nv 1 0.5 1.5\nv 1 1.5 1.5\nf 1 2 3\n")]
         line = self.works("--geometry", "-", *meshes).stdout
         manual = (SOURCE / "src/tools/detect_contacts/README.md").read_text()
         self.assertIn("    " + line, manual)
