@@ -48,7 +48,7 @@ class CudaDetector : public Detector {
   bool isCutOff(const CycleLimit& limit) const;
   bool makeRoom();
   bool sweepInPasses(const CycleLimit& limit);
-  void fetchContacts(bool few);
+  void fetchContacts(const Options& options, bool few);
   void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
   std::uint32_t listable(std::uint64_t contacts) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
@@ -247,7 +247,7 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
   bool all = false;
   for (int tries = 1;; ++tries) {
     runCycle(options);
-    fetchContacts(limit.isSet());
+    fetchContacts(options, limit.isSet());
     checkCuda(cudaGetLastError(), "a launch");
     wait(limit);
     if (isCutOff(limit)) break;
@@ -260,7 +260,7 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
   if (in_passes) all = runInPasses(limit);
   if (in_passes || listable(counters_[0].contacts) > output_.fetched()) {
     last_contacts_ = counters_[0].contacts;
-    fetchContacts(limit.over());
+    fetchContacts(options, limit.over());
     wait(limit);
   }
   return all && counters_[0].candidates <= sizes_.candidates;
@@ -324,9 +324,9 @@ bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
 
 // Behind what is in the stream, as many contacts as there were last time; `few`: no more than are
 // sorted and copied in little time.
-void CudaDetector::fetchContacts(bool few) {
+void CudaDetector::fetchContacts(const Options& options, bool few) {
   const std::uint64_t most = few ? kMostListedLate : last_contacts_;
-  output_.fetch(arrays_, scene_.anyMargin(), params_[0].index_bits,
+  output_.fetch(arrays_, {scene_.anyMargin(), options.geometry}, params_[0].index_bits,
                 listable(std::min(last_contacts_, most)), stream_.get());
 }
 

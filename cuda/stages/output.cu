@@ -2,6 +2,7 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <vector>
 
+#include "cuda/stages/geometry.cuh"
 #include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
@@ -15,7 +16,7 @@ __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c, std::uint32
   const std::uint64_t count = c.counters().contacts;
   const std::uint64_t i = count + blockIdx.x * kThreads + threadIdx.x;
   if (i >= count && i < capacity) {
-    c.contacts.contacts[Place(static_cast<std::uint32_t>(i))] = ~std::uint64_t{0};
+    c.contacts.contacts[Place(static_cast<std::uint32_t>(i))] = kNoContact;
   }
 }
 
@@ -36,26 +37,31 @@ void sortKeys(const ContactArrays& contacts, std::uint32_t capacity, unsigned in
 
 }  // namespace
 
-void ContactOutput::makeRoom(std::uint32_t count, std::uint32_t most, bool separations) {
+void ContactOutput::makeRoom(std::uint32_t count, std::uint32_t most, const ContactFields& fields) {
   if (count > sorted_keys_.size()) {
     // With room to spare, or contacts that creep up would allocate in every cycle.
     sorted_keys_.grow(std::min(most, count + count / 2));
   }
   keys_.grow(sorted_keys_.size());
-  if (!separations) return;
-  sorted_separations_.grow(sorted_keys_.size());
-  separations_.grow(sorted_keys_.size());
+  if (fields.separations) {
+    sorted_separations_.grow(sorted_keys_.size());
+    separations_.grow(sorted_keys_.size());
+  }
+  if (fields.geometry) {
+    geometry_on_device_.grow(sorted_keys_.size());
+    geometry_.grow(sorted_keys_.size());
+  }
 }
 
-void ContactOutput::fetch(const CycleArrays& cycle, bool separations, unsigned index_bits,
-                          std::uint32_t count, cudaStream_t stream) {
+void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
+                          unsigned index_bits, std::uint32_t count, cudaStream_t stream) {
   const std::uint32_t most = cycle.contacts.contacts.size();
   fetched_ = std::min(most, count + count / 4 + 1024);
   index_bits_ = index_bits;
-  with_separations_ = separations;
-  makeRoom(fetched_, most, separations);
+  fields_ = fields;
+  makeRoom(fetched_, most, fields);
   padKernel<<<(fetched_ + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle, fetched_);
-  float* const separations_out = separations ? sorted_separations_.data() : nullptr;
+  float* const separations_out = fields.separations ? sorted_separations_.data() : nullptr;
   const auto sort = [&](void* scratch, std::size_t& bytes) {
     sortKeys(cycle.contacts, fetched_, index_bits, sorted_keys_.data(), separations_out, scratch,
              bytes, stream);
@@ -65,7 +71,11 @@ void ContactOutput::fetch(const CycleArrays& cycle, bool separations, unsigned i
   if (scratch_bytes > scratch_.size()) scratch_.grow(scratch_bytes + scratch_bytes / 2);
   sort(scratch_.data(), scratch_bytes);
   sorted_keys_.download(keys_.data(), fetched_, stream);
-  if (separations) sorted_separations_.download(separations_.data(), fetched_, stream);
+  if (fields.separations) sorted_separations_.download(separations_.data(), fetched_, stream);
+  if (!fields.geometry) return;
+  launchGeometry(cycle, {sorted_keys_.data(), separations_out, fetched_, index_bits},
+                 geometry_on_device_.data(), stream);
+  geometry_on_device_.download(geometry_.data(), fetched_, stream);
 }
 
 void ContactOutput::list(const DeviceScene& scene, std::uint32_t count, const CycleLimit& limit,
@@ -86,23 +96,27 @@ void ContactOutput::list(const DeviceScene& scene, std::uint32_t count, const Cy
   }
   count = done;
   result.contacts.resize(count);
-  if (with_separations_) {
+  if (fields_.separations) {
     result.separations_m.assign(separations_.data(), separations_.data() + count);
   }
+  if (fields_.geometry) result.geometry.assign(geometry_.data(), geometry_.data() + count);
 }
 
 void dropRepeated(DetectionResult& result) {
   std::vector<TrianglePair>& contacts = result.contacts;
   std::vector<float>& separations_m = result.separations_m;
+  std::vector<PairGeometry>& geometry = result.geometry;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (kept > 0 && contacts[i] == contacts[kept - 1]) continue;
     contacts[kept] = contacts[i];
     if (!separations_m.empty()) separations_m[kept] = separations_m[i];
+    if (!geometry.empty()) geometry[kept] = geometry[i];
     ++kept;
   }
   contacts.resize(kept);
   if (!separations_m.empty()) separations_m.resize(kept);
+  if (!geometry.empty()) geometry.resize(kept);
 }
 
 }  // namespace deformable_contact_monitor

@@ -15,18 +15,24 @@ namespace deformable_contact_monitor {
 // finds some twice: triangles without a list are as if each of their clusters were the only one.
 void dropRepeated(DetectionResult& result);
 
+// What comes with each contact.
+struct ContactFields {
+  bool separations, geometry;
+};
+
 class ContactOutput {
  public:
-  // Sorts on the device and copies, behind what is in the stream. A little more than `count`
-  // contacts: as last cycle's count says, for the host does not know this one's before.
-  // `index_bits` as in CycleParams.
-  void fetch(const CycleArrays& cycle, bool separations, unsigned index_bits, std::uint32_t count,
-             cudaStream_t stream);
+  // Sorts on the device, adds the geometry, and copies, behind what is in the stream. A little more
+  // than `count` contacts: as last cycle's count says, for the host does not know this one's
+  // before.
+  void fetch(const CycleArrays& cycle, const ContactFields& fields, unsigned index_bits,
+             std::uint32_t count, cudaStream_t stream);
   // How many contacts the last fetch could bring.
   std::uint32_t fetched() const { return fetched_; }
 
   std::uint64_t bytes() const {
-    return sorted_keys_.bytes() + sorted_separations_.bytes() + scratch_.bytes();
+    return sorted_keys_.bytes() + sorted_separations_.bytes() + geometry_on_device_.bytes() +
+           scratch_.bytes();
   }
 
   // The first `count` of them, once the stream has been waited for; where the limit is over, at
@@ -35,16 +41,18 @@ class ContactOutput {
             DetectionResult& result) const;
 
  private:
-  void makeRoom(std::uint32_t count, std::uint32_t most, bool separations);
+  void makeRoom(std::uint32_t count, std::uint32_t most, const ContactFields& fields);
 
   DeviceBuffer<std::uint64_t> sorted_keys_;
   DeviceBuffer<float> sorted_separations_;
+  DeviceBuffer<PairGeometry> geometry_on_device_;
   DeviceBuffer<unsigned char> scratch_;
   PinnedBuffer<std::uint64_t> keys_;
   PinnedBuffer<float> separations_;
+  PinnedBuffer<PairGeometry> geometry_;
   std::uint32_t fetched_ = 0;
   unsigned index_bits_ = 1;
-  bool with_separations_ = false;
+  ContactFields fields_{false, false};
 };
 
 }  // namespace deformable_contact_monitor

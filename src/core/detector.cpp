@@ -5,6 +5,7 @@ namespace deformable_contact_monitor {
 void DetectionResult::begin(const Scene& scene, bool is_guaranteed) {
   contacts.clear();
   separations_m.clear();
+  geometry.clear();
   left_out = 0;
   cut_off = false;
   cut_off_because.clear();

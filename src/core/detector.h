@@ -10,6 +10,7 @@
 
 #include "core/export.h"
 #include "core/options.h"
+#include "core/pair_geometry.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -63,6 +64,9 @@ struct DCM_EXPORT DetectionResult {
   // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
   // intersect.
   std::vector<float> separations_m;
+  // Of each contact, if options.geometry; else empty. Empty too if the limits left no time for all
+  // of it: that alone is no cut-off, for the list is what it is.
+  std::vector<PairGeometry> geometry;
   // Contacts that were found and counted but are not in the list: the backend's memory limit was
   // reached, or no time was left to sort them. Which ones is arbitrary.
   std::uint64_t left_out = 0;

@@ -25,6 +25,8 @@ struct Options {
   int refresh_period = 1;  // cycles between refreshes, >= 1
   int threads = 0;         // of the CPU backend; 0: all cores
 
+  bool geometry = false;  // DetectionResult::geometry is asked for
+
   Limits limits;  // what ends a cycle early; none by default
 };
 

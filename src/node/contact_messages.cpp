@@ -35,6 +35,32 @@ void addBodies(const CycleReport& report, ContactArray* message) {
   }
 }
 
+geometry_msgs::Point32 toPoint32(const Vec3f& v) {
+  geometry_msgs::Point32 point;
+  point.x = v.x;
+  point.y = v.y;
+  point.z = v.z;
+  return point;
+}
+
+ContactGeometry toContactGeometry(const PairGeometry& geometry) {
+  ContactGeometry message;
+  message.point_a = toPoint32(geometry.point_a);
+  message.point_b = toPoint32(geometry.point_b);
+  message.normal = toPoint32(geometry.normal);
+  message.separation = geometry.separation_m;
+  message.flags = geometry.flags;
+  return message;
+}
+
+// Of as many pairs as there are.
+void addGeometry(const DetectionResult& result, ContactArray* message) {
+  message->geometry.reserve(message->pairs.size());
+  for (std::size_t i = 0; i < message->pairs.size(); ++i) {
+    message->geometry.push_back(toContactGeometry(result.geometry[i]));
+  }
+}
+
 void addPairs(const DetectionResult& result, std::size_t most, ContactArray* message) {
   const std::size_t total = result.contacts.size();
   const std::size_t kept = std::min(total, most);
@@ -85,9 +111,12 @@ ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts,
     const DetectionResult& result = *report.result;
     // Behind all else that takes room.
     using ros::serialization::serializationLength;
-    const std::size_t room =
-        mostPairs(most_bytes, serializationLength(message), serializationLength(ContactPair()));
+    const bool geometry = hasGeometry(report);
+    const std::size_t pair_bytes = serializationLength(ContactPair()) +
+                                   (geometry ? serializationLength(ContactGeometry()) : 0);
+    const std::size_t room = mostPairs(most_bytes, serializationLength(message), pair_bytes);
     addPairs(result, max_contacts == 0 ? room : std::min(max_contacts, room), &message);
+    if (geometry) addGeometry(result, &message);
     message.guaranteed = result.guaranteed;
     message.timed_out = result.isOutOfTime();
     message.undecided = saturated(result.counters.undecided);

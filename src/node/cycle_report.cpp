@@ -5,6 +5,11 @@
 
 namespace deformable_contact_monitor {
 
+bool hasGeometry(const CycleReport& report) {
+  return report.options.geometry && report.result != nullptr &&
+         report.result->geometry.size() == report.result->contacts.size();
+}
+
 // They are looked for only where the detector says that there are any.
 void noteRejected(CycleReport* report) {
   if (report->result->counters.rejected == 0) return;

@@ -55,6 +55,9 @@ inline bool isOfCycle(const std::vector<BodyStatus>& bodies, const MonitoredPair
          (b.kind == BodyKind::kDeformable && b.triggered);
 }
 
+// Whether the parameters ask for geometry, and the result has it of every contact.
+bool hasGeometry(const CycleReport& report);
+
 // After the detection: which bodies' triangles took no part, and which bodies are UNKNOWN for a
 // pose that makes vertices infinite.
 void noteRejected(CycleReport* report);

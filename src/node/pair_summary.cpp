@@ -34,11 +34,24 @@ void add(const PairSummary& part, PairSummary* sum) {
   sum->area_sum += part.area_sum;
 }
 
+// Of contacts [begin, end). Whether they touch, the verdict says; geometry, how deep.
+double minSeparationM(const CycleReport& report, std::size_t begin, std::size_t end) {
+  const auto least = [begin, end](const std::vector<float>& of_all) {
+    return *std::min_element(of_all.begin() + static_cast<std::ptrdiff_t>(begin),
+                             of_all.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  const DetectionResult& result = *report.result;
+  float separation_m = result.separations_m.empty() ? 0 : least(result.separations_m);
+  for (std::size_t i = begin; i < end && hasGeometry(report); ++i) {
+    separation_m = std::min(separation_m, result.geometry[i].separation_m);
+  }
+  return separation_m;
+}
+
 // Contacts [begin, end) of one pair of bodies.
 PairSummary sumUp(const CycleReport& report, const PosedBody& of_a, const PosedBody& of_b,
                   std::size_t begin, std::size_t end) {
   const std::vector<TrianglePair>& contacts = report.result->contacts;
-  const std::vector<float>& separations = report.result->separations_m;
   const bool has_normal = report.bodies.at(contacts[begin].body_a).kind == BodyKind::kLink;
   PairSummary sum;
   Vec3d corners_of_a;
@@ -56,11 +69,7 @@ PairSummary sumUp(const CycleReport& report, const PosedBody& of_a, const PosedB
         sum.corner_sum + (corners_of_a + cornerSum(of_b.triangle(contacts[i].triangle_b)));
   }
   sum.count = end - begin;
-  sum.min_separation_m =
-      separations.empty()
-          ? 0.0
-          : double{*std::min_element(separations.begin() + static_cast<std::ptrdiff_t>(begin),
-                                     separations.begin() + static_cast<std::ptrdiff_t>(end))};
+  sum.min_separation_m = minSeparationM(report, begin, end);
   return sum;
 }
 

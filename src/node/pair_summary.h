@@ -12,13 +12,14 @@ namespace deformable_contact_monitor {
 
 struct PairSummary {
   std::uint64_t count = 0;  // of triangle pairs
+  // 0 where some touch, or minus the depth of the deepest if hasGeometry().
   double min_separation_m = std::numeric_limits<double>::infinity();
   Vec3d corner_sum;     // over six corners a triangle pair [m]
   Vec3d normal_sum;     // of body_a's distinct triangles, doubled areas [m^2]
   double area_sum = 0;  // of the same, to tell "cancels out" from "small"
 
   // Some triangle pair touches.
-  bool touches() const { return count > 0 && min_separation_m == 0; }
+  bool touches() const { return count > 0 && min_separation_m <= 0; }
   // Mean over the triangle pairs of the mean of their six corners [m]; zero without a pair.
   Vec3d centroid() const;
   // Unit vector of body_a's triangles, weighted by area; zero where they cancel out.

@@ -32,6 +32,7 @@ overlap: share [0, 1] of a triangle that decides its clusters; below 1, contacts
 clusters (0: from the scene), fuzzifier [1.05, 4], iterations [0, 100], refresh_period (>= 1):
     speed alone while overlap is 1 and predicates are exact.
 threads: of the CPU backend; 0: all cores.
+geometry: whether results have the geometry of each contact.
 
 Raises ValueError that lists every value out of range; RuntimeError, with the reason, where
 backend='cuda' cannot be used.)";
@@ -88,7 +89,7 @@ std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, s
                                                    const std::string& adjacent_pairs,
                                                    const std::string& predicates, float overlap,
                                                    int clusters, float fuzzifier, int iterations,
-                                                   int refresh_period, int threads) {
+                                                   int refresh_period, int threads, bool geometry) {
   Options options;
   options.adjacent = toAdjacentPairs(adjacent_pairs);
   options.predicates = toPredicates(predicates);
@@ -98,6 +99,7 @@ std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, s
   options.iterations = iterations;
   options.refresh_period = refresh_period;
   options.threads = threads;
+  options.geometry = geometry;
   return std::make_unique<PythonDetector>(toBackendChoice(backend),
                                           toSettings(device, memory_limit_mib), options);
 }
@@ -138,7 +140,7 @@ PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> ma
     const py::gil_scoped_release others_run;
     result = &detector_->detect(scene->scene(), options);
   }
-  return {*result, backend_, scene->scene().anyMargin()};
+  return {*result, backend_, scene->scene().anyMargin(), options_.geometry};
 }
 
 void PythonDetector::reset() {
@@ -171,7 +173,7 @@ void bindDetector(py::module& module) {
            py::arg("overlap") = options.overlap, py::arg("clusters") = options.clusters,
            py::arg("fuzzifier") = options.fuzzifier, py::arg("iterations") = options.iterations,
            py::arg("refresh_period") = options.refresh_period, py::arg("threads") = options.threads,
-           kInitText)
+           py::arg("geometry") = options.geometry, kInitText)
       .def("detect", &Self::detect, py::arg("scene").none(false),
            py::arg("max_time_s") = py::none(), kDetectText)
       .def("reset", &Self::reset,

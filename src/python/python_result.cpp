@@ -1,6 +1,7 @@
 #include "python/python_result.h"
 
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 #include <vector>
 
@@ -15,6 +16,20 @@ static_assert(sizeof(TrianglePair) == 4 * sizeof(std::uint32_t) &&
 py::array pairTable(const std::vector<TrianglePair>& contacts) {
   const auto* const from = reinterpret_cast<const std::uint32_t*>(contacts.data());
   return py::array_t<std::uint32_t>({contacts.size(), std::size_t{4}}, from);
+}
+
+// Records of the wire format, which the members are in the order of, without what pads them.
+py::array geometryTable(const std::vector<PairGeometry>& geometry) {
+  constexpr std::size_t kBytes = offsetof(PairGeometry, flags) + sizeof(PairGeometry::flags);
+  static_assert(kBytes == 41 && std::is_standard_layout<PairGeometry>::value,
+                "members stand one behind the other");
+  const py::object type = py::module::import("deformable_contact._wire").attr("GEOMETRY");
+  py::array table(py::dtype::from_args(type), std::vector<std::size_t>{geometry.size()});
+  auto* const to = static_cast<unsigned char*>(table.mutable_data());
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    std::memcpy(to + i * kBytes, &geometry[i], kBytes);
+  }
+  return table;
 }
 
 // The tools' and the node's word: undecided pairs are in the list, so nothing is missing.
@@ -55,6 +70,17 @@ constexpr const char* kSeparationsText = R"(Distance of each contact's triangles
 
 0 where they intersect. None where no body that takes part has a margin: then all of them do.)";
 
+constexpr const char* kGeometryText =
+    R"(Geometry of each contact: (k,) of messages.GEOMETRY, in the rows of pairs.
+
+Fields: point_a, point_b (3,) float32 [m]: ends of the intersection segment (of the longest chord
+where coplanar; equal where they touch at a point); of triangles that are apart, the closest points
+of a and of b. normal (3,): unit vector from a to b, b moves along it to get clear; zero: undefined.
+separation [m]: > 0: distance; <= 0: minus the length of the shortest translation that parts the two
+triangles. flags: sum of 1 coplanar, 2 normal undefined, 4 separation undefined, 8 degenerate (a
+triangle without area), 16 normal not unique.
+None unless Detector(geometry=True), and where max_time_s left no time for it.)";
+
 constexpr const char* kCompleteText = R"(Whether the list is all there is.
 
 True iff the result is guaranteed, and nothing was cut off, left out or rejected. Without it, a pair
@@ -77,9 +103,10 @@ floating point), undecided (of the contacts: assumed to be some, by conservative
 }  // namespace
 
 PythonResult::PythonResult(const DetectionResult& result, const std::string& in_backend,
-                           bool any_margin)
+                           bool any_margin, bool with_geometry)
     : pairs(pairTable(result.contacts)),
       separations(py::none()),
+      geometry(py::none()),
       complete(isComplete(result)),
       guaranteed(result.guaranteed),
       cut_off(result.cut_off),
@@ -94,6 +121,9 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
   if (any_margin) {
     separations = py::array_t<float>(result.separations_m.size(), result.separations_m.data());
   }
+  if (with_geometry && result.geometry.size() == result.contacts.size()) {
+    geometry = geometryTable(result.geometry);
+  }
   for (const auto& [stage, ms] : result.stages_ms) stages_ms[py::str(stage)] = ms;
 }
 
@@ -102,6 +132,7 @@ void bindResult(py::module& module) {
   py::class_<Self>(module, "Result", "What one detect() found. Its arrays are its own.")
       .def_readonly("pairs", &Self::pairs, kPairsText)
       .def_readonly("separations_m", &Self::separations, kSeparationsText)
+      .def_readonly("geometry", &Self::geometry, kGeometryText)
       .def_readonly("complete", &Self::complete, kCompleteText)
       .def_readonly("guaranteed", &Self::guaranteed,
                     "Whether the settings in force cannot lose a contact.")

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/cpu/geometry.h"
 #include "core/host_vertices.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
@@ -49,6 +50,7 @@ class BruteForceDetector : public Detector {
       }
     }
     writeContacts(scene);
+    writeGeometry(scene, options, result_);
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = watch.elapsedMs();
     return result_;

@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/cpu/geometry.h"
 #include "core/host_vertices.h"
 #include "core/stopwatch.h"
 #include "reference/posed_triangles.h"
@@ -84,6 +85,7 @@ class FclDetector : public Detector {
     result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
                            result_.contacts.end());
     if (scene.anyMargin()) result_.separations_m.assign(result_.contacts.size(), 0);
+    writeGeometry(scene, options, result_);
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = cycle.elapsedMs();
     return result_;

@@ -56,13 +56,30 @@ Measured measureDetector(int repeats, Detector* detector, Scene* scene, const Op
   });
 }
 
-int run() {
+// What geometry adds to the round trip.
+void geometryRows() {
+  Scene scene = selfScene(readMeshFile(testDataFile("cloth-ball/cloth_ball92.ply")));
+  for (const int threads : {1, 2}) {
+    for (const bool geometry : {false, true}) {
+      Options options;
+      options.adjacent = AdjacentPairs::kSkip;
+      options.threads = threads;
+      options.geometry = geometry;
+      const auto detector = makeCpuDetector();
+      const std::string what = std::string("ours, ") +
+                               (threads == 1 ? "one thread" : "two threads") +
+                               (geometry ? ", with geometry" : "") + ": round trip";
+      row("cloth_ball92, self", what.c_str(),
+          measureDetector(25, detector.get(), &scene, options, true));
+    }
+  }
+}
+
+void oneThreadRows() {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   Options options;
   options.threads = 1;
   options.adjacent = AdjacentPairs::kSkip;
-  std::printf("| scene | what | median ms | least ms | pairs |\n|---|---|---|---|---|\n");
-
   const TriangleMesh cloth = readMeshFile(testDataFile("cloth-ball/cloth_ball92.ply"));
   const char* name = "cloth_ball92, self";
   Scene scene = selfScene(cloth);
@@ -95,13 +112,20 @@ int run() {
       measureDetector(200, robot_detector.get(), &robot, options, false));
   row(name, "ours, exact: round trip",
       measureDetector(200, robot_detector.get(), &robot, options, true));
+}
+
+// With the argument "geometry": what it costs alone.
+int run(const std::string& only) {
+  std::printf("| scene | what | median ms | least ms | pairs |\n|---|---|---|---|---|\n");
+  if (only != "geometry") oneThreadRows();
+  geometryRows();
   return 0;
 }
 
 }  // namespace
 }  // namespace deformable_contact_monitor
 
-int main() {
+int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
-  return dcm::runBenchmark("benchmark", dcm::run);
+  return dcm::runBenchmark("benchmark", [argc, argv] { return dcm::run(argc > 1 ? argv[1] : ""); });
 }

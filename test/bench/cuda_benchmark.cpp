@@ -52,6 +52,11 @@ bool setsEqual(Moving& moving, Detector& detector, Detector& reference, const Op
   return equal;
 }
 
+const char* what(const Options& options) {
+  if (options.geometry) return "skip, with geometry";
+  return options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond shared";
+}
+
 void whole(Moving& moving, const Options& options, bool check) {
   const auto detector = makeCudaDetector();
   for (int i = 0; i < (only_growth ? 10 : kWarmUp); ++i) step(moving, i, *detector, options);
@@ -77,9 +82,9 @@ void whole(Moving& moving, const Options& options, bool check) {
   std::printf(
       "| %s | %s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %llu | %llu | %.2f | %llu | "
       "%llu | %.0f | %s |\n",
-      moving.name.c_str(), options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond shared",
-      static_cast<unsigned long long>(c.triangles), last.contacts.size(), moving.at_most_ms,
-      median(detect), percentile(detect, 0.95), median(round_trip), percentile(round_trip, 0.95),
+      moving.name.c_str(), what(options), static_cast<unsigned long long>(c.triangles),
+      last.contacts.size(), moving.at_most_ms, median(detect), percentile(detect, 0.95),
+      median(round_trip), percentile(round_trip, 0.95),
       static_cast<unsigned long long>(c.interval_overlaps),
       static_cast<unsigned long long>(c.candidates),
       c.clustered > 0 ? static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered)
@@ -199,6 +204,9 @@ void printScenes(const std::vector<MakeMoving>& scenes, const std::string& only,
     options.adjacent = AdjacentPairs::kBeyondShared;
     whole(moving, options, true);
     options.adjacent = AdjacentPairs::kSkip;
+    options.geometry = true;
+    whole(moving, options, true);
+    options.geometry = false;
     stages(moving, options);
   }
 }

@@ -94,6 +94,61 @@ TEST(ContactArrayTest, beyondItsRoomItIsTruncatedAndSaysSo) {
   EXPECT_TRUE(toContactArray(sample.report, 0, 1).pairs.empty());
 }
 
+// Of each of the three contacts; where it was asked for.
+void addGeometry(SampleReport* sample) {
+  sample->report.options.geometry = true;
+  for (int i = 0; i < 3; ++i) {
+    const auto x = static_cast<float>(i);
+    sample->result.geometry.push_back(
+        {{x, 1, 2}, {x, 3, 4}, {0, 0, -1}, -0.5F * x, static_cast<std::uint8_t>(i)});
+  }
+}
+
+TEST(ContactArrayTest, carriesTheGeometryOfEachPair) {
+  SampleReport sample;
+  addGeometry(&sample);
+  const ContactArray message = toContactArray(sample.report, 0);
+  ASSERT_EQ(message.geometry.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    const auto& g = message.geometry[i];
+    EXPECT_EQ(std::vector<float>({g.point_a.x, g.point_a.y, g.point_a.z}),
+              std::vector<float>({1.0F * i, 1, 2}));
+    EXPECT_EQ(std::vector<float>({g.point_b.x, g.point_b.y, g.point_b.z}),
+              std::vector<float>({1.0F * i, 3, 4}));
+    EXPECT_EQ(std::vector<float>({g.normal.x, g.normal.y, g.normal.z}),
+              std::vector<float>({0, 0, -1}));
+    EXPECT_EQ(g.separation, -0.5F * i);
+    EXPECT_EQ(g.flags, i);
+  }
+  EXPECT_EQ(toContactArray(sample.report, 2).geometry.size(), 2U);
+}
+
+TEST(ContactArrayTest, aMessageHasRoomForGeometryToo) {
+  SampleReport sample;
+  addGeometry(&sample);
+  const auto bytesOf = [](const ContactArray& message) {
+    return ros::serialization::serializationLength(message);
+  };
+  const ContactArray whole = toContactArray(sample.report, 0);
+  EXPECT_EQ(toContactArray(sample.report, 0, bytesOf(whole)).geometry.size(), 3U);
+  const ContactArray cut = toContactArray(sample.report, 0, bytesOf(whole) - 1);
+  EXPECT_EQ(cut.pairs.size(), 2U);
+  EXPECT_EQ(cut.geometry.size(), 2U);
+  EXPECT_EQ(bytesOf(cut), bytesOf(whole) - 16 - 41);
+}
+
+// Somebody else may have asked the detector for it; or there was no time for it.
+TEST(ContactArrayTest, geometryIsThereIfTheParametersAskForItAndAllOfItIsThere) {
+  SampleReport others;
+  addGeometry(&others);
+  others.report.options.geometry = false;
+  EXPECT_TRUE(toContactArray(others.report, 0).geometry.empty());
+  SampleReport late;
+  late.report.options.geometry = true;
+  EXPECT_TRUE(toContactArray(late.report, 0).geometry.empty());
+  EXPECT_EQ(toContactArray(late.report, 0).pairs.size(), 3U);
+}
+
 TEST(ContactArrayTest, countsStopAtWhatTheirFieldsHold) {
   SampleReport sample;
   sample.result.left_out = std::uint64_t{1} << 33;

@@ -197,6 +197,31 @@ TEST(ContactStateTrackerTest, nearMeansThatEveryTrianglePairIsApart) {
   EXPECT_EQ(state.min_separation, 0);
 }
 
+// Whether they touch, the verdict says: what geometry finds apart after all is at 0.
+TEST(ContactStateTrackerTest, withGeometryTheSeparationIsMinusTheDepth) {
+  SampleReport sample;
+  ContactStateTracker tracker(rules(1, 1));
+  sample.result.geometry.resize(3);
+  sample.result.geometry[0].separation_m = 0.25F;
+  sample.result.geometry[1].separation_m = -0.5F;
+  EXPECT_EQ(take(&tracker, sample.report).states[kHandCloth].min_separation, 0);
+  sample.report.options.geometry = true;
+  ContactState state = take(&tracker, sample.report).states[kHandCloth];
+  EXPECT_EQ(state.state, ContactState::CONTACT);
+  EXPECT_EQ(state.min_separation, -0.5F);
+  sample.result.geometry[1].separation_m = 0.125F;
+  state = take(&tracker, sample.report).states[kHandCloth];
+  EXPECT_EQ(state.state, ContactState::CONTACT);
+  EXPECT_EQ(state.min_separation, 0);
+  sample.result.separations_m = {0.02F, 0.01F, 0.03F};
+  for (int i = 0; i < 3; ++i) {
+    sample.result.geometry[i].separation_m = sample.result.separations_m[i];
+  }
+  state = take(&tracker, sample.report).states[kHandCloth];
+  EXPECT_EQ(state.state, ContactState::NEAR);
+  EXPECT_EQ(state.min_separation, 0.01F);
+}
+
 TEST(ContactStateTrackerTest, unknownIsNeverNoContact) {
   SampleReport sample;
   sample.result.contacts.clear();

@@ -53,6 +53,7 @@ TEST(Parameters, NothingSetGivesTheDefaults) {
   EXPECT_TRUE(p.pair_classes.robot_deformable);
   EXPECT_FALSE(p.pair_classes.deformable_self);
   EXPECT_EQ(p.detector.overlap, 1.0F);
+  EXPECT_FALSE(p.detector.geometry);
   EXPECT_EQ(p.detector.predicates, Predicates::kExact);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kBeyondShared);
   EXPECT_EQ(p.backend, BackendChoice::kAuto);
@@ -83,6 +84,7 @@ TEST(Parameters, ValuesArrive) {
   tree["adjacent_pairs"] = "skip";
   tree["links"] = list("hand", "arm");
   tree["max_contacts"] = 7;
+  tree["contact_geometry"] = true;
   const MonitorParameters p = parse(tree);
   ASSERT_EQ(p.objects.size(), 2U);
   EXPECT_EQ(p.objects[0].margin_m, 1.0F) << "an object without a margin has the general one";
@@ -104,6 +106,7 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_EQ(p.detector.predicates, Predicates::kFast);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kSkip);
   EXPECT_EQ(p.max_contacts, 7U);
+  EXPECT_TRUE(p.detector.geometry);
 }
 
 TEST(Parameters, AllProblemsAreListedTogether) {

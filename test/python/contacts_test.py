@@ -3,6 +3,7 @@
 import unittest
 
 import deformable_contact
+import deformable_contact.messages
 import mesh_scenes
 import numpy
 from deformable_contact import Detector, Scene
@@ -32,6 +33,40 @@ def crossing_walls(count):
     b = numpy.stack([-3 * one, at, zero, 3 * one, at, -3 * one, 3 * one, at, 3 * one], axis=1)
     triangles = numpy.arange(3 * count, dtype=numpy.uint32).reshape(-1, 3)
     return [(a.reshape(-1, 3), triangles), (b.reshape(-1, 3), triangles)]
+
+
+class Geometry(unittest.TestCase):
+
+    def test_each_contact_has_its_own(self):
+        """Of a blade through a floor, one that touches it, one that is near."""
+        floor = numpy.float32([[0, 0, 0], [8, 0, 0], [0, 8, 0]])
+        blade = numpy.float32([[1, 1, 0], [1, .5, 2.5], [1, 1.5, 2.5]])
+        blades = numpy.concatenate([blade + numpy.float32([x, 0, z])
+                                    for x, z in ((0, -.5), (1, 0), (2, .25))])
+        triangle = numpy.uint32([[0, 1, 2]])
+        scene = scene_of([(floor, triangle), (blades, numpy.arange(9).reshape(-1, 3))], [(0, 1)])
+        scene.set_margin(1, .5)
+        result = Detector(geometry=True).detect(scene)
+        self.assertEqual(as_set(result.pairs), {(0, 0, 1, 0), (0, 0, 1, 1), (0, 0, 1, 2)})
+        geometry = result.geometry
+        self.assertEqual(geometry.dtype, deformable_contact.messages.GEOMETRY)
+        self.assertEqual(geometry.shape, (3,))
+        numpy.testing.assert_array_equal(geometry["separation"], [-.5, 0, .25])
+        numpy.testing.assert_array_equal(geometry["normal"], [[0, 0, 1]] * 3)
+        numpy.testing.assert_array_equal(geometry["flags"], [0, 0, 0])
+        numpy.testing.assert_array_equal(geometry["point_a"][1:], [[2, 1, 0], [3, 1, 0]])
+        numpy.testing.assert_array_equal(geometry["point_b"][1:], [[2, 1, 0], [3, 1, .25]])
+        self.assertEqual({geometry["point_a"][0][0], geometry["point_b"][0][0]}, {1})
+        self.assertTrue(geometry.flags.owndata)
+
+    def test_is_there_if_asked_for(self):
+        scene = scene_of(crossing_walls(30), all_pairs(2))
+        self.assertIsNone(Detector().detect(scene).geometry)
+        result = Detector(geometry=True).detect(scene)
+        self.assertEqual(len(result.geometry), len(result.pairs))
+        self.assertTrue((result.geometry["separation"] <= 0).all())
+        empty = scene_of(crossing_walls(3), [])
+        self.assertEqual(Detector(geometry=True).detect(empty).geometry.shape, (0,))
 
 
 class AgainstTheOracle(unittest.TestCase):

@@ -79,13 +79,18 @@ std::array<Point, 3> toPoints(const OracleTriangle& t) {
   return {toPoint(t[0]), toPoint(t[1]), toPoint(t[2])};
 }
 
+std::vector<Point> commonPart(const OracleTriangle& a, const OracleTriangle& b) {
+  const std::array<Point, 3> points = toPoints(a);
+  std::vector<Point> common(points.begin(), points.end());
+  for (const HalfSpace& half_space : halfSpaces(toPoints(b))) common = clip(common, half_space);
+  return common;
+}
+
 }  // namespace
 
 bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
                               const std::vector<Vec3f>& shared) {
-  const std::array<Point, 3> points = toPoints(a);
-  std::vector<Point> common(points.begin(), points.end());
-  for (const HalfSpace& half_space : halfSpaces(toPoints(b))) common = clip(common, half_space);
+  const std::vector<Point> common = commonPart(a, b);
   if (shared.empty()) return !common.empty();
 
   const auto at = [&shared](std::size_t i) {
@@ -97,6 +102,15 @@ bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
     return std::any_of(hull.begin(), hull.end(),
                        [&x](const HalfSpace& side) { return side.excess(x) > 0; });
   });
+}
+
+std::vector<std::array<double, 3>> commonCorners(const OracleTriangle& a, const OracleTriangle& b) {
+  std::vector<std::array<double, 3>> corners;
+  for (const Point& x : commonPart(a, b)) {
+    corners.push_back({CGAL::to_double(x.x().exact()), CGAL::to_double(x.y().exact()),
+                       CGAL::to_double(x.z().exact())});
+  }
+  return corners;
 }
 
 }  // namespace deformable_contact_monitor

@@ -16,4 +16,8 @@ using OracleTriangle = std::array<Vec3f, 3>;
 bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
                               const std::vector<Vec3f>& shared);
 
+// The corners of what the closed hulls of a and b have in common, each coordinate to the nearest
+// double or the next; some may be there twice. Empty: nothing.
+std::vector<std::array<double, 3>> commonCorners(const OracleTriangle& a, const OracleTriangle& b);
+
 }  // namespace deformable_contact_monitor

@@ -24,9 +24,9 @@ struct WorkingContact {
 class ContactRoom {
  public:
   // Upper bound of the memory of the contacts, from where they are found to the result [bytes].
-  explicit ContactRoom(std::uint64_t memory_limit_bytes)
+  explicit ContactRoom(std::uint64_t memory_limit_bytes, bool geometry = false)
       : blocks_left_(std::clamp<std::int64_t>(
-            static_cast<std::int64_t>(memory_limit_bytes / (kBlock * kBytesEach)), 1,
+            static_cast<std::int64_t>(memory_limit_bytes / (kBlock * bytesEach(geometry))), 1,
             kMostContacts / kBlock)) {}
 
   // Room for so many more; false if there is none.
@@ -36,8 +36,10 @@ class ContactRoom {
 
  private:
   // The list, the sorted one, and the result's.
-  static constexpr std::int64_t kBytesEach =
-      2 * sizeof(WorkingContact) + sizeof(TrianglePair) + sizeof(float);
+  static std::uint64_t bytesEach(bool geometry) {
+    return 2 * sizeof(WorkingContact) + sizeof(TrianglePair) + sizeof(float) +
+           (geometry ? sizeof(PairGeometry) : 0);
+  }
   static constexpr std::int64_t kMostContacts = std::int64_t{1} << 31;
 
   std::atomic<std::int64_t> blocks_left_;

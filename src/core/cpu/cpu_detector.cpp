@@ -10,6 +10,7 @@
 #include "core/cpu/assign.h"
 #include "core/cpu/cluster.h"
 #include "core/cpu/cycle_data.h"
+#include "core/cpu/geometry.h"
 #include "core/cpu/large.h"
 #include "core/cpu/output.h"
 #include "core/cpu/pose.h"
@@ -106,7 +107,7 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
   Stopwatch watch;
   const BodyGroups groups(scene);
   const std::vector<float> slack = scaledSlacks(scene, split_.scale);
-  ContactRoom room(settings_.memory_limit_bytes);
+  ContactRoom room(settings_.memory_limit_bytes, options.geometry);
   const CycleInput input{scene, set_, split_, assignment_, groups, slack, options, limit, &room};
   CycleOutput output(input);
   sweepClusters(input, output);
@@ -116,6 +117,7 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
   addShares(output.work, watch.lapMs(), times);
 
   writeContacts(scene, set_, output.contacts, limit, result_);
+  writeGeometry(scene, options, result_);
   countClusters();
   countPairs(output);
   times.add(Stage::kOutput, watch.lapMs());

@@ -47,6 +47,15 @@ class Expansion {
     add(high);
   }
 
+  // Adds a multiple of another sum exactly, within the same bounds.
+  template <int N>
+  DCM_HD void addMultiple(const Expansion<N>& other, double factor) {
+    for (int i = 0; i < other.size(); ++i) addProduct(other.component(i), factor);
+  }
+
+  DCM_HD int size() const { return size_; }
+  DCM_HD double component(int i) const { return component_[i]; }
+
   DCM_HD int sign() const {
     if (size_ == 0) return 0;
     return component_[size_ - 1] > 0 ? 1 : -1;

@@ -1,6 +1,7 @@
 // What detect_contacts writes: pairs, JSON, and a summary for people.
 #include "tools/detect_contacts/contact_report.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <map>
@@ -59,6 +60,26 @@ Json optionsJson(const DetectArguments& arguments) {
   json["iterations"] = options.iterations;
   json["refresh_period"] = options.refresh_period;
   json["threads"] = options.threads;
+  return json;
+}
+
+// How deep the deepest pair is, and how many pairs have each flag.
+Json geometryJson(const std::vector<PairGeometry>& geometry) {
+  const std::pair<const char*, GeometryFlag> flags[] = {
+      {"coplanar", kCoplanar},
+      {"normal_undefined", kNormalUndefined},
+      {"separation_undefined", kSeparationUndefined},
+      {"degenerate", kDegenerate},
+      {"normal_not_unique", kNormalNotUnique}};
+  double deepest = 0;
+  for (const PairGeometry& g : geometry) deepest = std::max(deepest, -double{g.separation_m});
+  Json json{{"deepest", deepest}};
+  for (const auto& [name, flag] : flags) {
+    const GeometryFlag of_pair = flag;
+    json[name] = std::count_if(geometry.begin(), geometry.end(), [of_pair](const PairGeometry& g) {
+      return (g.flags & of_pair) != 0;
+    });
+  }
   return json;
 }
 
@@ -132,6 +153,23 @@ std::string pairLines(const std::vector<TrianglePair>& contacts) {
   return text;
 }
 
+std::string geometryLines(const DetectionResult& result) {
+  std::string text;
+  text.reserve(result.geometry.size() * 160);
+  char line[300];
+  for (std::size_t i = 0; i < result.geometry.size(); ++i) {
+    const TrianglePair& pair = result.contacts[i];
+    const PairGeometry& g = result.geometry[i];
+    const int length = std::snprintf(
+        line, sizeof line, "%u %u %u %u %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %d\n",
+        pair.body_a, pair.triangle_a, pair.body_b, pair.triangle_b, g.point_a.x, g.point_a.y,
+        g.point_a.z, g.point_b.x, g.point_b.y, g.point_b.z, g.normal.x, g.normal.y, g.normal.z,
+        g.separation_m, g.flags);
+    text.append(line, static_cast<std::size_t>(length));
+  }
+  return text;
+}
+
 std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
                        const std::string& backend, const DetectionResult& last,
                        const DetectionTimes& times) {
@@ -158,6 +196,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["candidates"] = counters.candidates;
   json["exact"] = counters.exact;
   json["undecided"] = counters.undecided;
+  if (arguments.options.geometry) json["geometry"] = geometryJson(last.geometry);
   json["memory_bytes"] = last.memory_bytes;
   json["repeat"] = arguments.repeat;
   json["detect_ms"] = timesJson(times.detect);

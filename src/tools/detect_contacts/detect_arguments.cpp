@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdint>
 #include <system_error>
+#include <utility>
 
 #include "tools/common/backend_choice.h"
 #include "tools/common/command_line.h"
@@ -50,9 +51,26 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->add("--pairs", &arguments->pairs_file,
             "Write a line 'bodyA triA bodyB triB' for each contact, sorted, here (-: standard "
             "output)");
+  line->add("--geometry", &arguments->geometry_file,
+            "Write a line 'bodyA triA bodyB triB ax ay az bx by bz nx ny nz separation flags' for "
+            "each contact here (-: standard output)");
   line->add("--json", &arguments->json_file,
             "Write counts, options and milliseconds here (-: standard output)");
   line->add("--adjacent", &options.adjacent, kAdjacentHelp);
+}
+
+void refuseOutputs(const DetectArguments& arguments) {
+  const std::pair<std::string, std::string> outputs[] = {{"--pairs", arguments.pairs_file},
+                                                         {"--geometry", arguments.geometry_file},
+                                                         {"--json", arguments.json_file}};
+  for (const auto& [option, file] : outputs) {
+    refuseMeshAsOutput(option, file);
+    for (const auto& [other, other_file] : outputs) {
+      if (option == other) break;
+      if (file.empty() || file != other_file) continue;
+      refuseUsage(other + " and " + option + ": both would write to " + file);
+    }
+  }
 }
 
 }  // namespace
@@ -79,11 +97,8 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
     found += (found.empty() ? "" : "; ") + problem;
   }
   if (!found.empty()) refuseUsage(found);
-  refuseMeshAsOutput("--pairs", arguments->pairs_file);
-  refuseMeshAsOutput("--json", arguments->json_file);
-  if (!arguments->pairs_file.empty() && arguments->pairs_file == arguments->json_file) {
-    refuseUsage("--pairs and --json: both would write to " + arguments->json_file);
-  }
+  options.geometry = !arguments->geometry_file.empty();
+  refuseOutputs(*arguments);
   return true;
 }
 

@@ -17,7 +17,8 @@ struct DetectArguments {
   Options options;
   float margin_m = 0;
   int repeat = 1;
-  std::string pairs_file, json_file;  // empty: not wanted; "-": standard output
+  // Empty: not wanted; "-": standard output.
+  std::string pairs_file, geometry_file, json_file;
 };
 
 // False if there is nothing to do, because --help or --version was asked for and is printed.

@@ -1,8 +1,8 @@
 // detect_contacts: every contact between the triangles of mesh files. Needs no ROS.
 #include <csignal>
 #include <cstdio>
+#include <list>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -41,15 +41,31 @@ const DetectionResult& detect(const DetectArguments& arguments, const Scene& sce
   return *result;
 }
 
-// What goes to standard output comes last, so that the files are whole if its reader goes away.
-void writeReports(const DetectArguments& arguments, const std::string& pairs,
-                  const std::string& json, const std::string& summary, OutputFile* pairs_file,
-                  OutputFile* json_file) {
-  const bool pairs_last = arguments.pairs_file == "-";
-  if (pairs_file != nullptr && !pairs_last) pairs_file->write(pairs);
-  if (json_file != nullptr) json_file->write(json);
-  if (pairs_file != nullptr && pairs_last) pairs_file->write(pairs);
-  if (!pairs_last && arguments.json_file != "-") OutputFile("-").write(summary);
+// A report that was asked for.
+struct Report {
+  explicit Report(const std::string& path) : to_output(path == "-"), file(path) {}
+
+  const bool to_output;
+  OutputFile file;
+  std::string text;
+};
+
+// What goes to standard output comes last, so that the files are whole if its reader goes away. A
+// summary for people goes there if nothing else does.
+void writeReports(const std::string& summary, std::list<Report>* reports) {
+  Report* last = nullptr;
+  for (Report& report : *reports) {
+    if (report.to_output) {
+      last = &report;
+    } else {
+      report.file.write(report.text);
+    }
+  }
+  if (last != nullptr) {
+    last->file.write(last->text);
+  } else {
+    OutputFile("-").write(summary);
+  }
 }
 
 // What a user who reads the pairs alone would not see.
@@ -88,25 +104,29 @@ void run(const DetectArguments& arguments) {
     throw std::invalid_argument("--margin: backend " + detector->backend() +
                                 " has no margins; use --backend auto");
   }
-  std::optional<OutputFile> pairs_file, json_file;
+  std::list<Report> reports;
+  const auto open = [&reports](const std::string& path) {
+    return path.empty() ? nullptr : &reports.emplace_back(path);
+  };
   DetectionTimes times;
   const DetectionResult* last = nullptr;  // the detector's
-  std::string pairs, json, text;
+  std::string text;
   {
     Progress progress("starting");
     const Scene scene = readScene(arguments, &progress);
-    if (!arguments.pairs_file.empty()) pairs_file.emplace(arguments.pairs_file);
-    if (!arguments.json_file.empty()) json_file.emplace(arguments.json_file);
+    Report* const pairs = open(arguments.pairs_file);
+    Report* const geometry = open(arguments.geometry_file);
+    Report* const json = open(arguments.json_file);
     last = &detect(arguments, scene, detector.get(), &times, &progress);
     progress.set("writing");
     const std::string backend = detector->backend();
-    if (pairs_file) pairs = pairLines(last->contacts);
-    if (json_file) json = jsonReport(arguments, scene, backend, *last, times);
+    if (pairs != nullptr) pairs->text = pairLines(last->contacts);
+    if (geometry != nullptr) geometry->text = geometryLines(*last);
+    if (json != nullptr) json->text = jsonReport(arguments, scene, backend, *last, times);
     text = summary(scene, backend, *last, times);
   }
   warn(arguments, *last);
-  writeReports(arguments, pairs, json, text, pairs_file ? &*pairs_file : nullptr,
-               json_file ? &*json_file : nullptr);
+  writeReports(text, &reports);
 }
 
 }  // namespace

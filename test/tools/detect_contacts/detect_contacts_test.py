@@ -142,6 +142,34 @@ class DetectContacts(unittest.TestCase):
         self.assertEqual(report["options"]["clusters"], "auto")
         self.assertIn(report["backend"], ("cpu", "cuda"))
 
+    def test_geometry(self):
+        """What the manual shows; the pairs are --pairs's, the numbers the float32 themselves."""
+        meshes = [self.mesh("floor.obj", FLOOR),
+                  self.mesh("blade.obj", "v 1 1 -0.5\nv 1 0.5 1.5\nv 1 1.5 1.5\nf 1 2 3\n")]
+        line = self.works("--geometry", "-", *meshes).stdout
+        manual = (SOURCE / "src/tools/detect_contacts/README.md").read_text()
+        self.assertIn("    " + line, manual)
+        numbers = [float(number) for number in line.split()]
+        self.assertEqual(numbers[:4], [0, 0, 1, 0])
+        self.assertEqual(numbers[10:], [0, 0, 1, -0.5, 0])
+        for backend in "brute_force", "cpu":
+            self.assertEqual(self.works("--backend", backend, "--geometry", "-", *meshes).stdout,
+                             line)
+        self.assertEqual(self.works("--geometry", self.path("g"), "--pairs", "-", *meshes).stdout,
+                         "0 0 1 0\n")
+        self.assertEqual(pathlib.Path(self.path("g")).read_text(), line)
+
+        near = self.works("--geometry", "-", "--margin", "2", meshes[0],
+                          self.mesh("above.obj", ABOVE)).stdout.split()
+        self.assertEqual([float(n) for n in near[-5:]], [0, 0, 1, 2, 0])
+        self.assertEqual(self.works("--geometry", "-", meshes[0], self.path("above.obj")).stdout, "")
+
+        report = self.json("--self", "--geometry", self.path("g"), self.mesh("fold.obj", FOLD))
+        self.assertEqual(report["geometry"], {
+            "deepest": 0, "coplanar": 1, "degenerate": 0, "normal_not_unique": 1,
+            "normal_undefined": 0, "separation_undefined": 0})
+        self.assertNotIn("geometry", self.json(*meshes))
+
     def test_references_say_what_they_are(self):
         meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING)]
         self.assertTrue(self.json("--backend", "brute_force", *meshes)["complete"])
@@ -190,13 +218,16 @@ class DetectContacts(unittest.TestCase):
                 (["--fuzzifier", "1", floor], "fuzzifier"),
                 (["--iterations", "101", floor], "iterations"),
                 (["--refresh-period", "0", floor], "refresh_period"),
-                (["--pairs", "-", "--json", "-", floor], "--json")):
+                (["--pairs", "-", "--json", "-", floor], "--json"),
+                (["--pairs", "-", "--geometry", "-", floor], "--geometry"),
+                (["--geometry", "x", "--json", "x", floor], "--geometry")):
             done = self.assert_refused(arguments, words)
             self.assertEqual(done.stdout, "")
 
     def test_a_forgotten_file_name_costs_no_mesh(self):
         floor, touch = self.mesh("floor.obj", FLOOR), self.mesh("touch.obj", TOUCHING)
         self.assert_refused(["--pairs", floor, touch], "--pairs", floor)
+        self.assert_refused(["--geometry", floor, touch], "--geometry", floor)
         self.assertEqual(pathlib.Path(floor).read_text(), FLOOR)
 
     def test_bad_meshes_name_file_and_place(self):

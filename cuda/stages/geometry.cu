@@ -1,0 +1,43 @@
+// Stage output: the geometry of sorted contacts, by the rule that the host has.
+#include "core/rules/geometry_of_pair.h"
+#include "cuda/device/check.cuh"
+#include "cuda/stages/geometry.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr unsigned kThreads = 128;
+
+__device__ Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triangle) {
+  const VertexIndex* const corner = scene.corners.row(triangle);
+  Triangle posed;
+  for (int k = 0; k < 3; ++k) {
+    const float4 v = scene.posed[corner[k]];
+    posed.v[k] = {v.x, v.y, v.z};
+  }
+  return posed;
+}
+
+// A thread for each key; what fills up the list behind the contacts has none.
+__global__ void __launch_bounds__(kThreads)
+    geometryKernel(CycleArrays c, SortedContacts sorted, PairGeometry* geometry) {
+  const std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i >= sorted.count || sorted.keys[i] == kNoContact) return;
+  const std::uint64_t mask = (std::uint64_t{1} << sorted.index_bits) - 1;
+  const TriangleIndex a(static_cast<std::uint32_t>(sorted.keys[i] >> sorted.index_bits));
+  const TriangleIndex b(static_cast<std::uint32_t>(sorted.keys[i] & mask));
+  geometry[i] = geometryOf(posedTriangle(c.scene, a), posedTriangle(c.scene, b),
+                           sorted.separations_m != nullptr ? sorted.separations_m[i] : 0);
+}
+
+}  // namespace
+
+void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted, PairGeometry* geometry,
+                    cudaStream_t stream) {
+  if (sorted.count == 0) return;
+  const unsigned blocks = (sorted.count + kThreads - 1) / kThreads;
+  geometryKernel<<<blocks, kThreads, 0, stream>>>(cycle, sorted, geometry);
+  checkCuda(cudaGetLastError(), "a launch");
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,139 @@
+// The geometry of a contact: where two triangles intersect or are closest, and which way b gets
+// clear of a.
+//
+// In double, of + - * / sqrt and explicit fma alone, so that host and device give the same bits; in
+// an order of its own of the two triangles, so that (b, a) gives what (a, b) does, turned round.
+#pragma once
+
+#include <cfloat>
+
+#include "core/pair_geometry.h"
+#include "core/predicates/closest_points.h"
+#include "core/predicates/host_device.h"
+#include "core/predicates/intersection_segment.h"
+#include "core/predicates/parting_translation.h"
+#include "core/predicates/segment_intersection.h"
+#include "core/predicates/triangle.h"
+
+namespace deformable_contact_monitor {
+
+namespace detail {
+
+// The first axis along which three of the points project to a triangle with area; -1: all of them
+// are on one line. `normal`: of their plane, as they are three.
+DCM_HD DCM_RARE inline int axisOfPlane(const Triangle& a, const Triangle& b, Vec3d& normal) {
+  PredicateState state;
+  const auto at = [&](int i) -> const Vec3f& { return i < 3 ? a.v[i] : b.v[i - 3]; };
+  DCM_ROLLED for (int i = 0; i < 6; ++i) {
+    DCM_ROLLED for (int j = i + 1; j < 6; ++j) {
+      DCM_ROLLED for (int k = j + 1; k < 6; ++k) {
+        const int axis = projectionAxis(at(i), at(j), at(k), state);
+        if (axis < 0) continue;
+        normal = crossOf(at(i), at(j), at(j), at(k));
+        return axis;
+      }
+    }
+  }
+  return -1;
+}
+
+// Segments or points both.
+DCM_HD DCM_RARE inline bool linesMeet(const Triangle& a, const Triangle& b) {
+  PredicateState state;
+  DCM_ROLLED for (int i = 0; i < 3; ++i) {
+    if (segmentMeetsEdges(a.v[i], a.v[i == 2 ? 0 : i + 1], b, state)) return true;
+  }
+  return false;
+}
+
+DCM_HD DCM_RARE inline bool hasArea(const Triangle& t) {
+  PredicateState state;
+  return projectionAxis(t.v[0], t.v[1], t.v[2], state) >= 0;
+}
+
+// Both in one plane, or on one line. False: they do not intersect.
+DCM_HD DCM_RARE inline bool fillCoplanar(const Triangle& a, const Triangle& b,
+                                         PairGeometry& geometry) {
+  Vec3d normal;
+  const int axis = axisOfPlane(a, b, normal);
+  CommonSegment segment;
+  if (!longestChord(a, b, axis, segment)) return false;
+  geometry.point_a = segment.from;
+  geometry.point_b = segment.to;
+  geometry.flags |= kCoplanar;
+  if (axis < 0) {
+    geometry.flags |= kNormalUndefined;
+  } else {
+    geometry.flags |= kNormalNotUnique;  // either side is as near
+    geometry.normal = toFloat(unit(normal));
+  }
+  return true;
+}
+
+// In different planes, one at least with area. False: they do not intersect.
+DCM_HD inline bool fillCrossing(const Triangle& a, const Triangle& b, bool a_has_area,
+                                bool b_has_area, const Heights& heights, PairGeometry& geometry) {
+  CommonSegment segment;
+  const bool meet = !a_has_area   ? pointAcrossPlane(b, a, heights.of_a, segment)
+                    : !b_has_area ? pointAcrossPlane(a, b, heights.of_b, segment)
+                                  : segmentAcrossPlanes(a, b, heights, segment);
+  if (!meet) return false;
+  geometry.point_a = segment.from;
+  geometry.point_b = segment.to;
+  const PartingTranslation way = partingTranslation(a, b, heights);
+  geometry.normal = toFloat(way.direction);
+  if (!way.unique) geometry.flags |= kNormalNotUnique;
+  if (way.length > FLT_MAX) geometry.flags |= kSeparationUndefined;
+  geometry.separation_m = 0.0F - static_cast<float>(least<double>(way.length, FLT_MAX));
+  return true;
+}
+
+// Triangles that intersect. False: they do not, and nothing but flags was filled in.
+DCM_HD inline bool fillContact(const Triangle& a, const Triangle& b, PairGeometry& geometry) {
+  const bool a_has_area = hasArea(a), b_has_area = hasArea(b);
+  if (!a_has_area || !b_has_area) geometry.flags |= kDegenerate;
+  if (!a_has_area && !b_has_area) return linesMeet(a, b) && fillCoplanar(a, b, geometry);
+  const Heights heights(a, b);
+  const bool coplanar = a_has_area ? allZero(heights.of_b) : allZero(heights.of_a);
+  return coplanar ? fillCoplanar(a, b, geometry)
+                  : fillCrossing(a, b, a_has_area, b_has_area, heights, geometry);
+}
+
+DCM_HD DCM_RARE inline void fillApart(const Triangle& a, const Triangle& b, float separation_m,
+                                      PairGeometry& geometry) {
+  constexpr float kLeast = 1.4e-45F;  // 0 is for those that intersect
+  if (!hasArea(a) || !hasArea(b)) geometry.flags |= kDegenerate;
+  const ClosestPoints closest = closestPoints(a, b);
+  geometry.point_a = closest.on_a;
+  geometry.point_b = closest.on_b;
+  geometry.normal = toFloat(closest.direction);
+  geometry.separation_m = separation_m;
+  if (separation_m > 0) return;
+  if (closest.distance > FLT_MAX) geometry.flags |= kSeparationUndefined;
+  geometry.separation_m =
+      most(kLeast, static_cast<float>(least<double>(closest.distance, FLT_MAX)));
+}
+
+}  // namespace detail
+
+// Of two triangles with finite vertices that were listed with that separation [m]; 0: as ones that
+// intersect. If they do not after all, which predicates below exact leave open, it is what they
+// are: apart.
+DCM_HD inline PairGeometry geometryOf(const Triangle& a, const Triangle& b, float separation_m) {
+  const bool swap = detail::precedes(b, a);
+  const Triangle &first = swap ? b : a, &second = swap ? a : b;
+  PairGeometry geometry;
+  const bool meet = separation_m <= 0 && detail::fillContact(first, second, geometry);
+  if (!meet) detail::fillApart(first, second, separation_m, geometry);
+  const Vec3f zero;  // makes 0 of -0
+  geometry.normal = swap ? zero - geometry.normal : zero + geometry.normal;
+  if (!swap) return geometry;
+  if (!meet) {
+    const Vec3f on_first = geometry.point_a;
+    geometry.point_a = geometry.point_b;
+    geometry.point_b = on_first;
+  }
+  return geometry;
+}
+
+}  // namespace deformable_contact_monitor
