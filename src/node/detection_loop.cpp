@@ -8,21 +8,9 @@
 #include <vector>
 
 #include "node/loop_warnings.h"
-#include "node/rules_in_force.h"
 #include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
-
-namespace {
-
-// Of the objects, in their order, and of the robot.
-std::vector<double> maxRatesHz(std::size_t objects, const LiveParameters& live) {
-  std::vector<double> rates_hz(objects, live.max_rate_hz);
-  rates_hz.push_back(live.robot_rate_hz);
-  return rates_hz;
-}
-
-}  // namespace
 
 DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources sources,
                              LoopTime time, std::unique_ptr<Detector> detector,
@@ -35,7 +23,7 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       detector_(std::move(detector)),
       sink_(std::move(sink)),
       clock_(parameters.max_mesh_age_s, time_.steady()),
-      turns_(maxRatesHz(parameters.objects.size(), live_)),
+      turns_(maxRatesHz(live_, parameters.objects.size())),
       inputs_(makeMeshInputs(parameters)),
       scene_(parameters),
       lookup_(sources_.transforms, parameters.reference_frame),
@@ -69,42 +57,6 @@ SteadyTime DetectionLoop::step() {
 void DetectionLoop::lookAtTime() {
   const double back_s = clock_.update(time_.ros());
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
-}
-
-void DetectionLoop::lookAtRequests() {
-  const Requests requests = sources_.requests.take();
-  if (requests.reset) reset("reset");
-  if (requests.live) applyLive(*requests.live);
-  if (requests.allowed_contacts) {
-    scene_.setAllowedContacts(*requests.allowed_contacts);
-    names_checked_ = false;
-    noteRules();
-  }
-  if (requests.attached) {
-    scene_.setAttached(*requests.attached);
-    noteRules();
-  }
-  lookAtRobot();
-  applyEnabled(requests.enabled);
-}
-
-// They, or the pairs that they are of, changed.
-void DetectionLoop::noteRules() {
-  list_due_ = SteadyTime();
-  sink_->recordRules(
-      describeRules(scene_.bodies(), scene_.pairs(), scene_.rules(), scene_.scene()));
-}
-
-void DetectionLoop::applyLive(const LiveParameters& live) {
-  live_ = live;
-  setOptions(live, &options_);
-  scene_.setMargin(live.margin_m);
-  scene_.setPairClasses(live.pair_classes);
-  turns_.setRates(maxRatesHz(inputs_.size(), live));
-  if (!live.pair_classes.robot_self) turns_.drop(inputs_.size());
-  robots_look_ = SteadyTime();
-  sink_->setMarkerRate(live.marker_rate_hz);
-  noteRules();
 }
 
 void DetectionLoop::lookAtRobot() {

@@ -18,6 +18,12 @@ LiveParameters startValues(const MonitorParameters& parameters) {
   return live;
 }
 
+std::vector<double> maxRatesHz(const LiveParameters& live, std::size_t objects) {
+  std::vector<double> rates_hz(objects, live.max_rate_hz);
+  rates_hz.push_back(live.robot_rate_hz);
+  return rates_hz;
+}
+
 void setOptions(const LiveParameters& live, Options* options) {
   options->predicates = live.predicates;
   options->overlap = live.overlap;

@@ -1,6 +1,9 @@
 // The parameters that may change while the monitor runs.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "core/options.h"
 #include "node/pair_table.h"
 #include "node/parameters.h"
@@ -19,6 +22,9 @@ struct LiveParameters {
 
 // What the monitor starts with.
 LiveParameters startValues(const MonitorParameters& parameters);
+
+// Of so many objects, in their order, and of the robot [Hz].
+std::vector<double> maxRatesHz(const LiveParameters& live, std::size_t objects);
 
 // Sets those that are the detector's.
 void setOptions(const LiveParameters& live, Options* options);

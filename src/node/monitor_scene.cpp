@@ -26,8 +26,7 @@ MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
   return inputs;
 }
 
-MonitorScene::MonitorScene(const MonitorParameters& parameters)
-    : parameters_(parameters), classes_(parameters.pair_classes) {
+MonitorScene::MonitorScene(const MonitorParameters& parameters) : parameters_(parameters) {
   rules_.allowed = parameters.allowed_contacts;
   setRobot(parameters.pair_classes.needRobot() ? missingRobot("no robot received yet")
                                                : RobotGeometry());
@@ -60,24 +59,28 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
   loaded_.assign(parameters_.objects.size(), AcceptedMesh());
   rules_.links = LinkRules(robot.srdf);
   applyMargin();
-  pairs_ = monitoredPairs(bodies_, classes_, rules_);
+  listPairs();
+}
+
+void MonitorScene::listPairs() {
+  pairs_ = monitoredPairs(bodies_, classes_.value_or(parameters_.pair_classes), rules_);
 }
 
 void MonitorScene::setAllowedContacts(const AllowedContacts& allowed) {
   rules_.allowed = allowed;
-  pairs_ = monitoredPairs(bodies_, classes_, rules_);
+  listPairs();
 }
 
 void MonitorScene::setAttached(const AttachedObjects& attached) {
   rules_.attached = attached;
-  pairs_ = monitoredPairs(bodies_, classes_, rules_);
+  listPairs();
 }
 
 void MonitorScene::setPairClasses(const PairClasses& classes) {
   // Nothing else switches off what is no longer listed.
   for (const MonitoredPair& pair : pairs_) scene_.setPairEnabled(pair.a, pair.b, false);
   classes_ = classes;
-  pairs_ = monitoredPairs(bodies_, classes_, rules_);
+  listPairs();
 }
 
 void MonitorScene::setMargin(double margin_m) {

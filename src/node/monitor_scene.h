@@ -91,6 +91,7 @@ class MonitorScene {
     FrameAtStamp frame;
   };
 
+  void listPairs();
   void applyMargin();
   void clearStatuses();
   void markTriggered(const CycleTrigger& trigger);
@@ -105,8 +106,9 @@ class MonitorScene {
 
   const MonitorParameters& parameters_;
   ContactRules rules_;
-  PairClasses classes_;
-  std::optional<double> margin_m_;  // nothing: it was not changed
+  // In place of the parameters'; nothing: as those.
+  std::optional<PairClasses> classes_;
+  std::optional<double> margin_m_;
   Scene scene_;
   std::vector<BodyStatus> bodies_;
   std::vector<std::string> link_problems_;  // of the links (or their stand-in); empty: none
