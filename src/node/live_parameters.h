@@ -16,11 +16,12 @@ struct LiveParameters {
   double max_rate_hz = 100, robot_rate_hz = 30, marker_rate_hz = 10;
   PairClasses pair_classes;
   Predicates predicates = Predicates::kExact;
-  float overlap = 1;
+  double overlap = 1;
   int clusters = 0, iterations = 1, refresh_period = 1;
 };
 
-// What the monitor starts with.
+// What the monitor starts with. A float32 is the decimal number that people wrote: 0.01, and not
+// 0.00999999978, which would go back to the parameter server.
 LiveParameters startValues(const MonitorParameters& parameters);
 
 // Of so many objects, in their order, and of the robot [Hz].

@@ -58,7 +58,7 @@ LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParamete
       usable("robot_rate_hz", config.robot_rate_hz, in_force.robot_rate_hz, refused);
   live.marker_rate_hz =
       usable("marker_rate_hz", config.marker_rate_hz, in_force.marker_rate_hz, refused);
-  live.overlap = static_cast<float>(usable("overlap", config.overlap, in_force.overlap, refused));
+  live.overlap = usable("overlap", config.overlap, in_force.overlap, refused);
   live.clusters = config.clusters;
   live.iterations = config.iterations;
   live.refresh_period = config.refresh_period;

@@ -35,6 +35,9 @@ void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
   }
   for (const std::string& warning : geometryWarnings(robot)) ROS_WARN_STREAM(warning);
   if (robot.srdf == Srdf()) return;
+  ROS_INFO_STREAM("links may touch each other by the SRDF of '"
+                  << robot.srdf.robot << "': " << robot.srdf.disabled.size() << " pairs, "
+                  << robot.srdf.disabled_links.size() << " links by default");
   for (const std::string& warning : srdfWarnings(robot.srdf, robot.name, robot.link_names)) {
     ROS_WARN_STREAM(warning);
   }

@@ -63,6 +63,18 @@ TEST(Reconfigure, DefaultsAreTheParameters) {
   EXPECT_TRUE(refused.empty());
 }
 
+// They go to the parameter server, where people look.
+TEST(Reconfigure, StartValuesAreTheNumbersThatWereWritten) {
+  XmlRpc::XmlRpcValue tree;
+  for (const double number : {0.01, 0.05, 0.123456, 0.9, 1.0, 1.0 / 3}) {
+    tree["margin_m"] = tree["overlap"] = number;
+    const LiveParameters live = parse(tree);
+    EXPECT_EQ(live.margin_m, live.overlap);
+    EXPECT_EQ(static_cast<float>(live.margin_m), static_cast<float>(number));
+    EXPECT_TRUE(live.margin_m == number || number == 1.0 / 3) << live.margin_m;
+  }
+}
+
 // Of every number on offer: its ends are good parameters, and what lies beyond is not.
 TEST(Reconfigure, RangesAreTheParameters) {
   const auto accepted = [](const std::string& name, const XmlRpc::XmlRpcValue& value) {
@@ -108,7 +120,7 @@ TEST(Reconfigure, WhatCannotBeUsedStaysAsItIs) {
   Strings refused;
   const LiveParameters live = fromConfig(config, unusual(), true, &refused);
   EXPECT_EQ(live.margin_m, 0.5);
-  EXPECT_EQ(live.overlap, 0.75F);
+  EXPECT_EQ(live.overlap, 0.75);
   EXPECT_EQ(live.predicates, Predicates::kConservative);
   EXPECT_EQ(live.clusters, 12) << "the others go on";
   EXPECT_EQ(refused, (Strings{"margin_m must be finite", "overlap must be finite",

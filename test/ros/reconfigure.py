@@ -101,9 +101,9 @@ class Reconfigure(unittest.TestCase):
         self.wait_for_state(ContactState.NEAR, "all of them near", (PALM, FINGER))
 
     def test_classes_are_switched_on_and_off(self):
+        since = self.monitor.events.count()
         type(self).height_m = 0.1
-        self.wait_for_state(ContactState.CONTACT, "contact")
-        self.monitor.events.wait("its begin", lambda e: e.type == ContactEvent.BEGIN)
+        self.monitor.events.wait("contact", lambda e: e.type == ContactEvent.BEGIN, since)
         since = self.monitor.events.count(), self.monitor.states.count()
         held = self.change(robot_deformable=False, robot_self=False, deformable_self=True)
         self.assertEqual((held["robot_deformable"], held["deformable_self"]), (False, True))
