@@ -13,7 +13,7 @@ using visualization_msgs::Marker;
 class HeldMarkersTest : public ::testing::Test {
  protected:
   HeldMarkersTest() {
-    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float infinite = std::numeric_limits<float>::infinity();
     for (const char* name : {"hand", "cloth"}) {
       BodyStatus body;
       body.name = name;
@@ -24,7 +24,7 @@ class HeldMarkersTest : public ::testing::Test {
     report_.header.frame_id = "base";
     report_.attached = {{"cloth", {"finger", "hand"}}, {"elsewhere", {"hand"}}};
     scene_.addBody("hand", TriangleMesh());
-    scene_.addBody("cloth", {{0, 0, 0, 1, 0, 0, 0, 0.5F, 2, nan, 0, 0}, {0, 1, 2, 1, 2, 3}});
+    scene_.addBody("cloth", {{0, 0, 0, 1, 0, 0, 0, 0.5F, 2, infinite, 0, 0}, {0, 1, 2, 1, 2, 3}});
     scene_.setPose(1, RigidTransform());
     report_.scene = &scene_;
   }
