@@ -34,7 +34,7 @@ TEST(Srdf, ItsRulesAreRead) {
                      "<disable_default_collisions link='e'/>"
                      "<virtual_joint/>"));
   EXPECT_EQ(srdf.robot, "r");
-  EXPECT_EQ(namesOf(srdf.disabled), (Names{{"a", "b"}, {"c", "d"}}));
+  ASSERT_EQ(namesOf(srdf.disabled), (Names{{"a", "b"}, {"c", "d"}}));
   EXPECT_EQ(srdf.disabled[0].reason, "Adjacent");
   EXPECT_EQ(srdf.disabled[1].reason, "");
   EXPECT_EQ(namesOf(srdf.enabled), (Names{{"a", "e"}}));
