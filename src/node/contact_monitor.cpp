@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cuda/detector_choice.h"
+#include "node/attach_object.h"
 #include "node/backend_status.h"
 #include "node/cycle_publisher.h"
 #include "node/mesh_subscription.h"
@@ -56,7 +57,7 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       mesh_mailboxes_(makeMeshMailboxes(parameters_)),
       transforms_(buffer_, node),
       states_(parameters_, private_node),
-      robot_source_(parameters_, node, private_node, [this] { mailbox_.wake(); }),
+      robot_source_(parameters_, node, private_node, [this] { noteRobot(); }),
       diagnostics_(parameters_, mesh_mailboxes_, robot_source_, node, private_node),
       master_watch_(private_node.resolveName("contacts")) {
   std::unique_ptr<DetectionLoop> loop = makeLoop();
@@ -68,6 +69,10 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
   watch_node.setCallbackQueue(&watch_queue_);
   watch_timer_ = watch_node.createWallTimer(ros::WallDuration(1),
                                             [this](const ros::WallTimerEvent&) { lookAround(); });
+  ros::NodeHandle reconfigure_node(private_node_);
+  reconfigure_node.setCallbackQueue(&watch_queue_);
+  reconfigure_ = std::make_unique<Reconfigure>(
+      parameters_, reconfigure_node, [this](const LiveParameters& live) { mailbox_.change(live); });
   watch_spinner_.start();
   thread_ = startThread(mailbox_, std::move(loop));
   states_thread_ = std::thread([this] { keepStatesFresh(); });
@@ -184,6 +189,7 @@ void ContactMonitor::advertiseServices() {
   reload_node.setCallbackQueue(&reload_queue_);
   services_ = {private_node_.advertiseService("set_allowed_contacts",
                                               &ContactMonitor::setAllowedContacts, this),
+               private_node_.advertiseService("attach_object", &ContactMonitor::attachObject, this),
                private_node_.advertiseService("get_contacts", &ContactMonitor::getContacts, this),
                private_node_.advertiseService("set_enabled", &ContactMonitor::setEnabled, this),
                private_node_.advertiseService("reset", &ContactMonitor::requestReset, this),
@@ -201,6 +207,28 @@ bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
     return false;
   }
   return true;
+}
+
+bool ContactMonitor::attachObject(AttachObject::Request& request,
+                                  AttachObject::Response& response) {
+  response.message = attachProblem(request.object, request.links, parameters_.objects,
+                                   robot_source_.newest().get());
+  response.success = response.message.empty();
+  if (response.success) {
+    response.message = describeHeld(mailbox_.attach(request.object, request.links));
+    ROS_INFO_STREAM(response.message);
+  } else {
+    ROS_ERROR_STREAM("~attach_object: " << response.message << "; nothing was changed");
+  }
+  return true;
+}
+
+// Another robot may lack links of the one before.
+void ContactMonitor::noteRobot() {
+  for (const std::string& held : mailbox_.releaseFromOthers(robot_source_.newest()->link_names)) {
+    ROS_WARN_STREAM("the robot has changed and lacks a link that held something: " << held);
+  }
+  mailbox_.wake();
 }
 
 bool ContactMonitor::getContacts(GetContacts::Request& /*request*/,

@@ -1,6 +1,7 @@
 // The monitor: meshes and transforms in, contacts out.
 #pragma once
 
+#include <deformable_contact_monitor/AttachObject.h>
 #include <deformable_contact_monitor/GetContacts.h>
 #include <deformable_contact_monitor/SetAllowedContacts.h>
 #include <ros/callback_queue.h>
@@ -24,6 +25,7 @@
 #include "node/mesh_mailbox.h"
 #include "node/node_diagnostics.h"
 #include "node/parameters.h"
+#include "node/reconfigure.h"
 #include "node/robot_source.h"
 #include "node/state_publisher.h"
 #include "node/transform_input.h"
@@ -51,10 +53,12 @@ class ContactMonitor {
   void advertiseServices();
   bool setAllowedContacts(SetAllowedContacts::Request& request,
                           SetAllowedContacts::Response& response);
+  bool attachObject(AttachObject::Request& request, AttachObject::Response& response);
   bool getContacts(GetContacts::Request& request, GetContacts::Response& response);
   bool setEnabled(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool requestReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool reloadRobot(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  void noteRobot();
   std::unique_ptr<DetectionLoop> makeLoop();
   void noteBackend(const BackendState& state);
   void keepStatesFresh();
@@ -86,6 +90,7 @@ class ContactMonitor {
   MasterWatch master_watch_;
   SteadyTime master_due_;
   std::atomic<bool> is_forgotten_{false};
+  std::unique_ptr<Reconfigure> reconfigure_;  // it writes to the master
 
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "node/contact_messages.h"
+#include "node/held_markers.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -24,6 +25,7 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
     : states_(states),
       latest_(latest),
       max_contacts_(parameters.max_contacts),
+      marker_lifetime_s_(parameters.marker_lifetime_s),
       marker_rate_(parameters.marker_rate_hz),
       markers_(markerOptions(parameters)),
       contacts_publisher_(private_node.advertise<ContactArray>("contacts", 2)),
@@ -50,8 +52,10 @@ void CyclePublisher::publishStates(CycleReport* report) {
 
 void CyclePublisher::publishMarkers(const CycleReport& report) {
   if (markers_publisher_.getNumSubscribers() == 0) return;
-  if (!marker_rate_.isDue(report, std::chrono::steady_clock::now())) return;
-  markers_publisher_.publish(markers_.make(report));
+  if (!marker_rate_->isDue(report, std::chrono::steady_clock::now())) return;
+  visualization_msgs::MarkerArray markers = markers_.make(report);
+  addHeldMarkers(report, marker_lifetime_s_, &markers);
+  markers_publisher_.publish(markers);
 }
 
 void CyclePublisher::publishRobot(const RobotGeometry& robot) {

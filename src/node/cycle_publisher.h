@@ -3,6 +3,7 @@
 
 #include <ros/node_handle.h>
 
+#include <optional>
 #include <string>
 
 #include "node/contact_markers.h"
@@ -30,6 +31,7 @@ class CyclePublisher {
 
   // ~markers if somebody looks, not too often.
   void publishMarkers(const CycleReport& report);
+  void setMarkerRate(double rate_hz) { marker_rate_.emplace(rate_hz); }
 
   // As StatePublisher::forget.
   void forgetStates(const std::string& body, const std::string& reason) {
@@ -43,7 +45,8 @@ class CyclePublisher {
   StatePublisher& states_;
   LatestContacts& latest_;
   const std::size_t max_contacts_;
-  MarkerRate marker_rate_;
+  const double marker_lifetime_s_;
+  std::optional<MarkerRate> marker_rate_;  // always there
   ContactMarkers markers_;
   ros::Publisher contacts_publisher_, markers_publisher_, robot_publisher_;
 };

@@ -5,6 +5,7 @@
 #include <std_msgs/Header.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,11 +34,15 @@ struct BodyStatus {
   std::uint64_t rejected = 0;     // triangles that took no part for a vertex that is not finite
 };
 
+// Objects that are held, each with the links that may touch it meanwhile.
+using AttachedObjects = std::map<std::string, std::vector<std::string>>;
+
 struct CycleReport {
   std_msgs::Header header;  // stamp T of the triggering mesh, frame_id = reference_frame
   std::uint64_t cycle = 0;
   std::vector<BodyStatus> bodies;  // indexed by BodyId: links in URDF order, then objects
   std::vector<MonitoredPair> pairs;
+  AttachedObjects attached;
   // Of this cycle's bodies, in the scene frame; null when no detection ran (every pair UNKNOWN).
   const Scene* scene = nullptr;
   const DetectionResult* result = nullptr;

@@ -8,6 +8,7 @@
 #include "node/cycle_report.h"
 #include "node/mesh_input.h"
 #include "node/monitor_scene.h"
+#include "node/rules_in_force.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
@@ -39,6 +40,9 @@ class CycleSink {
   virtual void recordTransforms(const TransformReport& transforms) = 0;
   // Detection failed; empty: it did not.
   virtual void recordDetectorError(const std::string& error) = 0;
+  // Margins and rules that hold from now on.
+  virtual void recordRules(const RulesInForce& rules) = 0;
+  virtual void setMarkerRate(double rate_hz) = 0;
   virtual void recordReset(const std::string& reason) = 0;
   virtual void recordEnabled(bool enabled) = 0;
 };

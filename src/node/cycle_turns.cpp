@@ -6,8 +6,15 @@
 namespace deformable_contact_monitor {
 
 CycleTurns::CycleTurns(const std::vector<double>& max_rates_hz) : entries_(max_rates_hz.size()) {
+  setRates(max_rates_hz);
+}
+
+void CycleTurns::setRates(const std::vector<double>& max_rates_hz) {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (max_rates_hz[i] > 0) entries_[i].period = fromSeconds(1 / max_rates_hz[i]);
+    Entry& entry = entries_[i];
+    const SteadyTime::duration before = entry.period;
+    entry.period = max_rates_hz[i] > 0 ? fromSeconds(1 / max_rates_hz[i]) : SteadyTime::duration();
+    if (entry.last_turn > 0) entry.earliest += entry.period - before;
   }
 }
 

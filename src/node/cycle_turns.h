@@ -26,9 +26,14 @@ class CycleTurns {
   // One who takes turns for each rate [Hz], which is the most that it gets; 0: no limit.
   explicit CycleTurns(const std::vector<double>& max_rates_hz);
 
+  // As many as at first. They hold from the last turn of each on.
+  void setRates(const std::vector<double>& max_rates_hz);
+
   // Whether nothing of `who` waits, and its rate allows another cycle.
   bool mayWait(std::size_t who, SteadyTime now) const;
   void wait(std::size_t who, const Waiting& waiting) { entries_[who].waiting = waiting; }
+  // What waits of it, if something does, has no turn.
+  void drop(std::size_t who) { entries_[who].waiting.reset(); }
   const std::optional<Waiting>& waiting(std::size_t who) const { return entries_[who].waiting; }
 
   bool anyWaits() const;

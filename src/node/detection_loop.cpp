@@ -12,27 +12,18 @@
 
 namespace deformable_contact_monitor {
 
-namespace {
-
-// Of the objects, in their order, and of the robot.
-std::vector<double> maxRatesHz(const MonitorParameters& parameters) {
-  std::vector<double> rates_hz(parameters.objects.size(), parameters.max_rate_hz);
-  rates_hz.push_back(parameters.robot_rate_hz);
-  return rates_hz;
-}
-
-}  // namespace
-
 DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources sources,
                              LoopTime time, std::unique_ptr<Detector> detector,
                              std::unique_ptr<CycleSink> sink)
     : parameters_(parameters),
       sources_(std::move(sources)),
       time_(std::move(time)),
+      live_(startValues(parameters)),
+      options_(parameters.detector),
       detector_(std::move(detector)),
       sink_(std::move(sink)),
       clock_(parameters.max_mesh_age_s, time_.steady()),
-      turns_(maxRatesHz(parameters)),
+      turns_(maxRatesHz(live_, parameters.objects.size())),
       inputs_(makeMeshInputs(parameters)),
       scene_(parameters),
       lookup_(sources_.transforms, parameters.reference_frame),
@@ -40,6 +31,7 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
   ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
                                 << parameters_.reference_frame << "' on the "
                                 << detector_->backend());
+  noteRules();
 }
 
 SteadyTime DetectionLoop::step() {
@@ -67,18 +59,6 @@ void DetectionLoop::lookAtTime() {
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
 }
 
-void DetectionLoop::lookAtRequests() {
-  const Requests requests = sources_.requests.take();
-  if (requests.reset) reset("reset");
-  if (requests.allowed_contacts) {
-    scene_.setAllowedContacts(*requests.allowed_contacts);
-    names_checked_ = false;
-    list_due_ = SteadyTime();
-  }
-  lookAtRobot();
-  applyEnabled(requests.enabled);
-}
-
 void DetectionLoop::lookAtRobot() {
   const std::shared_ptr<const RobotGeometry> newest = sources_.newest_robot();
   if (newest == robot_) return;
@@ -86,7 +66,7 @@ void DetectionLoop::lookAtRobot() {
   scene_.setRobot(*newest);
   robot_ = newest;
   names_checked_ = false;
-  list_due_ = SteadyTime();
+  noteRules();
   detector_->reset();
   if (changed) sink_->forgetStates("", "robot changed");
   sink_->sendRobot(*robot_);
@@ -113,7 +93,7 @@ void DetectionLoop::warnOfUnknownNames() {
   if (names_checked_ || (robot_ == nullptr && parameters_.pair_classes.needRobot())) return;
   names_checked_ = true;
   for (const std::string& line :
-       describeUnknownNames(parameters_, scene_.allowedContacts(), scene_.bodies())) {
+       describeUnknownNames(parameters_, scene_.rules().allowed, scene_.bodies())) {
     ROS_WARN_STREAM(line);
   }
 }
@@ -173,9 +153,9 @@ ros::Time DetectionLoop::cycleStamp(const ros::Time& stamp, bool refused) const 
 void DetectionLoop::lookAtRobotsTime() {
   const std::size_t robot = inputs_.size();
   const SteadyTime now = time_.steady();
-  if (!parameters_.pair_classes.robot_self || robot_ == nullptr || !enabled_) return;
+  if (!live_.pair_classes.robot_self || robot_ == nullptr || !enabled_) return;
   if (!turns_.mayWait(robot, now) || now < robots_look_) return;
-  robots_look_ = now + fromSeconds(1 / parameters_.robot_rate_hz);
+  robots_look_ = now + fromSeconds(1 / live_.robot_rate_hz);
   const std::optional<ros::Time> stamp = robotsStamp();
   if (!stamp) return;
   robots_stamp_ = *stamp;
@@ -231,7 +211,7 @@ void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
 // [s]. Who ran out of time has less of it, so that others do not grow old meanwhile.
 double DetectionLoop::budgetS(const std::vector<std::size_t>& who) const {
   constexpr double kShareAfterOverrun = 0.25;
-  const bool has_others = inputs_.size() > 1 || parameters_.pair_classes.robot_self;
+  const bool has_others = inputs_.size() > 1 || live_.pair_classes.robot_self;
   const bool overran =
       std::any_of(who.begin(), who.end(), [this](std::size_t i) { return turns_.overran(i); });
   return parameters_.max_cycle_s * (has_others && overran ? kShareAfterOverrun : 1);
@@ -266,12 +246,12 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
 // A detector that is given nothing to look at would forget what it started from.
 const DetectionResult& DetectionLoop::runDetector(SteadyTime deadline) {
   if (scene_.looksAtAny()) {
-    Options options = parameters_.detector;
+    Options options = options_;
     options.limits.deadline = deadline;
     options.limits.stop = &sources_.requests.stopped();
     return detector_->detect(scene_.scene(), options);
   }
-  nothing_.begin(scene_.scene(), isGuaranteed(parameters_.detector));
+  nothing_.begin(scene_.scene(), isGuaranteed(options_));
   return nothing_;
 }
 
@@ -315,14 +295,14 @@ SteadyTime DetectionLoop::wakeTime() const {
       wake = std::min(wake, turns_.earliest(i));
     }
   }
-  const bool robot_cycles = parameters_.pair_classes.robot_self && robot_ != nullptr && enabled_;
+  const bool robot_cycles = live_.pair_classes.robot_self && robot_ != nullptr && enabled_;
   return robot_cycles ? std::min(wake, std::max(robots_look_, turns_.earliest(inputs_.size())))
                       : wake;
 }
 
 CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {
   CycleReport report = scene_.makeReport(stamp, ++cycle_);
-  report.options = parameters_.detector;
+  report.options = options_;
   report.backend = detector_->backend();
   return report;
 }

@@ -16,6 +16,7 @@
 #include "node/cycle_clock.h"
 #include "node/cycle_sink.h"
 #include "node/cycle_turns.h"
+#include "node/live_parameters.h"
 #include "node/mailbox.h"
 #include "node/mesh_input.h"
 #include "node/mesh_mailbox.h"
@@ -58,6 +59,8 @@ class DetectionLoop {
   void lookAtTime();
   void lookAtRequests();
   void lookAtRobot();
+  void noteRules();
+  void applyLive(const LiveParameters& live);
   void applyEnabled(bool enabled);
   void warnOfUnknownNames();
   void reset(const std::string& reason);
@@ -84,6 +87,8 @@ class DetectionLoop {
   const MonitorParameters& parameters_;
   const LoopSources sources_;
   const LoopTime time_;
+  LiveParameters live_;  // in place of the parameters'
+  Options options_;      // with those
   const std::unique_ptr<Detector> detector_;
   const std::unique_ptr<CycleSink> sink_;
   CycleClock clock_;

@@ -1,6 +1,7 @@
 // What service threads ask of the detection thread, and what wakes it.
 #include "node/mailbox.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace deformable_contact_monitor {
@@ -16,6 +17,50 @@ std::vector<AllowedContact> Mailbox::changeAllowedContacts(const AllowedContacts
     wakeLocked();
   }
   return allowed_->rules();
+}
+
+AttachedObjects Mailbox::attach(const std::string& object, std::vector<std::string> links) {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  std::sort(links.begin(), links.end());
+  links.erase(std::unique(links.begin(), links.end()), links.end());
+  AttachedObjects attached = attached_;
+  if (links.empty()) {
+    attached.erase(object);
+  } else {
+    attached[object] = std::move(links);
+  }
+  useAttached(attached);
+  return attached;
+}
+
+std::vector<std::string> Mailbox::releaseFromOthers(const std::set<std::string>& links) {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  std::vector<std::string> released;
+  AttachedObjects left;
+  for (const auto& [object, holders] : attached_) {
+    for (const std::string& link : holders) {
+      if (links.count(link) > 0) {
+        left[object].push_back(link);
+      } else {
+        released.push_back(object + " by " + link);
+      }
+    }
+  }
+  if (!released.empty()) useAttached(std::move(left));
+  return released;
+}
+
+void Mailbox::useAttached(AttachedObjects attached) {
+  attached_ = std::move(attached);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requests_.attached = std::make_shared<const AttachedObjects>(attached_);
+  wakeLocked();
+}
+
+void Mailbox::change(const LiveParameters& live) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requests_.live = live;
+  wakeLocked();
 }
 
 void Mailbox::requestReset() {

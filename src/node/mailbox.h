@@ -5,17 +5,23 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "core/steady_time.h"
-#include "node/pair_table.h"
+#include "node/contact_rules.h"
+#include "node/live_parameters.h"
 
 namespace deformable_contact_monitor {
 
 struct Requests {
   bool reset = false;
   std::shared_ptr<const AllowedContacts> allowed_contacts;  // all in force; null: not changed
+  std::shared_ptr<const AttachedObjects> attached;          // all that are held; null: not changed
+  std::optional<LiveParameters> live;                       // nothing: not changed
   bool enabled = true;                                      // as it was last asked for
 };
 
@@ -28,6 +34,15 @@ class Mailbox {
   // Returns all rules in force then. Throws std::invalid_argument, and then changes none, if
   // AllowedContacts refuses a part of it. The thread that takes does not wait for it.
   std::vector<AllowedContact> changeAllowedContacts(const AllowedContactsChange& change);
+
+  // The object is held by these links, by no others any more; no link: by none. Returns all objects
+  // that are held then.
+  AttachedObjects attach(const std::string& object, std::vector<std::string> links);
+  // Links that are not among `links` hold nothing any more. Returns what they held, "cloth by
+  // hand" each.
+  std::vector<std::string> releaseFromOthers(const std::set<std::string>& links);
+
+  void change(const LiveParameters& live);
   void requestReset();
   void setEnabled(bool enabled);
 
@@ -48,8 +63,11 @@ class Mailbox {
  private:
   void wakeLocked();
 
-  std::mutex change_mutex_;                         // one change of the rules at a time
-  std::shared_ptr<const AllowedContacts> allowed_;  // all in force, guarded by it
+  void useAttached(AttachedObjects attached);
+
+  std::mutex change_mutex_;  // one change of the rules at a time; it guards those in force
+  std::shared_ptr<const AllowedContacts> allowed_;
+  AttachedObjects attached_;
 
   std::mutex mutex_;  // guards what follows; never held for long
   std::condition_variable wake_;

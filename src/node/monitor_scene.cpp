@@ -26,8 +26,8 @@ MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
   return inputs;
 }
 
-MonitorScene::MonitorScene(const MonitorParameters& parameters)
-    : parameters_(parameters), allowed_(parameters.allowed_contacts) {
+MonitorScene::MonitorScene(const MonitorParameters& parameters) : parameters_(parameters) {
+  rules_.allowed = parameters.allowed_contacts;
   setRobot(parameters.pair_classes.needRobot() ? missingRobot("no robot received yet")
                                                : RobotGeometry());
 }
@@ -57,12 +57,44 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
   link_problems_ = std::move(problems);
   first_object_ = static_cast<BodyId>(link_problems_.size());
   loaded_.assign(parameters_.objects.size(), AcceptedMesh());
-  pairs_ = monitoredPairs(bodies_, parameters_.pair_classes, allowed_);
+  rules_.links = LinkRules(robot.srdf);
+  applyMargin();
+  listPairs();
+}
+
+void MonitorScene::listPairs() {
+  pairs_ = monitoredPairs(bodies_, classes_.value_or(parameters_.pair_classes), rules_);
 }
 
 void MonitorScene::setAllowedContacts(const AllowedContacts& allowed) {
-  allowed_ = allowed;
-  pairs_ = monitoredPairs(bodies_, parameters_.pair_classes, allowed_);
+  rules_.allowed = allowed;
+  listPairs();
+}
+
+void MonitorScene::setAttached(const AttachedObjects& attached) {
+  rules_.attached = attached;
+  listPairs();
+}
+
+void MonitorScene::setPairClasses(const PairClasses& classes) {
+  // Nothing else switches off what is no longer listed.
+  for (const MonitoredPair& pair : pairs_) scene_.setPairEnabled(pair.a, pair.b, false);
+  classes_ = classes;
+  listPairs();
+}
+
+void MonitorScene::setMargin(double margin_m) {
+  margin_m_ = margin_m;
+  applyMargin();
+}
+
+void MonitorScene::applyMargin() {
+  if (!margin_m_) return;
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    const bool shares = isLink(id) ? parameters_.link_margin_m.count(bodies_[id].name) == 0
+                                   : parameters_.objects[id - first_object_].shares_margin;
+    if (shares) scene_.setMargin(id, static_cast<float>(*margin_m_));
+  }
 }
 
 void MonitorScene::clearStatuses() {
@@ -94,6 +126,7 @@ CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle
   report.cycle = cycle;
   report.bodies = bodies_;
   report.pairs = pairs_;
+  report.attached = rules_.attached;
   return report;
 }
 

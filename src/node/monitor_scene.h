@@ -3,6 +3,7 @@
 
 #include <ros/time.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,11 +45,17 @@ class MonitorScene {
   // The parameters must outlive this. Without a robot until setRobot().
   explicit MonitorScene(const MonitorParameters& parameters);
 
-  // Builds the scene anew. The names of links and objects must differ.
+  // Builds the scene anew, with the SRDF's rules. The names of links and objects must differ.
   void setRobot(const RobotGeometry& robot);
 
   void setAllowedContacts(const AllowedContacts& allowed);
-  const AllowedContacts& allowedContacts() const { return allowed_; }
+  void setAttached(const AttachedObjects& attached);
+  const ContactRules& rules() const { return rules_; }
+
+  // Of every body that has no margin of its own [m].
+  void setMargin(double margin_m);
+  // The robot stays as it is: bodies keep their numbers.
+  void setPairClasses(const PairClasses& classes);
 
   // Frames that the cycle of an object at `t` waits for, with their stamps: its own, and those of
   // the links that it may touch. Other objects' frames are nothing to wait for.
@@ -84,6 +91,8 @@ class MonitorScene {
     FrameAtStamp frame;
   };
 
+  void listPairs();
+  void applyMargin();
   void clearStatuses();
   void markTriggered(const CycleTrigger& trigger);
   bool isLink(BodyId id) const { return id < first_object_; }
@@ -96,7 +105,10 @@ class MonitorScene {
   bool isKnown(BodyId id) const { return bodies_[id].unknown_because.empty(); }
 
   const MonitorParameters& parameters_;
-  AllowedContacts allowed_;
+  ContactRules rules_;
+  // In place of the parameters'; nothing: as those.
+  std::optional<PairClasses> classes_;
+  std::optional<double> margin_m_;
   Scene scene_;
   std::vector<BodyStatus> bodies_;
   std::vector<std::string> link_problems_;  // of the links (or their stand-in); empty: none

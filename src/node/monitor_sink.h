@@ -37,6 +37,8 @@ class MonitorSink : public CycleSink {
   void recordDetectorError(const std::string& error) override {
     diagnostics_.recordDetectorError(error);
   }
+  void recordRules(const RulesInForce& rules) override { diagnostics_.recordRules(rules); }
+  void setMarkerRate(double rate_hz) override { publisher_->setMarkerRate(rate_hz); }
   void recordReset(const std::string& reason) override { diagnostics_.recordReset(reason); }
   void recordEnabled(bool enabled) override { diagnostics_.recordEnabled(enabled); }
 

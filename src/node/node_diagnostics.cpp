@@ -26,6 +26,7 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
   updater_.add("tf", this, &NodeDiagnostics::describeTransforms);
   updater_.add("timing", this, &NodeDiagnostics::describeTiming);
   updater_.add("output", this, &NodeDiagnostics::describeOutput);
+  updater_.add("allowed", this, &NodeDiagnostics::describeAllowed);
 }
 
 void NodeDiagnostics::recordStart() {
@@ -103,6 +104,11 @@ void NodeDiagnostics::recordReset(const std::string& reason) {
 void NodeDiagnostics::recordEnabled(bool enabled) {
   const std::lock_guard<std::mutex> lock(mutex_);
   enabled_ = enabled;
+}
+
+void NodeDiagnostics::recordRules(const RulesInForce& rules) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  rules_ = rules;
 }
 
 void NodeDiagnostics::describeStatus(Status& status) {
@@ -207,6 +213,24 @@ void NodeDiagnostics::describeOutput(Status& status) {
   status.add("undecided", output_.undecided);
   status.add("rejected triangles", output_.rejected_triangles);
   status.add("age [s]", output_.age.toSec());
+}
+
+void NodeDiagnostics::describeAllowed(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summaryf(DiagnosticStatus::OK, "%zu of %zu pairs may touch", rules_.allowedPairs(),
+                  rules_.pairs);
+  const std::string problem = robot_.srdfProblem();
+  if (!problem.empty()) {
+    status.mergeSummary(DiagnosticStatus::ERROR, "the SRDF is not used: " + problem);
+  }
+  for (const RuleSource source :
+       {RuleSource::kParameters, RuleSource::kService, RuleSource::kAttached, RuleSource::kSrdf}) {
+    const auto i = static_cast<std::size_t>(source);
+    status.addf(std::string("rules: ") + toString(source), "%zu, for %zu pairs", rules_.rules[i],
+                rules_.allowed_pairs[i]);
+  }
+  for (const std::string& held : rules_.attached) status.add("held", held);
+  for (const auto& [body, rules] : rules_.bodies) status.add(body, rules);
 }
 
 }  // namespace deformable_contact_monitor

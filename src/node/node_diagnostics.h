@@ -17,13 +17,14 @@
 #include "node/mesh_mailbox.h"
 #include "node/parameters.h"
 #include "node/robot_source.h"
+#include "node/rules_in_force.h"
 #include "node/timing_watch.h"
 #include "node/transform_watch.h"
 
 namespace deformable_contact_monitor {
 
-// Five kinds of status: status, mesh:<object>, tf, timing, output. Threads may call every function
-// at any time.
+// Six kinds of status: status, mesh:<object>, tf, timing, output, allowed. Threads may call every
+// function at any time.
 class NodeDiagnostics {
  public:
   // All arguments but the handles must outlive this.
@@ -48,6 +49,7 @@ class NodeDiagnostics {
   void recordBackend(const BackendState& state);
   void recordReset(const std::string& reason);
   void recordEnabled(bool enabled);
+  void recordRules(const RulesInForce& rules);
 
   // Why no cycle has ended lately: for states that have become too old.
   std::string whySilent() const;
@@ -72,6 +74,7 @@ class NodeDiagnostics {
   void describeTransforms(Status& status);
   void describeTiming(Status& status);
   void describeOutput(Status& status);
+  void describeAllowed(Status& status);
 
   struct MeshWatch {
     MeshCounters counters;
@@ -95,6 +98,7 @@ class NodeDiagnostics {
   std::uint64_t cycles_ = 0, resets_ = 0;
   TimingWatch timing_{Clock::now()};
   TransformWatch transforms_;
+  RulesInForce rules_;
   ContactArray output_;  // of the latest cycle, without the pairs
 };
 

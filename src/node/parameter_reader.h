@@ -31,6 +31,9 @@ class ParameterReader {
   // One reader for each struct of a list.
   std::vector<ParameterReader> structs(const std::string& name);
 
+  // Whether it is there.
+  bool has(const std::string& name) { return find(name) != nullptr; }
+
   void addProblem(const std::string& name, const std::string& what);
 
   // Names that are there but were never asked for, each with the nearest that was.

@@ -29,6 +29,7 @@ void readRobot(ParameterReader* reader, MonitorParameters* p) {
   p->robot_source =
       static_cast<RobotSourceKind>(reader->choice("robot_source", {"urdf", "topic"}, 0));
   p->robot_description = reader->text("robot_description", p->robot_description);
+  p->srdf = reader->text("srdf", p->srdf);
   p->geometry.kind =
       static_cast<GeometryKind>(reader->choice("geometry", {"collision", "visual"}, 0));
   p->geometry.links = reader->texts("links");
@@ -45,7 +46,9 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     ObjectParameters object;
     object.name = entry.text("name", "");
     object.topic = entry.text("topic", "");
-    object.margin_m = static_cast<float>(entry.number("margin_m", p->margin_m, 0, kMaxMarginM));
+    const double own_margin_m = entry.number("margin_m", -1, 0, kMaxMarginM);
+    object.shares_margin = own_margin_m < 0;
+    object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
     object.required = entry.flag("required", object.required);
     std::string error;
     if (object.name.empty()) {
@@ -85,6 +88,12 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
     }
   }
   if (!names.empty()) p->pair_classes = classes;
+  // dynamic_reconfigure leaves them there.
+  for (const auto& [name, is_on] : by_name) {
+    const bool starts_on = names.empty() ? name == "robot_deformable" : *is_on;
+    if (!reader->has(name) || reader->flag(name, starts_on) == starts_on) continue;
+    warnings->push_back("~" + name + " has no effect at start, where ~pair_classes decides");
+  }
 
   for (ParameterReader& entry : reader->structs("allowed_contacts")) {
     AllowedContact rule;

@@ -24,14 +24,20 @@ struct ObjectParameters {
   std::string name;
   std::string topic;  // empty: objects/<name>/mesh in the private namespace
   float margin_m = 0;
-  bool required = true;  // no data is an error in the diagnostics, else a warning
+  bool required = true;        // no data is an error in the diagnostics, else a warning
+  bool shares_margin = false;  // it has none of its own: margin_m is every body's
 };
+
+constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";
 
 struct MonitorParameters {
   std::string reference_frame = "base_link";
 
   RobotSourceKind robot_source = RobotSourceKind::kUrdf;
   std::string robot_description = "robot_description";  // name of the parameter with the URDF
+  // Where the rules between links are: kSrdfAuto (the parameter of the description's name and
+  // "_semantic", if it is there), kSrdfNone, or a file: a path or URL.
+  std::string srdf = kSrdfAuto;
   RobotGeometryOptions geometry;
   bool strict_geometry = false;  // a link without usable geometry is a reason not to start
   float margin_m = 0;            // of links; a pair counts at the larger of its two margins

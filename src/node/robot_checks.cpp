@@ -37,6 +37,7 @@ RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& opt
       throw std::runtime_error("link '" + link.link + "' was sent twice in one message");
     }
   }
+  robot.link_names = sent;
   const std::string missing = namesOfNoLink(options.links, robot);
   if (!missing.empty()) throw std::runtime_error("~links: " + missing + ": no such link was sent");
   const auto unwanted = [&options](const LinkGeometry& link) {

@@ -16,7 +16,8 @@ namespace deformable_contact_monitor {
 namespace {
 
 bool same(const RobotGeometry& a, const RobotGeometry& b) {
-  return std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
+  return a.srdf == b.srdf &&
+         std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
                     [](const LinkGeometry& l, const LinkGeometry& m) {
                       return l.link == m.link && l.problem == m.problem &&
                              l.mesh.vertices == m.mesh.vertices &&
@@ -33,6 +34,13 @@ void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
     }
   }
   for (const std::string& warning : geometryWarnings(robot)) ROS_WARN_STREAM(warning);
+  if (robot.srdf == Srdf()) return;
+  ROS_INFO_STREAM("links may touch each other by the SRDF of '"
+                  << robot.srdf.robot << "': " << robot.srdf.disabled.size() << " pairs, "
+                  << robot.srdf.disabled_links.size() << " links by default");
+  for (const std::string& warning : srdfWarnings(robot.srdf, robot.name, robot.link_names)) {
+    ROS_WARN_STREAM(warning);
+  }
 }
 
 }  // namespace
@@ -41,8 +49,11 @@ RobotSource::RobotSource(const MonitorParameters& parameters, const ros::NodeHan
                          ros::NodeHandle private_node, std::function<void()> changed)
     : parameters_(parameters), node_(node), changed_(std::move(changed)) {
   if (!parameters_.pair_classes.needRobot()) return;
+  loadFirstSrdf();
   if (parameters_.robot_source == RobotSourceKind::kUrdf) {
-    use(loadFromDescription());
+    RobotGeometry robot = loadFromDescription();
+    robot.srdf = srdf_;
+    use(std::move(robot));
   } else {
     subscriber_ = private_node.subscribe("robot_link_meshes", 1, &RobotSource::receive, this,
                                          ros::TransportHints().tcpNoDelay());
@@ -59,19 +70,68 @@ std::string RobotSource::problem() const {
   return problem_;
 }
 
+std::string RobotSource::srdfProblem() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return srdf_problem_;
+}
+
 void RobotSource::reload() {
   if (!parameters_.pair_classes.needRobot()) throw std::runtime_error("no robot is monitored");
   if (parameters_.robot_source == RobotSourceKind::kTopic) {
     throw std::runtime_error("the robot comes from ~robot_link_meshes: publish it again");
   }
-  if (use(loadFromDescription())) changed_();
+  RobotGeometry robot = loadFromDescription();
+  robot.srdf = loadSrdf();
+  if (use(std::move(robot))) changed_();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  srdf_problem_.clear();
+}
+
+// The root is "" to a nodelet's handle, and nothing is found from there.
+std::string RobotSource::searchNamespace() const {
+  return node_.getNamespace().empty() ? "/" : node_.getNamespace();
+}
+
+// Without rules where there is none to be read.
+Srdf RobotSource::loadSrdf() const {
+  if (parameters_.srdf == kSrdfNone) return {};
+  if (parameters_.srdf != kSrdfAuto) {
+    try {
+      return readSrdfFile(makeRosResolver()(parameters_.srdf));
+    } catch (const std::exception& error) {
+      throw std::runtime_error("~srdf '" + parameters_.srdf + "': " + error.what());
+    }
+  }
+  const std::string name = parameters_.robot_description + "_semantic";
+  std::string found, xml;
+  if (!ros::param::search(searchNamespace(), name, found) || !ros::param::has(found)) return {};
+  if (!node_.getParam(found, xml)) {
+    throw std::runtime_error("parameter '" + found +
+                             "' is no text; set ~srdf to none to ignore it");
+  }
+  try {
+    return readSrdf(xml);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error("parameter '" + found + "': " + error.what());
+  }
+}
+
+// Who named a file relies on it; a parameter that happens to be there stops nobody: without its
+// rules more is looked at, never less.
+void RobotSource::loadFirstSrdf() {
+  try {
+    srdf_ = loadSrdf();
+  } catch (const std::runtime_error& error) {
+    if (parameters_.srdf != kSrdfAuto) throw;
+    ROS_ERROR_STREAM("the SRDF is not used, no link may touch another by it: " << error.what());
+    srdf_problem_ = error.what();
+  }
 }
 
 RobotGeometry RobotSource::loadFromDescription() const {
   const std::string& name = parameters_.robot_description;
   std::string found, urdf;
-  // The root is "" to a nodelet's handle, and nothing is found from there.
-  const std::string from = node_.getNamespace().empty() ? "/" : node_.getNamespace();
+  const std::string from = searchNamespace();
   if (!ros::param::search(from, name, found) || !node_.getParam(found, urdf)) {
     throw std::runtime_error("no text parameter '" + name + "' in " + from +
                              " or above: load the URDF there, or set ~robot_source to topic");
@@ -96,6 +156,7 @@ void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
     if (!ignored.empty())
       ROS_WARN_STREAM("~ignored_links: " << ignored << ": no such link was sent");
     RobotGeometry robot = selectedLinks(std::move(sent), parameters_.geometry);
+    robot.srdf = srdf_;
     checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {

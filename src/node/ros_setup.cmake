@@ -1,9 +1,9 @@
 # catkin, the messages and what the package exports. Included from the top level, because catkin
 # works on the project's own scope.
 find_package(catkin REQUIRED COMPONENTS
-  diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
-  resource_retriever rosbag_storage roscpp roslib sensor_msgs std_msgs std_srvs tf2 tf2_eigen
-  tf2_msgs tf2_ros visualization_msgs)
+  diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs message_generation nodelet
+  pluginlib resource_retriever rosbag_storage roscpp roslib sensor_msgs std_msgs std_srvs tf2
+  tf2_eigen tf2_msgs tf2_ros visualization_msgs)
 
 add_message_files(DIRECTORY msg FILES
   AllowedContact.msg ContactArray.msg ContactEvent.msg ContactGeometry.msg ContactPair.msg
@@ -11,8 +11,9 @@ add_message_files(DIRECTORY msg FILES
   LinkMesh.msg LinkMeshes.msg)
 add_service_files(DIRECTORY msg FILES AttachObject.srv GetContacts.srv SetAllowedContacts.srv)
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
+generate_dynamic_reconfigure_options(config/ContactMonitor.cfg)
 
 catkin_package(
   CFG_EXTRAS ${PROJECT_SOURCE_DIR}/src/core/library/${PROJECT_NAME}-extras.cmake
-  CATKIN_DEPENDS diagnostic_msgs geometry_msgs message_runtime nodelet roscpp sensor_msgs std_msgs std_srvs tf2
-    tf2_ros visualization_msgs)
+  CATKIN_DEPENDS diagnostic_msgs dynamic_reconfigure geometry_msgs message_runtime nodelet roscpp
+    sensor_msgs std_msgs std_srvs tf2 tf2_ros visualization_msgs)

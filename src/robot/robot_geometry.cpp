@@ -136,6 +136,7 @@ RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometry
   RobotGeometry robot;
   robot.name = document.name;
   robot.root_link = document.root_link;
+  for (const UrdfLink& link : document.links) robot.link_names.insert(link.name);
   for (const UrdfLink* link : links) robot.links.push_back(loader.load(*link));
   return robot;
 }

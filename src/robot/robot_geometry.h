@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "core/triangle_mesh.h"
 #include "robot/link_mesh_file.h"
+#include "robot/srdf.h"
 
 namespace deformable_contact_monitor {
 
@@ -23,6 +25,9 @@ struct RobotGeometry {
   std::string name;
   std::string root_link;            // empty where there is no URDF
   std::vector<LinkGeometry> links;  // document order; links without geometry do not appear
+  // Of all links that there are: those that the options leave out, and those without geometry, too.
+  std::set<std::string> link_names;
+  Srdf srdf;  // which links may touch each other; without rules unless somebody fills it
 };
 
 struct RobotGeometryOptions {

@@ -102,6 +102,28 @@ TEST(CycleTurnsTest, EachHasARateOfItsOwn) {
   EXPECT_EQ(turns.earliest(0), kStart + milliseconds(100));
 }
 
+TEST(CycleTurnsTest, NewRatesHoldFromTheLastTurnOn) {
+  CycleTurns turns({10, 0, 10});
+  turns.start({0, 1}, kStart);
+  turns.setRates({20, 10, 1});
+  EXPECT_EQ(turns.earliest(0), kStart + milliseconds(50));
+  EXPECT_EQ(turns.earliest(1), kStart + milliseconds(100));
+  EXPECT_TRUE(turns.mayWait(2, kStart)) << "it had no turn yet";
+  turns.setRates({0, 0, 0});
+  EXPECT_EQ(turns.earliest(0), kStart);
+  turns.start({0}, kStart + milliseconds(1));
+  EXPECT_TRUE(turns.mayWait(0, kStart + milliseconds(1)));
+}
+
+TEST(CycleTurnsTest, WhatIsDroppedHasNoTurn) {
+  CycleTurns turns({0, 0});
+  turns.wait(0, at(50));
+  turns.wait(1, at(50));
+  turns.drop(0);
+  EXPECT_EQ(turns.next(always), Who{1});
+  EXPECT_TRUE(turns.mayWait(0, kStart));
+}
+
 TEST(CycleTurnsTest, WhatIsClearedDoesNotWait) {
   CycleTurns turns({0});
   turns.wait(0, at(50));

@@ -1,6 +1,7 @@
 // What the detection loop does when it is asked to, when time jumps and when the robot changes.
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "loop_fixture.h"
@@ -66,6 +67,110 @@ TEST_F(ChangesTest, AllowedContactsHoldAtOnce) {
   give(0, 50.25);
   step();
   EXPECT_TRUE(said_.pairs[0].allowed);
+}
+
+TEST_F(ChangesTest, WhatIsHeldMayTouchAtOnceAndAfterAReset) {
+  parameters_.pair_classes = {true, false, false, false};
+  const auto one = robot(2);
+  robot_source_ = [&] { return one; };
+  const auto allowed_pairs = [this] {
+    std::vector<std::pair<BodyId, BodyId>> pairs;
+    for (const MonitoredPair& pair : said_.pairs) {
+      if (pair.allowed) pairs.emplace_back(pair.a, pair.b);
+    }
+    return pairs;
+  };
+  using Pairs = std::vector<std::pair<BodyId, BodyId>>;
+  step();
+  EXPECT_EQ(allowed_pairs(), Pairs());
+  requests_.attach("cloth", {"link1"});
+  step();
+  EXPECT_EQ(allowed_pairs(), (Pairs{{1, 2}}));
+  EXPECT_EQ(said_.rules.attached, std::vector<std::string>{"cloth by link1"});
+  requests_.requestReset();
+  step();
+  give(0, 50.25);
+  step();
+  EXPECT_EQ(allowed_pairs(), (Pairs{{1, 2}})) << "it is a rule, not data";
+  requests_.attach("cloth", {});
+  step();
+  EXPECT_EQ(allowed_pairs(), Pairs());
+  EXPECT_TRUE(said_.rules.attached.empty());
+}
+
+TEST_F(ChangesTest, ANewMarginAndKnobsHoldFromTheNextCycleOn) {
+  parameters_.objects[1].shares_margin = true;
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_EQ(detector_.margins_m, (std::vector<float>{0, 0}));
+  LiveParameters live = startValues(parameters_);
+  live.margin_m = 0.5;
+  live.marker_rate_hz = 3;
+  live.predicates = Predicates::kFast;
+  live.overlap = 0.25;
+  live.clusters = 7;
+  live.iterations = 2;
+  live.refresh_period = 9;
+  give(0, 50.25);
+  at_cycle_ = [&] { requests_.change(live); };
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable@50"});
+  EXPECT_EQ(detector_.margins_m, (std::vector<float>{0, 0})) << "a cycle in flight stays as it is";
+  EXPECT_EQ(detector_.options.predicates, Predicates::kExact);
+  give(0, 50.375);
+  EXPECT_EQ(step(), (Lines{"markers at 3", "cycle 50.375: *cloth@50.375 cable@50"}));
+  EXPECT_EQ(detector_.margins_m, (std::vector<float>{0, 0.5F})) << "the cloth has its own";
+  EXPECT_EQ(detector_.options.predicates, Predicates::kFast);
+  EXPECT_EQ(detector_.options.overlap, 0.25F);
+  EXPECT_EQ(detector_.options.clusters, 7);
+  EXPECT_EQ(detector_.options.iterations, 2);
+  EXPECT_EQ(detector_.options.refresh_period, 9);
+}
+
+TEST_F(ChangesTest, ANewRateHoldsFromTheLastCycleOn) {
+  parameters_.max_rate_hz = 1;
+  give(0, 50);
+  step();
+  give(0, 50.125);
+  EXPECT_EQ(stepAfter(250), Lines());
+  LiveParameters live = startValues(parameters_);
+  live.max_rate_hz = 2;
+  requests_.change(live);
+  EXPECT_EQ(stepAfter(125), Lines{"markers at 10"});
+  EXPECT_EQ(sleepMs(), 125);
+  EXPECT_EQ(stepAfter(125), Lines{"cycle 50.125: *cloth@50.125 cable(no mesh yet)"});
+  live.max_rate_hz = 0;
+  requests_.change(live);
+  give(0, 50.25);
+  EXPECT_EQ(step(), (Lines{"markers at 10", "cycle 50.25: *cloth@50.25 cable(no mesh yet)"}));
+}
+
+TEST_F(ChangesTest, ClassesThatAreSwitchedOnAndOffListTheirPairs) {
+  parameters_.pair_classes = {true, false, false, false};
+  const auto two = robot(2);
+  robot_source_ = [&] { return two; };
+  const auto pairs = [this] {
+    std::vector<std::pair<BodyId, BodyId>> pairs;
+    for (const MonitoredPair& pair : said_.pairs) pairs.emplace_back(pair.a, pair.b);
+    return pairs;
+  };
+  using Pairs = std::vector<std::pair<BodyId, BodyId>>;
+  step();
+  ASSERT_EQ(pairs(), (Pairs{{0, 2}, {0, 3}, {1, 2}, {1, 3}}));
+  LiveParameters live = startValues(parameters_);
+  live.pair_classes = {false, false, true, true};
+  requests_.change(live);
+  ros_time_ = ros::Time(50);
+  addTransform(&transforms_, "link0", 50);
+  addTransform(&transforms_, "link1", 50);
+  EXPECT_EQ(step(), (Lines{"markers at 10", "cycle 50: *link0@50 *link1@50 cloth cable"}));
+  EXPECT_EQ(pairs(), (Pairs{{0, 1}, {2, 2}, {3, 3}}));
+  live.pair_classes = {false, true, false, false};
+  requests_.change(live);
+  addTransform(&transforms_, "link0", 50.25);
+  addTransform(&transforms_, "link1", 50.25);
+  EXPECT_EQ(stepAfter(200), Lines{"markers at 10"}) << "the robot has no cycles any more";
+  EXPECT_EQ(pairs(), (Pairs{{2, 3}}));
 }
 
 TEST_F(ChangesTest, AClockThatGoesBackResets) {

@@ -281,6 +281,8 @@ TEST_F(MeshesTest, MeshesAndRequestsComeFromOtherThreads) {
     requests_.requestReset();
     requests_.setEnabled(true);
     requests_.changeAllowedContacts({});
+    requests_.attach("cloth", {});
+    requests_.change(startValues(parameters_));
   }
   publisher.join();
   while (!meshes_[0].isEmpty()) std::this_thread::yield();

@@ -21,6 +21,8 @@ struct FakeDetector : Detector {
     std::string failure;  // detect() throws it; empty: it finds nothing
     bool out_of_time = false;
     std::chrono::steady_clock::time_point deadline;  // of the last detection
+    Options options;                                 // of it
+    std::vector<float> margins_m;                    // of its bodies
     int resets = 0;
   };
 
@@ -28,6 +30,9 @@ struct FakeDetector : Detector {
   std::string backend() const override { return "fake"; }
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     script->deadline = options.limits.deadline;
+    script->options = options;
+    script->margins_m.clear();
+    for (const Body& body : scene.bodies()) script->margins_m.push_back(body.margin_m);
     result.begin(scene, true);
     if (script->out_of_time) result.cutOff("no time");
     if (!script->failure.empty()) throw std::runtime_error(script->failure);
@@ -47,6 +52,7 @@ struct FakeSink : CycleSink {
     std::vector<std::string> lines;
     std::vector<MonitoredPair> pairs;    // of the latest report
     std::vector<std::uint64_t> refused;  // by object
+    RulesInForce rules;
   };
 
   FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
@@ -85,6 +91,10 @@ struct FakeSink : CycleSink {
   }
   void recordDetectorError(const std::string& error) override {
     if (!error.empty()) add("error: " + error);
+  }
+  void recordRules(const RulesInForce& rules) override { log->rules = rules; }
+  void setMarkerRate(double rate_hz) override {
+    add("markers at " + std::to_string(static_cast<int>(rate_hz)));
   }
   void recordReset(const std::string& reason) override { add("reset: " + reason); }
   void recordEnabled(bool enabled) override { add(enabled ? "enabled" : "disabled"); }

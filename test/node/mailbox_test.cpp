@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -33,6 +34,12 @@ class MailboxTest : public ::testing::Test {
     const Clock::time_point start = Clock::now();
     EXPECT_TRUE(mailbox_.wait(start + std::chrono::seconds(20)));
     return Clock::now() - start < std::chrono::seconds(10);
+  }
+
+  // What is new; nothing held: nothing is.
+  AttachedObjects takeAttached() {
+    const auto attached = mailbox_.take().attached;
+    return attached ? *attached : AttachedObjects();
   }
 
   Mailbox mailbox_{initialRules()};
@@ -90,6 +97,87 @@ TEST_F(MailboxTest, RulesAreRemovedAndReplaced) {
   EXPECT_TRUE(mailbox_.changeAllowedContacts({true, {}, {}}).empty());
 }
 
+TEST_F(MailboxTest, WhatIsHeldIsTakenOnceAndTheLastCallHolds) {
+  EXPECT_FALSE(mailbox_.take().attached);
+  mailbox_.attach("cable", {"hand"});
+  mailbox_.attach("cloth", {"hand", "finger", "hand"});
+  const AttachedObjects both{{"cable", {"hand"}}, {"cloth", {"finger", "hand"}}};
+  EXPECT_EQ(mailbox_.attach("cloth", {"finger", "hand"}), both);
+  EXPECT_EQ(takeAttached(), both);
+  EXPECT_FALSE(mailbox_.take().attached);
+  EXPECT_EQ(mailbox_.attach("cloth", {"wrist"}),
+            (AttachedObjects{{"cable", {"hand"}}, {"cloth", {"wrist"}}}));
+  EXPECT_EQ(mailbox_.attach("cable", {}), (AttachedObjects{{"cloth", {"wrist"}}}));
+  EXPECT_EQ(mailbox_.attach("cable", {}), (AttachedObjects{{"cloth", {"wrist"}}}));
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {"wrist"}}}));
+}
+
+TEST_F(MailboxTest, AResetReleasesNothing) {
+  mailbox_.attach("cloth", {"hand"});
+  mailbox_.requestReset();
+  const Requests requests = mailbox_.take();
+  EXPECT_TRUE(requests.reset);
+  EXPECT_EQ(requests.attached ? *requests.attached : AttachedObjects(),
+            (AttachedObjects{{"cloth", {"hand"}}}));
+}
+
+TEST_F(MailboxTest, LinksThatAreGoneHoldNothing) {
+  mailbox_.attach("cable", {"hand"});
+  mailbox_.attach("cloth", {"finger", "hand"});
+  mailbox_.take();
+  EXPECT_TRUE(mailbox_.releaseFromOthers({"arm", "hand", "finger"}).empty());
+  EXPECT_FALSE(mailbox_.take().attached) << "nothing changed";
+  EXPECT_EQ(mailbox_.releaseFromOthers({"arm", "finger"}),
+            (std::vector<std::string>{"cable by hand", "cloth by hand"}));
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {"finger"}}}));
+}
+
+// Each object is held by the links of one call, never by those of two.
+TEST_F(MailboxTest, ThreadsAttachWhileAnotherTakes) {
+  constexpr int kCalls = 500;
+  const std::vector<std::string> objects{"cloth", "cable", "bag"};
+  std::vector<std::thread> callers;
+  for (const std::string& object : objects) {
+    callers.emplace_back([&, object] {
+      for (int i = 0; i < kCalls; ++i) {
+        const std::string number = std::to_string(i);
+        mailbox_.attach(object, {"left" + number, "right" + number});
+      }
+    });
+  }
+  AttachedObjects last;
+  const auto look = [&] {
+    const Requests requests = mailbox_.take();
+    if (!requests.attached) return;
+    last = *requests.attached;
+    for (const auto& [object, links] : last) {
+      ASSERT_EQ(links.size(), 2U);
+      EXPECT_EQ(links[0].substr(4), links[1].substr(5)) << object;
+    }
+  };
+  const std::string at_last = std::to_string(kCalls - 1);
+  std::thread taker([&] {
+    const auto give_up = Clock::now() + std::chrono::seconds(60);
+    const std::vector<std::string> links{"left" + at_last, "right" + at_last};
+    const AttachedObjects all{{"bag", links}, {"cable", links}, {"cloth", links}};
+    while (last != all && Clock::now() < give_up) look();
+    EXPECT_EQ(last, all);
+  });
+  for (std::thread& caller : callers) caller.join();
+  taker.join();
+}
+
+TEST_F(MailboxTest, OfLiveParametersTheLastAreTakenOnce) {
+  EXPECT_FALSE(mailbox_.take().live);
+  LiveParameters live;
+  live.margin_m = 0.25;
+  mailbox_.change(live);
+  live.margin_m = 0.5;
+  mailbox_.change(live);
+  EXPECT_EQ(mailbox_.take().live.value_or(LiveParameters()).margin_m, 0.5);
+  EXPECT_FALSE(mailbox_.take().live);
+}
+
 TEST_F(MailboxTest, WithoutAnythingNewTheWaitLasts) {
   const Clock::time_point then = Clock::now() + std::chrono::milliseconds(30);
   EXPECT_TRUE(mailbox_.wait(then));
@@ -104,6 +192,10 @@ TEST_F(MailboxTest, EverythingThatIsAskedForWakes) {
   mailbox_.setEnabled(true);
   EXPECT_TRUE(isWoken());
   mailbox_.changeAllowedContacts({false, {}, {}});
+  EXPECT_TRUE(isWoken());
+  mailbox_.attach("cloth", {});
+  EXPECT_TRUE(isWoken());
+  mailbox_.change(LiveParameters());
   EXPECT_TRUE(isWoken());
   std::thread other([this] { mailbox_.wake(); });
   EXPECT_TRUE(isWoken());

@@ -212,6 +212,70 @@ TEST_F(MonitorSceneTest, AllowedPairsAreOffAndTheirLinksNotPosed) {
   EXPECT_TRUE(on(kHand, kCloth));
 }
 
+TEST_F(MonitorSceneTest, LinksThatTheSrdfAllowsAreOffInTheRobotsOwnCycles) {
+  parameters_.pair_classes.robot_self = true;
+  RobotGeometry with_rules = robot();
+  with_rules.links.push_back({"wrist", "test", with_rules.links[0].mesh, ""});
+  with_rules.srdf.disabled = {{"hand", "arm", "Adjacent"}, {"hand", "cloth", "is no link"}};
+  MonitorScene scene(parameters_);
+  scene.setRobot(with_rules);
+  EXPECT_EQ(scene.selfPairedLinks(), (std::vector<std::string>{"arm", "hand", "wrist"}));
+  for (const char* link : {"arm", "hand", "wrist"}) pose(link, 10, 0);
+  scene.prepare(ros::Time(10), {{}, true}, inputs_, TransformLookup(buffer_, "base"));
+  EXPECT_EQ(scene.scene().enabledPairs(), (std::vector<std::pair<BodyId, BodyId>>{{0, 2}, {1, 2}}));
+  scene.setRobot(robot());
+  scene.prepare(ros::Time(10), {{}, true}, inputs_, TransformLookup(buffer_, "base"));
+  EXPECT_TRUE(scene.scene().pairEnabled(0, 1)) << "a robot without an SRDF has no such rules";
+}
+
+TEST_F(MonitorSceneTest, ALinkMayTouchWhatItHolds) {
+  for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
+  give(0, 10);
+  scene_.setAttached({{"cloth", {"hand"}}});
+  prepare(10);
+  EXPECT_TRUE(on(kArm, kCloth));
+  EXPECT_FALSE(on(kHand, kCloth));
+  EXPECT_EQ(scene_.makeReport(ros::Time(10), 1).attached, scene_.rules().attached);
+  scene_.setRobot(robot());
+  prepare(10);
+  EXPECT_FALSE(on(kHand, kCloth)) << "also of another robot with that link";
+  scene_.setAttached({});
+  prepare(10);
+  EXPECT_TRUE(on(kHand, kCloth));
+}
+
+TEST_F(MonitorSceneTest, ANewMarginIsOfThoseWithoutOneOfTheirOwn) {
+  parameters_.objects[kCableObject].shares_margin = true;
+  const auto margins = [this] {
+    std::vector<float> margins;
+    for (const Body& body : scene_.scene().bodies()) margins.push_back(body.margin_m);
+    return margins;
+  };
+  scene_.setMargin(2);
+  EXPECT_EQ(margins(), (std::vector<float>{2, 0.125F, 0.5F, 2}));
+  scene_.setRobot(robot());
+  EXPECT_EQ(margins(), (std::vector<float>{2, 0.125F, 0.5F, 2})) << "also of another robot";
+  scene_.setMargin(0);
+  EXPECT_EQ(margins(), (std::vector<float>{0, 0.125F, 0.5F, 0}));
+}
+
+TEST_F(MonitorSceneTest, PairsOfAClassThatIsSwitchedOffAreOff) {
+  for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
+  give(0, 10);
+  give(1, 10);
+  prepare(10);
+  EXPECT_TRUE(on(kArm, kCloth));
+  scene_.setPairClasses({false, true, false, false});
+  prepare(10);
+  EXPECT_EQ(scene_.scene().enabledPairs(),
+            (std::vector<std::pair<BodyId, BodyId>>{{kCloth, kCable}}));
+  EXPECT_EQ(scene_.bodies().size(), 4U) << "bodies keep their numbers";
+  scene_.setPairClasses({true, false, false, false});
+  prepare(10);
+  EXPECT_EQ(scene_.scene().enabledPairs(),
+            (std::vector<std::pair<BodyId, BodyId>>{{kArm, kCloth}, {kHand, kCloth}}));
+}
+
 TEST_F(MonitorSceneTest, ALinkWithoutGeometryIsUnknown) {
   RobotGeometry broken = robot();
   broken.links[0] = {"arm", "", {}, "file missing"};

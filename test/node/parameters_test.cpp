@@ -49,6 +49,7 @@ TEST(Parameters, NothingSetGivesTheDefaults) {
   const MonitorParameters p = parse(XmlRpcValue());
   EXPECT_EQ(p.reference_frame, "base_link");
   EXPECT_EQ(p.robot_source, RobotSourceKind::kUrdf);
+  EXPECT_EQ(p.srdf, kSrdfAuto);
   EXPECT_EQ(p.geometry.kind, GeometryKind::kCollision);
   EXPECT_TRUE(p.pair_classes.robot_deformable);
   EXPECT_FALSE(p.pair_classes.deformable_self);
@@ -75,6 +76,7 @@ TEST(Parameters, ValuesArrive) {
   tree["margin_m"] = 1;  // a whole number is a number
   tree["pair_classes"] = list("deformable_self", "robot_self");
   tree["robot_source"] = "topic";
+  tree["srdf"] = "/robot.srdf";
   tree["geometry"] = "visual";
   tree["backend"] = "cpu";
   tree["device"] = 2;
@@ -90,7 +92,10 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_EQ(p.objects[0].margin_m, 1.0F) << "an object without a margin has the general one";
   EXPECT_TRUE(p.objects[0].required);
   EXPECT_EQ(p.objects[1].topic, "/camera/cable");
+  EXPECT_TRUE(p.objects[0].shares_margin);
   EXPECT_EQ(p.objects[1].margin_m, 0.25F);
+  EXPECT_FALSE(p.objects[1].shares_margin);
+  EXPECT_EQ(p.srdf, "/robot.srdf");
   EXPECT_FALSE(p.objects[1].required);
   EXPECT_TRUE(p.allowed_contacts.allows("hand", "cloth"));
   EXPECT_EQ(p.link_margin_m.at("hand"), 0.5);
@@ -169,6 +174,21 @@ TEST(Parameters, UnknownNamesAreWarningsAtEveryLevel) {
   for (const char* name : {"~max_rate_hz is -1", "~objects[0]/margin ", "~max_rate "}) {
     expectIn(name, all);
   }
+}
+
+TEST(Parameters, WhatDynamicReconfigureLeftThereIsNoNewsUnlessItDiffers) {
+  XmlRpcValue tree;
+  tree["robot_deformable"] = true;
+  tree["robot_self"] = false;
+  std::vector<std::string> warnings;
+  parse(tree, &warnings);
+  EXPECT_TRUE(warnings.empty());
+  tree["pair_classes"] = list("deformable_self");
+  tree["deformable_self"] = true;
+  const MonitorParameters p = parse(tree, &warnings);
+  EXPECT_TRUE(p.pair_classes == (PairClasses{false, false, true, false}));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0], "~robot_deformable has no effect at start, where ~pair_classes decides");
 }
 
 TEST(Parameters, ATreeThatIsNoMapIsRefused) {

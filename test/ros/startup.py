@@ -108,6 +108,31 @@ class Startup(unittest.TestCase):
         self.assertGreater(code, 0, output)
         self.assertIn("/broken_description", output)
 
+    def test_an_srdf_that_is_named_and_cannot_be_had_is_refused(self):
+        uri = "package://no_such_package/a.srdf"
+        code, output = start_and_fail("no_srdf", {**GOOD, "srdf": uri})
+        self.assertGreater(code, 0, output)
+        self.assertIn(f"~srdf '{uri}': package 'no_such_package' not found", output)
+
+    def test_an_srdf_that_is_found_and_broken_is_an_error_and_stops_nobody(self):
+        rospy.set_param("/odd_description", rospy.get_param("/robot_description"))
+        rospy.set_param("/odd_description_semantic", "<robot/>")
+        for parameter, value in {**GOOD, "robot_description": "/odd_description"}.items():
+            rospy.set_param(f"/odd_srdf/{parameter}", value)
+        node = subprocess.Popen([executable("contact_monitor"), "__name:=odd_srdf"],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(node.wait, WAIT_S)
+        self.addCleanup(node.terminate)
+
+        def allowed(diagnostics):
+            return [s for s in diagnostics.status
+                    if "odd_srdf" in s.name and s.name.endswith(": allowed")]
+
+        found, = allowed(Log("/diagnostics", DiagnosticArray).wait("the status", allowed))
+        self.assertEqual(found.level, DiagnosticStatus.ERROR)
+        self.assertIn("the SRDF is not used: parameter '/odd_description_semantic': SRDF, line 1: "
+                      "robot without name", found.message)
+
     def test_strict_geometry_refuses_a_missing_mesh_file(self):
         code, output = start_and_fail("strict", {**GOOD, "strict_geometry": True})
         self.assertGreater(code, 0, output)

@@ -64,6 +64,9 @@ void lookAt(const BagMessage& message, BagContents::Topic* topic, FirstStamps* f
   if (isText(message) && endsWith(message.topic, "robot_description")) {
     contents->robot_description = toText(message);
   }
+  if (isText(message) && endsWith(message.topic, "robot_description_semantic")) {
+    contents->robot_semantic = toText(message);
+  }
 }
 
 }  // namespace

@@ -43,6 +43,7 @@ struct BagContents {
   double transforms_ahead_s = 0;
   std::optional<LinkMeshes> link_meshes;  // the newest
   std::string robot_description;          // the newest text on a topic of that name
+  std::string robot_semantic;             // on one of robot_description_semantic: the SRDF
   std::string problem;                    // why not everything could be read; empty: it was
 
   std::uint64_t damaged() const;

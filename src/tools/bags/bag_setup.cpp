@@ -76,6 +76,26 @@ void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* set
   }
 }
 
+// What the tool's option names, or the configuration, or else what the bags hold, if they do.
+void loadSrdf(const BagFiles& files, const BagContents& contents, BagSetup* setup,
+              const Warn& warn) {
+  const std::string& named = files.srdf.empty() ? setup->parameters.srdf : files.srdf;
+  RobotGeometry& robot = setup->robot;
+  if (named == kSrdfNone || (named == kSrdfAuto && contents.robot_semantic.empty())) return;
+  try {
+    if (named == kSrdfAuto) {
+      robot.srdf = readSrdf(contents.robot_semantic);
+    } else {
+      robot.srdf =
+          readSrdfFile(named.find("://") == std::string::npos ? named : makeRosResolver()(named));
+    }
+  } catch (const std::exception& error) {
+    if (named != kSrdfAuto) throw std::runtime_error(error.what());
+    return warn(std::string("the bags' robot_description_semantic is not used: ") + error.what());
+  }
+  for (const std::string& line : srdfWarnings(robot.srdf, robot.name, robot.link_names)) warn(line);
+}
+
 // The default frame is many robots', not all's. A frame that no transform knows leaves everything
 // UNKNOWN that is not in it already.
 void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
@@ -176,7 +196,10 @@ BagSetup setUpBags(const BagFiles& files, const SceneObject& object, const BagCo
   }
   if (parameters.objects.empty()) addRecordedObjects(contents, &parameters);
   if (object.isWanted()) addPlayedObject(object, &parameters);
-  if (parameters.pair_classes.needRobot()) loadRobot(files, contents, &setup);
+  if (parameters.pair_classes.needRobot()) {
+    loadRobot(files, contents, &setup);
+    loadSrdf(files, contents, &setup, warn);
+  }
   warnOfLinks(setup.robot, warn);
   checkRobot(setup.robot, parameters);
   checkReferenceFrame(files, contents, &parameters, warn);

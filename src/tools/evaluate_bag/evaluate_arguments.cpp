@@ -27,6 +27,9 @@ bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   line.add("--expect", &arguments->expectations, "Who must touch whom and when, yaml");
   line.add("--robot-description", &arguments->files.robot_description,
            "URDF, or a rosparam dump of it; else the bags' link meshes or robot_description");
+  line.add("--srdf", &arguments->files.srdf,
+           "SRDF, whose disabled pairs of links may touch, or none; else the configuration's srdf, "
+           "where auto is the bags' robot_description_semantic");
   line.add("--reference-frame", &arguments->files.reference_frame,
            "Frame of the contacts, instead of the configuration's");
   line.add("--out", &arguments->out, "Folder to write to");

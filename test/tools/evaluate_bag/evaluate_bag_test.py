@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree as ElementTree
 
 import rospy
 from std_msgs.msg import String
@@ -137,6 +138,32 @@ class EvaluateBag(unittest.TestCase):
         self.assert_oracle_pairs()
         self.assert_refused(["--config", self.text("c.yaml", CONFIG), bag], "no robot",
                             "--robot-description")
+
+    def test_links_may_touch_by_the_srdf(self):
+        path = DATA / "robots/panda_description/urdf/panda.srdf"
+        with open(path) as file:
+            text = file.read()
+        disabled = {frozenset((rule.get("link1"), rule.get("link2")))
+                    for rule in ElementTree.fromstring(text).findall("disable_collisions")}
+        described = [(START, "/robot_description_semantic", String(text))]
+        bag, with_srdf = self.bag(), self.bag("srdf.bag", described + self.events)
+        broken = self.bag("broken.bag", [(START, described[0][1], String("<r/>"))] + self.events)
+        config = CONFIG + "pair_classes: [robot_deformable, robot_self]\n"
+
+        def allowed(*arguments, config=config, stderr=""):
+            done = self.run_tool("--config", self.text("self.yaml", config), *arguments)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(stderr, done.stderr)
+            return {frozenset((row["body_a"], row["body_b"]))
+                    for row in read_table(self.path("out/links.csv")) if row["state"] == "ALLOWED"}
+
+        self.assertEqual(allowed(bag), set())
+        self.assertEqual(allowed(bag, "--srdf", str(path)), disabled)
+        self.assertEqual(allowed(bag, config=f"{config}srdf: {path}\n"), disabled)
+        self.assertEqual(allowed(with_srdf), disabled)
+        self.assertEqual(allowed(with_srdf, "--srdf", "none"), set())
+        self.assertEqual(allowed(broken, stderr="SRDF, line 1: there is no element 'robot'"), set())
+        self.assert_refused(["--srdf", self.path("no.srdf"), bag], "no.srdf: no such file")
 
     def test_order_of_recording_does_not_matter(self):
         """Late transforms, shuffled meshes, static transforms at the end, bags in parts."""

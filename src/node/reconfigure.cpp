@@ -1,0 +1,111 @@
+// dynamic_reconfigure of the parameters that may change while the monitor runs.
+#include "node/reconfigure.h"
+
+#include <ros/console.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Ranges are the server's, which is the config file's: it leaves NaN alone.
+double usable(const char* name, double value, double in_force, std::vector<std::string>* refused) {
+  if (std::isfinite(value)) return value;
+  refused->push_back(std::string(name) + " must be finite");
+  return in_force;
+}
+
+std::vector<std::string> namesOf(const PairClasses& classes) {
+  std::vector<std::string> names;
+  if (classes.robot_deformable) names.emplace_back("robot_deformable");
+  if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
+  if (classes.deformable_self) names.emplace_back("deformable_self");
+  if (classes.robot_self) names.emplace_back("robot_self");
+  return names;
+}
+
+PairClasses classesOf(const ContactMonitorConfig& config) {
+  return {config.robot_deformable, config.deformable_deformable, config.deformable_self,
+          config.robot_self};
+}
+
+}  // namespace
+
+void fill(const LiveParameters& live, ContactMonitorConfig* config) {
+  config->margin_m = live.margin_m;
+  config->max_rate_hz = live.max_rate_hz;
+  config->robot_rate_hz = live.robot_rate_hz;
+  config->marker_rate_hz = live.marker_rate_hz;
+  config->robot_deformable = live.pair_classes.robot_deformable;
+  config->deformable_deformable = live.pair_classes.deformable_deformable;
+  config->deformable_self = live.pair_classes.deformable_self;
+  config->robot_self = live.pair_classes.robot_self;
+  config->predicates = toString(live.predicates);
+  config->overlap = live.overlap;
+  config->clusters = live.clusters;
+  config->iterations = live.iterations;
+  config->refresh_period = live.refresh_period;
+}
+
+LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParameters& in_force,
+                          bool has_robot, std::vector<std::string>* refused) {
+  LiveParameters live;
+  live.margin_m = usable("margin_m", config.margin_m, in_force.margin_m, refused);
+  live.max_rate_hz = usable("max_rate_hz", config.max_rate_hz, in_force.max_rate_hz, refused);
+  live.robot_rate_hz =
+      usable("robot_rate_hz", config.robot_rate_hz, in_force.robot_rate_hz, refused);
+  live.marker_rate_hz =
+      usable("marker_rate_hz", config.marker_rate_hz, in_force.marker_rate_hz, refused);
+  live.overlap = usable("overlap", config.overlap, in_force.overlap, refused);
+  live.clusters = config.clusters;
+  live.iterations = config.iterations;
+  live.refresh_period = config.refresh_period;
+  live.predicates = in_force.predicates;
+  try {
+    live.predicates = toPredicates(config.predicates);
+  } catch (const std::invalid_argument& error) {
+    refused->push_back(std::string("predicates: ") + error.what());
+  }
+  live.pair_classes = classesOf(config);
+  if (!has_robot && live.pair_classes.needRobot()) {
+    refused->push_back(
+        "robot_deformable and robot_self need the robot, which is read at start alone: have one of "
+        "them in ~pair_classes then");
+    live.pair_classes = in_force.pair_classes;
+  }
+  return live;
+}
+
+// A class has a list of its own on the parameter server. With that kept up to date, what holds is
+// found there by whoever dumps it, and by a node that is started again.
+Reconfigure::Reconfigure(const MonitorParameters& parameters, const ros::NodeHandle& private_node,
+                         std::function<void(const LiveParameters&)> apply)
+    : private_node_(private_node),
+      apply_(std::move(apply)),
+      has_robot_(parameters.pair_classes.needRobot()),
+      in_force_(startValues(parameters)) {
+  ContactMonitorConfig first;
+  fill(in_force_, &first);
+  first.__toServer__(private_node_);
+  server_ = std::make_unique<dynamic_reconfigure::Server<ContactMonitorConfig>>(private_node_);
+  server_->setCallback([this](ContactMonitorConfig& config, std::uint32_t level) {
+    constexpr std::uint32_t kAtStart = ~std::uint32_t{0};
+    if (level != kAtStart) change(&config);
+  });
+}
+
+void Reconfigure::change(ContactMonitorConfig* config) {
+  std::vector<std::string> refused;
+  const LiveParameters live = fromConfig(*config, in_force_, has_robot_, &refused);
+  for (const std::string& line : refused) ROS_ERROR_STREAM("~set_parameters: " << line);
+  if (!(live.pair_classes == in_force_.pair_classes)) {
+    private_node_.setParam("pair_classes", namesOf(live.pair_classes));
+  }
+  in_force_ = live;
+  apply_(live);
+  fill(live, config);
+}
+
+}  // namespace deformable_contact_monitor
