@@ -6,11 +6,13 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/options.h"
+#include "core/triangle_mesh.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/detector_choice.h"
 #include "node/pair_table.h"
@@ -20,11 +22,17 @@ namespace deformable_contact_monitor {
 
 enum class RobotSourceKind { kUrdf, kTopic };
 
+// What an object's meshes come as.
+enum class MeshType { kDeformableMesh, kShapeMesh, kMarker, kPointCloud };
+
 struct ObjectParameters {
   std::string name;
   std::string topic;  // empty: objects/<name>/mesh in the private namespace
   float margin_m = 0;
   bool required = true;  // no data is an error in the diagnostics, else a warning
+  MeshType type = MeshType::kDeformableMesh;
+  std::string frame_id;                       // shape meshes: of their vertices
+  std::shared_ptr<const TriangleMesh> faces;  // point clouds: the mesh whose vertices they are
 };
 
 struct MonitorParameters {

@@ -2,8 +2,8 @@
 # works on the project's own scope.
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
-  resource_retriever rosbag_storage roscpp roslib sensor_msgs std_msgs std_srvs tf2 tf2_eigen
-  tf2_msgs tf2_ros visualization_msgs)
+  resource_retriever rosbag_storage roscpp roslib sensor_msgs shape_msgs std_msgs std_srvs tf2
+  tf2_eigen tf2_msgs tf2_ros visualization_msgs)
 
 add_message_files(DIRECTORY msg FILES
   AllowedContact.msg ContactArray.msg ContactEvent.msg ContactGeometry.msg ContactPair.msg
@@ -14,5 +14,5 @@ generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 catkin_package(
   CFG_EXTRAS ${PROJECT_SOURCE_DIR}/src/core/library/${PROJECT_NAME}-extras.cmake
-  CATKIN_DEPENDS diagnostic_msgs geometry_msgs message_runtime nodelet roscpp sensor_msgs std_msgs std_srvs tf2
-    tf2_ros visualization_msgs)
+  CATKIN_DEPENDS diagnostic_msgs geometry_msgs message_runtime nodelet roscpp sensor_msgs shape_msgs
+    std_msgs std_srvs tf2 tf2_ros visualization_msgs)
