@@ -66,8 +66,8 @@ visualization_msgs::Marker markerFrom(ByteSource* source, const ros::Time& stamp
   visualization_msgs::Marker message;
   message.header = headerFrom(source, stamp);
   message.id = source->below(16) == 15 ? 1 : 0;
-  message.type = source->below(16) == 15 ? source->byte() : message.TRIANGLE_LIST;
-  message.action = source->below(16) == 15 ? source->byte() % 4 : message.ADD;
+  message.type = source->below(16) == 15 ? source->byte() : int{message.TRIANGLE_LIST};
+  message.action = source->below(16) == 15 ? source->byte() % 4 : int{message.ADD};
   message.scale.x = message.scale.y = message.scale.z = 1;
   if (source->flag()) readXyz(source, &message.scale);
   if (source->flag()) readXyz(source, &message.pose.position);
