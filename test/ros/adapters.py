@@ -10,15 +10,15 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import Point
 from rosgraph_msgs.msg import Log as ConsoleLine
-from sensor_msgs.msg import PointCloud2, PointField
-from shape_msgs.msg import Mesh, MeshTriangle
+from sensor_msgs.msg import PointCloud2
+from shape_msgs.msg import Mesh
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker
 
 import boxes_scene
+from adapted_messages import cloud_message, marker_message, points, shape_message
 from boxes_scene import REFERENCE_FRAME
 from monitor_test_support import (
     PACKAGE, WAIT_S, ContactState, Log, Monitor, DeformableMesh, mesh_message, now, oracle_pairs,
@@ -32,42 +32,18 @@ PLACES = [np.array(place, np.float32) for place in
           ((0, 0, 0.125), (0.125, 0, 0.0625), (0.1875, 0.0625, 0.0625), (0, 0, 3))]
 
 
-def points(vertices):
-    return [Point(*(float(value) for value in vertex)) for vertex in vertices]
+def stamped(stamp, message):
+    message.header.stamp = stamp
+    message.header.frame_id = REFERENCE_FRAME
+    return message
 
 
-def shape_message(box):
-    return Mesh(vertices=points(box[0]),
-                triangles=[MeshTriangle(vertex_indices=[int(i) for i in t]) for t in box[1]])
-
-
-def marker_message(stamp, place):
+def half_a_marker(place):
     """Half of BOX, and the marker's pose and scale do the rest."""
-    marker = Marker(ns="box", id=4, type=Marker.TRIANGLE_LIST)
-    marker.header.stamp = stamp
-    marker.header.frame_id = REFERENCE_FRAME
+    marker = marker_message((BOX[0] / 2, BOX[1]))
     marker.scale.x = marker.scale.y = marker.scale.z = 2
     marker.pose.position = points([place])[0]
-    marker.points = points(BOX[0][BOX[1].flatten()] / 2)
     return marker
-
-
-def cloud_message(stamp, box):
-    """Two rows, a field between, doubles, gaps."""
-    point = np.dtype({"names": ["x", "rgb", "y", "z"], "formats": ["<f4", "<u4", "<f8", "<f8"],
-                      "offsets": [2, 6, 10, 18], "itemsize": 29})
-    rows = np.zeros(len(box[0]), point)
-    for axis, name in enumerate("xyz"):
-        rows[name] = box[0][:, axis]
-    width = len(rows) // 2
-    cloud = PointCloud2(height=2, width=width, point_step=29, row_step=29 * width + 3)
-    cloud.header.stamp = stamp
-    cloud.header.frame_id = REFERENCE_FRAME
-    cloud.fields = [PointField("x", 2, PointField.FLOAT32, 1), PointField("rgb", 6, 6, 1),
-                    PointField("y", 10, PointField.FLOAT64, 1),
-                    PointField("z", 18, PointField.FLOAT64, 1)]
-    cloud.data = rows[:width].tobytes() + b"gap" + rows[width:].tobytes() + b"gap"
-    return cloud
 
 
 class Adapters(unittest.TestCase):
@@ -92,8 +68,8 @@ class Adapters(unittest.TestCase):
         since, stamp = self.monitor.contacts.count(), now()
         self.publishers["mesh"].publish(mesh_message("mesh", stamp, REFERENCE_FRAME, box))
         self.publishers["shape"].publish(shape_message(box))
-        self.publishers["marker"].publish(marker_message(stamp, place))
-        self.publishers["cloud"].publish(cloud_message(stamp, box))
+        self.publishers["marker"].publish(stamped(stamp, half_a_marker(place)))
+        self.publishers["cloud"].publish(stamped(stamp, cloud_message(box, rows=2)))
 
         def is_of(name, contacts):
             return (contacts.header.stamp >= stamp
@@ -150,7 +126,7 @@ class Adapters(unittest.TestCase):
 
     def test_a_marker_that_is_deleted_is_unknown(self):
         self.wait_for_transforms()
-        marker = marker_message(now(), PLACES[0])
+        marker = stamped(now(), half_a_marker(PLACES[0]))
         marker.action = Marker.DELETE
         since = self.monitor.states.count()
         self.publishers["marker"].publish(marker)

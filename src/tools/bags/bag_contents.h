@@ -27,7 +27,7 @@ struct BagContents {
   struct Mesh {
     ros::Time stamp;  // of its header; the time of receipt where that is zero
     ros::Time received;
-    std::uint64_t number = 0;  // among all deformable meshes, in order of receipt
+    std::uint64_t number = 0;  // among all meshes that are read, in order of receipt
     std::string topic;
   };
 
