@@ -28,8 +28,8 @@ struct ReceivedMesh {
 // triangles where those are others than the last one's, as a publisher's of DeformableMesh may, so
 // none of them may be lost unseen; topology_id changes iff they do. A coordinate is the nearest
 // float32 of its double, beyond float32's range an infinity. adapt() throws std::invalid_argument
-// if the message is no mesh, which leaves the adapter as it was; `received` is the time of its
-// receipt, zero: there is no clock.
+// if the message is no mesh, and forgets by that no more than a marker that is deleted; `received`
+// is the time of its receipt, zero: there is no clock.
 
 // shape_msgs/Mesh has neither stamp nor frame: it has those of its receipt and of the
 // configuration.

@@ -20,7 +20,7 @@ namespace deformable_contact_monitor {
 struct BagContents {
   struct Topic {
     std::string type;
-    std::string object;  // deformable meshes: the name that their messages carry
+    std::string object;  // DeformableMesh: the name that its messages carry
     std::uint64_t messages = 0;
     std::uint64_t damaged = 0;  // of them
   };
