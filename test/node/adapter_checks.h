@@ -83,7 +83,7 @@ class Accepting {
         << input_.counters().refusal;
     std::string why_not;
     const AcceptedMesh* const newest = input_.newestAt(mesh.message->header.stamp, &why_not);
-    return newest == nullptr ? nullptr : newest->topology;
+    return newest == nullptr ? std::make_shared<const Topology>() : newest->topology;
   }
 
  private:
