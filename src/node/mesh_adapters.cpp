@@ -141,7 +141,7 @@ ReceivedMesh MarkerAdapter::adapt(const Message& message, const ros::Time& recei
     std::iota(mesh->triangles.begin(), mesh->triangles.end(), 0U);
     point_count_ = count;
   }
-  marker_ = {message.ns, message.id};
+  marker_.emplace(message.ns, message.id);
   return {mesh, "", stamped_on_receipt};
 }
 
