@@ -116,6 +116,7 @@ void ContactMonitor::warnOfInputs() {
     InputStatus input;
     input.object = parameters_.objects[i].name;
     input.topic = subscribers_[i].getTopic();
+    input.wanted_type = messageType(parameters_.objects[i].type);
     input.required = parameters_.objects[i].required;
     input.received = mesh_mailboxes_[i].counters().received;
     std::tie(input.refusal, input.oddity) = diagnostics_.meshProblems(i);
@@ -170,16 +171,23 @@ void ContactMonitor::noteBackend(const BackendState& state) {
 void ContactMonitor::subscribeToMeshes() {
   for (std::size_t i = 0; i < mesh_mailboxes_.size(); ++i) {
     const ObjectParameters& object = parameters_.objects[i];
-    const MeshReceiver store = [this, i](const DeformableMesh::ConstPtr& message,
-                                         const std::string& refusal) {
-      mesh_mailboxes_[i].store(message, refusal);
+    const MeshReceiver store = [this, i](const ReceivedMesh& mesh) {
+      const bool is_first =
+          mesh.stamped_on_receipt && mesh_mailboxes_[i].counters().stamped_on_receipt == 0;
+      if (is_first) {
+        ROS_WARN_STREAM("object '" << parameters_.objects[i].name
+                                   << "': its messages have no stamp and are stamped on receipt, "
+                                      "so the time that they were under way is not seen");
+      }
+      mesh_mailboxes_[i].store(mesh);
       mailbox_.wake();
     };
     const bool is_private = object.topic.empty() || object.topic.front() == '~';
     const std::string topic = object.topic.empty() ? "objects/" + object.name + "/mesh"
                               : is_private         ? object.topic.substr(1)
                                                    : object.topic;
-    ros::SubscribeOptions options = meshSubscription(topic, parameters_.max_mesh_bytes, store);
+    ros::SubscribeOptions options =
+        meshSubscription(topic, object, parameters_.max_mesh_bytes, store);
     subscribers_.push_back((is_private ? private_node_ : node_).subscribe(options));
   }
 }

@@ -1,9 +1,6 @@
 // Warnings on the console about input that is missing, refused or odd.
 #include "node/input_warnings.h"
 
-#include <deformable_contact_monitor/DeformableMesh.h>
-#include <ros/message_traits.h>
-
 #include <sstream>
 
 namespace deformable_contact_monitor {
@@ -13,7 +10,7 @@ constexpr std::chrono::seconds kPeriod(5);  // of a warning, and what counts as 
 
 // Who publishes on the topic, and what.
 std::string describePublishers(const InputStatus& input) {
-  const std::string wanted = ros::message_traits::datatype<DeformableMesh>();
+  const std::string& wanted = input.wanted_type;
   std::string text = " on " + input.topic + ", on which ";
   if (!input.type) return text + (input.publishers == 0 ? "nobody publishes" : "no type is known");
   if (*input.type != wanted) return text + *input.type + " is published, and not " + wanted;

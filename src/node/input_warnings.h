@@ -16,6 +16,7 @@ namespace deformable_contact_monitor {
 // What is known of one object's meshes.
 struct InputStatus {
   std::string object, topic;        // the topic is resolved
+  std::string wanted_type;          // of its messages
   bool required = true;             // else it may be missing
   std::uint64_t received = 0;       // messages, since the start
   std::string refusal, oddity;      // of the newest; empty: none

@@ -10,11 +10,17 @@ bool isMeshOf(const std::string& object, const DeformableMesh& message) {
 }
 
 void MeshMailbox::store(const DeformableMesh::ConstPtr& message, const std::string& refusal) {
+  store(ReceivedMesh{message, refusal});
+}
+
+void MeshMailbox::store(const ReceivedMesh& mesh) {
+  const DeformableMesh::ConstPtr& message = mesh.message;
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counters_.received;
+  counters_.stamped_on_receipt += mesh.stamped_on_receipt;
   if (waiting_.message) ++counters_.dropped;
   waiting_.message = message;
-  waiting_.refusal = refusal;
+  waiting_.refusal = mesh.refusal;
   waiting_.arrival = std::chrono::steady_clock::now();
   if (!message->triangles.empty() && isMeshOf(object_, *message)) waiting_.keyframe = message;
 }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/steady_time.h"
+#include "node/mesh_adapters.h"
 
 namespace deformable_contact_monitor {
 
@@ -27,6 +28,7 @@ struct ArrivedMesh {
 struct ArrivalCounters {
   std::uint64_t received = 0;
   std::uint64_t dropped = 0;  // before their cycle: replaced by a newer one, or not wanted
+  std::uint64_t stamped_on_receipt = 0;  // they had no stamp of their own
 };
 
 // Threads may call every function at any time.
@@ -40,6 +42,7 @@ class MeshMailbox {
 
   // Makes `message` the one that waits; `refusal` as in ArrivedMesh.
   void store(const DeformableMesh::ConstPtr& message, const std::string& refusal = "");
+  void store(const ReceivedMesh& mesh);
 
   // Takes the mesh that waits, if one does: to look at it and to take it is one act, or a newer one
   // that arrives in between would be lost.

@@ -176,7 +176,9 @@ void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
   } else if (rate_hz < parameters_.diagnostic_min_rate_hz) {
     status.summary(DiagnosticStatus::WARN, "rate below diagnostic_min_rate_hz");
   } else {
-    status.summary(DiagnosticStatus::OK, "meshes arrive");
+    status.summary(DiagnosticStatus::OK, arrived.stamped_on_receipt > 0
+                                             ? "meshes arrive, stamped on receipt"
+                                             : "meshes arrive");
   }
   if (!watch.oddity.empty()) status.mergeSummary(DiagnosticStatus::WARN, watch.oddity);
   status.add("rate [Hz]", rate_hz);
@@ -184,6 +186,7 @@ void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
     status.add("age of newest [s]", secondsBetween(ros::Time::now(), counters.stamp));
   }
   status.add("received", arrived.received);
+  status.add("stamped on receipt", arrived.stamped_on_receipt);
   status.add("dropped", arrived.dropped + counters.dropped);
   status.add("refused", counters.refused);
   status.add("topology changes", counters.topology_changes);

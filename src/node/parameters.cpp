@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "core/mesh_files/mesh_file.h"
 #include "node/parameter_reader.h"
 
 namespace deformable_contact_monitor {
@@ -39,6 +40,26 @@ void readRobot(ParameterReader* reader, MonitorParameters* p) {
   p->link_margin_m = reader->numbers("link_margin_m", 0, kMaxMarginM);
 }
 
+// What an object's type needs beside a topic.
+void readMeshType(ParameterReader* entry, ObjectParameters* object) {
+  object->type = static_cast<MeshType>(
+      entry->choice("type", {"deformable_mesh", "shape_mesh", "marker", "point_cloud"}, 0));
+  if (object->type == MeshType::kShapeMesh) {
+    object->frame_id = entry->text("frame_id", "");
+    if (object->frame_id.empty())
+      entry->addProblem("frame_id", "is missing: a shape_mesh has none");
+  }
+  if (object->type != MeshType::kPointCloud) return;
+  const std::string faces = entry->text("faces", "");
+  try {
+    if (faces.empty()) throw std::runtime_error("is missing: a point_cloud has no triangles");
+    object->faces = std::make_shared<const TriangleMesh>(readMeshFile(makeRosResolver()(faces)));
+  } catch (const std::exception& error) {
+    entry->addProblem("faces",
+                      faces.empty() ? error.what() : "is '" + faces + "': " + error.what());
+  }
+}
+
 void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
                  MonitorParameters* p) {
   std::set<std::string> names;
@@ -50,6 +71,7 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     object.shares_margin = own_margin_m < 0;
     object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
     object.required = entry.flag("required", object.required);
+    readMeshType(&entry, &object);
     std::string error;
     if (object.name.empty()) {
       entry.addProblem("name", "is missing");

@@ -6,11 +6,13 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/options.h"
+#include "core/triangle_mesh.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/detector_choice.h"
 #include "node/pair_table.h"
@@ -20,12 +22,18 @@ namespace deformable_contact_monitor {
 
 enum class RobotSourceKind { kUrdf, kTopic };
 
+// What an object's meshes come as.
+enum class MeshType { kDeformableMesh, kShapeMesh, kMarker, kPointCloud };
+
 struct ObjectParameters {
   std::string name;
   std::string topic;  // empty: objects/<name>/mesh in the private namespace
   float margin_m = 0;
-  bool required = true;        // no data is an error in the diagnostics, else a warning
-  bool shares_margin = false;  // it has none of its own: margin_m is every body's
+  bool required = true;  // no data is an error in the diagnostics, else a warning
+  MeshType type = MeshType::kDeformableMesh;
+  std::string frame_id;                       // shape meshes: of their vertices
+  std::shared_ptr<const TriangleMesh> faces;  // point clouds: the mesh whose vertices they are
+  bool shares_margin = false;                 // it has none of its own: margin_m is every body's
 };
 
 constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";

@@ -2,7 +2,7 @@
 # works on the project's own scope.
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs message_generation nodelet
-  pluginlib resource_retriever rosbag_storage roscpp roslib sensor_msgs std_msgs std_srvs tf2
+  pluginlib resource_retriever rosbag_storage roscpp roslib sensor_msgs shape_msgs std_msgs std_srvs tf2
   tf2_eigen tf2_msgs tf2_ros visualization_msgs)
 
 add_message_files(DIRECTORY msg FILES
@@ -16,4 +16,4 @@ generate_dynamic_reconfigure_options(config/ContactMonitor.cfg)
 catkin_package(
   CFG_EXTRAS ${PROJECT_SOURCE_DIR}/src/core/library/${PROJECT_NAME}-extras.cmake
   CATKIN_DEPENDS diagnostic_msgs dynamic_reconfigure geometry_msgs message_runtime nodelet roscpp
-    sensor_msgs std_msgs std_srvs tf2 tf2_ros visualization_msgs)
+    sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_ros visualization_msgs)

@@ -67,7 +67,8 @@ void evaluate(const ScratchFile& file, BagReader* reader, const BagContents& con
   BagFiles files;
   files.bags = {file.path()};
   try {
-    const BagSetup setup = setUpBags(files, SceneObject(), contents, [](const std::string&) {});
+    const BagSetup setup =
+        setUpBags(files, MonitorParameters(), SceneObject(), contents, [](const std::string&) {});
     Options options;
     options.threads = 1;  // no threads where forks come
     EvaluationRun run("cpu", makeCpuDetector(), options, StateRules(), {});
@@ -95,7 +96,7 @@ bool tryBag(const std::uint8_t* data, std::size_t size) {
     requireThat(*refusal.what() != '\0', "a refusal without a reason");
   }
   try {
-    BagReader reader({file.path()}, neededTypes());
+    BagReader reader({file.path()}, neededMessages(MonitorParameters()));
     const BagContents contents = scanBags(&reader, [](std::uint64_t) {});
     if (contents.topics.empty()) return false;
     evaluate(file, &reader, contents);

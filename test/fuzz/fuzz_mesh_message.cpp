@@ -1,18 +1,20 @@
-// Messages of a deformable mesh, from their bytes on the wire to the states of bodies: roscpp's
-// reading behind our check, the mailbox, the rules of acceptance, the scene, the CPU backend.
+// Messages of a mesh, of any type that an object may have, from their bytes on the wire to the
+// states of bodies: roscpp's reading behind our check, the mailbox, the rules of acceptance, the
+// scene, the CPU backend.
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/message_event.h>
-#include <ros/serialization.h>
 #include <ros/subscription_callback_helper.h>
 #include <tf2/buffer_core.h>
 
 #include <boost/make_shared.hpp>
+#include <memory>
 #include <vector>
 
 #include "byte_source.h"
 #include "core/cpu/cpu_detector.h"
 #include "detector_check.h"
 #include "fuzz_target.h"
+#include "message_writer.h"
 #include "node/contact_messages.h"
 #include "node/contact_state_tracker.h"
 #include "node/mesh_subscription.h"
@@ -26,34 +28,14 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kMostMessages = 8;
 constexpr std::size_t kMaxBytes = 1 << 16;
 
-Bytes serialized(const DeformableMesh& message) {
-  Bytes bytes(ros::serialization::serializationLength(message));
-  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  ros::serialization::serialize(stream, message);
-  return bytes;
-}
-
-// A well-formed message of more or less sense.
-DeformableMesh messageFrom(ByteSource* source, const ros::Time& stamp) {
-  constexpr const char* kFrames[] = {"base_link", "camera", "/camera", "nowhere", ""};
-  constexpr const char* kObjects[] = {"cloth", "", "cloth", "towel"};
-  DeformableMesh message;
-  message.header.stamp = source->below(16) == 15 ? ros::Time() : stamp;
-  message.header.frame_id = kFrames[source->below(5)];
-  message.object = kObjects[source->below(4)];
-  message.topology_id = static_cast<std::uint32_t>(source->below(3));
-  message.vertices.resize(source->below(40));
-  for (float& coordinate : message.vertices) coordinate = source->coordinate();
-  message.triangles.resize(source->below(40));
-  for (std::uint32_t& index : message.triangles) index = source->byte() % 14;
-  return message;
-}
-
-MonitorParameters makeParameters() {
+MonitorParameters makeParameters(MeshType type) {
   MonitorParameters parameters;
   ObjectParameters object;
   object.name = "cloth";
   object.margin_m = 0.1F;
+  object.type = type;
+  object.frame_id = "camera";
+  object.faces = std::make_shared<const TriangleMesh>(fuzzedFaces());
   parameters.objects = {object};
   parameters.pair_classes.deformable_self = true;
   parameters.max_mesh_bytes = kMaxBytes;
@@ -81,14 +63,15 @@ void addStaticTransform(const std::string& frame, double x, tf2::BufferCore* buf
 // What the node does with one object's messages, in one thread.
 class Monitor {
  public:
-  Monitor()
-      : scene_(parameters_),
+  explicit Monitor(MeshType type)
+      : parameters_(makeParameters(type)),
+        scene_(parameters_),
         inputs_(makeMeshInputs(parameters_)),
         lookup_(buffer_, parameters_.reference_frame),
-        subscription_(meshSubscription("/cloth", kMaxBytes,
-                                       [this](const auto& message, const std::string& refusal) {
-                                         was_mesh_ = refusal.empty();
-                                         mailbox_.store(message, refusal);
+        subscription_(meshSubscription("/cloth", parameters_.objects[0], kMaxBytes,
+                                       [this](const ReceivedMesh& mesh) {
+                                         was_mesh_ = mesh.refusal.empty();
+                                         mailbox_.store(mesh);
                                        })),
         detector_(makeCpuDetector()),
         tracker_(StateRules()) {
@@ -108,9 +91,9 @@ class Monitor {
                                                ros::MessageEvent<void const>::CreateFunction());
     subscription_.helper->call(call);
     if (was_mesh_) {
-      const auto message =
-          boost::static_pointer_cast<const DeformableMesh>(call.event.getMessage());
-      requireThat(serialized(*message) == bytes, "a message is not what was sent");
+      const MeshType type = parameters_.objects[0].type;
+      requireThat(bytesOf(type, call.event.getMessage()) == bytes,
+                  "a message is not what was sent");
     }
     if (!is_busy) runCycle(now);
     return was_mesh_;
@@ -153,7 +136,7 @@ class Monitor {
     }
   }
 
-  const MonitorParameters parameters_ = makeParameters();
+  const MonitorParameters parameters_;
   MonitorScene scene_;
   MeshInputs inputs_;
   MeshMailbox mailbox_{"cloth"};
@@ -166,10 +149,17 @@ class Monitor {
   std::uint64_t cycle_ = 0;
 };
 
+// Of all messages of an input; that of the meshes' own type where nothing says otherwise.
+MeshType typeOf(const std::uint8_t* data, std::size_t size) {
+  constexpr int kShift = 4, kTypes = 4;
+  return static_cast<MeshType>(size == 0 ? 0 : (*data >> kShift) % kTypes);
+}
+
 // Past the first check: some bytes were a mesh.
 bool tryMeshMessage(const std::uint8_t* data, std::size_t size) {
   ByteSource source(data, size);
-  Monitor monitor;
+  const MeshType type = typeOf(data, size);
+  Monitor monitor(type);
   bool any = false;
   ros::Time now(100, 0);
   for (std::size_t i = 0; i < kMostMessages && source.left() > 0; ++i) {
@@ -178,7 +168,7 @@ bool tryMeshMessage(const std::uint8_t* data, std::size_t size) {
     const ros::Duration step((how & kLeap) != 0 ? 3 : 0.01);
     now = (how & kBack) != 0 && now.sec > 50 ? now - step : now + step;
     const Bytes bytes = (how & kRaw) != 0 ? source.bytes(source.number<std::uint16_t>())
-                                          : serialized(messageFrom(&source, now));
+                                          : messageBytes(type, &source, now);
     any = monitor.arrive(bytes, now, (how & kBusy) != 0) || any;
   }
   return any;

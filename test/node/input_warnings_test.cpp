@@ -15,6 +15,7 @@ InputStatus cloth() {
   InputStatus input;
   input.object = "cloth";
   input.topic = "/robot/cloth";
+  input.wanted_type = kMeshType;
   return input;
 }
 
@@ -62,6 +63,15 @@ TEST_F(InputWarningsTest, APublisherOfAnotherTypeIsNamed) {
   const std::vector<std::string> all = lookAt(input, 0, 5, false);
   ASSERT_EQ(all.size(), 1U);
   expectIn(std::string("std_msgs/String is published, and not ") + kMeshType, all[0]);
+}
+
+TEST_F(InputWarningsTest, TheTypeThatIsWantedIsTheObjectsOwn) {
+  InputStatus input = cloth();
+  input.wanted_type = "sensor_msgs/PointCloud2";
+  input.type = kMeshType;
+  const std::vector<std::string> all = lookAt(input, 0, 5, false);
+  ASSERT_EQ(all.size(), 1U);
+  expectIn(std::string(kMeshType) + " is published, and not sensor_msgs/PointCloud2", all[0]);
 }
 
 TEST_F(InputWarningsTest, SilentPublishersAreCounted) {

@@ -6,6 +6,7 @@
 
 #include "node/time_difference.h"
 #include "node/transform_lookup.h"
+#include "tools/bags/bag_meshes.h"
 #include "tools/bags/bag_messages.h"
 
 namespace deformable_contact_monitor {
@@ -47,9 +48,9 @@ ros::Time settled(const FirstStamps& first, const ros::Time& start) {
 void lookAtMesh(const BagMessage& message, BagContents::Topic* topic, BagContents* contents) {
   const std::uint64_t number = contents->meshes.size();
   contents->meshes.push_back({message.received, message.received, number, message.topic});
-  const DeformableMesh::ConstPtr mesh = toDeformableMesh(message);
-  if (!mesh->header.stamp.isZero()) contents->meshes.back().stamp = mesh->header.stamp;
-  if (topic->object.empty()) topic->object = mesh->object;
+  const BagMeshHead head = headOf(message);
+  if (!head.stamp.isZero()) contents->meshes.back().stamp = head.stamp;
+  if (topic->object.empty()) topic->object = head.object;
   if (contents->last_transform.isZero()) return;
   contents->transforms_ahead_s =
       std::max(contents->transforms_ahead_s,
@@ -59,7 +60,7 @@ void lookAtMesh(const BagMessage& message, BagContents::Topic* topic, BagContent
 void lookAt(const BagMessage& message, BagContents::Topic* topic, FirstStamps* first,
             BagContents* contents) {
   if (isTransforms(message)) lookAtTransforms(message, first, contents);
-  if (isDeformableMesh(message)) lookAtMesh(message, topic, contents);
+  if (isMesh(message)) lookAtMesh(message, topic, contents);
   if (isLinkMeshes(message)) contents->link_meshes = toLinkMeshes(message);
   if (isText(message) && endsWith(message.topic, "robot_description")) {
     contents->robot_description = toText(message);

@@ -20,14 +20,14 @@ namespace deformable_contact_monitor {
 struct BagContents {
   struct Topic {
     std::string type;
-    std::string object;  // deformable meshes: the name that their messages carry
+    std::string object;  // DeformableMesh: the name that its messages carry
     std::uint64_t messages = 0;
     std::uint64_t damaged = 0;  // of them
   };
   struct Mesh {
     ros::Time stamp;  // of its header; the time of receipt where that is zero
     ros::Time received;
-    std::uint64_t number = 0;  // among all deformable meshes, in order of receipt
+    std::uint64_t number = 0;  // among all meshes that are read, in order of receipt
     std::string topic;
   };
 

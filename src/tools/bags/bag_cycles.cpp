@@ -57,6 +57,7 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
   for (const ObjectParameters& object : parameters.objects) {
     input_of_topic_[topicOf(object)] = mailboxes_.size();
     mailboxes_.emplace_back(object.name);
+    mesh_readers_.push_back(recordedMeshReader(object));
   }
   if (parameters.pair_classes.needRobot()) scene_.setRobot(robot);
   for (const geometry_msgs::TransformStamped& transform : contents.static_transforms) {
@@ -97,19 +98,18 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
 
 void BagCycles::take(const BagMessage& message) {
   received_ = std::max(received_, message.received);
-  const bool is_mesh = isDeformableMesh(message);
-  const std::uint64_t number = is_mesh ? meshes_read_++ : 0;
+  if (isMesh(message)) {
+    const std::uint64_t number = meshes_read_++;
+    if (input_of_topic_.count(message.topic) > 0) held_[number] = message;
+    return;
+  }
   try {
-    if (is_mesh && input_of_topic_.count(message.topic) > 0) {
-      held_[number] = toDeformableMesh(message);
-    }
     if (!isTransforms(message) || isStatic(message.topic)) return;
     for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
       if (!buffer_.setTransform(transform, "bag")) ++refused_transforms_;
       newest_transform_ = std::max(newest_transform_, transform.header.stamp);
     }
   } catch (const std::exception&) {  // it was counted when the bag was scanned
-    if (is_mesh) held_[number] = nullptr;
   }
 }
 
@@ -129,20 +129,31 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
     CycleTrigger trigger;
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
-      DeformableMesh::ConstPtr mesh;
-      if (event.played) {
-        mesh = nextPlayed(stamp);
-      } else if (const auto held = held_.find(event.number); held != held_.end()) {
-        mesh = held->second;
-        held_.erase(held);
-      }
+      const std::optional<ReceivedMesh> mesh = nextMesh(event);
       if (!mesh) continue;
       MeshMailbox& mailbox = mailboxes_[event.input];
-      mailbox.store(mesh);
+      mailbox.store(*mesh);
       const Acceptance answer = inputs_[event.input].accept(*mailbox.take(), ros::Time());
       if (answer != Acceptance::kDropped) trigger.objects.push_back(event.input);
     }
     if (!trigger.objects.empty()) detectAt(stamp, trigger, visit);
+  }
+}
+
+// Nothing: damaged, or played out.
+std::optional<ReceivedMesh> BagCycles::nextMesh(const Event& event) {
+  if (event.played) {
+    const DeformableMesh::ConstPtr mesh = nextPlayed(event.stamp);
+    return mesh ? std::optional(ReceivedMesh{mesh}) : std::nullopt;
+  }
+  const auto held = held_.find(event.number);
+  if (held == held_.end()) return std::nullopt;
+  const BagMessage message = std::move(held->second);
+  held_.erase(held);
+  try {
+    return mesh_readers_[event.input](message);
+  } catch (const std::exception&) {  // it was counted when the bag was scanned
+    return std::nullopt;
   }
 }
 

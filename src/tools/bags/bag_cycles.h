@@ -16,6 +16,7 @@
 #include "node/parameters.h"
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
+#include "tools/bags/bag_meshes.h"
 #include "tools/bags/bag_reader.h"
 #include "tools/common/mesh_player.h"
 
@@ -61,6 +62,7 @@ class BagCycles {
   void take(const BagMessage& message);
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
+  std::optional<ReceivedMesh> nextMesh(const Event& event);
   DeformableMesh::ConstPtr nextPlayed(const ros::Time& stamp);
   void detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
                 const std::function<void(CycleReport*)>& visit);
@@ -69,14 +71,16 @@ class BagCycles {
   const PlayedObject* played_;
   std::map<std::string, std::size_t> input_of_topic_;
   MonitorScene scene_;
+  std::vector<RecordedMeshReader> mesh_readers_;  // by object
   MeshMailboxes mailboxes_;
   MeshInputs inputs_;
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;
   std::vector<Event> events_;  // ascending stamps
   std::size_t next_ = 0;       // of events_
-  // Meshes that were read and wait for their turn, by number; null: damaged.
-  std::map<std::uint64_t, DeformableMesh::ConstPtr> held_;
+  // Messages that were read and wait for their turn, by number: what they become may depend on
+  // those before them in the order of stamps.
+  std::map<std::uint64_t, BagMessage> held_;
   std::uint64_t meshes_read_ = 0;
   ros::Time received_, newest_transform_;  // of what was read so far
   bool at_end_ = false;                    // of the bags

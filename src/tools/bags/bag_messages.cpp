@@ -1,7 +1,8 @@
 // From a bag's bytes to messages, every size checked before memory is asked for.
 #include "tools/bags/bag_messages.h"
 
-#include <boost/make_shared.hpp>
+#include <deformable_contact_monitor/DeformableMesh.h>
+
 #include <cstring>
 #include <stdexcept>
 
@@ -49,14 +50,6 @@ class Walker {
   const std::vector<std::uint8_t>& bytes_;
   std::size_t at_ = 0;
 };
-
-void walk(Walker* walker, const DeformableMesh& /*as*/) {
-  walker->header();
-  walker->text();    // object
-  walker->number();  // topology_id
-  walker->array(4);
-  walker->array(4);
-}
 
 void walk(Walker* walker, const LinkMeshes& /*as*/) {
   walker->header();
@@ -109,9 +102,6 @@ const std::set<std::string>& neededTypes() {
 bool isTransforms(const BagMessage& message) {
   return (message.type == typeOf<tf2_msgs::TFMessage>() || message.type == kOldTransforms);
 }
-bool isDeformableMesh(const BagMessage& message) {
-  return message.type == typeOf<DeformableMesh>();
-}
 bool isLinkMeshes(const BagMessage& message) { return message.type == typeOf<LinkMeshes>(); }
 bool isText(const BagMessage& message) { return message.type == typeOf<std_msgs::String>(); }
 
@@ -119,12 +109,6 @@ tf2_msgs::TFMessage toTransforms(const BagMessage& message) {
   tf2_msgs::TFMessage transforms;
   decode(message, &transforms);
   return transforms;
-}
-
-DeformableMesh::ConstPtr toDeformableMesh(const BagMessage& message) {
-  const auto mesh = boost::make_shared<DeformableMesh>();
-  decode(message, mesh.get());
-  return mesh;
 }
 
 LinkMeshes toLinkMeshes(const BagMessage& message) {

@@ -1,7 +1,6 @@
 // From a bag's bytes to messages, every size checked before memory is asked for.
 #pragma once
 
-#include <deformable_contact_monitor/DeformableMesh.h>
 #include <deformable_contact_monitor/LinkMeshes.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
@@ -13,19 +12,17 @@
 
 namespace deformable_contact_monitor {
 
-// The types that the monitor's cycles need; tf/tfMessage is how transforms were recorded before
-// tf2, and reads as tf2_msgs/TFMessage.
+// The types that the monitor's cycles always need; tf/tfMessage is how transforms were recorded
+// before tf2, and reads as tf2_msgs/TFMessage.
 const std::set<std::string>& neededTypes();
 
 bool isTransforms(const BagMessage& message);
-bool isDeformableMesh(const BagMessage& message);
 bool isLinkMeshes(const BagMessage& message);
 bool isText(const BagMessage& message);
 
 // They throw std::runtime_error, "<topic>: <what>", if the bytes are not exactly one message of the
 // type, or the type was defined otherwise when it was recorded.
 tf2_msgs::TFMessage toTransforms(const BagMessage& message);
-DeformableMesh::ConstPtr toDeformableMesh(const BagMessage& message);
 LinkMeshes toLinkMeshes(const BagMessage& message);
 std::string toText(const BagMessage& message);
 

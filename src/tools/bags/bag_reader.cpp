@@ -131,14 +131,14 @@ void openBag(const std::string& path, rosbag::Bag* bag) {
   }
 }
 
-void readAll(int pipe, const std::vector<std::string>& paths, const std::set<std::string>& types) {
+void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection& selection) {
   std::deque<rosbag::Bag> bags;
   rosbag::View view;
   try {
     for (const std::string& path : paths) {
       openBag(path, &bags.emplace_back());
-      view.addQuery(bags.back(), [&types](const rosbag::ConnectionInfo* connection) {
-        return types.count(connection->datatype) > 0;
+      view.addQuery(bags.back(), [&selection](const rosbag::ConnectionInfo* connection) {
+        return selection.has(connection->topic, connection->datatype);
       });
     }
   } catch (const std::exception& error) {
@@ -156,8 +156,13 @@ void readAll(int pipe, const std::vector<std::string>& paths, const std::set<std
 
 }  // namespace
 
-BagReader::BagReader(std::vector<std::string> paths, std::set<std::string> types)
-    : paths_(std::move(paths)), types_(std::move(types)) {
+bool BagSelection::has(const std::string& topic, const std::string& type) const {
+  const auto of_topic = types_of_topics.find(topic);
+  return types.count(type) > 0 || (of_topic != types_of_topics.end() && of_topic->second == type);
+}
+
+BagReader::BagReader(std::vector<std::string> paths, BagSelection selection)
+    : paths_(std::move(paths)), selection_(std::move(selection)) {
   int requests[2], messages[2];
   if (pipe2(requests, O_CLOEXEC) != 0 || pipe2(messages, O_CLOEXEC) != 0) {
     throw std::system_error(errno, std::generic_category(), "no pipe to a reader of bags");
@@ -193,7 +198,7 @@ void BagReader::serve() {
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
   dup2(nowhere, STDERR_FILENO);  // the allocator's last words
   char request = 0;
-  while (::read(requests_, &request, 1) == 1) readAll(messages_, paths_, types_);
+  while (::read(requests_, &request, 1) == 1) readAll(messages_, paths_, selection_);
   _exit(0);
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,14 +19,22 @@ struct BagMessage {
   std::vector<std::uint8_t> bytes;  // as serialized; nothing about them has been checked
 };
 
+// Which messages of a bag are read: all of some types, and of some topics those of one type each.
+struct BagSelection {
+  std::set<std::string> types;
+  std::map<std::string, std::string> types_of_topics;
+
+  bool has(const std::string& topic, const std::string& type) const;
+};
+
 // rosbag's library takes sizes and offsets in a bag on trust: a damaged one makes it read beyond
 // its buffers or ask for any amount of memory. So it runs in a process of its own, which hands the
 // messages over a pipe, and whose end is the end of the bag. One thread at a time.
 class BagReader {
  public:
-  // Only messages of these types are read. Forks: to be called before CUDA or a detector's threads
-  // are in use.
-  BagReader(std::vector<std::string> paths, std::set<std::string> types);
+  // Only messages of the selection are read. Forks: to be called before CUDA or a detector's
+  // threads are in use.
+  BagReader(std::vector<std::string> paths, BagSelection selection);
   BagReader(const BagReader&) = delete;
   BagReader& operator=(const BagReader&) = delete;
   ~BagReader();
@@ -43,7 +52,7 @@ class BagReader {
   [[noreturn]] void serve();
 
   std::vector<std::string> paths_;
-  std::set<std::string> types_;
+  BagSelection selection_;
   pid_t process_ = -1;
   int requests_ = -1, messages_ = -1;  // pipes' ends of this process
   bool gone_ = false;                  // the process ended, or must not be asked again

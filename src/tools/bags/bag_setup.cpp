@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "node/contact_messages.h"
+#include "node/mesh_subscription.h"
 #include "node/robot_checks.h"
 #include "node/transform_lookup.h"
+#include "tools/bags/bag_messages.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/common/yaml_parameters.h"
 
@@ -176,20 +178,33 @@ void warnOfLinks(const RobotGeometry& robot, const Warn& warn) {
 
 }  // namespace
 
-BagSetup setUpBags(const BagFiles& files, const SceneObject& object, const BagContents& contents,
-                   const Warn& warn) {
-  BagSetup setup;
-  if (!files.config.empty()) {
-    std::vector<std::string> warnings;
-    try {
-      setup.parameters = parseParameters(readYamlParameters(files.config), &warnings);
-    } catch (const ParameterError& error) {
-      std::string text = error.what();
-      std::replace(text.begin(), text.end(), '\n', ' ');
-      throw std::runtime_error(files.config + ": " + text);
-    }
+MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
+  if (files.config.empty()) return MonitorParameters();
+  std::vector<std::string> warnings;
+  try {
+    MonitorParameters parameters = parseParameters(readYamlParameters(files.config), &warnings);
     for (const std::string& warning : warnings) warn(files.config + ": " + warning);
+    return parameters;
+  } catch (const ParameterError& error) {
+    std::string text = error.what();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    throw std::runtime_error(files.config + ": " + text);
   }
+}
+
+BagSelection neededMessages(const MonitorParameters& parameters) {
+  BagSelection selection;
+  selection.types = neededTypes();
+  for (const ObjectParameters& object : parameters.objects) {
+    selection.types_of_topics[topicOf(object)] = messageType(object.type);
+  }
+  return selection;
+}
+
+BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
+                   const SceneObject& object, const BagContents& contents, const Warn& warn) {
+  BagSetup setup;
+  setup.parameters = configured;
   MonitorParameters& parameters = setup.parameters;
   if (!files.reference_frame.empty()) {
     parameters.reference_frame = plainFrame(files.reference_frame);

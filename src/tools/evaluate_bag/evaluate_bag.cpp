@@ -16,7 +16,6 @@
 #include "cuda/device/cuda_error.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
-#include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_setup.h"
 #include "tools/bags/stamp_text.h"
 #include "tools/common/backend_choice.h"
@@ -129,9 +128,10 @@ std::string damage(const BagContents& contents) {
 }
 
 // What is missing may have been in what could not be read.
-BagSetup setUp(const EvaluateArguments& arguments, const BagContents& contents) {
+BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& configured,
+               const BagContents& contents) {
   try {
-    return setUpBags(arguments.files, arguments.object, contents, warn);
+    return setUpBags(arguments.files, configured, arguments.object, contents, warn);
   } catch (const std::exception& error) {
     const std::string damaged = damage(contents);
     if (damaged.empty()) throw;
@@ -152,8 +152,9 @@ std::string cleanFolder(const std::string& folder) {
 
 int evaluate(const EvaluateArguments& arguments) {
   const Stopwatch stopwatch;
-  // First, because it forks.
-  BagReader reader(arguments.files.bags, neededTypes());
+  const MonitorParameters configured = readBagParameters(arguments.files, warn);
+  // Before threads, because it forks.
+  BagReader reader(arguments.files.bags, neededMessages(configured));
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   std::vector<Expectation> expectations;
@@ -163,7 +164,7 @@ int evaluate(const EvaluateArguments& arguments) {
   const BagContents contents = scanBags(&reader, [&](std::uint64_t count) {
     if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
   });
-  const BagSetup setup = setUp(arguments, contents);
+  const BagSetup setup = setUp(arguments, configured, contents);
   Runs runs = makeRuns(arguments, setup.parameters, expectations);
   std::vector<RunComparison> compared = comparisons(runs);
   Tables tables(cleanFolder(arguments.out), arguments.pairs);

@@ -9,7 +9,6 @@
 
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
-#include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_setup.h"
 #include "tools/bags/stamp_text.h"
 
@@ -113,12 +112,13 @@ class BagFrames : public FrameSource {
 std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
                                            const std::function<void(const std::string&)>& progress,
                                            const std::function<void(const std::string&)>& warn) {
-  BagReader reader(files.bags, neededTypes());
+  const MonitorParameters configured = readBagParameters(files, warn);
+  BagReader reader(files.bags, neededMessages(configured));
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   progress("reading the bags");
   const BagContents contents = scanBags(&reader, [](std::uint64_t) {});
-  const BagSetup setup = setUpBags(files, SceneObject(), contents, warn);
+  const BagSetup setup = setUpBags(files, configured, SceneObject(), contents, warn);
   BagCycles cycles(setup.parameters, contents, setup.robot, nullptr);
   auto frames = std::make_unique<BagFrames>();
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {

@@ -12,6 +12,7 @@ sys.path.insert(0, str(SOURCE / "test/ros"))
 
 # pylint: disable=wrong-import-position
 from deformable_contact_monitor.msg import LinkMesh, LinkMeshes
+from adapted_messages import cloud_message, marker_message, shape_message
 from monitor_test_support import (
     mesh_message, oracle_pairs, pose_from, posed_links, transform_message)
 from panda_scene import REFERENCE_FRAME, SHIRT_FRAME, Panda
@@ -40,6 +41,21 @@ class PandaBag:
     def shirt(self, frame, **arguments):
         return mesh_message("tshirt", stamp_of(frame), SHIRT_FRAME, self.panda.shirt_mesh(frame),
                             **arguments)
+
+    def shape(self, frame):
+        return shape_message(self.panda.shirt_mesh(frame))
+
+    def marker(self, frame):
+        return self._stamped(frame, marker_message(self.panda.shirt_mesh(frame)))
+
+    def cloud(self, frame):
+        return self._stamped(frame, cloud_message(self.panda.shirt_mesh(frame)))
+
+    @staticmethod
+    def _stamped(frame, message):
+        message.header.stamp = stamp_of(frame)
+        message.header.frame_id = SHIRT_FRAME
+        return message
 
     def link_meshes(self):
         message = LinkMeshes()

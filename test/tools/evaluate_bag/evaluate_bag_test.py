@@ -21,6 +21,8 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
 from panda_bag import AWAY_FROM, DATA, FRAMES, START, PandaBag, stamp_of, write_bag
+from panda_scene import SHIRT_FRAME
+from pose_meshes import write_ply
 
 TOOL = os.environ["EVALUATE_BAG"]
 CONFIG = """
@@ -91,6 +93,37 @@ class EvaluateBag(unittest.TestCase):
         for row in frames:
             self.assertEqual(int(row["pairs"]), len(wanted[row["stamp"]]))
             self.assertEqual((row["complete"], row["skipped"]), ("yes", ""))
+
+    def test_other_types_of_messages_have_the_same_pairs(self):
+        """The shape is recorded at its stamp, as it has no other."""
+        vertices, triangles = self.scene.panda.shirt_mesh(0)
+        write_ply(self.path("faces.ply"), (vertices, triangles))
+        shapes = [(stamp_of(frame), "/shape", self.scene.shape(frame)) for frame in range(FRAMES)]
+        others = [(stamp_of(frame) + rospy.Duration(0, 6000000), topic, message)
+                  for frame in range(FRAMES)
+                  for topic, message in (("/marker", self.scene.marker(frame)),
+                                         ("/cloud", self.scene.cloud(frame)),
+                                         ("/camera", self.scene.cloud(frame)))]
+        objects = ["{name: tshirt, topic: /tshirt}",
+                   f"{{name: shape, topic: /shape, type: shape_mesh, frame_id: {SHIRT_FRAME}}}",
+                   "{name: marker, topic: /marker, type: marker}",
+                   "{name: cloud, topic: /cloud, type: point_cloud, "
+                   f"faces: '{self.path('faces.ply')}'}}"]
+        config = CONFIG.replace("{name: tshirt, topic: /tshirt}", ", ".join(objects))
+        done = self.run_tool("--config", self.text("types.yaml", config), "--pairs",
+                             self.bag(events=self.events + shapes + others))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        found = self.pairs()
+        for name in ("tshirt", "shape", "marker", "cloud"):
+            for frame, pairs in self.expected.items():
+                stamp = f"{stamp_of(frame).secs}.{stamp_of(frame).nsecs:09d}"
+                with self.subTest(object=name, frame=frame):
+                    of_object = {p for p in found.get(stamp, ()) if p[2] == name}
+                    self.assertEqual(of_object, {(a, i, name, k) for a, i, _, k in pairs})
+        with open(self.path("out/summary.json")) as file:
+            topics = json.load(file)["topics"]
+        self.assertEqual(topics["/cloud"]["messages"], FRAMES)
+        self.assertNotIn("/camera", topics, "it is nobody's, and was read")
 
     def assert_refused(self, arguments, *wanted):
         done = self.run_tool(*arguments)

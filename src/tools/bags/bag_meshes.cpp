@@ -1,0 +1,91 @@
+// Recorded messages of objects' types as meshes.
+#include "tools/bags/bag_meshes.h"
+
+#include <boost/make_shared.hpp>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "node/mesh_bytes.h"
+#include "node/mesh_subscription.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+template <typename M>
+void check(const BagMessage& message) {
+  if (message.md5 != ros::message_traits::md5sum<M>()) {
+    throw std::runtime_error(message.topic + ": another version of " +
+                             ros::message_traits::datatype<M>());
+  }
+  const std::string why = whyNoMesh<M>(message.bytes.data(), message.bytes.size(),
+                                       std::numeric_limits<std::size_t>::max());
+  if (!why.empty()) throw std::runtime_error(message.topic + ": a message is damaged: " + why);
+}
+
+template <typename M>
+boost::shared_ptr<const M> decoded(const BagMessage& message) {
+  check<M>(message);
+  const auto mesh = boost::make_shared<M>();
+  // IStream's argument is not const, but it only reads.
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),
+                                     static_cast<std::uint32_t>(message.bytes.size()));
+  ros::serialization::deserialize(stream, *mesh);
+  return mesh;
+}
+
+template <typename Adapter>
+RecordedMeshReader adaptedReader(Adapter adapter) {
+  return [shared = std::make_shared<Adapter>(std::move(adapter))](const BagMessage& message) {
+    const auto recorded = decoded<typename Adapter::Message>(message);
+    try {
+      return shared->adapt(*recorded, message.received);
+    } catch (const std::invalid_argument& refusal) {
+      return ReceivedMesh{boost::make_shared<DeformableMesh>(), refusal.what()};
+    }
+  };
+}
+
+}  // namespace
+
+bool isMesh(const BagMessage& message) {
+  for (const MeshType type : {MeshType::kDeformableMesh, MeshType::kShapeMesh, MeshType::kMarker,
+                              MeshType::kPointCloud}) {
+    if (message.type == messageType(type)) return true;
+  }
+  return false;
+}
+
+BagMeshHead headOf(const BagMessage& message) {
+  if (message.type == messageType(MeshType::kDeformableMesh)) {
+    const DeformableMesh::ConstPtr mesh = decoded<DeformableMesh>(message);
+    return {mesh->header.stamp, mesh->object};
+  }
+  if (message.type == messageType(MeshType::kShapeMesh)) {
+    check<shape_msgs::Mesh>(message);
+    return {};
+  }
+  if (message.type == messageType(MeshType::kMarker)) {
+    check<visualization_msgs::Marker>(message);
+  } else {
+    check<sensor_msgs::PointCloud2>(message);
+  }
+  return {stampIn(message.bytes.data(), message.bytes.size()), ""};
+}
+
+RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {
+  switch (object.type) {
+    case MeshType::kShapeMesh:
+      return adaptedReader(ShapeMeshAdapter(object.frame_id));
+    case MeshType::kMarker:
+      return adaptedReader(MarkerAdapter());
+    case MeshType::kPointCloud:
+      return adaptedReader(PointCloudAdapter(object.faces));
+    default:
+      return
+          [](const BagMessage& message) { return ReceivedMesh{decoded<DeformableMesh>(message)}; };
+  }
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,39 @@
+"""A mesh as a message of another type than DeformableMesh; stamps and frames are the caller's."""
+import numpy as np
+from geometry_msgs.msg import Point
+from sensor_msgs.msg import PointCloud2, PointField
+from shape_msgs.msg import Mesh, MeshTriangle
+from visualization_msgs.msg import Marker
+
+
+def points(vertices):
+    return [Point(*(float(value) for value in vertex)) for vertex in vertices]
+
+
+def shape_message(mesh):
+    return Mesh(vertices=points(mesh[0]),
+                triangles=[MeshTriangle(vertex_indices=[int(i) for i in t]) for t in mesh[1]])
+
+
+def marker_message(mesh):
+    marker = Marker(ns="box", id=4, type=Marker.TRIANGLE_LIST)
+    marker.scale.x = marker.scale.y = marker.scale.z = 1
+    marker.points = points(mesh[0][mesh[1].flatten()])
+    return marker
+
+
+def cloud_message(mesh, rows=1):
+    """With a field between, doubles and gaps; `rows` must divide the vertices."""
+    point = np.dtype({"names": ["x", "rgb", "y", "z"], "formats": ["<f4", "<u4", "<f8", "<f8"],
+                      "offsets": [2, 6, 10, 18], "itemsize": 29})
+    data = np.zeros(len(mesh[0]), point)
+    for axis, name in enumerate("xyz"):
+        data[name] = mesh[0][:, axis]
+    width = len(data) // rows
+    cloud = PointCloud2(height=rows, width=width, point_step=29, row_step=29 * width + 3)
+    cloud.fields = [PointField("x", 2, PointField.FLOAT32, 1),
+                    PointField("rgb", 6, PointField.UINT32, 1),
+                    PointField("y", 10, PointField.FLOAT64, 1),
+                    PointField("z", 18, PointField.FLOAT64, 1)]
+    cloud.data = b"".join(data[i * width:(i + 1) * width].tobytes() + b"gap" for i in range(rows))
+    return cloud
