@@ -220,6 +220,9 @@ TEST(DecimatedSurfaceTest, LayersStayApart) {
   };
   ASSERT_FALSE(triangles.empty());
   EXPECT_LT(longestOf(flat), 3 * longestOf(folded)) << "when it is unfolded";
+  float farthest = 0;
+  for (const std::uint32_t i : triangles) farthest = std::max(farthest, flat.vertex(i).x);
+  EXPECT_GT(farthest, 0.8) << "both layers are there";
 }
 
 TEST(DecimatedSurfaceTest, VerticesThatAreNotFiniteSpoilTheFirstPictureAlone) {
