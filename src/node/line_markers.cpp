@@ -81,8 +81,8 @@ void addLines(const CycleReport& report, const MarkerOptions& options,
   if (result.geometry.size() != result.contacts.size() || result.contacts.empty()) return;
   const std_msgs::ColorRGBA touching = makeColor(0, 0, 0, 1), near = makeColor(0.5F, 0.5F, 0.5F, 1);
   const std_msgs::ColorRGBA root = makeColor(0.3F, 0.9F, 0.3F, 1), tip = makeColor(0, 0.3F, 0, 1);
-  LineLists segments(report, options, kSegments, 0.002F),
-      normals(report, options, kNormals, 0.001F);
+  LineLists segments(report, options, kSegments, 0.004F),
+      normals(report, options, kNormals, 0.002F);
   const std::size_t stride =
       (result.contacts.size() + options.max_triangles - 1) / options.max_triangles;
   for (std::size_t i = 0; i < result.contacts.size(); i += stride) {
