@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """rviz with the camera on whatever a monitor looks at: its robot and its objects.
 
-Usage: framed_rviz.py [--monitor NAME] [--wait SECONDS] [rviz's own options]. Looks where the links
-and meshes of the monitor (default /contact_monitor) are, for at most so many seconds (10), and then
-becomes rviz, with config/demo.rviz and a camera that sees all of it.
+Usage: framed_rviz.py [--monitor NAME] [--wait SECONDS] [--watch SECONDS] [rviz's own options]. Waits
+for the links and meshes of the monitor (default /contact_monitor), at most 10 s, then watches for
+another 4 s where they move, and becomes rviz, with config/demo.rviz and a camera that sees all of it.
 """
 import argparse
 import math
@@ -107,14 +107,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, add_help=False)
     parser.add_argument("--monitor", default="/contact_monitor")
     parser.add_argument("--wait", type=float, default=10)
+    parser.add_argument("--watch", type=float, default=4)
     arguments, for_rviz = parser.parse_known_args(rospy.myargv()[1:])
     rospy.init_node("framed_rviz", anonymous=True)
     look = Look(rospy.resolve_name(arguments.monitor))
-    deadline = time.monotonic() + arguments.wait
-    points, complete = look.points()
-    while not complete and time.monotonic() < deadline and not rospy.is_shutdown():
-        rospy.rostime.wallsleep(0.2)
-        points, complete = look.points()
+    end = time.monotonic() + arguments.wait
+    points, watches = [], False
+    while time.monotonic() < end and not rospy.is_shutdown():
+        seen, complete = look.points()
+        points += seen
+        if complete and not watches:
+            end, watches = time.monotonic() + arguments.watch, True
+        time.sleep(0.2)
     with open(CONFIG) as file:
         text = file.read()
     box = box_of(points)
