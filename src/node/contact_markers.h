@@ -3,29 +3,21 @@
 
 #include <visualization_msgs/MarkerArray.h>
 
-#include <cstddef>
-#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
-#include <utility>
 
 #include "core/steady_time.h"
 #include "node/cycle_report.h"
+#include "node/marker_parts.h"
+#include "node/triangle_markers.h"
 
 namespace deformable_contact_monitor {
-
-struct MarkerOptions {
-  double lifetime_s = 0.5;            // > 0: markers vanish when the monitor does
-  std::size_t max_triangles = 20000;  // in one array, > 0
-  float alpha = 0.9F;                 // of contact triangles, (0, 1]
-  float surface_alpha = 0.6F;         // of the objects' surfaces, (0, 1]
-};
 
 // One thread at a time.
 class ContactMarkers {
  public:
-  explicit ContactMarkers(MarkerOptions options) : options_(options) {}
+  explicit ContactMarkers(const MarkerOptions& options) : options_(options), triangles_(options) {}
 
   // Of the cycle's pairs and of the objects that triggered it, in report.header's frame; what was
   // drawn of others stays until its lifetime is over. The first array begins with a DELETEALL.
@@ -34,14 +26,18 @@ class ContactMarkers {
   //   "<object>"  the rest of each known object, translucent (rviz draws the robot)
   // one TRIANGLE_LIST each, with an id that is stable while the bodies are the same, none of them
   // empty: one that was drawn and has nothing to show any more is deleted. Over max_triangles,
-  // contacts come first, then what is near, an equal share for each pair of bodies, and of a
-  // surface every k-th triangle is drawn. Non-finite triangles are left out: rviz refuses them.
+  // contacts come first, then what is near, an equal share for each pair of bodies, and a surface
+  // is decimated without holes. Non-finite triangles are left out: rviz refuses them. With the
+  // contacts' geometry, lines as in line_markers.h, too.
   visualization_msgs::MarkerArray make(const CycleReport& report);
 
  private:
-  MarkerOptions options_;
+  std::set<MarkerKey> drawnOfCycle(const CycleReport& report) const;
+
+  const MarkerOptions options_;
+  TriangleMarkers triangles_;
   bool cleared_ = false;
-  std::set<std::pair<std::string, std::int32_t>> drawn_;  // namespaces and ids
+  std::set<MarkerKey> drawn_;
 };
 
 // How often markers are drawn. Each body has a rate of its own: of objects in turns, none is left

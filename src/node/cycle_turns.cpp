@@ -14,24 +14,47 @@ void CycleTurns::setRates(const std::vector<double>& max_rates_hz) {
     Entry& entry = entries_[i];
     const SteadyTime::duration before = entry.period;
     entry.period = max_rates_hz[i] > 0 ? fromSeconds(1 / max_rates_hz[i]) : SteadyTime::duration();
-    if (entry.last_turn > 0) entry.earliest += entry.period - before;
+    if (entry.earliest > SteadyTime()) entry.earliest += entry.period - before;
   }
-}
-
-bool CycleTurns::mayWait(std::size_t who, SteadyTime now) const {
-  return !entries_[who].waiting && now >= entries_[who].earliest;
 }
 
 bool CycleTurns::anyWaits() const {
   return std::any_of(entries_.begin(), entries_.end(),
-                     [](const Entry& entry) { return entry.waiting.has_value(); });
+                     [](const Entry& entry) { return !entry.waiting.empty(); });
+}
+
+bool CycleTurns::mayWait(std::size_t who, SteadyTime now) const {
+  const Entry& entry = entries_[who];
+  return entry.waiting.size() < kMostWaiting && (isLastReplaceable(who) || now >= entry.earliest);
+}
+
+bool CycleTurns::isLastReplaceable(std::size_t who) const {
+  const Queue& waiting = entries_[who].waiting;
+  return !waiting.empty() && !waiting.back().held_up;
+}
+
+// One that comes late by less than a period does not put off those after it, or meshes that are as
+// fast as the rate would fall behind it more and more.
+void CycleTurns::wait(std::size_t who, const Waiting& waiting, SteadyTime now) {
+  Entry& entry = entries_[who];
+  entry.waiting.push_back(waiting);
+  const bool is_punctual = now - entry.earliest < entry.period;
+  entry.earliest = (is_punctual ? entry.earliest : now) + entry.period;
+}
+
+void CycleTurns::replaceLast(std::size_t who, const Waiting& waiting) {
+  entries_[who].waiting.back() = waiting;
+}
+
+void CycleTurns::holdUp(std::size_t who) {
+  for (Waiting& waiting : entries_[who].waiting) waiting.held_up = true;
 }
 
 // Who is asked may be costly to answer: the one whose turn it is comes first.
 std::vector<std::size_t> CycleTurns::next(const std::function<bool(std::size_t)>& is_ready) const {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (entries_[i].waiting) order.push_back(i);
+    if (!entries_[i].waiting.empty()) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
     return entries_[a].last_turn < entries_[b].last_turn;
@@ -41,18 +64,18 @@ std::vector<std::size_t> CycleTurns::next(const std::function<bool(std::size_t)>
   std::vector<std::size_t> together{*first};
   if (entries_[*first].overran) return together;
   for (auto other = first + 1; other != order.end(); ++other) {
-    const bool same_stamp = entries_[*other].waiting->stamp == entries_[*first].waiting->stamp;
+    const bool same_stamp =
+        entries_[*other].waiting.front().stamp == entries_[*first].waiting.front().stamp;
     if (same_stamp && !entries_[*other].overran && is_ready(*other)) together.push_back(*other);
   }
   std::sort(together.begin(), together.end());
   return together;
 }
 
-void CycleTurns::start(const std::vector<std::size_t>& who, SteadyTime now) {
+void CycleTurns::start(const std::vector<std::size_t>& who) {
   ++turns_;
   for (const std::size_t i : who) {
-    entries_[i].waiting.reset();
-    entries_[i].earliest = now + entries_[i].period;
+    entries_[i].waiting.pop_front();
     entries_[i].last_turn = turns_;
   }
 }
@@ -63,7 +86,7 @@ void CycleTurns::finish(const std::vector<std::size_t>& who, bool overran) {
 
 void CycleTurns::clear() {
   for (Entry& entry : entries_) {
-    entry.waiting.reset();
+    entry.waiting.clear();
     entry.overran = false;
   }
 }

@@ -27,7 +27,7 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       inputs_(makeMeshInputs(parameters)),
       scene_(parameters),
       lookup_(sources_.transforms, parameters.reference_frame),
-      held_up_(inputs_.size(), false) {
+      queues_(turns_, sources_.meshes, inputs_, scene_, lookup_) {
   ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
                                 << parameters_.reference_frame << "' on the "
                                 << detector_->backend());
@@ -43,7 +43,10 @@ SteadyTime DetectionLoop::step() {
     dropLeftovers();
     takeMeshes();
     lookAtRobotsTime();
-    const auto turn = turns_.next([this](std::size_t who) { return isReady(who); });
+    const SteadyTime now = time_.steady();
+    const auto turn = turns_.next([this, now](std::size_t who) {
+      return who == inputs_.size() || queues_.isReady(who, now);
+    });
     if (!turn.empty()) takeTurn(turn);
     if (clock_.mustBeat(time_.steady()) && !turns_.anyWaits()) heartbeat();
     return turn.empty() ? wakeTime() : time_.steady();
@@ -117,27 +120,24 @@ void DetectionLoop::dropLeftovers() {
   }
 }
 
-// One of each object: the newest, also if its turn is long in coming, but for one that waits for
-// transforms, as later meshes would have to wait for later ones. A refused one has a cycle too, in
-// which its object is UNKNOWN.
+// One of each object, the newest. A refused one has a cycle too, in which its object is UNKNOWN.
 void DetectionLoop::takeMeshes() {
   const SteadyTime now = time_.steady();
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    const bool replaces = turns_.waiting(i) && !held_up_[i];
-    if (!replaces && !turns_.mayWait(i, now)) continue;
+    if (!turns_.mayWait(i, now)) continue;
     const std::optional<ArrivedMesh> mesh = sources_.meshes[i].take();
     if (!mesh) continue;
     const Acceptance answer = inputs_[i].accept(*mesh, clock_.rosTime());
     sink_->recordMesh(i, inputs_[i].counters());
     if (answer == Acceptance::kDropped) continue;
-    if (replaces) sources_.meshes[i].noteReplaced();
     if (answer == Acceptance::kJumped) {
       sink_->forgetStates(parameters_.objects[i].name, "the stamps of its meshes went back");
     }
     const bool refused = answer == Acceptance::kRefused;
-    turns_.wait(i, {cycleStamp(mesh->message->header.stamp, refused), mesh->arrival,
-                    now + fromSeconds(parameters_.tf_timeout_s)});
-    held_up_[i] = false;
+    queues_.add(i,
+                {cycleStamp(mesh->message->header.stamp, refused), mesh->arrival,
+                 now + fromSeconds(parameters_.tf_timeout_s)},
+                now);
   }
 }
 
@@ -154,12 +154,12 @@ void DetectionLoop::lookAtRobotsTime() {
   const std::size_t robot = inputs_.size();
   const SteadyTime now = time_.steady();
   if (!live_.pair_classes.robot_self || robot_ == nullptr || !enabled_) return;
-  if (!turns_.mayWait(robot, now) || now < robots_look_) return;
+  if (!turns_.waiting(robot).empty() || !turns_.mayWait(robot, now) || now < robots_look_) return;
   robots_look_ = now + fromSeconds(1 / live_.robot_rate_hz);
   const std::optional<ros::Time> stamp = robotsStamp();
   if (!stamp) return;
   robots_stamp_ = *stamp;
-  turns_.wait(robot, {*stamp, now, now});
+  turns_.wait(robot, {*stamp, now, now}, now);
 }
 
 // Of its next cycle: the newest for which transforms have the links; nothing: there was one
@@ -174,37 +174,25 @@ std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   return *newest > robots_stamp_ && !is_old ? newest : std::nullopt;
 }
 
-// What an object waits for is its own affair: others have their turns meanwhile.
-bool DetectionLoop::isReady(std::size_t who) {
-  const CycleTurns::Waiting& waiting = *turns_.waiting(who);
-  if (who == inputs_.size()) return true;
-  const std::vector<FrameAtStamp> frames = scene_.awaitedFrames(who, waiting.stamp, inputs_);
-  if (!lookup_.isWorthWaiting(frames)) return true;
-  held_up_[who] = true;
-  if (time_.steady() < waiting.give_up) return false;
-  lookup_.giveUp(frames);
-  return true;
-}
-
 void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
   const SteadyTime now = time_.steady();
-  const ros::Time stamp = turns_.waiting(who.front())->stamp;
+  const ros::Time stamp = turns_.waiting(who.front()).front().stamp;
   SteadyTime arrival = now;
   CycleTrigger trigger;
   double waited_s = 0;
   for (const std::size_t i : who) {
-    const CycleTurns::Waiting& waiting = *turns_.waiting(i);
+    const CycleTurns::Waiting& waiting = turns_.waiting(i).front();
     arrival = std::min(arrival, waiting.arrival);
     if (i == inputs_.size()) {
       trigger.robot = true;
       continue;
     }
     trigger.objects.push_back(i);
-    if (!held_up_[i]) continue;
+    if (!waiting.held_up) continue;
     const auto taken = waiting.give_up - fromSeconds(parameters_.tf_timeout_s);
     waited_s = std::max(waited_s, toSeconds(now - taken));
   }
-  turns_.start(who, now);
+  turns_.start(who);
   turns_.finish(who, !detect(stamp, trigger, budgetS(who), waited_s, arrival));
 }
 
@@ -289,8 +277,8 @@ SteadyTime DetectionLoop::wakeTime() const {
   const SteadyTime now = time_.steady();
   SteadyTime wake = std::min(clock_.heartbeatDue(), list_due_);
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    if (turns_.waiting(i)) {
-      wake = std::min({wake, turns_.waiting(i)->give_up, now + kTransformPeriod});
+    if (!turns_.waiting(i).empty()) {
+      wake = std::min({wake, turns_.waiting(i).front().give_up, now + kTransformPeriod});
     } else if (!sources_.meshes[i].isEmpty()) {
       wake = std::min(wake, turns_.earliest(i));
     }

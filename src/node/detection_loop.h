@@ -20,6 +20,7 @@
 #include "node/mailbox.h"
 #include "node/mesh_input.h"
 #include "node/mesh_mailbox.h"
+#include "node/mesh_queues.h"
 #include "node/monitor_scene.h"
 #include "node/parameters.h"
 #include "node/transform_lookup.h"
@@ -70,7 +71,6 @@ class DetectionLoop {
   ros::Time cycleStamp(const ros::Time& stamp, bool refused) const;
   void lookAtRobotsTime();
   std::optional<ros::Time> robotsStamp() const;
-  bool isReady(std::size_t who);
   void takeTurn(const std::vector<std::size_t>& who);
   double budgetS(const std::vector<std::size_t>& who) const;
   bool detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s, double waited_s,
@@ -96,9 +96,9 @@ class DetectionLoop {
   MeshInputs inputs_;
   MonitorScene scene_;
   TransformLookup lookup_;
+  MeshQueues queues_;                           // what an object waits for is its own affair
   std::shared_ptr<const RobotGeometry> robot_;  // the one in scene_
   DetectionResult nothing_;                     // of a cycle without an enabled pair
-  std::vector<bool> held_up_;                   // by object: its cycle waited for transforms
   ros::Time robots_stamp_;                      // of its own last cycle
   SteadyTime robots_look_;                      // when to look for a new one
   bool enabled_ = true;

@@ -154,6 +154,11 @@ const AcceptedMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not
   return nullptr;
 }
 
+bool MeshInput::has(const ros::Time& stamp) const {
+  return std::any_of(accepted_.begin(), accepted_.end(),
+                     [&stamp](const AcceptedMesh& mesh) { return mesh.stamp() == stamp; });
+}
+
 void MeshInput::forget() { accepted_.clear(); }
 
 }  // namespace deformable_contact_monitor

@@ -68,6 +68,9 @@ class MeshInput {
   // The newest accepted mesh with a stamp in [t - max_age_s, t], or null and why.
   const AcceptedMesh* newestAt(const ros::Time& t, std::string* why_not) const;
 
+  // Whether an accepted mesh of that stamp is kept.
+  bool has(const ros::Time& stamp) const;
+
   // Forgets accepted meshes; triangles stay known, as topology ids are no matter of time.
   void forget();
 

@@ -48,7 +48,7 @@ class MeshMailbox {
   // that arrives in between would be lost.
   std::optional<ArrivedMesh> take();
 
-  // A newer one came before the cycle of the mesh that was taken last.
+  // A newer one came before the cycle of a mesh that was taken.
   void noteReplaced();
 
   bool isEmpty() const;

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <set>
@@ -12,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "node/line_markers.h"
 #include "sample_report.h"
 
 namespace deformable_contact_monitor {
@@ -36,11 +40,12 @@ void expectValid(const MarkerArray& array) {
     EXPECT_EQ(m.pose.orientation.x, 0);
     EXPECT_TRUE(ids.insert({m.ns, m.id}).second);
     if (m.action != Marker::ADD) continue;
-    EXPECT_EQ(m.type, Marker::TRIANGLE_LIST);
+    const bool is_lines = m.type == Marker::LINE_LIST;
+    EXPECT_TRUE(is_lines || m.type == Marker::TRIANGLE_LIST);
     EXPECT_GT(m.scale.x * m.scale.y * m.scale.z, 0);
     EXPECT_GT(m.lifetime.toSec(), 0);
     EXPECT_FALSE(m.points.empty());
-    EXPECT_EQ(m.points.size() % 3, 0U);
+    EXPECT_EQ(m.points.size() % (is_lines ? 2 : 3), 0U);
     EXPECT_TRUE(m.colors.empty() || m.colors.size() == m.points.size());
     EXPECT_TRUE(isDrawable(m.color));
     for (const auto& c : m.colors) EXPECT_TRUE(isDrawable(c));
@@ -52,7 +57,9 @@ void expectValid(const MarkerArray& array) {
 std::map<std::string, std::size_t> triangles(const MarkerArray& array) {
   std::map<std::string, std::size_t> counts;
   for (const Marker& m : array.markers) {
-    if (m.action == Marker::ADD) counts[m.ns] += m.points.size() / 3;
+    if (m.type == Marker::TRIANGLE_LIST && m.action == Marker::ADD) {
+      counts[m.ns] += m.points.size() / 3;
+    }
   }
   return counts;
 }
@@ -178,6 +185,125 @@ TEST(ContactMarkersTest, nonFiniteTrianglesAreLeftOut) {
   const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
   expectValid(array);
   EXPECT_EQ(triangles(array), (Counts{{"arm/hand/cloth", 4}}));
+}
+
+// More triangles than may be drawn: the surface is decimated, and the contacts are whole.
+TEST(ContactMarkersTest, aLargeSurfaceIsDecimatedBesideItsContacts) {
+  constexpr std::uint32_t kCells = 60;
+  TriangleMesh sheet;
+  for (std::uint32_t i = 0; i < (kCells + 1) * (kCells + 1); ++i) {
+    for (const std::uint32_t c : {i % (kCells + 1), i / (kCells + 1), 0U}) {
+      sheet.vertices.push_back(static_cast<float>(c));
+    }
+  }
+  for (std::uint32_t i = 0; i + kCells + 2 < (kCells + 1) * (kCells + 1); ++i) {
+    if (i % (kCells + 1) == kCells) continue;
+    for (const std::uint32_t k : {i, i + 1, i + kCells + 1}) sheet.triangles.push_back(k);
+    for (const std::uint32_t k : {i + 1, i + kCells + 2, i + kCells + 1}) {
+      sheet.triangles.push_back(k);
+    }
+  }
+  SampleReport sample;
+  sample.scene.setMesh(2, sheet);
+  MarkerOptions options;
+  options.max_triangles = 2000;
+  ContactMarkers markers(options);
+  const MarkerArray array = markers.make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(triangles(array).at("arm/hand/cloth"), 4U);
+  const std::size_t surface = triangles(array).at("cloth");
+  EXPECT_GT(surface, 300U);
+  EXPECT_LE(surface, 1000U) << "contacts have their share";
+  sample.result.contacts.clear();
+  EXPECT_EQ(triangles(markers.make(sample.report)).at("cloth"), surface) << "it does not flicker";
+  // It reaches from rim to rim.
+  float high = 0;
+  for (const auto& p : array.markers.back().points) high = std::max(high, static_cast<float>(p.x));
+  EXPECT_GT(high, 0.9F * kCells);
+  // Nearly no room beside the contacts: fewer triangles, none too many.
+  for (std::uint32_t i = 0; i < 1900; ++i) sample.result.contacts.push_back({0, 0, 2, i});
+  const MarkerArray full = markers.make(sample.report);
+  expectValid(full);
+  EXPECT_EQ(triangles(full).at("arm/hand/cloth"), 1901U);
+  EXPECT_GT(triangles(full).at("cloth"), 0U);
+  EXPECT_LE(triangles(full).at("cloth"), 99U);
+}
+
+using Point = std::array<double, 3>;
+using Lines = std::vector<std::pair<Point, Point>>;
+
+// By namespace.
+std::map<std::string, Lines> lines(const MarkerArray& array) {
+  std::map<std::string, Lines> found;
+  for (const Marker& m : array.markers) {
+    if (m.type != Marker::LINE_LIST || m.action != Marker::ADD) continue;
+    for (std::size_t i = 0; i < m.points.size(); i += 2) {
+      const auto &a = m.points[i], &b = m.points[i + 1];
+      found[m.ns].push_back({{a.x, a.y, a.z}, {b.x, b.y, b.z}});
+    }
+  }
+  return found;
+}
+
+TEST(ContactMarkersTest, geometryIsDrawnAsLinesOfTheirOwn) {
+  SampleReport sample;
+  sample.result.contacts.push_back({1, 0, 2, 2});
+  sample.result.geometry = {{{0, 0, 0}, {2, 0, 0}, {0, 0, 1}, -0.5F, 0},
+                            {{0, 4, 0}, {0, 8, 0}, {0, 0, 0}, 0, kCoplanar | kNormalUndefined},
+                            {{1, 1, 1}, {1, 1, 1}, {0, -1, 0}, 0, kNormalNotUnique},
+                            {{3, 3, 3}, {3, 3, 5}, {1, 0, 0}, 2, 0}};
+  const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
+  expectValid(array);
+  const float length = kNormalLengthM;
+  const std::map<std::string, Lines> expected{
+      {"segments: arm/hand/cloth",
+       {{{0, 0, 0}, {2, 0, 0}}, {{0, 4, 0}, {0, 8, 0}}, {{1, 1, 1}, {1, 1, 1}}}},
+      {"segments: base/cloth", {{{3, 3, 3}, {3, 3, 5}}}},
+      {"normals: arm/hand/cloth", {{{1, 0, 0}, {1, 0, length}}, {{1, 1, 1}, {1, 1 - length, 1}}}},
+      {"normals: base/cloth", {{{3, 3, 4}, {3 + length, 3, 4}}}}};
+  EXPECT_EQ(lines(array), expected);
+  EXPECT_EQ(triangles(array).count("arm/hand/cloth"), 1U) << "beside the triangles";
+}
+
+TEST(ContactMarkersTest, linesGoWithTheirContacts) {
+  SampleReport sample;
+  ContactMarkers markers{MarkerOptions()};
+  sample.result.geometry.assign(3, {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, 0, 0});
+  EXPECT_EQ(actions(markers.make(sample.report)),
+            (Actions{"all", "arm/hand/cloth", "cloth", "segments: arm/hand/cloth",
+                     "normals: arm/hand/cloth"}));
+  for (PairGeometry& geometry : sample.result.geometry) geometry.flags = kNormalUndefined;
+  EXPECT_EQ(actions(markers.make(sample.report)).front(), "-normals: arm/hand/cloth");
+  sample.result.geometry.clear();
+  EXPECT_EQ(actions(markers.make(sample.report)),
+            (Actions{"-segments: arm/hand/cloth", "arm/hand/cloth", "cloth"}));
+}
+
+TEST(ContactMarkersTest, linesAreBoundedFiniteAndPalerWhereNear) {
+  SampleReport sample;
+  const PairGeometry geometry{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, 0, 0};
+  sample.result.contacts.assign(1000, {0, 0, 2, 0});
+  sample.result.geometry.assign(1000, geometry);
+  MarkerOptions options;
+  options.max_triangles = 100;
+  const MarkerArray many = ContactMarkers(options).make(sample.report);
+  expectValid(many);
+  EXPECT_EQ(lines(many).at("segments: arm/hand/cloth").size(), 100U);
+  EXPECT_EQ(lines(many).at("normals: arm/hand/cloth").size(), 100U);
+
+  sample.result.contacts = {{0, 0, 2, 0}, {0, 0, 2, 1}, {0, 1, 2, 1}};
+  sample.result.geometry.assign(3, geometry);
+  sample.result.geometry[0].point_a.y = std::numeric_limits<float>::quiet_NaN();
+  sample.result.geometry[2].normal.x = std::numeric_limits<float>::infinity();
+  sample.result.separations_m = {0, 0, 0.25F};
+  const MarkerArray few = ContactMarkers(MarkerOptions()).make(sample.report);
+  expectValid(few);
+  EXPECT_EQ(lines(few).at("segments: arm/hand/cloth").size(), 2U);
+  EXPECT_EQ(lines(few).at("normals: arm/hand/cloth").size(), 1U);
+  for (const Marker& m : few.markers) {
+    if (m.ns.compare(0, 8, "segments") != 0) continue;
+    EXPECT_GT(m.colors[2].r, m.colors[0].r);
+  }
 }
 
 TEST(MarkerRateTest, EachBodyHasItsOwn) {

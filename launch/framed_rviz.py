@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""rviz with the camera on whatever a monitor looks at: its robot and its objects.
+
+Usage: framed_rviz.py [--monitor NAME] [--wait SECONDS] [--watch SECONDS] [rviz's own options]. Waits
+for the links and meshes of the monitor (default /contact_monitor), at most 10 s, then watches for
+another 4 s where they move, and becomes rviz, with config/demo.rviz and a camera that sees all of it.
+"""
+import argparse
+import math
+import os
+import re
+import sys
+import time
+
+HERE = os.path.dirname(os.path.realpath(__file__))
+CONFIG = os.path.join(HERE, "../config/demo.rviz")
+HALF_ANGLE = math.radians(45) / 2  # of rviz's orbit camera, upwards; sideways it sees more
+ROOM = 0.9  # of the picture's height, at most
+
+
+def box_of(points):
+    """Lowest and highest coordinates; points that are not finite do not count. None: none is."""
+    points = [p for p in points if all(map(math.isfinite, p))]
+    return (tuple(map(min, zip(*points))), tuple(map(max, zip(*points)))) if points else None
+
+
+def view_of(box):
+    """Where an orbit camera looks, and from how far [m], so that it sees the box from any side."""
+    low, high = box
+    radius = max(math.dist(low, high) / 2, 0.05)
+    return [(a + b) / 2 for a, b in zip(low, high)], radius / (ROOM * math.sin(HALF_ANGLE))
+
+
+def with_view(text, focus, distance):
+    """An rviz configuration with that view."""
+    for name, value in zip(("Distance", "X", "Y", "Z"), (distance, *focus)):
+        # X and Y are the window's place, too, further down.
+        text, count = re.subn(rf"^(      (?:  )?{name}: ).*$", rf"\g<1>{value:.3f}", text, 1, re.M)
+        if count != 1:
+            raise ValueError(f"the configuration has no {name} of a view")
+    return text
+
+
+class Look:
+    """What has come of the monitor's links and meshes."""
+
+    def __init__(self, monitor):
+        import rospy
+        import tf2_ros
+        from deformable_contact_monitor.msg import DeformableMesh, LinkMeshes
+        self.frame = rospy.get_param(monitor + "/reference_frame", "base_link")
+        self.transforms = tf2_ros.Buffer()
+        self.listener = tf2_ros.TransformListener(self.transforms)
+        self.parts = {}  # by name: frame, flat vertices
+        self.robot = False
+        objects = rospy.get_param(monitor + "/objects", [])
+        self.expected = len(objects)
+        self.subscribers = [rospy.Subscriber(monitor + "/robot_meshes", LinkMeshes, self.on_robot)]
+        for one in objects:
+            topic = one.get("topic") or f"~objects/{one['name']}/mesh"
+            topic = topic.replace("~", monitor + "/", 1)
+            self.subscribers.append(rospy.Subscriber(
+                topic, DeformableMesh, self.on_mesh, "object " + one["name"], queue_size=1))
+
+    def on_robot(self, message):
+        for mesh in message.meshes:
+            self.parts["link " + mesh.link] = mesh.link, mesh.vertices
+        self.robot = True
+
+    def on_mesh(self, message, name):
+        self.parts[name] = message.header.frame_id, message.vertices
+
+    def points(self):
+        """In the reference frame, of the parts that have a transform; and whether all have."""
+        import rospy
+        import tf2_ros
+        found = []
+        parts = list(self.parts.items())
+        complete = self.robot and sum(n.startswith("object ") for n, _ in parts) == self.expected
+        for _, (frame, vertices) in parts:
+            corners = box_of(zip(*[iter(vertices)] * 3))
+            if corners is None:
+                continue
+            try:
+                pose = self.transforms.lookup_transform(self.frame, frame, rospy.Time(0)).transform
+            except tf2_ros.TransformException:
+                complete = False
+                continue
+            found += [moved(pose, [corners[i][0], corners[j][1], corners[k][2]])
+                      for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+        return found, complete
+
+
+def moved(pose, p):
+    """A point by a geometry_msgs/Transform."""
+    q, t = pose.rotation, pose.translation
+    u = [q.x, q.y, q.z]
+
+    def cross(a, b):
+        return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    once = [c + q.w * x for c, x in zip(cross(u, p), p)]
+    return [x + 2 * c + o for x, c, o in zip(p, cross(u, once), (t.x, t.y, t.z))]
+
+
+def main():
+    import rospy
+    parser = argparse.ArgumentParser(description=__doc__, add_help=False)
+    parser.add_argument("--monitor", default="/contact_monitor")
+    parser.add_argument("--wait", type=float, default=10)
+    parser.add_argument("--watch", type=float, default=4)
+    arguments, for_rviz = parser.parse_known_args(rospy.myargv()[1:])
+    rospy.init_node("framed_rviz", anonymous=True)
+    look = Look(rospy.resolve_name(arguments.monitor))
+    end = time.monotonic() + arguments.wait
+    points, watches = [], False
+    while time.monotonic() < end and not rospy.is_shutdown():
+        seen, complete = look.points()
+        points += seen
+        if complete and not watches:
+            end, watches = time.monotonic() + arguments.watch, True
+        time.sleep(0.2)
+    with open(CONFIG) as file:
+        text = file.read()
+    box = box_of(points)
+    if box is not None:
+        text = with_view(text, *view_of(box))
+    path = os.path.join(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros")), "framed.rviz")
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "w") as file:
+        file.write(text)
+    remappings = [a for a in sys.argv[1:] if ":=" in a]
+    rospy.signal_shutdown("becomes rviz")
+    os.execvp("rviz", ["rviz", "-d", path, "-f", look.frame, *for_rviz, *remappings])
+
+
+if __name__ == "__main__":
+    main()
