@@ -150,7 +150,7 @@ const Containment& ContainmentFinder::find(const Scene& scene, const DetectionRe
   containment_ = Containment();
   containment_.bodies.resize(scene.bodyCount());
   if (!prepare(scene, limit)) {
-    containment_.cut_off = true;
+    containment_.cut_off_because = limit.why();
     return containment_;
   }
   const std::vector<Touch> touch = touchesOf(result, [this](BodyId id, std::uint32_t t) {
@@ -174,7 +174,7 @@ const Containment& ContainmentFinder::find(const Scene& scene, const DetectionRe
     look(a, b);
     look(b, a);
   }
-  containment_.cut_off = limit.wasOver();
+  if (limit.wasOver()) containment_.cut_off_because = limit.why();
   std::sort(containment_.parts.begin(), containment_.parts.end(),
             [](const InsidePart& a, const InsidePart& b) {
               return std::tie(a.inner, a.outer, a.triangle) <

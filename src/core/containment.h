@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/cycle_limit.h"
@@ -30,8 +31,9 @@ struct Containment {
     std::uint32_t all = 0, open = 0;  // nothing is said to be within those that are open
   };
   std::vector<Components> bodies;  // one per body of the scene
-  // The limit was over: what is listed holds, but of the other enabled pairs nothing is known.
-  bool cut_off = false;
+  // Why it ended early, as DetectionResult::cut_off_because; empty: it did not. What is listed
+  // holds also then, but of other pairs nothing is known.
+  std::string cut_off_because;
 };
 
 // Keeps the components of bodies from cycle to cycle. One thread at a time.

@@ -26,6 +26,8 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
       max_contacts_(parameters.max_contacts),
       marker_rate_(parameters.marker_rate_hz),
       markers_(markerOptions(parameters)),
+      patches_(private_node),
+      patch_markers_(markerOptions(parameters)),
       contacts_publisher_(private_node.advertise<ContactArray>("contacts", 2)),
       markers_publisher_(private_node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
       robot_publisher_(private_node.advertise<LinkMeshes>("robot_meshes", 1, true)) {}
@@ -51,7 +53,9 @@ void CyclePublisher::publishStates(CycleReport* report) {
 void CyclePublisher::publishMarkers(const CycleReport& report) {
   if (markers_publisher_.getNumSubscribers() == 0) return;
   if (!marker_rate_.isDue(report, std::chrono::steady_clock::now())) return;
-  markers_publisher_.publish(markers_.make(report));
+  visualization_msgs::MarkerArray markers = markers_.make(report);
+  patch_markers_.add(report, patches_.newest(), &markers);
+  markers_publisher_.publish(markers);
 }
 
 void CyclePublisher::publishRobot(const RobotGeometry& robot) {

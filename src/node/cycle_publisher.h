@@ -9,6 +9,8 @@
 #include "node/cycle_report.h"
 #include "node/latest_contacts.h"
 #include "node/parameters.h"
+#include "node/patch_markers.h"
+#include "node/patch_publisher.h"
 #include "node/state_publisher.h"
 #include "robot/robot_geometry.h"
 
@@ -28,7 +30,12 @@ class CyclePublisher {
   // ~contact_states alone. Sets the report's `now`.
   void publishStates(CycleReport* report);
 
-  // ~markers if somebody looks, not too often.
+  // ~contact_patches if somebody listens.
+  void publishPatches(const CycleReport& report) { patches_.publish(report); }
+  bool wantsGeometry() const { return patches_.isAskedFor(); }
+  void forgetPatches() { patches_.forget(); }
+
+  // ~markers if somebody looks, not too often, with the patches of the same cycle.
   void publishMarkers(const CycleReport& report);
 
   // As StatePublisher::forget.
@@ -45,6 +52,8 @@ class CyclePublisher {
   const std::size_t max_contacts_;
   MarkerRate marker_rate_;
   ContactMarkers markers_;
+  PatchPublisher patches_;
+  PatchMarkers patch_markers_;
   ros::Publisher contacts_publisher_, markers_publisher_, robot_publisher_;
 };
 

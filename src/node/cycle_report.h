@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/containment.h"
 #include "core/detector.h"
 #include "core/options.h"
 #include "core/scene.h"
@@ -41,6 +42,8 @@ struct CycleReport {
   // Of this cycle's bodies, in the scene frame; null when no detection ran (every pair UNKNOWN).
   const Scene* scene = nullptr;
   const DetectionResult* result = nullptr;
+  // Null where it was not looked for: it is not asked for, or contacts are missing.
+  const Containment* containment = nullptr;
   Options options;
   std::string backend;
   ros::Time now;  // when it was over, by the same clock

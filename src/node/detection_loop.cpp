@@ -249,30 +249,43 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
   try {
-    report.result = &runDetector(start + fromSeconds(budget_s));
+    const Limits limits{start + fromSeconds(budget_s), &sources_.requests.stopped()};
+    report.result = &runDetector(limits);
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
     noteRejected(&report);
+    lookWithin(limits, &report);
     sink_->recordDetectorError("");
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());
+    report.result = nullptr;
   }
-  const bool in_time = report.result == nullptr || !report.result->isOutOfTime();
+  const bool in_time =
+      (report.result == nullptr || !report.result->isOutOfTime()) &&
+      (report.containment == nullptr || report.containment->cut_off_because != kNoTime);
   sink_->sendCycle(&report, start, mesh_arrival);
   return in_time;
 }
 
 // A detector that is given nothing to look at would forget what it started from.
-const DetectionResult& DetectionLoop::runDetector(SteadyTime deadline) {
+const DetectionResult& DetectionLoop::runDetector(const Limits& limits) {
   if (scene_.looksAtAny()) {
     Options options = parameters_.detector;
-    options.limits.deadline = deadline;
-    options.limits.stop = &sources_.requests.stopped();
+    options.limits = limits;
+    options.geometry = sink_->wantsGeometry();
     return detector_->detect(scene_.scene(), options);
   }
   nothing_.begin(scene_.scene(), isGuaranteed(parameters_.detector));
   return nothing_;
+}
+
+// Whoever touches a surface is not known where contacts are missing.
+void DetectionLoop::lookWithin(const Limits& limits, CycleReport* report) {
+  const DetectionResult& result = *report->result;
+  if (!parameters_.containment || result.cut_off || result.left_out > 0) return;
+  report->containment = &containment_.find(*report->scene, result, CycleLimit(limits));
+  sink_->recordContainment(*report);
 }
 
 // Again once a second: reasons change, and an object without a mesh has no cycle to tell them.

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/containment.h"
 #include "core/detector.h"
 #include "core/steady_time.h"
 #include "node/cycle_clock.h"
@@ -72,7 +73,8 @@ class DetectionLoop {
   double budgetS(const std::vector<std::size_t>& who) const;
   bool detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s, double waited_s,
               SteadyTime mesh_arrival);
-  const DetectionResult& runDetector(SteadyTime deadline);
+  const DetectionResult& runDetector(const Limits& limits);
+  void lookWithin(const Limits& limits, CycleReport* report);
 
   void listPairs();
   void heartbeat();
@@ -91,6 +93,7 @@ class DetectionLoop {
   MeshInputs inputs_;
   MonitorScene scene_;
   TransformLookup lookup_;
+  ContainmentFinder containment_;
   std::shared_ptr<const RobotGeometry> robot_;  // the one in scene_
   DetectionResult nothing_;                     // of a cycle without an enabled pair
   std::vector<bool> held_up_;                   // by object: its cycle waited for transforms

@@ -120,6 +120,7 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   o.iterations = reader->integer("iterations", o.iterations, -kAny, kAny);
   o.refresh_period = reader->integer("refresh_period", o.refresh_period, -kAny, kAny);
   o.threads = reader->integer("threads", o.threads, -kAny, kAny);
+  p->containment = reader->flag("containment", p->containment);
 }
 
 void readOutput(ParameterReader* reader, MonitorParameters* p) {

@@ -21,6 +21,7 @@ struct FakeDetector : Detector {
     std::string failure;  // detect() throws it; empty: it finds nothing
     bool out_of_time = false;
     std::chrono::steady_clock::time_point deadline;  // of the last detection
+    bool geometry = false;                           // was asked for then
     int resets = 0;
   };
 
@@ -28,6 +29,7 @@ struct FakeDetector : Detector {
   std::string backend() const override { return "fake"; }
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     script->deadline = options.limits.deadline;
+    script->geometry = options.geometry;
     result.begin(scene, true);
     if (script->out_of_time) result.cutOff("no time");
     if (!script->failure.empty()) throw std::runtime_error(script->failure);
@@ -47,6 +49,8 @@ struct FakeSink : CycleSink {
     std::vector<std::string> lines;
     std::vector<MonitoredPair> pairs;    // of the latest report
     std::vector<std::uint64_t> refused;  // by object
+    bool wants_geometry = false;         // what the loop is told
+    std::vector<InsidePart> inside;      // of the latest cycle that looked for them
   };
 
   FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
@@ -62,6 +66,7 @@ struct FakeSink : CycleSink {
     add(line.str());
     log->pairs = report.pairs;
   }
+  bool wantsGeometry() const override { return log->wants_geometry; }
   void recordStart() override {
     if (*at_start) std::exchange(*at_start, nullptr)();
   }
@@ -82,6 +87,9 @@ struct FakeSink : CycleSink {
   }
   void recordTransforms(const TransformReport& transforms) override {
     for (const TransformReport::Miss& miss : transforms.misses) add("miss of " + miss.body);
+  }
+  void recordContainment(const CycleReport& report) override {
+    log->inside = report.containment->parts;
   }
   void recordDetectorError(const std::string& error) override {
     if (!error.empty()) add("error: " + error);
