@@ -51,14 +51,14 @@ ContactState describe(const CycleReport& report, const MonitoredPair& pair,
   state.pair_count = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(summary.count, std::numeric_limits<std::uint32_t>::max()));
   state.min_separation = static_cast<float>(summary.min_separation_m);
-  if (inside.any()) {
+  state.inside = inside.which;
+  if (inside.any() && !summary.touches()) {
     state.state = ContactState::CONTACT;
-    state.inside = inside.which;
     state.min_separation = 0;
     state.centroid = toPoint32(inside.centroid);
+    return state;
   }
-  if (summary.count == 0) return state;  // NONE, or within
-  if (inside.any() && !summary.touches()) return state;
+  if (summary.count == 0) return state;  // NONE
   state.state = summary.touches() ? ContactState::CONTACT : ContactState::NEAR;
   state.centroid = toPoint32(summary.centroid());
   state.mean_normal = toPoint32(summary.meanNormal());

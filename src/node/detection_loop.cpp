@@ -273,7 +273,7 @@ const DetectionResult& DetectionLoop::runDetector(const Limits& limits) {
   if (scene_.looksAtAny()) {
     Options options = parameters_.detector;
     options.limits = limits;
-    options.geometry = sink_->wantsGeometry();
+    options.geometry = options.geometry || sink_->wantsGeometry();
     return detector_->detect(scene_.scene(), options);
   }
   nothing_.begin(scene_.scene(), isGuaranteed(parameters_.detector));

@@ -51,6 +51,7 @@ struct FakeSink : CycleSink {
     std::vector<std::uint64_t> refused;  // by object
     bool wants_geometry = false;         // what the loop is told
     std::vector<InsidePart> inside;      // of the latest cycle that looked for them
+    int looks_within = 0;                // such cycles
   };
 
   FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
@@ -90,6 +91,7 @@ struct FakeSink : CycleSink {
   }
   void recordContainment(const CycleReport& report) override {
     log->inside = report.containment->parts;
+    ++log->looks_within;
   }
   void recordDetectorError(const std::string& error) override {
     if (!error.empty()) add("error: " + error);

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/cycle_limit.h"
 #include "tools/common/completeness.h"
 
 namespace deformable_contact_monitor {
@@ -39,10 +40,11 @@ void addStages(const DetectionResult& result, std::size_t cycles, EvaluationRun*
 
 EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made,
                              const Options& with, const StateRules& rules,
-                             std::vector<Expectation> expectations)
+                             std::vector<Expectation> expectations, bool with_containment)
     : asked(std::move(asked_for)),
       detector(std::move(made)),
       options(with),
+      looks_within(with_containment),
       tracker(rules),
       judge(std::move(expectations)) {}
 
@@ -52,6 +54,10 @@ void EvaluationRun::detect(CycleReport* cycle) {
   cycle->options = options;
   cycle->backend = detector->backend();
   noteRejected(cycle);
+  cycle->containment = nullptr;
+  if (looks_within && !result->cut_off && result->left_out == 0) {
+    cycle->containment = &containment.find(*cycle->scene, *result, noLimit());
+  }
   const ros::Time& stamp = cycle->header.stamp;
   tracker.expire(stamp, "no new mesh within max_mesh_age_s");
   tracker.update(*cycle);
