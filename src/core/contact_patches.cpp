@@ -117,18 +117,26 @@ class PatchFinder::Numbering {
     if (numbers_.of_vertex.size() < mesh.vertexCount()) {
       numbers_.of_vertex.resize(mesh.vertexCount(), kNone);
     }
+    if (numbers_.of_triangle.size() < mesh.triangleCount()) {
+      numbers_.of_triangle.resize(mesh.triangleCount(), kNone);
+    }
   }
   Numbering(const Numbering&) = delete;
   Numbering& operator=(const Numbering&) = delete;
   ~Numbering() {
     for (const std::uint32_t v : numbers_.asked) numbers_.of_vertex[v] = kNone;
+    for (const std::uint32_t t : numbers_.joined) numbers_.of_triangle[t] = kNone;
     numbers_.asked.clear();
+    numbers_.joined.clear();
   }
 
   // Joins the triangle's vertices; the number of one of them.
   std::uint32_t join(std::uint32_t triangle, UnionFind* joined) {
+    std::uint32_t& first = numbers_.of_triangle[triangle];
+    if (first != kNone) return first;
+    numbers_.joined.push_back(triangle);
     const std::uint32_t* corner = &mesh_.triangles[3 * std::size_t{triangle}];
-    const std::uint32_t first = number(corner[0], joined);
+    first = number(corner[0], joined);
     joined->join(first, number(corner[1], joined));
     joined->join(first, number(corner[2], joined));
     return first;

@@ -45,9 +45,11 @@ class PatchFinder {
  private:
   // The vertices of a body that contacts have, as numbers.
   struct VertexNumbers {
-    std::vector<std::uint32_t> of_vertex;  // by vertex; kNone where not asked for
-    std::vector<std::uint32_t> asked;      // those that are not kNone
-    std::vector<std::uint32_t> table;      // open addressing: an asked vertex, or kNone
+    std::vector<std::uint32_t> of_vertex;    // by vertex; kNone where not asked for
+    std::vector<std::uint32_t> asked;        // those that are not kNone
+    std::vector<std::uint32_t> table;        // open addressing: an asked vertex, or kNone
+    std::vector<std::uint32_t> of_triangle;  // by triangle: of a vertex of it, once that is joined
+    std::vector<std::uint32_t> joined;       // those that are not kNone
   };
 
   class Numbering;
