@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/containment.h"
+#include "core/cycle_limit.h"
 #include "core/detector.h"
 #include "core/options.h"
 #include "core/scene.h"
@@ -61,5 +62,12 @@ inline bool isOfCycle(const std::vector<BodyStatus>& bodies, const MonitoredPair
 // After the detection: which bodies' triangles took no part, and which bodies are UNKNOWN for a
 // pose that makes vertices infinite.
 void noteRejected(CycleReport* report);
+
+// After the detection, what is within what: not where contacts are missing, since who touches a
+// surface is not known there.
+void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report);
+
+// Whether the detection, or what was looked for after it, was cut off by its deadline.
+bool isOutOfTime(const CycleReport& report);
 
 }  // namespace deformable_contact_monitor

@@ -254,16 +254,15 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
     noteRejected(&report);
-    lookWithin(limits, &report);
+    if (parameters_.containment) noteInside(CycleLimit(limits), &containment_, &report);
+    if (report.containment != nullptr) sink_->recordContainment(report);
     sink_->recordDetectorError("");
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());
     report.result = nullptr;
   }
-  const bool in_time =
-      (report.result == nullptr || !report.result->isOutOfTime()) &&
-      (report.containment == nullptr || report.containment->cut_off_because != kNoTime);
+  const bool in_time = !isOutOfTime(report);
   sink_->sendCycle(&report, start, mesh_arrival);
   return in_time;
 }
@@ -278,14 +277,6 @@ const DetectionResult& DetectionLoop::runDetector(const Limits& limits) {
   }
   nothing_.begin(scene_.scene(), isGuaranteed(parameters_.detector));
   return nothing_;
-}
-
-// Whoever touches a surface is not known where contacts are missing.
-void DetectionLoop::lookWithin(const Limits& limits, CycleReport* report) {
-  const DetectionResult& result = *report->result;
-  if (!parameters_.containment || result.cut_off || result.left_out > 0) return;
-  report->containment = &containment_.find(*report->scene, result, CycleLimit(limits));
-  sink_->recordContainment(*report);
 }
 
 // Again once a second: reasons change, and an object without a mesh has no cycle to tell them.

@@ -74,7 +74,6 @@ class DetectionLoop {
   bool detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s, double waited_s,
               SteadyTime mesh_arrival);
   const DetectionResult& runDetector(const Limits& limits);
-  void lookWithin(const Limits& limits, CycleReport* report);
 
   void listPairs();
   void heartbeat();

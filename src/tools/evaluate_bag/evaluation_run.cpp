@@ -5,7 +5,6 @@
 #include <sstream>
 #include <utility>
 
-#include "core/cycle_limit.h"
 #include "tools/common/completeness.h"
 
 namespace deformable_contact_monitor {
@@ -55,9 +54,7 @@ void EvaluationRun::detect(CycleReport* cycle) {
   cycle->backend = detector->backend();
   noteRejected(cycle);
   cycle->containment = nullptr;
-  if (looks_within && !result->cut_off && result->left_out == 0) {
-    cycle->containment = &containment.find(*cycle->scene, *result, noLimit());
-  }
+  if (looks_within) noteInside(noLimit(), &containment, cycle);
   const ros::Time& stamp = cycle->header.stamp;
   tracker.expire(stamp, "no new mesh within max_mesh_age_s");
   tracker.update(*cycle);
