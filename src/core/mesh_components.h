@@ -16,13 +16,13 @@ namespace deformable_contact_monitor {
 // vertex alone are components of their own. Components are numbered by their least triangles.
 //
 // A component is closed iff each of its edges (of two different vertices) belongs to an even number
-// of its triangles that have three different vertices, and no triangle with a vertex that is not
-// finite shares an edge with it. Then "inside" is defined, modulo 2: the sum of those triangles is
-// a chain without a boundary, so that a line which meets the surface only within triangles, crosses
-// it an even number of times; hence two rays from one point cross it equally often, modulo 2. This
-// holds wherever the vertices are: also for surfaces that pass through themselves, run along
-// themselves or were rounded together by a pose, and for triangles without area, which no such line
-// meets. One with two equal vertices counts nowhere: its other edges are one edge, twice.
+// of its triangles (twice to one that has two equal vertices, so that this one counts nowhere), and
+// no triangle with a vertex that is not finite shares an edge with it. Then "inside" is defined,
+// modulo 2: the sum of its triangles is a chain without a boundary, so that a line which meets the
+// surface only within triangles crosses it an even number of times; hence two rays from one point
+// cross it equally often, modulo 2. This holds wherever the vertices are: also for surfaces that
+// pass through themselves, run along themselves or were rounded together by a pose, and for
+// triangles without area, which no such line meets.
 struct MeshComponents {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 

@@ -179,6 +179,11 @@ TEST_F(Containments, ARejectedVertexOpensItsComponentAlone) {
   broken.vertices[0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(inside(pairScene(cube(1, 1), broken)), Parts());
   EXPECT_EQ(inside(pairScene(cube(1, 1), together(broken, cube(-1, 5)))), (Parts{{0, 1, 0}}));
+  // One that only hangs on an edge, too: who knows what it closes, or leaves open.
+  TriangleMesh fin = cube(0, 3);
+  fin.vertices.insert(fin.vertices.end(), 3, std::numeric_limits<float>::quiet_NaN());
+  fin.triangles.insert(fin.triangles.end(), {0, 1, 24});
+  EXPECT_EQ(inside(pairScene(cube(1, 1), fin)), Parts());
   // Of a part within: what is left of it still is.
   TriangleMesh part = cube(1, 1);
   part.vertices[0] = std::numeric_limits<float>::infinity();
