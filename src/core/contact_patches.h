@@ -25,7 +25,8 @@ struct Patch {
   Vec3d centroid;
   // Mean unit vector from a to b of the pairs whose normal is defined. Coplanar pairs, whose normal
   // has either sign, count with the sign that is nearer to the others'. Zero where there is none or
-  // they cancel out.
+  // they cancel out. Of a body with itself, the triangles' numbers say which is a and which is b,
+  // so normals have either side, and the spread says so.
   Vec3d normal;
   double normal_spread_rad = 0;  // mean angle of those normals to it; NaN where it is zero
   // Sum over the pairs that touch and are not coplanar: where the curve runs along an edge, each
