@@ -282,6 +282,7 @@ TEST_F(MeshesTest, WhatIsWithinIsLookedForIfAskedFor) {
     give(0, stamp_s);
   };
   parameters_.containment = true;
+  steady_time_ = std::chrono::steady_clock::now();  // the deadline is looked at by the real clock
   giveBoth(50);
   step();
   ASSERT_EQ(said_.inside.size(), 1U);
