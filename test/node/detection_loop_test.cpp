@@ -282,6 +282,7 @@ TEST_F(MeshesTest, WhatIsWithinIsLookedForIfAskedFor) {
     give(0, stamp_s);
   };
   parameters_.containment = true;
+  parameters_.max_cycle_s = 600;
   steady_time_ = std::chrono::steady_clock::now();  // the deadline is looked at by the real clock
   giveBoth(50);
   step();
