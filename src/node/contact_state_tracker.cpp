@@ -43,7 +43,7 @@ bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
 }
 
 ContactState describe(const CycleReport& report, const MonitoredPair& pair,
-                      const PairSummary& summary) {
+                      const PairSummary& summary, const InsideParts& inside) {
   ContactState state;
   state.body_a = report.bodies.at(pair.a).name;
   state.body_b = report.bodies.at(pair.b).name;
@@ -51,6 +51,13 @@ ContactState describe(const CycleReport& report, const MonitoredPair& pair,
   state.pair_count = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(summary.count, std::numeric_limits<std::uint32_t>::max()));
   state.min_separation = static_cast<float>(summary.min_separation_m);
+  state.inside = inside.which;
+  if (inside.any() && !summary.touches()) {
+    state.state = ContactState::CONTACT;
+    state.min_separation = 0;
+    state.centroid = toPoint32(inside.centroid);
+    return state;
+  }
   if (summary.count == 0) return state;  // NONE
   state.state = summary.touches() ? ContactState::CONTACT : ContactState::NEAR;
   state.centroid = toPoint32(summary.centroid());
@@ -114,12 +121,17 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
 
 // Why the pair is not known although both bodies are; empty if it is.
 std::string ContactStateTracker::resultProblem(const CycleReport& report, const MonitoredPair& pair,
-                                               const PairSummary& summary) const {
+                                               const PairSummary& summary,
+                                               const InsideParts& inside) const {
   if (report.result == nullptr) return "no detection ran";
-  if (summary.touches()) return "";
+  if (summary.touches() || inside.any()) return "";
   // The pair's contacts may be among those that are not listed, that were not looked at, or of
   // triangles that took no part.
   if (report.result->cut_off) return report.result->cut_off_because;
+  if (report.containment != nullptr && pair.a != pair.b &&
+      !report.containment->cut_off_because.empty()) {
+    return report.containment->cut_off_because;
+  }
   if (secondsBetween(report.now, report.header.stamp) > rules_.max_age_s) {
     return "the cycle ended later than max_mesh_age_s after its stamp";
   }
@@ -147,9 +159,10 @@ void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& p
     return;
   }
   if (track->isKnown() && report.header.stamp < track->state.stamp) return;
-  if (problem.empty()) problem = resultProblem(report, pair, summary);
+  const InsideParts inside = insidePartsOf(report, pair);
+  if (problem.empty()) problem = resultProblem(report, pair, summary, inside);
   if (!problem.empty()) return interrupt(ContactState::UNKNOWN, problem, report.now, track);
-  enter(describe(report, pair, summary), report.header.stamp, track);
+  enter(describe(report, pair, summary, inside), report.header.stamp, track);
   debounce(report.header.stamp, track);
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "node/cycle_report.h"
+#include "node/inside_parts.h"
 #include "node/pair_summary.h"
 
 namespace deformable_contact_monitor {
@@ -40,9 +41,9 @@ class ContactStateTracker {
   //   pair's, if contacts or too many triangles of its bodies were left out, or if the report is
   //   too old already. But where only the partner of the object that triggered has no mesh for that
   //   stamp, what is known of the pair stays: the partner has cycles too.
-  // - else CONTACT, or NEAR when every triangle pair is apart (within the margin), or NONE.
-  // What is known of a later stamp stays. States follow each cycle at once (only events are
-  // debounced).
+  // - else CONTACT, also where a part of one is within the other (inside), or NEAR when every
+  // triangle pair is apart (within the margin), or NONE. What is known of a later stamp stays.
+  // States follow each cycle at once (only events are debounced).
   void update(const CycleReport& report);
 
   // Every known state that is older than max_age_s at `now` is UNKNOWN, because of `why`. Returns
@@ -76,7 +77,7 @@ class ContactStateTracker {
 
   void listPairs(const CycleReport& report);
   std::string resultProblem(const CycleReport& report, const MonitoredPair& pair,
-                            const PairSummary& summary) const;
+                            const PairSummary& summary, const InsideParts& inside) const;
   void look(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
             Track* track);
   void enter(ContactState state, const ros::Time& when, Track* track);

@@ -28,6 +28,8 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
       marker_lifetime_s_(parameters.marker_lifetime_s),
       marker_rate_(parameters.marker_rate_hz),
       markers_(markerOptions(parameters)),
+      patches_(private_node),
+      patch_markers_(markerOptions(parameters)),
       contacts_publisher_(private_node.advertise<ContactArray>("contacts", 2)),
       markers_publisher_(private_node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
       robot_publisher_(private_node.advertise<LinkMeshes>("robot_meshes", 1, true)) {}
@@ -54,6 +56,7 @@ void CyclePublisher::publishMarkers(const CycleReport& report) {
   if (markers_publisher_.getNumSubscribers() == 0) return;
   if (!marker_rate_->isDue(report, std::chrono::steady_clock::now())) return;
   visualization_msgs::MarkerArray markers = markers_.make(report);
+  patch_markers_.add(report, patches_.newest(), &markers);
   addHeldMarkers(report, marker_lifetime_s_, &markers);
   markers_publisher_.publish(markers);
 }

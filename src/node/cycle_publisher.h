@@ -10,6 +10,8 @@
 #include "node/cycle_report.h"
 #include "node/latest_contacts.h"
 #include "node/parameters.h"
+#include "node/patch_markers.h"
+#include "node/patch_publisher.h"
 #include "node/state_publisher.h"
 #include "robot/robot_geometry.h"
 
@@ -29,7 +31,12 @@ class CyclePublisher {
   // ~contact_states alone. Sets the report's `now`.
   void publishStates(CycleReport* report);
 
-  // ~markers if somebody looks, not too often.
+  // ~contact_patches if somebody listens.
+  void publishPatches(const CycleReport& report) { patches_.publish(report); }
+  bool wantsGeometry() const { return patches_.isAskedFor(); }
+  void forgetPatches() { patches_.forget(); }
+
+  // ~markers if somebody looks, not too often, with the patches of the same cycle.
   void publishMarkers(const CycleReport& report);
   void setMarkerRate(double rate_hz) { marker_rate_.emplace(rate_hz); }
 
@@ -48,6 +55,8 @@ class CyclePublisher {
   const double marker_lifetime_s_;
   std::optional<MarkerRate> marker_rate_;  // always there
   ContactMarkers markers_;
+  PatchPublisher patches_;
+  PatchMarkers patch_markers_;
   ros::Publisher contacts_publisher_, markers_publisher_, robot_publisher_;
 };
 

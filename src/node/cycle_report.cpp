@@ -21,4 +21,15 @@ void noteRejected(CycleReport* report) {
   }
 }
 
+void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report) {
+  report->containment = nullptr;
+  if (report->result->cut_off || report->result->left_out > 0) return;
+  report->containment = &finder->find(*report->scene, *report->result, limit);
+}
+
+bool isOutOfTime(const CycleReport& report) {
+  return (report.result != nullptr && report.result->isOutOfTime()) ||
+         (report.containment != nullptr && report.containment->cut_off_because == kNoTime);
+}
+
 }  // namespace deformable_contact_monitor

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/containment.h"
+#include "core/cycle_limit.h"
 #include "core/detector.h"
 #include "core/options.h"
 #include "core/scene.h"
@@ -46,6 +48,8 @@ struct CycleReport {
   // Of this cycle's bodies, in the scene frame; null when no detection ran (every pair UNKNOWN).
   const Scene* scene = nullptr;
   const DetectionResult* result = nullptr;
+  // Null where it was not looked for: it is not asked for, or contacts are missing.
+  const Containment* containment = nullptr;
   Options options;
   std::string backend;
   ros::Time now;  // when it was over, by the same clock
@@ -66,5 +70,12 @@ bool hasGeometry(const CycleReport& report);
 // After the detection: which bodies' triangles took no part, and which bodies are UNKNOWN for a
 // pose that makes vertices infinite.
 void noteRejected(CycleReport* report);
+
+// After the detection, what is within what: not where contacts are missing, since who touches a
+// surface is not known there.
+void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report);
+
+// Whether the detection, or what was looked for after it, was cut off by its deadline.
+bool isOutOfTime(const CycleReport& report);
 
 }  // namespace deformable_contact_monitor

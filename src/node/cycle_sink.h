@@ -22,6 +22,9 @@ class CycleSink {
   CycleSink& operator=(const CycleSink&) = delete;
   virtual ~CycleSink() = default;
 
+  // Whether the next cycle needs the geometry of its contacts.
+  virtual bool wantsGeometry() const = 0;
+
   // A cycle begins, which may take long.
   virtual void recordStart() = 0;
   // A cycle: its work began at `start`, the mesh that asked for it came at `mesh_arrival`. The
@@ -38,6 +41,8 @@ class CycleSink {
   // The last mesh of this object was looked at: what is counted since the start.
   virtual void recordMesh(std::size_t object, const MeshCounters& counters) = 0;
   virtual void recordTransforms(const TransformReport& transforms) = 0;
+  // What was looked for within the bodies of the report.
+  virtual void recordContainment(const CycleReport& report) = 0;
   // Detection failed; empty: it did not.
   virtual void recordDetectorError(const std::string& error) = 0;
   // Margins and rules that hold from now on.

@@ -217,26 +217,30 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
   try {
-    report.result = &runDetector(start + fromSeconds(budget_s));
+    const Limits limits{start + fromSeconds(budget_s), &sources_.requests.stopped()};
+    report.result = &runDetector(limits);
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
     noteRejected(&report);
+    if (parameters_.containment) noteInside(CycleLimit(limits), &containment_, &report);
+    if (report.containment != nullptr) sink_->recordContainment(report);
     sink_->recordDetectorError("");
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());
+    report.result = nullptr;
   }
-  const bool in_time = report.result == nullptr || !report.result->isOutOfTime();
+  const bool in_time = !isOutOfTime(report);
   sink_->sendCycle(&report, start, mesh_arrival);
   return in_time;
 }
 
 // A detector that is given nothing to look at would forget what it started from.
-const DetectionResult& DetectionLoop::runDetector(SteadyTime deadline) {
+const DetectionResult& DetectionLoop::runDetector(const Limits& limits) {
   if (scene_.looksAtAny()) {
     Options options = options_;
-    options.limits.deadline = deadline;
-    options.limits.stop = &sources_.requests.stopped();
+    options.limits = limits;
+    options.geometry = options.geometry || sink_->wantsGeometry();
     return detector_->detect(scene_.scene(), options);
   }
   nothing_.begin(scene_.scene(), isGuaranteed(options_));

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/containment.h"
 #include "core/detector.h"
 #include "core/steady_time.h"
 #include "node/cycle_clock.h"
@@ -75,7 +76,7 @@ class DetectionLoop {
   double budgetS(const std::vector<std::size_t>& who) const;
   bool detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s, double waited_s,
               SteadyTime mesh_arrival);
-  const DetectionResult& runDetector(SteadyTime deadline);
+  const DetectionResult& runDetector(const Limits& limits);
 
   void listPairs();
   void heartbeat();
@@ -96,7 +97,8 @@ class DetectionLoop {
   MeshInputs inputs_;
   MonitorScene scene_;
   TransformLookup lookup_;
-  MeshQueues queues_;                           // what an object waits for is its own affair
+  MeshQueues queues_;  // what an object waits for is its own affair
+  ContainmentFinder containment_;
   std::shared_ptr<const RobotGeometry> robot_;  // the one in scene_
   DetectionResult nothing_;                     // of a cycle without an enabled pair
   ros::Time robots_stamp_;                      // of its own last cycle

@@ -9,6 +9,7 @@
 #include "node/cycle_publisher.h"
 #include "node/cycle_sink.h"
 #include "node/node_diagnostics.h"
+#include "node/open_bodies.h"
 #include "node/size_check.h"
 
 namespace deformable_contact_monitor {
@@ -19,6 +20,7 @@ class MonitorSink : public CycleSink {
   MonitorSink(std::unique_ptr<CyclePublisher> publisher, NodeDiagnostics& diagnostics)
       : publisher_(std::move(publisher)), diagnostics_(diagnostics) {}
 
+  bool wantsGeometry() const override { return publisher_->wantsGeometry(); }
   void recordStart() override;
   void sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) override;
   void sendHeartbeat(CycleReport* report) override;
@@ -34,18 +36,23 @@ class MonitorSink : public CycleSink {
   void recordTransforms(const TransformReport& transforms) override {
     diagnostics_.recordTransforms(transforms);
   }
+  void recordContainment(const CycleReport& report) override;
   void recordDetectorError(const std::string& error) override {
     diagnostics_.recordDetectorError(error);
   }
   void recordRules(const RulesInForce& rules) override { diagnostics_.recordRules(rules); }
   void setMarkerRate(double rate_hz) override { publisher_->setMarkerRate(rate_hz); }
-  void recordReset(const std::string& reason) override { diagnostics_.recordReset(reason); }
+  void recordReset(const std::string& reason) override {
+    publisher_->forgetPatches();
+    diagnostics_.recordReset(reason);
+  }
   void recordEnabled(bool enabled) override { diagnostics_.recordEnabled(enabled); }
 
  private:
   const std::unique_ptr<CyclePublisher> publisher_;
   NodeDiagnostics& diagnostics_;
   SizeCheck size_check_;
+  OpenBodies open_bodies_;
 };
 
 }  // namespace deformable_contact_monitor

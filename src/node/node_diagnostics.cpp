@@ -101,6 +101,11 @@ void NodeDiagnostics::recordReset(const std::string& reason) {
   last_reset_ = reason;
 }
 
+void NodeDiagnostics::recordOpenBodies(const std::string& bodies) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  open_bodies_ = bodies;
+}
+
 void NodeDiagnostics::recordEnabled(bool enabled) {
   const std::lock_guard<std::mutex> lock(mutex_);
   enabled_ = enabled;
@@ -150,6 +155,7 @@ void NodeDiagnostics::describeStatus(Status& status) {
   status.add("cycles", cycles_);
   status.add("resets", resets_);
   status.add("last reset", last_reset_);
+  if (parameters_.containment) status.add("not closed", open_bodies_);
 }
 
 void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {

@@ -48,6 +48,8 @@ class NodeDiagnostics {
   // The backend that was asked for fails, or works again.
   void recordBackend(const BackendState& state);
   void recordReset(const std::string& reason);
+  // Bodies that are not closed, by name; empty: all are that were looked at.
+  void recordOpenBodies(const std::string& bodies);
   void recordEnabled(bool enabled);
   void recordRules(const RulesInForce& rules);
 
@@ -93,7 +95,7 @@ class NodeDiagnostics {
   mutable std::mutex mutex_;        // guards what follows
   std::vector<MeshWatch> watches_;  // by object
   bool enabled_ = true;
-  std::string backend_, detector_error_, last_reset_;
+  std::string backend_, detector_error_, last_reset_, open_bodies_;
   BackendState backend_state_;
   std::uint64_t cycles_ = 0, resets_ = 0;
   TimingWatch timing_{Clock::now()};

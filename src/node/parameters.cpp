@@ -152,6 +152,7 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   o.refresh_period = reader->integer("refresh_period", o.refresh_period, -kAny, kAny);
   o.threads = reader->integer("threads", o.threads, -kAny, kAny);
   o.geometry = reader->flag("contact_geometry", o.geometry);
+  p->containment = reader->flag("containment", p->containment);
 }
 
 void readOutput(ParameterReader* reader, MonitorParameters* p) {

@@ -59,6 +59,7 @@ struct MonitorParameters {
   BackendChoice backend = BackendChoice::kAuto;
   CudaSettings cuda;
   Options detector;
+  bool containment = false;  // what is within a closed surface is a contact
 
   double max_rate_hz = 100;   // of an object's cycles; 0: every mesh
   double robot_rate_hz = 30;  // of the robot's own cycles (robot_self)

@@ -272,6 +272,57 @@ TEST(ContactStateTrackerTest, whatWasCutOffIsNotNoContact) {
   EXPECT_EQ(texts(tracker.takeEvents()).back(), "END arm/hand cloth 0 no time");
 }
 
+// As what touches: whatever else is missing.
+TEST(ContactStateTrackerTest, whatIsInsideIsAContactThatSaysSo) {
+  SampleReport sample;
+  Containment containment;
+  containment.parts = {{1, 2, 0, {1, 2, 3}}, {1, 2, 5, {3, 2, 3}}, {2, 0, 0, {9, 9, 9}}};
+  sample.report.containment = &containment;
+  ContactStateTracker tracker(rules(1, 2));
+  ContactStates message = take(&tracker, sample.report);
+  ContactState base = message.states[kBaseCloth], hand = message.states[kHandCloth];
+  EXPECT_EQ(base.state, ContactState::CONTACT);
+  EXPECT_EQ(base.inside, 1);
+  EXPECT_EQ(base.pair_count, 0U);
+  EXPECT_EQ(base.min_separation, 0);
+  EXPECT_EQ(base.centroid.x, 2);
+  EXPECT_EQ(base.centroid.z, 3);
+  EXPECT_EQ(hand.state, ContactState::CONTACT);
+  EXPECT_EQ(hand.inside, 2);
+  EXPECT_EQ(hand.pair_count, 3U);
+  EXPECT_LT(hand.centroid.x, 9) << "where it touches";
+  EXPECT_EQ(texts(tracker.takeEvents()),
+            (std::vector<std::string>{"BEGIN arm/hand cloth 3", "BEGIN base cloth 0"}));
+
+  sample.result.separations_m = {.1F, .2F, .3F};
+  sample.report.bodies[2].rejected = 1;
+  hand = take(&tracker, sample.report).states[kHandCloth];
+  EXPECT_EQ(hand.state, ContactState::CONTACT) << "near, and inside";
+  EXPECT_EQ(hand.min_separation, 0);
+  EXPECT_EQ(hand.centroid.x, 9);
+
+  containment.parts = {{1, 2, 0, {}}, {2, 1, 0, {}}};
+  base = take(&tracker, sample.report).states[kBaseCloth];
+  EXPECT_EQ(base.inside, 1) << "each within the other";
+}
+
+TEST(ContactStateTrackerTest, whatWasNotLookedWithinIsNotNoContact) {
+  SampleReport sample;
+  Containment containment;
+  containment.cut_off_because = "no time";
+  sample.report.containment = &containment;
+  sample.report.pairs.push_back({2, 2, false});
+  ContactStateTracker tracker(rules(1, 2));
+  ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  EXPECT_EQ(message.states[kBaseCloth].reason, "no time");
+  EXPECT_EQ(message.states[3].state, ContactState::NONE) << "nothing is within itself";
+  containment.parts = {{1, 2, 0, {}}};
+  message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::CONTACT);
+}
+
 // As of a cycle that took long.
 TEST(ContactStateTrackerTest, whatIsTooOldWhenItComesIsNotNoContact) {
   SampleReport sample;

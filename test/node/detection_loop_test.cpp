@@ -254,6 +254,55 @@ TEST_F(MeshesTest, WhereNothingIsToBeLookedAtNoDetectorRuns) {
   EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
 }
 
+TEST_F(MeshesTest, GeometryIsComputedWhileSomebodyWantsIt) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_FALSE(detector_.geometry);
+  said_.wants_geometry = true;
+  give(0, 50.1);
+  stepAfter(100);
+  EXPECT_TRUE(detector_.geometry);
+  said_.wants_geometry = false;
+  give(0, 50.2);
+  stepAfter(100);
+  EXPECT_FALSE(detector_.geometry);
+}
+
+// The cloth is a small triangle, the cable a tetrahedron around it.
+TEST_F(MeshesTest, WhatIsWithinIsLookedForIfAskedFor) {
+  const auto giveBoth = [this](double stamp_s) {
+    auto around = boost::make_shared<DeformableMesh>();
+    around->header.stamp = ros::Time(stamp_s);
+    around->header.frame_id = "base";
+    around->topology_id = 4;
+    around->vertices = {-9, -9, -9, 50, -9, -9, -9, 50, -9, -9, -9, 50};
+    around->triangles = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    meshes_[1].store(around);
+    give(0, stamp_s);
+  };
+  parameters_.containment = true;
+  parameters_.max_cycle_s = 600;
+  steady_time_ = std::chrono::steady_clock::now();  // the deadline is looked at by the real clock
+  giveBoth(50);
+  step();
+  ASSERT_EQ(said_.inside.size(), 1U);
+  EXPECT_EQ(said_.inside[0].inner, 0U);
+  EXPECT_EQ(said_.inside[0].outer, 1U);
+  EXPECT_EQ(said_.looks_within, 1);
+  detector_.out_of_time = true;  // contacts are missing, so nothing is wholly within
+  giveBoth(50.1);
+  stepAfter(100);
+  EXPECT_EQ(said_.looks_within, 1);
+}
+
+TEST_F(MeshesTest, WhatIsWithinIsNotLookedForOtherwise) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_EQ(said_.looks_within, 0);
+}
+
 TEST_F(MeshesTest, AStepThatFailsIsTriedAgainInASecond) {
   robot_source_ = []() -> std::shared_ptr<const RobotGeometry> { throw std::bad_alloc(); };
   give(0, 50);

@@ -53,6 +53,9 @@ struct FakeSink : CycleSink {
     std::vector<MonitoredPair> pairs;    // of the latest report
     std::vector<std::uint64_t> refused;  // by object
     RulesInForce rules;
+    bool wants_geometry = false;     // what the loop is told
+    std::vector<InsidePart> inside;  // of the latest cycle that looked for them
+    int looks_within = 0;            // such cycles
   };
 
   FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
@@ -68,6 +71,7 @@ struct FakeSink : CycleSink {
     add(line.str());
     log->pairs = report.pairs;
   }
+  bool wantsGeometry() const override { return log->wants_geometry; }
   void recordStart() override {
     if (*at_start) std::exchange(*at_start, nullptr)();
   }
@@ -88,6 +92,10 @@ struct FakeSink : CycleSink {
   }
   void recordTransforms(const TransformReport& transforms) override {
     for (const TransformReport::Miss& miss : transforms.misses) add("miss of " + miss.body);
+  }
+  void recordContainment(const CycleReport& report) override {
+    log->inside = report.containment->parts;
+    ++log->looks_within;
   }
   void recordDetectorError(const std::string& error) override {
     if (!error.empty()) add("error: " + error);

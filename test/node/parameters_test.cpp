@@ -62,6 +62,7 @@ TEST(Parameters, NothingSetGivesTheDefaults) {
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kBeyondShared);
   EXPECT_EQ(p.backend, BackendChoice::kAuto);
   EXPECT_EQ(p.max_rate_hz, 100);
+  EXPECT_FALSE(p.containment);
   EXPECT_TRUE(p.objects.empty());
 }
 
@@ -90,6 +91,7 @@ TEST(Parameters, ValuesArrive) {
   tree["links"] = list("hand", "arm");
   tree["max_contacts"] = 7;
   tree["contact_geometry"] = true;
+  tree["containment"] = true;
   const MonitorParameters p = parse(tree);
   ASSERT_EQ(p.objects.size(), 2U);
   EXPECT_EQ(p.objects[0].margin_m, 1.0F) << "an object without a margin has the general one";
@@ -114,6 +116,7 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_EQ(p.detector.predicates, Predicates::kFast);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kSkip);
   EXPECT_EQ(p.max_contacts, 7U);
+  EXPECT_TRUE(p.containment);
   EXPECT_TRUE(p.detector.geometry);
 }
 

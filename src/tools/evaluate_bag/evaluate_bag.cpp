@@ -72,8 +72,9 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
         Options options = parameters.detector;
         options.predicates = p;
         options.overlap = overlap;
-        runs.push_back(std::make_unique<EvaluationRun>(
-            backend, makeBackend(backend, parameters.cuda), options, rules, expectations));
+        runs.push_back(
+            std::make_unique<EvaluationRun>(backend, makeBackend(backend, parameters.cuda), options,
+                                            rules, expectations, parameters.containment));
         if (hasMargins(parameters) && !supportsMargins(*runs.back()->detector)) {
           throw std::invalid_argument("backend " + backend + " has no margins; set margin_m to 0");
         }

@@ -39,10 +39,11 @@ void addStages(const DetectionResult& result, std::size_t cycles, EvaluationRun*
 
 EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made,
                              const Options& with, const StateRules& rules,
-                             std::vector<Expectation> expectations)
+                             std::vector<Expectation> expectations, bool with_containment)
     : asked(std::move(asked_for)),
       detector(std::move(made)),
       options(with),
+      looks_within(with_containment),
       tracker(rules),
       judge(std::move(expectations)) {}
 
@@ -52,6 +53,8 @@ void EvaluationRun::detect(CycleReport* cycle) {
   cycle->options = options;
   cycle->backend = detector->backend();
   noteRejected(cycle);
+  cycle->containment = nullptr;
+  if (looks_within) noteInside(noLimit(), &containment, cycle);
   const ros::Time& stamp = cycle->header.stamp;
   tracker.expire(stamp, "no new mesh within max_mesh_age_s");
   tracker.update(*cycle);

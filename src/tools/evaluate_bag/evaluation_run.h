@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/containment.h"
 #include "core/detector.h"
 #include "node/contact_state_tracker.h"
 #include "node/cycle_report.h"
@@ -17,7 +18,8 @@ namespace deformable_contact_monitor {
 
 struct EvaluationRun {
   EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made, const Options& with,
-                const StateRules& rules, std::vector<Expectation> expectations);
+                const StateRules& rules, std::vector<Expectation> expectations,
+                bool with_containment = false);
 
   // Detects in the cycle's scene, keeps its times and states, and fills the report.
   void detect(CycleReport* cycle);
@@ -29,6 +31,8 @@ struct EvaluationRun {
   const std::string asked;  // backend
   const std::unique_ptr<Detector> detector;
   const Options options;
+  const bool looks_within;
+  ContainmentFinder containment;
   ContactStateTracker tracker;
   ExpectationJudge judge;
 
