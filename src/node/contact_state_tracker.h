@@ -73,8 +73,8 @@ class ContactStateTracker {
     // While it is UNKNOWN: the state before that (UNKNOWN: none), and when that one began.
     std::uint8_t state_before = ContactState::UNKNOWN;
     ros::Time entered_before;
-    bool open = false;   // BEGIN was sent, END not yet
-    int cycles = 0;      // in a row that speak for a change of `open`
+    bool open = false;  // BEGIN was sent, END not yet
+    int cycles = 0;     // in a row that speak for a change of `open`
 
     bool isKnown() const {
       return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
