@@ -58,7 +58,9 @@ void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime 
   }
 }
 
+// What is UNKNOWN changes no course: the first distance after it is held against those before.
 void Guard::follow(const ContactState& state, double tolerance_m) {
+  if (state.state == ContactState::UNKNOWN) return;
   const PairName name(state.body_a, state.body_b);
   const bool is_near = state.state == ContactState::NEAR || state.state == ContactState::CONTACT;
   if (!is_near || parameters_.receding_m == 0) {

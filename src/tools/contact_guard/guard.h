@@ -57,7 +57,7 @@ class Guard {
 
   const GuardParameters parameters_;
   ContactReader reader_;
-  std::map<PairName, Course> courses_;  // of pairs that are known to be NEAR or to touch
+  std::map<PairName, Course> courses_;  // of pairs that were NEAR or touched when last known
   SteadyTime heard_;                    // the last message came
   SteadyTime clock_moved_;              // ROS time was last seen to change
   ros::Time ros_time_;                  // as last seen

@@ -130,6 +130,18 @@ TEST(GuardTest, leavesAtFullSpeed) {
   expectScale(watch.hear(at(0.5)), 1);
 }
 
+TEST(GuardTest, whatWasUnknownWhileItReceded) {
+  const ContactState unknown = stateOf("hand", "cloth", ContactState::UNKNOWN, kNaN);
+  Watch watch(distances(1, 0.25));
+  watch.hear(at(0));
+  watch.hear(unknown);
+  expectScale(watch.hear(at(0.5)), 1);
+  watch.hear(unknown);
+  expectScale(watch.hear(at(0.4375)), 0.2 + 0.8 * 0.25);  // came nearer meanwhile
+  watch.hear(none("hand", "cloth"));
+  expectScale(watch.hear(at(0.75)), 0.2 + 0.8 * 2 / 3);  // has come anew
+}
+
 TEST(GuardTest, withoutRecedingTheDistanceAloneCounts) {
   GuardParameters p = distances(1, 0.25);
   p.receding_m = 0;
