@@ -19,9 +19,9 @@ using Json = nlohmann::json;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Json cases() {
+Json table(const char* name) {
   std::ifstream file(CASES);
-  return Json::parse(file).at("cases");
+  return Json::parse(file).at(name);
 }
 
 double numberOf(const Json& value) {
@@ -74,7 +74,7 @@ void expectAnswers(const ContactReader& reader, const Json& step) {
 }
 
 TEST(ContactReaderTest, answersAsTheTableSays) {
-  const Json all = cases();
+  const Json all = table("cases");
   ASSERT_GT(all.size(), 30U);
   for (const Json& one : all) {
     ContactReader reader(rulesOf(one.value("rules", Json::object())));
@@ -95,6 +95,13 @@ TEST(ContactReaderTest, answersAsTheTableSays) {
         expectAnswers(reader, step);
       }
     }
+  }
+}
+
+TEST(ContactReaderTest, distancesAreCertainAsTheTableSays) {
+  for (const Json& given : table("distances")) {
+    const double distance = certainDistance(stateOf(given, {}), given.value("tolerance", 0.0));
+    EXPECT_EQ(distance, numberOf(given.at("distance"))) << given.dump();
   }
 }
 

@@ -10,7 +10,7 @@ from deformable_contact_monitor.msg import ContactState, ContactStates
 
 from deformable_contact import contact_reader
 
-CASES = json.loads((pathlib.Path(__file__).resolve().parent / "cases.json").read_text())["cases"]
+TABLE = json.loads((pathlib.Path(__file__).resolve().parent / "cases.json").read_text())
 STATES = ("NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED")
 SEPARATIONS = {"NONE": math.inf, "CONTACT": 0, "PASSED": 0}
 
@@ -54,10 +54,16 @@ class Answers(unittest.TestCase):
                               for state in reader.contacts(step["body"], now)], step["contacts"])
 
     def test_cases(self):
-        self.assertGreater(len(CASES), 30)
-        for case in CASES:
+        self.assertGreater(len(TABLE["cases"]), 30)
+        for case in TABLE["cases"]:
             with self.subTest(case["name"]):
                 self.check_case(case)
+
+    def test_distances(self):
+        for given in TABLE["distances"]:
+            state = state_of(given, ContactStates())
+            self.assertEqual(contact_reader.certain_distance(state, given.get("tolerance", 0)),
+                             float(given["distance"]), given)
 
     def test_bad_rules_are_refused(self):
         for rules in ({"max_age_s": 0}, {"max_age_s": math.nan}, {"clearance_m": -1},
