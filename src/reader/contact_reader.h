@@ -96,7 +96,7 @@ class ContactReader {
       is_listed = true;
       because = doubt(state, now);
       if (because.empty()) because = obstacle(state);
-      if (!because.empty()) because = state.body_a + " and " + state.body_b + ": " + because;
+      if (!because.empty()) because.insert(0, state.body_a + " and " + state.body_b + ": ");
     }
     if (because.empty() && !is_listed && !rules_.unlisted_may_move) {
       because = body == "*" ? "no pair is monitored" : body + " is in no state";

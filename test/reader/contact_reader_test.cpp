@@ -64,7 +64,7 @@ void expectAnswers(const ContactReader& reader, const Json& step) {
   const std::string body = step.at("body");
   const MoveAnswer answer = reader.mayMove(body, now);
   EXPECT_EQ(answer.because, step.at("because").get<std::string>());
-  EXPECT_EQ(static_cast<bool>(answer), step.at("because") == "");
+  EXPECT_EQ(static_cast<bool>(answer), step.at("because").get<std::string>().empty());
   EXPECT_EQ(reader.nearest(body, now), numberOf(step.at("nearest")));
   std::vector<std::string> pairs;
   for (const ContactState& state : reader.contacts(body, now)) {

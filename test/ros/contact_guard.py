@@ -30,11 +30,13 @@ class ContactGuard(unittest.TestCase):
         cls.arm = Arm()
         cls.programs = Programs()
         cls.addClassCleanup(cls.programs.end)
+        cls.programs.start()
         cls.states = Log("/contact_monitor/contact_states", ContactStates)
         cls.diagnostics = Log("/diagnostics", DiagnosticArray)
         cls.before, cls.at, cls.latched = Guard("stops_before"), Guard("stops_at"), Guard("latched")
 
     def setUp(self):
+        self.programs.start()
         self.arm.direction, self.arm.turned, self.arm.cloth_lowered_m = 0, 0.0, 0.0
         until_free(self.before)
         until_free(self.at)
@@ -116,7 +118,7 @@ class ContactGuard(unittest.TestCase):
         self.assertEqual(self.arm.turned, at)
         self.assertEqual({message.data for message in self.at.scales.messages[since + 1:]}, {0.0})
         self.arm.direction, self.arm.turned = 0, 0.0
-        self.programs.start(program)
+        self.programs.start()
         until_free(self.at)
 
     def test_stops_while_there_is_no_monitor(self):

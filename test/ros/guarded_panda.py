@@ -90,11 +90,11 @@ class Programs:
                      "--object", "cloth", "--topic", "/cloth", "--rate", "30"],
             "transforms": [publisher, "__name:=robot_state_publisher"]}
         self.running = {}
-        for name in self.commands:
-            self.start(name)
 
-    def start(self, name):
-        self.running[name] = subprocess.Popen(self.commands[name])
+    def start(self):
+        """Those that do not run."""
+        for name in set(self.commands) - set(self.running):
+            self.running[name] = subprocess.Popen(self.commands[name])
 
     def kill(self, name):
         """As a crash: nobody is told."""

@@ -150,7 +150,7 @@ GuardOutput Guard::decide(const ros::Time& now, SteadyTime steady_now) {
 }
 
 std::string Guard::release(const ros::Time& now, SteadyTime steady_now) {
-  const std::string cause = causeOfStop(now, steady_now);
+  std::string cause = causeOfStop(now, steady_now);
   if (cause.empty()) latched_ = false;
   return cause;
 }
