@@ -20,7 +20,7 @@ def doxyfile():
 
 def public_headers():
     headers = set()
-    for room in ("core", "cuda"):
+    for room in ("core", "cuda", "reader"):
         for folder, _, files in os.walk(os.path.join(INCLUDE_DIR, room)):
             headers |= {os.path.relpath(os.path.join(folder, name), INCLUDE_DIR) for name in files}
     return headers - WITHOUT_A_PAGE
@@ -29,7 +29,7 @@ def public_headers():
 class Docs(unittest.TestCase):
 
     def test_every_public_header_is_named(self):
-        named = set(re.findall(r"(?:src/)?((?:core|cuda)/\S+\.h)", doxyfile()))
+        named = set(re.findall(r"(?:src/)?((?:core|cuda|reader)/\S+\.h)", doxyfile()))
         self.assertEqual(named, public_headers())
 
     def test_pages_without_a_warning(self):

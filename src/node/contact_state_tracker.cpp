@@ -112,6 +112,7 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
     Track track;
     std::tie(track.state.body_a, track.state.body_b) = names(pair);
     interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, &track);
+    track.state_before = ContactState::UNKNOWN;
     tracks_.push_back(std::move(track));
   }
   for (auto& [gone, track] : before) {
@@ -162,8 +163,17 @@ void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& p
   const InsideParts inside = insidePartsOf(report, pair);
   if (problem.empty()) problem = resultProblem(report, pair, summary, inside);
   if (!problem.empty()) return interrupt(ContactState::UNKNOWN, problem, report.now, track);
-  enter(describe(report, pair, summary, inside), report.header.stamp, track);
+  ContactState state = describe(report, pair, summary, inside);
+  const bool goes_on = resumes(state, report.now, *track);
+  enter(std::move(state), goes_on ? track->entered_before : report.header.stamp, track);
   debounce(report.header.stamp, track);
+}
+
+// Whether `state` is what a short UNKNOWN interrupted.
+bool ContactStateTracker::resumes(const ContactState& state, const ros::Time& now,
+                                  const Track& track) const {
+  return track.state.state == ContactState::UNKNOWN && track.state_before == state.state &&
+         secondsBetween(now, track.entered) < rules_.since_survives_s;
 }
 
 void ContactStateTracker::enter(ContactState state, const ros::Time& when, Track* track) {
@@ -180,6 +190,10 @@ void ContactStateTracker::interrupt(std::uint8_t state, const std::string& reaso
   next.state = state;
   next.reason = state == ContactState::UNKNOWN ? reason : "";
   next.min_separation = std::numeric_limits<float>::quiet_NaN();
+  if (track->state.state != ContactState::UNKNOWN) {
+    track->state_before = track->state.state;
+    track->entered_before = track->entered;
+  }
   enter(std::move(next), now, track);
   if (track->open) addEvent(*track, ContactEvent::END, now, reason);
   track->open = false;
@@ -241,9 +255,9 @@ void ContactStateTracker::forget(const std::string& body, const std::string& rea
   const std::lock_guard<std::mutex> lock(mutex_);
   for (Track& track : tracks_) {
     const ContactState& state = track.state;
-    if (!track.isKnown()) continue;
     if (!body.empty() && state.body_a != body && state.body_b != body) continue;
-    interrupt(ContactState::UNKNOWN, reason, now, &track);
+    if (track.isKnown()) interrupt(ContactState::UNKNOWN, reason, now, &track);
+    track.state_before = ContactState::UNKNOWN;
   }
 }
 

@@ -25,6 +25,8 @@ struct StateRules {
   // The share of a body's triangles that may be rejected (for a non-finite vertex) while NONE and
   // NEAR are claimed of it, [0, 1].
   double tolerated_rejects = 0;
+  // A state that comes back after less than this of UNKNOWN goes on, as `since` counts, >= 0.
+  double since_survives_s = 0;
 };
 
 // Threads may call every function at any time: states grow old while a cycle runs.
@@ -52,7 +54,9 @@ class ContactStateTracker {
 
   // All pairs in the order of the last report. `stamp`: of the header; UNKNOWN and ALLOWED are
   // stamped `now`. centroid and mean_normal: as in PairSummary. min_separation [m] is +inf without
-  // a triangle pair and NaN where the state is UNKNOWN or ALLOWED. `since` is never below zero.
+  // a triangle pair and NaN where the state is UNKNOWN or ALLOWED. `since` is never below zero. It
+  // counts from when the state began, also beyond an UNKNOWN that was said for less than
+  // since_survives_s if the state is the one before it; UNKNOWN's own counts from when it was said.
   ContactStates states(const ros::Time& stamp, const ros::Time& now) const;
 
   // Events since the last call, oldest first. An END with a reason is not the geometry's: the pair
@@ -60,15 +64,18 @@ class ContactStateTracker {
   std::vector<ContactEvent> takeEvents();
 
   // What is known of the pairs of `body`, or of all if it is empty, is forgotten: they are UNKNOWN
-  // because of `reason`.
+  // because of `reason`, which no `since` survives.
   void forget(const std::string& body, const std::string& reason, const ros::Time& now);
 
  private:
   struct Track {
     ContactState state;  // as it was last found; UNKNOWN and ALLOWED without a stamp
     ros::Time entered;   // stamp with which its state began; UNKNOWN, ALLOWED: when
-    bool open = false;   // BEGIN was sent, END not yet
-    int cycles = 0;      // in a row that speak for a change of `open`
+    // While it is UNKNOWN: the state before that (UNKNOWN: none), and when that one began.
+    std::uint8_t state_before = ContactState::UNKNOWN;
+    ros::Time entered_before;
+    bool open = false;  // BEGIN was sent, END not yet
+    int cycles = 0;     // in a row that speak for a change of `open`
 
     bool isKnown() const {
       return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
@@ -80,6 +87,7 @@ class ContactStateTracker {
                             const PairSummary& summary, const InsideParts& inside) const;
   void look(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
             Track* track);
+  bool resumes(const ContactState& state, const ros::Time& now, const Track& track) const;
   void enter(ContactState state, const ros::Time& when, Track* track);
   void interrupt(std::uint8_t state, const std::string& reason, const ros::Time& now, Track* track);
   void debounce(const ros::Time& stamp, Track* track);

@@ -167,6 +167,7 @@ void readOutput(ParameterReader* reader, MonitorParameters* p) {
   p->max_contacts = reader->integer("max_contacts", 0, 0, kMaxCount);
   p->debounce_on_cycles = reader->integer("debounce_on_cycles", p->debounce_on_cycles, 1, 1000);
   p->debounce_off_cycles = reader->integer("debounce_off_cycles", p->debounce_off_cycles, 1, 1000);
+  p->since_survives_s = reader->number("since_survives_s", p->since_survives_s, 0, 60);
   p->marker_rate_hz = reader->number("marker_rate_hz", p->marker_rate_hz, 0.1, 100);
   p->marker_lifetime_s = reader->number("marker_lifetime_s", p->marker_lifetime_s, 0.1, 60);
   p->max_marker_triangles = reader->integer(

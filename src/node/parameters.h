@@ -71,6 +71,7 @@ struct MonitorParameters {
 
   int debounce_on_cycles = 1;
   int debounce_off_cycles = 2;
+  double since_survives_s = 0.2;  // so much UNKNOWN, as states' `since` counts
 
   double marker_rate_hz = 10;
   double marker_lifetime_s = 0.5;

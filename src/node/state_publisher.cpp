@@ -14,6 +14,7 @@ StateRules stateRules(const MonitorParameters& parameters) {
   rules.debounce_off_cycles = parameters.debounce_off_cycles;
   rules.max_age_s = parameters.max_mesh_age_s;
   rules.tolerated_rejects = parameters.tolerated_rejects;
+  rules.since_survives_s = parameters.since_survives_s;
   return rules;
 }
 

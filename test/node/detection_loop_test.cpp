@@ -258,15 +258,15 @@ TEST_F(MeshesTest, GeometryIsComputedWhileSomebodyWantsIt) {
   give(0, 50);
   give(1, 50);
   step();
-  EXPECT_FALSE(detector_.geometry);
+  EXPECT_FALSE(detector_.options.geometry);
   said_.wants_geometry = true;
   give(0, 50.1);
   stepAfter(100);
-  EXPECT_TRUE(detector_.geometry);
+  EXPECT_TRUE(detector_.options.geometry);
   said_.wants_geometry = false;
   give(0, 50.2);
   stepAfter(100);
-  EXPECT_FALSE(detector_.geometry);
+  EXPECT_FALSE(detector_.options.geometry);
 }
 
 // The cloth is a small triangle, the cable a tetrahedron around it.

@@ -28,15 +28,27 @@ function(dcm_share name folder)
   target_compile_options(dcm_${name} PRIVATE
     $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>>:-fno-semantic-interposition>)
 
+  dcm_share_headers(${folder} ${ARGN})
+  if(DCM_TOP_LEVEL)
+    dcm_install_library(${library})
+  endif()
+endfunction()
+
+# dcm_share_headers(FOLDER headers...): headers as they lie in FOLDER, but with the includes that
+# others need.
+function(dcm_share_headers folder)
   foreach(header ${ARGN})
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folder}/${header})
     file(READ ${folder}/${header} text)
-    string(REGEX REPLACE "(#include \")((core|cuda)/)" "\\1${PROJECT_NAME}/\\2" text "${text}")
+    string(REGEX REPLACE "(#include \")((core|cuda|reader)/)" "\\1${PROJECT_NAME}/\\2" text
+      "${text}")
     file(GENERATE OUTPUT ${DCM_PUBLIC_INCLUDE_DIR}/${PROJECT_NAME}/${header} CONTENT "${text}")
+    get_filename_component(place ${header} DIRECTORY)
+    if(DCM_TOP_LEVEL)
+      install(FILES ${DCM_PUBLIC_INCLUDE_DIR}/${PROJECT_NAME}/${header}
+        DESTINATION include/${PROJECT_NAME}/${place})
+    endif()
   endforeach()
-  if(DCM_TOP_LEVEL)
-    dcm_install_library(${library} ${ARGN})
-  endif()
 endfunction()
 
 function(dcm_install_library library)
@@ -50,11 +62,6 @@ function(dcm_install_library library)
     ARCHIVE DESTINATION ${destination}
     LIBRARY DESTINATION ${destination}
     RUNTIME DESTINATION ${destination})
-  foreach(header ${ARGN})
-    get_filename_component(folder ${header} DIRECTORY)
-    install(FILES ${DCM_PUBLIC_INCLUDE_DIR}/${PROJECT_NAME}/${header}
-      DESTINATION include/${PROJECT_NAME}/${folder})
-  endforeach()
 endfunction()
 
 # What find_package reads, once both libraries are there. With ROS, catkin writes the package's

@@ -65,6 +65,7 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
   StateRules rules;
   rules.max_age_s = parameters.max_mesh_age_s;
   rules.tolerated_rejects = parameters.tolerated_rejects;
+  rules.since_survives_s = parameters.since_survives_s;
   Runs runs;
   for (const Predicates p : predicates) {
     for (const float overlap : overlaps) {

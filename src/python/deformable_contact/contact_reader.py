@@ -1,0 +1,211 @@
+"""How to read ~contact_states safely: what is not known, too old or missing never counts as free.
+
+As C++'s reader/contact_reader.h; both are tested by one table of cases. ContactReader needs no ROS
+but messages and times that it is given; ContactSubscriber needs rospy.
+"""
+import math
+import threading
+
+NONE, NEAR, CONTACT, ALLOWED, UNKNOWN, PASSED = range(6)
+
+CLOCK_SLACK_S = 0.1
+"""ROS time may differ by so much between this process and the monitor's: states stamped farther
+ahead are not known."""
+
+
+class MoveAnswer:
+    """True or false, and why not."""
+
+    def __init__(self, because):
+        self.yes = not because
+        self.because = because
+
+    def __bool__(self):
+        return self.yes
+
+    def __repr__(self):
+        return "yes" if self.yes else "no: " + self.because
+
+
+def certain_distance(state, tolerance_m):
+    """The distance of a pair [m] that is certain, >= 0; 0 where it touches, or nothing is known;
+    infinity where the pair is ALLOWED, and of NONE: nothing is within the monitor's margin.
+    tolerance_m: of the message."""
+    separation, low = state.min_separation, state.distance_low
+    if state.state == ALLOWED:
+        return math.inf
+    if state.state not in (NONE, NEAR) or math.isnan(separation):
+        return 0.0
+    if state.state == NEAR and math.isinf(separation):
+        return 0.0
+    if low > 0 and math.isfinite(low):
+        return low
+    return max(0.0, separation - tolerance_m)
+
+
+class ContactReader:
+    """The newest states, and what may be concluded from them at a time. A body is named as in the
+    monitor's output (a link or an object); "*" means all of them, thus every pair. Times are ROS
+    times, such as rospy.Time.now(). One thread at a time.
+
+    max_age_s: [s] > 0. A state whose own stamp is longer ago is not known, and nothing is where no
+    message came for so long. More than the period of the slowest mesh; more than 1 s where every
+    pair may be allowed, for the monitor then speaks once a second.
+    clearance_m: [m] >= 0. A NEAR pair lets its bodies move while it is certainly farther apart than
+    this; infinity: never.
+    unlisted_may_move: whether a body that is in no state may move; else nothing is known of it.
+    """
+
+    def __init__(self, max_age_s=0.5, clearance_m=math.inf, unlisted_may_move=False):
+        if not max_age_s > 0:
+            raise ValueError("max_age_s must be above 0")
+        if not clearance_m >= 0:
+            raise ValueError("clearance_m must not be below 0")
+        self.max_age_s = max_age_s
+        self.clearance_m = clearance_m
+        self.unlisted_may_move = unlisted_may_move
+        self.newest = None
+        """As stored last; None before that. Old and unknown states are among them."""
+        self._latest_stamp = None  # of all messages of this run of the monitor
+        self._received = None  # ROS time at which the newest came
+        self._nothing_because = "no states came yet"
+
+    def store(self, states, now):
+        """A message that came at `now`. One that is older than what is there (a lower cycle, or an
+        older stamp of the same cycle) is ignored, unless ROS time was reset or the monitor began
+        anew."""
+        if self.newest is not None and _seconds(now, self._received) < 0:
+            self.forget("ROS time went back")
+        stamp = states.header.stamp
+        goes_on = self.newest is not None and states.cycle >= self.newest.cycle
+        if self.newest is not None:
+            is_ahead = _seconds(self.newest.header.stamp, now) > CLOCK_SLACK_S
+            if not is_ahead and self._is_older(states):
+                return
+        self._latest_stamp = max(self._latest_stamp, stamp) if goes_on else stamp
+        self.newest = states
+        self._received = now
+
+    def forget(self, because):
+        """Nothing is known until the next message."""
+        self.newest = None
+        self._nothing_because = because
+
+    def may_move(self, body, now):
+        """A MoveAnswer: yes only if the body is listed and each pair with it is known, fresh, and
+        NONE, ALLOWED or NEAR beyond clearance_m; else no, because of the first pair that speaks
+        against it."""
+        because = self._silence(now)
+        if because:
+            return MoveAnswer(because)
+        states = self._states_of(body)
+        for state in states:
+            because = self._doubt(state, now) or self._obstacle(state)
+            if because:
+                return MoveAnswer("%s and %s: %s" % (state.body_a, state.body_b, because))
+        if states or self.unlisted_may_move:
+            return MoveAnswer("")
+        return MoveAnswer("no pair is monitored" if body == "*" else body + " is in no state")
+
+    def nearest(self, body, now):
+        """The least certain_distance() of its pairs [m], for a speed; 0 where anything is not
+        known."""
+        if self._silence(now):
+            return 0.0
+        states = self._states_of(body)
+        if any(self._doubt(state, now) for state in states):
+            return 0.0
+        if not states and not self.unlisted_may_move:
+            return 0.0
+        return min((certain_distance(state, self.newest.tolerance) for state in states),
+                   default=math.inf)
+
+    def contacts(self, body, now):
+        """Its pairs that are known to touch, or to have touched since their last cycle. None is no
+        reason to move: ask may_move()."""
+        if self._silence(now):
+            return []
+        return [state for state in self._states_of(body)
+                if state.state in (CONTACT, PASSED) and not self._doubt(state, now)]
+
+    def _states_of(self, body):
+        return [state for state in self.newest.states
+                if body == "*" or body in (state.body_a, state.body_b)]
+
+    def _is_older(self, states):
+        if states.cycle == self.newest.cycle:
+            return states.header.stamp < self.newest.header.stamp
+        return states.cycle < self.newest.cycle and states.header.stamp <= self._latest_stamp
+
+    def _silence(self, now):
+        """Why nothing at all is known; empty: something is."""
+        if now.to_nsec() == 0:
+            return "ROS time is zero"
+        if self.newest is None:
+            return self._nothing_because
+        silent_s = _seconds(now, self._received)
+        if silent_s < -CLOCK_SLACK_S:
+            return "ROS time went back by %.3f s" % -silent_s
+        return "no states came for %.3f s" % silent_s if silent_s > self.max_age_s else ""
+
+    def _doubt(self, state, now):
+        """Why the state is not known; empty: it is."""
+        if state.state == UNKNOWN:
+            return "UNKNOWN: " + state.reason
+        if state.state > PASSED:
+            return "state %d is not known here" % state.state
+        age_s = _seconds(now, state.stamp)
+        if age_s > self.max_age_s:
+            return "its state is %.3f s old" % age_s
+        if age_s < -CLOCK_SLACK_S:
+            return "its state is stamped %.3f s ahead" % -age_s
+        no_number = (state.state == NEAR and not math.isfinite(state.min_separation) or
+                     state.state == NONE and math.isnan(state.min_separation))
+        return "its distance is no number" if no_number else ""
+
+    def _obstacle(self, state):
+        """Why a state that is known lets its bodies not move; empty: it does."""
+        if state.state in (CONTACT, PASSED):
+            return "CONTACT" if state.state == CONTACT else "PASSED"
+        if state.state != NEAR:
+            return ""
+        distance_m = certain_distance(state, self.newest.tolerance)
+        return "" if distance_m > self.clearance_m else "NEAR, %.4f m" % distance_m
+
+
+class ContactSubscriber:
+    """A ContactReader that subscribes ~contact_states of a monitor and asks at the present ROS time.
+    `topic`: such as "contact_monitor/contact_states"; `rules`: ContactReader's arguments. Threads may
+    call every function at any time. ROS time that stands still lets nothing grow old here: a program
+    that moves a robot in real time watches that, too, or heeds contact_guard, which does."""
+
+    def __init__(self, topic, **rules):
+        import rospy
+        from deformable_contact_monitor.msg import ContactStates
+
+        self._now = rospy.Time.now
+        self._lock = threading.Lock()
+        self._reader = ContactReader(**rules)
+        self._subscriber = rospy.Subscriber(topic, ContactStates, self._store, queue_size=1,
+                                            tcp_nodelay=True)
+
+    def may_move(self, body):
+        with self._lock:
+            return self._reader.may_move(body, self._now())
+
+    def nearest(self, body):
+        with self._lock:
+            return self._reader.nearest(body, self._now())
+
+    def contacts(self, body):
+        with self._lock:
+            return self._reader.contacts(body, self._now())
+
+    def _store(self, states):
+        with self._lock:
+            self._reader.store(states, self._now())
+
+
+def _seconds(a, b):
+    """a - b [s]."""
+    return 1e-9 * (a.to_nsec() - b.to_nsec())

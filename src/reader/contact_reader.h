@@ -1,0 +1,199 @@
+// How to read ~contact_states safely: what is not known, too old or missing never counts as free.
+// contact_reader.py of the Python package behaves alike; both are tested by one table of cases.
+#pragma once
+
+#include <deformable_contact_monitor/ContactState.h>
+#include <deformable_contact_monitor/ContactStates.h>
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+struct ReaderRules {
+  // [s] > 0. A state whose own stamp is longer ago is not known, and nothing is where no message
+  // came for so long. More than the period of the slowest mesh; more than 1 s where every pair may
+  // be allowed, for the monitor then speaks once a second.
+  double max_age_s = 0.5;
+  // [m] >= 0. A NEAR pair lets its bodies move while it is certainly farther apart than this;
+  // infinity: never.
+  double clearance_m = std::numeric_limits<double>::infinity();
+  // Whether a body that is in no state may move; else nothing is known of it.
+  bool unlisted_may_move = false;
+};
+
+struct MoveAnswer {
+  bool yes = false;
+  std::string because;  // why not; empty: yes
+
+  explicit operator bool() const { return yes; }
+};
+
+// The distance of a pair [m] that is certain, >= 0; 0 where it touches, or nothing is known;
+// infinity where the pair is ALLOWED, and of NONE: nothing is within the monitor's margin.
+// `tolerance_m`: of the message.
+inline double certainDistance(const ContactState& state, double tolerance_m) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double separation = state.min_separation;
+  const double low = state.distance_low;
+  if (state.state == ContactState::ALLOWED) return kInfinity;
+  if (state.state != ContactState::NONE && state.state != ContactState::NEAR) return 0;
+  if (std::isnan(separation)) return 0;
+  if (state.state == ContactState::NEAR && std::isinf(separation)) return 0;
+  if (low > 0 && std::isfinite(low)) return low;
+  return std::max(0.0, separation - tolerance_m);
+}
+
+// The newest states, and what may be concluded from them at a time. A body is named as in the
+// monitor's output (a link or an object); "*" means all of them, thus every pair. Times are ROS
+// times. One thread at a time.
+class ContactReader {
+ public:
+  // ROS time may differ by so much between this process and the monitor's [s]: states stamped
+  // farther ahead are not known.
+  static constexpr double kClockSlackS = 0.1;
+
+  // Throws std::invalid_argument.
+  explicit ContactReader(const ReaderRules& rules = ReaderRules()) : rules_(rules) {
+    if (!(rules.max_age_s > 0)) throw std::invalid_argument("max_age_s must be above 0");
+    if (!(rules.clearance_m >= 0)) throw std::invalid_argument("clearance_m must not be below 0");
+  }
+
+  // A message that came at `now`. One that is older than what is there (a lower cycle, or an older
+  // stamp of the same cycle) is ignored, unless ROS time was reset or the monitor began anew.
+  void store(const ContactStates& states, const ros::Time& now) {
+    if (is_there_ && now < received_) forget("ROS time went back");
+    if (is_there_ && seconds(newest_.header.stamp, now) <= kClockSlackS && isOlder(states)) return;
+    const bool goes_on = is_there_ && states.cycle >= newest_.cycle;
+    latest_stamp_ = goes_on ? std::max(latest_stamp_, states.header.stamp) : states.header.stamp;
+    newest_ = states;
+    received_ = now;
+    is_there_ = true;
+  }
+
+  // Nothing is known until the next message.
+  void forget(const std::string& because) {
+    is_there_ = false;
+    newest_ = ContactStates();
+    nothing_because_ = because;
+  }
+
+  // Yes only if the body is listed and each pair with it is known, fresh, and NONE, ALLOWED or
+  // NEAR beyond clearance_m; else no, because of the first pair that speaks against it.
+  MoveAnswer mayMove(const std::string& body, const ros::Time& now) const {
+    std::string because = silence(now);
+    bool is_listed = false;
+    for (std::size_t i = 0; because.empty() && i < newest_.states.size(); ++i) {
+      const ContactState& state = newest_.states[i];
+      if (!concerns(state, body)) continue;
+      is_listed = true;
+      because = doubt(state, now);
+      if (because.empty()) because = obstacle(state);
+      if (!because.empty()) because.insert(0, state.body_a + " and " + state.body_b + ": ");
+    }
+    if (because.empty() && !is_listed && !rules_.unlisted_may_move) {
+      because = body == "*" ? "no pair is monitored" : body + " is in no state";
+    }
+    return {because.empty(), because};
+  }
+
+  // The least certainDistance() of its pairs [m], for a speed; 0 where anything is not known.
+  double nearest(const std::string& body, const ros::Time& now) const {
+    if (!silence(now).empty()) return 0;
+    double least = std::numeric_limits<double>::infinity();
+    bool is_listed = false;
+    for (const ContactState& state : newest_.states) {
+      if (!concerns(state, body)) continue;
+      is_listed = true;
+      if (!doubt(state, now).empty()) return 0;
+      least = std::min(least, certainDistance(state, newest_.tolerance));
+    }
+    return is_listed || rules_.unlisted_may_move ? least : 0;
+  }
+
+  // Its pairs that are known to touch, or to have touched since their last cycle. None is no reason
+  // to move: ask mayMove().
+  std::vector<ContactState> contacts(const std::string& body, const ros::Time& now) const {
+    std::vector<ContactState> touching;
+    if (!silence(now).empty()) return touching;
+    for (const ContactState& state : newest_.states) {
+      const bool touches =
+          state.state == ContactState::CONTACT || state.state == ContactState::PASSED;
+      if (touches && concerns(state, body) && doubt(state, now).empty()) touching.push_back(state);
+    }
+    return touching;
+  }
+
+  // As stored last; empty before that. Old and unknown states are among them.
+  const ContactStates& newest() const { return newest_; }
+
+  static bool concerns(const ContactState& state, const std::string& body) {
+    return body == "*" || state.body_a == body || state.body_b == body;
+  }
+
+ private:
+  // a - b [s]; ros::Duration throws beyond 68 years.
+  static double seconds(const ros::Time& a, const ros::Time& b) {
+    return 1e-9 * static_cast<double>(static_cast<std::int64_t>(a.toNSec()) -
+                                      static_cast<std::int64_t>(b.toNSec()));
+  }
+
+  static std::string text(const char* format, double value) {
+    char buffer[400];
+    std::snprintf(buffer, sizeof buffer, format, value);
+    return buffer;
+  }
+
+  bool isOlder(const ContactStates& states) const {
+    if (states.cycle == newest_.cycle) return states.header.stamp < newest_.header.stamp;
+    return states.cycle < newest_.cycle && states.header.stamp <= latest_stamp_;
+  }
+
+  // Why nothing at all is known; empty: something is.
+  std::string silence(const ros::Time& now) const {
+    if (now.isZero()) return "ROS time is zero";
+    if (!is_there_) return nothing_because_;
+    const double silent_s = seconds(now, received_);
+    if (silent_s < -kClockSlackS) return text("ROS time went back by %.3f s", -silent_s);
+    return silent_s > rules_.max_age_s ? text("no states came for %.3f s", silent_s) : "";
+  }
+
+  // Why the state is not known; empty: it is.
+  std::string doubt(const ContactState& state, const ros::Time& now) const {
+    if (state.state == ContactState::UNKNOWN) return "UNKNOWN: " + state.reason;
+    if (state.state > ContactState::PASSED)
+      return text("state %.0f is not known here", state.state);
+    const double age_s = seconds(now, state.stamp);
+    if (age_s > rules_.max_age_s) return text("its state is %.3f s old", age_s);
+    if (age_s < -kClockSlackS) return text("its state is stamped %.3f s ahead", -age_s);
+    const bool is_apart = state.state == ContactState::NONE || state.state == ContactState::NEAR;
+    const bool is_number = state.state == ContactState::NEAR ? std::isfinite(state.min_separation)
+                                                             : !std::isnan(state.min_separation);
+    return is_apart && !is_number ? "its distance is no number" : "";
+  }
+
+  // Why a state that is known lets its bodies not move; empty: it does.
+  std::string obstacle(const ContactState& state) const {
+    if (state.state == ContactState::CONTACT) return "CONTACT";
+    if (state.state == ContactState::PASSED) return "PASSED";
+    if (state.state != ContactState::NEAR) return "";
+    const double distance_m = certainDistance(state, newest_.tolerance);
+    return distance_m > rules_.clearance_m ? "" : text("NEAR, %.4f m", distance_m);
+  }
+
+  ReaderRules rules_;
+  bool is_there_ = false;
+  ContactStates newest_;
+  ros::Time latest_stamp_;  // of all messages of this run of the monitor
+  ros::Time received_;      // ROS time at which newest_ came
+  std::string nothing_because_ = "no states came yet";
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,175 @@
+// contact_guard: publishes a speed scale and a stop from the states of a monitor.
+#include <deformable_contact_monitor/ContactStates.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/ros.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Float64.h>
+#include <std_srvs/Trigger.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "core/steady_time.h"
+#include "tools/contact_guard/guard.h"
+#include "tools/contact_guard/guard_parameters.h"
+#include "tools/contact_guard/margin_check.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+SteadyTime steadyNow() { return std::chrono::steady_clock::now(); }
+
+GuardParameters readParameters(const ros::NodeHandle& private_node) {
+  XmlRpc::XmlRpcValue tree;
+  ros::param::get(private_node.getNamespace(), tree);
+  return parseGuardParameters(tree);
+}
+
+// Callbacks come from a spinner's thread; run() is another, so that a callback that takes long
+// (the ROS master is asked in one) does not keep a stop back.
+class GuardNode {
+ public:
+  GuardNode(ros::NodeHandle node, ros::NodeHandle private_node)
+      : parameters_(readParameters(private_node)),
+        guard_(parameters_, steadyNow()),
+        scale_publisher_(private_node.advertise<std_msgs::Float64>("speed_scale", 1)),
+        stop_publisher_(private_node.advertise<std_msgs::Bool>("stop", 1)),
+        updater_(node, private_node, private_node.getNamespace()),
+        release_(private_node.advertiseService("release", &GuardNode::release, this)),
+        states_(node.subscribe(parameters_.monitor + "/contact_states", 1, &GuardNode::store, this,
+                               ros::TransportHints().tcpNoDelay())) {
+    updater_.setHardwareID("none");
+    updater_.add("guard", this, &GuardNode::describe);
+  }
+  GuardNode(const GuardNode&) = delete;
+  GuardNode& operator=(const GuardNode&) = delete;
+
+  // Until ROS shuts down. By the steady clock: the output never waits for ROS time.
+  void run() {
+    const auto period = fromSeconds(1 / parameters_.rate_hz);
+    SteadyTime due = steadyNow();
+    SteadyTime diagnostics_due = due;
+    while (ros::ok()) {
+      {
+        std::unique_lock<std::mutex> lock(mutex_);
+        news_.wait_until(lock, due, [this] { return has_news_; });
+        has_news_ = false;
+      }
+      const SteadyTime now = steadyNow();
+      publish(now >= due);
+      if (now >= due) due = now + period;
+      if (now < diagnostics_due) continue;
+      diagnostics_due = now + std::chrono::seconds(1);
+      updater_.force_update();
+    }
+  }
+
+ private:
+  // Where it is not due, only what has changed.
+  void publish(bool is_due) {
+    GuardOutput output, before;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      const ros::Time now = ros::Time::now();
+      output = guard_.decide(now, steadyNow());
+      nearest_m_ = guard_.nearest(now);
+      before = std::exchange(output_, output);
+    }
+    const bool turned = output.stop != before.stop;
+    if (!is_due && !turned && output.scale == before.scale) return;
+    std_msgs::Bool stop;
+    stop.data = output.stop;
+    stop_publisher_.publish(stop);
+    std_msgs::Float64 scale;
+    scale.data = output.scale;
+    scale_publisher_.publish(scale);
+    if (turned && output.stop) ROS_WARN_STREAM("stop: " << output.because);
+    if (turned && !output.stop) ROS_INFO("no stop any more");
+  }
+
+  void store(const ContactStates& states) {
+    bool is_first = false;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      guard_.store(states, ros::Time::now(), steadyNow());
+      has_news_ = true;
+      is_first = !states.states.empty() && !margins_checked_;
+      margins_checked_ = margins_checked_ || is_first;
+    }
+    news_.notify_one();
+    if (is_first) checkMargins(states);
+  }
+
+  void checkMargins(const ContactStates& states) {
+    XmlRpc::XmlRpcValue tree;
+    ros::param::get(parameters_.monitor, tree);
+    const std::string warning = tooSmallMargins(tree, states, parameters_);
+    if (warning.empty()) return;
+    ROS_WARN_STREAM(warning);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    margin_warning_ = warning;
+  }
+
+  bool release(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::string cause = guard_.release(ros::Time::now(), steadyNow());
+    response.success = cause.empty();
+    response.message = cause.empty() ? "released" : "still stopped: " + cause;
+    return true;
+  }
+
+  void describe(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    using diagnostic_msgs::DiagnosticStatus;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (output_.stop) {
+      status.summary(DiagnosticStatus::ERROR, "stop: " + output_.because);
+    } else if (output_.scale < 1) {
+      status.summary(DiagnosticStatus::WARN, "slow: " + output_.because);
+    } else {
+      status.summary(DiagnosticStatus::OK, "free");
+    }
+    if (!margin_warning_.empty()) status.mergeSummary(DiagnosticStatus::WARN, margin_warning_);
+    status.add("stop", output_.stop);
+    status.add("speed scale", output_.scale);
+    status.add("latched", guard_.isLatched());
+    status.add("least certain distance [m]", nearest_m_);
+  }
+
+  const GuardParameters parameters_;
+
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable news_;
+  bool has_news_ = false;
+  Guard guard_;
+  GuardOutput output_;
+  double nearest_m_ = 0;
+  bool margins_checked_ = false;
+  std::string margin_warning_;
+
+  ros::Publisher scale_publisher_, stop_publisher_;
+  diagnostic_updater::Updater updater_;
+  ros::ServiceServer release_;
+  ros::Subscriber states_;
+};
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "contact_guard");
+  const ros::NodeHandle node, private_node("~");  // outlive the try: without one, ROS logs nothing
+  try {
+    deformable_contact_monitor::GuardNode guard(node, private_node);
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    guard.run();
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM(error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,118 @@
+// Tests of reader/contact_reader.h, by the table of cases that the Python module is tested by, too.
+#include "reader/contact_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Json table(const char* name) {
+  std::ifstream file(CASES);
+  return Json::parse(file).at(name);
+}
+
+double numberOf(const Json& value) {
+  if (!value.is_string()) return value.get<double>();
+  return value == "inf" ? kInfinity : kNaN;
+}
+
+ContactState stateOf(const Json& given, const ContactStates& message) {
+  static const std::map<std::string, std::uint8_t> states = {
+      {"NONE", ContactState::NONE},       {"NEAR", ContactState::NEAR},
+      {"CONTACT", ContactState::CONTACT}, {"ALLOWED", ContactState::ALLOWED},
+      {"UNKNOWN", ContactState::UNKNOWN}, {"PASSED", ContactState::PASSED}};
+  const Json& name = given.at("is");
+  ContactState state;
+  state.state = name.is_string() ? states.at(name) : name.get<std::uint8_t>();
+  const std::string pair = given.at("pair");
+  state.body_a = pair.substr(0, pair.find(' '));
+  state.body_b = pair.substr(pair.find(' ') + 1);
+  state.stamp =
+      given.contains("stamp") ? ros::Time(given["stamp"].get<double>()) : message.header.stamp;
+  const double usual = name == "NONE"                          ? kInfinity
+                       : name == "CONTACT" || name == "PASSED" ? 0
+                                                               : kNaN;
+  state.min_separation = static_cast<float>(given.contains("m") ? numberOf(given["m"]) : usual);
+  state.distance_low = static_cast<float>(given.contains("low") ? numberOf(given["low"]) : 0);
+  state.reason = given.value("why", "");
+  return state;
+}
+
+ReaderRules rulesOf(const Json& given) {
+  ReaderRules rules;
+  rules.max_age_s = given.value("max_age_s", rules.max_age_s);
+  rules.clearance_m = given.value("clearance_m", rules.clearance_m);
+  rules.unlisted_may_move = given.value("unlisted_may_move", rules.unlisted_may_move);
+  return rules;
+}
+
+void expectAnswers(const ContactReader& reader, const Json& step) {
+  const ros::Time now(step.at("now").get<double>());
+  const std::string body = step.at("body");
+  const MoveAnswer answer = reader.mayMove(body, now);
+  EXPECT_EQ(answer.because, step.at("because").get<std::string>());
+  EXPECT_EQ(static_cast<bool>(answer), step.at("because").get<std::string>().empty());
+  EXPECT_EQ(reader.nearest(body, now), numberOf(step.at("nearest")));
+  std::vector<std::string> pairs;
+  for (const ContactState& state : reader.contacts(body, now)) {
+    pairs.push_back(state.body_a + " " + state.body_b);
+  }
+  EXPECT_EQ(pairs, step.at("contacts").get<std::vector<std::string>>());
+}
+
+TEST(ContactReaderTest, answersAsTheTableSays) {
+  const Json all = table("cases");
+  ASSERT_GT(all.size(), 30U);
+  for (const Json& one : all) {
+    ContactReader reader(rulesOf(one.value("rules", Json::object())));
+    std::uint64_t cycle = 0;
+    for (const Json& step : one.at("steps")) {
+      SCOPED_TRACE(one.at("name").get<std::string>() + ": " + step.dump());
+      if (step.contains("forget")) {
+        reader.forget(step["forget"]);
+      } else if (step.contains("store")) {
+        cycle = step.value("cycle", cycle + 1);
+        ContactStates message;
+        message.cycle = cycle;
+        message.tolerance = step.value("tolerance", 0.0F);
+        message.header.stamp = ros::Time(step.value("stamp", step.at("now").get<double>()));
+        for (const Json& given : step["store"]) message.states.push_back(stateOf(given, message));
+        reader.store(message, ros::Time(step.at("now").get<double>()));
+      } else {
+        expectAnswers(reader, step);
+      }
+    }
+  }
+}
+
+TEST(ContactReaderTest, distancesAreCertainAsTheTableSays) {
+  for (const Json& given : table("distances")) {
+    const double distance = certainDistance(stateOf(given, {}), given.value("tolerance", 0.0));
+    EXPECT_EQ(distance, numberOf(given.at("distance"))) << given.dump();
+  }
+}
+
+TEST(ContactReaderTest, badRulesAreRefused) {
+  for (const double max_age_s : {0.0, -1.0, kNaN}) {
+    EXPECT_THROW(ContactReader({max_age_s, 0, false}), std::invalid_argument);
+  }
+  for (const double clearance_m : {-1.0, kNaN}) {
+    EXPECT_THROW(ContactReader({1, clearance_m, false}), std::invalid_argument);
+  }
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""README.md's examples for controllers, as they stand: the C++ one is built as another's project.
+The test speaks as the monitor."""
+import importlib.util
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import rospy
+import rostest
+from rosgraph_msgs.msg import Log as RosLog
+
+from deformable_contact_monitor.msg import ContactState, ContactStates
+from monitor_test_support import PACKAGE, Log
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+OUTSIDE = ROOT / "test" / "outside" / "controller"
+
+
+def example(language):
+    section = (ROOT / "README.md").read_text().split("### For controllers\n")[1].split("\n### ")[0]
+    blocks = re.findall("```%s\n(.*?)```" % language, section, re.S)
+    if len(blocks) != 1:
+        raise AssertionError(f"{len(blocks)} examples in {language}")
+    return blocks[0]
+
+
+class Monitor:
+    """Publishes one pair, whose state can be set, 20 times a second."""
+
+    def __init__(self):
+        self.state = ContactState(body_a="panda_hand", body_b="cloth", min_separation=float("inf"))
+        self.silent = False
+        self.cycle = 0
+        self.publisher = rospy.Publisher("/contact_monitor/contact_states", ContactStates,
+                                         queue_size=1)
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _run(self):
+        while not rospy.is_shutdown():
+            rospy.rostime.wallsleep(0.05)
+            if self.silent:
+                continue
+            self.cycle += 1
+            message = ContactStates(cycle=self.cycle, states=[self.state])
+            message.header.stamp = self.state.stamp = rospy.Time.now()
+            try:
+                self.publisher.publish(message)
+            except rospy.ROSException:  # closed meanwhile: the test ends
+                return
+
+
+class Controllers(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.monitor = Monitor()
+        cls.log = Log("/rosout", RosLog)
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        cls.addClassCleanup(shutil.rmtree, str(cls.folder))
+
+    def check(self, command):
+        """The program says what is so, whatever happens."""
+        self.monitor.state.state, self.monitor.silent = ContactState.NONE, False
+        program = subprocess.Popen(command)
+        try:
+            self.says("panda_hand may move")
+            self.monitor.state.state = ContactState.CONTACT
+            self.says("panda_hand and cloth: CONTACT")
+            self.monitor.state.state = ContactState.ALLOWED
+            self.says("panda_hand may move")
+            self.monitor.silent = True
+            self.says("no states came for ")
+        finally:
+            program.terminate()
+            program.wait(20)
+
+    def says(self, text):
+        self.log.wait(repr(text), lambda m: m.name == "/controller" and m.msg.startswith(text),
+                      since=self.log.count())
+
+    def test_in_cpp(self):
+        (self.folder / "controller.cpp").write_text(example("cpp"))
+        for step in (["-S", str(OUTSIDE), "-B", str(self.folder / "build"),
+                      f"-DSOURCE={self.folder}/controller.cpp"],
+                     ["--build", str(self.folder / "build")]):
+            done = subprocess.run(["cmake"] + step, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, universal_newlines=True)
+            self.assertEqual(done.returncode, 0, done.stdout)
+        self.check([str(self.folder / "build" / "controller")])
+
+    @unittest.skipUnless(importlib.util.find_spec("deformable_contact"), "no Python package")
+    def test_in_python(self):
+        (self.folder / "controller.py").write_text(example("python"))
+        self.check([sys.executable, str(self.folder / "controller.py")])
+
+
+if __name__ == "__main__":
+    rospy.init_node("controllers_test")
+    rostest.rosrun(PACKAGE, "controllers", Controllers, sys.argv)
