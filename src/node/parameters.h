@@ -31,9 +31,9 @@ struct ObjectParameters {
   float margin_m = 0;
   bool required = true;  // no data is an error in the diagnostics, else a warning
   MeshType type = MeshType::kDeformableMesh;
-  std::string frame_id;                       // shape meshes: of their vertices
-  std::shared_ptr<const TriangleMesh> faces;  // point clouds: the mesh whose vertices they are
-  bool shares_margin = false;                 // it has none of its own: margin_m is every body's
+  std::string frame_id{};                       // shape meshes: of their vertices
+  std::shared_ptr<const TriangleMesh> faces{};  // point clouds: the mesh whose vertices they are
+  bool shares_margin = false;                   // it has none of its own: margin_m is every body's
 };
 
 constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";
