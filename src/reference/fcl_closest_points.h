@@ -10,8 +10,8 @@ struct FclClosestPoints {
   double distance = 0;  // [m]
 };
 
-// Of triangles that do not intersect. FCL passes over faces whose doubled area is below 3.2e-8 m2,
-// and is wrong on some slivers.
+// Of triangles that do not intersect. FCL passes over faces whose doubled area is below 3.2e-8 m2:
+// of triangles that small it may say 0 although they are apart.
 FclClosestPoints fclClosestPoints(const Triangle& a, const Triangle& b);
 
 }  // namespace deformable_contact_monitor

@@ -12,6 +12,7 @@
 #include <functional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/rules/geometry_of_pair.h"
@@ -19,8 +20,6 @@
 
 namespace deformable_contact_monitor {
 namespace {
-
-Vec3d edgeOf(const Triangle& t, int i) { return toDouble(t.v[(i + 1) % 3]) - toDouble(t.v[i]); }
 
 Vec3d unitOf(const Vec3d& v) { return v * (1 / lengthOf(v)); }
 
@@ -85,9 +84,9 @@ struct Turned {
 class GeometryOfTurnedPair : public PairClassSuite {
  protected:
   // Calls check(turned, motion) for pairs that touch, turned at random, as far as floats reach.
-  void forTurned(long share, const std::function<void(const Turned&, const Motion&)>& check) {
+  void forTurned(const std::function<void(const Turned&, const Motion&)>& check) {
     std::mt19937 random(23);
-    forPairs(share, [&](const TrianglesPair& pair) {
+    forPairs(1, [&](const TrianglesPair& pair) {
       if (!meet(pair)) return;
       const Motion motion(std::max(sizeOf(pair.a), sizeOf(pair.b)), &random);
       const TrianglesPair moved = motion.moved(pair);
@@ -136,7 +135,7 @@ TEST_P(GeometryOfTurnedPair, TurnsWithThePair) {
 
 TEST_P(GeometryOfTurnedPair, HasTheSameSeparation) {
   long seen = 0;
-  forTurned(1, [&](const Turned& t, const Motion&) {
+  forTurned([&](const Turned& t, const Motion&) {
     ++seen;
     const double before = t.g.separation_m, after = t.h.separation_m;
     ASSERT_NEAR(before, after, 2 * t.error + 0x1p-22 * std::abs(before)) << describe(t.h);
@@ -146,7 +145,7 @@ TEST_P(GeometryOfTurnedPair, HasTheSameSeparation) {
 
 TEST_P(GeometryOfTurnedPair, ItsShortestWayOutIsTheTurnedNormal) {
   long seen = 0;
-  forTurned(1, [&](const Turned& t, const Motion& motion) {
+  forTurned([&](const Turned& t, const Motion& motion) {
     if ((t.g.flags & kNormalUndefined) != 0) return;
     ++seen;
     const Vec3d turned = unitOf(motion.turned(toDouble(t.g.normal)));
@@ -179,7 +178,7 @@ double leadOf(const TrianglesPair& pair, const Vec3d& n) {
 // 2 slack / lead [rad], if that is small; and so are both normals.
 TEST_P(GeometryOfTurnedPair, ItsNormalIsTheTurnedOne) {
   long clear = 0;
-  forTurned(1, [&](const Turned& t, const Motion& motion) {
+  forTurned([&](const Turned& t, const Motion& motion) {
     if ((t.g.flags & (kCoplanar | kDegenerate)) != 0) return;
     const double lead = leadOf(t.before, unitOf(toDouble(t.g.normal)));
     const double angle = 2 * t.slack / lead;
@@ -212,7 +211,7 @@ double leastSlope(const TrianglesPair& pair) {
 // at most, divided by the slope.
 TEST_P(GeometryOfTurnedPair, ItsEndsAreTheTurnedOnes) {
   long general = 0;
-  forTurned(1, [&](const Turned& t, const Motion& motion) {
+  forTurned([&](const Turned& t, const Motion& motion) {
     if ((t.g.flags & (kCoplanar | kDegenerate)) != 0 || t.h.separation_m > 0) return;
     const double slope = leastSlope(t.before);
     if (!(slope > 0.02)) return;

@@ -88,11 +88,12 @@ double sizeOf(const Triangle& t) {
   return std::max({coordinate(t.v[0]), coordinate(t.v[1]), coordinate(t.v[2])});
 }
 
+Vec3d edgeOf(const Triangle& t, int i) { return toDouble(t.v[(i + 1) % 3]) - toDouble(t.v[i]); }
+
 double longestEdge(const Triangle& t) {
   double longest = 0;
   for (int i = 0; i < 3; ++i) {
-    const Vec3d edge = toDouble(t.v[(i + 1) % 3]) - toDouble(t.v[i]);
-    longest = std::max(longest, std::sqrt(dot(edge, edge)));
+    longest = std::max(longest, lengthOf(edgeOf(t, i)));
   }
   return longest;
 }

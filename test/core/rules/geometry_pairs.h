@@ -23,6 +23,8 @@ bool meet(const TrianglesPair& pair);
 // The largest coordinate.
 double sizeOf(const Triangle& t);
 double longestEdge(const Triangle& t);
+// From vertex i to the next.
+Vec3d edgeOf(const Triangle& t, int i);
 
 // The stated error of a point of a contact [m].
 double pointError(const Vec3f& p);
