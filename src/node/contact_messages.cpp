@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/triangle_mesh.h"
+#include "node/point32.h"
 #include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -33,14 +34,6 @@ void addBodies(const CycleReport& report, ContactArray* message) {
       message->skipped.push_back(body.name + ": " + body.unknown_because);
     }
   }
-}
-
-geometry_msgs::Point32 toPoint32(const Vec3f& v) {
-  geometry_msgs::Point32 point;
-  point.x = v.x;
-  point.y = v.y;
-  point.z = v.z;
-  return point;
 }
 
 ContactGeometry toContactGeometry(const PairGeometry& geometry) {

@@ -2,8 +2,6 @@
 // contact, debounced.
 #include "node/contact_state_tracker.h"
 
-#include <geometry_msgs/Point32.h>
-
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -11,18 +9,11 @@
 #include <tuple>
 #include <utility>
 
+#include "node/point32.h"
 #include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-geometry_msgs::Point32 toPoint32(const Vec3d& v) {
-  geometry_msgs::Point32 point;
-  point.x = static_cast<float>(v.x);
-  point.y = static_cast<float>(v.y);
-  point.z = static_cast<float>(v.z);
-  return point;
-}
 
 // Why nothing is known of the pair; empty if nothing speaks against it.
 std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {

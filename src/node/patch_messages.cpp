@@ -1,25 +1,13 @@
 // Patches of contacts as a message.
 #include "node/patch_messages.h"
 
-#include <geometry_msgs/Point32.h>
-
 #include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "node/point32.h"
+
 namespace deformable_contact_monitor {
-namespace {
-
-geometry_msgs::Point32 toPoint32(const Vec3d& v) {
-  geometry_msgs::Point32 point;
-  point.x = static_cast<float>(v.x);
-  point.y = static_cast<float>(v.y);
-  point.z = static_cast<float>(v.z);
-  return point;
-}
-
-}  // namespace
-
 ContactPatches toContactPatches(const CycleReport& report, const std::vector<Patch>& patches) {
   ContactPatches message;
   message.header = report.header;
