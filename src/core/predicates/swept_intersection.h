@@ -138,13 +138,20 @@ DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const Moving
     start = sides.atStart();
     end = sides.atEnd();
   }
-  if (trianglesIntersect(a.from, b.from, start, state)) return meetsAtStart(state);
-  const bool meets_at_end = trianglesIntersect(a.to, b.to, end, state);
-  if (meets_at_end && !wants_time) return meetsAt(0, 1);
-  if ((kFilters & kFixedDirections) != 0 && !meets_at_end &&
+  const PartVerdict quick_start = quickIntersection(a.from, b.from, start, state.mode);
+  if (quick_start == PartVerdict::kMeet) return meetsAt(0, 0);
+  const PartVerdict quick_end = quickIntersection(a.to, b.to, end, state.mode);
+  if ((kFilters & kFixedDirections) != 0 && quick_end != PartVerdict::kMeet &&
       FixedDirections<Real>(a, b).areApart()) {
     return {};
   }
+  if (quick_start == PartVerdict::kOpen && robustIntersection(a.from, b.from, start, state)) {
+    return meetsAtStart(state);
+  }
+  const bool meets_at_end =
+      quick_end == PartVerdict::kMeet ||
+      (quick_end == PartVerdict::kOpen && robustIntersection(a.to, b.to, end, state));
+  if (meets_at_end && !wants_time) return meetsAt(0, 1);
   return featuresVerdict<Real, kFilters>(a, b, sides, meets_at_end, wants_time, state);
 }
 
