@@ -66,7 +66,8 @@ void printFilters(std::vector<Candidate> pairs) {
     return areApart(boxOf(a), boxOf(b));
   });
   filter("moving planes", pairs, [](const MovingTriangle& a, const MovingTriangle& b) {
-    return MovingSides<double>(a, MovingPlane<double>(a), b, MovingPlane<double>(b)).areApart();
+    return MovingSides<double>(MovingPlane<double>(a), b).areApart() ||
+           MovingSides<double>(MovingPlane<double>(b), a).areApart();
   });
   filter("fixed directions", pairs, [](const MovingTriangle& a, const MovingTriangle& b) {
     return FixedDirections<double>(a, b).areApart();

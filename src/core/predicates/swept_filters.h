@@ -24,45 +24,28 @@ struct MovingPlane {
   }
 };
 
-// The vertices of two triangles against the other's plane.
+// The vertices of one triangle against the plane of the other.
 template <class Real>
 struct MovingSides {
-  Cubic<Real> of_b[3];  // b's vertices, a's plane
-  Cubic<Real> of_a[3];  // a's vertices, b's plane
+  Cubic<Real> of[3];
 
-  DCM_HD MovingSides(const MovingTriangle& a, const MovingPlane<Real>& plane_a,
-                     const MovingTriangle& b, const MovingPlane<Real>& plane_b) {
-    for (int i = 0; i < 3; ++i) {
-      of_b[i] = plane_a.determinant(b.point(i));
-      of_a[i] = plane_b.determinant(a.point(i));
-    }
-  }
+  DCM_HD MovingSides(const MovingPlane<Real>& plane, const MovingTriangle& t)
+      : of{plane.determinant(t.point(0)), plane.determinant(t.point(1)),
+           plane.determinant(t.point(2))} {}
 
-  // Certainly strictly on one side of the other's plane at all times.
+  // Certainly strictly on one side of the plane at all times.
   DCM_HD bool areApart() const {
-    return isOneSide(of_b[0].sign(), of_b[1].sign(), of_b[2].sign()) ||
-           isOneSide(of_a[0].sign(), of_a[1].sign(), of_a[2].sign());
+    const int side = of[0].sign();
+    return side != 0 && of[1].sign() == side && of[2].sign() == side;
   }
 
-  DCM_HD KnownSides atStart() const {
-    KnownSides sides;
-    for (int i = 0; i < 3; ++i) {
-      sides.a[i] = of_a[i].signAtStart();
-      sides.b[i] = of_b[i].signAtStart();
-    }
-    return sides;
+  // As KnownSides has them.
+  DCM_HD void atStart(int side[3]) const {
+    for (int i = 0; i < 3; ++i) side[i] = of[i].signAtStart();
   }
-  DCM_HD KnownSides atEnd() const {
-    KnownSides sides;
-    for (int i = 0; i < 3; ++i) {
-      sides.a[i] = of_a[i].signAtEnd();
-      sides.b[i] = of_b[i].signAtEnd();
-    }
-    return sides;
+  DCM_HD void atEnd(int side[3]) const {
+    for (int i = 0; i < 3; ++i) side[i] = of[i].signAtEnd();
   }
-
- private:
-  DCM_HD static bool isOneSide(int a, int b, int c) { return a != 0 && a == b && a == c; }
 };
 
 // Two sets of points of one state, relative to one point, and how far they reach from it.

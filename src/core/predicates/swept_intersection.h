@@ -108,14 +108,15 @@ DCM_HD inline FeatureVerdict featureVerdict(const Feature& feature, const Cubic<
 
 template <class Real, unsigned kFilters>
 DCM_HD inline SweptVerdict featuresVerdict(const MovingTriangle& a, const MovingTriangle& b,
-                                           const MovingSides<Real>& sides, bool meets_at_end,
+                                           const MovingSides<Real>& sides_b,
+                                           const MovingSides<Real>& sides_a, bool meets_at_end,
                                            bool wants_time, PredicateState& state) {
   FirstMeeting first;
   for (int i = 0; i < kFeatures; ++i) {
     const Feature feature = featureOf(a, b, i);
     if ((kFilters & kFeatureBoxes) != 0 && areApart(feature)) continue;
-    const Cubic<Real> d = i < 3   ? sides.of_b[i]
-                          : i < 6 ? sides.of_a[i - 3]
+    const Cubic<Real> d = i < 3   ? sides_b.of[i]
+                          : i < 6 ? sides_a.of[i - 3]
                                   : coplanarity<Real>(feature);
     if ((kFilters & kHalving) != 0 && d.sign() != 0) continue;
     first.add(featureVerdict<Real, kFilters>(feature, d, true, wants_time, first.high, state.mode),
@@ -130,13 +131,16 @@ template <class Real, unsigned kFilters>
 DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const MovingTriangle& b,
                                            bool wants_time, PredicateState& state) {
   if ((kFilters & kMovingBoxes) != 0 && areApart(boxOf(a), boxOf(b))) return {};
-  const MovingPlane<Real> plane_a(a), plane_b(b);
-  const MovingSides<Real> sides(a, plane_a, b, plane_b);
+  const MovingSides<Real> sides_b(MovingPlane<Real>(a), b);
+  if ((kFilters & kMovingPlanes) != 0 && sides_b.areApart()) return {};
+  const MovingSides<Real> sides_a(MovingPlane<Real>(b), a);
+  if ((kFilters & kMovingPlanes) != 0 && sides_a.areApart()) return {};
   KnownSides start, end;
   if ((kFilters & kMovingPlanes) != 0) {
-    if (sides.areApart()) return {};
-    start = sides.atStart();
-    end = sides.atEnd();
+    sides_a.atStart(start.a);
+    sides_b.atStart(start.b);
+    sides_a.atEnd(end.a);
+    sides_b.atEnd(end.b);
   }
   const PartVerdict quick_start = quickIntersection(a.from, b.from, start, state.mode);
   if (quick_start == PartVerdict::kMeet) return meetsAt(0, 0);
@@ -152,7 +156,7 @@ DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const Moving
       quick_end == PartVerdict::kMeet ||
       (quick_end == PartVerdict::kOpen && robustIntersection(a.to, b.to, end, state));
   if (meets_at_end && !wants_time) return meetsAt(0, 1);
-  return featuresVerdict<Real, kFilters>(a, b, sides, meets_at_end, wants_time, state);
+  return featuresVerdict<Real, kFilters>(a, b, sides_b, sides_a, meets_at_end, wants_time, state);
 }
 
 }  // namespace detail
