@@ -51,18 +51,25 @@ struct Bernstein {
   DCM_HD int signAtStart() const { return certainSign(c[0], error); }
   DCM_HD int signAtEnd() const { return certainSign(c[kDegree], error); }
 
-  // Each of the degree's levels rounds sums once, by u of the largest coefficient at most.
-  DCM_HD void halve(Bernstein& left, Bernstein& right) const {
+  // What one halving adds to the error, at most, of this polynomial's part on any interval: each of
+  // the degree's levels rounds sums, of numbers that are no larger than the largest coefficient.
+  DCM_HD Real errorOfHalving() const {
     Real largest = 0;
     for (int i = 0; i <= kDegree; ++i) largest = most(largest, sizeOf(c[i]));
-    left.error = right.error = error + (kDegree + 1) * Rounding<Real>::kUnit * largest;
+    return (kDegree + 1) * Rounding<Real>::kUnit * largest;
+  }
+
+  // Its two parts, one of which may be itself; `more` is errorOfHalving of what halving began with.
+  DCM_HD void halve(Real more, Bernstein& left, Bernstein& right) const {
     Real row[kDegree + 1];
     for (int i = 0; i <= kDegree; ++i) row[i] = c[i];
+    const Real larger_error = error + more;
     for (int level = 0; level <= kDegree; ++level) {
       left.c[level] = row[0];
       right.c[kDegree - level] = row[kDegree - level];
       for (int i = 0; i < kDegree - level; ++i) row[i] = (row[i] + row[i + 1]) * Real(0.5);
     }
+    left.error = right.error = larger_error;
   }
 };
 

@@ -47,6 +47,37 @@ DCM_HD inline bool areApart(const Feature& feature) {
   return areApart(a, b);
 }
 
+// The same for all features of two triangles.
+class FeatureBoxes {
+ public:
+  DCM_HD FeatureBoxes(const MovingTriangle& a, const MovingTriangle& b)
+      : a_(a), b_(b), face_a_(boxOf(a)), face_b_(boxOf(b)) {
+    for (int i = 0; i < 3; ++i) {
+      const int j = i == 2 ? 0 : i + 1;
+      edge_a_[i].include(a.point(i));
+      edge_a_[i].include(a.point(j));
+      edge_b_[i].include(b.point(i));
+      edge_b_[i].include(b.point(j));
+    }
+  }
+
+  // Of featureOf(a, b, index).
+  DCM_HD bool areApart(int index) const {
+    if (index < 3) return isApart(b_.point(index), face_a_);
+    if (index < 6) return isApart(a_.point(index - 3), face_b_);
+    const int i = (index - 6) / 3, j = (index - 6) % 3;
+    return deformable_contact_monitor::areApart(edge_a_[i], edge_b_[j]);
+  }
+
+ private:
+  DCM_HD static bool isApart(const MovingPoint& p, const MovingBox& box) {
+    return deformable_contact_monitor::areApart(MovingBox{{p.from, p.from}, {p.to, p.to}}, box);
+  }
+
+  const MovingTriangle &a_, &b_;
+  MovingBox face_a_, face_b_, edge_a_[3], edge_b_[3];
+};
+
 // A cubic that is zero where the four points lie in one plane; of any one sign.
 template <class Real>
 DCM_HD inline Cubic<Real> coplanarity(const Feature& feature) {
@@ -55,78 +86,107 @@ DCM_HD inline Cubic<Real> coplanarity(const Feature& feature) {
   return determinantOf(MovingNormal<Real>(u, v), w);
 }
 
-// A feature in an interval of time: D as above, and orientations of points projected along one
-// axis. Vertex-face abc, abp, bcp, cap; edge-edge pqa, pqb, abp, abq; fold pqa, pqb.
-template <class Real>
-struct FeaturePiece {
-  Cubic<Real> d;
-  Quadratic<Real> q[4];
-};
-
 namespace detail {
-
-// The orientations, along the axis of the largest component of the normal halfway.
-template <class Real>
-DCM_HD inline void orientations(const Feature& feature, Quadratic<Real> q[4]) {
-  const MovingPoint* const x = feature.x;
-  const MovingVector<Real> u(x[0], x[1]);
-  if (feature.kind == FeatureKind::kVertexFace) {
-    const MovingVector<Real> v(x[0], x[2]), w(x[0], x[3]), s(x[1], x[2]), t(x[1], x[3]);
-    const int axis = longestAxis(MovingNormal<Real>(u, v).middle());
-    q[0] = projectedDeterminant(u, v, axis);
-    q[1] = projectedDeterminant(u, w, axis);
-    q[2] = projectedDeterminant(s, t, axis);
-    q[3] = projectedDeterminant(w, v, axis);
-    return;
-  }
-  const MovingVector<Real> v(x[0], x[2]), w(x[0], x[3]);
-  if (feature.kind == FeatureKind::kFold) {
-    const int axis = longestAxis(MovingNormal<Real>(u, v).middle());
-    q[0] = projectedDeterminant(u, v, axis);
-    q[1] = projectedDeterminant(u, w, axis);
-    q[2] = q[3] = q[1];
-    return;
-  }
-  const MovingVector<Real> s(x[2], x[3]), p(x[2], x[0]), r(x[2], x[1]);
-  const int axis = longestAxis(MovingNormal<Real>(u, s).middle());
-  q[0] = projectedDeterminant(u, v, axis);
-  q[1] = projectedDeterminant(u, w, axis);
-  q[2] = projectedDeterminant(s, p, axis);
-  q[3] = projectedDeterminant(s, r, axis);
-}
 
 DCM_HD inline bool areOpposite(int a, int b) { return a * b < 0; }
 
-// kApart: certainly nowhere in the interval; kMeet: certainly somewhere in it. What does not meet
-// in a projection does not meet; where D changes its sign and all orientations are strict, the
-// points lie in one plane that the projection does not flatten (abc is the sum of the three others,
-// and p and q are on different sides of ab), in that order.
+// The axis of the largest component of a normal halfway.
 template <class Real>
-DCM_HD inline PartVerdict pieceVerdict(FeatureKind kind, const FeaturePiece<Real>& piece) {
-  const int s0 = piece.q[0].sign(), s1 = piece.q[1].sign();
-  const int s2 = piece.q[2].sign(), s3 = piece.q[3].sign();
-  bool apart, inside;
-  if (kind == FeatureKind::kVertexFace) {
-    apart = areOpposite(s1, s2) || areOpposite(s2, s3) || areOpposite(s3, s1) ||
-            areOpposite(s0, s1) || areOpposite(s0, s2) || areOpposite(s0, s3);
-    inside = s1 != 0 && s1 == s2 && s1 == s3;
-  } else if (kind == FeatureKind::kEdgeEdge) {
-    apart = s0 * s1 > 0 || s2 * s3 > 0;
-    inside = areOpposite(s0, s1) && areOpposite(s2, s3);
-  } else {
-    apart = areOpposite(s0, s1);
-    inside = s0 * s1 > 0;
-  }
-  if (apart) return PartVerdict::kApart;
-  const bool crosses = areOpposite(piece.d.signAtStart(), piece.d.signAtEnd());
-  return inside && crosses ? PartVerdict::kMeet : PartVerdict::kOpen;
+DCM_HD inline int projectionAxis(const MovingVector<Real>& u, const MovingVector<Real>& v) {
+  return longestAxis(crossOf(sumOf(u.from, u.to), sumOf(v.from, v.to)));
 }
 
+// A feature in an interval of time: its coplanarity D, and orientations of points projected along
+// one axis. Vertex-face abc, abp, bcp, cap; edge-edge pqa, pqb, abp, abq; fold pqa, pqb.
 template <class Real>
-DCM_HD inline void halve(const FeaturePiece<Real>& piece, FeaturePiece<Real>& left,
-                         FeaturePiece<Real>& right) {
-  piece.d.halve(left.d, right.d);
-  for (int i = 0; i < 4; ++i) piece.q[i].halve(left.q[i], right.q[i]);
+struct FeaturePiece {
+  Cubic<Real> d;
+  Quadratic<Real> q[4];  // not kept where its sign is known
+  int sign[4];           // certain on the whole interval, or 0
+
+  DCM_HD void set(int i, const MovingVector<Real>& u, const MovingVector<Real>& v, int axis) {
+    q[i] = projectedDeterminant(u, v, axis);
+    sign[i] = q[i].sign();
+  }
+};
+
+// Whether the projections do not meet at any time of the interval: then nor do the parts.
+template <class Real>
+DCM_HD inline bool isApart(FeatureKind kind, const FeaturePiece<Real>& piece) {
+  const int* const s = piece.sign;
+  if (kind == FeatureKind::kVertexFace) {
+    return areOpposite(s[1], s[2]) || areOpposite(s[2], s[3]) || areOpposite(s[3], s[1]) ||
+           areOpposite(s[0], s[1]) || areOpposite(s[0], s[2]) || areOpposite(s[0], s[3]);
+  }
+  if (kind == FeatureKind::kEdgeEdge) return s[0] * s[1] > 0 || s[2] * s[3] > 0;
+  return areOpposite(s[0], s[1]);
+}
+
+// Whether they meet certainly in the interval: D changes its sign, and where it vanishes the points
+// lie in one plane that the projection does not flatten (abc is the sum of the three others, and p
+// and q are on different sides of ab), in that order.
+template <class Real>
+DCM_HD inline bool isInside(FeatureKind kind, const FeaturePiece<Real>& piece) {
+  const int* const s = piece.sign;
+  const bool inside = kind == FeatureKind::kVertexFace ? s[1] != 0 && s[1] == s[2] && s[1] == s[3]
+                      : kind == FeatureKind::kEdgeEdge
+                          ? areOpposite(s[0], s[1]) && areOpposite(s[2], s[3])
+                          : s[0] * s[1] > 0;
+  return inside && areOpposite(piece.d.signAtStart(), piece.d.signAtEnd());
+}
+
+// The orientations in the whole step; false if they tell at once that it is apart.
+template <class Real>
+DCM_HD inline bool setOrientations(const Feature& feature, FeaturePiece<Real>& piece) {
+  const MovingPoint* const x = feature.x;
+  const MovingVector<Real> u(x[0], x[1]), v(x[0], x[2]), w(x[0], x[3]);
+  piece.sign[0] = piece.sign[1] = piece.sign[2] = piece.sign[3] = 0;
+  if (feature.kind == FeatureKind::kVertexFace) {
+    const MovingVector<Real> s(x[1], x[2]), t(x[1], x[3]);
+    const int axis = projectionAxis(u, v);
+    piece.set(1, u, w, axis);
+    piece.set(2, s, t, axis);
+    if (isApart(feature.kind, piece)) return false;
+    piece.set(3, w, v, axis);
+    piece.set(0, u, v, axis);
+  } else if (feature.kind == FeatureKind::kEdgeEdge) {
+    const MovingVector<Real> s(x[2], x[3]), p(x[2], x[0]), r(x[2], x[1]);
+    const int axis = projectionAxis(u, s);
+    piece.set(0, u, v, axis);
+    piece.set(1, u, w, axis);
+    if (isApart(feature.kind, piece)) return false;
+    piece.set(2, s, p, axis);
+    piece.set(3, s, r, axis);
+  } else {
+    const int axis = projectionAxis(u, v);
+    piece.set(0, u, v, axis);
+    piece.set(1, u, w, axis);
+    piece.q[2] = piece.q[3] = piece.q[1];
+  }
+  return !isApart(feature.kind, piece);
+}
+
+// What halving adds to the errors of a feature's polynomials.
+template <class Real>
+struct ErrorsOfHalving {
+  Real d, q[4];
+
+  DCM_HD explicit ErrorsOfHalving(const FeaturePiece<Real>& piece) : d(piece.d.errorOfHalving()) {
+    for (int i = 0; i < 4; ++i) q[i] = piece.q[i].errorOfHalving();
+  }
+};
+
+// The orientations in both halves; those of known sign keep it. `piece` becomes its left half.
+template <class Real>
+DCM_HD inline void halveOrientations(const ErrorsOfHalving<Real>& errors, FeaturePiece<Real>& piece,
+                                     FeaturePiece<Real>& right) {
+  for (int i = 0; i < 4; ++i) {
+    right.sign[i] = piece.sign[i];
+    if (piece.sign[i] != 0) continue;
+    piece.q[i].halve(errors.q[i], piece.q[i], right.q[i]);
+    piece.sign[i] = piece.q[i].sign();
+    right.sign[i] = right.q[i].sign();
+  }
 }
 
 }  // namespace detail
@@ -142,44 +202,46 @@ constexpr int kMostHalvings = 24;  // times are multiples of 2^-24: exact in flo
 constexpr int kTimeHalvings = 21;  // first times are told to 2^-20, rounding included
 constexpr int kMostPieces = 200;
 
-// What halving tells of a feature with coplanarity `d`, in [0, until] alone. Without
-// `wants_time`, `high` is only some time by which it has met.
+// What halving tells of a feature with coplanarity `d`, not of one sign, in [0, until] alone.
+// Without `wants_time`, `high` is only some time by which it has met.
 template <class Real>
 DCM_HD inline FeatureVerdict halvedVerdict(const Feature& feature, const Cubic<Real>& d,
                                            bool wants_time, float until) {
   struct Node {
-    FeaturePiece<Real> piece;
-    float low;
-    int halvings;
+    detail::FeaturePiece<Real> piece;
+    float low, width;
   };
-  Node stack[kMostHalvings + 2];
-  stack[0].piece.d = d;
-  detail::orientations(feature, stack[0].piece.q);
-  stack[0].low = 0;
-  stack[0].halvings = 0;
-  int count = 1;
-  for (int pieces = 0; count > 0; ++pieces) {
-    const Node node = stack[--count];
+  const float narrow = wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;
+  constexpr float kNarrowest = 1.0F / (1 << kMostHalvings);
+  Node node;
+  node.piece.d = d;
+  node.low = 0;
+  node.width = 1;
+  if (!detail::setOrientations(feature, node.piece)) return {};
+  const detail::ErrorsOfHalving<Real> errors(node.piece);
+  Node later[kMostHalvings];  // right halves, the earliest last
+  int count = 0;
+  for (int pieces = 0;; ++pieces) {
     if (node.low > until) return {};
-    if (node.piece.d.sign() != 0) continue;
-    const PartVerdict part = detail::pieceVerdict(feature.kind, node.piece);
-    if (part == PartVerdict::kApart) continue;
-    const float width = 1.0F / static_cast<float>(1 << node.halvings);
-    if (part == PartVerdict::kMeet && !(wants_time && node.halvings < kTimeHalvings)) {
-      return {part, node.low, node.low + width};
+    if (!detail::isApart(feature.kind, node.piece)) {
+      if (node.width <= narrow && detail::isInside(feature.kind, node.piece)) {
+        return {PartVerdict::kMeet, node.low, node.low + node.width};
+      }
+      if (node.width == kNarrowest || pieces == kMostPieces) {
+        return {PartVerdict::kOpen, node.low, 1};
+      }
+      Node& right = later[count];
+      node.piece.d.halve(errors.d, node.piece.d, right.piece.d);
+      detail::halveOrientations(errors, node.piece, right.piece);
+      node.width /= 2;
+      right.low = node.low + node.width;
+      right.width = node.width;
+      count += right.piece.d.sign() == 0 ? 1 : 0;
+      if (node.piece.d.sign() == 0) continue;
     }
-    if (node.halvings == kMostHalvings || pieces == kMostPieces) {
-      return {PartVerdict::kOpen, node.low, 1};
-    }
-    Node& right = stack[count];
-    Node& left = stack[count + 1];
-    count += 2;
-    detail::halve(node.piece, left.piece, right.piece);
-    left.halvings = right.halvings = node.halvings + 1;
-    left.low = node.low;
-    right.low = node.low + width / 2;
+    if (count == 0) return {};
+    node = later[--count];
   }
-  return {};
 }
 
 }  // namespace deformable_contact_monitor

@@ -103,18 +103,6 @@ struct Recentred {
   }
 };
 
-template <class Real>
-DCM_HD inline Vector<Real> crossOf(const Vector<Real>& u, const Vector<Real>& v) {
-  return {{u.x[1] * v.x[2] - u.x[2] * v.x[1], u.x[2] * v.x[0] - u.x[0] * v.x[2],
-           u.x[0] * v.x[1] - u.x[1] * v.x[0]}};
-}
-
-// The sum of two vectors, as a direction: where they are after half of the step.
-template <class Real>
-DCM_HD inline Vector<Real> sumOf(const Vector<Real>& u, const Vector<Real>& v) {
-  return {{u.x[0] + v.x[0], u.x[1] + v.x[1], u.x[2] + v.x[2]}};
-}
-
 // Two triangles in both states, recentred in each.
 template <class Real>
 class FixedDirections {

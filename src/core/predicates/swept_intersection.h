@@ -112,9 +112,10 @@ DCM_HD inline SweptVerdict featuresVerdict(const MovingTriangle& a, const Moving
                                            const MovingSides<Real>& sides_a, bool meets_at_end,
                                            bool wants_time, PredicateState& state) {
   FirstMeeting first;
+  const FeatureBoxes boxes(a, b);
   for (int i = 0; i < kFeatures; ++i) {
+    if ((kFilters & kFeatureBoxes) != 0 && boxes.areApart(i)) continue;
     const Feature feature = featureOf(a, b, i);
-    if ((kFilters & kFeatureBoxes) != 0 && areApart(feature)) continue;
     const Cubic<Real> d = i < 3   ? sides_b.of[i]
                           : i < 6 ? sides_a.of[i - 3]
                                   : coplanarity<Real>(feature);

@@ -25,6 +25,18 @@ DCM_HD inline Vector<Real> between(const Vec3f& a, const Vec3f& b) {
            static_cast<Real>(b.z) - static_cast<Real>(a.z)}};
 }
 
+template <class Real>
+DCM_HD inline Vector<Real> crossOf(const Vector<Real>& u, const Vector<Real>& v) {
+  return {{u.x[1] * v.x[2] - u.x[2] * v.x[1], u.x[2] * v.x[0] - u.x[0] * v.x[2],
+           u.x[0] * v.x[1] - u.x[1] * v.x[0]}};
+}
+
+// The sum of two vectors, as a direction: where they are after half of the step.
+template <class Real>
+DCM_HD inline Vector<Real> sumOf(const Vector<Real>& u, const Vector<Real>& v) {
+  return {{u.x[0] + v.x[0], u.x[1] + v.x[1], u.x[2] + v.x[2]}};
+}
+
 // The difference of two moving points, at both ends of the step.
 template <class Real>
 struct MovingVector {
