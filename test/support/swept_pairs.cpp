@@ -27,7 +27,8 @@ int run(int argc, char** argv) {
   Arguments arguments;
   line.addPositionals("MESH", &arguments.files, true, "state 0, state 1");
   line.add("--adjacent", &arguments.adjacent, "pairs that share a vertex");
-  line.add("--sample", &arguments.sample, "judge so many of the pairs with boxes that overlap; 0: all");
+  line.add("--sample", &arguments.sample,
+           "judge so many of the pairs with boxes that overlap; 0: all");
   line.add("--seed", &arguments.seed, "of the sample");
   line.add("--part", &arguments.part, "which part to judge, from 0");
   line.add("--parts", &arguments.parts, "of so many");
