@@ -55,8 +55,8 @@ class MovingPoints {
   // always so: none.
   std::vector<Event>& volumes(PointSet points);
 
-  // Whether on some axis all points of one set are before all of the other in both states: then they
-  // are at all times, for differences of coordinates are linear in time.
+  // Whether on some axis all points of one set are before all of the other in both states: then
+  // they are at all times, for differences of coordinates are linear in time.
   bool areApart(PointSet a, PointSet b) const;
 
  private:
