@@ -1,5 +1,5 @@
 // The oracle of swept contacts: cases that are known by hand, the static oracle, invariances.
-#include "swept_oracle.h"
+#include "swept/swept_oracle.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 
 #include "cgal_oracle.h"
 #include "pair_sets.h"
-#include "random_swept_pairs.h"
 #include "scenes.h"
+#include "swept/random_swept_pairs.h"
 
 namespace deformable_contact_monitor {
 namespace {

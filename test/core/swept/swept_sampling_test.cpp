@@ -12,8 +12,8 @@
 
 #include "cgal_oracle.h"
 #include "exact_triangles.h"
-#include "random_swept_pairs.h"
-#include "swept_oracle.h"
+#include "swept/random_swept_pairs.h"
+#include "swept/swept_oracle.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -19,7 +19,7 @@
 #include "core/mesh_files/mesh_file.h"
 #include "pair_sets.h"
 #include "scenes.h"
-#include "swept_oracle.h"
+#include "swept/swept_oracle.h"
 #include "test_data.h"
 
 namespace deformable_contact_monitor {
