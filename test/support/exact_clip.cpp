@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "exact_points.h"
+#include "exact_triangles.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -75,28 +75,32 @@ std::vector<Point> clip(const std::vector<Point>& polygon, const HalfSpace& half
   return out;
 }
 
-std::array<Point, 3> toPoints(const OracleTriangle& t) {
-  return {toPoint(t[0]), toPoint(t[1]), toPoint(t[2])};
-}
-
 }  // namespace
 
-bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
-                              const std::vector<Vec3f>& shared) {
-  const std::array<Point, 3> points = toPoints(a);
-  std::vector<Point> common(points.begin(), points.end());
-  for (const HalfSpace& half_space : halfSpaces(toPoints(b))) common = clip(common, half_space);
+namespace exact {
+
+bool meetBeyond(const Corners& a, const Corners& b, const std::vector<Point>& shared) {
+  std::vector<Point> common(a.begin(), a.end());
+  for (const HalfSpace& half_space : halfSpaces(b)) common = clip(common, half_space);
   if (shared.empty()) return !common.empty();
 
-  const auto at = [&shared](std::size_t i) {
-    return toPoint(shared[std::min(i, shared.size() - 1)]);
-  };
+  const auto at = [&shared](std::size_t i) { return shared[std::min(i, shared.size() - 1)]; };
   const std::vector<HalfSpace> hull = halfSpaces({at(0), at(1), at(2)});
   // The common part is convex: it lies in the hull iff its corners do.
   return std::any_of(common.begin(), common.end(), [&hull](const Point& x) {
     return std::any_of(hull.begin(), hull.end(),
                        [&x](const HalfSpace& side) { return side.excess(x) > 0; });
   });
+}
+
+}  // namespace exact
+
+bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
+                              const std::vector<Vec3f>& shared) {
+  std::vector<Point> points;
+  for (const Vec3f& v : shared) points.push_back(toPoint(v));
+  return exact::meetBeyond({toPoint(a[0]), toPoint(a[1]), toPoint(a[2])},
+                           {toPoint(b[0]), toPoint(b[1]), toPoint(b[2])}, points);
 }
 
 }  // namespace deformable_contact_monitor

@@ -27,12 +27,16 @@ int run(int argc, char** argv) {
   Arguments arguments;
   line.addPositionals("MESH", &arguments.files, true, "state 0, state 1");
   line.add("--adjacent", &arguments.adjacent, "pairs that share a vertex");
-  line.add("--sample", &arguments.sample, "judge so many of the pairs with boxes that overlap; 0: all");
+  line.add("--sample", &arguments.sample,
+           "judge so many of the pairs with boxes that overlap; 0: all");
   line.add("--seed", &arguments.seed, "of the sample");
-  line.add("--part", &arguments.part, "which part to judge, from 0");
-  line.add("--parts", &arguments.parts, "of so many");
+  line.add("--part", &arguments.part, "judge this part of them alone, from 0");
+  line.add("--parts", &arguments.parts, "of so many, each from everywhere");
   if (!line.parse(argc, argv)) return 0;
   if (arguments.files.size() != 2) throw std::invalid_argument("needs two mesh files");
+  if (arguments.part < 0 || arguments.part >= arguments.parts) {
+    throw std::invalid_argument("--part is no part of --parts");
+  }
   const Scene state0 = selfScene(readMeshFile(arguments.files[0]));
   const Scene state1 = selfScene(readMeshFile(arguments.files[1]));
   const std::vector<SweptTriangle> triangles = sweptTriangles(state0, state1);

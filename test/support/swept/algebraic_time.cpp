@@ -8,7 +8,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 // At this length of its interval a root is asked whether it is a root of the other polynomial too.
-constexpr unsigned long kAskForTie = 40;
+constexpr unsigned long kAskForTie = 16;
 
 Dyadic next(const Dyadic& low) { return {low.numerator + 1, low.exponent}; }
 
@@ -114,7 +114,8 @@ int compare(AlgebraicTime& a, AlgebraicTime& b) {
 std::vector<AlgebraicTime> rootsInStep(const IntegerPolynomial& p) {
   const Dyadic zero{0, 0};
   if (p.hasOneSignFrom(zero)) return {};
-  const std::vector<IntegerPolynomial> chain = sturmChain(squareFree(p));
+  std::vector<IntegerPolynomial> chain = sturmChain(p);
+  if (chain.back().degree() > 0) chain = sturmChain(squareFree(p));
   std::vector<AlgebraicTime> roots;
   if (chain[0].signAt(zero) == 0) roots.emplace_back(zero);
   appendRoots(chain, zero, variations(chain, zero), variations(chain, next(zero)), &roots);

@@ -10,7 +10,8 @@ namespace {
 // The coefficients divided by their greatest common divisor, which is positive.
 IntegerPolynomial primitivePart(const IntegerPolynomial& p) {
   mpz_class content = 0;
-  for (int i = 0; i <= p.degree(); ++i) content = ::gcd(content, p[i]);
+  for (int i = 0; i <= p.degree() && content != 1; ++i) content = ::gcd(content, p[i]);
+  if (content == 1) return p;
   std::vector<mpz_class> out;
   for (int i = 0; i <= p.degree(); ++i) out.push_back(p[i] / content);
   return IntegerPolynomial(std::move(out));
@@ -56,9 +57,10 @@ IntegerPolynomial::IntegerPolynomial(std::vector<mpz_class> coefficients)
 int IntegerPolynomial::signAt(const Dyadic& x) const {
   mpz_class sum = 0, scaled;  // Horner's rule for 2^(exponent * degree) times the value
   for (int i = degree(); i >= 0; --i) {
+    sum *= x.numerator;
     scaled = (*this)[i];
     scaled <<= x.exponent * static_cast<unsigned long>(degree() - i);
-    sum = sum * x.numerator + scaled;
+    sum += scaled;
   }
   return sgn(sum);
 }
@@ -69,7 +71,9 @@ bool IntegerPolynomial::hasOneSignFrom(const Dyadic& low) const {
     taylor[static_cast<std::size_t>(i)] <<= low.exponent * static_cast<unsigned long>(degree() - i);
   }
   for (std::size_t from = 0; from < taylor.size(); ++from) {
-    for (std::size_t i = taylor.size() - 1; i > from; --i) taylor[i - 1] += low.numerator * taylor[i];
+    for (std::size_t i = taylor.size() - 1; i > from; --i) {
+      mpz_addmul(taylor[i - 1].get_mpz_t(), taylor[i].get_mpz_t(), low.numerator.get_mpz_t());
+    }
   }
   mpz_class others = 0;
   for (std::size_t i = 1; i < taylor.size(); ++i) others += abs(taylor[i]);
@@ -84,14 +88,20 @@ IntegerPolynomial operator+(const IntegerPolynomial& p, const IntegerPolynomial&
 }
 
 IntegerPolynomial operator-(const IntegerPolynomial& p, const IntegerPolynomial& q) {
-  return p + q * IntegerPolynomial({mpz_class(-1)});
+  std::vector<mpz_class> sum(static_cast<std::size_t>(std::max(p.degree(), q.degree()) + 1));
+  for (int i = 0; i <= p.degree(); ++i) sum[static_cast<std::size_t>(i)] += p[i];
+  for (int i = 0; i <= q.degree(); ++i) sum[static_cast<std::size_t>(i)] -= q[i];
+  return IntegerPolynomial(std::move(sum));
 }
 
 IntegerPolynomial operator*(const IntegerPolynomial& p, const IntegerPolynomial& q) {
   if (p.isZero() || q.isZero()) return {};
   std::vector<mpz_class> product(static_cast<std::size_t>(p.degree() + q.degree() + 1));
   for (int i = 0; i <= p.degree(); ++i) {
-    for (int j = 0; j <= q.degree(); ++j) product[static_cast<std::size_t>(i + j)] += p[i] * q[j];
+    for (int j = 0; j <= q.degree(); ++j) {
+      mpz_class& sum = product[static_cast<std::size_t>(i + j)];
+      mpz_addmul(sum.get_mpz_t(), p[i].get_mpz_t(), q[j].get_mpz_t());
+    }
   }
   return IntegerPolynomial(std::move(product));
 }

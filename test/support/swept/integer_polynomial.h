@@ -50,7 +50,8 @@ IntegerPolynomial gcd(IntegerPolynomial p, IntegerPolynomial q);
 IntegerPolynomial squareFree(const IntegerPolynomial& p);
 
 // p, its derivative, and remainders with their signs changed: Sturm's chain up to positive factors.
-// p has no multiple roots.
+// The last is a greatest common divisor of p and its derivative: constant iff p, which is not zero,
+// has no multiple roots.
 std::vector<IntegerPolynomial> sturmChain(const IntegerPolynomial& p);
 
 }  // namespace deformable_contact_monitor

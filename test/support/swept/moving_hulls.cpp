@@ -47,8 +47,7 @@ bool isSharedPointAt(AlgebraicTime& t, const Circuit& circuit, PointSet shared,
                      MovingPoints& points) {
   if (sizeOf(shared) == 1) {
     // A shared point of the circuit is a corner of one side, whose inside has the common point.
-    return (circuit.points() & shared) == 0 &&
-           isCircuitAt(t, {circuit.positive, shared}, points) &&
+    return (circuit.points() & shared) == 0 && isCircuitAt(t, {circuit.positive, shared}, points) &&
            isCircuitAt(t, {shared, circuit.negative}, points);
   }
   // Two shared, and one more each. Two segments that cross, one from each shared point: not on the
@@ -57,8 +56,7 @@ bool isSharedPointAt(AlgebraicTime& t, const Circuit& circuit, PointSet shared,
   for (const PointSet side : {circuit.positive, circuit.negative}) {
     if (sizeOf(side) != 1) continue;
     return isCircuitAt(t, {side, only(ends[0])}, points) ||
-           isCircuitAt(t, {side, only(ends[1])}, points) ||
-           isCircuitAt(t, {side, shared}, points);
+           isCircuitAt(t, {side, only(ends[1])}, points) || isCircuitAt(t, {side, shared}, points);
   }
   return false;
 }
@@ -136,12 +134,12 @@ void forEachCircuit(const MovingHulls& hulls, const MovingPoints& points, const 
   const PointSet shared = hulls.a & hulls.b;
   for (PointSet positive = 1; positive <= hulls.a; ++positive) {
     for (PointSet negative = 1; negative <= hulls.b; ++negative) {
-      const bool are_parts = (positive & ~hulls.a) == 0 && (negative & ~hulls.b) == 0 &&
-                             (positive & negative) == 0;
+      const bool are_parts =
+          (positive & ~hulls.a) == 0 && (negative & ~hulls.b) == 0 && (positive & negative) == 0;
       if (!are_parts || sizeOf(positive | negative) > 5) continue;
       // A side of shared points alone has its hull in theirs.
       if ((positive & ~shared) == 0 || (negative & ~shared) == 0) continue;
-      if (points.boxesOverlap(positive, negative) && visit(Circuit{positive, negative})) return;
+      if (!points.areApart(positive, negative) && visit(Circuit{positive, negative})) return;
     }
   }
 }

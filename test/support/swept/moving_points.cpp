@@ -39,32 +39,15 @@ MovingPoints::MovingPoints(const std::vector<Trajectory>& points) {
     }
     coordinates_.push_back(scaled);
   }
-}
-
-IntegerPolynomial MovingPoints::difference(int from, int to, int axis) const {
-  const Coordinate& a = coordinates_[from][axis];
-  const Coordinate& b = coordinates_[to][axis];
-  const mpz_class at_start = b.start - a.start, at_end = b.end - a.end;
-  return IntegerPolynomial({at_start, at_end - at_start});
-}
-
-std::vector<Event> MovingPoints::volumesOf(const std::vector<int>& points) const {
-  // d(i, axis): from the first point to another one.
-  const auto d = [&](int i, int axis) { return difference(points[0], points[i], axis); };
-  const auto area = [&](int i, int j, int axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    return d(i, u) * d(j, v) - d(i, v) * d(j, u);
-  };
-  std::vector<Event> out;
-  if (points.size() == 1) out.emplace_back(IntegerPolynomial({mpz_class(1)}));
-  for (int axis = 0; axis < 3; ++axis) {
-    if (points.size() == 2) out.emplace_back(d(1, axis));
-    if (points.size() == 3) out.emplace_back(area(1, 2, axis));
+  behind_.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const Coordinate &p = coordinates_[i][axis], &q = coordinates_[j][axis];
+        if (p.start < q.start && p.end < q.end) behind_[i][axis] |= only(static_cast<int>(j));
+      }
+    }
   }
-  if (points.size() == 4) {
-    out.emplace_back(d(1, 0) * area(2, 3, 0) + d(1, 1) * area(2, 3, 1) + d(1, 2) * area(2, 3, 2));
-  }
-  return out;
 }
 
 std::vector<Event>& MovingPoints::volumes(PointSet points) {
@@ -73,24 +56,46 @@ std::vector<Event>& MovingPoints::volumes(PointSet points) {
   return volumes_.emplace(points, volumesOf(pointsOf(points))).first->second;
 }
 
-bool MovingPoints::boxesOverlap(PointSet a, PointSet b) const {
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto range = [this, axis](PointSet set) {
-      const mpz_class* least = nullptr;
-      const mpz_class* most = nullptr;
-      for (const int i : pointsOf(set)) {
-        for (const mpz_class* x : {&coordinates_[i][axis].start, &coordinates_[i][axis].end}) {
-          if (least == nullptr || *x < *least) least = x;
-          if (most == nullptr || *x > *most) most = x;
-        }
-      }
-      return std::make_pair(least, most);
-    };
-    const auto [low_a, high_a] = range(a);
-    const auto [low_b, high_b] = range(b);
-    if (*high_a < *low_b || *high_b < *low_a) return false;
+std::vector<Event> MovingPoints::volumesOf(const std::vector<int>& p) {
+  std::vector<Event> out;
+  if (p.size() == 1) {
+    out.emplace_back(IntegerPolynomial({mpz_class(1)}));
+  } else if (p.size() == 2) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Coordinate &from = coordinates_[p[0]][axis], &to = coordinates_[p[1]][axis];
+      const mpz_class at_start = to.start - from.start, at_end = to.end - from.end;
+      out.emplace_back(IntegerPolynomial({at_start, at_end - at_start}));
+    }
+  } else if (p.size() == 3) {
+    const std::vector<Event>& d = volumes(only(p[0]) | only(p[1]));
+    const std::vector<Event>& e = volumes(only(p[0]) | only(p[2]));
+    for (int axis = 0; axis < 3; ++axis) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      out.emplace_back(d[u].polynomial() * e[v].polynomial() -
+                       d[v].polynomial() * e[u].polynomial());
+    }
+  } else if (p.size() == 4) {
+    const std::vector<Event>& d = volumes(only(p[0]) | only(p[1]));
+    const std::vector<Event>& area = volumes(only(p[0]) | only(p[2]) | only(p[3]));
+    out.emplace_back(d[0].polynomial() * area[0].polynomial() +
+                     d[1].polynomial() * area[1].polynomial() +
+                     d[2].polynomial() * area[2].polynomial());
   }
-  return true;
+  return out;
+}
+
+bool MovingPoints::areApart(PointSet a, PointSet b) const {
+  const auto areBefore = [this](PointSet first, PointSet second, int axis) {
+    for (std::size_t i = 0; i < coordinates_.size(); ++i) {
+      const bool is_first = (first & only(static_cast<int>(i))) != 0;
+      if (is_first && (second & ~behind_[i][axis]) != 0) return false;
+    }
+    return true;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (areBefore(a, b, axis) || areBefore(b, a, axis)) return true;
+  }
+  return false;
 }
 
 }  // namespace deformable_contact_monitor

@@ -55,17 +55,18 @@ class MovingPoints {
   // always so: none.
   std::vector<Event>& volumes(PointSet points);
 
-  // Whether the closed boxes of all that the points of each set pass overlap.
-  bool boxesOverlap(PointSet a, PointSet b) const;
+  // Whether on some axis all points of one set are before all of the other in both states: then
+  // they are at all times, for differences of coordinates are linear in time.
+  bool areApart(PointSet a, PointSet b) const;
 
  private:
-  IntegerPolynomial difference(int from, int to, int axis) const;
-  std::vector<Event> volumesOf(const std::vector<int>& points) const;
+  std::vector<Event> volumesOf(const std::vector<int>& points);
 
   struct Coordinate {
     mpz_class start, end;
   };
   std::vector<std::array<Coordinate, 3>> coordinates_;  // scaled to integers, all by one factor
+  std::vector<std::array<PointSet, 3>> behind_;         // of a point: what is after it, by axis
   std::map<PointSet, std::vector<Event>> volumes_;
 };
 

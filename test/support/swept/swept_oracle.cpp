@@ -76,7 +76,8 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> sweptPairs(const TriangleMesh&
                                                              const TriangleMesh& state1,
                                                              AdjacentPairs adjacent) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  for (const TrianglePair& p : oracleSweptContacts(selfScene(state0), selfScene(state1), adjacent)) {
+  for (const TrianglePair& p :
+       oracleSweptContacts(selfScene(state0), selfScene(state1), adjacent)) {
     pairs.emplace(p.triangle_a, p.triangle_b);
   }
   return pairs;
