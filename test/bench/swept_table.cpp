@@ -22,6 +22,11 @@ double millisecondsSince(std::clock_t start) {
   return 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
+void printEach(const char* what, std::size_t count, double ms) {
+  std::printf("%s: %zu features, %.1f ms, %.3f us each\n", what, count, ms,
+              count == 0 ? 0 : 1000 * ms / static_cast<double>(count));
+}
+
 // Leaves those that `settled` is false for, and prints a row.
 template <class Settled>
 void filter(const char* name, std::vector<Candidate>& pairs, const Settled& settled) {
@@ -93,21 +98,24 @@ void printFilters(std::vector<Candidate> pairs) {
     if (d.sign() == 0) left.emplace_back(feature, d);
   }
   std::printf("features' signs: left %zu, %.1f ms\n", left.size(), millisecondsSince(signs));
-  std::size_t met = 0, open = 0, with_integers = 0;
+  std::vector<Feature> open;
+  std::size_t met = 0, with_integers = 0;
   const std::clock_t halving = std::clock();
   for (const auto& [feature, d] : left) {
     const FeatureVerdict verdict = halvedVerdict(feature, d, false, 1.0F);
     met += verdict.part == PartVerdict::kMeet ? 1 : 0;
-    open += verdict.part == PartVerdict::kOpen ? 1 : 0;
-    with_integers +=
-        verdict.part == PartVerdict::kOpen && integerSigns(feature) == IntegerSigns::kNoRootWithin
-            ? 1
-            : 0;
+    if (verdict.part == PartVerdict::kOpen) open.push_back(feature);
   }
-  const double ms = millisecondsSince(halving);
-  std::printf("halving: %zu meet, %zu open (%zu settled by integer signs), %.1f ms, %.3f us each\n",
-              met, open, with_integers, ms,
-              left.empty() ? 0 : 1000 * ms / static_cast<double>(left.size()));
+  printEach("halving", left.size(), millisecondsSince(halving));
+  const std::clock_t integers = std::clock();
+  for (const Feature& feature : open) {
+    with_integers += integerSigns(feature) == IntegerSigns::kNoRootWithin ? 1 : 0;
+  }
+  printEach("integer signs", open.size(), millisecondsSince(integers));
+  const std::clock_t exact = std::clock();
+  for (const Feature& feature : open) met += exactFeatureTime(feature, false).happens() ? 1 : 0;
+  printEach("exact", open.size(), millisecondsSince(exact));
+  std::printf("%zu features meet; integer signs alone settle %zu\n", met, with_integers);
 }
 
 int run(const char* from, const char* to) {

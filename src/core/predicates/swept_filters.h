@@ -18,10 +18,6 @@ struct MovingPlane {
       : origin(t.point(0)),
         normal(MovingVector<Real>(t.point(0), t.point(1)),
                MovingVector<Real>(t.point(0), t.point(2))) {}
-
-  DCM_HD Cubic<Real> determinant(const MovingPoint& p) const {
-    return determinantOf(normal, MovingVector<Real>(origin, p));
-  }
 };
 
 // The vertices of one triangle against the plane of the other.
@@ -29,9 +25,11 @@ template <class Real>
 struct MovingSides {
   Cubic<Real> of[3];
 
-  DCM_HD MovingSides(const MovingPlane<Real>& plane, const MovingTriangle& t)
-      : of{plane.determinant(t.point(0)), plane.determinant(t.point(1)),
-           plane.determinant(t.point(2))} {}
+  DCM_HD MovingSides(const MovingPlane<Real>& plane, const MovingTriangle& t) {
+    const MovingVector<Real> w[3] = {
+        {plane.origin, t.point(0)}, {plane.origin, t.point(1)}, {plane.origin, t.point(2)}};
+    determinantsOf(plane.normal, w, of);
+  }
 
   // Certainly strictly on one side of the plane at all times.
   DCM_HD bool areApart() const {

@@ -101,19 +101,44 @@ DCM_HD inline Real greatest(Real a, Real b, Real c, Real d) {
   return Rounding<Real>::kSum > 0 ? m + (a + b + c + d) * 0 : m;
 }
 
-// Three times the determinant [u v w], where n = u x v.
+// Three times the determinant [u v w], where n = u x v; but for its error.
 template <class Real>
-DCM_HD inline Cubic<Real> determinantOf(const MovingNormal<Real>& n, const MovingVector<Real>& w) {
-  Cubic<Real> d;
+DCM_HD inline void setDeterminant(const MovingNormal<Real>& n, const MovingVector<Real>& w,
+                                  Cubic<Real>& d) {
   d.c[0] = 3 * dotOf(n.n[0], w.from);
   d.c[1] = dotOf(n.n[1], w.from) + dotOf(n.n[0], w.to);
   d.c[2] = dotOf(n.n[1], w.to) + dotOf(n.n[2], w.from);
   d.c[3] = 3 * dotOf(n.n[2], w.to);
+}
+
+template <class Real>
+DCM_HD inline Cubic<Real> determinantOf(const MovingNormal<Real>& n, const MovingVector<Real>& w) {
+  Cubic<Real> d;
+  setDeterminant(n, w, d);
   const Real s0 = 3 * sizeOfDot(n.size[0], w.from), s3 = 3 * sizeOfDot(n.size[2], w.to);
   const Real s1 = sizeOfDot(n.size[1], w.from) + sizeOfDot(n.size[0], w.to);
   const Real s2 = sizeOfDot(n.size[1], w.to) + sizeOfDot(n.size[2], w.from);
   d.error = 12 * Rounding<Real>::kUnit * greatest(s0, s1, s2, s3) + Rounding<Real>::kSum;
   return d;
+}
+
+// The same of three vectors w. One error for them all, of their largest components.
+template <class Real>
+DCM_HD inline void determinantsOf(const MovingNormal<Real>& n, const MovingVector<Real> (&w)[3],
+                                  Cubic<Real> (&d)[3]) {
+  Real size = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Real reach_from =
+        greatest(sizeOf(w[0].from.x[k]), sizeOf(w[1].from.x[k]), sizeOf(w[2].from.x[k]), Real(0));
+    const Real reach_to =
+        greatest(sizeOf(w[0].to.x[k]), sizeOf(w[1].to.x[k]), sizeOf(w[2].to.x[k]), Real(0));
+    size += greatest(n.size[0].x[k], n.size[1].x[k], n.size[2].x[k], Real(0)) *
+            greatest(reach_from, reach_to, Real(0), Real(0));
+  }
+  for (int i = 0; i < 3; ++i) {
+    setDeterminant(n, w[i], d[i]);
+    d[i].error = 12 * Rounding<Real>::kUnit * (3 * size) + Rounding<Real>::kSum;
+  }
 }
 
 // Twice the determinant of the projections of u and v along `axis`.

@@ -121,7 +121,7 @@ TEST(SweptTouch, AtTheStartAndAtTheEnd) {
 
 TEST(SweptTouch, PiercingAllTheTimeHasNoEvent) {
   const MovingPair pair{moved(kSheet, {1, 2, 3}),
-                        moved({{{1, 1, 2}, {1, 1, -2}, {9, 9, 0}}}, {1, 2, 3})};
+                        moved({{{1, 1, 2}, {1, 1, -2}, {9, 9, 1}}}, {1, 2, 3})};
   const SweptVerdict verdict = verdictOf(pair);
   EXPECT_EQ(verdict.part, PartVerdict::kMeet);
   EXPECT_EQ(verdict.first_high, 0);
@@ -134,6 +134,16 @@ TEST(SweptInOnePlane, AVertexComesToAnEdge) {
   expectNone({still(kSheet), moved(b, {0, 4, 0})});
 }
 
+TEST(SweptInOnePlane, AVertexComesToAnEdgeOfItsFace) {
+  for (int turn = 0; turn < 3; ++turn) {
+    Feature feature{FeatureKind::kVertexFace, {{}, {}, {}, {{-2, 1, 0}, {2, 1, 0}}}};
+    for (int i = 0; i < 3; ++i) feature.x[i] = {kSheet.v[(i + turn) % 3], kSheet.v[(i + turn) % 3]};
+    const FirstTime time = exactFeatureTime(feature, true);
+    EXPECT_EQ(time.low, 0.5F);
+    EXPECT_EQ(time.high, 0.5F);
+  }
+}
+
 TEST(SweptInOnePlane, AVertexComesToAVertex) {
   const Triangle b{{{-2, 6, 0}, {-5, 7, 0}, {-5, 8, 0}}};
   expectFirstAt({still(kSheet), moved(b, {4, -4, 0})}, 0.5);
@@ -144,6 +154,23 @@ TEST(SweptInOnePlane, EdgesOnOneLineMeetEndToEnd) {
   const Triangle b{{{3, 6, 9}, {4, 8, 12}, {4, 8, 12}}};
   expectFirstAt({a, moved(b, {-4, -8, -12})}, 0.5);
   expectNone({a, moved(b, {-1, -2, -3})});
+}
+
+// Any two ends of two segments on one line, which come from apart.
+TEST(SweptInOnePlane, EachEndMeetsEachEnd) {
+  const MovingPoint near{{0, 0, 0}, {0, 0, 0}}, far{{-1, -2, -3}, {-1, -2, -3}};
+  const MovingPoint coming{{2, 4, 6}, {-2, -4, -6}}, behind{{3, 6, 9}, {2, 4, 6}};
+  for (const bool turn_first : {false, true}) {
+    for (const bool turn_second : {false, true}) {
+      const FirstTime time =
+          exactFeatureTime({FeatureKind::kEdgeEdge,
+                            {turn_first ? far : near, turn_first ? near : far,
+                             turn_second ? behind : coming, turn_second ? coming : behind}},
+                           true);
+      EXPECT_EQ(time.low, 0.5F);
+      EXPECT_EQ(time.high, 0.5F);
+    }
+  }
 }
 
 TEST(SweptDegenerate, PointsMeet) {
