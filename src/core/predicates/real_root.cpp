@@ -8,7 +8,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr int kTimeHalvings = 21;  // an interval of 2^-21, rounded outwards to 2^-24
-constexpr int kTieHalvings = 8;   // what is open by then is a tie, nearly always
+constexpr int kTieHalvings = 8;    // what is open by then is a tie, nearly always
 
 Polynomial trimmed(Polynomial p) {
   while (p.degree >= 0 && p.c[p.degree].sign() == 0) --p.degree;

@@ -2,6 +2,8 @@
 // signs of other such polynomials there. Host only; a root may not be used by two threads at once.
 #pragma once
 
+#include <array>
+#include <utility>
 #include <vector>
 
 #include "core/predicates/growing_integer.h"
@@ -9,8 +11,8 @@
 namespace deformable_contact_monitor {
 
 struct Polynomial {
-  int degree = -1;      // of zero
-  GrowingInteger c[4];  // c[i] of t^i; c[degree] is not zero
+  int degree = -1;                  // of zero
+  std::array<GrowingInteger, 4> c;  // c[i] of t^i; c[degree] is not zero
 
   static Polynomial linear(const GrowingInteger& at_zero, const GrowingInteger& slope);
   bool isZero() const { return degree < 0; }

@@ -15,6 +15,10 @@ std::int64_t mantissaOf(float x, int& exponent) {
   return static_cast<std::int64_t>(std::ldexp(fraction, 24));
 }
 
+std::size_t place(int point, int axis) {
+  return 3 * static_cast<std::size_t>(point) + static_cast<std::size_t>(axis);
+}
+
 }  // namespace
 
 ExactMotion::ExactMotion(const MovingPoint* points, int count) : count_(count) {
@@ -42,7 +46,7 @@ ExactMotion::ExactMotion(const MovingPoint* points, int count) : count_(count) {
 }
 
 Polynomial ExactMotion::difference(int a, int b, int axis) const {
-  const auto i = static_cast<std::size_t>(3 * a + axis), j = static_cast<std::size_t>(3 * b + axis);
+  const std::size_t i = place(a, axis), j = place(b, axis);
   const GrowingInteger start = from_[j] - from_[i];
   return Polynomial::linear(start, to_[j] - to_[i] - start);
 }

@@ -9,7 +9,7 @@
 
 #include "core/predicates/swept_exact.h"
 #include "moving_pairs.h"
-#include "swept_oracle.h"
+#include "swept/swept_oracle.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -12,7 +12,7 @@
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/swept_exact.h"
 #include "moving_meshes.h"
-#include "swept_oracle.h"
+#include "swept/swept_oracle.h"
 #include "test_data.h"
 
 namespace deformable_contact_monitor {
