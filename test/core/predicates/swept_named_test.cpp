@@ -10,10 +10,10 @@
 namespace deformable_contact_monitor {
 namespace {
 
-SweptVerdict verdictOf(const MovingPair& pair) {
+SweptVerdict verdictOf(const MovingPair& pair, bool wants_time = true) {
   PredicateState state;
   return sweptVerdict(pair.a, pair.b, sharedTrajectories(pair.a, pair.b),
-                      AdjacentPairs::kBeyondShared, true, state);
+                      AdjacentPairs::kBeyondShared, wants_time, state);
 }
 
 // None at either end, and one first at `time`, whichever is a and whichever is b.
@@ -25,6 +25,7 @@ void expectPassedAt(const MovingPair& pair, double time) {
   for (const MovingPair& p : {pair, MovingPair{pair.b, pair.a}}) {
     const SweptVerdict verdict = verdictOf(p);
     ASSERT_EQ(verdict.part, PartVerdict::kMeet);
+    EXPECT_EQ(verdictOf(p, false).part, PartVerdict::kMeet);
     EXPECT_LE(verdict.first_low, time);
     EXPECT_GE(verdict.first_high, time);
     EXPECT_LE(verdict.first_high - verdict.first_low, 1.0F / (1 << 20));
@@ -39,8 +40,10 @@ void expectFirstAt(const MovingPair& pair, double time) {
 }
 
 void expectNone(const MovingPair& pair) {
-  EXPECT_EQ(verdictOf(pair).part, PartVerdict::kApart);
-  EXPECT_EQ(verdictOf({pair.b, pair.a}).part, PartVerdict::kApart);
+  for (const bool wants_time : {false, true}) {
+    EXPECT_EQ(verdictOf(pair, wants_time).part, PartVerdict::kApart);
+    EXPECT_EQ(verdictOf({pair.b, pair.a}, wants_time).part, PartVerdict::kApart);
+  }
 }
 
 MovingTriangle still(const Triangle& t) { return {t, t}; }
@@ -212,6 +215,11 @@ TEST(SweptBeyondShared, AnEdgeFoldsFlatAndOn) {
   expectNone({a, flattening});
 }
 
+TEST(SweptBeyondShared, AnEdgeFoldsFlatAtTheEnd) {
+  const MovingTriangle a = still({{kP, kQ, {1, 3, 0}}});
+  expectFirstAt({a, {{{kP, kQ, {2, 3, 1}}}, {{kP, kQ, {2, 3, 0}}}}}, 1);
+}
+
 TEST(SweptBeyondShared, InOnePlaneAnEdgeFoldsWhereATriangleTurnsOver) {
   const MovingTriangle a = still({{kP, kQ, {1, -3, 0}}});
   const MovingTriangle b{{{kP, kQ, {2, 3, 0}}}, {{kP, kQ, {2, -1, 0}}}};
@@ -227,6 +235,13 @@ TEST(SweptBeyondShared, AVertexSwingsThroughTheOtherTriangle) {
   expectPassedAt({a, swinging}, 1.0 / 3);
   const MovingTriangle beside{{{kP, {-1, -1, 1}, {-1, -1, 2}}}, {{kP, {-1, -1, -2}, {-1, -1, -1}}}};
   expectNone({a, beside});
+}
+
+// At t = 1/3 both opposite edges run through the shared vertex, and cross in it alone.
+TEST(SweptBeyondShared, OppositeEdgesCrossInTheSharedVertex) {
+  const MovingTriangle a{{{kP, {-1, 0, 1}, {1, 0, 1}}}, {{kP, {-1, 0, -2}, {1, 0, -2}}}};
+  const MovingTriangle b{{{kP, {0, -1, -1}, {0, 1, -1}}}, {{kP, {0, -1, 2}, {0, 1, 2}}}};
+  expectNone({a, b});
 }
 
 // In contact at all times but those at which a's edge runs through the shared vertex: both ends.
