@@ -16,7 +16,7 @@ namespace {
 
 long pairsWanted() {
   const char* wanted = std::getenv("DCM_FUZZ_PAIRS");
-  return wanted != nullptr ? std::atol(wanted) : 500;
+  return wanted != nullptr ? std::atol(wanted) : 100;
 }
 
 // Triangles of one body.
