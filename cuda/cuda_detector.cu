@@ -81,10 +81,11 @@ class CudaDetector : public Detector {
 
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
+  requireInstant(options, backend());
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
   const Stopwatch watch{};
   const CycleLimit limit(options.limits);
-  result_.begin(scene, isGuaranteed(options));
+  result_.begin(scene, options, isGuaranteed(options));
   stop_.clear();
   if (limit.over()) {
     result_.cutOff(limit.why());

@@ -2,10 +2,16 @@
 
 namespace deformable_contact_monitor {
 
-void DetectionResult::begin(const Scene& scene, bool is_guaranteed) {
+void DetectionResult::begin(const Scene& scene, const Options& options, bool is_guaranteed) {
   contacts.clear();
   separations_m.clear();
   geometry.clear();
+  first_times.clear();
+  within_pad.clear();
+  without_step.clear();
+  for (BodyId id = 0; options.motion == Motion::kSwept && id < scene.bodyCount(); ++id) {
+    if (!scene.body(id).earlier && scene.takesPart(id)) without_step.push_back(id);
+  }
   left_out = 0;
   cut_off = false;
   cut_off_because.clear();

@@ -40,6 +40,13 @@ struct DCM_EXPORT TrianglePair {
   }
 };
 
+// When two triangles touch first, as parts [0, 1] of a step: certainly not before `low`, and
+// certainly at some time in [low, high]; at most 2^-20 apart where predicates are exact. 0 and 0:
+// at the step's beginning.
+struct FirstContact {
+  float low, high;
+};
+
 // Work done in one cycle [triangles or pairs]; the same on every backend, and 0 where one does not
 // do that work.
 struct DCM_EXPORT Counters {
@@ -62,11 +69,19 @@ struct DCM_EXPORT DetectionResult {
   std::vector<TrianglePair> contacts;  // sorted, each once
   // Distance of each contact's triangles [m], 0 where they intersect, above 0 elsewhere. There iff
   // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
-  // intersect.
+  // intersect. Empty too in swept motion, which knows no margins.
   std::vector<float> separations_m;
   // Of each contact, if options.geometry; else empty. Empty too if the limits left no time for all
   // of it: that alone is no cut-off, for the list is what it is.
   std::vector<PairGeometry> geometry;
+  // Of each contact, if options.first_times; else empty. A contact that a pad alone makes (see
+  // within_pad) has the time before which it is certainly none, and 1.
+  std::vector<FirstContact> first_times;
+  // Of each contact, there iff motion is swept and Scene::anyPad(): 1 if it is none on the straight
+  // ways but may be one within the pads.
+  std::vector<std::uint8_t> within_pad;
+  // Bodies that take part in swept motion without an earlier state: they stood still.
+  std::vector<BodyId> without_step;
   // Contacts that were found and counted but are not in the list: the backend's memory limit was
   // reached, or no time was left to sort them. Which ones is arbitrary.
   std::uint64_t left_out = 0;
@@ -83,8 +98,9 @@ struct DCM_EXPORT DetectionResult {
   std::uint64_t memory_bytes = 0;  // in use on a device; 0 where that is not counted
   double round_trip_ms = 0;        // scene on the host to sorted contacts on the host
 
-  // Forgets the last cycle and counts the scene's triangles: so every backend begins a cycle.
-  void begin(const Scene& scene, bool is_guaranteed);
+  // Forgets the last cycle, counts the scene's triangles and looks for bodies without a step: so
+  // every backend begins a cycle.
+  void begin(const Scene& scene, const Options& options, bool is_guaranteed);
 
   // Whether it was cut off by its deadline.
   bool isOutOfTime() const { return cut_off && cut_off_because == kNoTime; }

@@ -26,6 +26,9 @@ std::vector<std::string> problems(const Options& options) {
           "refresh_period is " + std::to_string(options.refresh_period) + ", must be >= 1");
   require(options.threads >= 0 && options.threads <= 1024,
           "threads is " + std::to_string(options.threads) + ", must be in [0, 1024] (0: all)");
+  const bool swept = options.motion == Motion::kSwept;
+  require(!(options.geometry && swept), "geometry is of one moment, motion is swept");
+  require(!options.first_times || swept, "first_times is of a step, motion is instant");
   return found;
 }
 
@@ -34,6 +37,13 @@ void requireValid(const Options& options) {
   for (const std::string& line : problems(options)) lines += (lines.empty() ? "" : "; ") + line;
   if (!lines.empty()) throw std::invalid_argument(lines);
 }
+
+void requireInstant(const Options& options, const std::string& backend) {
+  if (options.motion == Motion::kInstant) return;
+  throw std::invalid_argument("backend \"" + backend + "\" knows no swept motion");
+}
+
+const char* toString(Motion motion) { return motion == Motion::kSwept ? "swept" : "instant"; }
 
 const char* toString(AdjacentPairs adjacent) {
   return adjacent == AdjacentPairs::kSkip ? "skip" : "beyond_shared";

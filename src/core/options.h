@@ -10,7 +10,14 @@
 
 namespace deformable_contact_monitor {
 
+enum class Motion {
+  kInstant,  // contacts at one moment
+  kSwept,    // contacts at some time of the step from Body::earlier to the bodies' present state
+};
+
 struct Options {
+  Motion motion = Motion::kInstant;
+  bool first_times = false;  // DetectionResult::first_times is asked for; swept only
   AdjacentPairs adjacent = AdjacentPairs::kBeyondShared;
   Predicates predicates = Predicates::kExact;
   // Share [0, 1] of each triangle, about its centroid, that decides its clusters. 1: complete by
@@ -25,7 +32,7 @@ struct Options {
   int refresh_period = 1;  // cycles between refreshes, >= 1
   int threads = 0;         // of the CPU backend; 0: all cores
 
-  bool geometry = false;  // DetectionResult::geometry is asked for
+  bool geometry = false;  // DetectionResult::geometry is asked for; instant only
 
   Limits limits;  // what ends a cycle early; none by default
 };
@@ -41,8 +48,15 @@ DCM_EXPORT std::vector<std::string> problems(const Options& options);
 // Throws std::invalid_argument, listing all problems(options).
 DCM_EXPORT void requireValid(const Options& options);
 
+// Throws std::invalid_argument, naming the backend, if motion is swept: for those that know one
+// moment alone.
+DCM_EXPORT void requireInstant(const Options& options, const std::string& backend);
+
 // "beyond_shared", "skip".
 DCM_EXPORT const char* toString(AdjacentPairs adjacent);
+
+// "instant", "swept".
+DCM_EXPORT const char* toString(Motion motion);
 
 // "exact", "conservative", "fast".
 DCM_EXPORT const char* toString(Predicates predicates);

@@ -43,6 +43,7 @@ void Scene::setMesh(BodyId id, TriangleMesh mesh) {
   validate(mesh, body.name);
   body.mesh = std::move(mesh);
   body.device_vertices.reset();
+  body.earlier.reset();
   body.topology_revision = body.vertices_revision = nextRevision();
 }
 
@@ -74,14 +75,40 @@ void Scene::setDeviceVertices(BodyId id, const float* device_xyz, std::size_t co
   body.vertices_revision = nextRevision();
 }
 
-void Scene::setPose(BodyId id, const RigidTransform& pose) {
-  Body& body = checkedBody(id);
+void Scene::requireFinite(const Body& body, const RigidTransform& pose) {
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::all_of(std::begin(pose.rotation), std::end(pose.rotation), finite) ||
       !std::all_of(std::begin(pose.translation), std::end(pose.translation), finite)) {
     throw std::invalid_argument(body.name + ": its pose has a non-finite number");
   }
+}
+
+void Scene::setPose(BodyId id, const RigidTransform& pose) {
+  Body& body = checkedBody(id);
+  requireFinite(body, pose);
   body.pose = pose;
+}
+
+void Scene::setEarlier(BodyId id, const RigidTransform& pose, std::vector<float> vertices) {
+  Body& body = vertices.empty() ? checkedBody(id) : checkedBody(id, vertices.size() / 3);
+  requireFinite(body, pose);
+  if (vertices.size() % 3 != 0) {
+    throw std::invalid_argument(body.name + ": " + std::to_string(vertices.size()) +
+                                " earlier coordinates are not x y z each");
+  }
+  body.earlier = EarlierState{pose, std::move(vertices)};
+  body.earlier_revision = nextRevision();
+}
+
+void Scene::clearEarlier(BodyId id) { checkedBody(id).earlier.reset(); }
+
+void Scene::setPad(BodyId id, float pad_m) {
+  Body& body = checkedBody(id);
+  if (!std::isfinite(pad_m) || pad_m < 0) {
+    throw std::invalid_argument(body.name + ": pad " + std::to_string(pad_m) +
+                                " m is not a finite number >= 0");
+  }
+  body.pad_m = pad_m;
 }
 
 void Scene::setMargin(BodyId id, float margin_m) {
@@ -119,12 +146,16 @@ bool Scene::takesPart(BodyId id) const {
   return std::find(row.begin(), row.end(), true) != row.end();
 }
 
-bool Scene::anyMargin() const {
+bool Scene::anyBody(float Body::*length_m) const {
   for (BodyId id = 0; id < bodies_.size(); ++id) {
-    if (bodies_[id].margin_m > 0 && takesPart(id)) return true;
+    if (bodies_[id].*length_m > 0 && takesPart(id)) return true;
   }
   return false;
 }
+
+bool Scene::anyMargin() const { return anyBody(&Body::margin_m); }
+
+bool Scene::anyPad() const { return anyBody(&Body::pad_m); }
 
 std::size_t Scene::triangleCount() const {
   std::size_t count = 0;

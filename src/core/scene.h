@@ -22,6 +22,14 @@ struct DCM_EXPORT DeviceVertices {
   void* stream;      // a cudaStream_t; null: the legacy default stream
 };
 
+// Where a body was at the beginning of a step. Each vertex, in the scene frame and rounded to
+// float32 there, moves from its place then to its present one on a straight line.
+struct DCM_EXPORT EarlierState {
+  RigidTransform pose;
+  // In the body's frame then, as many as the mesh has [m]. Empty: the present ones.
+  std::vector<float> vertices;
+};
+
 struct DCM_EXPORT Body {
   std::string name;
   TriangleMesh mesh;  // in the body's frame
@@ -29,10 +37,15 @@ struct DCM_EXPORT Body {
   std::optional<DeviceVertices> device_vertices;
   RigidTransform pose;  // scene frame from body frame; identity leaves the vertices untouched
   float margin_m = 0;   // a pair of bodies counts at a distance <= the larger of its two margins
+  // What follows is for swept motion alone. No earlier state: the body stands still in this step.
+  std::optional<EarlierState> earlier;
+  // Its points' true ways are at most this far from the straight ones. Those of two bodies add up.
+  float pad_m = 0;
   // Revisions say what changed since a detector last looked; they only grow, and equal ones, of
   // whatever scene, mean equal data.
   std::uint64_t topology_revision = 0;
   std::uint64_t vertices_revision = 0;
+  std::uint64_t earlier_revision = 0;  // of earlier->vertices
 };
 
 // Plain data, for one thread at a time. Pairs of bodies, and a body with itself, are off until
@@ -43,7 +56,7 @@ class DCM_EXPORT Scene {
   // Adds a body (its mesh may be empty, to be set later); ids count up from 0.
   BodyId addBody(std::string name, TriangleMesh mesh);
 
-  // Replaces vertices and triangles.
+  // Replaces vertices and triangles. The body has no earlier state then.
   void setMesh(BodyId id, TriangleMesh mesh);
 
   // Replaces the vertices: `count` of them, x y z each [m]; must be as many as before. A copy: the
@@ -67,6 +80,14 @@ class DCM_EXPORT Scene {
   // [m], finite and >= 0.
   void setMargin(BodyId id, float margin_m);
 
+  // Body::earlier. Refuses a pose with a non-finite number, and another number of vertices than the
+  // mesh has (but for none: the present ones).
+  void setEarlier(BodyId id, const RigidTransform& pose, std::vector<float> vertices = {});
+  void clearEarlier(BodyId id);
+
+  // Body::pad_m: [m], finite and >= 0.
+  void setPad(BodyId id, float pad_m);
+
   // a == b: contacts of the body with itself.
   void setPairEnabled(BodyId a, BodyId b, bool enabled);
   bool pairEnabled(BodyId a, BodyId b) const;
@@ -76,6 +97,8 @@ class DCM_EXPORT Scene {
   bool takesPart(BodyId id) const;
   // Whether some body that takes part has a margin.
   bool anyMargin() const;
+  // Whether some body that takes part has a pad.
+  bool anyPad() const;
   // Like the bodies' revisions: of the enabled pairs and the number of bodies.
   std::uint64_t pairsRevision() const { return pairs_revision_; }
 
@@ -85,6 +108,8 @@ class DCM_EXPORT Scene {
   const std::vector<Body>& bodies() const { return bodies_; }
 
  private:
+  static void requireFinite(const Body& body, const RigidTransform& pose);
+  bool anyBody(float Body::*length_m) const;
   Body& checkedBody(BodyId id);
   Body& checkedBody(BodyId id, std::size_t vertex_count);
 

@@ -243,7 +243,7 @@ const DetectionResult& DetectionLoop::runDetector(const Limits& limits) {
     options.geometry = options.geometry || sink_->wantsGeometry();
     return detector_->detect(scene_.scene(), options);
   }
-  nothing_.begin(scene_.scene(), isGuaranteed(options_));
+  nothing_.begin(scene_.scene(), options_, isGuaranteed(options_));
   return nothing_;
 }
 

@@ -8,6 +8,7 @@
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
 #include "core/stopwatch.h"
+#include "reference/brute_force_sweep.h"
 #include "reference/posed_triangles.h"
 
 namespace deformable_contact_monitor {
@@ -29,6 +30,11 @@ struct Found {
   float separation_m;
 };
 
+struct FoundSwept {
+  TrianglePair pair;
+  SweptContact contact;
+};
+
 class BruteForceDetector : public Detector {
  public:
   std::string backend() const override { return "brute_force"; }
@@ -39,24 +45,62 @@ class BruteForceDetector : public Detector {
     requireHostVertices(scene, backend());
     const Stopwatch watch;
     const CycleLimit limit(options.limits);
-    result_.begin(scene, options.predicates != Predicates::kFast);
-    found_.clear();
-    const std::vector<std::vector<PosedTriangle>> bodies = posedBodies(scene, limit);
-    for (BodyId a = 0; a < scene.bodyCount(); ++a) {
-      for (BodyId b = a; b < scene.bodyCount() && !limit.over(); ++b) {
-        if (!scene.pairEnabled(a, b)) continue;
-        margin_m_ = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
-        compare(a, bodies[a], b, bodies[b], options, limit);
-      }
+    result_.begin(scene, options, options.predicates != Predicates::kFast);
+    if (options.motion == Motion::kSwept) {
+      sweep(scene, options, limit);
+    } else {
+      detectAtOnce(scene, options, limit);
     }
-    writeContacts(scene);
-    writeGeometry(scene, options, result_);
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = watch.elapsedMs();
     return result_;
   }
 
  private:
+  void detectAtOnce(const Scene& scene, const Options& options, const CycleLimit& limit) {
+    found_.clear();
+    const std::vector<std::vector<PosedTriangle>> bodies = posedBodies(scene, limit);
+    for (const auto& [a, b] : scene.enabledPairs()) {
+      if (limit.over()) break;
+      margin_m_ = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
+      compare(a, bodies[a], b, bodies[b], options, limit);
+    }
+    writeContacts(scene);
+    writeGeometry(scene, options, result_);
+  }
+
+  void sweep(const Scene& scene, const Options& options, const CycleLimit& limit) {
+    std::vector<std::vector<MovingBodyTriangle>> bodies(scene.bodyCount());
+    for (BodyId b = 0; b < scene.bodyCount(); ++b) {
+      if (!scene.takesPart(b) || limit.over()) continue;
+      bodies[b] = movingTriangles(scene.body(b), limit);
+      result_.counters.posed += scene.body(b).mesh.triangleCount();
+      result_.counters.rejected += scene.body(b).mesh.triangleCount() - bodies[b].size();
+    }
+    swept_.clear();
+    PacedLimit pace(limit, 512);
+    for (const auto& [a, b] : scene.enabledPairs()) {
+      const float pad_m = scene.body(a).pad_m + scene.body(b).pad_m;
+      for (std::size_t i = 0; i < bodies[a].size(); ++i) {
+        for (std::size_t j = a == b ? i + 1 : 0; j < bodies[b].size() && !pace.over(); ++j) {
+          const auto contact =
+              sweptContactOf(bodies[a][i], bodies[b][j], a == b, pad_m, options, result_.counters);
+          if (contact) {
+            swept_.push_back({{a, bodies[a][i].index, b, bodies[b][j].index}, *contact});
+          }
+        }
+      }
+    }
+    std::sort(swept_.begin(), swept_.end(),
+              [](const FoundSwept& x, const FoundSwept& y) { return x.pair < y.pair; });
+    const bool pads = scene.anyPad();
+    for (const FoundSwept& found : swept_) {
+      result_.contacts.push_back(found.pair);
+      if (options.first_times) result_.first_times.push_back(found.contact.first);
+      if (pads) result_.within_pad.push_back(found.contact.within_pad ? 1 : 0);
+    }
+  }
+
   std::vector<std::vector<PosedTriangle>> posedBodies(const Scene& scene, const CycleLimit& limit) {
     std::vector<std::vector<PosedTriangle>> bodies(scene.bodyCount());
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
@@ -112,6 +156,7 @@ class BruteForceDetector : public Detector {
 
   float margin_m_ = 0;  // of the pair of bodies at hand
   std::vector<Found> found_;
+  std::vector<FoundSwept> swept_;
   DetectionResult result_;
 };
 

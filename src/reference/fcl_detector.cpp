@@ -55,11 +55,12 @@ class FclDetector : public Detector {
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     requireValid(options);
+    requireInstant(options, backend());
     requireHostVertices(scene, backend());
     const Stopwatch cycle;
     Stopwatch watch;
     const CycleLimit limit(options.limits);
-    result_.begin(scene, false);
+    result_.begin(scene, options, false);
 
     std::vector<std::unique_ptr<FclBody>> bodies;
     for (BodyId b = 0; b < scene.bodyCount() && !limit.over(); ++b) {

@@ -102,10 +102,10 @@ class CountingDetector : public Detector {
   }
   std::string backend() const override { return "counting"; }
   void reset() override {}
-  const DetectionResult& detect(const Scene& scene, const Options& /*options*/) override {
+  const DetectionResult& detect(const Scene& scene, const Options& options) override {
     ++cycles_[number_];
     if (scene.body(0).name == "bad") throw std::runtime_error("it broke");
-    result_.begin(scene, true);
+    result_.begin(scene, options, true);
     result_.memory_bytes = cycles_[number_] == 1 ? 100 : 0;  // cut off at once
     return result_;
   }

@@ -33,7 +33,7 @@ struct FakeDetector : Detector {
     script->options = options;
     script->margins_m.clear();
     for (const Body& body : scene.bodies()) script->margins_m.push_back(body.margin_m);
-    result.begin(scene, true);
+    result.begin(scene, options, true);
     if (script->out_of_time) result.cutOff("no time");
     if (!script->failure.empty()) throw std::runtime_error(script->failure);
     return result;

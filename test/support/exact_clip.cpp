@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "exact_points.h"
+#include "exact_triangles.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -75,27 +75,25 @@ std::vector<Point> clip(const std::vector<Point>& polygon, const HalfSpace& half
   return out;
 }
 
-std::array<Point, 3> toPoints(const OracleTriangle& t) {
-  return {toPoint(t[0]), toPoint(t[1]), toPoint(t[2])};
+std::vector<Point> commonPart(const exact::Corners& a, const exact::Corners& b) {
+  std::vector<Point> common(a.begin(), a.end());
+  for (const HalfSpace& half_space : halfSpaces(b)) common = clip(common, half_space);
+  return common;
 }
 
-std::vector<Point> commonPart(const OracleTriangle& a, const OracleTriangle& b) {
-  const std::array<Point, 3> points = toPoints(a);
-  std::vector<Point> common(points.begin(), points.end());
-  for (const HalfSpace& half_space : halfSpaces(toPoints(b))) common = clip(common, half_space);
-  return common;
+exact::Corners toCorners(const OracleTriangle& t) {
+  return {toPoint(t[0]), toPoint(t[1]), toPoint(t[2])};
 }
 
 }  // namespace
 
-bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
-                              const std::vector<Vec3f>& shared) {
+namespace exact {
+
+bool meetBeyond(const Corners& a, const Corners& b, const std::vector<Point>& shared) {
   const std::vector<Point> common = commonPart(a, b);
   if (shared.empty()) return !common.empty();
 
-  const auto at = [&shared](std::size_t i) {
-    return toPoint(shared[std::min(i, shared.size() - 1)]);
-  };
+  const auto at = [&shared](std::size_t i) { return shared[std::min(i, shared.size() - 1)]; };
   const std::vector<HalfSpace> hull = halfSpaces({at(0), at(1), at(2)});
   // The common part is convex: it lies in the hull iff its corners do.
   return std::any_of(common.begin(), common.end(), [&hull](const Point& x) {
@@ -104,9 +102,18 @@ bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
   });
 }
 
+}  // namespace exact
+
+bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
+                              const std::vector<Vec3f>& shared) {
+  std::vector<Point> points;
+  for (const Vec3f& v : shared) points.push_back(toPoint(v));
+  return exact::meetBeyond(toCorners(a), toCorners(b), points);
+}
+
 std::vector<std::array<double, 3>> commonCorners(const OracleTriangle& a, const OracleTriangle& b) {
   std::vector<std::array<double, 3>> corners;
-  for (const Point& x : commonPart(a, b)) {
+  for (const Point& x : commonPart(toCorners(a), toCorners(b))) {
     corners.push_back({CGAL::to_double(x.x().exact()), CGAL::to_double(x.y().exact()),
                        CGAL::to_double(x.z().exact())});
   }

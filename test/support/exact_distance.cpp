@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact_points.h"
+#include "exact_triangles.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -34,7 +34,7 @@ Rational betweenInteriors(const Point& p, const Point& p_end, const Point& q, co
   return ((p + s * u) - (q + t * v)).squared_length();
 }
 
-Rational toInterior(const Point& p, const Point t[3], const Rational& none) {
+Rational toInterior(const Point& p, const exact::Corners& t, const Rational& none) {
   const Vector u = t[1] - t[0], v = t[2] - t[0], w = p - t[0];
   const Rational uu = u * u, uv = u * v, vv = v * v, wu = w * u, wv = w * v;
   const Rational denominator = uu * vv - uv * uv;
@@ -47,9 +47,9 @@ Rational toInterior(const Point& p, const Point t[3], const Rational& none) {
 
 }  // namespace
 
-double exactDistance(const Triangle& a, const Triangle& b) {
-  const Point p[3] = {toPoint(a.v[0]), toPoint(a.v[1]), toPoint(a.v[2])};
-  const Point q[3] = {toPoint(b.v[0]), toPoint(b.v[1]), toPoint(b.v[2])};
+namespace exact {
+
+Rational squaredDistance(const Corners& p, const Corners& q) {
   Rational least = (p[0] - q[0]).squared_length();
   for (int i = 0; i < 3; ++i) {
     const Point& p_end = p[(i + 1) % 3];
@@ -62,7 +62,15 @@ double exactDistance(const Triangle& a, const Triangle& b) {
       least = std::min(least, betweenInteriors(p[i], p_end, q[j], q_end, least));
     }
   }
-  return std::sqrt(CGAL::to_double(least.exact()));
+  return least;
+}
+
+}  // namespace exact
+
+double exactDistance(const Triangle& a, const Triangle& b) {
+  const exact::Corners p{toPoint(a.v[0]), toPoint(a.v[1]), toPoint(a.v[2])};
+  const exact::Corners q{toPoint(b.v[0]), toPoint(b.v[1]), toPoint(b.v[2])};
+  return std::sqrt(CGAL::to_double(exact::squaredDistance(p, q).exact()));
 }
 
 }  // namespace deformable_contact_monitor

@@ -67,6 +67,7 @@ class CpuDetector : public Detector {
 
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
+  requireInstant(options, backend());
   requireHostVertices(scene, backend());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] { run(scene, options); });
@@ -77,7 +78,7 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
   const Stopwatch cycle;
   const CycleLimit limit(options.limits);
   StageTimes times;
-  result_.begin(scene, isGuaranteed(options));
+  result_.begin(scene, options, isGuaranteed(options));
   if (makeClusters(scene, options, limit, times)) findContacts(scene, options, limit, times);
   if (limit.wasOver()) result_.cutOff(limit.why());
   result_.stages_ms = times.byName();

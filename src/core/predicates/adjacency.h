@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "core/predicates/triangle_intersection.h"
 
@@ -49,11 +50,12 @@ namespace detail {
 
 // The triangle (p, x[0], x[1]) as one piece whose edge opposite to p is (x[0], x[1]) and does not
 // contain p, or, if it is degenerate, as the segments from p to x[0] and to x[1].
+template <class Hull, class Point>
 struct Fan {
-  Triangle piece[2];
+  Hull piece[2];
   int count = 0;
 
-  DCM_HD Fan(const Vec3f& p, const Vec3f x[2], int x_count, PredicateState& state) {
+  DCM_HD Fan(const Point& p, const Point x[2], int x_count, PredicateState& state) {
     if (x_count == 2 && projectionAxis(p, x[0], x[1], state) >= 0) {
       piece[count++] = {{p, x[0], x[1]}};
       return;
@@ -66,7 +68,8 @@ struct Fan {
 
 // Coplanar triangles pab and pcd with area along `axis`: they meet beyond p iff their angles at p
 // do, that is, iff an edge from p of one lies in the other's angle. Common in flat meshes.
-DCM_HD inline bool anglesMeet(const Vec3f& p, const Vec3f a[2], const Vec3f b[2], int axis,
+template <class Point>
+DCM_HD inline bool anglesMeet(const Point& p, const Point a[2], const Point b[2], int axis,
                               PredicateState& state) {
   const int side_a = orient2d(p, a[0], a[1], axis, state);
   const int side_b = orient2d(p, b[0], b[1], axis, state);
@@ -83,7 +86,8 @@ DCM_HD inline bool anglesMeet(const Vec3f& p, const Vec3f a[2], const Vec3f b[2]
 
 // A convex set with p that meets another one with p elsewhere too reaches, along that ray, the edge
 // opposite to p in one of the two pieces while it is still in the other.
-DCM_HD inline bool meetBeyondPoint(const Vec3f& p, const Vec3f a[2], int a_count, const Vec3f b[2],
+template <class Hull, class Point>
+DCM_HD inline bool meetBeyondPoint(const Point& p, const Point a[2], int a_count, const Point b[2],
                                    int b_count, PredicateState& state) {
   if (a_count == 2 && b_count == 2) {
     const int axis = projectionAxis(p, a[0], a[1], state);
@@ -92,11 +96,11 @@ DCM_HD inline bool meetBeyondPoint(const Vec3f& p, const Vec3f a[2], int a_count
       return anglesMeet(p, a, b, axis, state);
     }
   }
-  const Fan fan_a(p, a, a_count, state), fan_b(p, b, b_count, state);
+  const Fan<Hull, Point> fan_a(p, a, a_count, state), fan_b(p, b, b_count, state);
   for (int i = 0; i < fan_a.count; ++i) {
     for (int j = 0; j < fan_b.count; ++j) {
-      const Triangle& s = fan_a.piece[i];
-      const Triangle& t = fan_b.piece[j];
+      const Hull& s = fan_a.piece[i];
+      const Hull& t = fan_b.piece[j];
       if (segmentIntersectsTriangle(s.v[1], s.v[2], t, state) ||
           segmentIntersectsTriangle(t.v[1], t.v[2], s, state)) {
         return true;
@@ -107,14 +111,16 @@ DCM_HD inline bool meetBeyondPoint(const Vec3f& p, const Vec3f a[2], int a_count
 }
 
 // For a collinear with the segment pq: 0 if it lies on it, else -1 (beyond p) or 1 (beyond q).
-DCM_HD inline int beyondEnd(const Vec3f& p, const Vec3f& q, const Vec3f& a) {
+template <class Point>
+DCM_HD inline int beyondEnd(const Point& p, const Point& q, const Point& a) {
   if (inBox(a, p, q)) return 0;
   return inBox(p, a, q) ? -1 : 1;
 }
 
 // Triangles pqa and pqb meet beyond pq iff they are folded onto each other: coplanar with a and b
 // on one side of pq. Degenerate ones, iff they stick out of pq at the same end.
-DCM_HD inline bool meetBeyondEdge(const Vec3f& p, const Vec3f& q, const Vec3f& a, const Vec3f& b,
+template <class Point>
+DCM_HD inline bool meetBeyondEdge(const Point& p, const Point& q, const Point& a, const Point& b,
                                   PredicateState& state) {
   if (state.mode != Predicates::kFast) {
     const int side = orient3dFiltered(p, q, a, b);
@@ -137,10 +143,12 @@ DCM_HD inline bool meetBeyondEdge(const Vec3f& p, const Vec3f& q, const Vec3f& a
 
 // Do two triangles of one body that share vertices meet anywhere beyond the convex hull of the
 // distinct shared points? `a` and `b` are posed. In conservative mode an undecided sign makes it
-// true.
-DCM_HD inline bool meetBeyondShared(const Triangle& a, const Triangle& b,
-                                    const SharedVertices& shared, PredicateState& state) {
-  Vec3f common[3], rest_a[3], rest_b[3];
+// true. Triangles, or others as in segment_intersection.h.
+template <class Hull>
+DCM_HD inline bool meetBeyondShared(const Hull& a, const Hull& b, const SharedVertices& shared,
+                                    PredicateState& state) {
+  using Point = std::decay_t<decltype(a.v[0])>;
+  Point common[3], rest_a[3], rest_b[3];
   int common_count = 0, a_count = 0, b_count = 0;
   for (int i = 0; i < 3; ++i) {
     if (!shared.in_b[i]) rest_b[b_count++] = b.v[i];
@@ -155,7 +163,7 @@ DCM_HD inline bool meetBeyondShared(const Triangle& a, const Triangle& b,
   if (a_count == 0 || b_count == 0) return false;  // one of them is the hull of the shared points
   const bool meet =
       common_count == 1
-          ? detail::meetBeyondPoint(common[0], rest_a, a_count, rest_b, b_count, state)
+          ? detail::meetBeyondPoint<Hull>(common[0], rest_a, a_count, rest_b, b_count, state)
           : detail::meetBeyondEdge(common[0], common[1], rest_a[0], rest_b[0], state);
   return meet || state.undecided;
 }

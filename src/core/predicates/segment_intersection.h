@@ -1,5 +1,7 @@
 // Closed-set tests between points, segments and triangles, degenerate ones included. Only signs of
-// orientation determinants and coordinate comparisons decide; nothing is constructed.
+// orientation determinants and coordinate comparisons decide; nothing is constructed. Points are
+// Vec3f, or whatever else has orient2d, orient3d, inBox and equality; triangles have three of them,
+// v; state is what orient2d and orient3d take.
 #pragma once
 
 #include "core/predicates/orientation.h"
@@ -9,7 +11,8 @@ namespace deformable_contact_monitor {
 
 // The first coordinate axis along which a, b, c project to a triangle of non-zero area; -1 if they
 // are collinear.
-DCM_HD inline int projectionAxis(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+template <class Point>
+DCM_HD inline int projectionAxis(const Point& a, const Point& b, const Point& c,
                                  PredicateState& state) {
   for (int axis = 0; axis < 3; ++axis) {
     if (orient2d(a, b, c, axis, state) != 0) return axis;
@@ -24,13 +27,15 @@ DCM_HD inline bool inBox(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
   return true;
 }
 
-DCM_HD inline bool pointOnSegment(const Vec3f& p, const Vec3f& a, const Vec3f& b,
+template <class Point>
+DCM_HD inline bool pointOnSegment(const Point& p, const Point& a, const Point& b,
                                   PredicateState& state) {
   return inBox(p, a, b) && projectionAxis(a, b, p, state) < 0;
 }
 
-DCM_HD DCM_RARE inline bool segmentsIntersect(const Vec3f& p, const Vec3f& q, const Vec3f& a,
-                                              const Vec3f& b, PredicateState& state) {
+template <class Point>
+DCM_HD DCM_RARE inline bool segmentsIntersect(const Point& p, const Point& q, const Point& a,
+                                              const Point& b, PredicateState& state) {
   if (pointOnSegment(p, a, b, state) || pointOnSegment(q, a, b, state) ||
       pointOnSegment(a, p, q, state) || pointOnSegment(b, p, q, state)) {
     return true;
@@ -50,21 +55,23 @@ DCM_HD inline bool sameSide(int a, int b, int c) {
 }
 
 // For a p in the plane of the triangle, which has area along `axis`.
-DCM_HD inline bool pointInTriangle(const Vec3f& p, const Triangle& t, int axis,
-                                   PredicateState& state) {
+template <class Point, class Hull>
+DCM_HD inline bool pointInTriangle(const Point& p, const Hull& t, int axis, PredicateState& state) {
   return sameSide(orient2d(t.v[0], t.v[1], p, axis, state),
                   orient2d(t.v[1], t.v[2], p, axis, state),
                   orient2d(t.v[2], t.v[0], p, axis, state));
 }
 
-DCM_HD inline bool segmentMeetsEdges(const Vec3f& p, const Vec3f& q, const Triangle& t,
+template <class Point, class Hull>
+DCM_HD inline bool segmentMeetsEdges(const Point& p, const Point& q, const Hull& t,
                                      PredicateState& state) {
   return segmentsIntersect(p, q, t.v[0], t.v[1], state) ||
          segmentsIntersect(p, q, t.v[1], t.v[2], state) ||
          segmentsIntersect(p, q, t.v[2], t.v[0], state);
 }
 
-DCM_HD inline bool segmentIntersectsTriangle(const Vec3f& p, const Vec3f& q, const Triangle& t,
+template <class Point, class Hull>
+DCM_HD inline bool segmentIntersectsTriangle(const Point& p, const Point& q, const Hull& t,
                                              PredicateState& state) {
   const int axis = projectionAxis(t.v[0], t.v[1], t.v[2], state);
   if (axis < 0) return segmentMeetsEdges(p, q, t, state);  // the triangle is its edges

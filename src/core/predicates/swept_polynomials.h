@@ -1,0 +1,163 @@
+// Orientation determinants of moving points as polynomials in time, in float or double, with their
+// errors.
+//
+// A difference of coordinates carries u (half an ulp); a term of a 3 x 3 determinant 3 u from
+// differences, 3 u from products and the difference of products, 2 u from sums; sums of up to three
+// determinants 2 u more: at most 10 u of the sum of the terms' sizes, and 12 u covers what is of
+// second order. Of 2 x 2 determinants it is 5 u, and 6 u.
+#pragma once
+
+#include "core/predicates/bernstein.h"
+#include "core/predicates/swept_triangle.h"
+
+namespace deformable_contact_monitor {
+
+template <class Real>
+struct Vector {
+  Real x[3];
+};
+
+// b - a.
+template <class Real>
+DCM_HD inline Vector<Real> between(const Vec3f& a, const Vec3f& b) {
+  return {{static_cast<Real>(b.x) - static_cast<Real>(a.x),
+           static_cast<Real>(b.y) - static_cast<Real>(a.y),
+           static_cast<Real>(b.z) - static_cast<Real>(a.z)}};
+}
+
+template <class Real>
+DCM_HD inline Vector<Real> crossOf(const Vector<Real>& u, const Vector<Real>& v) {
+  return {{u.x[1] * v.x[2] - u.x[2] * v.x[1], u.x[2] * v.x[0] - u.x[0] * v.x[2],
+           u.x[0] * v.x[1] - u.x[1] * v.x[0]}};
+}
+
+// The sum of two vectors, as a direction: where they are after half of the step.
+template <class Real>
+DCM_HD inline Vector<Real> sumOf(const Vector<Real>& u, const Vector<Real>& v) {
+  return {{u.x[0] + v.x[0], u.x[1] + v.x[1], u.x[2] + v.x[2]}};
+}
+
+// The difference of two moving points, at both ends of the step.
+template <class Real>
+struct MovingVector {
+  Vector<Real> from, to;
+
+  DCM_HD MovingVector(const MovingPoint& a, const MovingPoint& b)
+      : from(between<Real>(a.from, b.from)), to(between<Real>(a.to, b.to)) {}
+};
+
+// The cross product n of two moving vectors: n(0), 2 b1, n(1) of its quadratic components, and the
+// sums of their terms' sizes.
+template <class Real>
+struct MovingNormal {
+  Vector<Real> n[3], size[3];
+
+  DCM_HD MovingNormal(const MovingVector<Real>& u, const MovingVector<Real>& v) {
+    for (int k = 0; k < 3; ++k) {
+      const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+      const Real a = u.from.x[i] * v.from.x[j], b = u.from.x[j] * v.from.x[i];
+      const Real c = u.from.x[i] * v.to.x[j], d = u.from.x[j] * v.to.x[i];
+      const Real e = u.to.x[i] * v.from.x[j], f = u.to.x[j] * v.from.x[i];
+      const Real g = u.to.x[i] * v.to.x[j], h = u.to.x[j] * v.to.x[i];
+      n[0].x[k] = a - b;
+      n[1].x[k] = (c - d) + (e - f);
+      n[2].x[k] = g - h;
+      constexpr Real kTiny = Rounding<Real>::kProduct;
+      size[0].x[k] = sizeOf(a) + sizeOf(b) + kTiny;
+      size[1].x[k] = (sizeOf(c) + sizeOf(d)) + (sizeOf(e) + sizeOf(f)) + kTiny;
+      size[2].x[k] = sizeOf(g) + sizeOf(h) + kTiny;
+    }
+  }
+
+  // Four times n(1/2).
+  DCM_HD Vector<Real> middle() const {
+    Vector<Real> m;
+    for (int k = 0; k < 3; ++k) m.x[k] = n[0].x[k] + n[1].x[k] + n[2].x[k];
+    return m;
+  }
+};
+
+// The coordinate axis along which a vector is longest.
+template <class Real>
+DCM_HD inline int longestAxis(const Vector<Real>& v) {
+  const Real x = sizeOf(v.x[0]), y = sizeOf(v.x[1]), z = sizeOf(v.x[2]);
+  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+}
+
+template <class Real>
+DCM_HD inline Real dotOf(const Vector<Real>& a, const Vector<Real>& b) {
+  return a.x[0] * b.x[0] + a.x[1] * b.x[1] + a.x[2] * b.x[2];
+}
+
+template <class Real>
+DCM_HD inline Real sizeOfDot(const Vector<Real>& size, const Vector<Real>& w) {
+  return size.x[0] * sizeOf(w.x[0]) + size.x[1] * sizeOf(w.x[1]) + size.x[2] * sizeOf(w.x[2]);
+}
+
+// Not a number if one of them is infinite or not a number: then nothing is certain.
+template <class Real>
+DCM_HD inline Real greatest(Real a, Real b, Real c, Real d) {
+  const Real m = most(most(a, b), most(c, d));
+  return Rounding<Real>::kSum > 0 ? m + (a + b + c + d) * 0 : m;
+}
+
+// Three times the determinant [u v w], where n = u x v; but for its error.
+template <class Real>
+DCM_HD inline void setDeterminant(const MovingNormal<Real>& n, const MovingVector<Real>& w,
+                                  Cubic<Real>& d) {
+  d.c[0] = 3 * dotOf(n.n[0], w.from);
+  d.c[1] = dotOf(n.n[1], w.from) + dotOf(n.n[0], w.to);
+  d.c[2] = dotOf(n.n[1], w.to) + dotOf(n.n[2], w.from);
+  d.c[3] = 3 * dotOf(n.n[2], w.to);
+}
+
+template <class Real>
+DCM_HD inline Cubic<Real> determinantOf(const MovingNormal<Real>& n, const MovingVector<Real>& w) {
+  Cubic<Real> d;
+  setDeterminant(n, w, d);
+  const Real s0 = 3 * sizeOfDot(n.size[0], w.from), s3 = 3 * sizeOfDot(n.size[2], w.to);
+  const Real s1 = sizeOfDot(n.size[1], w.from) + sizeOfDot(n.size[0], w.to);
+  const Real s2 = sizeOfDot(n.size[1], w.to) + sizeOfDot(n.size[2], w.from);
+  d.error = 12 * Rounding<Real>::kUnit * greatest(s0, s1, s2, s3) + Rounding<Real>::kSum;
+  return d;
+}
+
+// The same of three vectors w. One error for them all, of their largest components.
+template <class Real>
+DCM_HD inline void determinantsOf(const MovingNormal<Real>& n, const MovingVector<Real> (&w)[3],
+                                  Cubic<Real> (&d)[3]) {
+  Real size = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Real reach_from =
+        greatest(sizeOf(w[0].from.x[k]), sizeOf(w[1].from.x[k]), sizeOf(w[2].from.x[k]), Real(0));
+    const Real reach_to =
+        greatest(sizeOf(w[0].to.x[k]), sizeOf(w[1].to.x[k]), sizeOf(w[2].to.x[k]), Real(0));
+    size += greatest(n.size[0].x[k], n.size[1].x[k], n.size[2].x[k], Real(0)) *
+            greatest(reach_from, reach_to, Real(0), Real(0));
+  }
+  for (int i = 0; i < 3; ++i) {
+    setDeterminant(n, w[i], d[i]);
+    d[i].error = 12 * Rounding<Real>::kUnit * (3 * size) + Rounding<Real>::kSum;
+  }
+}
+
+// Twice the determinant of the projections of u and v along `axis`.
+template <class Real>
+DCM_HD inline Quadratic<Real> projectedDeterminant(const MovingVector<Real>& u,
+                                                   const MovingVector<Real>& v, int axis) {
+  const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
+  const Real a = u.from.x[i] * v.from.x[j], b = u.from.x[j] * v.from.x[i];
+  const Real c = u.from.x[i] * v.to.x[j], d = u.from.x[j] * v.to.x[i];
+  const Real e = u.to.x[i] * v.from.x[j], f = u.to.x[j] * v.from.x[i];
+  const Real g = u.to.x[i] * v.to.x[j], h = u.to.x[j] * v.to.x[i];
+  Quadratic<Real> q;
+  q.c[0] = 2 * (a - b);
+  q.c[1] = (c - d) + (e - f);
+  q.c[2] = 2 * (g - h);
+  const Real s0 = 2 * (sizeOf(a) + sizeOf(b)), s2 = 2 * (sizeOf(g) + sizeOf(h));
+  const Real s1 = (sizeOf(c) + sizeOf(d)) + (sizeOf(e) + sizeOf(f));
+  q.error = 6 * Rounding<Real>::kUnit * greatest(s0, s1, s2, Real(0)) + Rounding<Real>::kSum;
+  return q;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,76 @@
+// Points and triangles that move on straight lines from one state (t = 0) to the next (t = 1), and
+// the boxes that move with them.
+#pragma once
+
+#include "core/predicates/aabb.h"
+#include "core/predicates/adjacency.h"
+#include "core/predicates/triangle.h"
+
+namespace deformable_contact_monitor {
+
+// At time t in [0, 1] it is at from + t (to - from), in real numbers.
+struct MovingPoint {
+  Vec3f from, to;
+};
+
+DCM_HD inline bool operator==(const MovingPoint& a, const MovingPoint& b) {
+  return a.from == b.from && a.to == b.to;
+}
+
+struct MovingTriangle {
+  Triangle from, to;
+
+  DCM_HD MovingPoint point(int i) const { return {from.v[i], to.v[i]}; }
+};
+
+// Others take no part in swept contacts.
+DCM_HD inline bool isFinite(const MovingTriangle& t) { return isFinite(t.from) && isFinite(t.to); }
+
+DCM_HD inline bool isStill(const MovingTriangle& t) {
+  return t.from.v[0] == t.to.v[0] && t.from.v[1] == t.to.v[1] && t.from.v[2] == t.to.v[2];
+}
+
+// By equality of coordinates as received, in both states: points that coincide in one state only
+// are two points.
+DCM_HD inline SharedVertices sharedTrajectories(const MovingTriangle& a, const MovingTriangle& b) {
+  SharedVertices shared;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (a.point(i) == b.point(j)) shared.in_a[i] = shared.in_b[j] = shared.any = true;
+    }
+  }
+  return shared;
+}
+
+// At each time its content lies in the box between the two at that time.
+struct MovingBox {
+  Aabb from, to;
+
+  DCM_HD void include(const MovingPoint& p) {
+    from.include(p.from);
+    to.include(p.to);
+  }
+};
+
+DCM_HD inline MovingBox boxOf(const MovingTriangle& t) { return {boxOf(t.from), boxOf(t.to)}; }
+
+// Of all that the content passes.
+DCM_HD inline Aabb sweptBox(const MovingBox& box) {
+  Aabb all = box.from;
+  all.include(box.to);
+  return all;
+}
+
+// Whether a is below b, strictly, at both ends of the step, or above it at both, along some axis:
+// then so they are at all times, for differences of coordinates are linear in time. Comparisons
+// alone; with an infinite or NaN bound, if anything, false. Single & on purpose, as in intersects.
+DCM_HD inline bool areApart(const MovingBox& a, const MovingBox& b) {
+  return ((a.from.max.x < b.from.min.x) & (a.to.max.x < b.to.min.x)) |
+         ((b.from.max.x < a.from.min.x) & (b.to.max.x < a.to.min.x)) |
+         ((a.from.max.y < b.from.min.y) & (a.to.max.y < b.to.min.y)) |
+         ((b.from.max.y < a.from.min.y) & (b.to.max.y < a.to.min.y)) |
+         ((a.from.max.z < b.from.min.z) & (a.to.max.z < b.to.min.z)) |
+         ((b.from.max.z < a.from.min.z) & (b.to.max.z < a.to.min.z));
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,71 @@
+// Prints the swept oracle's contacts of a mesh in two states with itself: `triA triB` lines.
+#include <algorithm>
+#include <iostream>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/mesh_files/mesh_file.h"
+#include "scenes.h"
+#include "swept/moving_hulls.h"
+#include "swept/swept_triangle.h"
+#include "tools/common/command_line.h"
+#include "tools/common/run_tool.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  AdjacentPairs adjacent = AdjacentPairs::kBeyondShared;
+  int sample = 0, seed = 0, part = 0, parts = 1;
+};
+
+int run(int argc, char** argv) {
+  CommandLine line("swept_pairs", "Contacts of a mesh with itself between two states, exactly");
+  Arguments arguments;
+  line.addPositionals("MESH", &arguments.files, true, "state 0, state 1");
+  line.add("--adjacent", &arguments.adjacent, "pairs that share a vertex");
+  line.add("--sample", &arguments.sample,
+           "judge so many of the pairs with boxes that overlap; 0: all");
+  line.add("--seed", &arguments.seed, "of the sample");
+  line.add("--part", &arguments.part, "judge this part of them alone, from 0");
+  line.add("--parts", &arguments.parts, "of so many, each from everywhere");
+  if (!line.parse(argc, argv)) return 0;
+  if (arguments.files.size() != 2) throw std::invalid_argument("needs two mesh files");
+  if (arguments.part < 0 || arguments.part >= arguments.parts) {
+    throw std::invalid_argument("--part is no part of --parts");
+  }
+  const Scene state0 = selfScene(readMeshFile(arguments.files[0]));
+  const Scene state1 = selfScene(readMeshFile(arguments.files[1]));
+  const std::vector<SweptTriangle> triangles = sweptTriangles(state0, state1);
+  auto pairs = sweptBoxPairs(state1, triangles, arguments.adjacent);
+  std::sort(pairs.begin(), pairs.end());
+  std::cerr << pairs.size() << " pairs of boxes\n";
+  if (arguments.sample > 0) {
+    std::mt19937 generator(static_cast<unsigned>(arguments.seed));
+    std::shuffle(pairs.begin(), pairs.end(), generator);
+    pairs.resize(std::min(pairs.size(), static_cast<std::size_t>(arguments.sample)));
+    std::sort(pairs.begin(), pairs.end());
+  }
+  std::size_t judged = 0, contacts = 0;
+  const auto step = static_cast<std::size_t>(arguments.parts);
+  for (auto i = static_cast<std::size_t>(arguments.part); i < pairs.size(); i += step) {
+    const auto& [a, b] = pairs[i];
+    ++judged;
+    if (!meetEver(hullsOf(*a, *b))) continue;
+    ++contacts;
+    std::cout << a->triangle << ' ' << b->triangle << '\n';
+  }
+  std::cerr << judged << " judged, " << contacts << " contacts\n";
+  return 0;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main(int argc, char** argv) {
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runTool("swept_pairs", [argc, argv] { return dcm::run(argc, argv); });
+}
