@@ -14,7 +14,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::uint32_t kScenes = 300;
+constexpr std::uint32_t kScenes = 120;
 
 using Order = std::vector<std::uint32_t>;
 

@@ -13,7 +13,7 @@ namespace deformable_contact_monitor {
 
 // This is the one place that names them.
 inline bool knowsSweptMotion(const Backend& backend) {
-  return backend.name == std::string("brute_force");
+  return backend.name != std::string("cuda");
 }
 
 inline std::vector<Backend> sweptOf(const std::vector<Backend>& backends) {
