@@ -2,7 +2,9 @@
 // what a step without an earlier state says, and what has no part in swept motion.
 #include <gtest/gtest.h>
 
-#include <stdexcept>
+#include <atomic>
+#include <string>
+#include <vector>
 
 #include "refusal.h"
 #include "scenes.h"
@@ -155,6 +157,22 @@ TEST_P(SweptCycles, WhatIsOfOneModeAloneIsRefusedInTheOther) {
   EXPECT_NE(refused(geometry).find("overlap is 2"), std::string::npos);
   EXPECT_NE(refused(geometry).find("; geometry is of one moment"), std::string::npos);
   EXPECT_GT(swept(scene).size(), 100U);
+}
+
+// What was found until then are contacts; the next cycle is whole.
+TEST_P(SweptCycles, AStepThatIsStoppedSaysSo) {
+  const Scene scene = fallingCloth();
+  const std::vector<TrianglePair> all = swept(scene);
+  const std::atomic<bool> stop{true};
+  Options options = timedOptions();
+  options.limits.stop = &stop;
+  const DetectionResult& result = detector_->detect(scene, options);
+  EXPECT_TRUE(result.cut_off);
+  EXPECT_EQ(result.cut_off_because, "stopped");
+  EXPECT_TRUE(includes(all, result.contacts));
+  EXPECT_EQ(result.contacts.size(), result.first_times.size());
+  EXPECT_TRUE(samePairs(all, swept(scene)));
+  EXPECT_FALSE(detector_->detect(scene, sweptOptions()).cut_off);
 }
 
 INSTANTIATE_TEST_SUITE_P(, SweptCycles, ::testing::ValuesIn(sweptBackends()), backendName);
