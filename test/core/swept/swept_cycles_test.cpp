@@ -8,12 +8,12 @@
 
 #include "refusal.h"
 #include "scenes.h"
-#include "swept_suite.h"
+#include "swept_expected.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-class SweptCycles : public SweptSuite {
+class SweptCycles : public SweptFixture {
  protected:
   // Each contact of the step, as a detector that starts from nothing finds them.
   static std::vector<TrianglePair> anew(const Scene& scene, const Options& options) {
@@ -177,7 +177,7 @@ TEST_P(SweptCycles, AStepThatIsStoppedSaysSo) {
 
 INSTANTIATE_TEST_SUITE_P(, SweptCycles, ::testing::ValuesIn(sweptBackends()), backendName);
 
-class SweptTrade : public SweptSuite {};
+class SweptTrade : public SweptFixture {};
 
 // Below 1 contacts may be lost, and none is made up.
 TEST_P(SweptTrade, LessOverlapIsNotGuaranteed) {

@@ -9,7 +9,7 @@
 
 #include "cgal_oracle.h"
 #include "swept/swept_triangle.h"
-#include "swept_suite.h"
+#include "swept_expected.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -30,7 +30,7 @@ Options knobs(std::uint32_t seed, AdjacentPairs adjacent) {
   return options;
 }
 
-class SweptSoup : public SweptSuite {};
+class SweptSoup : public SweptFixture {};
 
 TEST_P(SweptSoup, EqualsTheOracleForAnyClusters) {
   std::size_t found = 0, between = 0;
@@ -209,7 +209,7 @@ TEST_P(SweptSoup, HoldsWhatIsSeenAtSingleTimes) {
 
 INSTANTIATE_TEST_SUITE_P(, SweptSoup, ::testing::ValuesIn(sweptBackends()), backendName);
 
-class LargeSweptSoup : public SweptSuite {};
+class LargeSweptSoup : public SweptFixture {};
 
 // Some of the pairs whose boxes overlap are asked of the oracle: all would take it minutes.
 void expectTheOracleAgrees(const Scene& scene, const Options& options,
