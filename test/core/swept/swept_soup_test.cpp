@@ -16,7 +16,7 @@ namespace {
 
 const std::uint32_t kScenes = [] {
   const char* wanted = std::getenv("DCM_FUZZ_SOUPS");
-  return wanted != nullptr ? static_cast<std::uint32_t>(std::atoi(wanted)) : 3000U;
+  return wanted != nullptr ? static_cast<std::uint32_t>(std::atoi(wanted)) : 2000U;
 }();
 
 // Knobs that must not change any result, different for every seed.
