@@ -30,6 +30,12 @@ inline Options sweptOptions(AdjacentPairs adjacent = AdjacentPairs::kBeyondShare
   return options;
 }
 
+inline Options timedOptions(AdjacentPairs adjacent = AdjacentPairs::kBeyondShared) {
+  Options options = sweptOptions(adjacent);
+  options.first_times = true;
+  return options;
+}
+
 // Where the bodies were at the beginning of their step, as a scene at one moment.
 inline Scene sceneBefore(const Scene& scene) {
   Scene before = scene;
