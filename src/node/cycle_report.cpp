@@ -29,6 +29,13 @@ void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport*
   report->containment = &finder->find(*report->scene, *report->result, limit);
 }
 
+std::string stepProblem(const CycleReport& report) {
+  for (const SweepReport& sweep : report.sweeps) {
+    if (!sweep.problem.empty()) return "of a step: " + sweep.problem;
+  }
+  return "";
+}
+
 bool isOutOfTime(const CycleReport& report) {
   const bool step_is =
       std::any_of(report.sweeps.begin(), report.sweeps.end(), [](const SweepReport& sweep) {

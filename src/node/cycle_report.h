@@ -103,6 +103,9 @@ void noteRejected(CycleReport* report);
 // surface is not known there.
 void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report);
 
+// Why the detection of a step failed; empty: none did.
+std::string stepProblem(const CycleReport& report);
+
 // Whether a detection, of the stamp or of a step, or what was looked for after it, was cut off by
 // its deadline.
 bool isOutOfTime(const CycleReport& report);

@@ -73,7 +73,7 @@ void DetectionLoop::lookAtRobot() {
   names_checked_ = false;
   noteRules();
   detector_->reset();
-  planner_.forgetAll("the robot changed");
+  planner_.forgetAll(changed ? "the robot changed" : "the robot came");
   if (changed) sink_->forgetStates("", "robot changed");
   sink_->sendRobot(*robot_);
 }
@@ -235,7 +235,7 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
     Options options = options_;
     options.limits = limits;
     steps_.run(options, parameters_.swept_tolerance_m, &scene_.sceneOfStep(), &report);
-    sink_->recordDetectorError("");
+    sink_->recordDetectorError(stepProblem(report));
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());
