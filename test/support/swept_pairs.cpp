@@ -29,8 +29,9 @@ struct Arguments {
 
 Scene pairOf(const std::string& a, const std::string& b) {
   Scene scene;
-  scene.setPairEnabled(scene.addBody("a", readMeshFile(a)), scene.addBody("b", readMeshFile(b)),
-                       true);
+  const BodyId first = scene.addBody("a", readMeshFile(a));
+  const BodyId second = scene.addBody("b", readMeshFile(b));
+  scene.setPairEnabled(first, second, true);
   return scene;
 }
 
