@@ -87,8 +87,10 @@ class PandaPasses(unittest.TestCase):
         """The stamps before and behind, and the cloth."""
         mesh = self.sheet(self.finger_tip())
         for monitor in self.monitors:
+            since = monitor.states.count()
             rospy.ServiceProxy(monitor.name + "/reset", Trigger)()
-        rospy.sleep(0.6)  # leftovers of before the reset are dropped for half a second
+            monitor.states.wait("the reset", since=since, wanted=lambda m: any(
+                state.reason == "reset" for state in m.states))
         before = now(self.stamp)
         behind = before + rospy.Duration(STEP_S)
         self.transforms.buffer.clear()
