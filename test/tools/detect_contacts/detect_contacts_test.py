@@ -449,17 +449,16 @@ class RealFrames(unittest.TestCase):
                 self.assertTrue(all(a < b for _, a, _, b in pairs))
 
     def test_swept(self):
-        """Of one step, against the oracle; beyond shared vertices by the figure alone, since the
-        oracle takes minutes there."""
+        """Of one step, against the oracle; brute force, which takes long, once."""
         files = [DATA / "cloth-funnel/227.ply", DATA / "cloth-funnel/228.ply"]
-        options = ["--swept", "--self", "--pairs", "-"]
-        found = lines_of(TOOL, *options, "--adjacent", "skip", *files)
-        self.assertEqual(len(found), 381)
-        self.assertEqual([(a, b) for _, a, _, b in found],
-                         lines_of(SWEPT_PAIRS, "--adjacent", "skip", *files))
-        self.assertEqual(lines_of(TOOL, *options, "--adjacent", "skip", "--backend", "brute_force",
-                                  *files), found)
-        self.assertEqual(len(lines_of(TOOL, *options, *files)), 510)
+        for adjacent, backend, count in (("skip", "cpu", 381), ("beyond_shared", "cpu", 510),
+                                         ("skip", "brute_force", 381)):
+            options = ["--adjacent", adjacent, *files]
+            found = lines_of(TOOL, "--swept", "--self", "--pairs", "-", "--backend", backend,
+                             *options)
+            self.assertEqual(len(found), count, (adjacent, backend))
+            self.assertEqual([(a, b) for _, a, _, b in found], lines_of(SWEPT_PAIRS, *options),
+                             (adjacent, backend))
 
 
 if __name__ == "__main__":
