@@ -18,4 +18,7 @@ struct RejectedTriangles {
 // where a cycle rejected any.
 std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene);
 
+// The same of swept motion, which rejects a triangle for a vertex at either end of the step.
+std::vector<RejectedTriangles> rejectedOfStep(const Scene& scene);
+
 }  // namespace deformable_contact_monitor

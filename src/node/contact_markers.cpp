@@ -52,7 +52,7 @@ std::set<MarkerKey> ContactMarkers::drawnOfCycle(const CycleReport& report) cons
   };
   for (const MonitoredPair& pair : report.pairs) {
     if (!isOfCycle(report.bodies, pair)) continue;
-    for (const char* const kind : {"", kSegments, kNormals}) {
+    for (const char* const kind : {"", kSegments, kNormals, kPassed}) {
       note(pairKey(report, pair.a, pair.b, kind));
     }
   }

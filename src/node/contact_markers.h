@@ -23,6 +23,8 @@ class ContactMarkers {
   // drawn of others stays until its lifetime is over. The first array begins with a DELETEALL.
   //   "<a>/<b>"   the triangles in contact, or paler within the margin, of each pair of bodies that
   //               has any, links' and objects' in colors of their own
+  //   "passed: <a>/<b>"  in swept motion: triangles that touched since the cycle before and are in
+  //               no contact any more, in colors of their own
   //   "<object>"  the rest of each known object, translucent (rviz draws the robot)
   // one TRIANGLE_LIST each, with an id that is stable while the bodies are the same, none of them
   // empty: one that was drawn and has nothing to show any more is deleted. Over max_triangles,

@@ -17,11 +17,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-std::uint32_t saturated(std::uint64_t count) {
-  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
-  return count < kMost ? static_cast<std::uint32_t>(count) : kMost;
-}
-
 void addBodies(const CycleReport& report, ContactArray* message) {
   for (const BodyStatus& body : report.bodies) {
     message->bodies.push_back(body.name);
@@ -59,12 +54,7 @@ void addPairs(const DetectionResult& result, std::size_t most, ContactArray* mes
   const std::size_t kept = std::min(total, most);
   message->pairs.resize(kept);
   for (std::size_t i = 0; i < kept; ++i) {
-    const TrianglePair& contact = result.contacts[i];
-    ContactPair& pair = message->pairs[i];
-    pair.body_a = contact.body_a;
-    pair.triangle_a = contact.triangle_a;
-    pair.body_b = contact.body_b;
-    pair.triangle_b = contact.triangle_b;
+    message->pairs[i] = toContactPair(result.contacts[i]);
   }
   message->pair_count = total + result.left_out;
   message->truncated = kept < message->pair_count;
@@ -84,6 +74,20 @@ std::string problemOf(const LinkMesh& link, const TriangleMesh& mesh, bool seen_
 }
 
 }  // namespace
+
+std::uint32_t saturated(std::uint64_t count) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  return count < kMost ? static_cast<std::uint32_t>(count) : kMost;
+}
+
+ContactPair toContactPair(const TrianglePair& pair) {
+  ContactPair message;
+  message.body_a = pair.body_a;
+  message.triangle_a = pair.triangle_a;
+  message.body_b = pair.body_b;
+  message.triangle_b = pair.triangle_b;
+  return message;
+}
 
 std::size_t mostPairs(std::uint64_t most_bytes, std::uint64_t other_bytes,
                       std::uint64_t pair_bytes) {

@@ -32,6 +32,10 @@ std::size_t mostPairs(std::uint64_t most_bytes, std::uint64_t other_bytes,
 ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts,
                             std::uint64_t most_bytes = kMostMessageBytes);
 
+// Of 64 bits; counts of messages that have 32 stop there.
+std::uint32_t saturated(std::uint64_t count);
+ContactPair toContactPair(const TrianglePair& pair);
+
 // The robot's link meshes as a message, in order. A link with a problem goes out without triangles,
 // and `source` says why.
 LinkMeshes toLinkMeshes(const RobotGeometry& geometry, const ros::Time& stamp);

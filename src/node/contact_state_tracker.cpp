@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "node/contact_messages.h"
 #include "node/point32.h"
 #include "node/time_difference.h"
 
@@ -39,8 +40,7 @@ ContactState describe(const CycleReport& report, const MonitoredPair& pair,
   state.body_a = report.bodies.at(pair.a).name;
   state.body_b = report.bodies.at(pair.b).name;
   state.stamp = report.header.stamp;
-  state.pair_count = static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(summary.count, std::numeric_limits<std::uint32_t>::max()));
+  state.pair_count = saturated(summary.count);
   state.min_separation = static_cast<float>(summary.min_separation_m);
   state.inside = inside.which;
   if (inside.any() && !summary.touches()) {
@@ -56,6 +56,19 @@ ContactState describe(const CycleReport& report, const MonitoredPair& pair,
   return state;
 }
 
+bool isApart(const ContactState& state) {
+  return state.state == ContactState::NONE || state.state == ContactState::NEAR;
+}
+
+// The pair touched since its last cycle.
+void pass(const StepVerdict& step, ContactState* state) {
+  state->state = ContactState::PASSED;
+  state->pair_count = saturated(step.passed.count);
+  state->min_separation = 0;
+  state->centroid = toPoint32(step.passed.centroid());
+  state->mean_normal = toPoint32(step.passed.meanNormal());
+}
+
 }  // namespace
 
 ContactStateTracker::ContactStateTracker(const StateRules& rules) : rules_(rules) {
@@ -66,13 +79,14 @@ ContactStateTracker::ContactStateTracker(const StateRules& rules) : rules_(rules
 
 void ContactStateTracker::update(const CycleReport& report) {
   const PairSummaries summaries(report);
+  const StepVerdicts steps(report, rules_.tolerated_rejects);
   const std::lock_guard<std::mutex> lock(mutex_);
   frame_ = report.header.frame_id;
   cycle_ = report.cycle;
   listPairs(report);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const MonitoredPair& pair = report.pairs[i];
-    look(report, pair, summaries.of(pair.a, pair.b), &tracks_[i]);
+    look(report, pair, summaries.of(pair.a, pair.b), steps, &tracks_[i]);
   }
 }
 
@@ -140,7 +154,8 @@ std::string ContactStateTracker::resultProblem(const CycleReport& report, const 
 }
 
 void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& pair,
-                               const PairSummary& summary, Track* track) {
+                               const PairSummary& summary, const StepVerdicts& steps,
+                               Track* track) {
   if (pair.allowed) return interrupt(ContactState::ALLOWED, "allowed", report.now, track);
   if (track->state.state == ContactState::ALLOWED) {
     interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, track);
@@ -150,14 +165,45 @@ void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& p
     if (!problem.empty() && !track->isKnown()) track->state.reason = problem;
     return;
   }
-  if (track->isKnown() && report.header.stamp < track->state.stamp) return;
+  const StepVerdict step = steps.of(pair);
+  if (track->isKnown() && report.header.stamp < track->state.stamp) {
+    return lookBack(report, step, track);
+  }
   const InsideParts inside = insidePartsOf(report, pair);
   if (problem.empty()) problem = resultProblem(report, pair, summary, inside);
   if (!problem.empty()) return interrupt(ContactState::UNKNOWN, problem, report.now, track);
   ContactState state = describe(report, pair, summary, inside);
+  if (!lookAtStep(report, step, &state, track)) return;
   const bool goes_on = resumes(state, report.now, *track);
+  const std::uint8_t before = track->state.state;
   enter(std::move(state), goes_on ? track->entered_before : report.header.stamp, track);
-  debounce(report.header.stamp, track);
+  debounce(report.header.stamp, before, step.first_low, track);
+}
+
+// Whether the state is known, with what the step says of it.
+bool ContactStateTracker::lookAtStep(const CycleReport& report, const StepVerdict& step,
+                                     ContactState* state, Track* track) {
+  if (!isApart(*state)) return true;
+  if (step.touched()) {
+    pass(step, state);
+    return true;
+  }
+  // Who reads NONE after a state that was known takes it for "not in between" either.
+  if (step.problem.empty() || (!step.has_step && !track->isKnown())) return true;
+  interrupt(ContactState::UNKNOWN, step.problem, report.now, track);
+  return false;
+}
+
+// A step that ends before the stamp of what is known: the pair's other body had a cycle meanwhile,
+// with an older state of the one that this step is of.
+void ContactStateTracker::lookBack(const CycleReport& report, const StepVerdict& step,
+                                   Track* track) {
+  if (!isApart(track->state)) return;
+  ContactState state = track->state;
+  if (!lookAtStep(report, step, &state, track) || isApart(state)) return;
+  const std::uint8_t before = track->state.state;
+  enter(std::move(state), track->state.stamp, track);
+  debounce(report.header.stamp, before, step.first_low, track);
 }
 
 // Whether `state` is what a short UNKNOWN interrupted.
@@ -191,8 +237,13 @@ void ContactStateTracker::interrupt(std::uint8_t state, const std::string& reaso
   track->cycles = 0;
 }
 
-void ContactStateTracker::debounce(const ros::Time& stamp, Track* track) {
-  const bool touching = track->state.state == ContactState::CONTACT;
+// A contact between two cycles is an event of its own, unless it is the rest of one that was there
+// in the cycle before, or keeps one open that was about to end.
+void ContactStateTracker::debounce(const ros::Time& stamp, std::uint8_t before, float first_low,
+                                   Track* track) {
+  const bool anew = track->state.state == ContactState::PASSED && before != ContactState::CONTACT;
+  if (anew && !track->open) addEvent(*track, ContactEvent::PASSED, stamp, "", first_low);
+  const bool touching = track->state.state == ContactState::CONTACT || (anew && track->open);
   track->cycles = touching == track->open ? 0 : track->cycles + 1;
   if (track->cycles < (track->open ? rules_.debounce_off_cycles : rules_.debounce_on_cycles))
     return;
@@ -253,7 +304,7 @@ void ContactStateTracker::forget(const std::string& body, const std::string& rea
 }
 
 void ContactStateTracker::addEvent(const Track& track, std::uint8_t type, const ros::Time& stamp,
-                                   const std::string& reason) {
+                                   const std::string& reason, float first_low) {
   ContactEvent event;
   event.header.stamp = stamp;
   event.header.frame_id = frame_;
@@ -261,6 +312,7 @@ void ContactStateTracker::addEvent(const Track& track, std::uint8_t type, const 
   event.body_b = track.state.body_b;
   event.type = type;
   event.pair_count = track.state.pair_count;
+  event.first_low = first_low;
   event.reason = reason;
   events_.push_back(std::move(event));
 }

@@ -15,6 +15,7 @@
 #include "node/cycle_report.h"
 #include "node/inside_parts.h"
 #include "node/pair_summary.h"
+#include "node/step_verdicts.h"
 
 namespace deformable_contact_monitor {
 
@@ -45,6 +46,10 @@ class ContactStateTracker {
   //   stamp, what is known of the pair stays: the partner has cycles too.
   // - else CONTACT, also where a part of one is within the other (inside), or NEAR when every
   // triangle pair is apart (within the margin), or NONE. What is known of a later stamp stays.
+  // - in swept motion PASSED, in place of NEAR and NONE, where the pair touched in its step;
+  // UNKNOWN
+  //   where the step may have missed that, or where there is no step and the pair was known before:
+  //   NONE then says nothing of the time in between. Also for a stamp before what is known.
   // States follow each cycle at once (only events are debounced).
   void update(const CycleReport& report);
 
@@ -86,13 +91,16 @@ class ContactStateTracker {
   std::string resultProblem(const CycleReport& report, const MonitoredPair& pair,
                             const PairSummary& summary, const InsideParts& inside) const;
   void look(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
-            Track* track);
+            const StepVerdicts& steps, Track* track);
+  bool lookAtStep(const CycleReport& report, const StepVerdict& step, ContactState* state,
+                  Track* track);
+  void lookBack(const CycleReport& report, const StepVerdict& step, Track* track);
   bool resumes(const ContactState& state, const ros::Time& now, const Track& track) const;
   void enter(ContactState state, const ros::Time& when, Track* track);
   void interrupt(std::uint8_t state, const std::string& reason, const ros::Time& now, Track* track);
-  void debounce(const ros::Time& stamp, Track* track);
+  void debounce(const ros::Time& stamp, std::uint8_t before, float first_low, Track* track);
   void addEvent(const Track& track, std::uint8_t type, const ros::Time& stamp,
-                const std::string& reason);
+                const std::string& reason, float first_low = 0);
 
   const StateRules rules_;
 

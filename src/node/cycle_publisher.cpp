@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "node/contact_messages.h"
 #include "node/held_markers.h"
+#include "node/swept_messages.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -32,7 +33,11 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
       patch_markers_(markerOptions(parameters)),
       contacts_publisher_(private_node.advertise<ContactArray>("contacts", 2)),
       markers_publisher_(private_node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
-      robot_publisher_(private_node.advertise<LinkMeshes>("robot_meshes", 1, true)) {}
+      robot_publisher_(private_node.advertise<LinkMeshes>("robot_meshes", 1, true)) {
+  if (parameters.motion == Motion::kInstant) return;
+  constexpr std::uint32_t kStepsInACycle = 16;
+  swept_publisher_ = private_node.advertise<SweptContacts>("swept_contacts", kStepsInACycle);
+}
 
 boost::shared_ptr<const ContactArray> CyclePublisher::publish(CycleReport* report) {
   boost::shared_ptr<const ContactArray> contacts;
@@ -41,6 +46,10 @@ boost::shared_ptr<const ContactArray> CyclePublisher::publish(CycleReport* repor
       [&] {
         contacts = boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
         contacts_publisher_.publish(contacts);
+        for (const SweepReport& sweep : report->sweeps) {
+          swept_publisher_.publish(boost::make_shared<const SweptContacts>(
+              toSweptContacts(*report, sweep, max_contacts_)));
+        }
       },
       [&] { states_.publish(*report); });
   latest_.set(contacts);

@@ -24,8 +24,8 @@ class CyclePublisher {
   CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node,
                  StatePublisher& states, LatestContacts& latest);
 
-  // ~contact_states, ~contacts and ~contact_events. Sets the report's `now`. Returns the contacts
-  // that went out, and leaves them in the latest ones.
+  // ~contact_states, ~contacts, ~contact_events, and ~swept_contacts for each step. Sets the
+  // report's `now`. Returns the contacts that went out, and leaves them in the latest ones.
   boost::shared_ptr<const ContactArray> publish(CycleReport* report);
 
   // ~contact_states alone. Sets the report's `now`.
@@ -58,6 +58,7 @@ class CyclePublisher {
   PatchPublisher patches_;
   PatchMarkers patch_markers_;
   ros::Publisher contacts_publisher_, markers_publisher_, robot_publisher_;
+  ros::Publisher swept_publisher_;  // swept motion alone has one
 };
 
 }  // namespace deformable_contact_monitor

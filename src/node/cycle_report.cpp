@@ -1,6 +1,8 @@
 // What one detection cycle hands to everything that is published from it.
 #include "node/cycle_report.h"
 
+#include <algorithm>
+
 #include "core/rejected_triangles.h"
 
 namespace deformable_contact_monitor {
@@ -27,8 +29,19 @@ void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport*
   report->containment = &finder->find(*report->scene, *report->result, limit);
 }
 
+std::string stepProblem(const CycleReport& report) {
+  for (const SweepReport& sweep : report.sweeps) {
+    if (!sweep.problem.empty()) return "of a step: " + sweep.problem;
+  }
+  return "";
+}
+
 bool isOutOfTime(const CycleReport& report) {
-  return (report.result != nullptr && report.result->isOutOfTime()) ||
+  const bool step_is =
+      std::any_of(report.sweeps.begin(), report.sweeps.end(), [](const SweepReport& sweep) {
+        return sweep.result != nullptr && sweep.result->detection.isOutOfTime();
+      });
+  return step_is || (report.result != nullptr && report.result->isOutOfTime()) ||
          (report.containment != nullptr && report.containment->cut_off_because == kNoTime);
 }
 

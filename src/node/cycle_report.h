@@ -1,6 +1,7 @@
 // What one detection cycle hands to everything that is published from it.
 #pragma once
 
+#include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 #include <std_msgs/Header.h>
 
@@ -15,6 +16,7 @@
 #include "core/detector.h"
 #include "core/options.h"
 #include "core/scene.h"
+#include "core/substeps.h"
 
 namespace deformable_contact_monitor {
 
@@ -39,6 +41,29 @@ struct BodyStatus {
 // Objects that are held, each with the links that may touch it meanwhile.
 using AttachedObjects = std::map<std::string, std::vector<std::string>>;
 
+// How a body came from where it was at the beginning of a step to where it is in the cycle.
+struct StepBody {
+  bool takes_part = false;  // in some pair of the step
+  std::string skipped;      // why none of its pairs has a step; empty: nothing is wrong with it
+  RigidTransform pose;      // then
+  DeformableMesh::ConstPtr mesh;  // whose vertices it had then; null: the present ones
+  BodyPath path;                  // between the two poses; empty: its vertices move straight
+  std::uint64_t rejected = 0;     // triangles with a vertex that is not finite, then or now
+};
+
+// Swept motion: the step from a previous cycle, of some that triggered this one.
+struct SweepReport {
+  ros::Time from;                 // of that cycle; zero: there is no step, see `bodies`
+  std::vector<BodyId> triggered;  // whose step it is, ascending; of the robot's own: all links
+  // Of the cycle's: those that were looked at in it and are this step's. Each pair is at most one
+  // step's. Those with a body that is skipped have none.
+  std::vector<MonitoredPair> pairs;
+  std::vector<StepBody> bodies;        // by BodyId
+  const StepResult* result = nullptr;  // null: there is no step, or the detection failed
+  std::string problem;                 // why that failed
+  double compute_s = 0;
+};
+
 struct CycleReport {
   std_msgs::Header header;  // stamp T of the triggering mesh, frame_id = reference_frame
   std::uint64_t cycle = 0;
@@ -50,6 +75,9 @@ struct CycleReport {
   const DetectionResult* result = nullptr;
   // Null where it was not looked for: it is not asked for, or contacts are missing.
   const Containment* containment = nullptr;
+  // Swept: what the steps that end with this cycle found; `result` is of its stamp alone.
+  Motion motion = Motion::kInstant;
+  std::vector<SweepReport> sweeps;
   Options options;
   std::string backend;
   ros::Time now;  // when it was over, by the same clock
@@ -75,7 +103,11 @@ void noteRejected(CycleReport* report);
 // surface is not known there.
 void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report);
 
-// Whether the detection, or what was looked for after it, was cut off by its deadline.
+// Why the detection of a step failed; empty: none did.
+std::string stepProblem(const CycleReport& report);
+
+// Whether a detection, of the stamp or of a step, or what was looked for after it, was cut off by
+// its deadline.
 bool isOutOfTime(const CycleReport& report);
 
 }  // namespace deformable_contact_monitor

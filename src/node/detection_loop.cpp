@@ -27,7 +27,9 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       inputs_(makeMeshInputs(parameters)),
       scene_(parameters),
       lookup_(sources_.transforms, parameters.reference_frame),
-      queues_(turns_, sources_.meshes, inputs_, scene_, lookup_) {
+      queues_(turns_, sources_.meshes, inputs_, scene_, lookup_),
+      planner_(parameters),
+      steps_(*detector_) {
   ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
                                 << parameters_.reference_frame << "' on the "
                                 << detector_->backend());
@@ -71,6 +73,7 @@ void DetectionLoop::lookAtRobot() {
   names_checked_ = false;
   noteRules();
   detector_->reset();
+  planner_.forgetAll(changed ? "the robot changed" : "the robot came");
   if (changed) sink_->forgetStates("", "robot changed");
   sink_->sendRobot(*robot_);
 }
@@ -87,6 +90,7 @@ void DetectionLoop::applyEnabled(bool enabled) {
   sink_->recordEnabled(enabled);
   ROS_INFO_STREAM((enabled ? "enabled" : "disabled"));
   if (!enabled) {
+    planner_.forgetAll("it was disabled");
     sink_->forgetStates("", "disabled");
     heartbeat();
   }
@@ -108,6 +112,7 @@ void DetectionLoop::reset(const std::string& reason) {
   robots_stamp_ = ros::Time();
   sources_.transforms.clear();
   detector_->reset();
+  planner_.forgetAll(reason);
   sink_->forgetStates("", reason);
   sink_->recordReset(reason);
   clock_.startLeftoverWindow(time_.steady());
@@ -131,7 +136,9 @@ void DetectionLoop::takeMeshes() {
     sink_->recordMesh(i, inputs_[i].counters());
     if (answer == Acceptance::kDropped) continue;
     if (answer == Acceptance::kJumped) {
-      sink_->forgetStates(parameters_.objects[i].name, "the stamps of its meshes went back");
+      const std::string why = "the stamps of its meshes went back";
+      planner_.forget(i, why);
+      sink_->forgetStates(parameters_.objects[i].name, why);
     }
     const bool refused = answer == Acceptance::kRefused;
     queues_.add(i,
@@ -216,6 +223,7 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   lookAtMisses(transforms);
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
+  planner_.plan(trigger, scene_, lookup_, &report);
   try {
     const Limits limits{start + fromSeconds(budget_s), &sources_.requests.stopped()};
     report.result = &runDetector(limits);
@@ -224,7 +232,10 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
     noteRejected(&report);
     if (parameters_.containment) noteInside(CycleLimit(limits), &containment_, &report);
     if (report.containment != nullptr) sink_->recordContainment(report);
-    sink_->recordDetectorError("");
+    Options options = options_;
+    options.limits = limits;
+    steps_.run(options, parameters_.swept_tolerance_m, &scene_.sceneOfStep(), &report);
+    sink_->recordDetectorError(stepProblem(report));
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());

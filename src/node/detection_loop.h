@@ -24,6 +24,8 @@
 #include "node/mesh_queues.h"
 #include "node/monitor_scene.h"
 #include "node/parameters.h"
+#include "node/step_planner.h"
+#include "node/step_runner.h"
 #include "node/transform_lookup.h"
 
 namespace deformable_contact_monitor {
@@ -99,6 +101,8 @@ class DetectionLoop {
   TransformLookup lookup_;
   MeshQueues queues_;  // what an object waits for is its own affair
   ContainmentFinder containment_;
+  StepPlanner planner_;
+  StepRunner steps_;
   std::shared_ptr<const RobotGeometry> robot_;  // the one in scene_
   DetectionResult nothing_;                     // of a cycle without an enabled pair
   ros::Time robots_stamp_;                      // of its own last cycle

@@ -30,6 +30,9 @@ MarkerKey pairKey(const CycleReport& report, BodyId a, BodyId b, const std::stri
 // "<object>".
 MarkerKey surfaceKey(const CycleReport& report, BodyId object);
 
+// Begins the namespace of what touched since the cycle before, and does not any more.
+constexpr char kPassed[] = "passed: ";
+
 // Without points yet: rviz takes it with three a triangle, or two a line, and none of them empty.
 visualization_msgs::Marker makeMarker(const CycleReport& report, const MarkerOptions& options,
                                       MarkerKey key, std::int32_t type);

@@ -81,7 +81,15 @@ class MonitorScene {
   // Of a cycle with that stamp and number: its bodies and pairs as they are now, without a result.
   CycleReport makeReport(const ros::Time& stamp, std::uint64_t cycle) const;
 
+  // To set where bodies were at the beginning of a step; pairs are to be as they were afterwards.
+  Scene& sceneOfStep() { return scene_; }
+
   const Scene& scene() const { return scene_; }
+  BodyId firstObject() const { return first_object_; }
+  // What the scene holds of an object; null: a link.
+  const AcceptedMesh* loadedMesh(BodyId id) const {
+    return isLink(id) ? nullptr : &loaded_[id - first_object_];
+  }
   const std::vector<BodyStatus>& bodies() const { return bodies_; }
   const std::vector<MonitoredPair>& pairs() const { return pairs_; }
 

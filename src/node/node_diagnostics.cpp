@@ -27,6 +27,9 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
   updater_.add("timing", this, &NodeDiagnostics::describeTiming);
   updater_.add("output", this, &NodeDiagnostics::describeOutput);
   updater_.add("allowed", this, &NodeDiagnostics::describeAllowed);
+  if (parameters_.motion == Motion::kSwept) {
+    updater_.add("motion", this, &NodeDiagnostics::describeMotion);
+  }
 }
 
 void NodeDiagnostics::recordStart() {
@@ -46,7 +49,8 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
                                   double cycle_s, double latency_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++cycles_;
-  timing_.end(report.result, cycle_s, latency_s);
+  timing_.end(report, cycle_s, latency_s);
+  motion_.record(report);
   backend_ = report.backend;
   output_ = ContactArray();
   output_.pair_count = sent.pair_count;
@@ -206,6 +210,11 @@ void NodeDiagnostics::describeTransforms(Status& status) {
 void NodeDiagnostics::describeTiming(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   timing_.describe(status, Clock::now());
+}
+
+void NodeDiagnostics::describeMotion(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  motion_.describe(status);
 }
 
 void NodeDiagnostics::describeOutput(Status& status) {

@@ -15,6 +15,7 @@
 #include "core/fallback_detector.h"
 #include "node/cycle_report.h"
 #include "node/mesh_mailbox.h"
+#include "node/motion_watch.h"
 #include "node/parameters.h"
 #include "node/robot_source.h"
 #include "node/rules_in_force.h"
@@ -23,7 +24,8 @@
 
 namespace deformable_contact_monitor {
 
-// Six kinds of status: status, mesh:<object>, tf, timing, output, allowed. Threads may call every
+// Kinds of status: status, mesh:<object>, tf, timing, output, allowed; in swept motion, motion.
+// Threads may call every
 // function at any time.
 class NodeDiagnostics {
  public:
@@ -77,6 +79,7 @@ class NodeDiagnostics {
   void describeTiming(Status& status);
   void describeOutput(Status& status);
   void describeAllowed(Status& status);
+  void describeMotion(Status& status);
 
   struct MeshWatch {
     MeshCounters counters;
@@ -100,6 +103,7 @@ class NodeDiagnostics {
   std::uint64_t cycles_ = 0, resets_ = 0;
   TimingWatch timing_{Clock::now()};
   TransformWatch transforms_;
+  MotionWatch motion_;
   RulesInForce rules_;
   ContactArray output_;  // of the latest cycle, without the pairs
 };

@@ -35,23 +35,24 @@ void add(const PairSummary& part, PairSummary* sum) {
 }
 
 // Of contacts [begin, end). Whether they touch, the verdict says; geometry, how deep.
-double minSeparationM(const CycleReport& report, std::size_t begin, std::size_t end) {
+double minSeparationM(const CycleReport& report, const DetectionResult& result, std::size_t begin,
+                      std::size_t end) {
   const auto least = [begin, end](const std::vector<float>& of_all) {
     return *std::min_element(of_all.begin() + static_cast<std::ptrdiff_t>(begin),
                              of_all.begin() + static_cast<std::ptrdiff_t>(end));
   };
-  const DetectionResult& result = *report.result;
   float separation_m = result.separations_m.empty() ? 0 : least(result.separations_m);
-  for (std::size_t i = begin; i < end && hasGeometry(report); ++i) {
+  const bool geometry = report.result == &result && hasGeometry(report);
+  for (std::size_t i = begin; i < end && geometry; ++i) {
     separation_m = std::min(separation_m, result.geometry[i].separation_m);
   }
   return separation_m;
 }
 
 // Contacts [begin, end) of one pair of bodies.
-PairSummary sumUp(const CycleReport& report, const PosedBody& of_a, const PosedBody& of_b,
-                  std::size_t begin, std::size_t end) {
-  const std::vector<TrianglePair>& contacts = report.result->contacts;
+PairSummary sumUp(const CycleReport& report, const DetectionResult& result, const PosedBody& of_a,
+                  const PosedBody& of_b, std::size_t begin, std::size_t end) {
+  const std::vector<TrianglePair>& contacts = result.contacts;
   const bool has_normal = report.bodies.at(contacts[begin].body_a).kind == BodyKind::kLink;
   PairSummary sum;
   Vec3d corners_of_a;
@@ -69,21 +70,21 @@ PairSummary sumUp(const CycleReport& report, const PosedBody& of_a, const PosedB
         sum.corner_sum + (corners_of_a + cornerSum(of_b.triangle(contacts[i].triangle_b)));
   }
   sum.count = end - begin;
-  sum.min_separation_m = minSeparationM(report, begin, end);
+  sum.min_separation_m = minSeparationM(report, result, begin, end);
   return sum;
 }
 
 // Contacts are sorted, so those of one triangle of body_a with one body_b stand together, and so do
 // many of one pair of bodies: they are summed up apart from the map.
-Summaries summarize(const CycleReport& report, const std::vector<PosedBody>& bodies,
-                    std::size_t begin, std::size_t end) {
+Summaries summarize(const CycleReport& report, const DetectionResult& result,
+                    const std::vector<PosedBody>& bodies, std::size_t begin, std::size_t end) {
   Summaries summaries;
-  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  const std::vector<TrianglePair>& contacts = result.contacts;
   for (std::size_t first = begin; first < end;) {
     const BodyId a = contacts[first].body_a, b = contacts[first].body_b;
     std::size_t last = first;
     while (last < end && contacts[last].body_a == a && contacts[last].body_b == b) ++last;
-    add(sumUp(report, bodies[a], bodies[b], first, last), &summaries[key(a, b)]);
+    add(sumUp(report, result, bodies[a], bodies[b], first, last), &summaries[key(a, b)]);
     first = last;
   }
   return summaries;
@@ -102,12 +103,12 @@ Vec3d PairSummary::meanNormal() const {
 }
 
 // In blocks that leave the contacts of one triangle of body_a together.
-PairSummaries::PairSummaries(const CycleReport& report) {
+PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* result) {
   constexpr std::size_t kBlock = 8192;
-  if (report.scene == nullptr || report.result == nullptr) return;
+  if (report.scene == nullptr || result == nullptr) return;
   std::vector<PosedBody> bodies;
   for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
-  const std::vector<TrianglePair>& contacts = report.result->contacts;
+  const std::vector<TrianglePair>& contacts = result->contacts;
   const auto start = [&contacts](std::size_t i) {
     while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
     return i;
@@ -115,7 +116,7 @@ PairSummaries::PairSummaries(const CycleReport& report) {
   std::vector<Summaries> parts(blockCount(contacts.size(), kBlock));
   parallelBlocks(contacts.size(), kBlock,
                  [&](std::size_t block, std::size_t begin, std::size_t end) {
-                   parts[block] = summarize(report, bodies, start(begin), start(end));
+                   parts[block] = summarize(report, *result, bodies, start(begin), start(end));
                  });
   for (const Summaries& part : parts) {
     for (const auto& [pair, summary] : part) add(summary, &by_pair_[pair]);

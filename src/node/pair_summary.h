@@ -30,7 +30,9 @@ class PairSummaries {
  public:
   // On threads. Normals are summed up where body_a is a link: only links have a side that faces the
   // other body.
-  explicit PairSummaries(const CycleReport& report);
+  explicit PairSummaries(const CycleReport& report) : PairSummaries(report, report.result) {}
+  // The same of another result (null: nothing) of the report's scene.
+  PairSummaries(const CycleReport& report, const DetectionResult* result);
 
   // Empty if the two have no contact.
   PairSummary of(BodyId a, BodyId b) const;

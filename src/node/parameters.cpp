@@ -151,6 +151,8 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   o.iterations = reader->integer("iterations", o.iterations, -kAny, kAny);
   o.refresh_period = reader->integer("refresh_period", o.refresh_period, -kAny, kAny);
   o.threads = reader->integer("threads", o.threads, -kAny, kAny);
+  p->motion = static_cast<Motion>(reader->choice("motion", {"instant", "swept"}, 0));
+  p->swept_tolerance_m = reader->number("swept_tolerance_m", p->swept_tolerance_m, 0, 1);
   o.geometry = reader->flag("contact_geometry", o.geometry);
   p->containment = reader->flag("containment", p->containment);
 }

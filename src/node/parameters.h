@@ -58,8 +58,10 @@ struct MonitorParameters {
 
   BackendChoice backend = BackendChoice::kAuto;
   CudaSettings cuda;
-  Options detector;
-  bool containment = false;  // what is within a closed surface is a contact
+  Options detector;                  // of one moment
+  Motion motion = Motion::kInstant;  // swept: of the time since the previous cycle, too
+  double swept_tolerance_m = 1e-4;   // of links' ways; 0: straight lines
+  bool containment = false;          // what is within a closed surface is a contact
 
   double max_rate_hz = 100;   // of an object's cycles; 0: every mesh
   double robot_rate_hz = 30;  // of the robot's own cycles (robot_self)

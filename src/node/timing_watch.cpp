@@ -29,7 +29,8 @@ std::string meanP95Max(const std::deque<double>& times_ms) {
 
 }  // namespace
 
-void TimingWatch::end(const DetectionResult* result, double cycle_s, double latency_s) {
+void TimingWatch::end(const CycleReport& report, double cycle_s, double latency_s) {
+  const DetectionResult* const result = report.result;
   running_since_.reset();
   busy_s_ += cycle_s;
   if (result == nullptr) return;
@@ -43,6 +44,11 @@ void TimingWatch::end(const DetectionResult* result, double cycle_s, double late
   add("cycle [ms]", 1e3 * cycle_s);
   add("detection [ms]", result->round_trip_ms);
   for (const auto& [stage, ms] : result->stages_ms) add("stage " + stage + " [ms]", ms);
+  if (report.motion == Motion::kInstant) return;
+  double steps_s = 0;
+  for (const SweepReport& sweep : report.sweeps) steps_s += sweep.compute_s;
+  add("steps [ms]", 1e3 * steps_s);
+  add("latency without steps [ms]", 1e3 * (latency_s - steps_s));
 }
 
 double TimingWatch::runsFor(SteadyTime now) const {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "core/detector.h"
 #include "core/steady_time.h"
+#include "node/cycle_report.h"
 
 namespace deformable_contact_monitor {
 
@@ -23,16 +23,16 @@ class TimingWatch {
   void start(SteadyTime now) { running_since_ = now; }
 
   // It has ended. `cycle_s`: the work, from taking transforms to the markers; `latency_s`: from the
-  // arrival of the mesh that asked for it until all but the markers is published. `result` is null
-  // if nothing was detected.
-  void end(const DetectionResult* result, double cycle_s, double latency_s);
+  // arrival of the mesh that asked for it until all but the markers is published.
+  void end(const CycleReport& report, double cycle_s, double latency_s);
 
   // Of the cycle that has not ended [s]; 0 if there is none.
   double runsFor(SteadyTime now) const;
 
   // A warning if cycles took more than nine tenths of the time since the last description, or one
   // has been running for more than half a second; then mean, p95 and most of the last 200 cycles'
-  // latency, work, detection and stages.
+  // latency, work, detection and stages; in swept motion of the steps, too, and of the latency
+  // without them, which is what instant motion has.
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now);
 
  private:

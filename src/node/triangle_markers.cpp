@@ -22,6 +22,10 @@ std_msgs::ColorRGBA nearColor(BodyKind kind, float alpha) {
                                  : makeColor(1, 0.95F, 0.7F, alpha);
 }
 
+std_msgs::ColorRGBA passedColor(BodyKind kind, float alpha) {
+  return kind == BodyKind::kLink ? makeColor(0.8F, 0, 1, alpha) : makeColor(0.5F, 0.2F, 1, alpha);
+}
+
 // Triangles of one body, each once. Contacts are many, and the next cycle waits for the markers.
 class TriangleSet {
  public:
@@ -73,6 +77,33 @@ class ContactTriangles {
       marker.color = contactColor(BodyKind::kLink, options_.alpha);
       if (marker.points.empty()) continue;
       count += marker.points.size() / 3;
+      markers->push_back(std::move(marker));
+    }
+    return count;
+  }
+
+  // Those of the cycle's steps that are not drawn yet, at most so many. Returns as add().
+  std::size_t addPassed(std::size_t most, std::vector<Marker>* markers) {
+    std::map<BodyPair, Marker> of_pair;
+    std::size_t count = 0;
+    for (const SweepReport& sweep : report_.sweeps) {
+      if (sweep.result == nullptr) continue;
+      for (const TrianglePair& c : sweep.result->detection.contacts) {
+        Marker& marker = of_pair[{c.body_a, c.body_b}];
+        for (const auto& [id, triangle] :
+             {std::pair(c.body_a, c.triangle_a), std::pair(c.body_b, c.triangle_b)}) {
+          if (count < most && addPassedTriangle(id, triangle, &marker)) ++count;
+        }
+      }
+    }
+    for (auto& [pair, drawn] : of_pair) {
+      if (drawn.points.empty()) continue;
+      Marker marker =
+          makeMarker(report_, options_, pairKey(report_, pair.first, pair.second, kPassed),
+                     Marker::TRIANGLE_LIST);
+      marker.points = std::move(drawn.points);
+      marker.colors = std::move(drawn.colors);
+      marker.color = passedColor(BodyKind::kLink, options_.alpha);
       markers->push_back(std::move(marker));
     }
     return count;
@@ -141,6 +172,17 @@ class ContactTriangles {
     }
   }
 
+  // Returns whether it was added.
+  bool addPassedTriangle(BodyId id, std::uint32_t triangle, Marker* marker) {
+    TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
+    if (highlighted.has(triangle)) return false;
+    if (!addTriangle(PosedBody(body(id)).triangle(triangle), marker)) return false;
+    marker->colors.insert(marker->colors.end(), 3,
+                          passedColor(report_.bodies[id].kind, options_.alpha));
+    highlighted.insert(triangle);
+    return true;
+  }
+
   const CycleReport& report_;
   const MarkerOptions& options_;
   std::map<BodyId, TriangleSet> highlighted_;
@@ -153,6 +195,7 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
   ContactTriangles contacts(report, options_);
   std::size_t budget = options_.max_triangles;
   if (report.result != nullptr) budget -= contacts.add(markers);
+  budget -= contacts.addPassed(budget, markers);
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
     const BodyStatus& body = report.bodies[id];
     if (body.kind != BodyKind::kDeformable || !body.triggered || !body.unknown_because.empty()) {
