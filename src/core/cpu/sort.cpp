@@ -16,15 +16,16 @@ std::uint32_t memberOf(std::uint64_t key) { return static_cast<std::uint32_t>(ke
 }  // namespace
 
 // Fills projected_, the keys of order_, and what the other two axes are quantised by.
-void ClusterSorter::project(const ClusterMember* members) {
+template <class Hull>
+void ClusterSorter<Hull>::project(const ClusterMember<Hull>* members) {
   const auto count = static_cast<std::uint32_t>(projected_.size());
   // Axes of the centroids, about the first of them.
   Moments moments;
   Vec3f first;
   for (std::uint32_t m = 0; m < count && !pace_.over(); ++m) {
     Vec3f* scaled = projected_[m].scaled;
-    for (int k = 0; k < 3; ++k) scaled[k] = input_.split.scale.apply(members[m].posed.v[k]);
-    const Vec3f centroid = centroidOf(scaled);
+    input_.split.scaled(members[m].posed, scaled);
+    const Vec3f centroid = meanOf<Hull>(scaled);
     if (m == 0) first = centroid;
     moments.add(centroid - first);
   }
@@ -38,8 +39,8 @@ void ClusterSorter::project(const ClusterMember* members) {
     projected.group = input_.groups.group[body];
     one_group_ = one_group_ && projected.group == projected_[0].group;
     for (int k = 0; k < 3; ++k) {
-      projected.interval[k] = deformable_contact_monitor::project(axes.axis[k], projected.scaled,
-                                                                  input_.slack[body] / 2);
+      projected.interval[k] = deformable_contact_monitor::project<kPoints<Hull>>(
+          axes.axis[k], projected.scaled, input_.slack[body] / 2);
       low[k] = least(low[k], projected.interval[k].lo);
       high[k] = most(high[k], projected.interval[k].hi);
     }
@@ -48,7 +49,8 @@ void ClusterSorter::project(const ClusterMember* members) {
   for (int k = 0; k < 2; ++k) quantiser_[k] = {low[k + 1], high[k + 1]};
 }
 
-void ClusterSorter::order() {
+template <class Hull>
+void ClusterSorter<Hull>::order() {
   sortWithin(input_.limit, order_.size(), std::less<std::uint64_t>(),
              [this](const auto& less) { std::sort(order_.begin(), order_.end(), less); });
   if (one_group_ || input_.limit.wasOver()) return;
@@ -60,7 +62,8 @@ void ClusterSorter::order() {
 }
 
 // Every array of `sorted` but `cluster`.
-void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) {
+template <class Hull>
+void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedCluster<Hull>& sorted) {
   const auto count = static_cast<std::uint32_t>(order_.size());
   sorted.groups.clear();
   sorted.lo.resize(count);
@@ -72,7 +75,7 @@ void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) 
   sorted.clusters.resize(count);
   if (input_.limit.wasOver()) return;
   for (std::uint32_t i = 0; i < count && !pace_.over(); ++i) {
-    const ClusterMember& member = members[memberOf(order_[i])];
+    const ClusterMember<Hull>& member = members[memberOf(order_[i])];
     const Projected& projected = projected_[memberOf(order_[i])];
     if (sorted.groups.empty() || sorted.groups.back().group != projected.group) {
       sorted.groups.push_back({projected.group, i, i});
@@ -84,19 +87,21 @@ void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) 
     sorted.packed_lo[i] = packed.lo;
     sorted.packed_hi[i] = packed.hi;
     // Not looked up: computing it is faster than a cache miss.
-    sorted.boxes[i] = inflated(boxOf(member.posed), input_.scene.body(member.body.value).margin_m);
+    sorted.boxes[i] =
+        inflated(boxOf(member.posed), growthOf<Hull>(input_.scene.body(member.body.value)));
     sorted.triangles[i] =
-        PreparedTriangle(member.posed, member.vertex_id, member.triangle, member.body);
+        PreparedTriangle<Hull>(member.posed, member.vertex_id, member.triangle, member.body);
     sorted.clusters[i] =
         member.list_size == 1 ? nullptr : &input_.assignment.lists[member.list_begin];
   }
 }
 
-bool ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
-  const ClusterAssignment& assignment = input_.assignment;
+template <class Hull>
+bool ClusterSorter<Hull>::sort(ClusterIndex cluster, SortedCluster<Hull>& sorted) {
+  const ClusterAssignment<Hull>& assignment = input_.assignment;
   const std::uint32_t begin = assignment.member_begin[cluster.value];
   const std::uint32_t count = assignment.member_begin[cluster.value + 1] - begin;
-  const ClusterMember* const members = assignment.members.data() + begin;
+  const ClusterMember<Hull>* const members = assignment.members.data() + begin;
   resizeWithin(input_.limit, count, projected_);
   order_.resize(count);
   if (input_.limit.wasOver()) return false;
@@ -108,5 +113,8 @@ bool ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
   sorted.cluster = cluster;
   return !input_.limit.wasOver();
 }
+
+template class ClusterSorter<Triangle>;
+template class ClusterSorter<MovingTriangle>;
 
 }  // namespace deformable_contact_monitor
