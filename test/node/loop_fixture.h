@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <sstream>
@@ -20,6 +21,8 @@ struct FakeDetector : Detector {
   struct Script {
     std::string failure;  // detect() throws it; empty: it finds nothing
     bool out_of_time = false;
+    std::string step_failure;  // as failure, in swept motion
+    bool step_out_of_time = false;
     std::chrono::steady_clock::time_point deadline;  // of the last detection
     Options options;                                 // of it
     std::vector<float> margins_m;                    // of its bodies
@@ -34,8 +37,10 @@ struct FakeDetector : Detector {
     script->margins_m.clear();
     for (const Body& body : scene.bodies()) script->margins_m.push_back(body.margin_m);
     result.begin(scene, options, true);
-    if (script->out_of_time) result.cutOff("no time");
-    if (!script->failure.empty()) throw std::runtime_error(script->failure);
+    const bool is_step = options.motion == Motion::kSwept;
+    if (is_step ? script->step_out_of_time : script->out_of_time) result.cutOff("no time");
+    const std::string& failure = is_step ? script->step_failure : script->failure;
+    if (!failure.empty()) throw std::runtime_error(failure);
     return result;
   }
   void reset() override { ++script->resets; }
@@ -53,9 +58,12 @@ struct FakeSink : CycleSink {
     std::vector<MonitoredPair> pairs;    // of the latest report
     std::vector<std::uint64_t> refused;  // by object
     RulesInForce rules;
-    bool wants_geometry = false;     // what the loop is told
-    std::vector<InsidePart> inside;  // of the latest cycle that looked for them
-    int looks_within = 0;            // such cycles
+    std::function<void(const CycleReport&)> at_result;  // called with each cycle
+    bool wants_geometry = false;                        // what the loop is told
+    std::vector<InsidePart> inside;                     // of the latest cycle that looked for them
+    int looks_within = 0;                               // such cycles
+    std::vector<SweepReport> sweeps;                 // of the latest cycle; their results are gone
+    std::vector<std::pair<BodyId, BodyId>> enabled;  // pairs of its scene, behind its steps
   };
 
   FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
@@ -77,6 +85,9 @@ struct FakeSink : CycleSink {
   }
   void sendCycle(CycleReport* report, SteadyTime /*start*/, SteadyTime /*mesh_arrival*/) override {
     addReport(report->result != nullptr ? "cycle" : "no result", *report);
+    log->sweeps = report->sweeps;
+    if (report->scene != nullptr) log->enabled = report->scene->enabledPairs();
+    if (log->at_result) log->at_result(*report);
   }
   void sendHeartbeat(CycleReport* report) override { addReport("heartbeat", *report); }
   void listPairs(CycleReport* report) override { log->pairs = report->pairs; }
@@ -111,12 +122,15 @@ struct FakeSink : CycleSink {
   std::function<void()>* const at_start;
 };
 
-inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s) {
+// Turned by so much about z [rad].
+inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s,
+                         double angle = 0) {
   geometry_msgs::TransformStamped t;
   t.header.frame_id = "base";
   t.header.stamp = ros::Time(stamp_s);
   t.child_frame_id = frame;
-  t.transform.rotation.w = 1;
+  t.transform.rotation.z = std::sin(angle / 2);
+  t.transform.rotation.w = std::cos(angle / 2);
   buffer->setTransform(t, "test");
 }
 
@@ -135,13 +149,14 @@ class LoopTest : public ::testing::Test {
     for (const ObjectParameters& object : parameters_.objects) meshes_.emplace_back(object.name);
   }
 
-  // A mesh of one triangle arrives.
-  void give(std::size_t object, double stamp_s, const std::string& frame = "base") {
+  // A mesh of one triangle arrives, at that height [m].
+  void give(std::size_t object, double stamp_s, const std::string& frame = "base", float z = 0,
+            std::uint32_t topology_id = 3) {
     auto message = boost::make_shared<DeformableMesh>();
     message->header.stamp = ros::Time(stamp_s);
     message->header.frame_id = frame;
-    message->topology_id = 3;
-    message->vertices = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    message->topology_id = topology_id;
+    message->vertices = {0, 0, z, 1, 0, z, 0, 1, z};
     message->triangles = {0, 1, 2};
     meshes_[object].store(message);
   }
@@ -152,8 +167,7 @@ class LoopTest : public ::testing::Test {
       loop_ = std::make_unique<DetectionLoop>(
           parameters_,
           LoopSources{requests_, meshes_, transforms_, [this] { return newestRobot(); }},
-          LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }},
-          std::make_unique<FakeDetector>(&detector_),
+          LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }}, make_detector_(),
           std::make_unique<FakeSink>(&said_, &at_cycle_));
     }
     wake_time_ = loop_->step();
@@ -177,6 +191,9 @@ class LoopTest : public ::testing::Test {
   tf2::BufferCore transforms_;
   std::function<std::shared_ptr<const RobotGeometry>()> robot_source_;
   FakeDetector::Script detector_;
+  std::function<std::unique_ptr<Detector>()> make_detector_ = [this] {
+    return std::make_unique<FakeDetector>(&detector_);
+  };
   FakeSink::Log said_;
   SteadyTime steady_time_{std::chrono::hours(7)};
   ros::Time ros_time_{50};

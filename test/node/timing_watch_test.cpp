@@ -24,7 +24,8 @@ class TimingWatchTest : public ::testing::Test {
   void cycle(double cycle_s, const DetectionResult* result = nullptr) {
     watch_.start(now_);
     now_ += fromSeconds(cycle_s);
-    watch_.end(result, cycle_s, 2 * cycle_s);
+    report_.result = result;
+    watch_.end(report_, cycle_s, 2 * cycle_s);
   }
 
   static std::string value(const DiagnosticStatus& status, const std::string& key) {
@@ -36,6 +37,7 @@ class TimingWatchTest : public ::testing::Test {
 
   SteadyTime now_{std::chrono::hours(7)};
   TimingWatch watch_{now_};
+  CycleReport report_;
 };
 
 TEST_F(TimingWatchTest, MoreThanNineTenthsOfTheTimeIsBusy) {
@@ -61,7 +63,7 @@ TEST_F(TimingWatchTest, ACycleThatDoesNotEndIsSaid) {
   EXPECT_EQ(watch_.runsFor(now_), 0.75);
   EXPECT_EQ(describe().level, DiagnosticStatus::WARN);
   EXPECT_EQ(describe().message, "busy: a cycle runs for 0.750000 s");
-  watch_.end(nullptr, 0.75, 0.75);
+  watch_.end(CycleReport(), 0.75, 0.75);
   EXPECT_EQ(watch_.runsFor(now_), 0);
   now_ += fromSeconds(1);
   EXPECT_EQ(describe().message, "in time");
@@ -84,6 +86,21 @@ TEST_F(TimingWatchTest, TimesAreOfTheLastTwoHundredCycles) {
   EXPECT_EQ(value(status, "detection [ms]"), "mean 30.000, p95 30.000, max 30.000");
   EXPECT_EQ(value(status, "stage sweep [ms]"), "mean 20.000, p95 20.000, max 20.000");
   EXPECT_EQ(value(status, "cold starts"), "1");
+}
+
+TEST_F(TimingWatchTest, SweptMotionHasItsStepsAndTheLatencyWithoutThem) {
+  const DetectionResult result;
+  cycle(0.25, &result);
+  EXPECT_EQ(value(describe(), "steps [ms]"), "");
+  report_.motion = Motion::kSwept;
+  report_.sweeps.resize(2);
+  report_.sweeps[0].compute_s = 0.125;
+  report_.sweeps[1].compute_s = 0.0625;
+  cycle(0.25, &result);
+  const DiagnosticStatus status = describe();
+  EXPECT_EQ(value(status, "steps [ms]"), "mean 187.500, p95 187.500, max 187.500");
+  EXPECT_EQ(value(status, "latency without steps [ms]"), "mean 312.500, p95 312.500, max 312.500");
+  EXPECT_EQ(value(status, "latency [ms]"), "mean 500.000, p95 500.000, max 500.000");
 }
 
 }  // namespace

@@ -1,0 +1,456 @@
+// Swept motion in the detection loop: where steps begin, of which pairs they are, and when there is
+// none.
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "loop_fixture.h"
+#include "reference/brute_force_detector.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+std::shared_ptr<const RobotGeometry> robotOf(std::size_t links) {
+  const auto robot = std::make_shared<RobotGeometry>();
+  for (std::size_t i = 0; i < links; ++i) {
+    robot->links.push_back({"link" + std::to_string(i),
+                            "test",
+                            {{0.25F, 0.25F, -1, 0.5F, 0.25F, -1, 0.25F, 0.5F, -1}, {0, 1, 2}},
+                            ""});
+  }
+  return robot;
+}
+
+bool isSame(const RigidTransform& a, const RigidTransform& b) {
+  return std::equal(std::begin(a.rotation), std::end(a.rotation), std::begin(b.rotation)) &&
+         std::equal(std::begin(a.translation), std::end(a.translation), std::begin(b.translation));
+}
+
+class StepsTest : public LoopTest {
+ protected:
+  StepsTest() {
+    parameters_.motion = Motion::kSwept;
+    steady_time_ = std::chrono::steady_clock::now();  // the detector's deadlines are real
+    make_detector_ = [] { return makeBruteForceDetector(); };
+    said_.at_result = [this](const CycleReport& report) {
+      names_.clear();
+      for (const BodyStatus& body : report.bodies) names_.push_back(body.name);
+      stamp_touches_ = report.result != nullptr && !report.result->contacts.empty();
+      found_.clear();
+      for (const SweepReport& sweep : report.sweeps) {
+        if (sweep.result == nullptr) continue;
+        for (const TrianglePair& pair : sweep.result->detection.contacts) {
+          found_.push_back(names_[pair.body_a] + "/" + names_[pair.body_b]);
+        }
+      }
+    };
+  }
+
+  void useRobot(std::size_t links) {
+    const auto robot = robotOf(links);
+    robot_source_ = [robot] { return robot; };
+  }
+
+  // Of the latest cycle: "50 of cloth: cloth/cable (cable: why it is skipped)" for each step, with
+  // 0 for none.
+  Lines steps() const {
+    Lines lines;
+    for (const SweepReport& sweep : said_.sweeps) {
+      std::ostringstream line;
+      line << sweep.from.toSec() << " of";
+      for (const BodyId id : sweep.triggered) line << " " << names_[id];
+      line << ":";
+      for (const MonitoredPair& pair : sweep.pairs) {
+        line << " " << names_[pair.a] << "/" << names_[pair.b];
+      }
+      for (BodyId id = 0; id < sweep.bodies.size(); ++id) {
+        if (sweep.bodies[id].skipped.empty()) continue;
+        line << " (" << names_[id] << ": " << sweep.bodies[id].skipped << ")";
+      }
+      lines.push_back(line.str());
+    }
+    return lines;
+  }
+
+  // Height of an object at the beginning of the only step [m]; nan: it did not change since.
+  float earlierZ(std::size_t object) const {
+    const StepBody& body = said_.sweeps.at(0).bodies[names_.size() - 2 + object];
+    return body.mesh == nullptr ? std::nanf("") : body.mesh->vertices[2];
+  }
+
+  std::vector<std::string> names_;
+  std::vector<std::string> found_;  // by the steps of the latest cycle: bodies of triangle pairs
+  bool stamp_touches_ = false;      // some pair of it at its stamp
+};
+
+TEST_F(StepsTest, InstantMotionHasNone) {
+  parameters_.motion = Motion::kInstant;
+  for (const double stamp : {50.0, 50.125}) {
+    give(0, stamp);
+    give(1, stamp);
+    step();
+    EXPECT_EQ(steps(), Lines());
+  }
+}
+
+TEST_F(StepsTest, TheFirstCycleHasNone) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth cable: cloth/cable (cloth: its first cycle) (cable: its "
+                           "first cycle)"});
+}
+
+TEST_F(StepsTest, WhatPassesBetweenTwoCyclesIsFound) {
+  give(0, 50);
+  give(1, 50, "base", -1);
+  step();
+  EXPECT_FALSE(stamp_touches_);
+  give(0, 50.125);
+  give(1, 50.125, "base", 1);
+  step();
+  EXPECT_FALSE(stamp_touches_);
+  EXPECT_EQ(steps(), Lines{"50 of cloth cable: cloth/cable"});
+  EXPECT_EQ(found_, Lines{"cloth/cable"});
+  EXPECT_EQ(earlierZ(1), -1);
+}
+
+// The partner's mesh at the beginning is that of the previous cycle, not the one that came between.
+TEST_F(StepsTest, AnObjectsStepsJoinWithoutGaps) {
+  give(1, 50, "base", 1);
+  step();
+  give(0, 50, "base", 0);
+  step();
+  give(1, 50.0625, "base", 2);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cable: cloth/cable"});
+  EXPECT_EQ(earlierZ(1), 1);
+  give(1, 50.125, "base", 3);
+  step();
+  EXPECT_EQ(earlierZ(1), 2);
+  give(0, 50.125, "base", 5);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth: cloth/cable"});
+  EXPECT_EQ(earlierZ(0), 0);
+  EXPECT_EQ(earlierZ(1), 1) << "as the cloth's cycle at 50 used it";
+  give(0, 50.1875, "base", 6);
+  step();
+  EXPECT_EQ(steps(), Lines{"50.125 of cloth: cloth/cable"});
+  EXPECT_EQ(earlierZ(0), 5);
+  EXPECT_TRUE(std::isnan(earlierZ(1))) << "it stood still";
+}
+
+TEST_F(StepsTest, ObjectsOfOneCycleWithDifferentPreviousOnesHaveAStepEach) {
+  parameters_.pair_classes = {false, true, true, false};
+  give(0, 50);
+  step();
+  give(1, 50.0625);
+  step();
+  give(0, 50.125);
+  give(1, 50.125);
+  step();
+  EXPECT_EQ(steps(),
+            (Lines{"50 of cloth: cloth/cloth", "50.0625 of cable: cloth/cable cable/cable"}))
+      << "of the pair between them, the later is the previous cycle";
+  EXPECT_EQ(said_.enabled, (std::vector<std::pair<BodyId, BodyId>>{{0, 0}, {0, 1}, {1, 1}}))
+      << "the scene's pairs are the cycle's again";
+  give(0, 50.25);
+  give(1, 50.25);
+  step();
+  EXPECT_EQ(steps(), Lines{"50.125 of cloth cable: cloth/cloth cloth/cable cable/cable"});
+}
+
+TEST_F(StepsTest, OnlyPairsOfThoseWhoseCycleItIsHaveOne) {
+  parameters_.pair_classes = {false, true, true, false};
+  for (const double stamp : {50.0, 50.125}) {
+    give(0, stamp);
+    give(1, stamp);
+    step();
+  }
+  give(1, 50.1875);
+  step();
+  EXPECT_EQ(steps(), Lines{"50.125 of cable: cloth/cable cable/cable"});
+}
+
+TEST_F(StepsTest, AfterALongGapThereIsNone) {
+  give(0, 50);
+  step();
+  ros_time_ = ros::Time(50.5);
+  give(0, 50.5);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth:"}) << "max_mesh_age_s, no longer";
+  ros_time_ = ros::Time(51.03125);
+  give(0, 51.03125);
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: its previous cycle is 0.531250 s older, more than "
+                           "max_mesh_age_s)"});
+}
+
+TEST_F(StepsTest, AfterAResetThereIsNone) {
+  give(0, 50);
+  step();
+  requests_.requestReset();
+  give(0, 50.125);
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: reset)"});
+}
+
+TEST_F(StepsTest, AfterItWasDisabledThereIsNone) {
+  give(0, 50);
+  step();
+  requests_.setEnabled(false);
+  step();
+  requests_.setEnabled(true);
+  give(0, 50.125);
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: it was disabled)"});
+}
+
+TEST_F(StepsTest, AfterTheClockWentBackThereIsNone) {
+  give(0, 50);
+  step();
+  ros_time_ = ros::Time(40);
+  step();
+  give(0, 40);
+  step();
+  ASSERT_EQ(steps().size(), 1U);
+  EXPECT_EQ(steps()[0].substr(0, 35), "0 of cloth: (cloth: time jump: the ");
+}
+
+TEST_F(StepsTest, AfterAnObjectsStampsWentBackItAloneHasNone) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  give(0, 49.25);
+  give(1, 50.125);
+  ros_time_ = ros::Time(49.5);
+  step();
+  step();
+  give(0, 49.375);
+  step();
+  EXPECT_EQ(steps(), Lines{"49.25 of cloth:"});
+}
+
+TEST_F(StepsTest, OfOtherTrianglesThereIsNone) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  give(0, 50.125, "base", 0, 4);
+  give(1, 50.125);
+  step();
+  EXPECT_EQ(steps(), (Lines{"0 of cloth: (cloth: other triangles than in the previous cycle)",
+                            "50 of cable: cloth/cable (cloth: other triangles than in the previous "
+                            "cycle)"}));
+  EXPECT_EQ(found_, Lines());
+  give(0, 50.25, "base", 0, 4);
+  step();
+  EXPECT_EQ(steps(), Lines{"50.125 of cloth: cloth/cable"});
+}
+
+TEST_F(StepsTest, APartnerThatWasNotThereCostsItsPairsAlone) {
+  parameters_.pair_classes = {false, true, true, false};
+  give(0, 50);
+  step();
+  give(1, 50.0625);
+  step();
+  give(0, 50.125);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth: cloth/cloth cloth/cable (cable: not known in the previous "
+                           "cycle)"});
+  EXPECT_EQ(found_, Lines());
+}
+
+TEST_F(StepsTest, AnObjectThatWasNotKnownItselfHasNone) {
+  addTransform(&transforms_, "camera", 50);
+  give(0, 50, "lens");
+  step();
+  addTransform(&transforms_, "lens", 50);
+  addTransform(&transforms_, "lens", 51);
+  give(0, 50.125, "lens");
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: not known in the previous cycle)"});
+}
+
+TEST_F(StepsTest, AnotherFrameThanBeforeHasNone) {
+  addTransform(&transforms_, "camera", 50);
+  addTransform(&transforms_, "camera", 51);
+  give(0, 50);
+  step();
+  give(0, 50.125, "camera");
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: another frame than in the previous cycle)"});
+}
+
+// Its first cycle is that of an object, which has no step; another robot has other bodies.
+TEST_F(StepsTest, OfAnotherRobotThereIsNone) {
+  useRobot(1);
+  parameters_.pair_classes = {true, false, false, false};
+  addTransform(&transforms_, "link0", 50);
+  addTransform(&transforms_, "link1", 50);
+  addTransform(&transforms_, "link0", 51);
+  addTransform(&transforms_, "link1", 51);
+  give(0, 50);
+  step();
+  useRobot(2);
+  give(0, 50.125);
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth: link0/cloth link1/cloth (cloth: the robot changed)"});
+}
+
+class PathsTest : public StepsTest {
+ protected:
+  PathsTest() {
+    useRobot(1);
+    parameters_.pair_classes = {true, false, false, false};
+  }
+
+  const BodyPath& path(BodyId id) const { return said_.sweeps.at(0).bodies.at(id).path; }
+};
+
+TEST_F(PathsTest, ALinkThatMovesHasAPathByItsTransforms) {
+  for (int i = 0; i <= 4; ++i) addTransform(&transforms_, "link0", 50 + i / 32.0, 0.1 * i * i);
+  give(0, 50, "base", -1);
+  step();
+  give(0, 50.125, "base", -2);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth: link0/cloth"});
+  const TransformLookup lookup(transforms_, "base");
+  ASSERT_FALSE(path(0).empty());
+  EXPECT_EQ(path(0).front().at, 0);
+  EXPECT_TRUE(isSame(path(0).front().pose, said_.sweeps[0].bodies[0].pose));
+  EXPECT_EQ(path(0).back().at, 1);
+  for (std::size_t i = 0; i < path(0).size(); ++i) {
+    const double at_s = 0.125 * path(0)[i].at;
+    EXPECT_TRUE(i == 0 || at_s - 0.125 * path(0)[i - 1].at <= 0.01);
+    ros::Time stamp;
+    stamp.fromNSec(50000000000ULL + static_cast<std::uint64_t>(std::llround(1e9 * at_s)));
+    EXPECT_TRUE(isSame(path(0)[i].pose, lookup.lookup({{"link0", stamp}})[0].pose)) << at_s;
+  }
+  EXPECT_TRUE(path(1).empty()) << "the cloth is in the reference frame";
+}
+
+TEST_F(PathsTest, ALinkThatStandsHasNone) {
+  for (int i = 0; i <= 4; ++i) addTransform(&transforms_, "link0", 50 + i / 32.0, 0.7);
+  give(0, 50);
+  step();
+  give(0, 50.125);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth: link0/cloth"});
+  EXPECT_TRUE(path(0).empty());
+}
+
+TEST_F(PathsTest, ALinkThatCameBackHasOne) {
+  for (int i = 0; i <= 4; ++i) addTransform(&transforms_, "link0", 50 + i / 32.0, i == 2 ? 1 : 0);
+  give(0, 50);
+  step();
+  give(0, 50.125);
+  step();
+  EXPECT_FALSE(path(0).empty());
+}
+
+TEST_F(PathsTest, ALinkThatWasNotKnownCostsItsPairsAlone) {
+  useRobot(2);
+  addTransform(&transforms_, "link0", 50);
+  addTransform(&transforms_, "link0", 51);
+  give(0, 50);
+  step();
+  addTransform(&transforms_, "link1", 50);
+  addTransform(&transforms_, "link1", 51);
+  give(0, 50.125);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth: link0/cloth link1/cloth (link1: not known in the previous "
+                           "cycle)"});
+}
+
+TEST_F(PathsTest, AnObjectWhoseFrameTurnsHasOne) {
+  addTransform(&transforms_, "link0", 50);
+  addTransform(&transforms_, "link0", 51);
+  addTransform(&transforms_, "camera", 50);
+  addTransform(&transforms_, "camera", 51, 0.5);
+  give(0, 50, "camera", -2);
+  step();
+  give(0, 50.125, "camera", -3);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth: link0/cloth"});
+  EXPECT_FALSE(path(1).empty());
+  EXPECT_EQ(earlierZ(0), -2);
+}
+
+// Between the ends the buffer has nothing any more: they themselves are known from the cycles.
+TEST_F(PathsTest, WithoutTransformsInBetweenThereIsNone) {
+  addTransform(&transforms_, "link0", 50);
+  give(0, 50);
+  step();
+  transforms_.clear();
+  addTransform(&transforms_, "link0", 50.125);
+  give(0, 50.125);
+  step();
+  ASSERT_EQ(steps().size(), 1U);
+  EXPECT_NE(steps()[0].find("(link0: between the cycles: TF from 'link0' to 'base' no longer"),
+            std::string::npos)
+      << steps()[0];
+}
+
+TEST_F(PathsTest, TheRobotsOwnCyclesHaveStepsOfTheirOwn) {
+  useRobot(2);
+  parameters_.pair_classes = {false, false, false, true};
+  for (const char* const link : {"link0", "link1"}) addTransform(&transforms_, link, 50);
+  step();
+  EXPECT_EQ(steps(),
+            Lines{"0 of link0 link1: link0/link1 (link0: the robot came) (link1: the robot "
+                  "came)"});
+  addTransform(&transforms_, "link0", 50.125, 0.5);
+  addTransform(&transforms_, "link1", 50.125);
+  stepAfter(200);
+  EXPECT_EQ(steps(), Lines{"50 of link0 link1: link0/link1"});
+  EXPECT_FALSE(path(0).empty());
+  EXPECT_TRUE(path(1).empty());
+}
+
+// What a step's detection does, by the script.
+class StepDetectionTest : public StepsTest {
+ protected:
+  StepDetectionTest() {
+    make_detector_ = [this] { return std::make_unique<FakeDetector>(&detector_); };
+    give(0, 50);
+    give(1, 50);
+    step();
+    give(0, 50.125);
+    give(1, 50.125);
+  }
+};
+
+TEST_F(StepDetectionTest, ItIsAskedWithTheSameDeadlineAndWithTimes) {
+  step();
+  EXPECT_EQ(detector_.options.motion, Motion::kSwept);
+  EXPECT_TRUE(detector_.options.first_times);
+  EXPECT_EQ(detector_.deadline, steady_time_ + std::chrono::seconds(1));
+}
+
+TEST_F(StepDetectionTest, OneThatFailsCostsTheStepAlone) {
+  detector_.step_failure = "no memory";
+  EXPECT_EQ(step(), (Lines{"error: of a step: no memory",
+                           "cycle 50.125: *cloth@50.125 "
+                           "*cable@50.125"}));
+  ASSERT_EQ(said_.sweeps.size(), 1U);
+  EXPECT_EQ(said_.sweeps[0].problem, "no memory");
+  EXPECT_EQ(said_.sweeps[0].result, nullptr);
+  EXPECT_EQ(said_.enabled, (std::vector<std::pair<BodyId, BodyId>>{{0, 1}}));
+}
+
+TEST_F(StepDetectionTest, OneThatRunsOutOfTimeIsAnOverrun) {
+  detector_.step_out_of_time = true;
+  bool is_out_of_time = false;
+  said_.at_result = [&](const CycleReport& report) { is_out_of_time = isOutOfTime(report); };
+  step();
+  EXPECT_TRUE(is_out_of_time);
+  give(0, 50.25);
+  step();
+  EXPECT_EQ(detector_.deadline, steady_time_ + std::chrono::milliseconds(250))
+      << "less the next time";
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
