@@ -59,6 +59,11 @@ struct SetDifference {
   std::string example;  // the first pair that only one has
 
   bool isEmpty() const { return only_a == 0 && only_b == 0; }
+  void add(const SetDifference& o) {
+    only_a += o.only_a;
+    only_b += o.only_b;
+    if (example.empty()) example = o.example;
+  }
 };
 
 SetDifference difference(const Scene& scene, const DetectionResult& a, const DetectionResult& b);

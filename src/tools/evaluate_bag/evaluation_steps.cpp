@@ -88,11 +88,9 @@ SetDifference difference(const Scene& scene, const RunSteps& a, const RunSteps& 
   };
   SetDifference all;
   for (std::size_t i = 0; i < a.sweeps().size(); ++i) {
-    const SetDifference found =
-        difference(scene, result_of(a.sweeps()[i]), result_of(b.sweeps()[i]));
-    all.only_a += found.only_a;
-    all.only_b += found.only_b;
-    if (all.example.empty() && !found.isEmpty()) all.example = "in the step, " + found.example;
+    SetDifference found = difference(scene, result_of(a.sweeps()[i]), result_of(b.sweeps()[i]));
+    if (!found.isEmpty()) found.example = "in the step, " + found.example;
+    all.add(found);
   }
   return all;
 }
