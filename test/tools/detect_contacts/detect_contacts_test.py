@@ -449,16 +449,14 @@ class RealFrames(unittest.TestCase):
                 self.assertTrue(all(a < b for _, a, _, b in pairs))
 
     def test_swept(self):
-        """Of one step, against the oracle; brute force, which takes long, once."""
+        """Of one step, against the oracle."""
         files = [DATA / "cloth-funnel/227.ply", DATA / "cloth-funnel/228.ply"]
-        for adjacent, backend, count in (("skip", "cpu", 381), ("beyond_shared", "cpu", 510),
-                                         ("skip", "brute_force", 381)):
+        for adjacent, count in ("skip", 381), ("beyond_shared", 510):
             options = ["--adjacent", adjacent, *files]
-            found = lines_of(TOOL, "--swept", "--self", "--pairs", "-", "--backend", backend,
-                             *options)
-            self.assertEqual(len(found), count, (adjacent, backend))
+            found = lines_of(TOOL, "--swept", "--self", "--pairs", "-", *options)
+            self.assertEqual(len(found), count, adjacent)
             self.assertEqual([(a, b) for _, a, _, b in found], lines_of(SWEPT_PAIRS, *options),
-                             (adjacent, backend))
+                             adjacent)
 
 
 if __name__ == "__main__":
