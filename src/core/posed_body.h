@@ -43,18 +43,21 @@ class PosedBody {
  private:
   PosedBody(const RigidTransform& pose, const std::vector<float>& xyz,
             const std::vector<std::uint32_t>& triangles)
-      : pose_(&pose), identity_(pose.isIdentity()), xyz_(&xyz), triangles_(&triangles) {}
+      : pose_(&pose),
+        identity_(pose.isIdentity()),
+        xyz_(xyz.data()),
+        triangles_(triangles.data()) {}
 
   Vec3f receivedVertex(std::size_t i) const {
-    const float* v = &(*xyz_)[3 * i];
+    const float* v = xyz_ + 3 * i;
     return {v[0], v[1], v[2]};
   }
-  const std::uint32_t* corners(std::uint32_t t) const { return &(*triangles_)[3 * std::size_t{t}]; }
+  const std::uint32_t* corners(std::uint32_t t) const { return triangles_ + 3 * std::size_t{t}; }
 
   const RigidTransform* pose_;
   bool identity_;
-  const std::vector<float>* xyz_;
-  const std::vector<std::uint32_t>* triangles_;
+  const float* xyz_;
+  const std::uint32_t* triangles_;
 };
 
 }  // namespace deformable_contact_monitor

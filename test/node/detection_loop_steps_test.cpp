@@ -119,9 +119,8 @@ TEST_F(StepsTest, WhatPassesBetweenTwoCyclesIsFound) {
 
 // The partner's mesh at the beginning is that of the previous cycle, not the one that came between.
 TEST_F(StepsTest, AnObjectsStepsJoinWithoutGaps) {
-  give(1, 50, "base", 1);
-  step();
   give(0, 50, "base", 0);
+  give(1, 50, "base", 1);
   step();
   give(1, 50.0625, "base", 2);
   step();
@@ -192,7 +191,7 @@ TEST_F(StepsTest, AfterAResetThereIsNone) {
   give(0, 50);
   step();
   requests_.requestReset();
-  give(0, 50.125);
+  give(0, 50.0625);
   step();
   EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: reset)"});
 }

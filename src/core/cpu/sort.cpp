@@ -31,22 +31,28 @@ void ClusterSorter<Hull>::project(const ClusterMember<Hull>* members) {
   }
   const PrincipalAxes axes = principalAxes(covarianceOf(moments));
 
-  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   one_group_ = true;
   for (std::uint32_t m = 0; m < count && !pace_.over(); ++m) {
     Projected& projected = projected_[m];
     const std::uint32_t body = members[m].body.value;
     projected.group = input_.groups.group[body];
     one_group_ = one_group_ && projected.group == projected_[0].group;
-    for (int k = 0; k < 3; ++k) {
-      projected.interval[k] = deformable_contact_monitor::project<kPoints<Hull>>(
-          axes.axis[k], projected.scaled, input_.slack[body] / 2);
-      low[k] = least(low[k], projected.interval[k].lo);
-      high[k] = most(high[k], projected.interval[k].hi);
+    const float growth = input_.slack[body] / 2;
+    projected.interval =
+        deformable_contact_monitor::project<kPoints<Hull>>(axes.axis[0], projected.scaled, growth);
+    for (int s = 0; s < kStates<Hull>; ++s) {
+      for (int k = 0; k < 2; ++k) {
+        const Interval across =
+            deformable_contact_monitor::project(axes.axis[k + 1], projected.scaled + 3 * s, growth);
+        projected.across[s][k] = across;
+        low[k] = least(low[k], across.lo);
+        high[k] = most(high[k], across.hi);
+      }
     }
-    order_[m] = std::uint64_t{orderedBits(projected.interval[0].lo)} << 32 | m;
+    order_[m] = std::uint64_t{orderedBits(projected.interval.lo)} << 32 | m;
   }
-  for (int k = 0; k < 2; ++k) quantiser_[k] = {low[k + 1], high[k + 1]};
+  for (int k = 0; k < 2; ++k) quantiser_[k] = {low[k], high[k]};
 }
 
 template <class Hull>
@@ -68,8 +74,10 @@ void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedClust
   sorted.groups.clear();
   sorted.lo.resize(count);
   sorted.hi.resize(count);
-  sorted.packed_lo.resize(count + kScanChunk);
-  sorted.packed_hi.resize(count + kScanChunk);
+  for (int s = 0; s < kStates<Hull>; ++s) {
+    sorted.packed_lo[s].resize(count + kScanChunk);
+    sorted.packed_hi[s].resize(count + kScanChunk);
+  }
   resizeWithin(input_.limit, count, sorted.boxes);
   resizeWithin(input_.limit, count, sorted.triangles);
   sorted.clusters.resize(count);
@@ -81,11 +89,13 @@ void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedClust
       sorted.groups.push_back({projected.group, i, i});
     }
     sorted.groups.back().end = i + 1;
-    sorted.lo[i] = projected.interval[0].lo;
-    sorted.hi[i] = projected.interval[0].hi;
-    const PackedBox packed = pack(quantiser_, &projected.interval[1]);
-    sorted.packed_lo[i] = packed.lo;
-    sorted.packed_hi[i] = packed.hi;
+    sorted.lo[i] = projected.interval.lo;
+    sorted.hi[i] = projected.interval.hi;
+    for (int s = 0; s < kStates<Hull>; ++s) {
+      const PackedBox packed = pack(quantiser_, projected.across[s]);
+      sorted.packed_lo[s][i] = packed.lo;
+      sorted.packed_hi[s][i] = packed.hi;
+    }
     // Not looked up: computing it is faster than a cache miss.
     sorted.boxes[i] =
         inflated(boxOf(member.posed), growthOf<Hull>(input_.scene.body(member.body.value)));

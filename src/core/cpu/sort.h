@@ -25,11 +25,16 @@ struct SortedCluster {
   std::vector<GroupRange> groups;  // ascending
   // All per position. Intervals along the first axis:
   std::vector<float> lo, hi;
-  // Along the other two, as in PackedBox; kScanChunk longer, so that the last chunk may read on.
-  std::vector<std::uint32_t> packed_lo, packed_hi;
+  // Along the other two, as in PackedBox; kScanChunk longer, so that the last chunk may read on. Of
+  // what moves at the step's beginning, then at its end.
+  std::vector<std::uint32_t> packed_lo[kStates<Hull>], packed_hi[kStates<Hull>];
   std::vector<BoxOf<Hull>> boxes;  // scene frame [m], grown by the body's margin or pad
   std::vector<PreparedTriangle<Hull>> triangles;
   std::vector<const std::uint32_t*> clusters;  // ascending; null: in this one alone
+
+  PackedColumns packed(int state) const {
+    return {packed_lo[state].data(), packed_hi[state].data()};
+  }
 };
 
 // Keeps its buffers from cluster to cluster. One per thread and cycle.
@@ -47,7 +52,8 @@ class ClusterSorter {
   struct Projected {
     std::uint32_t group;
     Vec3f scaled[kPoints<Hull>];
-    Interval interval[3];
+    Interval interval;                  // along the first axis, of all states
+    Interval across[kStates<Hull>][2];  // along the other two
   };
 
   void project(const ClusterMember<Hull>* members);

@@ -18,9 +18,13 @@ bool ClusterSweeper<Hull>::scan(std::uint32_t row, std::uint32_t begin, std::uin
   output_.interval_overlaps += end - begin;
   const std::size_t room = pair_count_ + (end - begin) + kScanChunk;
   if (pairs_.size() < room) pairs_.resize(2 * room);
-  pair_count_ +=
-      scanRow(SortedIndex(row), {sorted_.packed_lo[row], sorted_.packed_hi[row]},
-              sorted_.packed_lo.data(), sorted_.packed_hi.data(), begin, end, &pairs_[pair_count_]);
+  BoxPair* const found = &pairs_[pair_count_];
+  if constexpr (kIsMoving<Hull>) {
+    pair_count_ +=
+        scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), begin, end, found);
+  } else {
+    pair_count_ += scanRow(SortedIndex(row), sorted_.packed(0), begin, end, found);
+  }
   constexpr std::size_t kMostPairs = 1 << 18;  // bounds the memory of dense clusters
   if (pair_count_ > kMostPairs) judgePairs();
   return true;

@@ -66,4 +66,17 @@ DCM_HD inline bool intersects(const PackedBox& a, const PackedBox& b) {
          kPackedGuard;
 }
 
+// As areApart(MovingBox, MovingBox) is for boxes: a packed box of each end of the step.
+struct MovingPackedBox {
+  PackedBox from, to;
+};
+
+DCM_HD inline bool intersects(const MovingPackedBox& a, const MovingPackedBox& b) {
+  const std::uint32_t above =
+      ((a.from.hi | kPackedGuard) - b.from.lo) | ((a.to.hi | kPackedGuard) - b.to.lo);
+  const std::uint32_t below =
+      ((b.from.hi | kPackedGuard) - a.from.lo) | ((b.to.hi | kPackedGuard) - a.to.lo);
+  return (above & below & kPackedGuard) == kPackedGuard;
+}
+
 }  // namespace deformable_contact_monitor
