@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draws what measure_trade --swept measured, all scenes in each picture.
 
-lost.png    the share of contacts and of onsets that each way to look loses
+lost.png    the share of contacts and of onsets that each way to look loses, of pairs of triangles
 onsets.png  onsets found so far, of pairs of triangles, over the frames
 """
 import argparse
@@ -58,13 +58,14 @@ def plot_lost(scenes):
             shares = [100 * lost / of if of else 0 for lost, of in scene.lost(level, what)]
             axis.bar(range(len(WAYS)), shares, width=0.6, color=list(COLORS.values()))
             for place, (share, (lost, _)) in enumerate(zip(shares, scene.lost(level, what))):
-                axis.annotate(str(lost), (place, share), ha="center", va="bottom", fontsize=8)
+                axis.annotate(str(lost), (place, share), (0, 2), textcoords="offset points",
+                              ha="center", va="bottom", fontsize=8)
             axis.set_ylim(0, 1.18 * max(shares + [1]))
             axis.set_xticks(range(len(WAYS)))
             axis.set_xticklabels([label(way).replace(", ", ",\n") for way in WAYS], fontsize=7)
             axis.grid(visible=False, axis="x")
-    axes[0, 0].set_ylabel("contacts lost [%]", fontsize=9)
-    axes[1, 0].set_ylabel("onsets lost [%]", fontsize=9)
+    axes[0, 0].set_ylabel("contacts of triangles\nlost [%]", fontsize=9)
+    axes[1, 0].set_ylabel("onsets of triangles\nlost [%]", fontsize=9)
     return figure
 
 
