@@ -114,15 +114,17 @@ def plot_timeline(links, run, start):
         for s in stretches:
             if s["state"] not in COLORS:
                 continue
-            begin = float(s["from"]) - start
-            axes.barh(y, max(float(s["to"]) - float(s["from"]), .01), left=begin, height=.7,
-                      color=COLORS[s["state"]], linewidth=0)
-            if s["state"] == "PASSED":  # it is over at its stamp: a bar alone would not be seen
-                axes.plot([begin], [y], "D", color=COLORS["PASSED"], ms=4)
+            begin, end = float(s["from"]) - start, float(s["to"]) - start
+            if s["state"] == "PASSED":  # it was before its stamp, for a time that no bar has
+                axes.plot([begin, end], [y, y], "D-", color=COLORS["PASSED"], ms=5, clip_on=False)
+                continue
+            axes.barh(y, max(end - begin, .01), left=begin, height=.7, color=COLORS[s["state"]],
+                      linewidth=0)
     axes.set_yticks(range(len(shown)))
     axes.set_yticklabels([" / ".join(bodies) for bodies, _ in shown], fontsize=8)
-    axes.invert_yaxis()
     axes.set_xlabel("time since the first cycle [s]")
+    axes.set_xlim(0, max(float(s["to"]) for of in rows.values() for s in of) - start + .01)
+    axes.set_ylim(len(shown) - .5, -.5)
     axes.grid(alpha=.3, axis="x")
     handles = [plt.Rectangle((0, 0), 1, 1, color=color) for color in COLORS.values()]
     axes.legend(handles, [name.lower() for name in COLORS], fontsize=8,

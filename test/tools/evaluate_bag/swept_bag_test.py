@@ -176,6 +176,8 @@ class SweptBag(unittest.TestCase):
                          ["no", "yes", "yes", "yes", "yes"], "the first has nothing to start from")
         self.assertEqual([int(row["swept_pairs"]) for row in frames], [0, 0, len(rows), 0, 0])
         self.assertEqual({row["complete"] for row in frames}, {"yes"})
+        manual = (TESTS.parent / "src/tools/evaluate_bag/README.md").read_text()
+        self.assertRegex(manual, r"swept +NONE NONE PASSED NONE NONE +0 +%d\n" % len(rows))
 
     def test_its_event_says_when(self):
         self.evaluate(EXACT)
