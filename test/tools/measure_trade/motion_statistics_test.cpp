@@ -190,6 +190,9 @@ TEST(MotionStatistics, WhatWasNotLookedAtBeforeHasNoStepAndNoOnset) {
   EXPECT_TRUE(trueOnsets(off, MotionLevel::kBodies).empty());
   EXPECT_TRUE(off.steps[1].contacts.empty());
   EXPECT_EQ(off.steps[2].contacts.size(), 2U);
+  for (const MotionWay& way : waysToLook()) {
+    EXPECT_EQ(findOnsets(off, way, MotionLevel::kBodies, {}).added, 0U);
+  }
 
   const MotionResults changed =
       motionsOf({{0, 1}, {0, -0.125, true, true}, {0, 1, true, true}, {0, 1, true, true}}, 3);
