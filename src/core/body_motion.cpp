@@ -30,23 +30,26 @@ double determinant(const double r[9]) {
          r[2] * (r[3] * r[7] - r[4] * r[6]);
 }
 
-// The root of the product of the largest sums of a column and of a row: no less than the largest
-// factor by which the matrix makes a vector longer.
-double boundOfNorm(const double m[9]) {
-  double row = 0, column = 0;
-  for (int i = 0; i < 3; ++i) {
-    row = std::max(row, std::abs(m[3 * i]) + std::abs(m[3 * i + 1]) + std::abs(m[3 * i + 2]));
-    column = std::max(column, std::abs(m[i]) + std::abs(m[3 + i]) + std::abs(m[6 + i]));
-  }
-  return std::sqrt(row * column);
-}
-
 void multiply(const double a[9], const double b[9], double product[9]) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       product[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
     }
   }
+}
+
+// No less than the largest factor by which the matrix m makes a vector longer, whose fourth power
+// is an eigenvalue of (m^T m)^2, and so at most the largest sum of a row of that; and at most 8 %
+// more where m is of a turn about one axis.
+double boundOfNorm(const double m[9]) {
+  double transposed[9], square[9], fourth[9], most = 0;
+  for (int i = 0; i < 9; ++i) transposed[i] = m[3 * (i % 3) + i / 3];
+  multiply(transposed, m, square);
+  multiply(square, square, fourth);
+  for (int i = 0; i < 9; i += 3) {
+    most = std::max(most, std::abs(fourth[i]) + std::abs(fourth[i + 1]) + std::abs(fourth[i + 2]));
+  }
+  return std::sqrt(std::sqrt(most));
 }
 
 // Rodrigues' formula. The axis is a unit vector, or zero.
@@ -166,18 +169,18 @@ BodyMotion::BodyMotion(const Body& body, const BodyPath& path) : body_(&body), p
     reach_ = std::max({reach_, lengthOf(x, y, z), lengthOf(u, v, w)});
     change_ = std::max(change_, change);
   }
-  double stretch = 1, farthest = 0;
+  double stretch = 1;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const RigidTransform& pose = path[i].pose;
     if (i > 0) pieces_.push_back(pieceBetween(path[i - 1].pose, pose));
     stretch = std::max(stretch, 1 + defectOf(pose.rotation));
     const double* t = pose.translation;
-    farthest = std::max(farthest, lengthOf(t[0], t[1], t[2]));
+    farthest_ = std::max(farthest_, lengthOf(t[0], t[1], t[2]));
   }
   reach_ *= stretch;
   change_ *= stretch;
-  farthest += reach_;
-  rounding_ = roundingAt(farthest);
+  farthest_ += reach_;
+  rounding_ = roundingAt(farthest_);
   if (change_ > 0) rounding_ += roundingAt(reach_);
 }
 

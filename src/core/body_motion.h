@@ -42,6 +42,9 @@ class BodyMotion {
   // line between its places at both ends, which it goes along evenly.
   double deviation(double from, double to) const;
 
+  // No point is ever further from the scene's origin [m].
+  double farthest() const { return farthest_; }
+
   // Rounding to float32 moves no point of the body further than this [m], at any time: half an ulp
   // of each coordinate, in the scene frame and, of a body that deforms, in its own.
   double rounding() const { return rounding_; }
@@ -67,6 +70,7 @@ class BodyMotion {
   std::vector<Piece> pieces_;
   double reach_ = 0;     // of the vertices from the body's origin [m]
   double change_ = 0;    // longest way of a vertex in the body's own frame [m]
+  double farthest_ = 0;  // of the scene's origin [m]
   double rounding_ = 0;  // [m]
 };
 

@@ -39,7 +39,7 @@ std::vector<double> cutStep(const std::vector<double>& bends, const DeviationBet
                             double tolerance, int most) {
   Cuts cuts = cutsWithin(bends, deviation, tolerance, most);
   while (cuts.pieces > most) {
-    const double ratio = cuts.pieces / most;
+    const double ratio = std::min(cuts.pieces / most, 1e100);
     tolerance *= std::max(ratio * ratio, 1.05);
     cuts = cutsWithin(bends, deviation, tolerance, most);
   }

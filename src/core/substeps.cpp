@@ -110,6 +110,7 @@ const StepResult& SubStepDetector::detect(const Scene& scene, const std::vector<
   swept.motion = Motion::kSwept;
   result_.sub_steps = 1;
   result_.pad_m = 0;
+  result_.outlying.clear();
   const bool own_ends = hasEndsOf(scene, paths);
   if (!own_ends) {
     step_ = scene;
@@ -138,8 +139,8 @@ void SubStepDetector::detectTurning(const Scene& step,
     guaranteed = part.guaranteed;
     merged.add(part, 0, 1);
   }
-  TurningScene turning(step, motions, &turning_);
-  const std::vector<double> cuts = turning.cuts(tolerance_m, kMostSubSteps);
+  TurningScene turning(step, motions, tolerance_m, &turning_);
+  const std::vector<double> cuts = turning.cuts(kMostSubSteps);
   for (std::size_t i = 0; i + 1 < cuts.size() && !merged.isCutOff(); ++i) {
     turning.moveTo(cuts[i], cuts[i + 1]);
     result_.pad_m = std::max(result_.pad_m, turning.largestPad());
@@ -148,6 +149,7 @@ void SubStepDetector::detectTurning(const Scene& step,
     merged.add(part, cuts[i], cuts[i + 1]);
   }
   result_.sub_steps = static_cast<int>(cuts.size()) - 1;
+  result_.outlying = turning.outlying();
   result_.detection.begin(step, options, guaranteed);
   merged.write(options.first_times, step.anyPad() || result_.pad_m > 0, &result_.detection);
   std::uint64_t& rejected = result_.detection.counters.rejected;  // of some part, at most

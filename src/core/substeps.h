@@ -35,6 +35,10 @@ struct DCM_EXPORT StepResult {
   DetectionResult detection;
   int sub_steps = 1;  // of pairs with a body that turns
   float pad_m = 0;    // of the two bodies of such a pair: the largest sum; 0: none turns
+  // Bodies that move straight, some of their vertices so far off that rounding them in sub-steps
+  // would cost more than the tolerance, and 16 times as far as any body that turns: in sub-steps
+  // the triangles of these take no part, and count as rejected.
+  std::vector<BodyId> outlying;
 };
 
 constexpr int kMostSubSteps = 64;

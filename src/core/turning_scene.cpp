@@ -11,6 +11,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
+constexpr double kFarOff = 16;
+
 // So that two pads' sum, rounded to float32, is no smaller than what they stand for.
 constexpr double kSlackOfSum = 1 + 0x1p-22;
 
@@ -30,15 +32,9 @@ std::vector<float> posed(const Body& body) {
   return vertices;
 }
 
-// Of finite vertices.
-double farthest(const std::vector<float>& vertices) {
-  double most = 0;
-  for (std::size_t i = 0; i + 2 < vertices.size(); i += 3) {
-    const double x = vertices[i], y = vertices[i + 1], z = vertices[i + 2];
-    const double distance = std::sqrt(x * x + y * y + z * z);
-    if (std::isfinite(distance)) most = std::max(most, distance);
-  }
-  return most;
+double distanceOf(const float* v) {
+  const double x = v[0], y = v[1], z = v[2];
+  return std::sqrt(x * x + y * y + z * z);
 }
 
 float roundedUp(double x) {
@@ -49,15 +45,23 @@ float roundedUp(double x) {
 }  // namespace
 
 TurningScene::TurningScene(const Scene& step, const std::vector<std::optional<BodyMotion>>& motions,
-                           Scene* scene)
-    : step_(&step), motions_(&motions), scene_(scene), straight_(step.bodyCount()) {
+                           double tolerance_m, Scene* scene)
+    : step_(&step),
+      motions_(&motions),
+      tolerance_m_(tolerance_m),
+      horizon_(tolerance_m / roundingAt(1)),
+      scene_(scene),
+      straight_(step.bodyCount()) {
+  for (const auto& motion : motions) {
+    if (motion) horizon_ = std::max(horizon_, kFarOff * motion->farthest());
+  }
   *scene_ = step;
   for (const auto& [a, b] : step.enabledPairs()) {
     if (a == b || (!motions[a] && !motions[b])) scene_->setPairEnabled(a, b, false);
   }
 }
 
-std::vector<double> TurningScene::cuts(double tolerance_m, int most) const {
+std::vector<double> TurningScene::cuts(int most) const {
   std::vector<double> bends;
   for (const auto& motion : *motions_) {
     if (!motion) continue;
@@ -66,7 +70,7 @@ std::vector<double> TurningScene::cuts(double tolerance_m, int most) const {
   std::sort(bends.begin(), bends.end());
   bends.erase(std::unique(bends.begin(), bends.end()), bends.end());
   return cutStep(
-      bends, [this](double from, double to) { return deviation(from, to); }, tolerance_m, most);
+      bends, [this](double from, double to) { return deviation(from, to); }, tolerance_m_, most);
 }
 
 double TurningScene::deviation(double from, double to) const {
@@ -99,14 +103,26 @@ double TurningScene::moveTurning(BodyId id, double from, double to) {
   return motion.deviation(from, to) + motion.rounding();
 }
 
-TurningScene::Straight TurningScene::straightMotion(const Body& body) {
+TurningScene::Straight TurningScene::straightMotion(const Body& body) const {
   if (body.device_vertices) {
     throw std::invalid_argument(body.name +
                                 ": its vertices are on a device, where sub-steps of a "
                                 "body that turns cannot be made");
   }
-  Straight straight{posed(earlierBody(body)), posed(body), 0};
-  straight.rounding = roundingAt(std::max(farthest(straight.from), farthest(straight.to)));
+  Straight straight{posed(earlierBody(body)), posed(body), 0, false};
+  double farthest = 0;  // of those that are rounded
+  for (std::size_t i = 0; i + 2 < straight.from.size(); i += 3) {
+    float *from = &straight.from[i], *to = &straight.to[i];
+    const double distance = std::max(distanceOf(from), distanceOf(to));
+    if (std::equal(from, from + 3, to) || !std::isfinite(distance)) continue;
+    if (distance > horizon_) {
+      straight.has_outliers = true;
+      std::fill(to, to + 3, NAN);
+    } else {
+      farthest = std::max(farthest, distance);
+    }
+  }
+  straight.rounding = roundingAt(farthest);
   return straight;
 }
 
@@ -127,6 +143,14 @@ float TurningScene::largestPad() const {
     most = std::max(most, static_cast<double>(scene_->body(a).pad_m) + scene_->body(b).pad_m);
   }
   return roundedUp(most);
+}
+
+std::vector<BodyId> TurningScene::outlying() const {
+  std::vector<BodyId> bodies;
+  for (BodyId id = 0; id < straight_.size(); ++id) {
+    if (straight_[id] && straight_[id]->has_outliers) bodies.push_back(id);
+  }
+  return bodies;
 }
 
 }  // namespace deformable_contact_monitor

@@ -108,7 +108,6 @@ std::string stepProblem(const Cycle& cycle, const EarlierStates& earlier, std::s
   const std::shared_ptr<const UsedCycle>& from = earlier.of(who);
   if (from == nullptr) return earlier.why(who);
   const double gap_s = secondsBetween(cycle.now.stamp, from->stamp);
-  if (gap_s < 0) return "its cycles went back in time";
   if (gap_s > cycle.parameters.max_mesh_age_s) {
     return "its previous cycle is " + std::to_string(gap_s) + " s older, more than max_mesh_age_s";
   }

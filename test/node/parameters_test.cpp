@@ -120,6 +120,23 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_TRUE(p.detector.geometry);
 }
 
+TEST(Parameters, Motion) {
+  XmlRpcValue tree;
+  tree["objects"] = list(object("cloth"));
+  EXPECT_EQ(parse(tree).motion, Motion::kInstant);
+  EXPECT_EQ(parse(tree).swept_tolerance_m, 1e-4);
+  tree["motion"] = "swept";
+  tree["swept_tolerance_m"] = 0;
+  EXPECT_EQ(parse(tree).motion, Motion::kSwept);
+  EXPECT_EQ(parse(tree).swept_tolerance_m, 0);
+  EXPECT_EQ(parse(tree).detector.motion, Motion::kInstant) << "a cycle looks at its stamp first";
+  tree["motion"] = "continuous";
+  tree["swept_tolerance_m"] = -1e-4;
+  const std::string all = refusalOf(tree);
+  expectIn("~motion is 'continuous', must be one of: instant, swept", all);
+  expectIn("~swept_tolerance_m", all);
+}
+
 class ObjectTypes : public ::testing::Test {
  protected:
   ObjectTypes() { std::ofstream(faces_) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n"; }
