@@ -230,7 +230,7 @@ TEST_F(SubSteps, ContactsOfBothEndsAreInTheStep) {
 TEST_F(SubSteps, ALinkThatTurnsTouchesItselfWhereItDoes) {
   const TriangleMesh mesh =
       meshOf({{{{0.8F, 0, 0}, {0.85F, 0, 0}, {0.8F, 0, 0.05F}}},
-              {{{0.85F, 0.01F, 0}, {0.85F, 0.01F, 0.05F}, {0.8F, 0.01F, 0.05F}}},
+              {{{0.8F, 0.01F, 0}, {0.85F, 0.01F, 0}, {0.8F, 0.01F, 0.05F}}},
               {{{0.82F, -0.1F, 0.02F}, {0.82F, 0.1F, 0.02F}, {0.83F, 0, 0.021F}}}});
   Scene scene = selfScene(mesh);
   const std::vector<TrianglePair> expected = brute_->detect(scene, Options()).contacts;
