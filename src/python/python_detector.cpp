@@ -24,6 +24,9 @@ backend: 'cuda', 'cpu', or 'auto': CUDA where it can be used, else the CPU, for 
     fails (backend_problem says why).
 device: of the CUDA devices, which one.
 memory_limit_mib: for lists of contacts, and of candidates on CUDA [MiB].
+motion: 'instant': contacts at one moment; 'swept': those at some time of the step from each body's
+    earlier state (Scene.set_earlier) to its present one. Margins play no part then.
+first_times: whether results have the time of each contact's begin; swept only.
 adjacent_pairs: triangles of one body that share a vertex: 'beyond_shared' reports those that meet
     beyond what they share, 'skip' none.
 predicates: 'exact'; 'conservative' (what double arithmetic cannot decide counts as contact);
@@ -32,7 +35,7 @@ overlap: share [0, 1] of a triangle that decides its clusters; below 1, contacts
 clusters (0: from the scene), fuzzifier [1.05, 4], iterations [0, 100], refresh_period (>= 1):
     speed alone while overlap is 1 and predicates are exact.
 threads: of the CPU backend; 0: all cores.
-geometry: whether results have the geometry of each contact.
+geometry: whether results have the geometry of each contact; instant only.
 
 Raises ValueError that lists every value out of range; RuntimeError, with the reason, where
 backend='cuda' cannot be used.)";
@@ -53,6 +56,13 @@ AdjacentPairs toAdjacentPairs(const std::string& name) {
     if (name == toString(adjacent)) return adjacent;
   }
   throw std::invalid_argument("adjacent_pairs '" + name + "' is none of beyond_shared, skip");
+}
+
+Motion toMotion(const std::string& name) {
+  for (const Motion motion : {Motion::kInstant, Motion::kSwept}) {
+    if (name == toString(motion)) return motion;
+  }
+  throw std::invalid_argument("motion '" + name + "' is none of instant, swept");
 }
 
 CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib) {
@@ -89,7 +99,8 @@ std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, s
                                                    const std::string& adjacent_pairs,
                                                    const std::string& predicates, float overlap,
                                                    int clusters, float fuzzifier, int iterations,
-                                                   int refresh_period, int threads, bool geometry) {
+                                                   int refresh_period, int threads, bool geometry,
+                                                   const std::string& motion, bool first_times) {
   Options options;
   options.adjacent = toAdjacentPairs(adjacent_pairs);
   options.predicates = toPredicates(predicates);
@@ -100,6 +111,8 @@ std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, s
   options.refresh_period = refresh_period;
   options.threads = threads;
   options.geometry = geometry;
+  options.motion = toMotion(motion);
+  options.first_times = first_times;
   return std::make_unique<PythonDetector>(toBackendChoice(backend),
                                           toSettings(device, memory_limit_mib), options);
 }
@@ -140,7 +153,7 @@ PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> ma
     const py::gil_scoped_release others_run;
     result = &detector_->detect(scene->scene(), options);
   }
-  return {*result, backend_, scene->scene().anyMargin(), options_.geometry};
+  return {*result, backend_, scene->scene(), options_};
 }
 
 void PythonDetector::reset() {
@@ -173,7 +186,8 @@ void bindDetector(py::module& module) {
            py::arg("overlap") = options.overlap, py::arg("clusters") = options.clusters,
            py::arg("fuzzifier") = options.fuzzifier, py::arg("iterations") = options.iterations,
            py::arg("refresh_period") = options.refresh_period, py::arg("threads") = options.threads,
-           py::arg("geometry") = options.geometry, kInitText)
+           py::arg("geometry") = options.geometry, py::arg("motion") = toString(options.motion),
+           py::arg("first_times") = options.first_times, kInitText)
       .def("detect", &Self::detect, py::arg("scene").none(false),
            py::arg("max_time_s") = py::none(), kDetectText)
       .def("reset", &Self::reset,

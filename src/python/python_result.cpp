@@ -1,5 +1,6 @@
 #include "python/python_result.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <type_traits>
@@ -16,6 +17,21 @@ static_assert(sizeof(TrianglePair) == 4 * sizeof(std::uint32_t) &&
 py::array pairTable(const std::vector<TrianglePair>& contacts) {
   const auto* const from = reinterpret_cast<const std::uint32_t*>(contacts.data());
   return py::array_t<std::uint32_t>({contacts.size(), std::size_t{4}}, from);
+}
+
+static_assert(sizeof(FirstContact) == 2 * sizeof(float) &&
+                  std::is_standard_layout<FirstContact>::value,
+              "a list of times is a table of two columns");
+
+py::array timeTable(const std::vector<FirstContact>& times) {
+  const auto* const from = reinterpret_cast<const float*>(times.data());
+  return py::array_t<float>({times.size(), std::size_t{2}}, from);
+}
+
+py::array_t<bool> flagList(const std::vector<std::uint8_t>& flags) {
+  py::array_t<bool> list(std::vector<std::size_t>{flags.size()});
+  std::copy(flags.begin(), flags.end(), list.mutable_data());
+  return list;
 }
 
 // Records of the wire format, which the members are in the order of, without what pads them.
@@ -68,7 +84,7 @@ Each unordered pair once, (body_a, triangle_a) before (body_b, triangle_b), the 
 
 constexpr const char* kSeparationsText = R"(Distance of each contact's triangles [m]: (k,) float32.
 
-0 where they intersect. None where no body that takes part has a margin: then all of them do.)";
+0 where they intersect. None where no body that takes part has a margin, and in swept motion: then all of them do.)";
 
 constexpr const char* kGeometryText =
     R"(Geometry of each contact: (k,) of messages.GEOMETRY, in the rows of pairs.
@@ -80,6 +96,24 @@ separation [m]: > 0: distance; <= 0: minus the length of the shortest translatio
 triangles. flags: sum of 1 coplanar, 2 normal undefined, 4 separation undefined, 8 degenerate (a
 triangle without area), 16 normal not unique.
 None unless Detector(geometry=True), and where max_time_s left no time for it.)";
+
+constexpr const char* kFirstTimesText =
+    R"(When each contact begins: (k, 2) float32, low and high, in the rows of pairs.
+
+Parts [0, 1] of the step: certainly not before low, certainly at some time in [low, high]; at most
+2^-20 apart where predicates are exact. 0 and 0: at its beginning. Of what within_pad marks: the time
+before which it is certainly none, and 1.
+None unless Detector(motion='swept', first_times=True).)";
+
+constexpr const char* kWithinPadText =
+    R"(Which contacts are none on the straight ways, but may be one within the pads: (k,) bool.
+
+None unless motion is swept and some body that takes part has a pad.)";
+
+constexpr const char* kWithoutStepText =
+    R"(Ids of the bodies that took part in swept motion without an earlier state.
+
+They stood still. Empty in instant motion.)";
 
 constexpr const char* kCompleteText = R"(Whether the list is all there is.
 
@@ -103,10 +137,12 @@ floating point), undecided (of the contacts: assumed to be some, by conservative
 }  // namespace
 
 PythonResult::PythonResult(const DetectionResult& result, const std::string& in_backend,
-                           bool any_margin, bool with_geometry)
+                           const Scene& scene, const Options& options)
     : pairs(pairTable(result.contacts)),
       separations(py::none()),
       geometry(py::none()),
+      first_times(py::none()),
+      within_pad(py::none()),
       complete(isComplete(result)),
       guaranteed(result.guaranteed),
       cut_off(result.cut_off),
@@ -118,12 +154,16 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       detect_ms(result.detect_ms),
       round_trip_ms(result.round_trip_ms),
       counters(toDict(result.counters)) {
-  if (any_margin) {
+  const bool swept = options.motion == Motion::kSwept;
+  if (scene.anyMargin() && !swept) {
     separations = py::array_t<float>(result.separations_m.size(), result.separations_m.data());
   }
-  if (with_geometry && result.geometry.size() == result.contacts.size()) {
+  if (options.geometry && result.geometry.size() == result.contacts.size()) {
     geometry = geometryTable(result.geometry);
   }
+  if (options.first_times) first_times = timeTable(result.first_times);
+  if (swept && scene.anyPad()) within_pad = flagList(result.within_pad);
+  for (const BodyId body : result.without_step) without_step.append(body);
   for (const auto& [stage, ms] : result.stages_ms) stages_ms[py::str(stage)] = ms;
 }
 
@@ -133,6 +173,9 @@ void bindResult(py::module& module) {
       .def_readonly("pairs", &Self::pairs, kPairsText)
       .def_readonly("separations_m", &Self::separations, kSeparationsText)
       .def_readonly("geometry", &Self::geometry, kGeometryText)
+      .def_readonly("first_times", &Self::first_times, kFirstTimesText)
+      .def_readonly("within_pad", &Self::within_pad, kWithinPadText)
+      .def_readonly("without_step", &Self::without_step, kWithoutStepText)
       .def_readonly("complete", &Self::complete, kCompleteText)
       .def_readonly("guaranteed", &Self::guaranteed,
                     "Whether the settings in force cannot lose a contact.")

@@ -12,14 +12,17 @@ namespace deformable_contact_monitor {
 
 // A copy of a result, as Python's own objects: it outlives detector and scene.
 struct PythonResult {
-  // `any_margin`: the scene's; then there are separations, however few. So with geometry, if it was
-  // asked for.
-  PythonResult(const DetectionResult& result, const std::string& in_backend, bool any_margin,
-               bool with_geometry);
+  // What scene and options give is there, however few the contacts are: separations, geometry,
+  // first_times, within_pad.
+  PythonResult(const DetectionResult& result, const std::string& in_backend, const Scene& scene,
+               const Options& options);
 
   pybind11::array pairs;         // (k, 4) uint32
   pybind11::object separations;  // (k,) float32, or None
   pybind11::object geometry;     // (k,) of deformable_contact._wire.GEOMETRY, or None
+  pybind11::object first_times;  // (k, 2) float32, or None
+  pybind11::object within_pad;   // (k,) bool, or None
+  pybind11::list without_step;   // ids
   bool complete, guaranteed, cut_off, started_cold;
   std::string cut_off_because, backend;
   std::uint64_t left_out, memory_bytes;

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <stdexcept>
+#include <utility>
 
 #include "python/array_arguments.h"
 #include "python/device_array.h"
@@ -67,6 +68,25 @@ constexpr const char* kSetMarginText = R"(At which distance triangles of the bod
 Of a pair of bodies, the larger of the two margins holds; a distance equal to it counts.
 Raises ValueError at a margin that is negative or not finite.)";
 
+constexpr const char* kSetEarlierText = R"(Where the body was at the beginning of a step.
+
+With Detector(motion='swept') each vertex moves from its place then, in the scene's frame, to its
+present one on a straight line. The state stays until it is set again, cleared, or set_mesh() is
+called; a body without one stands still (Result.without_step).
+
+vertices: (n, 3) [m], in the body's frame then; None: those that the body has when it is looked at.
+rotation, translation: the pose then, as in set_pose(); both, or None: the body's pose at this call.
+Raises ValueError where there are not as many vertices as the body has, at a wrong shape, at a pose
+that is not finite or only half given.)";
+
+constexpr const char* kClearEarlierText = "Forgets the earlier state: the body stands still.";
+
+constexpr const char* kSetPadText =
+    R"(How far the body's points may be from their straight ways in a step [m], >= 0.
+
+The pads of two bodies add up. Contacts that they alone make are marked in Result.within_pad.
+Raises ValueError at a pad that is negative or not finite.)";
+
 constexpr const char* kSetPairEnabledText = R"(Whether contacts of bodies a and b are looked for.
 
 a == b: contacts of the body with itself.)";
@@ -104,6 +124,29 @@ void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle trans
 
 void PythonScene::setMargin(std::int64_t id, float margin_m) {
   changeable().setMargin(checkedId(id), margin_m);
+}
+
+void PythonScene::setEarlier(std::int64_t id, py::handle vertices, py::handle rotation,
+                             py::handle translation) {
+  const std::string& name = nameOf(id);
+  if (rotation.is_none() != translation.is_none()) {
+    throw std::invalid_argument(name +
+                                ": rotation and translation: one is given without the other");
+  }
+  const RigidTransform pose =
+      rotation.is_none() ? scene_.body(checkedId(id)).pose : toPose(rotation, translation, name);
+  std::vector<float> earlier;
+  if (!vertices.is_none()) earlier = toVertices(vertices, name);
+  if (!vertices.is_none() && earlier.empty() && scene_.body(checkedId(id)).mesh.vertexCount() > 0) {
+    throw std::invalid_argument(name + ": vertices has none, must have as many as the body");
+  }
+  changeable().setEarlier(checkedId(id), pose, std::move(earlier));
+}
+
+void PythonScene::clearEarlier(std::int64_t id) { changeable().clearEarlier(checkedId(id)); }
+
+void PythonScene::setPad(std::int64_t id, float pad_m) {
+  changeable().setPad(checkedId(id), pad_m);
 }
 
 void PythonScene::setPairEnabled(std::int64_t a, std::int64_t b, bool enabled) {
@@ -151,6 +194,10 @@ void bindScene(py::module& module) {
       .def("set_pose", &Self::setPose, py::arg("id"), py::arg("rotation"), py::arg("translation"),
            kSetPoseText)
       .def("set_margin", &Self::setMargin, py::arg("id"), py::arg("margin_m"), kSetMarginText)
+      .def("set_earlier", &Self::setEarlier, py::arg("id"), py::arg("vertices") = py::none(),
+           py::arg("rotation") = py::none(), py::arg("translation") = py::none(), kSetEarlierText)
+      .def("clear_earlier", &Self::clearEarlier, py::arg("id"), kClearEarlierText)
+      .def("set_pad", &Self::setPad, py::arg("id"), py::arg("pad_m"), kSetPadText)
       .def("set_pair_enabled", &Self::setPairEnabled, py::arg("a"), py::arg("b"),
            py::arg("enabled") = true, kSetPairEnabledText)
       .def("pair_enabled", &Self::pairEnabled, py::arg("a"), py::arg("b"),

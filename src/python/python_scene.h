@@ -28,6 +28,11 @@ class PythonScene {
                          std::optional<std::uintptr_t> stream);
   void setPose(std::int64_t id, pybind11::handle rotation, pybind11::handle translation);
   void setMargin(std::int64_t id, float margin_m);
+  // None: as it is now.
+  void setEarlier(std::int64_t id, pybind11::handle vertices, pybind11::handle rotation,
+                  pybind11::handle translation);
+  void clearEarlier(std::int64_t id);
+  void setPad(std::int64_t id, float pad_m);
   void setPairEnabled(std::int64_t a, std::int64_t b, bool enabled);
 
   bool pairEnabled(std::int64_t a, std::int64_t b) const;

@@ -1,6 +1,7 @@
 """Scenes for the tests of the Python package, and what other programs say of them.
 
-The oracle is $ORACLE_PAIRS (CGAL's exact predicates), brute force $DETECT_CONTACTS.
+The oracle is $ORACLE_PAIRS (CGAL's exact predicates), brute force $DETECT_CONTACTS, also between
+two states.
 """
 import os
 import pathlib
@@ -71,6 +72,22 @@ def oracle_pairs_of_file(path, adjacent):
 def brute_force_pairs(meshes, margin_m=0.0):
     return _pairs_of(meshes, os.environ["DETECT_CONTACTS"], "--self", "--backend", "brute_force",
                      "--margin", repr(margin_m), "--pairs", "-")
+
+
+def swept_pairs(meshes):
+    """Of (earlier vertices, later vertices, triangles), each with itself too; with the times."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for number, (earlier, later, triangles) in enumerate(meshes):
+            for state, vertices in ("earlier", earlier), ("later", later):
+                files.append(os.path.join(folder, "%d_%s.obj" % (number, state)))
+                write_obj(files[-1], vertices, triangles)
+        done = subprocess.run(
+            [os.environ["DETECT_CONTACTS"], "--self", "--swept", "--backend", "brute_force",
+             "--times", "-", *files], stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+        assert done.returncode == 0, done.stderr
+    rows = [line.split() for line in done.stdout.splitlines()]
+    return ({tuple(map(int, row[:4])): tuple(numpy.float32(row[4:])) for row in rows})
 
 
 def as_set(pairs):

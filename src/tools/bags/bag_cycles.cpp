@@ -25,8 +25,8 @@ ros::Time plus(const ros::Time& time, double seconds) {
 }
 
 // Transforms stay known until the last mesh that may need them has had its cycle. A mesh waits for
-// those before it in the order of stamps.
-ros::Duration cacheTime(const BagContents& contents) {
+// those before it in the order of stamps. A step begins at most max_mesh_age_s before its mesh.
+ros::Duration cacheTime(const BagContents& contents, double max_mesh_age_s) {
   double waits_s = 0;
   ros::Time read_up_to;
   for (const BagContents::Mesh& mesh : contents.meshes) {
@@ -34,7 +34,8 @@ ros::Duration cacheTime(const BagContents& contents) {
     waits_s = std::max(waits_s, secondsBetween(read_up_to, mesh.received));
   }
   return ros::Duration(
-      std::min(kUsualCacheS + kLookAheadS + contents.transforms_ahead_s + waits_s, kLongestCacheS));
+      std::min(kUsualCacheS + kLookAheadS + contents.transforms_ahead_s + waits_s + max_mesh_age_s,
+               kLongestCacheS));
 }
 
 }  // namespace
@@ -52,8 +53,9 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
       played_(played),
       scene_(parameters),
       inputs_(makeMeshInputs(parameters)),
-      buffer_(cacheTime(contents)),
-      lookup_(buffer_, parameters.reference_frame) {
+      buffer_(cacheTime(contents, parameters.max_mesh_age_s)),
+      lookup_(buffer_, parameters.reference_frame),
+      planner_(parameters) {
   for (const ObjectParameters& object : parameters.objects) {
     input_of_topic_[topicOf(object)] = mailboxes_.size();
     mailboxes_.emplace_back(object.name);
@@ -134,6 +136,9 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
       MeshMailbox& mailbox = mailboxes_[event.input];
       mailbox.store(*mesh);
       const Acceptance answer = inputs_[event.input].accept(*mailbox.take(), ros::Time());
+      if (answer == Acceptance::kJumped) {
+        planner_.forget(event.input, "the stamps of its meshes went back");
+      }
       if (answer != Acceptance::kDropped) trigger.objects.push_back(event.input);
     }
     if (!trigger.objects.empty()) detectAt(stamp, trigger, visit);
@@ -186,6 +191,7 @@ void BagCycles::detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
   scene_.prepare(stamp, trigger, inputs_, lookup_);
   CycleReport report = scene_.makeReport(stamp, ++cycle_);
   report.scene = &scene_.scene();
+  planner_.plan(trigger, scene_, lookup_, &report);
   report.now = stamp;
   visit(&report);
 }

@@ -14,6 +14,7 @@
 
 #include "node/monitor_scene.h"
 #include "node/parameters.h"
+#include "node/step_planner.h"
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_meshes.h"
@@ -46,6 +47,9 @@ class BagCycles {
   // Hands each cycle to `visit`, without a result yet. Once. Returns what BagReader::read does.
   std::string run(BagReader* reader, const std::function<void(CycleReport*)>& visit);
 
+  // That of the cycle that is being visited; for its steps, see StepRunner.
+  Scene& sceneOfStep() { return scene_.sceneOfStep(); }
+
   std::uint64_t refusedTransforms() const { return refused_transforms_; }
 
  private:
@@ -76,6 +80,7 @@ class BagCycles {
   MeshInputs inputs_;
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;
+  StepPlanner planner_;
   std::vector<Event> events_;  // ascending stamps
   std::size_t next_ = 0;       // of events_
   // Messages that were read and wait for their turn, by number: what they become may depend on

@@ -36,12 +36,14 @@ Json stagesJson(const DetectionTimes& times) {
   return json;
 }
 
-Json filesJson(const Scene& scene) {
+Json filesJson(const DetectArguments& arguments, const Scene& scene) {
   Json json = Json::array();
-  for (const Body& body : scene.bodies()) {
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    const Body& body = scene.body(id);
     json.push_back({{"path", body.name},
                     {"vertices", body.mesh.vertexCount()},
                     {"triangles", body.mesh.triangleCount()}});
+    if (arguments.swept()) json.back()["earlier"] = arguments.meshes[2 * std::size_t{id}];
   }
   return json;
 }
@@ -81,6 +83,12 @@ Json geometryJson(const std::vector<PairGeometry>& geometry) {
     });
   }
   return json;
+}
+
+// Contacts that are there when the step begins.
+std::size_t countAtStart(const std::vector<FirstContact>& times) {
+  return static_cast<std::size_t>(std::count_if(
+      times.begin(), times.end(), [](const FirstContact& first) { return first.high == 0; }));
 }
 
 std::string milliseconds(const char* name, const std::vector<double>& ms) {
@@ -153,6 +161,21 @@ std::string pairLines(const std::vector<TrianglePair>& contacts) {
   return text;
 }
 
+std::string timeLines(const DetectionResult& result) {
+  std::string text;
+  text.reserve(result.first_times.size() * 48);
+  char line[100];
+  for (std::size_t i = 0; i < result.first_times.size(); ++i) {
+    const TrianglePair& pair = result.contacts[i];
+    const FirstContact& first = result.first_times[i];
+    const int length =
+        std::snprintf(line, sizeof line, "%u %u %u %u %.9g %.9g\n", pair.body_a, pair.triangle_a,
+                      pair.body_b, pair.triangle_b, first.low, first.high);
+    text.append(line, static_cast<std::size_t>(length));
+  }
+  return text;
+}
+
 std::string geometryLines(const DetectionResult& result) {
   std::string text;
   text.reserve(result.geometry.size() * 160);
@@ -175,7 +198,8 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
                        const DetectionTimes& times) {
   const Counters& counters = last.counters;
   Json json;
-  json["files"] = filesJson(scene);
+  json["files"] = filesJson(arguments, scene);
+  json["motion"] = toString(arguments.options.motion);
   json["backend"] = backend;
   json["options"] = optionsJson(arguments);
   json["contacts"] = last.contacts.size() + last.left_out;
@@ -196,6 +220,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["candidates"] = counters.candidates;
   json["exact"] = counters.exact;
   json["undecided"] = counters.undecided;
+  if (arguments.options.first_times) json["at_start"] = countAtStart(last.first_times);
   if (arguments.options.geometry) json["geometry"] = geometryJson(last.geometry);
   json["memory_bytes"] = last.memory_bytes;
   json["repeat"] = arguments.repeat;

@@ -20,6 +20,10 @@ struct DetectionTimes {
 // A line "bodyA triA bodyB triB" for each contact, sorted, 0-based, nothing else.
 std::string pairLines(const std::vector<TrianglePair>& contacts);
 
+// A line "bodyA triA bodyB triB first_low first_high" for each contact of a step, in the same
+// order, as FirstContact; numbers with nine digits.
+std::string timeLines(const DetectionResult& result);
+
 // A line "bodyA triA bodyB triB ax ay az bx by bz nx ny nz separation flags" for each contact, in
 // the same order, as PairGeometry; numbers with nine digits, which give back the float32.
 std::string geometryLines(const DetectionResult& result);

@@ -51,6 +51,9 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->add("--pairs", &arguments->pairs_file,
             "Write a line 'bodyA triA bodyB triB' for each contact, sorted, here (-: standard "
             "output)");
+  line->add("--times", &arguments->times_file,
+            "Write a line 'bodyA triA bodyB triB first_low first_high' for each contact here (-: "
+            "standard output); needs --swept");
   line->add("--geometry", &arguments->geometry_file,
             "Write a line 'bodyA triA bodyB triB ax ay az bx by bz nx ny nz separation flags' for "
             "each contact here (-: standard output)");
@@ -61,6 +64,7 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
 
 void refuseOutputs(const DetectArguments& arguments) {
   const std::pair<std::string, std::string> outputs[] = {{"--pairs", arguments.pairs_file},
+                                                         {"--times", arguments.times_file},
                                                          {"--geometry", arguments.geometry_file},
                                                          {"--json", arguments.json_file}};
   for (const auto& [option, file] : outputs) {
@@ -73,11 +77,35 @@ void refuseOutputs(const DetectArguments& arguments) {
   }
 }
 
+void addSwept(CommandLine* line, bool* swept) {
+  line->addFlag("--swept", swept,
+                "The meshes come in twos, a body's earlier and later state; find every contact at "
+                "some time between, each vertex moving on a straight line");
+  line->requireFor("--times", "--swept");
+  line->refuseTogether("--swept", "--margin");
+  line->refuseTogether("--swept", "--geometry");
+}
+
+void setMotion(bool swept, DetectArguments* arguments) {
+  if (!swept) return;
+  if (arguments->backend == "fcl") {
+    refuseUsage("--swept: backend fcl knows one moment alone; use --backend auto");
+  }
+  if (arguments->meshes.size() % 2 != 0) {
+    refuseUsage("--swept: " + arguments->meshes.back() +
+                " has no later state; meshes come in twos, a body's earlier and later state");
+  }
+  arguments->options.motion = Motion::kSwept;
+  arguments->options.first_times = !arguments->times_file.empty();
+}
+
 }  // namespace
 
 bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   CommandLine line("detect_contacts", kDescription, kFooter);
   addOptions(&line, arguments);
+  bool swept = false;
+  addSwept(&line, &swept);
   std::string predicates = "exact", clusters = "auto";
   std::uint64_t memory_limit_mib = arguments->cuda.memory_limit_bytes >> 20;
   line.add("--memory-limit", &memory_limit_mib,
@@ -88,6 +116,7 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   line.add("--clusters", &clusters, "Number of clusters, or auto");
   if (!line.parse(argc, argv)) return false;
 
+  setMotion(swept, arguments);
   Options& options = arguments->options;
   options.predicates = toPredicates(predicates);
   options.clusters = clustersFrom(clusters);

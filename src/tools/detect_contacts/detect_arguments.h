@@ -10,15 +10,17 @@
 namespace deformable_contact_monitor {
 
 struct DetectArguments {
-  std::vector<std::string> meshes;
-  bool self = false;             // also contacts of each body with itself
-  std::string backend = "auto";  // one of backendNames()
+  std::vector<std::string> meshes;  // swept: in twos, a body's earlier and later state
+  bool self = false;                // also contacts of each body with itself
+  std::string backend = "auto";     // one of backendNames()
   CudaSettings cuda;
   Options options;
   float margin_m = 0;
   int repeat = 1;
   // Empty: not wanted; "-": standard output.
-  std::string pairs_file, geometry_file, json_file;
+  std::string pairs_file, times_file, geometry_file, json_file;
+
+  bool swept() const { return options.motion == Motion::kSwept; }
 };
 
 // False if there is nothing to do, because --help or --version was asked for and is printed.

@@ -5,6 +5,8 @@
 #include <memory>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "core/mesh_files/mesh_file.h"
 #include "tools/common/backend_choice.h"
@@ -17,11 +19,28 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Throws std::runtime_error that names the later file.
+std::vector<float> earlierVertices(const std::string& earlier_file, const std::string& later_file,
+                                   const TriangleMesh& later) {
+  TriangleMesh earlier = readMeshFile(earlier_file);
+  if (earlier.vertexCount() != later.vertexCount() || earlier.triangles != later.triangles) {
+    throw std::runtime_error(later_file + ": is no later state of " + earlier_file +
+                             ", for its triangles are others");
+  }
+  return std::move(earlier.vertices);
+}
+
 Scene readScene(const DetectArguments& arguments, Progress* progress) {
   Scene scene;
-  for (const std::string& file : arguments.meshes) {
+  const std::size_t states = arguments.swept() ? 2 : 1;
+  for (std::size_t first = 0; first < arguments.meshes.size(); first += states) {
+    const std::string& file = arguments.meshes[first + states - 1];
     progress->set("reading " + file);
     const BodyId body = scene.addBody(file, readMeshFile(file));
+    if (arguments.swept()) {
+      scene.setEarlier(body, RigidTransform(),
+                       earlierVertices(arguments.meshes[first], file, scene.body(body).mesh));
+    }
     scene.setMargin(body, arguments.margin_m);
     for (BodyId other = 0; other < body; ++other) scene.setPairEnabled(other, body, true);
     scene.setPairEnabled(body, body, arguments.self);
@@ -83,8 +102,8 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
                  "(%s)\n",
                  result.cut_off_because.c_str());
   }
-  if (arguments.meshes.size() == 1 && !arguments.self) {
-    std::fputs("detect_contacts: note: one mesh and no --self, so there is nothing to test\n",
+  if (arguments.meshes.size() == (arguments.swept() ? 2 : 1) && !arguments.self) {
+    std::fputs("detect_contacts: note: one body and no --self, so there is nothing to test\n",
                stderr);
   }
   if (result.counters.rejected > 0) {
@@ -115,12 +134,14 @@ void run(const DetectArguments& arguments) {
     Progress progress("starting");
     const Scene scene = readScene(arguments, &progress);
     Report* const pairs = open(arguments.pairs_file);
+    Report* const times_of_pairs = open(arguments.times_file);
     Report* const geometry = open(arguments.geometry_file);
     Report* const json = open(arguments.json_file);
     last = &detect(arguments, scene, detector.get(), &times, &progress);
     progress.set("writing");
     const std::string backend = detector->backend();
     if (pairs != nullptr) pairs->text = pairLines(last->contacts);
+    if (times_of_pairs != nullptr) times_of_pairs->text = timeLines(*last);
     if (geometry != nullptr) geometry->text = geometryLines(*last);
     if (json != nullptr) json->text = jsonReport(arguments, scene, backend, *last, times);
     text = summary(scene, backend, *last, times);

@@ -27,6 +27,7 @@
 #include "tools/evaluate_bag/evaluation_run.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
 #include "tools/evaluate_bag/evaluation_tables.h"
+#include "tools/evaluate_bag/swept_tables.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -66,6 +67,8 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
   rules.max_age_s = parameters.max_mesh_age_s;
   rules.tolerated_rejects = parameters.tolerated_rejects;
   rules.since_survives_s = parameters.since_survives_s;
+  rules.debounce_on_cycles = parameters.debounce_on_cycles;
+  rules.debounce_off_cycles = parameters.debounce_off_cycles;
   Runs runs;
   for (const Predicates p : predicates) {
     for (const float overlap : overlaps) {
@@ -79,6 +82,10 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
         if (hasMargins(parameters) && !supportsMargins(*runs.back()->detector)) {
           throw std::invalid_argument("backend " + backend + " has no margins; set margin_m to 0");
         }
+        if (parameters.motion == Motion::kSwept && backend == "fcl") {
+          throw std::invalid_argument("backend fcl knows no swept motion; set motion to instant");
+        }
+        runs.back()->swept_tolerance_m = parameters.swept_tolerance_m;
       }
     }
   }
@@ -87,28 +94,35 @@ Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& param
 
 // Everything that is written while the evaluation goes.
 struct Tables {
-  Tables(const std::string& folder, bool with_pairs) : frames(folder), links(folder) {
+  Tables(const std::string& folder, bool with_pairs, bool swept)
+      : frames(folder), links(folder), events(folder) {
     if (with_pairs) pairs.emplace(folder);
+    if (with_pairs && swept) swept_pairs.emplace(folder);
   }
 
   void finish() {
     frames.finish();
     links.finish();
+    events.finish();
     if (pairs) pairs->finish();
+    if (swept_pairs) swept_pairs->finish();
   }
 
   FramesTable frames;
   LinksTable links;
+  EventsTable events;
   std::optional<PairsTable> pairs;
+  std::optional<SweptPairsTable> swept_pairs;
 };
 
-void evaluateCycle(CycleReport* cycle, Runs* runs, std::vector<RunComparison>* compared,
-                   Tables* tables) {
-  for (auto& run : *runs) run->detect(cycle);
+void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
+                   std::vector<RunComparison>* compared, Tables* tables) {
+  for (auto& run : *runs) run->detect(cycle, scene);
   std::vector<bool> differing(runs->size(), false);
   for (RunComparison& comparison : *compared) {
-    const SetDifference found =
-        difference(*cycle->scene, *(*runs)[comparison.a]->result, *(*runs)[comparison.b]->result);
+    const EvaluationRun &a = *(*runs)[comparison.a], &b = *(*runs)[comparison.b];
+    SetDifference found = difference(*scene, *a.result, *b.result);
+    found.add(difference(*scene, a.steps, b.steps));
     if (found.isEmpty()) continue;
     differing[comparison.b] = true;
     ++comparison.cycles;
@@ -119,8 +133,12 @@ void evaluateCycle(CycleReport* cycle, Runs* runs, std::vector<RunComparison>* c
     }
   }
   tables->frames.add(*cycle, *runs, differing);
-  for (std::size_t i = 0; i < runs->size(); ++i) tables->links.add(i, *(*runs)[i]);
+  for (std::size_t i = 0; i < runs->size(); ++i) {
+    tables->links.add(i, *(*runs)[i]);
+    tables->events.add(*cycle, *(*runs)[i]);
+  }
   if (tables->pairs) tables->pairs->add(*cycle, *(*runs)[0]->result);
+  if (tables->swept_pairs) tables->swept_pairs->add(*cycle, (*runs)[0]->steps);
 }
 
 // Why the bags were not read to their end, or whole; empty: they were.
@@ -144,8 +162,8 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
 // Made if need be. What this evaluation may not write must not be an earlier one's.
 std::string cleanFolder(const std::string& folder) {
   makeFolder(folder);
-  for (const char* name :
-       {"/frames.csv", "/links.csv", "/summary.json", "/pairs.csv", "/report.html"}) {
+  for (const char* name : {"/frames.csv", "/links.csv", "/events.csv", "/summary.json",
+                           "/pairs.csv", "/swept_pairs.csv", "/report.html"}) {
     std::error_code none;
     std::filesystem::remove(folder + name, none);
   }
@@ -169,7 +187,8 @@ int evaluate(const EvaluateArguments& arguments) {
   const BagSetup setup = setUp(arguments, configured, contents);
   Runs runs = makeRuns(arguments, setup.parameters, expectations);
   std::vector<RunComparison> compared = comparisons(runs);
-  Tables tables(cleanFolder(arguments.out), arguments.pairs);
+  Tables tables(cleanFolder(arguments.out), arguments.pairs,
+                setup.parameters.motion == Motion::kSwept);
   BagCycles cycles(setup.parameters, contents, setup.robot,
                    setup.played ? &*setup.played : nullptr);
 
@@ -177,7 +196,7 @@ int evaluate(const EvaluateArguments& arguments) {
   end.problem = cycles.run(&reader, [&](CycleReport* cycle) {
     progress->set("cycle " + std::to_string(cycle->cycle) + ", stamp " +
                   stampText(cycle->header.stamp));
-    evaluateCycle(cycle, &runs, &compared, &tables);
+    evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
   });
   tables.finish();
   progress.reset();

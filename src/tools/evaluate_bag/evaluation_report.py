@@ -19,7 +19,8 @@ except ImportError as error:
     sys.exit(f"evaluation_report.py: {error}; install python3-matplotlib")
 
 MOST_ROWS = 40  # of the timeline
-COLORS = {"CONTACT": "#c62828", "NEAR": "#f9a825", "UNKNOWN": "#bdbdbd", "ALLOWED": "#90caf9"}
+COLORS = {"CONTACT": "#c62828", "NEAR": "#f9a825", "UNKNOWN": "#bdbdbd", "ALLOWED": "#90caf9",
+          "PASSED": "#6a1b9a"}
 STYLE = """
 body { font: 15px/1.45 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
        color: #222; }
@@ -76,7 +77,12 @@ def plot_pairs(runs, start):
     for name, rows in runs.items():
         # Where a body was unknown, its pairs are missing, and the rest is no number of pairs.
         pairs = [math.nan if row["skipped"] else int(row["pairs"]) for row in rows]
-        axes.plot(since(rows, start), pairs, lw=1, label=name)
+        line, = axes.plot(since(rows, start), pairs, lw=1, label=name)
+        if "swept_pairs" in rows[0]:
+            swept = [math.nan if row["swept_complete"] == "no" else int(row["swept_pairs"])
+                     for row in rows]
+            axes.plot(since(rows, start), swept, ":", lw=1, color=line.get_color(),
+                      label=f"{name}: since the cycle before")
     first = next(iter(runs.values()))
     unknown = [t for t, row in zip(since(first, start), first) if row["skipped"]]
     if unknown:
@@ -96,7 +102,8 @@ def plot_timeline(links, run, start):
             rows.setdefault((row["body_a"], row["body_b"]), []).append(row)
 
     def contact_cycles(stretches):
-        return sum(int(s["cycles"]) for s in stretches if s["state"] in ("CONTACT", "NEAR"))
+        return sum(int(s["cycles"]) for s in stretches
+                   if s["state"] in ("CONTACT", "NEAR", "PASSED"))
     touched = sorted((item for item in rows.items() if contact_cycles(item[1]) > 0),
                      key=lambda item: (-contact_cycles(item[1]), item[0]))
     if not touched:
@@ -107,17 +114,21 @@ def plot_timeline(links, run, start):
         for s in stretches:
             if s["state"] not in COLORS:
                 continue
-            begin = float(s["from"]) - start
-            axes.barh(y, max(float(s["to"]) - float(s["from"]), .01), left=begin, height=.7,
-                      color=COLORS[s["state"]], linewidth=0)
+            begin, end = float(s["from"]) - start, float(s["to"]) - start
+            if s["state"] == "PASSED":  # it was before its stamp, for a time that no bar has
+                axes.plot([begin, end], [y, y], "D-", color=COLORS["PASSED"], ms=5, clip_on=False)
+                continue
+            axes.barh(y, max(end - begin, .01), left=begin, height=.7, color=COLORS[s["state"]],
+                      linewidth=0)
     axes.set_yticks(range(len(shown)))
     axes.set_yticklabels([" / ".join(bodies) for bodies, _ in shown], fontsize=8)
-    axes.invert_yaxis()
     axes.set_xlabel("time since the first cycle [s]")
+    axes.set_xlim(0, max(float(s["to"]) for of in rows.values() for s in of) - start + .01)
+    axes.set_ylim(len(shown) - .5, -.5)
     axes.grid(alpha=.3, axis="x")
     handles = [plt.Rectangle((0, 0), 1, 1, color=color) for color in COLORS.values()]
-    axes.legend(handles, [name.lower() for name in COLORS], fontsize=8, ncol=4,
-                loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
+    axes.legend(handles, [name.lower() for name in COLORS], fontsize=8,
+                ncol=len(COLORS), loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
     more = len(touched) - len(shown)
     return to_svg(figure) + (f"<p>And {more} more pairs of bodies.</p>" if more > 0 else "")
 
@@ -171,6 +182,17 @@ def runs_table(summary):
                  rows)
 
 
+def steps_table(summary):
+    rows = [[html.escape(run["name"]), swept["pairs"], swept["passed"],
+             f'{swept["complete_cycles"]} of {swept["cycles_with_a_step"]}',
+             swept["pairs_within_pad"], f'{swept["most_pad_m"]:.3g}',
+             f'{times["swept_ms"]["median"]:.3f}' if "swept_ms" in times else ""]
+            for run, times in zip(summary["runs"], summary["times"]["runs"])
+            for swept in [run["swept"]]]
+    return table(["run", "pairs", "PASSED", "complete, of cycles with a step", "within the pad alone",
+                  "largest pad [m]", "median [ms]"], rows)
+
+
 def comparisons_table(summary):
     rows = []
     for c in summary["comparisons"]:
@@ -206,6 +228,9 @@ def about_table(summary):
                                     if summary["damaged_messages"] else "")
     if damage:
         rows.insert(0, ("Damaged", damage + "; what could be read is below"))
+    if "motion" in configuration:
+        rows.insert(3, ("Motion", f'{configuration["motion"]}, links\' ways to within '
+                                  f'{configuration["swept_tolerance_m"]:g} m'))
     return table(["", ""], [[html.escape(name), html.escape(text)] for name, text in rows])
 
 
@@ -231,6 +256,8 @@ def report(folder):
     parts = [f"<h1>Contacts in {html.escape(bags)}</h1>",
              f'<p>{summary["cycles"]} cycles. '
              + verdict(summary["passed"], "Passed.", "Failed.") + "</p>", runs_table(summary)]
+    if "swept" in summary["runs"][0]:
+        parts += ["<h2>Between the cycles</h2>", steps_table(summary)]
     if summary["comparisons"]:
         parts += ["<h2>Runs compared as sets</h2>", comparisons_table(summary)]
     if summary["expectations"]:

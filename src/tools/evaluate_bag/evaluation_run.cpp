@@ -45,9 +45,10 @@ EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> ma
       options(with),
       looks_within(with_containment),
       tracker(rules),
-      judge(std::move(expectations)) {}
+      judge(std::move(expectations)),
+      steps(*detector) {}
 
-void EvaluationRun::detect(CycleReport* cycle) {
+void EvaluationRun::detect(CycleReport* cycle, Scene* scene) {
   result = &detector->detect(*cycle->scene, options);
   cycle->result = result;
   cycle->options = options;
@@ -55,10 +56,13 @@ void EvaluationRun::detect(CycleReport* cycle) {
   noteRejected(cycle);
   cycle->containment = nullptr;
   if (looks_within) noteInside(noLimit(), &containment, cycle);
+  steps.detect(swept_tolerance_m, scene, cycle);
+  result = cycle->result;
   const ros::Time& stamp = cycle->header.stamp;
   tracker.expire(stamp, "no new mesh within max_mesh_age_s");
   tracker.update(*cycle);
   states = tracker.states(stamp, stamp);
+  steps.takeEvents(&tracker);
   judge.look(states);
   ++cycles;
   complete += isComplete(*cycle, *result);

@@ -12,6 +12,7 @@
 #include "core/detector.h"
 #include "node/contact_state_tracker.h"
 #include "node/cycle_report.h"
+#include "tools/evaluate_bag/evaluation_steps.h"
 #include "tools/evaluate_bag/expectations.h"
 
 namespace deformable_contact_monitor {
@@ -21,8 +22,9 @@ struct EvaluationRun {
                 const StateRules& rules, std::vector<Expectation> expectations,
                 bool with_containment = false);
 
-  // Detects in the cycle's scene, keeps its times and states, and fills the report.
-  void detect(CycleReport* cycle);
+  // Detects in the cycle's scene, keeps its times and states, and fills the report; then the
+  // cycle's steps, with `scene`, which is the report's.
+  void detect(CycleReport* cycle, Scene* scene);
 
   // "cpu exact", "cuda exact, overlap 0.5", "fcl": what was asked for, which is not always what
   // ran.
@@ -32,9 +34,11 @@ struct EvaluationRun {
   const std::unique_ptr<Detector> detector;
   const Options options;
   const bool looks_within;
+  double swept_tolerance_m = 0;  // of links' ways, as StepRunner takes it
   ContainmentFinder containment;
   ContactStateTracker tracker;
   ExpectationJudge judge;
+  RunSteps steps;
 
   // Of the latest cycle.
   const DetectionResult* result = nullptr;
@@ -55,6 +59,11 @@ struct SetDifference {
   std::string example;  // the first pair that only one has
 
   bool isEmpty() const { return only_a == 0 && only_b == 0; }
+  void add(const SetDifference& o) {
+    only_a += o.only_a;
+    only_b += o.only_b;
+    if (example.empty()) example = o.example;
+  }
 };
 
 SetDifference difference(const Scene& scene, const DetectionResult& a, const DetectionResult& b);

@@ -33,6 +33,8 @@ Json classesJson(const PairClasses& classes) {
   return json;
 }
 
+bool isSwept(const EvaluationEnd& end) { return end.setup->parameters.motion == Motion::kSwept; }
+
 // What decides which contacts there are.
 Json configurationJson(const EvaluationEnd& end) {
   const MonitorParameters& p = end.setup->parameters;
@@ -62,7 +64,23 @@ Json configurationJson(const EvaluationEnd& end) {
   }
   json["adjacent_pairs"] = toString(p.detector.adjacent);
   json["max_mesh_age_s"] = p.max_mesh_age_s;
+  if (isSwept(end)) {
+    json["motion"] = toString(p.motion);
+    json["swept_tolerance_m"] = p.swept_tolerance_m;
+  }
   return json;
+}
+
+// What the steps of swept motion found.
+Json stepsJson(const EvaluationRun& run) {
+  const RunSteps::Sums& sums = run.steps.sums();
+  return {{"cycles_with_a_step", sums.cycles},
+          {"complete_cycles", sums.complete},
+          {"pairs", sums.pairs},
+          {"pairs_within_pad", sums.within_pad},
+          {"passed", sums.passed},
+          {"most_pad_m", sums.most_pad_m},
+          {"most_sub_steps", sums.most_sub_steps}};
 }
 
 Json runJson(const EvaluationRun& run) {
@@ -97,6 +115,9 @@ Json timesJson(const EvaluationEnd& end) {
                             {"detect_ms", percentiles(run->detect_ms)},
                             {"round_trip_ms", percentiles(run->round_trip_ms)},
                             {"median_stages_ms", stages}});
+    if (!run->steps.sums().ms.empty()) {
+      json["runs"].back()["swept_ms"] = percentiles(run->steps.sums().ms);
+    }
   }
   return json;
 }
@@ -128,6 +149,19 @@ std::string runLine(const EvaluationRun& run) {
   return line;
 }
 
+std::string stepsLine(const EvaluationRun& run) {
+  const RunSteps::Sums& sums = run.steps.sums();
+  char line[256];
+  std::snprintf(
+      line, sizeof line,
+      "  between cycles: %llu pairs, %llu passed, %llu of %llu cycles with a step "
+      "complete, pads up to %.3g m, median %.3f ms\n",
+      static_cast<unsigned long long>(sums.pairs), static_cast<unsigned long long>(sums.passed),
+      static_cast<unsigned long long>(sums.complete), static_cast<unsigned long long>(sums.cycles),
+      sums.most_pad_m, sums.ms.empty() ? 0.0 : median(sums.ms));
+  return line;
+}
+
 }  // namespace
 
 std::string summaryJson(const EvaluationEnd& end) {
@@ -143,7 +177,10 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["configuration_hash"] = to_string(hash(jsonText(json["configuration"])));
   json["cycles"] = end.runs->empty() ? 0 : (*end.runs)[0]->cycles;
   json["runs"] = Json::array();
-  for (const auto& run : *end.runs) json["runs"].push_back(runJson(*run));
+  for (const auto& run : *end.runs) {
+    json["runs"].push_back(runJson(*run));
+    if (isSwept(end)) json["runs"].back()["swept"] = stepsJson(*run);
+  }
   json["comparisons"] = comparisonsJson(end);
   json["expectations"] = Json::array();
   for (const auto& verdict : end.expectations) {
@@ -158,7 +195,10 @@ std::string summaryJson(const EvaluationEnd& end) {
 
 std::string summaryText(const EvaluationEnd& end) {
   std::string text;
-  for (const auto& run : *end.runs) text += runLine(*run);
+  for (const auto& run : *end.runs) {
+    text += runLine(*run);
+    if (isSwept(end)) text += stepsLine(*run);
+  }
   for (const RunComparison& comparison : *end.comparisons) {
     const std::string names =
         (*end.runs)[comparison.a]->name() + " and " + (*end.runs)[comparison.b]->name();

@@ -19,7 +19,7 @@ std::string milliseconds(double ms) {
 }
 
 const char* nameOf(std::uint8_t state) {
-  constexpr const char* kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN"};
+  constexpr const char* kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
   return kNames[state];
 }
 
@@ -66,7 +66,7 @@ void TableFile::fail() const {
   throw std::system_error(errno, std::generic_category(), path_ + ": cannot be written");
 }
 
-void FramesTable::writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& runs) {
+void FramesTable::writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& runs, bool swept) {
   std::string title =
       "cycle,stamp,objects,run,backend,triangles,rejected,pairs,undecided,complete,differs,skipped,"
       "detect_ms,round_trip_ms";
@@ -77,13 +77,14 @@ void FramesTable::writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& 
       title += "," + name + "_ms";
     }
   }
-  file_.line(title + ",other_ms");
+  file_.line(title + ",other_ms" + (swept ? ",swept_pairs,swept_complete,swept_ms" : ""));
 }
 
 void FramesTable::add(const CycleReport& cycle,
                       const std::vector<std::unique_ptr<EvaluationRun>>& runs,
                       const std::vector<bool>& differing) {
-  if (!titled_) writeTitle(runs);
+  const bool swept = cycle.motion == Motion::kSwept;
+  if (!titled_) writeTitle(runs, swept);
   titled_ = true;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const EvaluationRun& run = *runs[i];
@@ -105,7 +106,13 @@ void FramesTable::add(const CycleReport& cycle,
       other_ms -= ms;
     }
     for (const auto& [name, took_ms] : result.stages_ms) other_ms += took_ms;
-    file_.line(row + milliseconds(std::max(other_ms, 0.0)));
+    row += milliseconds(std::max(other_ms, 0.0));
+    if (swept) {
+      row += "," + std::to_string(run.steps.pairsOfCycle()) +
+             (run.steps.isCycleComplete(cycle) ? ",yes" : ",no") +
+             milliseconds(run.steps.msOfCycle());
+    }
+    file_.line(row);
   }
 }
 

@@ -31,7 +31,8 @@ class TableFile {
 };
 
 // A row for each cycle and run. Columns that end in _ms are times, and all that differs between two
-// evaluations of one bag; the stages' are those of the first cycle, later ones are in other_ms.
+// evaluations of one bag; the stages' are those of the first cycle, later ones are in other_ms. In
+// swept motion what the steps found comes behind them.
 class FramesTable {
  public:
   explicit FramesTable(const std::string& folder) : file_(folder + "/frames.csv") {}
@@ -41,7 +42,7 @@ class FramesTable {
   void finish() { file_.finish(); }
 
  private:
-  void writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& runs);
+  void writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& runs, bool swept);
 
   TableFile file_;
   std::vector<std::string> stages_;

@@ -103,20 +103,23 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   const ContactState* const state = find(states, e);
   // The cycle did not look at the pair.
   if (state != nullptr && state->stamp != states.header.stamp) return;
-  const bool known = state != nullptr &&
-                     (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
-                      state->state == ContactState::CONTACT);
-  const bool touching =
-      known && state->state == ContactState::CONTACT && state->pair_count >= e.min_pairs;
+  const bool known =
+      state != nullptr &&
+      (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
+       state->state == ContactState::CONTACT || state->state == ContactState::PASSED);
+  const bool always = e.touches == Expectation::Touches::kAlways;
+  // What has passed touched since the pair's last cycle, but not at this one's stamp.
+  const bool touched = known && (state->state == ContactState::CONTACT ||
+                                 (state->state == ContactState::PASSED && !always));
+  const bool touching = touched && state->pair_count >= e.min_pairs;
   ++record->cycles;
   record->touching += touching;
   record->unknown += !known;
-  if (known && state->state == ContactState::CONTACT) {
+  if (touched) {
     record->most_pairs = std::max(record->most_pairs, state->pair_count);
   }
-  const bool wanted = e.touches == Expectation::Touches::kAlways;
   if (record->first_break.empty() && e.touches != Expectation::Touches::kSometime &&
-      (!known || touching != wanted)) {
+      (!known || touching != always)) {
     record->first_break = "at " + seconds(since_s) + ": " + seen(state);
   }
 }

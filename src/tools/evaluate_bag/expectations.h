@@ -26,7 +26,8 @@ std::vector<Expectation> readExpectations(const std::string& path);
 
 // Judges one run's cycles. A cycle in which the pair is UNKNOWN, ALLOWED or not monitored is no
 // proof of anything: `always` and `never` fail by it. So do expectations without a single cycle in
-// their time.
+// their time. In swept motion a pair that has passed breaks `never` and is enough for `sometime`;
+// for `always` it is no touch.
 class ExpectationJudge {
  public:
   explicit ExpectationJudge(std::vector<Expectation> expectations);

@@ -12,6 +12,8 @@
 #include "tools/common/script.h"
 #include "tools/measure_trade/bag_frames.h"
 #include "tools/measure_trade/mesh_frames.h"
+#include "tools/measure_trade/motion_report.h"
+#include "tools/measure_trade/motion_steps.h"
 #include "tools/measure_trade/trade_arguments.h"
 #include "tools/measure_trade/trade_measurement.h"
 #include "tools/measure_trade/trade_report.h"
@@ -70,6 +72,49 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
   return results;
 }
 
+void warnMotions(const MotionResults& found) {
+  if (found.pairs_without_step > 0) {
+    note(std::to_string(found.pairs_without_step) +
+         " pairs of bodies, over all frames, were not looked at or had other triangles in the "
+         "frame before, so they have no step there");
+  }
+  if (found.rejected > 0) {
+    note(std::to_string(found.rejected) +
+         " triangles, over all frames, have a NaN or infinite vertex and took no part");
+  }
+}
+
+// The exit code.
+int runSwept(const TradeArguments& arguments) {
+  std::string text;
+  MotionResults found;
+  {
+    Progress progress("starting");
+    const auto say = [&](const std::string& what) { progress.set(what); };
+    const std::unique_ptr<FrameSource> frames = openFrames(arguments, say);
+    makeFolder(arguments.out_folder);
+    OutputFile motions(arguments.out_folder + "/motions.csv");
+    OutputFile onsets(arguments.out_folder + "/onsets.csv");
+    OutputFile summary(arguments.out_folder + "/summary.json");
+    found = findMotions(
+        frames.get(), static_cast<std::size_t>(arguments.every), arguments.base,
+        [&] { return makeBackend(arguments.grid.backends.front()); }, say);
+    progress.set("counting");
+    const std::vector<MotionCounts> levels = {countMotions(found, MotionLevel::kBodies),
+                                              countMotions(found, MotionLevel::kTriangles)};
+    progress.set("writing");
+    motions.write(motionsCsv(found, levels));
+    onsets.write(onsetsCsv(found, levels, *frames));
+    summary.write(motionJson(arguments, found, levels, *frames));
+    progress.set("drawing");
+    runScriptBeside("plot_motion.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
+    text = motionText(found, levels);
+  }
+  warnMotions(found);
+  OutputFile("-").write(text);
+  return 0;
+}
+
 // What a reader of the tables alone would not see.
 void warn(const TradeResults& results) {
   if (results.exact.bodies.empty()) {
@@ -123,6 +168,7 @@ int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
   return dcm::runTool("measure_trade", [argc, argv] {
     dcm::TradeArguments arguments;
-    return dcm::parseArguments(argc, argv, &arguments) ? dcm::run(arguments) : 0;
+    if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
+    return arguments.swept ? dcm::runSwept(arguments) : dcm::run(arguments);
   });
 }

@@ -15,11 +15,10 @@ constexpr BodyId kDeforming = 0;
 
 class MeshFrames : public FrameSource {
  public:
-  MeshFrames(const MeshFrameFiles& files, const std::function<void(const std::string&)>& progress)
-      : files_(files.states) {
+  MeshFrames(const MeshFrameFiles& files, const std::function<void(const std::string&)>& progress) {
     for (const std::string& file : files.states) {
       progress("reading " + file);
-      states_.push_back(readMeshFile(file));
+      addState(file, readMeshFile(file), files.split);
     }
     addBody(files.states.front(), states_.front());
     scene_.setPairEnabled(kDeforming, kDeforming, files.self);
@@ -44,9 +43,29 @@ class MeshFrames : public FrameSource {
   void rewind() override { next_ = 0; }
   const Scene& scene() const override { return scene_; }
   bool isDeformable(BodyId body) const override { return body == kDeforming; }
-  std::string label() const override { return next_ == 0 ? "" : files_[next_ - 1]; }
+  std::string label() const override { return next_ == 0 ? "" : labels_[next_ - 1]; }
 
  private:
+  // With the frames that lead there from the state before.
+  void addState(const std::string& file, TriangleMesh mesh, int split) {
+    if (!states_.empty() && states_.back().triangles == mesh.triangles &&
+        states_.back().vertices.size() == mesh.vertices.size()) {
+      const std::string begin = labels_.back() + " + ", end = "/" + std::to_string(split);
+      const TriangleMesh from = states_.back();
+      for (int part = 1; part < split; ++part) {
+        TriangleMesh between = from;
+        for (std::size_t i = 0; i < from.vertices.size(); ++i) {
+          const double a = from.vertices[i], b = mesh.vertices[i];
+          between.vertices[i] = static_cast<float>(a + (b - a) * part / split);
+        }
+        states_.push_back(std::move(between));
+        labels_.push_back(begin + std::to_string(part) + end);
+      }
+    }
+    states_.push_back(std::move(mesh));
+    labels_.push_back(file);
+  }
+
   BodyId addBody(const std::string& file, TriangleMesh mesh) {
     const std::string name = std::filesystem::path(file).stem().string();
     const auto [other, is_new] = file_of_name_.emplace(name, file);
@@ -57,7 +76,7 @@ class MeshFrames : public FrameSource {
     return scene_.addBody(name, std::move(mesh));
   }
 
-  std::vector<std::string> files_;
+  std::vector<std::string> labels_;  // of states_
   std::vector<TriangleMesh> states_;
   std::map<std::string, std::string> file_of_name_;
   Scene scene_;

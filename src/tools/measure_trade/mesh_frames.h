@@ -14,6 +14,7 @@ struct MeshFrameFiles {
   std::vector<std::string> states;   // of body 0, in order, at least one; triangles may change
   std::vector<std::string> against;  // a body each, numbered from 1
   bool self = false;                 // also contacts of body 0 with itself
+  int split = 1;  // steps between two states of the same triangles, on straight lines
 };
 
 // A body's name is its file's without folder and ending, body 0's the first state's. Reads all

@@ -76,6 +76,26 @@ void addRun(CommandLine* line, TradeArguments* arguments) {
             "Write the chosen setting here, as parameters of contact_monitor (YAML)");
 }
 
+// What is of the grid alone.
+constexpr const char* kGridOptions[] = {
+    "--overlaps", "--predicates",      "--clusters", "--fuzzifiers", "--iterations",
+    "--cycles",   "--refresh-periods", "--warm-up",  "--budget-ms",  "--write-config"};
+
+void addSwept(CommandLine* line, TradeArguments* arguments) {
+  line->addFlag("--swept", &arguments->swept,
+                "Measure instead which contacts, and which of their onsets, are lost where frames "
+                "are looked at one by one, and at some of them alone; writes motions.csv, "
+                "onsets.csv, summary.json and plots");
+  line->add("--every", &arguments->every, "With --swept: keep each so-many-th frame and the last",
+            inRange(2, 1000000));
+  line->add("--split", &arguments->meshes.split,
+            "With --swept: cut the step between two STATE files into so many, on straight lines",
+            inRange(1, 1000));
+  for (const char* option : {"--every", "--split"}) line->requireFor(option, "--swept");
+  line->refuseTogether("--bag", "--split");
+  for (const char* option : kGridOptions) line->refuseTogether("--swept", option);
+}
+
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   std::vector<Predicates> all;
   all.reserve(names.size());
@@ -90,6 +110,9 @@ void check(const TradeArguments& arguments) {
     if (meshes.against.empty() && !meshes.self) {
       refuseUsage("there is nothing to test: no --against and no --self");
     }
+  }
+  if (arguments.swept && arguments.grid.backends.size() != 1) {
+    refuseUsage("--backends: --swept takes one");
   }
   for (const Setting& setting : settingsOf(arguments.grid, arguments.base)) {
     const std::vector<std::string> found = problems(setting.options);
@@ -109,6 +132,7 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   addScene(&line, arguments);
   addGrid(&line, &grid, &predicates);
   addRun(&line, arguments);
+  addSwept(&line, arguments);
   if (!line.parse(argc, argv)) return false;
   grid.predicates = predicatesFrom(predicates);
   for (int i = 0; i < argc; ++i) {

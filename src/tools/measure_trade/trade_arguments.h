@@ -21,6 +21,8 @@ struct TradeArguments {
   std::optional<double> budget_ms;
   std::string out_folder = "trade";
   std::string config_file;  // empty: not wanted
+  bool swept = false;       // what instant motion loses, in place of the grid
+  int every = 10;           // swept: frames that are kept, each so-many-th
   std::string command;      // all of it, to be typed again
 };
 

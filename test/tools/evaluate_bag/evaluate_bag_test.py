@@ -377,7 +377,7 @@ class EvaluateBag(unittest.TestCase):
         done = self.run_tool("--config", self.path("config.yaml"), "--no-report", self.bag())
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(set(os.listdir(self.path("out"))),
-                         {"frames.csv", "links.csv", "summary.json"})
+                         {"events.csv", "frames.csv", "links.csv", "summary.json"})
 
     def test_bad_input(self):
         config = self.text("config.yaml", CONFIG)

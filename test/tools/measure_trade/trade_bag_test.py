@@ -53,6 +53,31 @@ class TradeBag(unittest.TestCase):
         self.assertEqual({recalls["1", clusters] for clusters in ("0", "64")}, {1.0})
         self.assertLess(recalls["0", "64"], 1)
 
+    def test_swept(self):
+        """What instant motion finds is the oracle's, in each stretch from one kept frame on."""
+        every = 4
+        bag = write_bag(self.path("panda.bag"), self.scene.events())
+        done = self.run_tool("--bag", bag, "--config", self.path("config.yaml"), "--swept",
+                             "--every", str(every))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        expected = self.scene.expected()
+        kept = [*range(0, FRAMES - 1, every), FRAMES - 1]
+        found = {1: 0, every: 0}
+        for begin, end in zip(kept, kept[1:]):
+            found[1] += len(set().union(*(expected[f] for f in range(begin, end + 1))))
+            found[every] += len(set(expected[begin]) | set(expected[end]))
+        rows = {(row["motion"], int(row["every"])): row for row in self.rows("motions.csv")
+                if row["level"] == "triangles"}
+        for step, count in found.items():
+            row = rows["instant", step]
+            self.assertEqual(int(row["contacts"]) - int(row["contacts_lost"]), count, step)
+            self.assertEqual(row["contacts_added"], "0")
+        self.assertGreater(int(rows["instant", every]["contacts_lost"]),
+                           int(rows["instant", 1]["contacts_lost"]))
+        with open(self.path("out/summary.json")) as file:
+            summary = json.load(file)
+        self.assertEqual((len(summary["frames"]), summary["pairs_without_step"]), (FRAMES, 0))
+
     def test_refusals(self):
         bag = write_bag(self.path("bare.bag"), [e for e in self.scene.events() if e[1] == "/tf"])
         for arguments, words in ((["--bag", bag], "no robot"),

@@ -1,0 +1,188 @@
+// What measure_trade --swept writes: tables, JSON, a few lines for people.
+#include "tools/measure_trade/motion_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/common/csv_field.h"
+#include "tools/common/json_text.h"
+#include "tools/common/machine.h"
+#include "tools/common/sample_statistics.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Json = nlohmann::json;
+
+const char* nameOf(MotionLevel level) {
+  return level == MotionLevel::kBodies ? "bodies" : "triangles";
+}
+
+std::size_t everyOf(const MotionResults& found, const MotionWay& way) {
+  return way.kept_alone ? found.every : 1;
+}
+
+std::vector<double> times(const MotionResults& found, const MotionWay& way) {
+  std::vector<double> ms;
+  if (way.motion == Motion::kSwept) {
+    for (const MotionStep& step : way.kept_alone ? found.kept_steps : found.steps) {
+      ms.push_back(step.round_trip_ms);
+    }
+    return ms;
+  }
+  if (!way.kept_alone) return found.instant_ms;
+  for (const std::size_t frame : keptFrames(found.labels.size(), found.every)) {
+    ms.push_back(found.instant_ms[frame]);
+  }
+  return ms;
+}
+
+// In the order of the columns of motions.csv.
+std::vector<std::pair<std::string, Json>> row(const MotionResults& found,
+                                              const MotionCounts& counts, std::size_t way) {
+  const MotionWay& look = waysToLook()[way];
+  const auto& [contacts, onsets] = counts.ways[way];
+  const TimeError error = timeError(counts.truth, onsets);
+  const std::vector<double> ms = times(found, look);
+  return {{"level", nameOf(counts.level)},
+          {"motion", toString(look.motion)},
+          {"every", everyOf(found, look)},
+          {"cycles", ms.size()},
+          {"contacts", contacts.truth},
+          {"contacts_lost", contacts.lost()},
+          {"contacts_added", contacts.added()},
+          {"onsets", counts.truth.size()},
+          {"onsets_lost", onsets.lost()},
+          {"onsets_added", onsets.added},
+          {"time_error_mean", error.mean},
+          {"time_error_worst", error.worst},
+          {"median_ms", median(ms)}};
+}
+
+// As JSON has it, without the quotes of words.
+std::string shown(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_number_float() ? numberText(value.get<double>()) : value.dump();
+}
+
+void addOnset(const std::optional<Onset>& onset, bool swept, std::string* line) {
+  *line += "," + (onset ? numberText(onset->low) : "");
+  if (swept) *line += "," + (onset ? numberText(onset->high) : "");
+}
+
+std::string bodiesOf(const Onset& onset, MotionLevel level, const Scene& scene) {
+  const TrianglePair& pair = onset.pair;
+  const auto triangle = [level](std::uint32_t number) {
+    return level == MotionLevel::kTriangles ? std::to_string(number) : std::string();
+  };
+  return csvField(scene.body(pair.body_a).name) + "," + triangle(pair.triangle_a) + "," +
+         csvField(scene.body(pair.body_b).name) + "," + triangle(pair.triangle_b);
+}
+
+std::string lossText(std::uint64_t lost, std::uint64_t of, const char* what) {
+  return std::to_string(lost) + " of " + std::to_string(of) + " " + what;
+}
+
+}  // namespace
+
+MotionCounts countMotions(const MotionResults& found, MotionLevel level) {
+  MotionCounts counts;
+  counts.level = level;
+  counts.truth = trueOnsets(found, level);
+  for (const MotionWay& way : waysToLook()) {
+    counts.ways.push_back(
+        {lostContacts(found, way, level), findOnsets(found, way, level, counts.truth)});
+  }
+  return counts;
+}
+
+std::string motionsCsv(const MotionResults& found, const std::vector<MotionCounts>& levels) {
+  std::string title, lines;
+  for (const MotionCounts& counts : levels) {
+    for (std::size_t way = 0; way < counts.ways.size(); ++way) {
+      std::string names, line;
+      for (const auto& [name, value] : row(found, counts, way)) {
+        names += (names.empty() ? "" : ",") + name;
+        line += (line.empty() ? "" : ",") + shown(value);
+      }
+      title = names + "\n";
+      lines += line + "\n";
+    }
+  }
+  return title + lines;
+}
+
+std::string onsetsCsv(const MotionResults& found, const std::vector<MotionCounts>& levels,
+                      const FrameSource& frames) {
+  std::string text =
+      "level,body_a,triangle_a,body_b,triangle_b,after_frame,first_low,first_high,instant,"
+      "instant_kept,swept_kept_low,swept_kept_high\n";
+  for (const MotionCounts& counts : levels) {
+    for (std::size_t i = 0; i < counts.truth.size(); ++i) {
+      const Onset& onset = counts.truth[i];
+      std::string line = std::string(nameOf(counts.level)) + "," +
+                         bodiesOf(onset, counts.level, frames.scene()) + "," +
+                         csvField(found.labels[found.steps[onset.interval].from]);
+      addOnset(onset, true, &line);
+      for (std::size_t way = 0; way < counts.ways.size(); ++way) {
+        addOnset(counts.ways[way].onsets.of_truth[i], waysToLook()[way].motion == Motion::kSwept,
+                 &line);
+      }
+      text += line + "\n";
+    }
+  }
+  return text;
+}
+
+std::string motionJson(const TradeArguments& arguments, const MotionResults& found,
+                       const std::vector<MotionCounts>& levels, const FrameSource& frames) {
+  Json json;
+  json["version"] = DCM_VERSION;
+  json["command"] = arguments.command;
+  json["machine"] = machineJson();
+  json["bodies"] = Json::array();
+  for (const Body& body : frames.scene().bodies()) {
+    json["bodies"].push_back({{"name", body.name}, {"triangles", body.mesh.triangleCount()}});
+  }
+  json["frames"] = found.labels;
+  json["every"] = found.every;
+  json["adjacent"] = toString(arguments.base.adjacent);
+  json["backend"] = arguments.grid.backends.front();
+  json["threads"] = arguments.base.threads;
+  json["pairs_without_step"] = found.pairs_without_step;
+  json["rejected_triangles"] = found.rejected;
+  std::vector<double> ms;
+  for (const MotionStep& step : found.steps) ms.push_back(step.round_trip_ms);
+  json["truth_median_ms"] = median(ms);
+  json["motions"] = Json::array();
+  for (const MotionCounts& counts : levels) {
+    for (std::size_t way = 0; way < counts.ways.size(); ++way) {
+      Json of_way;
+      for (const auto& [name, value] : row(found, counts, way)) of_way[name] = value;
+      json["motions"].push_back(of_way);
+    }
+  }
+  return jsonText(json);
+}
+
+std::string motionText(const MotionResults& found, const std::vector<MotionCounts>& levels) {
+  std::string text = "Of what touches at some time, by swept motion at all " +
+                     std::to_string(found.labels.size()) + " frames:\n";
+  for (std::size_t way = 0; way < waysToLook().size(); ++way) {
+    const MotionWay& look = waysToLook()[way];
+    text += std::string("  ") + toString(look.motion) +
+            (look.kept_alone ? " at every " + std::to_string(found.every) + "th frame" : "") +
+            " loses";
+    const char* between = " ";
+    for (const MotionCounts& counts : levels) {
+      const std::string of = counts.level == MotionLevel::kBodies ? " of bodies" : " of triangles";
+      text += between + lossText(counts.ways[way].contacts.lost(), counts.ways[way].contacts.truth,
+                                 ("contacts" + of).c_str());
+      text += ", " + lossText(counts.ways[way].onsets.lost(), counts.truth.size(), "onsets");
+      between = "; ";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace deformable_contact_monitor
