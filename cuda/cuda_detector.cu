@@ -11,6 +11,7 @@
 #include "cuda/device/usable_device.cuh"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_stop.cuh"
+#include "cuda/open_pairs.cuh"
 #include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
@@ -41,14 +42,16 @@ class CudaDetector : public Detector {
   bool startCold(const Scene& scene, const Options& options, const CycleLimit& limit);
   void makeArrays();
   void sendParams();
-  void sizeBins();
+  void sizeBins(const Options& options);
   void runCycle(const Options& options);
   bool runUntilItFits(const Options& options, const CycleLimit& limit);
-  bool runInPasses(const CycleLimit& limit);
+  bool runInPasses(const Options& options, const CycleLimit& limit);
   bool isCutOff(const CycleLimit& limit) const;
   bool makeRoom();
-  bool sweepInPasses(const CycleLimit& limit);
+  bool sweepInPasses(const Options& options, const CycleLimit& limit);
   void fetchContacts(const Options& options, bool few);
+  void decideOpenPairs(const Options& options, const CycleLimit& limit);
+  CycleShape shapeOf(const Options& options, bool identify, int refinements) const;
   void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
   std::uint32_t listable(std::uint64_t contacts) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
@@ -69,9 +72,12 @@ class CudaDetector : public Detector {
   PinnedBuffer<CycleCounters> counters_{1};
   HostStop stop_;
   ContactOutput output_;
+  OpenPairs open_pairs_;     // in swept motion
+  double decide_ms_ = 0;     // what they took in this cycle
   SceneScale scale_;
   SizeRule size_rule_;
   bool cold_ = true;
+  Motion motion_ = Motion::kInstant;  // of the last cycle
   int asked_clusters_ = 0;  // by the options of the last cold start
   std::uint32_t large_at_start_ = 0;
   std::uint64_t last_contacts_ = 0;
@@ -81,7 +87,6 @@ class CudaDetector : public Detector {
 
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
-  requireInstant(options, backend());
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
   const Stopwatch watch{};
   const CycleLimit limit(options.limits);
@@ -109,10 +114,11 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   output_.list(scene_, std::min(listable(counted.contacts), output_.fetched()), limit, result_);
   result_.left_out = counted.contacts - result_.contacts.size();
   const bool listed = result_.contacts.size() >= listable(counted.contacts);
+  open_pairs_.addTo(scene_, options, result_);
   if (limit.wasOver() && !(all && listed)) result_.cutOff(limit.why());
   if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
   if (counted.list_words > sizes_.list_words) dropRepeated(result_);
-  result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_);
+  result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_) + decide_ms_;
   result_.memory_bytes = memory_.bytes() + output_.bytes();
   result_.counters.posed = scene_.triangleCount();
   tell(counted, sizes_.clusters, result_.counters);
@@ -121,6 +127,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
   if (settings_.time_stages) {
     StageTimes times = graphs_[0].times();
+    times.add(Stage::kJudge, decide_ms_);
     times.add(Stage::kOutput, output_ms);
     result_.stages_ms = times.byName();
   } else {
@@ -134,21 +141,22 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
 // limit was over.
 bool CudaDetector::upload(const Scene& scene, const Options& options, const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
-  const bool was_cold = cold_ || asked_clusters_ != options.clusters;
+  const bool was_cold = cold_ || asked_clusters_ != options.clusters || motion_ != options.motion;
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
-  const bool laid_out_anew = scene_.layOut(scene, stream);
+  motion_ = options.motion;
+  const bool laid_out_anew = scene_.layOut(scene, motion_, stream);
   if (scene_.triangleCount() == 0) return false;
-  scene_.sendVertices(scene, stream);
+  scene_.sendVertices(scene, motion_, stream);
   const bool starts = was_cold || laid_out_anew;
   result_.started_cold = starts;
   if (starts && !startCold(scene, options, limit)) return false;
-  scene_.sendBodies(scene, scale_, stream);
+  scene_.sendBodies(scene, motion_, scale_, stream);
   params_[0] =
-      cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyMargin());
+      cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyLengths());
   params_[0].scale = scale_;
   params_[0].size = size_rule_;
   params_[0].limited = limit.isSet() ? 1 : 0;
-  if (starts) sizeBins();
+  if (starts) sizeBins(options);
   return true;
 }
 
@@ -213,8 +221,8 @@ void CudaDetector::sendParams() {
 
 // Without a cycle before, the bins have no room: part of one finds out how much they need. And
 // every vertex is its own where no body touches itself: once is enough then.
-void CudaDetector::sizeBins() {
-  const CycleShape shape{device_, true, 0};
+void CudaDetector::sizeBins(const Options& options) {
+  const CycleShape shape = shapeOf(options, true, 0);
   const cudaStream_t stream = stream_.get();
   sendParams();
   launchPoseIdentities(arrays_, shape, stream);
@@ -223,12 +231,19 @@ void CudaDetector::sizeBins() {
   launchAssignBins(arrays_, shape, stream);
 }
 
+CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refinements) const {
+  const bool sharers = scene_.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
+  const bool swept = options.motion == Motion::kSwept;
+  return {device_, identify, refinements, swept, swept && sharers};
+}
+
 void CudaDetector::runCycle(const Options& options) {
   const cudaStream_t stream = stream_.get();
   sendParams();
   const bool refresh = sizes_.clusters > 1 && ++cycles_since_refresh_ >= options.refresh_period;
   if (refresh) cycles_since_refresh_ = 0;
-  const CycleShape shape{device_, scene_.anySelf(), refresh ? options.iterations : 0};
+  const CycleShape shape =
+      shapeOf(options, scene_.anySelf(), refresh ? options.iterations : 0);
   if (settings_.time_stages) {
     cycle_start_.record(stream);
     graphs_[0].runTimed(arrays_, shape, stream);
@@ -246,6 +261,8 @@ void CudaDetector::runCycle(const Options& options) {
 bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limit) {
   constexpr int kMostTries = 16;
   bool all = false;
+  decide_ms_ = 0;
+  open_pairs_.clear();
   for (int tries = 1;; ++tries) {
     runCycle(options);
     fetchContacts(options, limit.isSet());
@@ -257,14 +274,27 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
     if (tries == kMostTries)
       throw CudaError(BackendFault::kTransient, "the sizes of a cycle do not settle");
   }
-  const bool in_passes = counters_[0].candidates > sizes_.candidates && !limit.over();
-  if (in_passes) all = runInPasses(limit);
+  const bool too_many = counters_[0].candidates > sizes_.candidates ||
+                        counters_[0].open_pairs > sizes_.open_pairs;
+  const bool in_passes = too_many && !limit.over();
+  if (in_passes) {
+    all = runInPasses(options, limit);
+  } else if (all) {
+    decideOpenPairs(options, limit);
+  }
   if (in_passes || listable(counters_[0].contacts) > output_.fetched()) {
     last_contacts_ = counters_[0].contacts;
     fetchContacts(options, limit.over());
     wait(limit);
   }
   return all && counters_[0].candidates <= sizes_.candidates;
+}
+
+void CudaDetector::decideOpenPairs(const Options& options, const CycleLimit& limit) {
+  const Stopwatch watch{};
+  open_pairs_.decide(arrays_, std::min(counters_[0].open_pairs, sizes_.open_pairs), options, limit,
+                     stream_.get());
+  decide_ms_ += watch.elapsedMs();
 }
 
 // Whether the last cycle gave up, or leaves work for which no time is left.
@@ -282,8 +312,8 @@ bool CudaDetector::makeRoom() {
 }
 
 // As sweepInPasses(), until the contacts have room.
-bool CudaDetector::runInPasses(const CycleLimit& limit) {
-  while (sweepInPasses(limit) && !isCutOff(limit)) {
+bool CudaDetector::runInPasses(const Options& options, const CycleLimit& limit) {
+  while (sweepInPasses(options, limit) && !isCutOff(limit)) {
     if (makeRoom()) return true;
   }
   return false;
@@ -291,9 +321,9 @@ bool CudaDetector::runInPasses(const CycleLimit& limit) {
 
 // More candidates than memory: judges them in several passes over the work units and blocks. Those
 // that no pass has room for are counted, not judged. False if the limit was over before the last.
-bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
+bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
-  const CycleShape shape{device_, false, 0};
+  const CycleShape shape = shapeOf(options, false, 0);
   const std::uint32_t most =
       std::min(kMostPasses, std::max(counters_[0].units, largeBlocks(arrays_)));
   const std::uint64_t found = counters_[0].judged + counters_[0].unjudged;
@@ -301,6 +331,7 @@ bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
       static_cast<std::uint32_t>(std::min<std::uint64_t>(most, found / sizes_.candidates + 2));
   while (true) {
     bool fits = true;
+    open_pairs_.clear();
     for (std::uint32_t pass = 0; pass < passes && (fits || passes == most); ++pass) {
       params_[0].pass = pass;
       params_[0].passes = passes;
@@ -311,7 +342,9 @@ bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
       launchJudge(arrays_, shape, stream);
       checkCuda(cudaGetLastError(), "a launch");
       wait(limit);
-      fits = counters_[0].candidates <= sizes_.candidates;
+      fits = counters_[0].candidates <= sizes_.candidates &&
+             counters_[0].open_pairs <= sizes_.open_pairs;
+      decideOpenPairs(options, limit);
       if (counters_[0].cut_off != 0 || ((pass + 1 < passes || !fits) && limit.over())) {
         cycle_end_.record(stream);
         return false;
@@ -327,8 +360,11 @@ bool CudaDetector::sweepInPasses(const CycleLimit& limit) {
 // sorted and copied in little time.
 void CudaDetector::fetchContacts(const Options& options, bool few) {
   const std::uint64_t most = few ? kMostListedLate : last_contacts_;
-  output_.fetch(arrays_, {scene_.anyMargin(), options.geometry}, params_[0].index_bits,
-                listable(std::min(last_contacts_, most)), stream_.get());
+  const bool swept = options.motion == Motion::kSwept;
+  const BodyLengths any = scene_.anyLengths();
+  output_.fetch(arrays_,
+                {any.margins && !swept, options.geometry, options.first_times, any.pads && swept},
+                params_[0].index_bits, listable(std::min(last_contacts_, most)), stream_.get());
 }
 
 // A scene that has outgrown its clusters or its scale starts anew.
