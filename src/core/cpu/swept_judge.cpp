@@ -1,0 +1,48 @@
+#include "core/cpu/swept_judge.h"
+
+#include <algorithm>
+
+#include "core/predicates/swept_exact.h"
+#include "core/predicates/swept_pad.h"
+#include "core/rules/margins.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+float padOf(const CycleInput<MovingTriangle>& input, const Candidate<MovingTriangle>& candidate) {
+  return pairPad(input.scene.body(input.set.bodyOf(candidate.a).value).pad_m,
+                 input.scene.body(input.set.bodyOf(candidate.b).value).pad_m);
+}
+
+}  // namespace
+
+void judgeCandidates(const CycleInput<MovingTriangle>& input,
+                     const std::vector<Candidate<MovingTriangle>>& candidates,
+                     CycleOutput<MovingTriangle>& output) {
+  constexpr std::uint64_t kLook = 16;
+  const Options& options = input.options;
+  PacedLimit pace(input.limit, kLook);
+  for (const Candidate<MovingTriangle>& candidate : candidates) {
+    if (pace.over()) return;
+    ++output.candidates;
+    const TriangleIndex first = std::min(candidate.a, candidate.b);
+    const TriangleIndex second = std::max(candidate.a, candidate.b);
+    const MovingTriangle a = input.set.posed<MovingTriangle>(candidate.a);
+    const MovingTriangle b = input.set.posed<MovingTriangle>(candidate.b);
+    PredicateState state{options.predicates};
+    const SweptVerdict verdict =
+        sweptVerdict(a, b, candidate.shared, options.adjacent, options.first_times, state);
+    output.exact += state.exact > 0;
+    if (verdict.part == PartVerdict::kMeet) {
+      output.undecided += state.undecided;
+      output.contacts.add({first, second, {verdict.first_low, verdict.first_high}, false});
+      continue;
+    }
+    const float pad_m = candidate.shared.any ? 0 : padOf(input, candidate);
+    if (pad_m == 0) continue;
+    const PadVerdict pad = withinPad(a, b, pad_m);
+    if (pad.may_touch) output.contacts.add({first, second, {pad.first_low, 1}, true});
+  }
+}
+
+}  // namespace deformable_contact_monitor
