@@ -2,6 +2,7 @@
 #include "swept_oracle.h"
 
 #include <algorithm>
+#include <map>
 
 #include "moving_hulls.h"
 #include "scenes.h"
@@ -20,14 +21,18 @@ bool areInContact(const SweptTriangle& a, const SweptTriangle& b, AdjacentPairs 
   return isJudged(a, b, adjacent) && meetEver(hullsOf(a, b));
 }
 
-std::optional<SweptTime> firstContact(const SweptTriangle& a, const SweptTriangle& b,
-                                      AdjacentPairs adjacent) {
-  if (!isJudged(a, b, adjacent)) return std::nullopt;
+std::optional<SweptTime> firstContact(const SweptTriangle& a, const SweptTriangle& b) {
   std::optional<FirstTime> first = firstMeeting(hullsOf(a, b));
   if (!first) return std::nullopt;
   first->time.refineTo(kTimeBits);
   return SweptTime{toRational(first->time.low()), toRational(first->time.high()),
                    first->is_attained};
+}
+
+std::optional<SweptTime> firstContact(const SweptTriangle& a, const SweptTriangle& b,
+                                      AdjacentPairs adjacent) {
+  if (!isJudged(a, b, adjacent)) return std::nullopt;
+  return firstContact(a, b);
 }
 
 }  // namespace
@@ -70,6 +75,21 @@ std::vector<TrianglePair> oracleSweptContacts(const Scene& state0, const Scene& 
   }
   std::sort(contacts.begin(), contacts.end());
   return contacts;
+}
+
+std::vector<SweptTime> oracleFirstTimes(const Scene& state0, const Scene& state1,
+                                        const std::vector<TrianglePair>& contacts) {
+  std::map<std::pair<BodyId, std::uint32_t>, SweptTriangle> triangles;
+  for (const SweptTriangle& t : sweptTriangles(state0, state1)) {
+    triangles.emplace(std::make_pair(t.body, t.triangle), t);
+  }
+  std::vector<SweptTime> times;
+  for (const TrianglePair& p : contacts) {
+    times.push_back(
+        firstContact(triangles.at({p.body_a, p.triangle_a}), triangles.at({p.body_b, p.triangle_b}))
+            .value());
+  }
+  return times;
 }
 
 std::set<std::pair<std::uint32_t, std::uint32_t>> sweptPairs(const TriangleMesh& state0,

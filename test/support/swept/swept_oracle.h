@@ -54,6 +54,10 @@ bool edgeEdgeMeets(const std::array<Trajectory, 4>& points);
 std::vector<TrianglePair> oracleSweptContacts(const Scene& state0, const Scene& state1,
                                               AdjacentPairs adjacent);
 
+// When each of these contacts, as oracleSweptContacts gives them, is first.
+std::vector<SweptTime> oracleFirstTimes(const Scene& state0, const Scene& state1,
+                                        const std::vector<TrianglePair>& contacts);
+
 // Every swept contact of one body with itself, the lesser triangle first. The meshes have the same
 // triangles.
 std::set<std::pair<std::uint32_t, std::uint32_t>> sweptPairs(const TriangleMesh& state0,
