@@ -165,8 +165,7 @@ __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c) {
     if (there) {
       i = c.contacts.dismissed[k];
       const DeviceCandidate pair = c.contacts.candidates[i];
-      const BodyIndex a = c.members.members[pair.a].body(), b = c.members.members[pair.b].body();
-      const float pad_m = c.scene.earlier_bodies[a].pad_m + c.scene.earlier_bodies[b].pad_m;
+      const float pad_m = padOf(c, c.members.members[pair.a], c.members.members[pair.b]);
       if (pad_m > 0) verdict = withinPad(movingAt(c, pair.a), movingAt(c, pair.b), pad_m);
     }
     reportMoving(c, verdict.may_touch, i, {verdict.first_low, -1});

@@ -69,7 +69,7 @@ __device__ inline void leaveToHost(const CycleArrays& c, Place candidate,
   open.low = quick.first_low;
   open.high = quick.first_high;
   open.meets_at_end = quick.meets_at_end ? 1 : 0;
-  open.pad_m = c.scene.earlier_bodies[a.body()].pad_m + c.scene.earlier_bodies[b.body()].pad_m;
+  open.pad_m = padOf(c, a, b);
 }
 
 // A warp's way through a list, its lanes side by side: visit(place in the list, whether there is

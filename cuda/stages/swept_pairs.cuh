@@ -36,6 +36,11 @@ __device__ inline Aabb grown(const Aabb& box, float by_m) {
   return inflated(inflated(box, by_m), by_m * 1e-6F);
 }
 
+// Of two members' bodies [m].
+__device__ inline float padOf(const CycleArrays& c, const Member& a, const Member& b) {
+  return pairPad(c.scene.earlier_bodies[a.body()].pad_m, c.scene.earlier_bodies[b.body()].pad_m);
+}
+
 // Of a member at both ends of the step, with its pad.
 __device__ inline MovingBox movingBoxAt(const CycleArrays& c, MemberIndex at) {
   const MovingBox box = boxOf(movingAt(c, at));

@@ -12,8 +12,8 @@
 namespace deformable_contact_monitor {
 
 // This is the one place that names them.
-inline bool knowsSweptMotion(const Backend& backend) {
-  return backend.name == std::string("brute_force");
+inline bool knowsSweptMotion(const Backend& /*backend*/) {
+  return true;
 }
 
 inline std::vector<Backend> sweptOf(const std::vector<Backend>& backends) {
