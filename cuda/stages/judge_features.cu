@@ -1,5 +1,6 @@
 // Stage judge in swept motion, second part: the features of what is left, a thread each: in
 // float32, then in double, then by integers; the rest is the host's.
+#include "cuda/stages/halving.cuh"
 #include "cuda/stages/judge_moving.cuh"
 
 namespace deformable_contact_monitor {
@@ -7,7 +8,7 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
-constexpr unsigned kLanesEach = 16;  // of a pair
+constexpr unsigned kHungry = 8;  // idle lanes from which on a warp looks for more features
 
 // One feature of a candidate.
 struct FeatureTask {
@@ -26,11 +27,13 @@ struct TaskQueue {
     size += __popc(mask);
     __syncwarp();
   }
-  __device__ bool pop(FeatureTask& task) {
-    const unsigned taken = min(size, kWarp);
-    size -= taken;
-    const bool got = laneId() < taken;
-    if (got) task = items[size + laneId()];
+  // For lanes that have none; true in those that get one.
+  __device__ bool pop(bool idle, FeatureTask& task) {
+    const unsigned mask = __ballot_sync(kFullWarp, idle);
+    const unsigned rank = __popc(mask & ((1U << laneId()) - 1));
+    const bool got = idle && rank < size;
+    if (got) task = items[size - 1 - rank];
+    size -= min(size, static_cast<unsigned>(__popc(mask)));
     __syncwarp();
     return got;
   }
@@ -71,38 +74,113 @@ __device__ void addMeeting(const CycleArrays& c, Place candidate, const FeatureV
   atomicMin(&state.high, __float_as_uint(verdict.high));
 }
 
-// Goes through a list of pairs, two a warp at a time: wants(task) chooses features, and decide(task)
-// has full warps of them, but for the last.
-template <class Wants, class Decide>
-__device__ void forEachFeature(const CycleArrays& c, const DeviceArray<Place, Place>& list,
-                               std::uint32_t count, const Wants& wants, const Decide& decide) {
+// The features of a list of pairs, for one warp: some pairs at a time, edges against edges first, for
+// they are more likely to meet, and with the first that does a pair is settled.
+class FeatureSource {
+ public:
+  __device__ FeatureSource(const DeviceArray<Place, Place>& list, std::uint32_t count)
+      : list_(list), count_(count), warps_(gridDim.x * kWarps) {
+    // Few pairs are spread over many warps.
+    pairs_ = kWarp;
+    while (pairs_ > 2 && pairs_ * warps_ > count_) pairs_ /= 2;
+    first_ = (blockIdx.x * kThreads + threadIdx.x) / kWarp * pairs_;
+  }
+  __device__ bool hasMore() const { return first_ < count_; }
+
+  // By the whole warp: the lane's next one; false if it has none.
+  __device__ bool next(FeatureTask& task) {
+    const std::uint32_t k = first_ + laneId() % pairs_;
+    const std::uint32_t order = done_ + laneId() / pairs_;
+    done_ += kWarp / pairs_;
+    if (done_ >= kFeatures) {
+      done_ = 0;
+      first_ += warps_ * pairs_;
+    }
+    if (k >= count_ || order >= kFeatures) return false;
+    task = {list_[Place(k)], order < 9 ? order + 6 : order - 9};
+    return true;
+  }
+
+ private:
+  const DeviceArray<Place, Place>& list_;
+  std::uint32_t count_, warps_, pairs_, first_, done_ = 0;
+};
+
+struct HalvingLimits {
+  bool wants_time;
+  int most_pieces;
+};
+
+// Halves the features of a list that wants(task) chooses; take(task, feature's coplanarity) may
+// turn one down, and finish(task, verdict) is told the others' verdicts.
+template <class Real, class Wants, class Takes, class Finish>
+__device__ void halveFeatures(const CycleArrays& c, const DeviceArray<Place, Place>& list,
+                              std::uint32_t count, const HalvingLimits& limits, const Wants& wants,
+                              const Takes& takes, const Finish& finish) {
   __shared__ FeatureTask items[kWarps][2 * kWarp];
-  TaskQueue queue{items[threadIdx.x / kWarp], 0};
-  constexpr std::uint32_t kPairs = kWarp / kLanesEach;
-  const std::uint32_t warps = gridDim.x * kWarps;
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
-  std::uint32_t first = warp * kPairs;
-  bool more = first < count;
-  while (more || queue.size > 0) {
-    if (queue.size >= kWarp || !more) {
-      FeatureTask task{};
-      const bool got = queue.pop(task);
-      if (got) decide(task);
-      __syncwarp();
-      if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) return;
+  const float narrow = limits.wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;
+  TaskQueue queue{items[threadIdx.x / kWarp], 0};
+  FeatureSource source(list, count);
+  FeatureTask task{};
+  Halving<Real> halving;
+  detail::ErrorsOfHalving<Real> errors;
+  bool active = false;
+  for (std::uint32_t turn = 0;; ++turn) {
+    const unsigned idle = __popc(__ballot_sync(kFullWarp, !active));
+    if (idle >= kHungry) {
+      if (queue.size < idle && source.hasMore()) {
+        FeatureTask found{};
+        const bool wanted = source.next(found) && wants(found);
+        queue.push(wanted, found);
+        continue;
+      }
+      if (queue.size > 0) {
+        if (queue.pop(!active, task)) {
+          const Feature feature = featureAt(c, task);
+          const Cubic<Real> d = coplanarity<Real>(feature);
+          if (takes(task, d)) {
+            active = halving.begin(feature, d);
+            if (active) {
+              errors = halving.errors();
+            } else {
+              finish(task, FeatureVerdict{});
+            }
+          }
+        }
+      } else if (idle == kWarp) {
+        return;
+      }
+    }
+    if (turn % 64 == 63 && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) return;
+    if (!active) continue;
+    const float high = highOf(c, task.candidate);
+    if (!limits.wants_time && high <= 1) {
+      active = false;
       continue;
     }
-    const std::uint32_t k = first + laneId() / kLanesEach;
-    FeatureTask task{Place(0), laneId() % kLanesEach};
-    bool wanted = k < count && task.index < kFeatures;
-    if (wanted) {
-      task.candidate = list[Place(k)];
-      wanted = wants(task);
+    const HalvingStep step = halving.step(narrow, high, limits.most_pieces, errors);
+    if (step == HalvingStep::kGoesOn) continue;
+    if (step == HalvingStep::kGoesBack) {
+      const Feature feature = featureAt(c, task);
+      halving.goBack(feature, coplanarity<Real>(feature));
+      continue;
     }
-    queue.push(wanted, task);
-    first += warps * kPairs;
-    more = first < count;
+    active = false;
+    const float low = halving.low();
+    finish(task, step == HalvingStep::kMeets
+                     ? FeatureVerdict{PartVerdict::kMeet, low, low + halving.width()}
+                 : step == HalvingStep::kOpen ? FeatureVerdict{PartVerdict::kOpen, low, 1}
+                                              : FeatureVerdict{});
   }
+}
+
+// Whether no part of it can have a certain sign.
+template <class Real>
+__device__ bool isLost(const Cubic<Real>& d) {
+  bool lost = true;
+  for (const Real x : d.c) lost = lost && !(sizeOf(x) > d.error);
+  return lost;
 }
 
 // The features of contacts.second_list, in float32; pairs with open ones come to first_list.
@@ -110,54 +188,73 @@ __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   const bool fast = params.predicates == Predicates::kFast;
-  forEachFeature(
+  constexpr int kMostInFloat = 64;  // double goes on
+  const auto leaveOpen = [&c, fast](const FeatureTask& task, float low) {
+    SweptState& state = c.contacts.states[task.candidate];
+    const std::uint32_t before = atomicOr(&state.bits, 1U << task.index);
+    if (fast) {
+      atomicMin(&state.open_low, __float_as_uint(low));
+    } else if ((before & kFeatureBits) == 0) {
+      c.contacts.first_list[Place(atomicAdd(&sweptCounters(c).left, 1U))] = task.candidate;
+    }
+  };
+  halveFeatures<float>(
       c, c.contacts.second_list, sweptCounters(c).featured,
+      {wants_time, fast ? kMostPieces : kMostInFloat},
       [&](const FeatureTask& task) {
+        if (!wants_time && highOf(c, task.candidate) <= 1) return false;
         const Feature feature = featureAt(c, task);
         return !areApart(feature) && coplanarity<float>(feature).sign() == 0;
       },
-      [&](const FeatureTask& task) {
-        const float until = highOf(c, task.candidate);
-        if (!wants_time && until <= 1) return;
-        const Feature feature = featureAt(c, task);
-        const FeatureVerdict verdict =
-            halvedVerdict(feature, coplanarity<float>(feature), wants_time, until);
+      [&](const FeatureTask& task, const Cubic<float>& d) {
+        if (fast || !isLost(d)) return true;
+        leaveOpen(task, 0);
+        return false;
+      },
+      [&](const FeatureTask& task, const FeatureVerdict& verdict) {
         if (verdict.part == PartVerdict::kMeet) addMeeting(c, task.candidate, verdict);
-        if (verdict.part != PartVerdict::kOpen) return;
-        SweptState& state = c.contacts.states[task.candidate];
-        const std::uint32_t before = atomicOr(&state.bits, 1U << task.index);
-        if (fast) {
-          atomicMin(&state.open_low, __float_as_uint(verdict.low));
-        } else if ((before & kFeatureBits) == 0) {
-          c.contacts.first_list[Place(atomicAdd(&sweptCounters(c).left, 1U))] = task.candidate;
-        }
+        if (verdict.part == PartVerdict::kOpen) leaveOpen(task, verdict.low);
       });
 }
 
-// The open features of contacts.first_list: in double, then by integers.
+// The open features of contacts.first_list, in double.
 __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   const bool exact = params.predicates == Predicates::kExact;
-  forEachFeature(
-      c, c.contacts.first_list, sweptCounters(c).left,
+  halveFeatures<double>(
+      c, c.contacts.first_list, sweptCounters(c).left, {wants_time, kMostPieces},
       [&](const FeatureTask& task) {
-        return (c.contacts.states[task.candidate].bits >> task.index & 1) != 0;
+        return (wants_time || highOf(c, task.candidate) > 1) &&
+               (c.contacts.states[task.candidate].bits >> task.index & 1) != 0;
       },
-      [&](const FeatureTask& task) {
-        const float until = highOf(c, task.candidate);
-        if (!wants_time && until <= 1) return;
-        const Feature feature = featureAt(c, task);
-        const FeatureVerdict verdict =
-            halvedVerdict(feature, coplanarity<double>(feature), wants_time, until);
+      [](const FeatureTask&, const Cubic<double>&) { return true; },
+      [&](const FeatureTask& task, const FeatureVerdict& verdict) {
         SweptState& state = c.contacts.states[task.candidate];
         if (verdict.part == PartVerdict::kMeet) addMeeting(c, task.candidate, verdict);
-        const bool open =
-            verdict.part == PartVerdict::kOpen &&
-            !(exact && integerSigns(feature) == IntegerSigns::kNoRootWithin);
-        if (!open) atomicAnd(&state.bits, ~(1U << task.index));
-        if (open && !exact) atomicMin(&state.open_low, __float_as_uint(verdict.low));
+        if (verdict.part != PartVerdict::kOpen) atomicAnd(&state.bits, ~(1U << task.index));
+        if (verdict.part == PartVerdict::kOpen && !exact) {
+          atomicMin(&state.open_low, __float_as_uint(verdict.low));
+        }
       });
+}
+
+// A thread for each feature of contacts.first_list: what double leaves open, by integers.
+__global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
+  const CycleParams& params = c.params();
+  if (params.predicates != Predicates::kExact) return;
+  FeatureSource source(c.contacts.first_list, sweptCounters(c).left);
+  while (source.hasMore()) {
+    if (warpIsCutOff(c, false)) return;
+    FeatureTask task{};
+    if (!source.next(task)) continue;
+    const bool wanted = params.first_times != 0 || highOf(c, task.candidate) > 1;
+    SweptState& state = c.contacts.states[task.candidate];
+    if (wanted && (state.bits >> task.index & 1) != 0 &&
+        integerSigns(featureAt(c, task)) == IntegerSigns::kNoRootWithin) {
+      atomicAnd(&state.bits, ~(1U << task.index));
+    }
+  }
 }
 
 // A thread for each of contacts.second_list: what its features told.
@@ -205,6 +302,7 @@ __global__ void __launch_bounds__(kThreads) verdictKernel(CycleArrays c) {
 void launchFeatures(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   launchList(featureKernel, kThreads, cycle, shape, stream);
   launchList(doubleKernel, kThreads, cycle, shape, stream);
+  launchList(integerKernel, kThreads, cycle, shape, stream);
   launchList(verdictKernel, kThreads, cycle, shape, stream);
 }
 

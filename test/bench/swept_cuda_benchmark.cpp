@@ -39,7 +39,7 @@ struct Stepping {
     const std::vector<float>& from = state[i % 2];
     const std::vector<float>& to = state[1 - i % 2];
     scene.setVertices(0, to.data(), to.size() / 3);
-    scene.setEarlier(0, RigidTransform(), from);
+    scene.setEarlier(0, scene.body(0).pose, from);
     for (BodyId b = 1; b < scene.bodyCount(); ++b) {
       if (middle.size() < b) middle.push_back(scene.body(b).pose);
       RigidTransform before = middle[b - 1], after = before;
