@@ -127,13 +127,15 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
   if (settings_.time_stages) {
     StageTimes times = graphs_[0].times();
-    times.add(Stage::kJudge, decide_ms_);
     times.add(Stage::kOutput, output_ms);
     result_.stages_ms = times.byName();
   } else {
     result_.stages_ms = {{"upload", upload_ms},
-                         {"pose_to_judge", result_.detect_ms},
+                         {"pose_to_judge", result_.detect_ms - decide_ms_},
                          {kStageNames[static_cast<int>(Stage::kOutput)], output_ms}};
+  }
+  if (options.motion == Motion::kSwept) {
+    result_.stages_ms.emplace_back("judge_on_host", decide_ms_);
   }
 }
 

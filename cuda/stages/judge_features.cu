@@ -8,7 +8,7 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
-constexpr unsigned kHungry = 8;  // idle lanes from which on a warp looks for more features
+constexpr unsigned kHungry = 16;  // idle lanes from which on a warp looks for more features
 
 // One feature of a candidate.
 struct FeatureTask {
@@ -74,54 +74,78 @@ __device__ void addMeeting(const CycleArrays& c, Place candidate, const FeatureV
   atomicMin(&state.high, __float_as_uint(verdict.high));
 }
 
-// The features of a list of pairs, for one warp: some pairs at a time, edges against edges first, for
-// they are more likely to meet, and with the first that does a pair is settled.
+// The features of a list of pairs that bits of their states name, for one warp: a pair a lane, and
+// one feature of each at a time. Edges against edges come first, for they are more likely to meet,
+// and with the first that does a pair may be settled.
 class FeatureSource {
  public:
-  __device__ FeatureSource(const DeviceArray<Place, Place>& list, std::uint32_t count)
-      : list_(list), count_(count), warps_(gridDim.x * kWarps) {
-    // Few pairs are spread over many warps.
-    pairs_ = kWarp;
-    while (pairs_ > 2 && pairs_ * warps_ > count_) pairs_ /= 2;
+  // `bits_at`: from which on they lie in SweptState::bits.
+  __device__ FeatureSource(const CycleArrays& c, const DeviceArray<Place, Place>& list,
+                           std::uint32_t count, unsigned bits_at)
+      : c_(c), list_(list), count_(count), bits_at_(bits_at), warps_(gridDim.x * kWarps) {
+    pairs_ = max(1U, min(kWarp, count / warps_));  // few pairs are spread over many warps
     first_ = (blockIdx.x * kThreads + threadIdx.x) / kWarp * pairs_;
+    more_ = first_ < count_;
   }
-  __device__ bool hasMore() const { return first_ < count_; }
+  __device__ bool hasMore() const { return more_; }
 
   // By the whole warp: the lane's next one; false if it has none.
   __device__ bool next(FeatureTask& task) {
-    const std::uint32_t k = first_ + laneId() % pairs_;
-    const std::uint32_t order = done_ + laneId() / pairs_;
-    done_ += kWarp / pairs_;
-    if (done_ >= kFeatures) {
-      done_ = 0;
-      first_ += warps_ * pairs_;
+    if (__ballot_sync(kFullWarp, rest_ != 0) == 0) takePairs();
+    const bool has = rest_ != 0;
+    if (has) {
+      const std::uint32_t edges = rest_ >> kVertexFaces;
+      task = {pair_, edges != 0 ? kVertexFaces + lowest(edges) : lowest(rest_)};
+      rest_ &= ~(1U << task.index);
     }
-    if (k >= count_ || order >= kFeatures) return false;
-    task = {list_[Place(k)], order < 9 ? order + 6 : order - 9};
-    return true;
+    more_ = first_ < count_ || __ballot_sync(kFullWarp, rest_ != 0) != 0;
+    return has;
   }
 
  private:
+  static constexpr std::uint32_t kVertexFaces = 6;
+  __device__ static std::uint32_t lowest(std::uint32_t bits) {
+    return static_cast<std::uint32_t>(__ffs(static_cast<int>(bits)) - 1);
+  }
+  __device__ void takePairs() {
+    const std::uint32_t k = first_ + laneId();
+    if (laneId() < pairs_ && k < count_) {
+      pair_ = list_[Place(k)];
+      rest_ = c_.contacts.states[pair_].bits >> bits_at_ & kFeatureBits;
+    }
+    first_ += warps_ * pairs_;
+  }
+
+  const CycleArrays& c_;
   const DeviceArray<Place, Place>& list_;
-  std::uint32_t count_, warps_, pairs_, first_, done_ = 0;
+  std::uint32_t count_;
+  unsigned bits_at_;
+  std::uint32_t warps_, pairs_, first_;
+  bool more_;
+  Place pair_{0};
+  std::uint32_t rest_ = 0;
 };
+
+// Whether a pair is settled already.
+__device__ bool isSettled(const CycleArrays& c, Place candidate, bool wants_time) {
+  return !wants_time && highOf(c, candidate) <= 1;
+}
 
 struct HalvingLimits {
   bool wants_time;
   int most_pieces;
 };
 
-// Halves the features of a list that wants(task) chooses; take(task, feature's coplanarity) may
-// turn one down, and finish(task, verdict) is told the others' verdicts.
-template <class Real, class Wants, class Takes, class Finish>
-__device__ void halveFeatures(const CycleArrays& c, const DeviceArray<Place, Place>& list,
-                              std::uint32_t count, const HalvingLimits& limits, const Wants& wants,
-                              const Takes& takes, const Finish& finish) {
+// Halves the features of a source but for those of pairs that are settled; takes(task, feature's
+// coplanarity) may turn one down, and finish(task, verdict) is told the others' verdicts.
+template <class Real, class Takes, class Finish>
+__device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
+                              const HalvingLimits& limits, const Takes& takes,
+                              const Finish& finish) {
   __shared__ FeatureTask items[kWarps][2 * kWarp];
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
   const float narrow = limits.wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;
   TaskQueue queue{items[threadIdx.x / kWarp], 0};
-  FeatureSource source(list, count);
   FeatureTask task{};
   Halving<Real> halving;
   detail::ErrorsOfHalving<Real> errors;
@@ -131,7 +155,8 @@ __device__ void halveFeatures(const CycleArrays& c, const DeviceArray<Place, Pla
     if (idle >= kHungry) {
       if (queue.size < idle && source.hasMore()) {
         FeatureTask found{};
-        const bool wanted = source.next(found) && wants(found);
+        const bool wanted =
+            source.next(found) && !isSettled(c, found.candidate, limits.wants_time);
         queue.push(wanted, found);
         continue;
       }
@@ -183,7 +208,27 @@ __device__ bool isLost(const Cubic<Real>& d) {
   return lost;
 }
 
-// The features of contacts.second_list, in float32; pairs with open ones come to first_list.
+// A thread for each of contacts.second_list: which of its features are left by their boxes and the
+// signs of their cubics.
+__global__ void __launch_bounds__(kThreads) signsKernel(CycleArrays c) {
+  forEachByWarp(c, sweptCounters(c).featured, [&](Place k, bool there) {
+    if (!there) return;
+    const Place i = c.contacts.second_list[k];
+    const DeviceCandidate pair = c.contacts.candidates[i];
+    const MovingTriangle a = movingAt(c, pair.a), b = movingAt(c, pair.b);
+    const FeatureBoxes boxes(a, b);
+    std::uint32_t bits = 0;
+#pragma unroll
+    for (int f = 0; f < kFeatures; ++f) {
+      if (boxes.areApart(f)) continue;
+      if (coplanarity<float>(featureOf(a, b, f)).sign() == 0) bits |= 1U << f;
+    }
+    c.contacts.states[i].bits |= bits << kLeftAt;
+  });
+}
+
+// The features that are left of contacts.second_list, in float32; pairs with open ones come to
+// first_list.
 __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
@@ -199,13 +244,8 @@ __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
     }
   };
   halveFeatures<float>(
-      c, c.contacts.second_list, sweptCounters(c).featured,
+      c, FeatureSource(c, c.contacts.second_list, sweptCounters(c).featured, kLeftAt),
       {wants_time, fast ? kMostPieces : kMostInFloat},
-      [&](const FeatureTask& task) {
-        if (!wants_time && highOf(c, task.candidate) <= 1) return false;
-        const Feature feature = featureAt(c, task);
-        return !areApart(feature) && coplanarity<float>(feature).sign() == 0;
-      },
       [&](const FeatureTask& task, const Cubic<float>& d) {
         if (fast || !isLost(d)) return true;
         leaveOpen(task, 0);
@@ -223,11 +263,8 @@ __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
   const bool wants_time = params.first_times != 0;
   const bool exact = params.predicates == Predicates::kExact;
   halveFeatures<double>(
-      c, c.contacts.first_list, sweptCounters(c).left, {wants_time, kMostPieces},
-      [&](const FeatureTask& task) {
-        return (wants_time || highOf(c, task.candidate) > 1) &&
-               (c.contacts.states[task.candidate].bits >> task.index & 1) != 0;
-      },
+      c, FeatureSource(c, c.contacts.first_list, sweptCounters(c).left, 0),
+      {wants_time, kMostPieces},
       [](const FeatureTask&, const Cubic<double>&) { return true; },
       [&](const FeatureTask& task, const FeatureVerdict& verdict) {
         SweptState& state = c.contacts.states[task.candidate];
@@ -243,17 +280,15 @@ __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
 __global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   if (params.predicates != Predicates::kExact) return;
-  FeatureSource source(c.contacts.first_list, sweptCounters(c).left);
+  FeatureSource source(c, c.contacts.first_list, sweptCounters(c).left, 0);
   while (source.hasMore()) {
     if (warpIsCutOff(c, false)) return;
     FeatureTask task{};
-    if (!source.next(task)) continue;
-    const bool wanted = params.first_times != 0 || highOf(c, task.candidate) > 1;
-    SweptState& state = c.contacts.states[task.candidate];
-    if (wanted && (state.bits >> task.index & 1) != 0 &&
+    if (source.next(task) && !isSettled(c, task.candidate, params.first_times != 0) &&
         integerSigns(featureAt(c, task)) == IntegerSigns::kNoRootWithin) {
-      atomicAnd(&state.bits, ~(1U << task.index));
+      atomicAnd(&c.contacts.states[task.candidate].bits, ~(1U << task.index));
     }
+    __syncwarp();
   }
 }
 
@@ -300,6 +335,7 @@ __global__ void __launch_bounds__(kThreads) verdictKernel(CycleArrays c) {
 }  // namespace
 
 void launchFeatures(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  launchList(signsKernel, kThreads, cycle, shape, stream);
   launchList(featureKernel, kThreads, cycle, shape, stream);
   launchList(doubleKernel, kThreads, cycle, shape, stream);
   launchList(integerKernel, kThreads, cycle, shape, stream);

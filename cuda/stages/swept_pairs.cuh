@@ -94,9 +94,11 @@ __device__ inline std::uint32_t sharedBitsOf(const DeviceCandidate& candidate) {
   return candidate.facts >> kSharedShift & 0x3f;
 }
 
-// SweptState::bits beside those of open features.
+// SweptState::bits: of open features, of those that are to be halved, and what else is known.
 constexpr std::uint32_t kFeatureBits = (1U << kFeatures) - 1;
-constexpr std::uint32_t kMeetsAtEnd = 1U << 29, kUndecided = 1U << 30;
+constexpr unsigned kLeftAt = kFeatures;
+constexpr std::uint32_t kMeetsAtEnd = 1U << 30, kUndecided = 1U << 31;
+static_assert(2 * kFeatures <= 30, "bits are not shared");
 
 constexpr std::uint32_t kNever = 0x40000000U;  // 2 as a float's bits
 
