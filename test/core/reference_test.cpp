@@ -7,6 +7,7 @@
 #include "detector_suite.h"
 #include "random_scenes.h"
 #include "reference/fcl_detector.h"
+#include "refusal.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {
@@ -47,6 +48,14 @@ TEST(FclDetector, SurvivesDegenerateAndNonFiniteTriangles) {
   for (std::uint32_t seed = 0; seed < 500; ++seed) {
     EXPECT_TRUE(isOrdered(detector->detect(randomScene(seed), Options()).contacts));
   }
+}
+
+TEST(FclDetector, RefusesSweptMotion) {
+  Options options;
+  options.motion = Motion::kSwept;
+  const auto detector = makeFclDetector();
+  EXPECT_EQ(refusal([&] { detector->detect(randomScene(0), options); }),
+            "backend \"fcl\" knows no swept motion");
 }
 
 TEST(FclDetector, CountsWhatItHas) {

@@ -5,6 +5,8 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "refusal.h"
 
@@ -94,6 +96,86 @@ TEST_F(SceneTest, RevisionsTellEveryStateApart) {
   EXPECT_NE(scene_.body(cloth_).vertices_revision, vertices);
   scene_.setMesh(cloth_, oneTriangle());
   EXPECT_NE(scene_.body(cloth_).topology_revision, topology);
+}
+
+TEST_F(SceneTest, RefusesEarlierStatesThatDoNotFit) {
+  const std::vector<float> fitting = {0, 0, 1, 1, 0, 1, 0, 1, 1};
+  const auto refused = [&](const RigidTransform& pose, std::vector<float> vertices) {
+    const std::string text = refusal([&] { scene_.setEarlier(cloth_, pose, vertices); });
+    EXPECT_TRUE(contains(text, "cloth: ")) << text;
+    EXPECT_FALSE(scene_.body(cloth_).earlier);
+    return text;
+  };
+  EXPECT_TRUE(contains(refused({}, std::vector<float>(12)), "4 vertices"));
+  EXPECT_TRUE(contains(refused({}, std::vector<float>(6)), "mesh with 3"));
+  EXPECT_TRUE(contains(refused({}, std::vector<float>(10)), "10 earlier coordinates"));
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    RigidTransform turned, moved;
+    turned.rotation[8] = bad;
+    moved.translation[0] = bad;
+    EXPECT_TRUE(contains(refused(turned, fitting), "non-finite"));
+    EXPECT_TRUE(contains(refused(moved, {}), "non-finite"));
+  }
+  EXPECT_NE(refusal([&] { scene_.setEarlier(7, {}); }), "");
+  EXPECT_NE(refusal([&] { scene_.clearEarlier(7); }), "");
+  // What is refused leaves the one before.
+  EXPECT_EQ(refusal([&] { scene_.setEarlier(cloth_, {}, fitting); }), "");
+  EXPECT_NE(refusal([&] { scene_.setEarlier(cloth_, {}, std::vector<float>(12)); }), "");
+  ASSERT_TRUE(scene_.body(cloth_).earlier);
+  EXPECT_EQ(scene_.body(cloth_).earlier->vertices, fitting);
+  // Places that are no numbers are data, as those of vertices are.
+  const std::vector<float> none(9, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(refusal([&] { scene_.setEarlier(cloth_, {}, none); }), "");
+}
+
+TEST_F(SceneTest, AnEarlierStateStaysUntilItIsClearedOrTrianglesChange) {
+  EXPECT_FALSE(scene_.body(cloth_).earlier);
+  RigidTransform pose;
+  pose.translation[1] = 2;
+  scene_.setEarlier(cloth_, pose);
+  ASSERT_TRUE(scene_.body(cloth_).earlier);
+  EXPECT_EQ(scene_.body(cloth_).earlier->pose.translation[1], 2);
+  EXPECT_TRUE(scene_.body(cloth_).earlier->vertices.empty());
+  EXPECT_FALSE(scene_.body(hand_).earlier);
+  scene_.setPose(cloth_, RigidTransform());
+  scene_.setVertices(cloth_, oneTriangle().vertices.data(), 3);
+  scene_.setPairEnabled(cloth_, hand_, true);
+  EXPECT_TRUE(scene_.body(cloth_).earlier);
+  scene_.clearEarlier(cloth_);
+  EXPECT_FALSE(scene_.body(cloth_).earlier);
+  EXPECT_EQ(refusal([&] { scene_.clearEarlier(cloth_); }), "");
+  scene_.setEarlier(cloth_, pose);
+  scene_.setMesh(cloth_, oneTriangle());
+  EXPECT_FALSE(scene_.body(cloth_).earlier);
+}
+
+TEST_F(SceneTest, RevisionsTellEarlierVerticesApart) {
+  scene_.setEarlier(cloth_, RigidTransform(), oneTriangle().vertices);
+  scene_.setEarlier(hand_, RigidTransform(), oneTriangle().vertices);
+  const auto first = scene_.body(cloth_).earlier_revision;
+  const auto vertices = scene_.body(cloth_).vertices_revision;
+  EXPECT_NE(first, scene_.body(hand_).earlier_revision);
+  scene_.setEarlier(cloth_, RigidTransform(), oneTriangle().vertices);
+  EXPECT_GT(scene_.body(cloth_).earlier_revision, first);
+  EXPECT_EQ(scene_.body(cloth_).vertices_revision, vertices);
+}
+
+TEST_F(SceneTest, PadsAreFiniteAndCountForBodiesThatTakePart) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float bad : {-1.0F, infinity, std::numeric_limits<float>::quiet_NaN()}) {
+    EXPECT_TRUE(contains(refusal([&] { scene_.setPad(hand_, bad); }), "hand: pad"));
+  }
+  EXPECT_EQ(scene_.body(hand_).pad_m, 0);
+  EXPECT_NE(refusal([&] { scene_.setPad(7, 0); }), "");
+  scene_.setPad(hand_, 0.5F);
+  EXPECT_EQ(scene_.body(hand_).pad_m, 0.5F);
+  EXPECT_FALSE(scene_.anyPad());
+  scene_.setPairEnabled(cloth_, hand_, true);
+  EXPECT_TRUE(scene_.anyPad());
+  EXPECT_FALSE(scene_.anyMargin());
+  scene_.setPad(hand_, 0);
+  EXPECT_FALSE(scene_.anyPad());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/cpu/swept_judge.h"
 
-#include <algorithm>
+#include <cstdint>
+#include <utility>
 
 #include "core/predicates/swept_exact.h"
 #include "core/predicates/swept_pad.h"
@@ -14,6 +15,16 @@ float padOf(const CycleInput<MovingTriangle>& input, const Candidate<MovingTrian
                  input.scene.body(input.set.bodyOf(candidate.b).value).pad_m);
 }
 
+// Times may depend on who comes first; so that they do not depend on clusters, the lesser triangle
+// does.
+Candidate<MovingTriangle> inOrder(Candidate<MovingTriangle> candidate) {
+  if (candidate.b < candidate.a) {
+    std::swap(candidate.a, candidate.b);
+    std::swap(candidate.shared.in_a, candidate.shared.in_b);
+  }
+  return candidate;
+}
+
 }  // namespace
 
 void judgeCandidates(const CycleInput<MovingTriangle>& input,
@@ -22,11 +33,10 @@ void judgeCandidates(const CycleInput<MovingTriangle>& input,
   constexpr std::uint64_t kLook = 16;
   const Options& options = input.options;
   PacedLimit pace(input.limit, kLook);
-  for (const Candidate<MovingTriangle>& candidate : candidates) {
+  for (const Candidate<MovingTriangle>& any_order : candidates) {
     if (pace.over()) return;
     ++output.candidates;
-    const TriangleIndex first = std::min(candidate.a, candidate.b);
-    const TriangleIndex second = std::max(candidate.a, candidate.b);
+    const Candidate<MovingTriangle> candidate = inOrder(any_order);
     const MovingTriangle a = input.set.posed<MovingTriangle>(candidate.a);
     const MovingTriangle b = input.set.posed<MovingTriangle>(candidate.b);
     PredicateState state{options.predicates};
@@ -35,13 +45,15 @@ void judgeCandidates(const CycleInput<MovingTriangle>& input,
     output.exact += state.exact > 0;
     if (verdict.part == PartVerdict::kMeet) {
       output.undecided += state.undecided;
-      output.contacts.add({first, second, {verdict.first_low, verdict.first_high}, false});
+      output.contacts.add(
+          {candidate.a, candidate.b, {verdict.first_low, verdict.first_high}, false});
       continue;
     }
     const float pad_m = candidate.shared.any ? 0 : padOf(input, candidate);
     if (pad_m == 0) continue;
     const PadVerdict pad = withinPad(a, b, pad_m);
-    if (pad.may_touch) output.contacts.add({first, second, {pad.first_low, 1}, true});
+    if (!pad.may_touch) continue;
+    output.contacts.add({candidate.a, candidate.b, {pad.first_low, 1}, true});
   }
 }
 

@@ -2,16 +2,18 @@
 // what a step without an earlier state says, and what has no part in swept motion.
 #include <gtest/gtest.h>
 
-#include <stdexcept>
+#include <atomic>
+#include <string>
+#include <vector>
 
 #include "refusal.h"
 #include "scenes.h"
-#include "swept_suite.h"
+#include "swept_expected.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-class SweptCycles : public SweptSuite {
+class SweptCycles : public SweptFixture {
  protected:
   // Each contact of the step, as a detector that starts from nothing finds them.
   static std::vector<TrianglePair> anew(const Scene& scene, const Options& options) {
@@ -157,9 +159,25 @@ TEST_P(SweptCycles, WhatIsOfOneModeAloneIsRefusedInTheOther) {
   EXPECT_GT(swept(scene).size(), 100U);
 }
 
+// What was found until then are contacts; the next cycle is whole.
+TEST_P(SweptCycles, AStepThatIsStoppedSaysSo) {
+  const Scene scene = fallingCloth();
+  const std::vector<TrianglePair> all = swept(scene);
+  const std::atomic<bool> stop{true};
+  Options options = timedOptions();
+  options.limits.stop = &stop;
+  const DetectionResult& result = detector_->detect(scene, options);
+  EXPECT_TRUE(result.cut_off);
+  EXPECT_EQ(result.cut_off_because, "stopped");
+  EXPECT_TRUE(includes(all, result.contacts));
+  EXPECT_EQ(result.contacts.size(), result.first_times.size());
+  EXPECT_TRUE(samePairs(all, swept(scene)));
+  EXPECT_FALSE(detector_->detect(scene, sweptOptions()).cut_off);
+}
+
 INSTANTIATE_TEST_SUITE_P(, SweptCycles, ::testing::ValuesIn(sweptBackends()), backendName);
 
-class SweptTrade : public SweptSuite {};
+class SweptTrade : public SweptFixture {};
 
 // Below 1 contacts may be lost, and none is made up.
 TEST_P(SweptTrade, LessOverlapIsNotGuaranteed) {

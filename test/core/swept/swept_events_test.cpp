@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "scenes.h"
-#include "swept_suite.h"
+#include "swept_expected.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -23,7 +23,7 @@ Triangle pointAt(const Vec3f& p) { return {{p, p, p}}; }
 const MovingTriangle kWall{{{{0, 0, -8}, {0, 0, 8}, {64, 0, 0}}},
                            {{{0, 0, -8}, {0, 0, 8}, {64, 64, 0}}}};
 
-class SweptEvents : public SweptSuite {
+class SweptEvents : public SweptFixture {
  protected:
   // As bodies that are each other's first, and with other triangles about them, so that there are
   // clusters; the pair alone is a contact, first at `time` (for what is rational and not dyadic,

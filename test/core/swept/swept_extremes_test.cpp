@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "scenes.h"
-#include "swept_suite.h"
+#include "swept_expected.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -14,7 +14,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-class SweptExtremes : public SweptSuite {
+class SweptExtremes : public SweptFixture {
  protected:
   void expectAsTheOracle(const Scene& scene, const std::string& what) {
     for (const AdjacentPairs adjacent : kBothAdjacent) {
@@ -127,67 +127,6 @@ TEST_P(SweptExtremes, APoseThatMakesVerticesInfinite) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SweptExtremes, ::testing::ValuesIn(sweptBackends()), backendName);
-
-// On backends that have candidates: bounds on the work, which is no part of the result.
-class SweptWork : public SweptSuite {
- protected:
-  Counters settled(const Scene& scene) {
-    detector_->reset();
-    for (int cycle = 0; cycle < 3; ++cycle) detector_->detect(scene, sweptOptions());
-    return detector_->detect(scene, sweptOptions()).counters;
-  }
-};
-
-// Two layers, a step of a part of an edge.
-Scene layers(const Vec3f& from, const Vec3f& to) {
-  const auto shifted = [](TriangleMesh mesh, const Vec3f& by) {
-    for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
-      mesh.vertices[i] += by.x;
-      mesh.vertices[i + 1] += by.y;
-      mesh.vertices[i + 2] += by.z;
-    }
-    return mesh;
-  };
-  const TriangleMesh upper = clothGrid(40, 8, 0, 0.25F), lower = clothGrid(40, 8, -0.125F, 0.25F);
-  Scene scene = pairScene(shifted(upper, to), shifted(lower, to));
-  scene.setEarlier(0, RigidTransform(), shifted(upper, from).vertices);
-  scene.setEarlier(1, RigidTransform(), shifted(lower, from + Vec3f{0, 0, -0.0625F}).vertices);
-  for (const BodyId b : {0U, 1U}) scene.setPairEnabled(b, b, true);
-  return scene;
-}
-
-TEST_P(SweptWork, AFastOutlierCostsOnlyItself) {
-  Scene scene = layers({0, 0, 0}, {0, 0, 0});
-  const std::uint64_t triangles = scene.triangleCount();
-  const Counters plain = settled(scene);
-  ASSERT_GT(plain.candidates, 0U);
-  for (const float speed : {100.0F, 1e6F, 1e30F}) {
-    Scene with_outlier = scene;
-    TriangleMesh mesh = scene.body(1).mesh;
-    std::vector<float> before = scene.body(1).earlier->vertices;
-    const auto first = static_cast<std::uint32_t>(mesh.vertexCount());
-    mesh.vertices.insert(mesh.vertices.end(), {4, 4, speed, 4.1F, 4, speed, 4, 4.1F, speed});
-    before.insert(before.end(), {4, 4, -speed, 4.1F, 4, -speed, 4, 4.1F, -speed});
-    mesh.triangles.insert(mesh.triangles.end(), {first, first + 1, first + 2});
-    with_outlier.setMesh(1, mesh);
-    with_outlier.setEarlier(1, RigidTransform(), before);
-    const Counters with = settled(with_outlier);
-    EXPECT_LE(with.candidates, plain.candidates + 2 * triangles) << speed;
-    EXPECT_LE(with.interval_overlaps, 2 * plain.interval_overlaps + 10 * triangles) << speed;
-  }
-}
-
-// Powers of two, so that no place is rounded.
-TEST_P(SweptWork, AFastCommonMotionCostsLittle) {
-  const Counters slow = settled(layers({0, 0, 0}, {0, 0, 0}));
-  for (const Vec3f& step : {Vec3f{64, 0, 0}, Vec3f{0, 32, 0}, Vec3f{32, 64, 32}}) {
-    const Counters fast = settled(layers({0, 0, 0}, step));
-    EXPECT_LE(fast.candidates, 2 * slow.candidates) << step.x << " " << step.y;
-    EXPECT_LE(fast.interval_overlaps, 4 * slow.interval_overlaps) << step.x << " " << step.y;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(, SweptWork, ::testing::ValuesIn(sweptProductBackends()), backendName);
 
 }  // namespace
 }  // namespace deformable_contact_monitor

@@ -9,12 +9,12 @@
 #include <random>
 
 #include "scenes.h"
-#include "swept_suite.h"
+#include "swept_expected.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::uint32_t kScenes = 300;
+constexpr std::uint32_t kScenes = 120;
 
 using Order = std::vector<std::uint32_t>;
 
@@ -86,7 +86,7 @@ struct Names {
   }
 };
 
-class SweptInvariance : public SweptSuite {
+class SweptInvariance : public SweptFixture {
  protected:
   // change(step, names, random) changes both, so that contacts keep their names; times stay.
   template <class Change>

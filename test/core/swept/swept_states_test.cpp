@@ -9,7 +9,7 @@
 #include "random_scenes.h"
 #include "scenes.h"
 #include "swept/swept_triangle.h"
-#include "swept_suite.h"
+#include "swept_expected.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -39,7 +39,7 @@ Scene singleTriangles(const Scene& scene) {
   return out;
 }
 
-class SweptStates : public SweptSuite {
+class SweptStates : public SweptFixture {
  protected:
   // Whatever says that nothing moves: swept detection is instant detection, at t = 0.
   void expectStatic(const Scene& scene, const Options& options, const std::string& what) {

@@ -1,31 +1,22 @@
-// The backends that know swept motion: every TEST_P of the swept suite runs on each of them.
+// Detectors that know swept motion, and scenes with a step: every TEST_P of the swept suite runs on
+// each of them.
 #pragma once
 
-#include <algorithm>
-#include <string>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <utility>
 #include <vector>
 
-#include "../detector_suite.h"
-#include "swept/swept_oracle.h"
-#include "swept/swept_scenes.h"
+#include "test/core/detector_suite.h"
 
 namespace deformable_contact_monitor {
 
-// This is the one place that names them.
-inline bool knowsSweptMotion(const Backend& /*backend*/) {
-  return true;
-}
+// What users get.
+inline std::vector<Backend> sweptProductBackends() { return productBackends(); }
 
-inline std::vector<Backend> sweptOf(const std::vector<Backend>& backends) {
-  std::vector<Backend> out;
-  std::copy_if(backends.begin(), backends.end(), std::back_inserter(out), knowsSweptMotion);
-  return out;
-}
-
-inline std::vector<Backend> sweptBackends() { return sweptOf(allBackends()); }
-
-// Without brute force: for scenes that are not small.
-inline std::vector<Backend> sweptProductBackends() { return sweptOf(productBackends()); }
+// And brute force, for small scenes only.
+inline std::vector<Backend> sweptBackends() { return allBackends(); }
 
 inline Options sweptOptions(AdjacentPairs adjacent = AdjacentPairs::kBeyondShared) {
   Options options = withAdjacent(adjacent);
@@ -39,53 +30,35 @@ inline Options timedOptions(AdjacentPairs adjacent = AdjacentPairs::kBeyondShare
   return options;
 }
 
-class SweptSuite : public DetectorSuite {
- protected:
-  std::vector<TrianglePair> swept(const Scene& scene,
-                                  AdjacentPairs adjacent = AdjacentPairs::kBeyondShared) {
-    return contacts(scene, sweptOptions(adjacent));
+// Where the bodies were at the beginning of their step, as a scene at one moment.
+inline Scene sceneBefore(const Scene& scene) {
+  Scene before = scene;
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    const std::optional<EarlierState>& earlier = scene.body(id).earlier;
+    if (!earlier) continue;
+    before.setPose(id, earlier->pose);
+    if (!earlier->vertices.empty()) {
+      before.setVertices(id, earlier->vertices.data(), earlier->vertices.size() / 3);
+    }
+    before.clearEarlier(id);
   }
-
-  bool isBruteForce() const { return GetParam().name == std::string("brute_force"); }
-
-  // Cluster counts that must not change a result; for brute force, which has none, one of them.
-  std::vector<int> clusterCounts() const {
-    if (isBruteForce()) return {0};
-    return {1, 2, 7, 0};
-  }
-};
-
-inline std::vector<TrianglePair> oracleSwept(const Scene& scene, AdjacentPairs adjacent) {
-  return oracleSweptContacts(earlierScene(scene), laterScene(scene), adjacent);
+  return before;
 }
 
-inline ::testing::AssertionResult includes(const std::vector<TrianglePair>& all,
-                                           const std::vector<TrianglePair>& part) {
-  const ::testing::AssertionResult ordered = isOrdered(all);
-  if (!ordered) return ordered;
-  std::vector<TrianglePair> missing;
-  std::set_difference(part.begin(), part.end(), all.begin(), all.end(),
-                      std::back_inserter(missing));
-  if (missing.empty()) return ::testing::AssertionSuccess();
-  return ::testing::AssertionFailure() << "of " << part.size() << " pairs " << missing.size()
-                                       << " are missing, the first: " << missing.front();
+inline RigidTransform translationBy(double x, double y, double z) {
+  RigidTransform pose;
+  pose.translation[0] = x;
+  pose.translation[1] = y;
+  pose.translation[2] = z;
+  return pose;
 }
 
-// A time that the oracle tells, within the interval that exact predicates promise.
-inline ::testing::AssertionResult holds(const FirstContact& found, const SweptTime& truth) {
-  constexpr float kWidest = 0x1p-20F;
-  const bool at_start = truth.high == 0 && truth.is_attained;
-  // What is only an infimum happens after it.
-  const bool reached =
-      truth.is_attained ? mpq_class(found.high) >= truth.low : mpq_class(found.high) > truth.low;
-  if (0 <= found.low && found.low <= found.high && found.high <= 1 &&
-      found.high - found.low <= kWidest && mpq_class(found.low) <= truth.high && reached &&
-      (found.high == 0) == at_start) {
-    return ::testing::AssertionSuccess();
-  }
-  return ::testing::AssertionFailure()
-         << "[" << found.low << ", " << found.high << "] does not hold [" << truth.low.get_d()
-         << ", " << truth.high.get_d() << "]" << (truth.is_attained ? "" : ", an infimum");
+// The body's vertices, each moved by up to `reach` [m] along each axis.
+inline std::vector<float> shaken(const TriangleMesh& mesh, float reach, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<float> xyz = mesh.vertices;
+  for (float& x : xyz) x += reach * (static_cast<float>(random() % 2001) / 1000 - 1);
+  return xyz;
 }
 
 }  // namespace deformable_contact_monitor

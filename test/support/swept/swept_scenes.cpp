@@ -292,10 +292,51 @@ class SceneMaker {
   Style style_;
 };
 
+std::vector<MovingTriangle> manyTriangles(bool on_grid, float longest_step, Dice* dice) {
+  const auto coordinate = [&](float extent) {
+    const float x = extent * (dice->signedUnit() + 1) / 2;
+    return on_grid ? std::floor(x) : x;
+  };
+  const auto point = [&](float extent) {
+    return Vec3f{coordinate(extent), coordinate(extent), coordinate(extent)};
+  };
+  const Vec3f common = point(40);
+  std::vector<MovingTriangle> triangles;
+  for (int i = 0; i < 300; ++i) {
+    const float size = dice->oneIn(150) ? 200.0F : 3.0F;
+    const float step = dice->oneIn(60) ? 100.0F : longest_step;
+    const Vec3f corner{coordinate(40), coordinate(40), coordinate(20)};
+    MovingTriangle t;
+    for (int k = 0; k < 3; ++k) {
+      t.from.v[k] = corner + point(size);
+      t.to.v[k] = t.from.v[k] + common + point(step);
+    }
+    if (i > 0 && dice->oneIn(3)) {  // on the one before, through a vertex or an edge
+      for (int k = dice->below(2); k >= 0; --k) {
+        t.from.v[k] = triangles.back().from.v[k + 1];
+        t.to.v[k] = triangles.back().to.v[k + 1];
+      }
+    }
+    if (dice->oneIn(150)) (dice->oneIn(2) ? t.from : t.to).v[0].z = 1e37F;
+    triangles.push_back(t);
+  }
+  return triangles;
+}
+
 }  // namespace
 
 Scene randomSweptScene(std::uint32_t seed) { return SceneMaker(seed, false).make(); }
 
 Scene integerSweptScene(std::uint32_t seed) { return SceneMaker(seed, true).make(); }
+
+Scene largeSweptScene(std::uint32_t seed) {
+  Dice dice(seed);
+  const bool on_grid = dice.oneIn(2);
+  const float longest_step = seed % 3 == 0 ? 4 : 1;
+  const std::vector<MovingTriangle> a = manyTriangles(on_grid, longest_step, &dice);
+  Scene scene = movingPairScene(a, manyTriangles(on_grid, longest_step, &dice));
+  for (const BodyId b : {0U, 1U}) scene.setPairEnabled(b, b, true);
+  return scene;
+}
 
 }  // namespace deformable_contact_monitor

@@ -40,4 +40,8 @@ Scene randomSweptScene(std::uint32_t seed);
 // time are rational numbers with few digits.
 Scene integerSweptScene(std::uint32_t seed);
 
+// Two bodies of 300 small triangles each in a box, a few of them wide, fast or far off, on a fine
+// grid or off it, with steps about as long as an edge or shorter; every pair is enabled.
+Scene largeSweptScene(std::uint32_t seed);
+
 }  // namespace deformable_contact_monitor
