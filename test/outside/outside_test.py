@@ -20,7 +20,8 @@ PUBLIC_HEADERS = {
         "backend_error.h", "cpu/cpu_detector.h", "detector.h", "export.h", "fallback_detector.h",
         "limits.h", "mesh_files/mesh_file.h", "options.h", "pair_geometry.h",
         "predicates/host_device.h", "predicates/pair_settings.h", "predicates/vector3.h",
-        "rules/rigid_transform.h", "scene.h", "steady_time.h", "triangle_mesh.h"},
+        "rules/rigid_transform.h", "scene.h", "steady_time.h", "substeps.h",
+        "triangle_mesh.h"},
     "cuda": {"cuda_detector.h", "detector_choice.h"},
 }
 
