@@ -48,9 +48,8 @@ ColdStart measure(const Scene& scene, const Options& options, const ClusterCount
 
 ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
                        const CycleLimit& limit) {
-  return options.motion == Motion::kSwept
-             ? measure<MovingTriangle>(scene, options, policy, limit)
-             : measure<Triangle>(scene, options, policy, limit);
+  return options.motion == Motion::kSwept ? measure<MovingTriangle>(scene, options, policy, limit)
+                                          : measure<Triangle>(scene, options, policy, limit);
 }
 
 }  // namespace deformable_contact_monitor

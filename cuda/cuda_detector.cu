@@ -72,13 +72,13 @@ class CudaDetector : public Detector {
   PinnedBuffer<CycleCounters> counters_{1};
   HostStop stop_;
   ContactOutput output_;
-  OpenPairs open_pairs_;     // in swept motion
-  double decide_ms_ = 0;     // what they took in this cycle
+  OpenPairs open_pairs_;  // in swept motion
+  double decide_ms_ = 0;  // what they took in this cycle
   SceneScale scale_;
   SizeRule size_rule_;
   bool cold_ = true;
   Motion motion_ = Motion::kInstant;  // of the last cycle
-  int asked_clusters_ = 0;  // by the options of the last cold start
+  int asked_clusters_ = 0;            // by the options of the last cold start
   std::uint32_t large_at_start_ = 0;
   std::uint64_t last_contacts_ = 0;
   int cycles_since_refresh_ = 0;
@@ -236,7 +236,8 @@ void CudaDetector::sizeBins(const Options& options) {
 CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refinements) const {
   const bool sharers = scene_.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
   const bool swept = options.motion == Motion::kSwept;
-  return {device_, identify, refinements, swept, swept && sharers};
+  const bool pads = swept && scene_.anyLengths().pads;
+  return {device_, identify, refinements, swept, swept && sharers, pads};
 }
 
 void CudaDetector::runCycle(const Options& options) {
@@ -244,8 +245,7 @@ void CudaDetector::runCycle(const Options& options) {
   sendParams();
   const bool refresh = sizes_.clusters > 1 && ++cycles_since_refresh_ >= options.refresh_period;
   if (refresh) cycles_since_refresh_ = 0;
-  const CycleShape shape =
-      shapeOf(options, scene_.anySelf(), refresh ? options.iterations : 0);
+  const CycleShape shape = shapeOf(options, scene_.anySelf(), refresh ? options.iterations : 0);
   if (settings_.time_stages) {
     cycle_start_.record(stream);
     graphs_[0].runTimed(arrays_, shape, stream);
@@ -276,8 +276,8 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
     if (tries == kMostTries)
       throw CudaError(BackendFault::kTransient, "the sizes of a cycle do not settle");
   }
-  const bool too_many = counters_[0].candidates > sizes_.candidates ||
-                        counters_[0].open_pairs > sizes_.open_pairs;
+  const bool too_many =
+      counters_[0].candidates > sizes_.candidates || counters_[0].open_pairs > sizes_.open_pairs;
   const bool in_passes = too_many && !limit.over();
   if (in_passes) {
     all = runInPasses(options, limit);

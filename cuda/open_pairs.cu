@@ -1,10 +1,9 @@
-#include "cuda/open_pairs.cuh"
-
 #include <algorithm>
 
 #include "core/parallel.h"
 #include "core/predicates/swept_exact.h"
 #include "core/predicates/swept_pad.h"
+#include "cuda/open_pairs.cuh"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -41,7 +41,8 @@ struct alignas(8) ContactTimes {
   float low, high;
 };
 
-// What stage judge counts in swept motion; zero at its beginning.
+// What stage judge counts in swept motion; zero at the beginning of
+// a cycle and of each pass.
 struct alignas(128) SweptCounters {
   alignas(128) std::uint32_t touching;   // candidates for the static predicates
   alignas(128) std::uint32_t moving;     // for the fixed directions
@@ -51,7 +52,6 @@ struct alignas(128) SweptCounters {
   alignas(128) std::uint32_t sharing;    // that share vertices
   alignas(128) std::uint32_t beyond;     // of those, left by float32
   alignas(128) std::uint32_t dismissed;  // no contacts, where a pad may make them some
-  alignas(128) std::uint32_t turns[4];   // of warps that take turns
 };
 
 struct ContactArrays : ArrayGroup {

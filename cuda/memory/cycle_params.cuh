@@ -64,8 +64,8 @@ struct alignas(kLine) CycleCounters {
   std::uint32_t bins_wanted;               // members that next cycle's bins want room for
   std::uint32_t exact, undecided;
   std::uint32_t blocks_done;
-  std::uint32_t cut_off;  // some work was given up, for the host wanted the cycle to end
-  std::uint32_t open_pairs;    // in swept motion: left to the host
+  std::uint32_t cut_off;     // some work was given up, for the host wanted the cycle to end
+  std::uint32_t open_pairs;  // in swept motion: left to the host
   unsigned long long interval_overlaps;
   unsigned long long judged;    // all passes' candidates
   unsigned long long unjudged;  // those that there was no room for: no verdict on them

@@ -69,9 +69,7 @@ struct Corners {
       if (kStates > 1) set(k, scene.earlier_posed[vertices[k]]);
     }
   }
-  __device__ Triangle posed() const {
-    return {{v[kPresent], v[kPresent + 1], v[kPresent + 2]}};
-  }
+  __device__ Triangle posed() const { return {{v[kPresent], v[kPresent + 1], v[kPresent + 2]}}; }
   __device__ Triangle earlier() const { return {{v[0], v[1], v[2]}}; }
   __device__ bool isFinite() const {
     bool finite = true;
@@ -274,7 +272,7 @@ __device__ void assignBorders(const CycleArrays& c, const BodyBlock& block, Tria
     const std::uint32_t mine = first + laneId();
     const bool there = mine < count;
     assignBorder<kStates>(c, block.body, there ? borders[mine] : TriangleIndex(block.first), there,
-                 pending[warp]);
+                          pending[warp]);
   }
 }
 

@@ -1,6 +1,6 @@
 // halvedVerdict (core/predicates/swept_feature.h) as steps of a lane, so that a warp's lanes begin
-// another feature wherever one is done. Intervals that wait are bits, not polynomials: where one has
-// its turn it is made again from the whole step, which is rare, and no stack lies in memory.
+// another feature wherever one is done. Intervals that wait are bits, not polynomials: where one
+// has its turn it is made again from the whole step, which is rare, and no stack lies in memory.
 #pragma once
 
 #include "core/predicates/swept_feature.h"

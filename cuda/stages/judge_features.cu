@@ -8,7 +8,7 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
-constexpr unsigned kHungry = 16;  // idle lanes from which on a warp looks for more features
+constexpr unsigned kHungry = 20;  // idle lanes from which on a warp looks for more features
 
 // One feature of a candidate.
 struct FeatureTask {
@@ -155,8 +155,7 @@ __device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
     if (idle >= kHungry) {
       if (queue.size < idle && source.hasMore()) {
         FeatureTask found{};
-        const bool wanted =
-            source.next(found) && !isSettled(c, found.candidate, limits.wants_time);
+        const bool wanted = source.next(found) && !isSettled(c, found.candidate, limits.wants_time);
         queue.push(wanted, found);
         continue;
       }
@@ -233,7 +232,7 @@ __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   const bool fast = params.predicates == Predicates::kFast;
-  constexpr int kMostInFloat = 64;  // double goes on
+  const int most_in_float = wants_time ? 64 : 16;  // double goes on
   const auto leaveOpen = [&c, fast](const FeatureTask& task, float low) {
     SweptState& state = c.contacts.states[task.candidate];
     const std::uint32_t before = atomicOr(&state.bits, 1U << task.index);
@@ -245,7 +244,7 @@ __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
   };
   halveFeatures<float>(
       c, FeatureSource(c, c.contacts.second_list, sweptCounters(c).featured, kLeftAt),
-      {wants_time, fast ? kMostPieces : kMostInFloat},
+      {wants_time, fast ? kMostPieces : most_in_float},
       [&](const FeatureTask& task, const Cubic<float>& d) {
         if (fast || !isLost(d)) return true;
         leaveOpen(task, 0);
@@ -264,8 +263,7 @@ __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
   const bool exact = params.predicates == Predicates::kExact;
   halveFeatures<double>(
       c, FeatureSource(c, c.contacts.first_list, sweptCounters(c).left, 0),
-      {wants_time, kMostPieces},
-      [](const FeatureTask&, const Cubic<double>&) { return true; },
+      {wants_time, kMostPieces}, [](const FeatureTask&, const Cubic<double>&) { return true; },
       [&](const FeatureTask& task, const FeatureVerdict& verdict) {
         SweptState& state = c.contacts.states[task.candidate];
         if (verdict.part == PartVerdict::kMeet) addMeeting(c, task.candidate, verdict);
@@ -339,7 +337,8 @@ void launchFeatures(const CycleArrays& cycle, const CycleShape& shape, cudaStrea
   launchList(featureKernel, kThreads, cycle, shape, stream);
   launchList(doubleKernel, kThreads, cycle, shape, stream);
   launchList(integerKernel, kThreads, cycle, shape, stream);
-  launchList(verdictKernel, kThreads, cycle, shape, stream);
+  constexpr unsigned kVerdictBlocksEach = 3;  // of a multiprocessor
+  verdictKernel<<<kVerdictBlocksEach * shape.device.multiprocessors, kThreads, 0, stream>>>(cycle);
 }
 
 }  // namespace deformable_contact_monitor

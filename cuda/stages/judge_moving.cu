@@ -1,21 +1,13 @@
 // Stage judge in swept motion, first part: what boxes, planes, the static predicates at both ends
 // and fixed directions settle; last part: pads.
-#include "cuda/stages/judge_moving.cuh"
-
 #include "core/predicates/swept_pad.h"
+#include "cuda/stages/judge_moving.cuh"
 #include "cuda/stages/leave_counters.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-
-__global__ void clearCountersKernel(CycleArrays c) {
-  auto* words = reinterpret_cast<std::uint32_t*>(c.contacts.swept_counters.data());
-  for (unsigned k = threadIdx.x; k < sizeof(SweptCounters) / sizeof(*words); k += blockDim.x) {
-    words[k] = 0;
-  }
-}
 
 // Moving boxes, then moving planes. Those left keep the sides that the planes told.
 __device__ bool planesLeave(const MovingTriangle& a, const MovingTriangle& b,
@@ -67,8 +59,8 @@ __global__ void __launch_bounds__(kThreads) staticKernel(CycleArrays c) {
       const DeviceCandidate candidate = c.contacts.candidates[i];
       const MovingTriangle a = movingAt(c, candidate.a), b = movingAt(c, candidate.b);
       const bool still = isStill(a) && isStill(b);
-      const PartVerdict start = quickIntersection(a.from, b.from, unpackSides(candidate.facts),
-                                                  params.predicates);
+      const PartVerdict start =
+          quickIntersection(a.from, b.from, unpackSides(candidate.facts), params.predicates);
       PartVerdict end = PartVerdict::kApart;
       meets = start == PartVerdict::kMeet;
       if (!meets && !still) {
@@ -176,14 +168,17 @@ __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c) {
 }  // namespace
 
 void launchJudgeMoving(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  clearCountersKernel<<<1, kThreads, 0, stream>>>(cycle);
   launchList(planesKernel, kThreads, cycle, shape, stream);
   launchList(staticKernel, kThreads, cycle, shape, stream);
   launchList(directionsKernel, kThreads, cycle, shape, stream);
   launchList(robustKernel, kThreads, cycle, shape, stream);
   launchFeatures(cycle, shape, stream);
   if (shape.sharers) launchSharers(cycle, shape, stream);
-  launchList(padKernel, kThreads, cycle, shape, stream);
+  if (shape.pads) {
+    launchList(padKernel, kThreads, cycle, shape, stream);
+  } else {
+    padKernel<<<1, kThreads, 0, stream>>>(cycle);  // leaves the counters alone
+  }
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,6 +1,6 @@
 // Stage judge in swept motion: lists of candidates go from kernel to kernel, and each kernel is one
-// part of quickSweptVerdict (core/predicates/swept_intersection.h), for all of it together takes all
-// registers there are. Here is what the kernels have in common.
+// part of quickSweptVerdict (core/predicates/swept_intersection.h), for all of it together takes
+// all registers there are. Here is what the kernels have in common.
 #pragma once
 
 #include "cuda/device/launch.cuh"

@@ -4,8 +4,8 @@
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/screen.cuh"
-#include "cuda/stages/swept_pairs.cuh"
 #include "cuda/stages/stages.cuh"
+#include "cuda/stages/swept_pairs.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -98,8 +98,7 @@ __device__ unsigned long long sweepCluster(const CycleArrays& c, const Bin& larg
     if (threadIdx.x == 0) near_count = 0;
     __syncthreads();
     const MemberIndex at(large.begin + first + threadIdx.x);
-    if (first + threadIdx.x < large_count &&
-        intersects(cluster_box, boxAt<kStates>(c, at))) {
+    if (first + threadIdx.x < large_count && intersects(cluster_box, boxAt<kStates>(c, at))) {
       near[atomicAdd(&near_count, 1U)] = at;
     }
     __syncthreads();

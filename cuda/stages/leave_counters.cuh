@@ -28,7 +28,8 @@ __device__ inline void leaveCounters(const CycleArrays& c) {
   static_assert(sizeof(CycleCounters) % sizeof(std::uint32_t) == 0);
   const auto* from = reinterpret_cast<const std::uint32_t*>(&counters);
   auto* to = reinterpret_cast<std::uint32_t*>(c.host_counters.onHost());
-  for (unsigned k = threadIdx.x; k < sizeof(CycleCounters) / sizeof(std::uint32_t); k += blockDim.x) {
+  for (unsigned k = threadIdx.x; k < sizeof(CycleCounters) / sizeof(std::uint32_t);
+       k += blockDim.x) {
     to[k] = __ldcg(from + k);
   }
 }

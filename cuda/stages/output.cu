@@ -81,8 +81,8 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
   makeRoom(fetched_, most, fields);
   padKernel<<<(fetched_ + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle, fetched_);
   const SortedOutput sorted{sorted_keys_.data(),
-                              fields.separations ? sorted_separations_.data() : nullptr,
-                              fields.times() ? sorted_times_.data() : nullptr};
+                            fields.separations ? sorted_separations_.data() : nullptr,
+                            fields.times() ? sorted_times_.data() : nullptr};
   const auto sort = [&](void* scratch, std::size_t& bytes) {
     sortKeys(cycle.contacts, fetched_, index_bits, sorted, scratch, bytes, stream);
   };

@@ -48,8 +48,8 @@ __device__ float warpMedian(float x) {
 
 // By a warp: the median of 32 vertices' motions, evenly spread; or 0 where that is no gain.
 __device__ Vec3f sampledMotion(const SceneArrays& scene) {
-  const BodyBlock block = scene.vertex_blocks[Place(static_cast<std::uint32_t>(
-      std::uint64_t{scene.vertex_block_count} * laneId() / kWarp))];
+  const BodyBlock block = scene.vertex_blocks[Place(
+      static_cast<std::uint32_t>(std::uint64_t{scene.vertex_block_count} * laneId() / kWarp))];
   const MovingPoint p = posedAt(scene, block.body, VertexIndex(block.first + block.count / 2));
   Vec3f motion;
   if (isFiniteAlways(p)) motion = p.to - p.from;
@@ -59,11 +59,14 @@ __device__ Vec3f sampledMotion(const SceneArrays& scene) {
   return isFinite(common) && 2 * without < with ? common : Vec3f{};
 }
 
-// As clearKernel in pose.cu; the last block writes scene.common_motion.
+// As clearKernel in pose.cu; the last block writes scene.common_motion, and clears the counters of
+// swept motion.
 __global__ void __launch_bounds__(kThreads) clearMovingKernel(CycleArrays c) {
   letNextStart();
   clearCycle(c, blockIdx.x * kThreads + threadIdx.x);
-  if (blockIdx.x != gridDim.x - 1 || threadIdx.x >= kWarp) return;
+  if (blockIdx.x != gridDim.x - 1) return;
+  if (threadIdx.x == kWarp) *c.contacts.swept_counters.data() = SweptCounters{};
+  if (threadIdx.x >= kWarp) return;
   const Vec3f motion = sampledMotion(c.scene);
   if (laneId() == 0) c.scene.common_motion[Place(0)] = motion;
 }

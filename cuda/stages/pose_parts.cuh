@@ -18,7 +18,7 @@ __device__ inline Vec3f receivedAt(const SceneArrays& scene, VertexIndex i) {
 }
 
 __device__ inline void putPosed(const SceneArrays& scene, VertexIndex i, const Vec3f& v,
-                         const NearestPrototype& nearest) {
+                                const NearestPrototype& nearest) {
   scene.posed[i] =
       make_float4(v.x, v.y, v.z, __uint_as_float(nearest.cluster << 1 | (nearest.tied ? 1U : 0U)));
 }

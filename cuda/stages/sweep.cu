@@ -4,8 +4,8 @@
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/screen.cuh"
-#include "cuda/stages/swept_pairs.cuh"
 #include "cuda/stages/stages.cuh"
+#include "cuda/stages/swept_pairs.cuh"
 
 namespace deformable_contact_monitor {
 namespace {

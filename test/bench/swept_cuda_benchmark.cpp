@@ -93,19 +93,18 @@ void whole(Stepping& scene, const Options& options) {
   const bool equal = areEqual(scene, *detector, options);
   all_equal = all_equal && equal;
   const Counters& c = last.counters;
-  std::printf("| %s | %s%s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %llu | %llu | %.2f | "
-              "%llu | %llu | %.0f | %s |\n",
-              scene.name.c_str(), toString(options.adjacent),
-              options.first_times ? ", first times" : "",
-              static_cast<unsigned long long>(c.triangles), last.contacts.size(), scene.at_most_ms,
-              median(device), percentile(device, 0.95), median(detect), median(round_trip),
-              static_cast<unsigned long long>(c.interval_overlaps),
-              static_cast<unsigned long long>(c.candidates),
-              static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered + 1e-9),
-              static_cast<unsigned long long>(c.clusters),
-              static_cast<unsigned long long>(c.exact),
-              static_cast<double>(last.memory_bytes) / static_cast<double>(c.triangles),
-              equal ? "equal" : "DIFFERENT");
+  std::printf(
+      "| %s | %s%s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %llu | %llu | %.2f | "
+      "%llu | %llu | %.0f | %s |\n",
+      scene.name.c_str(), toString(options.adjacent), options.first_times ? ", first times" : "",
+      static_cast<unsigned long long>(c.triangles), last.contacts.size(), scene.at_most_ms,
+      median(device), percentile(device, 0.95), median(detect), median(round_trip),
+      static_cast<unsigned long long>(c.interval_overlaps),
+      static_cast<unsigned long long>(c.candidates),
+      static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered + 1e-9),
+      static_cast<unsigned long long>(c.clusters), static_cast<unsigned long long>(c.exact),
+      static_cast<double>(last.memory_bytes) / static_cast<double>(c.triangles),
+      equal ? "equal" : "DIFFERENT");
   std::fflush(stdout);
 }
 

@@ -83,8 +83,8 @@ TEST_F(SweptCuda, WithLittleMemoryTheCountStaysExactAndTheListIsPartOfIt) {
     EXPECT_FALSE(found.cut_off);
     EXPECT_LT(found.contacts.size(), all.size());
     EXPECT_EQ(found.contacts.size() + found.left_out, all.size());
-    EXPECT_TRUE(std::includes(all.begin(), all.end(), found.contacts.begin(),
-                              found.contacts.end()));
+    EXPECT_TRUE(
+        std::includes(all.begin(), all.end(), found.contacts.begin(), found.contacts.end()));
   }
 }
 
