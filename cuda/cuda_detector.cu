@@ -1,89 +1,11 @@
-#include <algorithm>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "core/rules/cluster_count.h"
-#include "core/stopwatch.h"
 #include "cuda/cold_start.h"
-#include "cuda/cuda_detector.h"
-#include "cuda/cycle_graph.cuh"
+#include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
-#include "cuda/memory/device_scene.cuh"
-#include "cuda/memory/host_stop.cuh"
-#include "cuda/open_pairs.cuh"
-#include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
-namespace {
-
-// Bounds the time that a tiny memory limit can cost.
-constexpr std::uint32_t kMostPasses = 4096;
-
-class CudaDetector : public Detector {
- public:
-  explicit CudaDetector(const CudaSettings& settings)
-      : settings_(settings),
-        device_(DeviceTraits::of(settings.device)),
-        cluster_counts_{500, 8192, 1600, device_.multiprocessors} {}
-  ~CudaDetector() override {
-    cudaSetDevice(settings_.device);
-    stop_.set();
-    cudaStreamSynchronize(stream_.get());
-  }
-  std::string backend() const override { return "cuda"; }
-  void reset() override { cold_ = true; }
-  const DetectionResult& detect(const Scene& scene, const Options& options) override;
-
- private:
-  void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
-                    const Stopwatch& watch);
-  bool upload(const Scene& scene, const Options& options, const CycleLimit& limit);
-  bool startCold(const Scene& scene, const Options& options, const CycleLimit& limit);
-  void makeArrays();
-  void sendParams();
-  void sizeBins(const Options& options);
-  void runCycle(const Options& options);
-  bool runUntilItFits(const Options& options, const CycleLimit& limit);
-  bool runInPasses(const Options& options, const CycleLimit& limit);
-  bool isCutOff(const CycleLimit& limit) const;
-  bool makeRoom();
-  bool sweepInPasses(const Options& options, const CycleLimit& limit);
-  void fetchContacts(const Options& options, bool few);
-  void decideOpenPairs(const Options& options, const CycleLimit& limit);
-  CycleShape shapeOf(const Options& options, bool identify, int refinements) const;
-  void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
-  std::uint32_t listable(std::uint64_t contacts) const {
-    return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
-  }
-  bool isOutgrown(const CycleCounters& counted, const Options& options) const;
-
-  CudaSettings settings_;
-  const DeviceTraits device_;
-  const ClusterCountPolicy cluster_counts_;
-  CudaStream stream_;
-  CudaEvent cycle_start_, cycle_end_;
-  DeviceMemory memory_;
-  CycleSizes sizes_;
-  CycleArrays arrays_{memory_};
-  DeviceScene scene_{settings_.device, memory_, sizes_, arrays_.scene};
-  CycleGraph graphs_[2];  // with and without refinement of the prototypes
-  PinnedBuffer<CycleParams> params_{1};
-  PinnedBuffer<CycleCounters> counters_{1};
-  HostStop stop_;
-  ContactOutput output_;
-  OpenPairs open_pairs_;  // in swept motion
-  double decide_ms_ = 0;  // what they took in this cycle
-  SceneScale scale_;
-  SizeRule size_rule_;
-  bool cold_ = true;
-  Motion motion_ = Motion::kInstant;  // of the last cycle
-  int asked_clusters_ = 0;            // by the options of the last cold start
-  std::uint32_t large_at_start_ = 0;
-  std::uint64_t last_contacts_ = 0;
-  int cycles_since_refresh_ = 0;
-  DetectionResult result_;
-};
 
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
@@ -258,106 +180,6 @@ void CudaDetector::runCycle(const Options& options) {
   cycle_end_.record(stream);
 }
 
-// Runs cycles until all that one finds has room, and fetches the contacts. False if the limit was
-// over before that: then they are what the last one found.
-bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limit) {
-  constexpr int kMostTries = 16;
-  bool all = false;
-  decide_ms_ = 0;
-  open_pairs_.clear();
-  for (int tries = 1;; ++tries) {
-    runCycle(options);
-    fetchContacts(options, limit.isSet());
-    checkCuda(cudaGetLastError(), "a launch");
-    wait(limit);
-    if (isCutOff(limit)) break;
-    all = makeRoom();
-    if (all) break;
-    if (tries == kMostTries)
-      throw CudaError(BackendFault::kTransient, "the sizes of a cycle do not settle");
-  }
-  const bool too_many =
-      counters_[0].candidates > sizes_.candidates || counters_[0].open_pairs > sizes_.open_pairs;
-  const bool in_passes = too_many && !limit.over();
-  if (in_passes) {
-    all = runInPasses(options, limit);
-  } else if (all) {
-    decideOpenPairs(options, limit);
-  }
-  if (in_passes || listable(counters_[0].contacts) > output_.fetched()) {
-    last_contacts_ = counters_[0].contacts;
-    fetchContacts(options, limit.over());
-    wait(limit);
-  }
-  return all && counters_[0].candidates <= sizes_.candidates;
-}
-
-void CudaDetector::decideOpenPairs(const Options& options, const CycleLimit& limit) {
-  const Stopwatch watch{};
-  open_pairs_.decide(arrays_, std::min(counters_[0].open_pairs, sizes_.open_pairs), options, limit,
-                     stream_.get());
-  decide_ms_ += watch.elapsedMs();
-}
-
-// Whether the last cycle gave up, or leaves work for which no time is left.
-bool CudaDetector::isCutOff(const CycleLimit& limit) const {
-  if (counters_[0].cut_off != 0) return true;
-  return limit.over() && !(counters_[0].bin_overflow == 0 && sizes_.hold(counters_[0]));
-}
-
-// After a cycle that may have overflown: true if it fitted, else there is more room now.
-bool CudaDetector::makeRoom() {
-  const bool fits = counters_[0].bin_overflow == 0;
-  const bool grown = sizes_.growFor(counters_[0], settings_.memory_limit_bytes);
-  if (grown) makeArrays();
-  return fits && !grown;
-}
-
-// As sweepInPasses(), until the contacts have room.
-bool CudaDetector::runInPasses(const Options& options, const CycleLimit& limit) {
-  while (sweepInPasses(options, limit) && !isCutOff(limit)) {
-    if (makeRoom()) return true;
-  }
-  return false;
-}
-
-// More candidates than memory: judges them in several passes over the work units and blocks. Those
-// that no pass has room for are counted, not judged. False if the limit was over before the last.
-bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit) {
-  const cudaStream_t stream = stream_.get();
-  const CycleShape shape = shapeOf(options, false, 0);
-  const std::uint32_t most =
-      std::min(kMostPasses, std::max(counters_[0].units, largeBlocks(arrays_)));
-  const std::uint64_t found = counters_[0].judged + counters_[0].unjudged;
-  auto passes =
-      static_cast<std::uint32_t>(std::min<std::uint64_t>(most, found / sizes_.candidates + 2));
-  while (true) {
-    bool fits = true;
-    open_pairs_.clear();
-    for (std::uint32_t pass = 0; pass < passes && (fits || passes == most); ++pass) {
-      params_[0].pass = pass;
-      params_[0].passes = passes;
-      sendParams();
-      launchRestart(arrays_, pass == 0, stream);
-      launchSweep(arrays_, shape, stream);
-      launchLarge(arrays_, shape, stream);
-      launchJudge(arrays_, shape, stream);
-      checkCuda(cudaGetLastError(), "a launch");
-      wait(limit);
-      fits = counters_[0].candidates <= sizes_.candidates &&
-             counters_[0].open_pairs <= sizes_.open_pairs;
-      decideOpenPairs(options, limit);
-      if (counters_[0].cut_off != 0 || ((pass + 1 < passes || !fits) && limit.over())) {
-        cycle_end_.record(stream);
-        return false;
-      }
-    }
-    cycle_end_.record(stream);
-    if (fits || passes == most) return true;
-    passes = std::min(most, 2 * passes);
-  }
-}
-
 // Behind what is in the stream, as many contacts as there were last time; `few`: no more than are
 // sorted and copied in little time.
 void CudaDetector::fetchContacts(const Options& options, bool few) {
@@ -378,8 +200,6 @@ bool CudaDetector::isOutgrown(const CycleCounters& counted, const Options& optio
       options.clusters == 0 && std::max<std::size_t>(1, wanted) != sizes_.clusters;
   return more_large || other_count;
 }
-
-}  // namespace
 
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
   requireUsable(settings.device);

@@ -1,8 +1,8 @@
 // Stage assign: every triangle into each cluster that it may share a contact in.
-#include "core/rules/common_motion.h"
 #include "core/rules/sampling.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/corners.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
@@ -53,58 +53,6 @@ __device__ void countBlock(std::uint32_t* counter, bool counted) {
   const int count = __syncthreads_count(counted ? 1 : 0);
   if (threadIdx.x == 0 && count > 0) atomicAdd(counter, static_cast<std::uint32_t>(count));
 }
-
-// A triangle as the stage pose left it: posed vertices [m] and their nearest prototypes. With
-// kStates == 2 those at the beginning of the step come first.
-template <int kStates>
-struct Corners {
-  static constexpr int kPoints = 3 * kStates, kPresent = kPoints - 3;
-  Vec3f v[kPoints];
-  NearestPrototype nearest[kPoints];
-
-  __device__ Corners(const SceneArrays& scene, TriangleIndex t) {
-    const VertexIndex* vertices = scene.corners.row(t);
-    for (int k = 0; k < 3; ++k) {
-      set(kPresent + k, scene.posed[vertices[k]]);
-      if (kStates > 1) set(k, scene.earlier_posed[vertices[k]]);
-    }
-  }
-  __device__ Triangle posed() const { return {{v[kPresent], v[kPresent + 1], v[kPresent + 2]}}; }
-  __device__ Triangle earlier() const { return {{v[0], v[1], v[2]}}; }
-  __device__ bool isFinite() const {
-    bool finite = true;
-    for (int k = 0; k < kPoints; ++k) {
-      finite = finite && deformable_contact_monitor::isFinite(v[k]);
-    }
-    return finite;
-  }
-  // Of all that it passes, but for the common motion [m].
-  __device__ Aabb box(const CycleArrays& c) const {
-    if (kStates == 1) return boxOf(posed());
-    return sweptBox(MovingBox{boxOf(earlier()), boxOf(posed())}, c.scene.common_motion[Place(0)]);
-  }
-
- private:
-  __device__ void set(int k, const float4& p) {
-    const std::uint32_t w = __float_as_uint(p.w);
-    v[k] = {p.x, p.y, p.z};
-    nearest[k] = {w >> 1, (w & 1) != 0};
-  }
-};
-
-// The vertices for the clusters [scaled].
-template <int kStates>
-struct ScaledCorners {
-  Vec3f v[3 * kStates];
-
-  __device__ ScaledCorners(const CycleArrays& c, const Corners<kStates>& corners) {
-    const SceneScale scale = c.params().scale;
-    for (int k = 0; k < 3; ++k) v[k] = scale.apply(corners.v[k]);
-    if (kStates == 1) return;
-    const SceneScale after = withoutMotion(scale, c.scene.common_motion[Place(0)]);
-    for (int k = 3; k < 3 * kStates; ++k) v[k] = after.apply(corners.v[k]);
-  }
-};
 
 template <int kStates>
 __device__ void putMember(const CycleArrays& c, ClusterIndex bin, std::uint32_t place,

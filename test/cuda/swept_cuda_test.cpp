@@ -104,7 +104,9 @@ TEST_F(SweptCuda, FirstTimesAreAsNarrowAsPromisedAndOverlapTheCpus) {
     EXPECT_LE(a.low, b.high);
     EXPECT_LE(b.low, a.high);
     by_pad += found.within_pad[i];
-    if (found.within_pad[i] == 0) EXPECT_LE(a.high - a.low, 0x1p-20F);
+    if (found.within_pad[i] == 0) {
+      EXPECT_LE(a.high - a.low, 0x1p-20F);
+    }
   }
   EXPECT_GT(by_pad, 0U);
 }
