@@ -8,13 +8,27 @@
 
 namespace deformable_contact_monitor {
 
-ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                       const CycleLimit& limit) {
+namespace {
+
+Vec3f seedAt(const SizeSplit& split, const Triangle& t) {
+  Vec3f points[3];
+  split.scaled(t, points);
+  return meanOf<Triangle>(points);
+}
+Vec3f seedAt(const SizeSplit& split, const MovingTriangle& t) {
+  Vec3f points[6];
+  split.scaled(t, points);
+  return meanOf<MovingTriangle>(points);
+}
+
+template <class Hull>
+ColdStart measure(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
+                  const CycleLimit& limit) {
   WorkingSet set;
   SizeSplit split;
   Counters counters;
   ColdStart start;
-  WorkingSetBuilder().build(scene, set, counters, limit);
+  WorkingSetBuilder().build<Hull>(scene, set, counters, limit);
   if (!limit.wasOver()) splitBySize(set, split, limit);
   if (limit.wasOver()) return start;
   start.scale = split.scale;
@@ -24,12 +38,18 @@ ColdStart measureScene(const Scene& scene, const Options& options, const Cluster
   start.seeds.resize(
       std::max<std::size_t>(1, clusterCountFor(options.clusters, policy, start.regular, 0)));
   for (std::size_t g = 0; g < start.seeds.size() && start.regular > 0; ++g) {
-    const Triangle t = set.posed(split.regular[seedOf(g, start.seeds.size(), start.regular)]);
-    const Vec3f scaled[3] = {split.scale.apply(t.v[0]), split.scale.apply(t.v[1]),
-                             split.scale.apply(t.v[2])};
-    start.seeds[g] = centroidOf(scaled);
+    const TriangleIndex t = split.regular[seedOf(g, start.seeds.size(), start.regular)];
+    start.seeds[g] = seedAt(split, set.posed<Hull>(t));
   }
   return start;
+}
+
+}  // namespace
+
+ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
+                       const CycleLimit& limit) {
+  return options.motion == Motion::kSwept ? measure<MovingTriangle>(scene, options, policy, limit)
+                                          : measure<Triangle>(scene, options, policy, limit);
 }
 
 }  // namespace deformable_contact_monitor

@@ -22,13 +22,16 @@ std::uint32_t unitColumns(std::uint32_t triangles) {
 }  // namespace
 
 CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::uint32_t groups,
-                        bool margin) {
+                        const BodyLengths& any) {
   CycleParams p{};
   p.overlap = options.overlap;
   p.fuzzifier = options.fuzzifier;
   p.adjacent = options.adjacent;
   p.predicates = options.predicates;
-  p.margins = margin ? 1 : 0;
+  const bool swept = options.motion == Motion::kSwept;
+  p.margins = any.margins && !swept ? 1 : 0;
+  p.pads = any.pads && swept ? 1 : 0;
+  p.first_times = options.first_times ? 1 : 0;
   p.group_count = std::min(groups, kMostGroups);
   p.groups_exact = groups <= kMostGroups ? 1 : 0;
   p.bucket_shift = bucketShift(p.group_count);

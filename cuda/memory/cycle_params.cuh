@@ -36,14 +36,21 @@ struct CycleParams {
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number in a contact's key
   std::uint32_t limited;       // the host may end the cycle early (stages/cut_off.cuh)
+  std::uint32_t first_times;   // in swept motion: they are asked for
+  std::uint32_t pads;          // in swept motion: some body that takes part has one
 
   DCM_HD std::uint32_t bucketsOfGroup() const { return 1U << (kAxisBits - bucket_shift); }
 };
 
-// For a scene of `triangles` triangles whose bodies fall into `groups` groups; `margin`: some body
-// has one. Scale and size rule are left as they are by default.
+// Whether some body that takes part has a margin; in swept motion, a pad.
+struct BodyLengths {
+  bool margins, pads;
+};
+
+// For a scene of `triangles` triangles whose bodies fall into `groups` groups. Scale and size rule
+// are left as they are by default.
 CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::uint32_t groups,
-                        bool margin);
+                        const BodyLengths& any);
 
 // Counters that many warps add to keep apart, in memory lines of their own.
 constexpr unsigned kLine = 128;
@@ -57,7 +64,8 @@ struct alignas(kLine) CycleCounters {
   std::uint32_t bins_wanted;               // members that next cycle's bins want room for
   std::uint32_t exact, undecided;
   std::uint32_t blocks_done;
-  std::uint32_t cut_off;  // some work was given up, for the host wanted the cycle to end
+  std::uint32_t cut_off;     // some work was given up, for the host wanted the cycle to end
+  std::uint32_t open_pairs;  // in swept motion: left to the host
   unsigned long long interval_overlaps;
   unsigned long long judged;    // all passes' candidates
   unsigned long long unjudged;  // those that there was no room for: no verdict on them

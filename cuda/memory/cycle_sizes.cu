@@ -10,9 +10,13 @@ namespace deformable_contact_monitor {
 namespace {
 
 // What a candidate and a contact take, with the arrays that go with them [bytes].
-constexpr std::uint64_t kCandidateBytes = sizeof(DeviceCandidate) + sizeof(std::uint32_t);
-constexpr std::uint64_t kContactBytes =  // the list, the sorted one, and what sorting needs
-    3 * (sizeof(std::uint64_t) + sizeof(float));
+std::uint64_t candidateBytes(bool swept) {
+  const std::uint64_t more = sizeof(SweptState) + 4 * sizeof(std::uint32_t);
+  return sizeof(DeviceCandidate) + sizeof(std::uint32_t) + (swept ? more : 0);
+}
+std::uint64_t contactBytes(bool swept) {  // the list, the sorted one, and what sorting needs
+  return 3 * (sizeof(std::uint64_t) + (swept ? sizeof(ContactTimes) : sizeof(float)));
+}
 
 std::uint32_t withinLimit(std::uint64_t wanted, std::uint64_t bytes_each, std::uint64_t limit) {
   constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 30;
@@ -38,14 +42,27 @@ void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
   members = std::max(members, clustered * 2 + 48 * cluster_count + 256);
   list_words = std::max(list_words, clustered + 256);
   units = std::max(units, clustered / 6 + 4 * cluster_count + 256);
-  candidates =
-      std::max(candidates, withinLimit(2 * clustered + 256, kCandidateBytes, memory_limit_bytes));
-  contacts = std::max(contacts, withinLimit(clustered + 256, kContactBytes, memory_limit_bytes));
+  const std::uint64_t each = swept ? 8 : 2;
+  candidates = std::max(
+      candidates, withinLimit(each * clustered + 256, candidateBytes(swept), memory_limit_bytes));
+  contacts =
+      std::max(contacts, withinLimit(clustered + 256, contactBytes(swept), memory_limit_bytes));
+  if (swept) open_pairs = std::max(open_pairs, clustered / 64 + 256);
+  follow();
+}
+
+void CycleSizes::follow() {
+  if (!swept) return;
+  swept_bodies = bodies;
+  swept_vertices = vertices;
+  swept_members = members;
+  swept_candidates = candidates;
+  swept_contacts = contacts;
 }
 
 bool CycleSizes::hold(const CycleCounters& c) const {
   return c.bins_wanted <= members && c.list_words <= list_words && c.units <= units &&
-         c.candidates <= candidates && c.contacts <= contacts;
+         c.candidates <= candidates && c.contacts <= contacts && c.open_pairs <= open_pairs;
 }
 
 bool CycleSizes::growFor(const CycleCounters& c, std::uint64_t memory_limit_bytes) {
@@ -60,9 +77,12 @@ bool CycleSizes::growFor(const CycleCounters& c, std::uint64_t memory_limit_byte
   grown |= grow(list_words, c.list_words, kMost);
   grown |= grow(units, c.units, kMost);
   grown |= grow(candidates, c.candidates,
-                withinLimit(~std::uint64_t{0}, kCandidateBytes, memory_limit_bytes));
-  grown |=
-      grow(contacts, c.contacts, withinLimit(~std::uint64_t{0}, kContactBytes, memory_limit_bytes));
+                withinLimit(~std::uint64_t{0}, candidateBytes(swept), memory_limit_bytes));
+  grown |= grow(contacts, c.contacts,
+                withinLimit(~std::uint64_t{0}, contactBytes(swept), memory_limit_bytes));
+  grown |= grow(open_pairs, c.open_pairs,
+                withinLimit(~std::uint64_t{0}, sizeof(OpenPair), memory_limit_bytes));
+  follow();
   return grown;
 }
 

@@ -18,6 +18,13 @@ struct CycleSizes {
   // others grow by need.
   std::uint32_t clusters = 0, samples = 0;
   std::uint32_t members = 0, list_words = 0, units = 0, candidates = 0, contacts = 0;
+  // In swept motion as those above, otherwise nothing or what was there; and pairs for the host.
+  bool swept = false;
+  std::uint32_t swept_bodies = 0, swept_vertices = 0, swept_members = 0;
+  std::uint32_t swept_candidates = 0, swept_contacts = 0, open_pairs = 0;
+
+  // Brings the sizes for swept motion up to the others, if `swept`; wherever those have changed.
+  void follow();
 
   // For the scene's triangles, of which `clustered` are for the clusters: a guess.
   void prepare(std::uint32_t clustered, std::uint32_t cluster_count,

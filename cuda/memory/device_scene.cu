@@ -51,8 +51,9 @@ bool DeviceScene::isLaidOut(const Scene& scene) const {
   return topology_ == topologyOf(scene);
 }
 
-bool DeviceScene::layOut(const Scene& scene, cudaStream_t stream) {
+bool DeviceScene::layOut(const Scene& scene, Motion motion, cudaStream_t stream) {
   const bool anew = !isLaidOut(scene);
+  sizes_.swept = motion == Motion::kSwept;
   if (anew) {
     laid_out_ = false;  // until all of it is there
     pairs_ = scene.enabledPairs();
@@ -61,6 +62,7 @@ bool DeviceScene::layOut(const Scene& scene, cudaStream_t stream) {
     topology_ = topologyOf(scene);
     laid_out_ = true;
   }
+  growArrays();
   pairs_revision_ = scene.pairsRevision();
   return anew;
 }
@@ -110,11 +112,21 @@ void DeviceScene::layOutPairs(const Scene& scene, cudaStream_t stream) {
   sizes_.bodies = arrays_.body_count;
   sizes_.partners = static_cast<std::uint32_t>(tables.partners.size());
   sizes_.pair_words = static_cast<std::uint32_t>(tables.pair_enabled.size());
-  memory_.grow(sizes_);
-  staged_bodies_.grow(body_.size());
+  growArrays();
   put(tables.partners, arrays_.partners.data(), stream);
   put(tables.group_mask, arrays_.group_mask.data(), stream);
   put(tables.pair_enabled, arrays_.pair_enabled.data(), stream);
+}
+
+void DeviceScene::growArrays() {
+  sizes_.follow();
+  memory_.grow(sizes_);
+  staged_bodies_.grow(body_.size());
+  staged_vertices_.grow(3 * std::size_t{vertex_count_});
+  if (!sizes_.swept) return;
+  staged_earlier_bodies_.grow(body_.size());
+  staged_earlier_vertices_.grow(3 * std::size_t{vertex_count_});
+  earlier_.resize(vertices_.size());
 }
 
 void DeviceScene::numberMeshes(const Scene& scene) {
@@ -160,8 +172,7 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   sizes_.triangle_blocks = static_cast<std::uint32_t>(triangle_blocks.size());
   sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
   while (any_self_ && sizes_.identity_slots < 2 * vertex_count_) sizes_.identity_slots *= 2;
-  memory_.grow(sizes_);
-  staged_vertices_.grow(3 * std::size_t{vertex_count_});
+  growArrays();
   arrays_.vertex_block_count = sizes_.vertex_blocks;
   arrays_.triangle_block_count = sizes_.triangle_blocks;
   arrays_.identity_mask = arrays_.identity_table.size() - 1;
@@ -169,9 +180,10 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   put(vertex_blocks, arrays_.vertex_blocks.data(), stream);
   put(triangle_blocks, arrays_.triangle_blocks.data(), stream);
   vertices_.assign(scene.bodyCount(), 0);  // no revision is 0
+  earlier_.assign(scene.bodyCount(), 0);
 }
 
-void DeviceScene::sendVertices(const Scene& scene, cudaStream_t stream) {
+void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t stream) {
   any_from_device_ = false;
   for (const BodyId id : taking_part_) {
     const Body& from = scene.body(id);
@@ -194,6 +206,22 @@ void DeviceScene::sendVertices(const Scene& scene, cudaStream_t stream) {
     }
     vertices_[id] = from.vertices_revision;
   }
+  if (motion == Motion::kSwept) sendEarlierVertices(scene, stream);
+}
+
+void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
+  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
+    const BodyId id = taking_part_[i];
+    const Body& from = scene.body(id);
+    if (!from.earlier || from.earlier->vertices.empty()) continue;
+    if (earlier_[id] == from.earlier_revision) continue;
+    const std::vector<float>& vertices = from.earlier->vertices;
+    const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
+    std::copy(vertices.begin(), vertices.end(), staged_earlier_vertices_.data() + first);
+    upload(staged_earlier_vertices_.data() + first, vertices.size(),
+           arrays_.earlier_received.data() + first, stream);
+    earlier_[id] = from.earlier_revision;
+  }
 }
 
 Scene DeviceScene::onHost(const Scene& scene, cudaStream_t stream) const {
@@ -214,18 +242,34 @@ Scene DeviceScene::onHost(const Scene& scene, cudaStream_t stream) const {
   return on_host;
 }
 
-void DeviceScene::sendBodies(const Scene& scene, const SceneScale& scale, cudaStream_t stream) {
-  any_margin_ = scene.anyMargin();
+void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale& scale,
+                             cudaStream_t stream) {
+  const bool swept = motion == Motion::kSwept;
+  any_ = {scene.anyMargin(), scene.anyPad()};
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const Body& from = scene.body(taking_part_[i]);
     DeviceBody& body = body_[i];
     body.pose = from.pose;
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
-    body.margin_m = from.margin_m;
-    body.slack = scaledSlack(from.margin_m, scale);
+    body.margin_m = swept ? grownPad(from.pad_m) : from.margin_m;
+    body.slack = scaledSlack(body.margin_m, scale);
     staged_bodies_[i] = body;
   }
   upload(staged_bodies_.data(), body_.size(), arrays_.bodies.data(), stream);
+  if (swept) sendEarlierBodies(scene, stream);
+}
+
+void DeviceScene::sendEarlierBodies(const Scene& scene, cudaStream_t stream) {
+  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
+    const Body& from = scene.body(taking_part_[i]);
+    EarlierBody& body = staged_earlier_bodies_[i];
+    body.pose = from.earlier ? from.earlier->pose : from.pose;
+    body.identity_pose = body.pose.isIdentity() ? 1 : 0;
+    body.is_still = from.earlier ? 0 : 1;
+    body.has_vertices = from.earlier && !from.earlier->vertices.empty() ? 1 : 0;
+    body.pad_m = from.pad_m;
+  }
+  upload(staged_earlier_bodies_.data(), body_.size(), arrays_.earlier_bodies.data(), stream);
 }
 
 }  // namespace deformable_contact_monitor

@@ -23,26 +23,27 @@ class DeviceScene {
       : device_(device), memory_(memory), sizes_(sizes), arrays_(arrays) {}
 
   // Lays the scene out anew if other pairs are enabled, or the topology of a body of theirs
-  // changed; true if so. Then arrays may have moved. Throws CudaError if it is too large.
-  bool layOut(const Scene& scene, cudaStream_t stream);
+  // changed; true if so. Then arrays may have moved, as they may if the motion is another one than
+  // last time. Throws CudaError if it is too large.
+  bool layOut(const Scene& scene, Motion motion, cudaStream_t stream);
 
   // Sends vertices that changed; those that are on the device are copied there. Throws
   // std::invalid_argument, naming the body, where they cannot be read.
-  void sendVertices(const Scene& scene, cudaStream_t stream);
+  void sendVertices(const Scene& scene, Motion motion, cudaStream_t stream);
 
   // Whether the scene that was sent has vertices on the device.
   bool anyFromDevice() const { return any_from_device_; }
   // That scene, with all of them brought to the host: takes milliseconds.
   Scene onHost(const Scene& scene, cudaStream_t stream) const;
 
-  // Sends all poses and margins. `scale`: of the clustering.
-  void sendBodies(const Scene& scene, const SceneScale& scale, cudaStream_t stream);
+  // Sends all poses, and margins or pads. `scale`: of the clustering.
+  void sendBodies(const Scene& scene, Motion motion, const SceneScale& scale, cudaStream_t stream);
 
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return group_count_; }
   bool anySelf() const { return any_self_; }
-  // Scene::anyMargin() of the scene that was sent.
-  bool anyMargin() const { return any_margin_; }
+  // Scene::anyMargin() and anyPad() of the scene that was sent.
+  BodyLengths anyLengths() const { return any_; }
 
   // The body of the scene that a triangle is of, and its number there.
   BodyId bodyOf(TriangleIndex triangle) const { return body_of_[triangle.value]; }
@@ -64,6 +65,9 @@ class DeviceScene {
   void layOutPairs(const Scene& scene, cudaStream_t stream);
   void numberMeshes(const Scene& scene);
   void layOutMeshes(const Scene& scene, cudaStream_t stream);
+  void growArrays();
+  void sendEarlierVertices(const Scene& scene, cudaStream_t stream);
+  void sendEarlierBodies(const Scene& scene, cudaStream_t stream);
 
   const int device_;
   DeviceMemory& memory_;
@@ -75,16 +79,20 @@ class DeviceScene {
   std::vector<std::pair<BodyId, BodyId>> pairs_;
   std::vector<std::uint64_t> topology_;        // revisions, per body on the device
   std::vector<std::uint64_t> vertices_;        // revisions on the device, per body of the scene
+  std::vector<std::uint64_t> earlier_;         // the same of Body::earlier; 0: none
   std::vector<BodyId> taking_part_;            // bodies of the scene, per body on the device
   std::vector<DeviceBody> body_;               // per body on the device
   std::vector<std::uint32_t> first_triangle_;  // per body of the scene
   std::vector<BodyId> body_of_;                // per triangle
   std::uint32_t vertex_count_ = 0, group_count_ = 0;
-  bool any_self_ = false, any_margin_ = false, any_from_device_ = false;
+  bool any_self_ = false, any_from_device_ = false;
+  BodyLengths any_{};
 
   DeviceVertexCopier copier_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;
+  PinnedBuffer<float> staged_earlier_vertices_;
+  PinnedBuffer<EarlierBody> staged_earlier_bodies_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -21,6 +21,11 @@ struct alignas(16) Member {
   __device__ bool isHome() const { return (body_and_home & 1) != 0; }
 };
 
+// Where the triangle of a member was at the beginning of the step [m].
+struct alignas(16) EarlierMember {
+  Triangle posed;
+};
+
 // A cluster's part of the array of members, and of the sorted arrays.
 struct Bin {
   std::uint32_t begin, capacity;
@@ -42,6 +47,7 @@ struct MemberArrays : ArrayGroup {
   // keeps the counters of different clusters in different sectors; zero at the start of a cycle.
   DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, &CycleSizes::clusters, 1};
   DeviceArray<Member, MemberIndex> members{*this, &CycleSizes::members};
+  DeviceArray<EarlierMember, MemberIndex> earlier{*this, &CycleSizes::swept_members};  // of each
   DeviceArray<WideTriangle, Place> wide{*this, &CycleSizes::triangles};
   DeviceArray<std::uint32_t, Place> lists{*this, &CycleSizes::list_words};
 

@@ -15,12 +15,22 @@ namespace deformable_contact_monitor {
 // A body that takes part, as uploaded each cycle.
 struct DeviceBody {
   RigidTransform pose;
-  float margin_m, slack;  // [m]; [scaled]
+  // What boxes grow by [m]: the margin, or in swept motion the pad and a little; and [scaled].
+  float margin_m, slack;
   std::uint32_t identity_pose;
   std::uint32_t has_self;  // contacts with itself are enabled
   std::uint32_t first_vertex, vertex_count;
   std::uint32_t group;
   std::uint32_t partner_begin, partner_count;  // other bodies: in SceneArrays::partners
+};
+
+// Where a body was at the beginning of the step; in swept motion, as uploaded each cycle.
+struct EarlierBody {
+  RigidTransform pose;
+  std::uint32_t identity_pose;
+  std::uint32_t is_still;      // it has no earlier state
+  std::uint32_t has_vertices;  // of its own: in SceneArrays::earlier_received
+  float pad_m;
 };
 
 // A block of a body's vertices or triangles, by their numbers.
@@ -57,6 +67,12 @@ struct SceneArrays : ArrayGroup {
   // x, y, z in the scene frame [m]; w: nearest prototype * 2 + tied.
   DeviceArray<float4, VertexIndex> posed{*this, &CycleSizes::vertices};
   DeviceArray<FarVertex, Place> far_vertices{*this, &CycleSizes::vertices};
+  // In swept motion the same at the beginning of the step, and what all bodies move by [m]: any
+  // vector would do, it is taken off the present state ahead of boxes and clusters, never verdicts.
+  DeviceArray<EarlierBody, BodyIndex> earlier_bodies{*this, &CycleSizes::swept_bodies};
+  DeviceArray<float, VertexIndex, 3> earlier_received{*this, &CycleSizes::swept_vertices};
+  DeviceArray<float4, VertexIndex> earlier_posed{*this, &CycleSizes::swept_vertices};
+  DeviceArray<Vec3f, Place> common_motion{*this, 1U};
   // Of the bodies' finite vertices, see cuda/device/boxes.cuh; zero at the start of a cycle.
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
   // Equal iff of one body and equal as received: the number of one of those vertices.

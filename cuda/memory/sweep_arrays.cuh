@@ -44,6 +44,9 @@ struct SweepArrays : ArrayGroup {
   DeviceArray<std::uint32_t, SortedIndex> keys{*this, &CycleSizes::members};
   // x and y, lo and hi; z, lo and hi.
   DeviceArray<uint4, SortedIndex> world_boxes{*this, &CycleSizes::members};
+  // In swept motion world_boxes has x and y, lo and hi, of the present state, then of the earlier
+  // one; and this lo and hi of z in both.
+  DeviceArray<PackedBox, SortedIndex> moving_z{*this, &CycleSizes::swept_members};
   // Three vertex ids, the member.
   DeviceArray<uint4, SortedIndex> ids{*this, &CycleSizes::members};
   // Where the members of each bucket begin, and behind the last one where they end.

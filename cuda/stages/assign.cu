@@ -2,6 +2,7 @@
 #include "core/rules/sampling.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/corners.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
@@ -53,35 +54,23 @@ __device__ void countBlock(std::uint32_t* counter, bool counted) {
   if (threadIdx.x == 0 && count > 0) atomicAdd(counter, static_cast<std::uint32_t>(count));
 }
 
-// A triangle as the stage pose left it: posed vertices [m] and their nearest prototypes.
-struct Corners {
-  Vec3f v[3];
-  NearestPrototype nearest[3];
-
-  __device__ Corners(const SceneArrays& scene, TriangleIndex t) {
-    const VertexIndex* vertices = scene.corners.row(t);
-    for (int k = 0; k < 3; ++k) {
-      const float4 p = scene.posed[vertices[k]];
-      const std::uint32_t w = __float_as_uint(p.w);
-      v[k] = {p.x, p.y, p.z};
-      nearest[k] = {w >> 1, (w & 1) != 0};
-    }
-  }
-  __device__ Triangle posed() const { return {{v[0], v[1], v[2]}}; }
-};
-
+template <int kStates>
 __device__ void putMember(const CycleArrays& c, ClusterIndex bin, std::uint32_t place,
-                          const Member& member) {
+                          const Member& member, const Corners<kStates>& corners) {
   const Bin b = c.members.bins[bin];
   if (place < b.capacity) {
-    c.members.members[MemberIndex(b.begin + place)] = member;
+    const MemberIndex at(b.begin + place);
+    c.members.members[at] = member;
+    if (kStates > 1) c.members.earlier[at].posed = corners.earlier();
   } else {
     c.counters().bin_overflow = 1;
   }
 }
 
 // Lanes of a warp that put members into the same bin share an atomic.
-__device__ void putTogether(const CycleArrays& c, ClusterIndex bin, const Member& member) {
+template <int kStates>
+__device__ void putTogether(const CycleArrays& c, ClusterIndex bin, const Member& member,
+                            const Corners<kStates>& corners) {
   const unsigned peers = __match_any_sync(__activemask(), bin.value);
   const int leader = __ffs(static_cast<int>(peers)) - 1;
   std::uint32_t base = 0;
@@ -89,27 +78,28 @@ __device__ void putTogether(const CycleArrays& c, ClusterIndex bin, const Member
     base = atomicAdd(&c.members.count(bin), __popc(peers));
   }
   base = __shfl_sync(peers, base, leader);
-  putMember(c, bin, base + __popc(peers & ((1U << laneId()) - 1)), member);
+  putMember(c, bin, base + __popc(peers & ((1U << laneId()) - 1)), member, corners);
 }
 
-__device__ HalfSpaceRule ruleOf(const CycleArrays& c, const PrototypesView& view,
-                                const Corners& corners, float slack, std::uint32_t& first) {
-  const SceneScale scale = c.params().scale;
-  const Vec3f scaled[3] = {scale.apply(corners.v[0]), scale.apply(corners.v[1]),
-                           scale.apply(corners.v[2])};
-  return ruleFor(view, scaled, corners.nearest, c.params().overlap, slack, first);
+template <int kStates>
+__device__ HalfSpaceRuleOf<3 * kStates> ruleOf(const CycleArrays& c, const PrototypesView& view,
+                                               const Corners<kStates>& corners, float slack,
+                                               std::uint32_t& first) {
+  const ScaledCorners<kStates> scaled(c, corners);
+  return ruleFor<3 * kStates>(view, scaled.v, corners.nearest, c.params().overlap, slack, first);
 }
 
+template <int kStates>
 __device__ void takeSample(const CycleArrays& c, TriangleIndex t, bool regular,
-                           const Corners& corners) {
+                           const Corners<kStates>& corners) {
   const Sampling sampling{c.clusters.sample_count, c.scene.triangle_count};
   if (!sampling.isSample(t.value)) return;
   Sample sample{{}, ClusterIndex(kNone)};
   if (regular) {
-    const SceneScale scale = c.params().scale;
-    const Vec3f scaled[3] = {scale.apply(corners.v[0]), scale.apply(corners.v[1]),
-                             scale.apply(corners.v[2])};
-    sample = {centroidOf(scaled), ClusterIndex(corners.nearest[0].cluster)};
+    const ScaledCorners<kStates> scaled(c, corners);
+    Vec3f centroid = centroidOf(scaled.v);
+    if (kStates > 1) centroid = (centroid + centroidOf(scaled.v + 3 * (kStates - 1))) * 0.5F;
+    sample = {centroid, ClusterIndex(corners.nearest[0].cluster)};
   }
   c.clusters.samples[Place(sampling.sampleOf(t.value))] = sample;
 }
@@ -120,11 +110,12 @@ class AdmittedNeighbours {
  public:
   // All clusters of the triangle are those of the list, if true; else the list does not reach far
   // enough.
-  __device__ bool find(const CycleArrays& c, const PrototypesView& view, const Corners& corners,
-                       float slack) {
+  template <int kStates>
+  __device__ bool find(const CycleArrays& c, const PrototypesView& view,
+                       const Corners<kStates>& corners, float slack) {
     static_assert(kMostNeighbours == 128);
     float radius;
-    const HalfSpaceRule rule = ruleOf(c, view, corners, slack, first_);
+    const auto rule = ruleOf(c, view, corners, slack, first_);
     if (!listSuffices(view, rule, first_, radius)) return false;
     in_first_ = rule.admits(view.prototypes[first_]);
     forEachListed(view, rule, first_, radius, [this](std::uint32_t place) {
@@ -186,13 +177,14 @@ __device__ std::uint32_t listMembers(const CycleArrays& c, TriangleIndex t, std:
 
 // By a whole warp, a lane for each: triangles that may be in several clusters. Those in too many
 // become wide ones.
+template <int kStates>
 __device__ void assignBorder(const CycleArrays& c, BodyIndex body, TriangleIndex t, bool wanted,
                              PendingMember* pending) {
   AdmittedNeighbours admitted;
   std::uint32_t length = 0;
   if (wanted) {
-    const bool all =
-        admitted.find(c, c.clusters.view(), Corners(c.scene, t), c.scene.bodies[body].slack);
+    const bool all = admitted.find(c, c.clusters.view(), Corners<kStates>(c.scene, t),
+                                   c.scene.bodies[body].slack);
     length = admitted.count();
     if (!all || length > kShortList) {
       c.members.wide[Place(atomicAdd(&c.counters().wide, 1U))] = {t, body};
@@ -202,14 +194,17 @@ __device__ void assignBorder(const CycleArrays& c, BodyIndex body, TriangleIndex
   const std::uint32_t total = listMembers(c, t, length, admitted, pending);
   for (std::uint32_t m = laneId(); m < total; m += kWarp) {
     const PendingMember member = pending[m];
+    const Corners<kStates> corners(c.scene, member.triangle);
     putTogether(c, ClusterIndex(member.cluster_and_home >> 1),
-                {Corners(c.scene, member.triangle).posed(), member.triangle, member.list,
-                 body.value << 1 | (member.cluster_and_home & 1)});
+                {corners.posed(), member.triangle, member.list,
+                 body.value << 1 | (member.cluster_and_home & 1)},
+                corners);
   }
   __syncwarp();  // before the next ones
 }
 
 // By a whole block: those of its triangles that are not in the interior of a cell, closed up.
+template <int kStates>
 __device__ void assignBorders(const CycleArrays& c, const BodyBlock& block, TriangleIndex t,
                               bool border) {
   __shared__ TriangleIndex borders[kThreads];
@@ -224,13 +219,15 @@ __device__ void assignBorders(const CycleArrays& c, const BodyBlock& block, Tria
   for (std::uint32_t first = warp * kWarp; first < count; first += kThreads) {
     const std::uint32_t mine = first + laneId();
     const bool there = mine < count;
-    assignBorder(c, block.body, there ? borders[mine] : TriangleIndex(block.first), there,
-                 pending[warp]);
+    assignBorder<kStates>(c, block.body, there ? borders[mine] : TriangleIndex(block.first), there,
+                          pending[warp]);
   }
 }
 
 // A thread for each triangle, a block for each of scene.triangle_blocks: reads scene.corners,
-// scene.posed, scene.body_boxes; adds to members.members, members.lists and members.wide.
+// scene.posed, scene.body_boxes; adds to members.members, members.lists and members.wide. In swept
+// motion (kStates == 2) the earlier states too, to members.earlier.
+template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   awaitKernelAhead();
   letNextStart();
@@ -241,10 +238,10 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
 
   const bool inside = threadIdx.x < block.count;
   const TriangleIndex t(block.first + (inside ? threadIdx.x : 0));
-  const Corners corners(c.scene, t);
+  const Corners<kStates> corners(c.scene, t);
   const Member member{corners.posed(), t, kNone, block.body.value << 1 | 1};
-  const bool finite = isFinite(corners.v[0]) && isFinite(corners.v[1]) && isFinite(corners.v[2]);
-  const Aabb box = inflated(boxOf(member.posed), body.margin_m);
+  const bool finite = corners.isFinite();
+  const Aabb box = inflated(corners.box(c), body.margin_m);
   const bool near = finite && (body.has_self != 0 || partners.meets(box));
   const bool large = near && c.params().size.isLarge(box);
   const bool regular = inside && near && !large;
@@ -253,15 +250,19 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   countBlock(&c.counters().clustered, regular);
   if (inside) takeSample(c, t, regular, corners);
   if (inside && large) {
-    putMember(c, ClusterIndex(c.clusters.count), atomicAdd(&c.counters().large, 1U), member);
+    putMember(c, ClusterIndex(c.clusters.count), atomicAdd(&c.counters().large, 1U), member,
+              corners);
   }
-  const bool interior = isInterior(corners.nearest);
-  if (regular && interior) putTogether(c, ClusterIndex(corners.nearest[0].cluster), member);
-  assignBorders(c, block, t, regular && !interior);
+  const bool interior = isInterior<3 * kStates>(corners.nearest);
+  if (regular && interior) {
+    putTogether(c, ClusterIndex(corners.nearest[0].cluster), member, corners);
+  }
+  assignBorders<kStates>(c, block, t, regular && !interior);
 }
 
 // A warp for each of members.wide, over all prototypes in ascending order: adds to members.members
 // and members.lists.
+template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignWideKernel(CycleArrays c) {
   awaitKernelAhead();
   const PrototypesView view = c.clusters.view();
@@ -272,9 +273,9 @@ __global__ void __launch_bounds__(kThreads) assignWideKernel(CycleArrays c) {
   for (std::uint32_t i = warp; i < count; i += warps) {
     if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) return;
     const WideTriangle wide = c.members.wide[Place(i)];
-    const Corners corners(c.scene, wide.triangle);
+    const Corners<kStates> corners(c.scene, wide.triangle);
     std::uint32_t first;
-    const HalfSpaceRule rule = ruleOf(c, view, corners, c.scene.bodies[wide.body].slack, first);
+    const auto rule = ruleOf(c, view, corners, c.scene.bodies[wide.body].slack, first);
     const auto admitted = [&](std::uint32_t g) {
       return g < view.count && rule.admits(view.prototypes[g]);
     };
@@ -298,18 +299,24 @@ __global__ void __launch_bounds__(kThreads) assignWideKernel(CycleArrays c) {
       if (fits) c.members.lists[Place(place + 1 + k)] = g;
       member.body_and_home = wide.body.value << 1 | (k == 0 ? 1 : 0);
       const ClusterIndex bin(g);
-      putMember(c, bin, atomicAdd(&c.members.count(bin), 1U), member);
+      putMember(c, bin, atomicAdd(&c.members.count(bin), 1U), member, corners);
     }
   }
+}
+
+template <int kStates>
+void launch(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  launchEarly(assignKernel<kStates>, cycle.scene.triangle_block_count, kThreads, 0, shape.device,
+              stream, cycle);
+  launchEarly(assignWideKernel<kStates>,
+              blocksInOneWave(assignWideKernel<kStates>, kThreads, 0, shape.device), kThreads, 0,
+              shape.device, stream, cycle);
 }
 
 }  // namespace
 
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  launchEarly(assignKernel, cycle.scene.triangle_block_count, kThreads, 0, shape.device, stream,
-              cycle);
-  launchEarly(assignWideKernel, blocksInOneWave(assignWideKernel, kThreads, 0, shape.device),
-              kThreads, 0, shape.device, stream, cycle);
+  shape.swept ? launch<2>(cycle, shape, stream) : launch<1>(cycle, shape, stream);
 }
 
 }  // namespace deformable_contact_monitor

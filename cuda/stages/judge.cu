@@ -3,6 +3,8 @@
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
+#include "cuda/stages/judge_moving.cuh"
+#include "cuda/stages/leave_counters.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -65,34 +67,6 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   }
 }
 
-// By the whole block, as its last act: the last block of the kernel leaves the counters on the
-// host, for it has seen all of them settle.
-__device__ void leaveCounters(const CycleArrays& c) {
-  __shared__ bool last;
-  CycleCounters& counters = c.counters();
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    __threadfence();
-    last = atomicAdd(&counters.blocks_done, 1U) == gridDim.x - 1;
-    if (last) {
-      const unsigned long long found = __ldcg(&counters.candidates);
-      const unsigned long long room = c.contacts.candidates.size();
-      counters.judged += min(found, room);
-      counters.unjudged += found - min(found, room);
-    }
-    __threadfence();
-  }
-  __syncthreads();
-  if (!last) return;
-  // Not through the first-level cache, which may hold older ones.
-  static_assert(sizeof(CycleCounters) % sizeof(std::uint32_t) == 0);
-  const auto* from = reinterpret_cast<const std::uint32_t*>(&counters);
-  auto* to = reinterpret_cast<std::uint32_t*>(c.host_counters.onHost());
-  for (unsigned k = threadIdx.x; k < sizeof(CycleCounters) / sizeof(std::uint32_t); k += kThreads) {
-    to[k] = __ldcg(from + k);
-  }
-}
-
 // A thread for each of contacts.open: the verdict in full, without asking the filters again, for
 // most of this code's time goes into fetching it.
 __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
@@ -130,7 +104,8 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
 __global__ void restartKernel(CycleArrays c, bool first) {
   CycleCounters& counters = c.counters();
   counters.candidates = 0;
-  counters.open = counters.blocks_done = counters.units_taken = 0;
+  counters.open = counters.blocks_done = counters.units_taken = counters.open_pairs = 0;
+  if (c.contacts.swept_counters.size() > 0) *c.contacts.swept_counters.data() = SweptCounters{};
   if (!first) return;
   counters.contacts = 0;
   counters.exact = counters.undecided = 0;
@@ -144,6 +119,7 @@ void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream) {
 }
 
 void launchJudge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  if (shape.swept) return launchJudgeMoving(cycle, shape, stream);
   quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, shape.device), kThreads, 0, stream>>>(
       cycle);
   launchEarly(fullKernel, kFullBlocksEach * shape.device.multiprocessors, kThreads, 0, shape.device,

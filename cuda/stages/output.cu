@@ -20,19 +20,34 @@ __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c, std::uint32
   }
 }
 
-// The first `capacity` keys, with their separations if `separations_out` is not null. A null
-// `scratch` only asks for the bytes it needs.
+// Where what is sorted comes to; null: there is none.
+struct SortedOutput {
+  std::uint64_t* keys;
+  float* separations;
+  ContactTimes* times;
+};
+
+// The first `capacity` keys, with what comes with them. A null `scratch` only asks for the bytes it
+// needs.
 void sortKeys(const ContactArrays& contacts, std::uint32_t capacity, unsigned index_bits,
-              std::uint64_t* keys_out, float* separations_out, void* scratch,
-              std::size_t& scratch_bytes, cudaStream_t stream) {
+              const SortedOutput& out, void* scratch, std::size_t& scratch_bytes,
+              cudaStream_t stream) {
   const auto bits = static_cast<int>(2 * index_bits);
-  checkCuda(separations_out != nullptr
-                ? cub::DeviceRadixSort::SortPairs(scratch, scratch_bytes, contacts.contacts.data(),
-                                                  keys_out, contacts.separations_m.data(),
-                                                  separations_out, capacity, 0, bits, stream)
-                : cub::DeviceRadixSort::SortKeys(scratch, scratch_bytes, contacts.contacts.data(),
-                                                 keys_out, capacity, 0, bits, stream),
-            "cub::DeviceRadixSort");
+  const std::uint64_t* const keys = contacts.contacts.data();
+  cudaError_t status;
+  if (out.times != nullptr) {
+    status = cub::DeviceRadixSort::SortPairs(scratch, scratch_bytes, keys, out.keys,
+                                             contacts.times.data(), out.times, capacity, 0, bits,
+                                             stream);
+  } else if (out.separations != nullptr) {
+    status = cub::DeviceRadixSort::SortPairs(scratch, scratch_bytes, keys, out.keys,
+                                             contacts.separations_m.data(), out.separations,
+                                             capacity, 0, bits, stream);
+  } else {
+    status = cub::DeviceRadixSort::SortKeys(scratch, scratch_bytes, keys, out.keys, capacity, 0,
+                                            bits, stream);
+  }
+  checkCuda(status, "cub::DeviceRadixSort");
 }
 
 }  // namespace
@@ -46,6 +61,10 @@ void ContactOutput::makeRoom(std::uint32_t count, std::uint32_t most, const Cont
   if (fields.separations) {
     sorted_separations_.grow(sorted_keys_.size());
     separations_.grow(sorted_keys_.size());
+  }
+  if (fields.times()) {
+    sorted_times_.grow(sorted_keys_.size());
+    times_.grow(sorted_keys_.size());
   }
   if (fields.geometry) {
     geometry_on_device_.grow(sorted_keys_.size());
@@ -61,10 +80,11 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
   fields_ = fields;
   makeRoom(fetched_, most, fields);
   padKernel<<<(fetched_ + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle, fetched_);
-  float* const separations_out = fields.separations ? sorted_separations_.data() : nullptr;
+  const SortedOutput sorted{sorted_keys_.data(),
+                            fields.separations ? sorted_separations_.data() : nullptr,
+                            fields.times() ? sorted_times_.data() : nullptr};
   const auto sort = [&](void* scratch, std::size_t& bytes) {
-    sortKeys(cycle.contacts, fetched_, index_bits, sorted_keys_.data(), separations_out, scratch,
-             bytes, stream);
+    sortKeys(cycle.contacts, fetched_, index_bits, sorted, scratch, bytes, stream);
   };
   std::size_t scratch_bytes = 0;
   sort(nullptr, scratch_bytes);
@@ -72,8 +92,9 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
   sort(scratch_.data(), scratch_bytes);
   sorted_keys_.download(keys_.data(), fetched_, stream);
   if (fields.separations) sorted_separations_.download(separations_.data(), fetched_, stream);
+  if (fields.times()) sorted_times_.download(times_.data(), fetched_, stream);
   if (!fields.geometry) return;
-  launchGeometry(cycle, {sorted_keys_.data(), separations_out, fetched_, index_bits},
+  launchGeometry(cycle, {sorted.keys, sorted.separations, fetched_, index_bits},
                  geometry_on_device_.data(), stream);
   geometry_on_device_.download(geometry_.data(), fetched_, stream);
 }
@@ -100,23 +121,36 @@ void ContactOutput::list(const DeviceScene& scene, std::uint32_t count, const Cy
     result.separations_m.assign(separations_.data(), separations_.data() + count);
   }
   if (fields_.geometry) result.geometry.assign(geometry_.data(), geometry_.data() + count);
+  if (fields_.times()) listTimes(count, result);
+}
+
+// What a pad alone makes a contact has a negative time.
+void ContactOutput::listTimes(std::uint32_t count, DetectionResult& result) const {
+  if (fields_.first_times) result.first_times.resize(count);
+  if (fields_.within_pad) result.within_pad.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const ContactTimes& times = times_[i];
+    const bool pad_alone = times.high < 0;
+    if (fields_.first_times) result.first_times[i] = {times.low, pad_alone ? 1 : times.high};
+    if (fields_.within_pad) result.within_pad[i] = pad_alone ? 1 : 0;
+  }
 }
 
 void dropRepeated(DetectionResult& result) {
-  std::vector<TrianglePair>& contacts = result.contacts;
-  std::vector<float>& separations_m = result.separations_m;
-  std::vector<PairGeometry>& geometry = result.geometry;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (kept > 0 && contacts[i] == contacts[kept - 1]) continue;
-    contacts[kept] = contacts[i];
-    if (!separations_m.empty()) separations_m[kept] = separations_m[i];
-    if (!geometry.empty()) geometry[kept] = geometry[i];
-    ++kept;
-  }
-  contacts.resize(kept);
-  if (!separations_m.empty()) separations_m.resize(kept);
-  if (!geometry.empty()) geometry.resize(kept);
+  const std::vector<TrianglePair> all = result.contacts;
+  const auto keepFirst = [&all](auto& list) {
+    if (list.empty()) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i == 0 || !(all[i] == all[i - 1])) list[kept++] = list[i];
+    }
+    list.resize(kept);
+  };
+  keepFirst(result.contacts);
+  keepFirst(result.separations_m);
+  keepFirst(result.geometry);
+  keepFirst(result.first_times);
+  keepFirst(result.within_pad);
 }
 
 }  // namespace deformable_contact_monitor

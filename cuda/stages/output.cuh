@@ -18,6 +18,9 @@ void dropRepeated(DetectionResult& result);
 // What comes with each contact.
 struct ContactFields {
   bool separations, geometry;
+  bool first_times, within_pad;  // in swept motion
+
+  bool times() const { return first_times || within_pad; }
 };
 
 class ContactOutput {
@@ -31,8 +34,8 @@ class ContactOutput {
   std::uint32_t fetched() const { return fetched_; }
 
   std::uint64_t bytes() const {
-    return sorted_keys_.bytes() + sorted_separations_.bytes() + geometry_on_device_.bytes() +
-           scratch_.bytes();
+    return sorted_keys_.bytes() + sorted_separations_.bytes() + sorted_times_.bytes() +
+           geometry_on_device_.bytes() + scratch_.bytes();
   }
 
   // The first `count` of them, once the stream has been waited for; where the limit is over, at
@@ -41,18 +44,21 @@ class ContactOutput {
             DetectionResult& result) const;
 
  private:
+  void listTimes(std::uint32_t count, DetectionResult& result) const;
   void makeRoom(std::uint32_t count, std::uint32_t most, const ContactFields& fields);
 
   DeviceBuffer<std::uint64_t> sorted_keys_;
   DeviceBuffer<float> sorted_separations_;
+  DeviceBuffer<ContactTimes> sorted_times_;
   DeviceBuffer<PairGeometry> geometry_on_device_;
   DeviceBuffer<unsigned char> scratch_;
   PinnedBuffer<std::uint64_t> keys_;
   PinnedBuffer<float> separations_;
+  PinnedBuffer<ContactTimes> times_;
   PinnedBuffer<PairGeometry> geometry_;
   std::uint32_t fetched_ = 0;
   unsigned index_bits_ = 1;
-  ContactFields fields_{false, false};
+  ContactFields fields_{false, false, false, false};
 };
 
 }  // namespace deformable_contact_monitor

@@ -2,10 +2,10 @@
 // vertices.
 #include "core/rules/posed_vertex.h"
 #include "core/rules/vertex_hash.h"
-#include "cuda/device/boxes.cuh"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
+#include "cuda/stages/pose_parts.cuh"
 #include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -13,32 +13,11 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-// With so few, lanes that all do the same are faster than a shorter search.
-constexpr std::uint32_t kFewPrototypes = 64;
-
-__device__ Vec3f receivedAt(const SceneArrays& scene, VertexIndex i) {
-  const float* v = scene.received.row(i);
-  return {v[0], v[1], v[2]};
-}
-
-__device__ void putPosed(const SceneArrays& scene, VertexIndex i, const Vec3f& v,
-                         const NearestPrototype& nearest) {
-  scene.posed[i] =
-      make_float4(v.x, v.y, v.z, __uint_as_float(nearest.cluster << 1 | (nearest.tied ? 1U : 0U)));
-}
-
 // A thread for each bin, and for each side of each body's box: the one place where what the cycle
 // adds to becomes zero.
 __global__ void __launch_bounds__(kThreads) clearKernel(CycleArrays c) {
   letNextStart();  // the first kernel of a cycle: nothing is ahead of it
-  const std::uint32_t thread = blockIdx.x * kThreads + threadIdx.x;
-  if (thread == 0) c.counters() = CycleCounters{};
-  if (thread <= c.clusters.count) {
-    const ClusterIndex bin(thread);
-    c.members.bins[bin] = c.members.next_bins[bin];
-    c.members.count(bin) = 0;
-  }
-  if (thread < kSides * c.scene.body_count) c.scene.body_boxes.data()[thread] = 0;
+  clearCycle(c, blockIdx.x * kThreads + threadIdx.x);
 }
 
 // A thread for each vertex, a block for each of scene.vertex_blocks: reads scene.received, writes
@@ -76,26 +55,6 @@ __global__ void __launch_bounds__(kThreads) poseKernel(CycleArrays c) {
   if (inside) {
     putPosed(c.scene, i, v, wanted ? nearest.result(scaled, body.slack) : NearestPrototype());
   }
-}
-
-// By a whole warp, over all prototypes.
-__device__ NearestSearch nearestByWarp(const PrototypesView& view, const Vec3f& v) {
-  NearestSearch nearest;
-#pragma unroll 4
-  for (std::uint32_t g = laneId(); g < view.count; g += kWarp) {
-    nearest.consider(g, squaredDistance(v, view.prototypes[g]));
-  }
-  for (unsigned o = kWarp / 2; o > 0; o /= 2) {
-    NearestSearch other;
-    other.cluster = __shfl_xor_sync(kFullWarp, nearest.cluster, o);
-    other.least2 = __shfl_xor_sync(kFullWarp, nearest.least2, o);
-    other.second2 = __shfl_xor_sync(kFullWarp, nearest.second2, o);
-    const float second2 =
-        fminf(fmaxf(nearest.least2, other.least2), fminf(nearest.second2, other.second2));
-    if (other.least2 < nearest.least2) nearest = other;
-    nearest.second2 = second2;
-  }
-  return nearest;
 }
 
 // A warp for each of scene.far_vertices, but for those whose triangles will be dropped: writes the
@@ -159,6 +118,7 @@ __global__ void __launch_bounds__(kThreads) identifyKernel(CycleArrays c) {
 
 void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (!shape.identify) return;
+  if (shape.swept) return launchPoseMovingIdentities(cycle, stream);
   const SceneArrays& scene = cycle.scene;
   cudaMemsetAsync(scene.identity_table.data(), 0,
                   (std::size_t{scene.identity_mask} + 1) * sizeof(std::uint32_t), stream);
@@ -166,8 +126,8 @@ void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cud
 }
 
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  const unsigned to_clear = max(cycle.clusters.count + 1, kSides * cycle.scene.body_count);
-  clearKernel<<<(to_clear + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle);
+  if (shape.swept) return launchPoseMoving(cycle, shape, stream);
+  clearKernel<<<(placesToClear(cycle) + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle);
   launchEarly(poseKernel, cycle.scene.vertex_block_count, kThreads, 0, shape.device, stream, cycle);
   constexpr unsigned kFarBlocksEach = 4;  // of a multiprocessor
   launchEarly(farKernel, kFarBlocksEach * shape.device.multiprocessors, kThreads, 0, shape.device,

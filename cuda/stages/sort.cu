@@ -1,4 +1,5 @@
 // Stage sort: each cluster's members along its principal axes, sorted by where they begin.
+#include "core/rules/common_motion.h"
 #include "core/rules/margins.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
@@ -11,16 +12,36 @@ constexpr unsigned kThreads = 512;
 constexpr unsigned kWarps = kThreads / kWarp;
 static_assert(kBuckets % kThreads == 0);
 
+// With kStates == 2 in swept motion: where it was at the beginning of the step comes first, and the
+// common motion is taken off.
+template <int kStates>
 struct ScaledMember {
-  Vec3f v[3];
+  static constexpr int kPoints = 3 * kStates, kPresent = kPoints - 3;
+  Vec3f v[kPoints];
   float margin;
   std::uint32_t group;
 
-  __device__ ScaledMember(const CycleArrays& c, const SceneScale& scale, const Member& member) {
+  __device__ ScaledMember(const CycleArrays& c, const SceneScale& scale, MemberIndex at,
+                          const Member& member) {
     const DeviceBody& body = c.scene.bodies[member.body()];
-    for (int k = 0; k < 3; ++k) v[k] = scale.apply(member.posed.v[k]);
+    if (kStates > 1) {
+      const Triangle earlier = c.members.earlier[at].posed;
+      for (int k = 0; k < 3; ++k) v[k] = scale.apply(earlier.v[k]);
+    }
+    const SceneScale present =
+        kStates > 1 ? withoutMotion(scale, c.scene.common_motion[Place(0)]) : scale;
+    for (int k = 0; k < 3; ++k) v[kPresent + k] = present.apply(member.posed.v[k]);
     margin = body.slack / 2;
     group = body.group;
+  }
+  __device__ Interval along(const Vec3f& axis) const { return project<kPoints>(axis, v, margin); }
+  // Of one state.
+  __device__ Interval alongAt(int first, const Vec3f& axis) const {
+    return project<3>(axis, v + first, margin);
+  }
+  __device__ Vec3f mean() const {
+    if (kStates == 1) return centroidOf(v);
+    return (centroidOf(v) + centroidOf(v + kPresent)) * 0.5F;
   }
 };
 
@@ -28,8 +49,10 @@ struct ScaledMember {
 struct Buckets {
   std::uint32_t first, last, place;
 
-  __device__ Buckets(const CycleParams& params, const ClusterFrame& frame, const ScaledMember& m) {
-    const Interval along = project(frame.axes.axis[0], m.v, m.margin);
+  template <int kStates>
+  __device__ Buckets(const CycleParams& params, const ClusterFrame& frame,
+                     const ScaledMember<kStates>& m) {
+    const Interval along = m.along(frame.axes.axis[0]);
     first = frame.along[0](along.lo) >> params.bucket_shift;
     last = frame.along[0](along.hi) >> params.bucket_shift;
     place = m.group * params.bucketsOfGroup() + first;
@@ -73,7 +96,30 @@ __device__ void storeMoments(Moments m, Moments* out) {
   }
 }
 
+// A triangle's boxes along the scene's axes, packed: in swept motion those of both states.
+template <int kStates>
+__device__ void putWorldBoxes(const CycleArrays& c, const ClusterFrame& frame,
+                              const ScaledMember<kStates>& m, SortedIndex to) {
+  constexpr int kPresent = ScaledMember<kStates>::kPresent;
+  const Vec3f x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const Interval xy_now[2] = {m.alongAt(kPresent, x), m.alongAt(kPresent, y)};
+  const Interval z_now = m.alongAt(kPresent, z);
+  const PackedBox xy = pack(frame.world, xy_now);
+  if (kStates == 1) {
+    const Interval zz[2] = {z_now, z_now};
+    const PackedBox packed_z = pack(frame.world + 2, zz);
+    c.sweep.world_boxes[to] = make_uint4(xy.lo, xy.hi, packed_z.lo, packed_z.hi);
+  } else {
+    const Interval xy_before[2] = {m.alongAt(0, x), m.alongAt(0, y)};
+    const Interval zz[2] = {z_now, m.alongAt(0, z)};
+    const PackedBox before = pack(frame.world, xy_before);
+    c.sweep.world_boxes[to] = make_uint4(xy.lo, xy.hi, before.lo, before.hi);
+    c.sweep.moving_z[to] = pack(frame.world + 2, zz);
+  }
+}
+
 // Puts a member's boxes, keys and ids to its place in the order.
+template <int kStates>
 __device__ void layOut(const CycleArrays& c, const CycleParams& params, const ClusterFrame& frame,
                        MemberIndex at, std::uint32_t* place) {
   const Member member = c.members.members[at];
@@ -81,18 +127,14 @@ __device__ void layOut(const CycleArrays& c, const CycleParams& params, const Cl
   const uint4 ids =
       make_uint4(c.scene.vertex_id[vertices[0]].value, c.scene.vertex_id[vertices[1]].value,
                  c.scene.vertex_id[vertices[2]].value, at.value);
-  const ScaledMember scaled(c, params.scale, member);
+  const ScaledMember<kStates> scaled(c, params.scale, at, member);
   const Buckets buckets(params, frame, scaled);
-  Interval along[2], world[4];
-  for (int k = 0; k < 2; ++k) along[k] = project(frame.axes.axis[1 + k], scaled.v, scaled.margin);
-  world[0] = project({1, 0, 0}, scaled.v, scaled.margin);
-  world[1] = project({0, 1, 0}, scaled.v, scaled.margin);
-  world[2] = world[3] = project({0, 0, 1}, scaled.v, scaled.margin);
+  Interval along[2];
+  for (int k = 0; k < 2; ++k) along[k] = scaled.along(frame.axes.axis[1 + k]);
   const SortedIndex to(atomicAdd(&place[buckets.place], 1U));
   c.sweep.boxes[to] = pack(frame.along + 1, along);
   c.sweep.keys[to] = buckets.first | buckets.last << 16;
-  const PackedBox xy = pack(frame.world, world), z = pack(frame.world + 2, world + 2);
-  c.sweep.world_boxes[to] = make_uint4(xy.lo, xy.hi, z.lo, z.hi);
+  putWorldBoxes(c, frame, scaled, to);
   c.sweep.ids[to] = ids;
 }
 
@@ -131,7 +173,8 @@ __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
 }
 
 // A block for each cluster: reads its members; writes its part of the arrays of `sweep`, by a
-// counting sort into buckets, and adds to sweep.units.
+// counting sort into buckets, and adds to sweep.units. In swept motion (kStates == 2) both states.
+template <int kStates>
 __global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   // While members are put into their buckets, each bucket's place moves on to where the next
@@ -148,16 +191,17 @@ __global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleArrays c) {
 
   Moments moments;
   for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
-    const ScaledMember scaled(c, params.scale, c.members.members[MemberIndex(first + m)]);
+    const MemberIndex at(first + m);
+    const ScaledMember<kStates> scaled(c, params.scale, at, c.members.members[at]);
     atomicAdd(&place[Buckets(params, frame, scaled).place], 1U);
-    moments.add(centroidOf(scaled.v) - frame.centre);
+    moments.add(scaled.mean() - frame.centre);
   }
   storeMoments(moments, &c.sweep.moments[g]);
   if (count == 0) return;
   __syncthreads();
   scanBuckets(place, first);
   for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
-    layOut(c, params, frame, MemberIndex(first + m), place);
+    layOut<kStates>(c, params, frame, MemberIndex(first + m), place);
   }
   __syncthreads();
   if (threadIdx.x == 0) bucket_begin[0] = first;
@@ -208,8 +252,9 @@ __global__ void __launch_bounds__(kWarp) frameKernel(CycleArrays c) {
 
 }  // namespace
 
-void launchSort(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
-  sortKernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
+void launchSort(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  const auto kernel = shape.swept ? sortKernel<2> : sortKernel<1>;
+  kernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
 }
 
 void launchSortFrames(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {

@@ -14,9 +14,13 @@ struct CycleShape {
   DeviceTraits device;
   bool identify = false;  // some body has contacts with itself
   int refinements = 0;    // of the prototypes, for the next cycle
+  bool swept = false;     // motion: each launch then works on both states
+  bool sharers = false;   // in swept motion: triangles that share vertices may be contacts
+  bool pads = false;      // in swept motion: some body has one
 
   bool operator==(const CycleShape& o) const {
-    return device == o.device && identify == o.identify && refinements == o.refinements;
+    return device == o.device && identify == o.identify && refinements == o.refinements &&
+           swept == o.swept && sharers == o.sharers && pads == o.pads;
   }
 };
 

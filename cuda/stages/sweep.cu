@@ -5,6 +5,7 @@
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
+#include "cuda/stages/swept_pairs.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -61,6 +62,8 @@ struct WarpMemory {
 constexpr std::uint32_t kUnitsPerAsker = 256;
 constexpr std::uint32_t kGivenUp = 1U << 30;
 
+// kStates == 2 in swept motion.
+template <int kStates>
 class Sweeper {
  public:
   __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
@@ -154,8 +157,13 @@ class Sweeper {
     BoxPair box_pair;
     if (kept) {
       const uint4 a = c_.sweep.world_boxes[row], b = c_.sweep.world_boxes[column];
-      kept = intersects(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &&
-             intersects(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
+      if (kStates == 1) {
+        kept = intersects(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &&
+               intersects(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
+      } else {
+        kept = mayMeet({{a.x, a.y}, {a.z, a.w}, c_.sweep.moving_z[row]},
+                       {{b.x, b.y}, {b.z, b.w}, c_.sweep.moving_z[column]});
+      }
     }
     if (kept) {
       const uint4 a = c_.sweep.ids[row], b = c_.sweep.ids[column];
@@ -173,9 +181,10 @@ class Sweeper {
     DeviceCandidate candidate;
     bool kept = box_pairs_.pop(pair);
     if (kept) {
-      kept = screenPair(c_, pair.cluster, MemberIndex(pair.a & kMemberMask),
-                        MemberIndex(pair.b & kMemberMask), pair.a >> kSharedBitsAt,
-                        pair.b >> kSharedBitsAt, candidate);
+      const auto screen = kStates > 1 ? screenMovingPair : screenPair;
+      kept = screen(c_, pair.cluster, MemberIndex(pair.a & kMemberMask),
+                    MemberIndex(pair.b & kMemberMask), pair.a >> kSharedBitsAt,
+                    pair.b >> kSharedBitsAt, candidate);
     }
     candidates_.push(kept, candidate);
     if (candidates_.size >= kWarp) emitCandidates();
@@ -202,10 +211,11 @@ class Sweeper {
 
 // Warps for sweep.units: reads the arrays of `sweep` and members.members, adds to
 // contacts.candidates.
+template <int kStates>
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
   awaitKernelAhead();
   extern __shared__ __align__(16) unsigned char shared_memory[];
-  Sweeper sweeper(c, reinterpret_cast<WarpMemory*>(shared_memory)[threadIdx.x / kWarp]);
+  Sweeper<kStates> sweeper(c, reinterpret_cast<WarpMemory*>(shared_memory)[threadIdx.x / kWarp]);
   sweeper.run();
 }
 
@@ -214,8 +224,9 @@ __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   constexpr unsigned kBytes = kWarps * sizeof(WarpMemory);
   static_assert(kBytes <= 48 * 1024);
-  launchEarly(sweepKernel, blocksInOneWave(sweepKernel, kThreads, kBytes, shape.device), kThreads,
-              kBytes, shape.device, stream, cycle);
+  const auto kernel = shape.swept ? sweepKernel<2> : sweepKernel<1>;
+  launchEarly(kernel, blocksInOneWave(kernel, kThreads, kBytes, shape.device), kThreads, kBytes,
+              shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -171,6 +171,7 @@ template <class Real>
 struct ErrorsOfHalving {
   Real d, q[4];
 
+  ErrorsOfHalving() = default;
   DCM_HD explicit ErrorsOfHalving(const FeaturePiece<Real>& piece) : d(piece.d.errorOfHalving()) {
     for (int i = 0; i < 4; ++i) q[i] = piece.q[i].errorOfHalving();
   }

@@ -32,4 +32,8 @@ inline float scaledSlack(float margin_m, const SceneScale& scale) {
                    : 0.0F;
 }
 
+// What a body's boxes and clusters grow by in swept motion [m]: its pad and a little more, for pads
+// of two bodies are added up before they are compared with anything.
+inline float grownPad(float pad_m) { return pad_m * (1 + 1e-6F); }
+
 }  // namespace deformable_contact_monitor

@@ -12,17 +12,11 @@
 
 namespace deformable_contact_monitor {
 
-// What users get. Once the CUDA backend knows swept motion: productBackends().
-inline std::vector<Backend> sweptProductBackends() {
-  return {{"cpu", [] { return makeCpuDetector(); }}};
-}
+// What users get.
+inline std::vector<Backend> sweptProductBackends() { return productBackends(); }
 
 // And brute force, for small scenes only.
-inline std::vector<Backend> sweptBackends() {
-  std::vector<Backend> backends = sweptProductBackends();
-  backends.push_back({"brute_force", makeBruteForceDetector});
-  return backends;
-}
+inline std::vector<Backend> sweptBackends() { return allBackends(); }
 
 inline Options sweptOptions(AdjacentPairs adjacent = AdjacentPairs::kBeyondShared) {
   Options options = withAdjacent(adjacent);

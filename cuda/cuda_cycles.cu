@@ -1,0 +1,114 @@
+#include <algorithm>
+
+#include "cuda/cuda_cycles.cuh"
+#include "cuda/device/cuda_error.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Bounds the time that a tiny memory limit can cost.
+constexpr std::uint32_t kMostPasses = 4096;
+
+}  // namespace
+
+// Runs cycles until all that one finds has room, and fetches the contacts. False if the limit was
+// over before that: then they are what the last one found.
+bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limit) {
+  constexpr int kMostTries = 16;
+  bool all = false;
+  decide_ms_ = 0;
+  open_pairs_.clear();
+  for (int tries = 1;; ++tries) {
+    runCycle(options);
+    fetchContacts(options, limit.isSet());
+    checkCuda(cudaGetLastError(), "a launch");
+    wait(limit);
+    if (isCutOff(limit)) break;
+    all = makeRoom();
+    if (all) break;
+    if (tries == kMostTries)
+      throw CudaError(BackendFault::kTransient, "the sizes of a cycle do not settle");
+  }
+  const bool too_many =
+      counters_[0].candidates > sizes_.candidates || counters_[0].open_pairs > sizes_.open_pairs;
+  const bool in_passes = too_many && !limit.over();
+  if (in_passes) {
+    all = runInPasses(options, limit);
+  } else if (all) {
+    decideOpenPairs(options, limit);
+  }
+  if (in_passes || listable(counters_[0].contacts) > output_.fetched()) {
+    last_contacts_ = counters_[0].contacts;
+    fetchContacts(options, limit.over());
+    wait(limit);
+  }
+  return all && counters_[0].candidates <= sizes_.candidates;
+}
+
+void CudaDetector::decideOpenPairs(const Options& options, const CycleLimit& limit) {
+  const Stopwatch watch{};
+  open_pairs_.decide(arrays_, std::min(counters_[0].open_pairs, sizes_.open_pairs), options, limit,
+                     stream_.get());
+  decide_ms_ += watch.elapsedMs();
+}
+
+// Whether the last cycle gave up, or leaves work for which no time is left.
+bool CudaDetector::isCutOff(const CycleLimit& limit) const {
+  if (counters_[0].cut_off != 0) return true;
+  return limit.over() && !(counters_[0].bin_overflow == 0 && sizes_.hold(counters_[0]));
+}
+
+// After a cycle that may have overflown: true if it fitted, else there is more room now.
+bool CudaDetector::makeRoom() {
+  const bool fits = counters_[0].bin_overflow == 0;
+  const bool grown = sizes_.growFor(counters_[0], settings_.memory_limit_bytes);
+  if (grown) makeArrays();
+  return fits && !grown;
+}
+
+// As sweepInPasses(), until the contacts have room.
+bool CudaDetector::runInPasses(const Options& options, const CycleLimit& limit) {
+  while (sweepInPasses(options, limit) && !isCutOff(limit)) {
+    if (makeRoom()) return true;
+  }
+  return false;
+}
+
+// More candidates than memory: judges them in several passes over the work units and blocks. Those
+// that no pass has room for are counted, not judged. False if the limit was over before the last.
+bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit) {
+  const cudaStream_t stream = stream_.get();
+  const CycleShape shape = shapeOf(options, false, 0);
+  const std::uint32_t most =
+      std::min(kMostPasses, std::max(counters_[0].units, largeBlocks(arrays_)));
+  const std::uint64_t found = counters_[0].judged + counters_[0].unjudged;
+  auto passes =
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(most, found / sizes_.candidates + 2));
+  while (true) {
+    bool fits = true;
+    open_pairs_.clear();
+    for (std::uint32_t pass = 0; pass < passes && (fits || passes == most); ++pass) {
+      params_[0].pass = pass;
+      params_[0].passes = passes;
+      sendParams();
+      launchRestart(arrays_, pass == 0, stream);
+      launchSweep(arrays_, shape, stream);
+      launchLarge(arrays_, shape, stream);
+      launchJudge(arrays_, shape, stream);
+      checkCuda(cudaGetLastError(), "a launch");
+      wait(limit);
+      fits = counters_[0].candidates <= sizes_.candidates &&
+             counters_[0].open_pairs <= sizes_.open_pairs;
+      decideOpenPairs(options, limit);
+      if (counters_[0].cut_off != 0 || ((pass + 1 < passes || !fits) && limit.over())) {
+        cycle_end_.record(stream);
+        return false;
+      }
+    }
+    cycle_end_.record(stream);
+    if (fits || passes == most) return true;
+    passes = std::min(most, 2 * passes);
+  }
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,84 @@
+// The CUDA backend: one detector's arrays, graphs and cycles.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "core/rules/cluster_count.h"
+#include "core/stopwatch.h"
+#include "cuda/cuda_detector.h"
+#include "cuda/cycle_graph.cuh"
+#include "cuda/memory/device_scene.cuh"
+#include "cuda/memory/host_stop.cuh"
+#include "cuda/open_pairs.cuh"
+#include "cuda/stages/output.cuh"
+
+namespace deformable_contact_monitor {
+
+class CudaDetector : public Detector {
+ public:
+  explicit CudaDetector(const CudaSettings& settings)
+      : settings_(settings),
+        device_(DeviceTraits::of(settings.device)),
+        cluster_counts_{500, 8192, 1600, device_.multiprocessors} {}
+  ~CudaDetector() override {
+    cudaSetDevice(settings_.device);
+    stop_.set();
+    cudaStreamSynchronize(stream_.get());
+  }
+  std::string backend() const override { return "cuda"; }
+  void reset() override { cold_ = true; }
+  const DetectionResult& detect(const Scene& scene, const Options& options) override;
+
+ private:
+  void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
+                    const Stopwatch& watch);
+  bool upload(const Scene& scene, const Options& options, const CycleLimit& limit);
+  bool startCold(const Scene& scene, const Options& options, const CycleLimit& limit);
+  void makeArrays();
+  void sendParams();
+  void sizeBins(const Options& options);
+  void runCycle(const Options& options);
+  bool runUntilItFits(const Options& options, const CycleLimit& limit);
+  bool runInPasses(const Options& options, const CycleLimit& limit);
+  bool isCutOff(const CycleLimit& limit) const;
+  bool makeRoom();
+  bool sweepInPasses(const Options& options, const CycleLimit& limit);
+  void fetchContacts(const Options& options, bool few);
+  void decideOpenPairs(const Options& options, const CycleLimit& limit);
+  CycleShape shapeOf(const Options& options, bool identify, int refinements) const;
+  void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
+  std::uint32_t listable(std::uint64_t contacts) const {
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
+  }
+  bool isOutgrown(const CycleCounters& counted, const Options& options) const;
+
+  CudaSettings settings_;
+  const DeviceTraits device_;
+  const ClusterCountPolicy cluster_counts_;
+  CudaStream stream_;
+  CudaEvent cycle_start_, cycle_end_;
+  DeviceMemory memory_;
+  CycleSizes sizes_;
+  CycleArrays arrays_{memory_};
+  DeviceScene scene_{settings_.device, memory_, sizes_, arrays_.scene};
+  CycleGraph graphs_[2];  // with and without refinement of the prototypes
+  PinnedBuffer<CycleParams> params_{1};
+  PinnedBuffer<CycleCounters> counters_{1};
+  HostStop stop_;
+  ContactOutput output_;
+  OpenPairs open_pairs_;  // in swept motion
+  double decide_ms_ = 0;  // what they took in this cycle
+  SceneScale scale_;
+  SizeRule size_rule_;
+  bool cold_ = true;
+  Motion motion_ = Motion::kInstant;  // of the last cycle
+  int asked_clusters_ = 0;            // by the options of the last cold start
+  std::uint32_t large_at_start_ = 0;
+  std::uint64_t last_contacts_ = 0;
+  int cycles_since_refresh_ = 0;
+  DetectionResult result_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,208 @@
+// Prints tables of contacts between two states on the CUDA backend: whole cycles and stages, moving
+// input (the step forwards and backwards in turn), medians and 95th percentiles; pair sets are
+// compared with the CPU backend's in the same run.
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/cpu/cpu_detector.h"
+#include "core/mesh_files/mesh_file.h"
+#include "cuda/cuda_detector.h"
+#include "panda_scene.h"
+#include "run_benchmark.h"
+#include "scenes.h"
+#include "test_data.h"
+#include "tools/common/sample_statistics.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+int repeats = 100;  // after kWarmUp
+constexpr int kWarmUp = 20;
+bool all_equal = true;  // sets that were compared
+
+// A scene of which body 0 moves from one state to the other, and all others along x.
+struct Stepping {
+  std::string name;
+  Scene scene;
+  std::vector<float> state[2];
+  double others_move_m = 0;  // along x
+  double at_most_ms = 0;     // the figure to reach; 0: none
+
+  std::vector<RigidTransform> middle;  // each body's pose between the two
+
+  // Forwards if `i` is even.
+  void set(int i) {
+    const std::vector<float>& from = state[i % 2];
+    const std::vector<float>& to = state[1 - i % 2];
+    scene.setVertices(0, to.data(), to.size() / 3);
+    scene.setEarlier(0, scene.body(0).pose, from);
+    for (BodyId b = 1; b < scene.bodyCount(); ++b) {
+      if (middle.size() < b) middle.push_back(scene.body(b).pose);
+      RigidTransform before = middle[b - 1], after = before;
+      before.translation[0] += (i % 2 == 0 ? -1 : 1) * others_move_m / 2;
+      after.translation[0] += (i % 2 == 0 ? 1 : -1) * others_move_m / 2;
+      scene.setPose(b, after);
+      scene.setEarlier(b, before);
+    }
+  }
+};
+
+const DetectionResult& step(Stepping& scene, int i, Detector& detector, const Options& options) {
+  scene.set(i);
+  return detector.detect(scene.scene, options);
+}
+
+bool areEqual(Stepping& scene, Detector& detector, const Options& options) {
+  const auto reference = makeCpuDetector();
+  bool equal = true;
+  for (int i = 0; i < 2; ++i) {
+    const std::vector<TrianglePair> expected = step(scene, i, *reference, options).contacts;
+    const DetectionResult& found = step(scene, i, detector, options);
+    equal = equal && found.contacts == expected;
+    for (const FirstContact& first : found.first_times) {
+      equal = equal && 0 <= first.low && first.high <= 1 && first.high - first.low <= 0x1p-20F;
+    }
+  }
+  return equal;
+}
+
+double stageOf(const DetectionResult& result, const std::string& name) {
+  for (const auto& [stage, ms] : result.stages_ms) {
+    if (stage == name) return ms;
+  }
+  return 0;
+}
+
+void whole(Stepping& scene, const Options& options) {
+  const auto detector = makeCudaDetector();
+  for (int i = 0; i < kWarmUp; ++i) step(scene, i, *detector, options);
+  std::vector<double> device, detect, round_trip;
+  DetectionResult last;
+  for (int i = 0; i < 2 * repeats; ++i) {
+    const DetectionResult& result = step(scene, i, *detector, options);
+    if (i % 2 == 1) continue;  // the step that is named goes forwards
+    device.push_back(stageOf(result, "pose_to_judge"));
+    detect.push_back(result.detect_ms);
+    round_trip.push_back(result.round_trip_ms);
+    if (i + 2 >= 2 * repeats) last = result;
+  }
+  const bool equal = areEqual(scene, *detector, options);
+  all_equal = all_equal && equal;
+  const Counters& c = last.counters;
+  std::printf(
+      "| %s | %s%s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %llu | %llu | %.2f | "
+      "%llu | %llu | %.0f | %s |\n",
+      scene.name.c_str(), toString(options.adjacent), options.first_times ? ", first times" : "",
+      static_cast<unsigned long long>(c.triangles), last.contacts.size(), scene.at_most_ms,
+      median(device), percentile(device, 0.95), median(detect), median(round_trip),
+      static_cast<unsigned long long>(c.interval_overlaps),
+      static_cast<unsigned long long>(c.candidates),
+      static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered + 1e-9),
+      static_cast<unsigned long long>(c.clusters), static_cast<unsigned long long>(c.exact),
+      static_cast<double>(last.memory_bytes) / static_cast<double>(c.triangles),
+      equal ? "equal" : "DIFFERENT");
+  std::fflush(stdout);
+}
+
+void stages(Stepping& scene, const Options& options) {
+  CudaSettings settings;
+  settings.time_stages = true;
+  const auto detector = makeCudaDetector(settings);
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> times;
+  for (int i = 0; i < kWarmUp + 2 * repeats; ++i) {
+    const DetectionResult& result = step(scene, i, *detector, options);
+    if (i < kWarmUp || i % 2 == 1) continue;
+    names.clear();
+    for (const auto& [name, ms] : result.stages_ms) {
+      names.push_back(name);
+      times[name].push_back(ms);
+    }
+  }
+  std::printf("| %s |", scene.name.c_str());
+  for (const std::string& name : names) {
+    std::printf(" %s %.1f (%.1f) |", name.c_str(), 1e3 * median(times[name]),
+                1e3 * percentile(times[name], 0.95));
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+Stepping selfStepping(const std::string& name, const char* from, const char* to,
+                      double at_most_ms) {
+  const TriangleMesh a = readMeshFile(testDataFile(from)), b = readMeshFile(testDataFile(to));
+  Stepping scene;
+  scene.name = name;
+  scene.scene = selfScene(a);
+  scene.state[0] = a.vertices;
+  scene.state[1] = b.vertices;
+  scene.at_most_ms = at_most_ms;
+  return scene;
+}
+
+// The cloth sinks by 2 mm while the robot moves by 1 cm.
+Stepping pandaStepping() {
+  Stepping scene;
+  scene.name = "Panda and a cloth";
+  scene.scene = pandaAndCloth();
+  scene.state[0] = scene.state[1] = scene.scene.body(0).mesh.vertices;
+  for (std::size_t i = 2; i < scene.state[1].size(); i += 3) scene.state[1][i] -= 0.002F;
+  scene.others_move_m = 0.01;
+  scene.at_most_ms = 0.1;
+  return scene;
+}
+
+int run(const std::string& only) {
+  const std::vector<std::function<Stepping()>> scenes = {
+      [] {
+        return selfStepping("cloth_ball 92 -> 93", "cloth-ball/cloth_ball92.ply",
+                            "cloth-ball/cloth_ball93.ply", 1.0);
+      },
+      [] {
+        return selfStepping("cloth-funnel 227 -> 228", "cloth-funnel/227.ply",
+                            "cloth-funnel/228.ply", 0.2);
+      },
+      pandaStepping};
+  Options options;
+  options.motion = Motion::kSwept;
+  if (const char* clusters = std::getenv("DCM_BENCH_CLUSTERS")) {
+    options.clusters = std::atoi(clusters);
+  }
+  if (const char* count = std::getenv("DCM_BENCH_REPEATS")) repeats = std::atoi(count);
+  std::printf(
+      "| scene | adjacent | triangles | contacts | at most ms | device ms | p95 | with the host's "
+      "part ms | round trip ms | overlaps | candidates | clusters a triangle | clusters | exact | "
+      "bytes a triangle | sets |\n");
+  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto& make : scenes) {
+    Stepping scene = make();
+    if (!only.empty() && scene.name.find(only) == std::string::npos) continue;
+    options.adjacent = AdjacentPairs::kSkip;
+    if (std::getenv("DCM_BENCH_STAGES")) {
+      stages(scene, options);
+      continue;
+    }
+    whole(scene, options);
+    options.first_times = true;
+    whole(scene, options);
+    options.first_times = false;
+    options.adjacent = AdjacentPairs::kBeyondShared;
+    whole(scene, options);
+    options.adjacent = AdjacentPairs::kSkip;
+    stages(scene, options);
+  }
+  return all_equal ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+int main(int argc, char** argv) {
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runBenchmark("swept_cuda_benchmark",
+                           [argc, argv] { return dcm::run(argc > 1 ? argv[1] : ""); });
+}
