@@ -117,8 +117,8 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   progress("reading the bags");
-  const BagContents contents = scanBags(&reader, [](std::uint64_t) {});
-  const BagSetup setup = setUpBags(files, configured, SceneObject(), contents, warn);
+  BagContents contents = scanBags(&reader, [](std::uint64_t) {});
+  const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   BagCycles cycles(setup.parameters, contents, setup.robot, nullptr);
   auto frames = std::make_unique<BagFrames>();
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
