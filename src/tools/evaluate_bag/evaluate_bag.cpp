@@ -213,7 +213,7 @@ int evaluate(const EvaluateArguments& arguments) {
   }
   if (!isEvaluated(end)) {
     throw std::runtime_error("no cycle could be evaluated: " + whyNothing(end) +
-                             "; what was found is in " + arguments.out);
+                             "; what could be read is in " + arguments.out);
   }
   return isPassed(end) ? 0 : 1;
 }

@@ -169,8 +169,8 @@ std::string unknownLines(const EvaluationRun& run) {
   std::size_t count = 0;
   for (const UnknownReason& reason : run.unknown.all()) {
     if (++count > kShownReasons) continue;
-    text +=
-        "UNKNOWN in " + std::to_string(reason.cycles) + " cycles: " + oneLine(reason.text) + "\n";
+    text += "UNKNOWN in " + std::to_string(reason.cycles) +
+            (reason.cycles == 1 ? " cycle: " : " cycles: ") + oneLine(reason.text) + "\n";
   }
   if (count <= kShownReasons) return text;
   return text + "and " + std::to_string(count - kShownReasons) + " more reasons in summary.json\n";
