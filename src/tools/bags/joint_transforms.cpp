@@ -1,12 +1,10 @@
 // A recorded robot's frames by its joints, where TF does not have them.
 #include "tools/bags/joint_transforms.h"
 
-#include <ros/console.h>
 #include <urdf_model/joint.h>
-#include <urdf_model/link.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <kdl_parser/kdl_parser.hpp>
+#include <kdl/segment.hpp>
 #include <stdexcept>
 
 #include "robot/urdf_text.h"
@@ -14,28 +12,42 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr int kDeepest = 1000;  // links one below the other; KDL's parser descends by recursion
+KDL::Vector toKdl(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
-int depthOf(const urdf::ModelInterface& model, urdf::LinkConstSharedPtr link) {
-  int depth = 0;
-  while (link->parent_joint && depth <= kDeepest) {
-    link = model.getLink(link->parent_joint->parent_link_name);
-    ++depth;
-  }
-  return depth;
+bool isPosed(const urdf::Joint& joint) {
+  return joint.type == urdf::Joint::FIXED || joint.type == urdf::Joint::REVOLUTE ||
+         joint.type == urdf::Joint::CONTINUOUS || joint.type == urdf::Joint::PRISMATIC;
 }
 
-geometry_msgs::TransformStamped message(const std::string& parent, const std::string& frame,
-                                        const KDL::Frame& pose) {
-  geometry_msgs::TransformStamped transform;
-  transform.header.frame_id = parent;
-  transform.child_frame_id = frame;
-  transform.transform.translation.x = pose.p.x();
-  transform.transform.translation.y = pose.p.y();
-  transform.transform.translation.z = pose.p.z();
-  geometry_msgs::Quaternion& q = transform.transform.rotation;
+// Of a joint that is posed: its child in its parent.
+KDL::Segment toKdl(const urdf::Joint& joint) {
+  const urdf::Pose& pose = joint.parent_to_joint_origin_transform;
+  const KDL::Frame origin(
+      KDL::Rotation::Quaternion(pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w),
+      toKdl(pose.position));
+  if (joint.type == urdf::Joint::FIXED) return {KDL::Joint(KDL::Joint::None), origin};
+  const auto type =
+      joint.type == urdf::Joint::PRISMATIC ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
+  return {KDL::Joint(origin.p, origin.M * toKdl(joint.axis), type), origin};
+}
+
+geometry_msgs::Transform toMessage(const KDL::Frame& pose) {
+  geometry_msgs::Transform transform;
+  transform.translation.x = pose.p.x();
+  transform.translation.y = pose.p.y();
+  transform.translation.z = pose.p.z();
+  geometry_msgs::Quaternion& q = transform.rotation;
   pose.M.GetQuaternion(q.x, q.y, q.z, q.w);
   return transform;
+}
+
+geometry_msgs::TransformStamped stamped(const std::string& parent, const std::string& frame,
+                                        const geometry_msgs::Transform& transform) {
+  geometry_msgs::TransformStamped message;
+  message.header.frame_id = parent;
+  message.child_frame_id = frame;
+  message.transform = transform;
+  return message;
 }
 
 }  // namespace
@@ -45,34 +57,21 @@ JointTransforms::JointTransforms(const std::string& urdf_xml,
   const urdf::ModelInterfaceSharedPtr model =
       urdf::parseURDF(readUrdfText(urdf_xml, GeometryKind::kCollision).xml);
   if (!model) throw std::invalid_argument("urdfdom cannot read it");
-  for (const auto& [name, link] : model->links_) {
-    if (depthOf(*model, link) <= kDeepest) continue;
-    throw std::invalid_argument("more than " + std::to_string(kDeepest) +
-                                " links hang one below the other");
-  }
-  // It would say that floating joints become fixed ones; here they do not.
-  ros::console::set_logger_level("ros.kdl_parser", ros::console::levels::Fatal);
-  KDL::Tree tree;
-  if (!kdl_parser::treeFromUrdfModel(*model, tree)) {
-    throw std::invalid_argument("KDL cannot make a tree of it");
-  }
   for (const auto& [name, joint] : model->joints_) {
     const std::string frame = unguarded(joint->child_link_name);
     const std::string parent = unguarded(joint->parent_link_name);
-    if (!wanted(frame)) continue;
-    const KDL::Segment& segment = tree.getSegment(joint->child_link_name)->second.segment;
+    if (!isPosed(*joint) || !wanted(frame)) continue;
+    const KDL::Segment segment = toKdl(*joint);
     if (joint->type == urdf::Joint::FIXED) {
-      fixed_.push_back(message(parent, frame, segment.pose(0)));
-    } else if (joint->type == urdf::Joint::REVOLUTE || joint->type == urdf::Joint::CONTINUOUS ||
-               joint->type == urdf::Joint::PRISMATIC) {
-      Moving moving{parent, frame, unguarded(name), 1, 0, segment};
-      if (joint->mimic) {
-        moving.joint = unguarded(joint->mimic->joint_name);
-        moving.multiplier = joint->mimic->multiplier;
-        moving.offset = joint->mimic->offset;
-      }
-      moving_.push_back(std::move(moving));
+      fixed_.push_back(stamped(parent, frame, toMessage(segment.pose(0))));
+      continue;
     }
+    const urdf::JointMimicSharedPtr mimic = joint->mimic;
+    const double multiplier = mimic ? mimic->multiplier : 1, offset = mimic ? mimic->offset : 0;
+    moving_.push_back({parent, frame, unguarded(mimic ? mimic->joint_name : name),
+                       [segment, multiplier, offset](double position) {
+                         return toMessage(segment.pose(multiplier * position + offset));
+                       }});
   }
 }
 
@@ -83,9 +82,7 @@ std::vector<geometry_msgs::TransformStamped> JointTransforms::at(
   for (const Moving& moving : moving_) {
     const auto found = positions.find(moving.joint);
     if (found == positions.end()) continue;
-    transforms.push_back(
-        message(moving.parent, moving.frame,
-                moving.segment.pose(moving.multiplier * found->second + moving.offset)));
+    transforms.push_back(stamped(moving.parent, moving.frame, moving.pose(found->second)));
     transforms.back().header.stamp = state.header.stamp;
   }
   return transforms;

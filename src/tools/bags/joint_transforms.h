@@ -1,11 +1,11 @@
 // A recorded robot's frames by its joints, where TF does not have them.
 #pragma once
 
+#include <geometry_msgs/Transform.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <sensor_msgs/JointState.h>
 
 #include <functional>
-#include <kdl/segment.hpp>
 #include <map>
 #include <string>
 #include <vector>
@@ -23,9 +23,8 @@ class JointTransforms {
 
   struct Moving {
     std::string parent, frame;
-    std::string joint;                  // that says where it is
-    double multiplier = 1, offset = 0;  // of a joint that mimics that one
-    KDL::Segment segment;
+    std::string joint;                                              // that says where it is
+    std::function<geometry_msgs::Transform(double position)> pose;  // of the frame in its parent
   };
   const std::vector<Moving>& moving() const { return moving_; }
 
