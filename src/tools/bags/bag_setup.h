@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "node/parameters.h"
 #include "robot/robot_geometry.h"
@@ -28,6 +29,9 @@ struct BagSetup {
 // std::runtime_error, one line, if it is refused.
 MonitorParameters readBagParameters(const BagFiles& files,
                                     const std::function<void(const std::string&)>& warn);
+
+// As the parameter pair_classes has them.
+std::vector<std::string> namesOf(const PairClasses& classes);
 
 // What cycles with these parameters need. Of types that cameras send too, the objects' own topics
 // alone.

@@ -25,10 +25,10 @@ KDL::Segment toKdl(const urdf::Joint& joint) {
   const KDL::Frame origin(
       KDL::Rotation::Quaternion(pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w),
       toKdl(pose.position));
-  if (joint.type == urdf::Joint::FIXED) return {KDL::Joint(KDL::Joint::None), origin};
+  if (joint.type == urdf::Joint::FIXED) return KDL::Segment(KDL::Joint(KDL::Joint::None), origin);
   const auto type =
       joint.type == urdf::Joint::PRISMATIC ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
-  return {KDL::Joint(origin.p, origin.M * toKdl(joint.axis), type), origin};
+  return KDL::Segment(KDL::Joint(origin.p, origin.M * toKdl(joint.axis), type), origin);
 }
 
 geometry_msgs::Transform toMessage(const KDL::Frame& pose) {

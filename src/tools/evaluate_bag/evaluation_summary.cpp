@@ -26,15 +26,6 @@ Json topicsJson(const BagContents& contents) {
   return json;
 }
 
-Json classesJson(const PairClasses& classes) {
-  Json json = Json::array();
-  if (classes.robot_deformable) json.push_back("robot_deformable");
-  if (classes.deformable_deformable) json.push_back("deformable_deformable");
-  if (classes.deformable_self) json.push_back("deformable_self");
-  if (classes.robot_self) json.push_back("robot_self");
-  return json;
-}
-
 // What decides which contacts there are.
 Json configurationJson(const EvaluationEnd& end) {
   const MonitorParameters& p = end.setup->parameters;
@@ -56,7 +47,7 @@ Json configurationJson(const EvaluationEnd& end) {
     json["objects"].push_back(
         {{"name", object.name}, {"topic", topicOf(object)}, {"margin_m", object.margin_m}});
   }
-  json["pair_classes"] = classesJson(p.pair_classes);
+  json["pair_classes"] = namesOf(p.pair_classes);
   json["allowed_contacts"] = Json::array();
   for (const AllowedContact& rule : p.allowed_contacts.rules()) {
     json["allowed_contacts"].push_back(
