@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """evaluate_bag on recordings in any order and with parts missing: triangles that come late,
 transforms wherever they are, joints instead of transforms, an object that is not there."""
-import json
 import random
 
 import rospy
@@ -9,7 +8,7 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
 from evaluation_case import CONFIG, EvaluationCase, main, read_table
-from monitor_test_support import mesh_message, pose_from, transform_message
+from monitor_test_support import mesh_message
 from panda_bag import DATA, FRAMES, START, stamp_of
 from panda_scene import READY, REFERENCE_FRAME
 from pose_meshes import posed
@@ -149,8 +148,7 @@ class Recordings(EvaluationCase):
         children = {joint.find("child").get("link") for joint in self.scene.panda.joints}
         self.assertEqual(self.evaluate_joints(self.without_tf()), children)
         self.assert_oracle_pairs()
-        with open(self.path("out/report.html")) as file:
-            self.assertIn("from /joint_states and the URDF: ", file.read())
+        self.assertIn("from /joint_states and the URDF: ", self.report())
         # The shirt's frame by TF, the robot's by joints.
         shirt = [(t, topic, TFMessage([x for x in m.transforms if x.child_frame_id == "shirt"]))
                  if topic == "/tf" else (t, topic, m) for t, topic, m in self.events]

@@ -2,7 +2,6 @@
 """measure_trade as its users see it: tables, plots, exit codes and messages."""
 import os
 import pathlib
-import re
 import resource
 import subprocess
 import sys
@@ -12,10 +11,6 @@ from trade_case import ABOVE, DATA, FLOOR, POST, SETTING, TOOL, Case, cloth, qui
 
 
 class MeasureTrade(Case):
-
-    def scene(self):
-        return [*self.sinking(), "--against", self.mesh("floor.obj", FLOOR),
-                self.mesh("post.obj", POST), self.mesh("far.obj", ABOVE)]
 
     def test_tables(self):
         self.works(*self.scene(), *quick())
@@ -87,49 +82,6 @@ class MeasureTrade(Case):
         self.assertTrue(summary["machine"]["cpu"])
         self.assertRegex(summary["command"], r"\Ameasure_trade .*--out 'a folder/inside'")
         self.assertTrue(summary["chosen"]["guaranteed"])
-
-    def test_choice(self):
-        scene = self.scene()
-        done = self.works(*scene, *quick())
-        self.assertRegex(done.stdout, r"\AChosen without a budget: cpu, exact, overlap 1, .*\n"
-                                      r"  median .* ms, p95 .* ms; .* 100 % .* 100 % "
-                                      r".*miss none\n\Z")
-        done = self.works(*scene, *quick(), "--budget-ms", "10000")
-        self.assertRegex(done.stdout, r"\AChosen for a budget of 10000 ms: cpu, exact, overlap 1,")
-        done = self.works(*scene, *quick(), "--budget-ms", "0.000001")
-        fastest = min(self.table("settings.csv"), key=lambda row: float(row["median_ms"]))
-        self.assertIn("No setting keeps a budget of 1e-06 ms. The fastest: cpu, "
-                      f"{fastest['predicates']}, overlap {fastest['overlap']}, ", done.stdout)
-        self.assertIsNone(self.summary()["chosen"])
-        done = self.works(*scene, *quick(predicates="fast"))
-        self.assertIn("No setting of these is guaranteed. The fastest: cpu, fast, ", done.stdout)
-
-    def test_config(self):
-        """Names and values that the node knows; its own parser reads it in trade_config_test."""
-        known = re.findall(r"^([a-z_]+):", PARAMETERS.read_text(), re.MULTILINE)
-        self.works(*self.scene(), *quick(), "--write-config", self.path("chosen.yaml"))
-        text = pathlib.Path(self.path("chosen.yaml")).read_text()
-        values = dict(line.split(": ") for line in text.splitlines() if not line.startswith("#"))
-        self.assertEqual(tuple(values), SETTING)
-        self.assertLessEqual(set(values), set(known))
-        chosen = self.summary()["chosen"]
-        for name in SETTING:
-            self.assertEqual(values[name], f"{chosen[name]:g}" if isinstance(
-                chosen[name], float) else str(chosen[name]))
-        self.assertRegex(text, r"(?m)^# Written by measure_trade .*chosen.yaml$")
-        self.assertIn("# Chosen without a budget: cpu, ", text)
-
-        done = self.works(*self.scene(), *quick(), "--write-config", "-")
-        self.assertTrue(done.stdout.startswith("# Written by "), done.stdout)
-        self.assertTrue(done.stdout.endswith("refresh_period: 1\n"), done.stdout)
-
-    def test_config_that_there_is_none_for(self):
-        done = self.run_tool(*self.scene(), *quick(), "--budget-ms", "1e-6",
-                             "--write-config", "none")
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("none: there is no setting to write", done.stderr)
-        lines = pathlib.Path(self.path("none")).read_text().splitlines()
-        self.assertTrue(lines and all(line.startswith("#") for line in lines), lines)
 
     def test_plots(self):
         done = self.works(*self.scene(), *quick())
