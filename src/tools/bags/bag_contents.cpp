@@ -16,51 +16,53 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-constexpr double kStartS = 5;  // of a bag: publishers that come later came late
+// Of a bag, at its start and at its end: publishers that come later came late, and those that are
+// gone before did not end with it.
+constexpr double kEdgeS = 5;
 
-using FirstStamps = std::map<std::string, ros::Time>;  // of each frame
-
-void lookAtTransforms(const BagMessage& message, FirstStamps* first, BagContents* contents) {
+void lookAtTransforms(const BagMessage& message, ros::Time* newest, BagContents* contents) {
   for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
-    contents->parents[plainFrame(transform.child_frame_id)] = plainFrame(transform.header.frame_id);
+    const std::string frame = plainFrame(transform.child_frame_id);
+    contents->parents[frame] = plainFrame(transform.header.frame_id);
     if (isStatic(message.topic)) {
       contents->static_transforms.push_back(transform);
       continue;
     }
-    const ros::Time& stamp = transform.header.stamp;
-    if (contents->first_transform.isZero() || stamp < contents->first_transform) {
-      contents->first_transform = stamp;
-    }
-    contents->last_transform = std::max(contents->last_transform, stamp);
-    const auto [frame, is_new] = first->emplace(transform.child_frame_id, stamp);
-    if (!is_new) frame->second = std::min(frame->second, stamp);
+    contents->moving[frame].add(transform.header.stamp);
+    *newest = std::max(*newest, transform.header.stamp);
   }
 }
 
-ros::Time settled(const FirstStamps& first, const ros::Time& start) {
-  ros::Time latest = start;
-  for (const auto& [frame, stamp] : first) {
-    if (secondsBetween(stamp, start) <= kStartS) latest = std::max(latest, stamp);
+void lookAtJoints(const BagMessage& message, ros::Time* newest, BagContents* contents) {
+  const sensor_msgs::JointState state = toJointState(message);
+  for (const auto& [joint, position] : positionsIn(state)) {
+    contents->joints[joint].add(state.header.stamp);
   }
-  return latest;
+  *newest = std::max(*newest, state.header.stamp);
 }
 
-void lookAtMesh(const BagMessage& message, BagContents::Topic* topic, BagContents* contents) {
+void lookAtMesh(const BagMessage& message, const ros::Time& newest, BagContents::Topic* topic,
+                BagContents* contents) {
   const std::uint64_t number = contents->meshes.size();
   contents->meshes.push_back({message.received, message.received, number, message.topic});
   const BagMeshHead head = headOf(message);
-  if (!head.stamp.isZero()) contents->meshes.back().stamp = head.stamp;
-  if (topic->object.empty()) topic->object = head.object;
-  if (contents->last_transform.isZero()) return;
+  ros::Time& stamp = contents->meshes.back().stamp;
+  if (!head.stamp.isZero()) stamp = head.stamp;
+  if (head.mesh) {
+    const std::string& object = head.mesh->object;
+    if (topic->object.empty()) topic->object = object;
+    contents->triangles_ahead.add(message.topic + '\n' + object, number, stamp, head.mesh);
+  }
+  if (newest.isZero()) return;
   contents->transforms_ahead_s =
-      std::max(contents->transforms_ahead_s,
-               secondsBetween(contents->last_transform, contents->meshes.back().stamp));
+      std::max(contents->transforms_ahead_s, secondsBetween(newest, stamp));
 }
 
-void lookAt(const BagMessage& message, BagContents::Topic* topic, FirstStamps* first,
+void lookAt(const BagMessage& message, ros::Time* newest, BagContents::Topic* topic,
             BagContents* contents) {
-  if (isTransforms(message)) lookAtTransforms(message, first, contents);
-  if (isMesh(message)) lookAtMesh(message, topic, contents);
+  if (isTransforms(message)) lookAtTransforms(message, newest, contents);
+  if (isJointState(message)) lookAtJoints(message, newest, contents);
+  if (isMesh(message)) lookAtMesh(message, *newest, topic, contents);
   if (isLinkMeshes(message)) contents->link_meshes = toLinkMeshes(message);
   if (isText(message) && endsWith(message.topic, "robot_description")) {
     contents->robot_description = toText(message);
@@ -90,11 +92,54 @@ std::set<std::string> BagContents::rootFrames() const {
   return roots;
 }
 
+void BagContents::Span::add(const ros::Time& stamp) {
+  if (first.isZero() || stamp < first) first = stamp;
+  last = std::max(last, stamp);
+}
+
+ros::Time BagContents::settled() const {
+  ros::Time start, latest;
+  for (const auto& [frame, span] : moving) {
+    if (start.isZero() || span.first < start) start = span.first;
+  }
+  for (const auto& [frame, span] : moving) {
+    if (secondsBetween(span.first, start) <= kEdgeS) latest = std::max(latest, span.first);
+  }
+  return latest;
+}
+
+ros::Time BagContents::ended() const {
+  ros::Time end;
+  for (const auto& [frame, span] : moving) end = std::max(end, span.last);
+  ros::Time earliest = end;
+  for (const auto& [frame, span] : moving) {
+    if (secondsBetween(end, span.last) <= kEdgeS) earliest = std::min(earliest, span.last);
+  }
+  return earliest;
+}
+
+void BagContents::addJointTransforms(const std::string& urdf_xml) {
+  if (joints.empty()) return;
+  const auto is_missing = [this](const std::string& frame) { return parents.count(frame) == 0; };
+  const auto made = std::make_shared<const JointTransforms>(urdf_xml, is_missing);
+  for (const geometry_msgs::TransformStamped& transform : made->fixed()) {
+    static_transforms.push_back(transform);
+    parents[transform.child_frame_id] = transform.header.frame_id;
+  }
+  for (const JointTransforms::Moving& of : made->moving()) {
+    const auto joint = joints.find(of.joint);
+    if (joint == joints.end()) continue;
+    moving[of.frame] = joint->second;
+    parents[of.frame] = of.parent;
+  }
+  if (!made->fixed().empty() || !made->moving().empty()) joint_transforms = made;
+}
+
 bool isStatic(const std::string& topic) { return endsWith(topic, "tf_static"); }
 
 BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>& progress) {
   BagContents contents;
-  FirstStamps first;
+  ros::Time newest;  // stamp of a transform or a joint
   std::uint64_t count = 0;
   contents.problem = reader->read([&](const BagMessage& message) {
     progress(++count);
@@ -102,12 +147,12 @@ BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>
     topic.type = message.type;
     ++topic.messages;
     try {
-      lookAt(message, &topic, &first, &contents);
+      lookAt(message, &newest, &topic, &contents);
     } catch (const std::exception&) {
       ++topic.damaged;
     }
   });
-  contents.settled = settled(first, contents.first_transform);
+  contents.triangles_ahead.settle();
   std::sort(contents.meshes.begin(), contents.meshes.end(),
             [](const BagContents::Mesh& a, const BagContents::Mesh& b) {
               return a.stamp != b.stamp ? a.stamp < b.stamp : a.number < b.number;

@@ -50,6 +50,7 @@ std::string topicOf(const ObjectParameters& object) {
 BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& contents,
                      const RobotGeometry& robot, const PlayedObject* played)
     : parameters_(parameters),
+      contents_(contents),
       played_(played),
       scene_(parameters),
       inputs_(makeMeshInputs(parameters)),
@@ -75,13 +76,16 @@ void BagCycles::plan(const BagContents& contents) {
     events_.push_back(
         {mesh.stamp, plus(mesh.received, kLookAheadS), false, input->second, mesh.number});
   }
-  if (played_ == nullptr || contents.last_transform.isZero()) return;
+  if (played_ == nullptr) return;
+  // Beyond, some link would be UNKNOWN in every cycle.
+  const ros::Time first = contents.settled(), last = contents.ended();
+  if (last.isZero()) return;
   std::size_t input = 0;
   while (parameters_.objects[input].name != played_->object) ++input;
   for (std::uint64_t i = 0;; ++i) {
     const double since_s = static_cast<double>(i) / played_->rate_hz;
-    const ros::Time stamp = plus(contents.settled, since_s);
-    if (stamp > contents.last_transform) break;
+    const ros::Time stamp = plus(first, since_s);
+    if (stamp > last) break;
     events_.push_back({stamp, plus(stamp, kLookAheadS), true, input, 0});
   }
   std::stable_sort(events_.begin(), events_.end(),
@@ -106,12 +110,21 @@ void BagCycles::take(const BagMessage& message) {
     return;
   }
   try {
-    if (!isTransforms(message) || isStatic(message.topic)) return;
-    for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
-      if (!buffer_.setTransform(transform, "bag")) ++refused_transforms_;
-      newest_transform_ = std::max(newest_transform_, transform.header.stamp);
-    }
+    takeTransforms(message);
   } catch (const std::exception&) {  // it was counted when the bag was scanned
+  }
+}
+
+void BagCycles::takeTransforms(const BagMessage& message) {
+  std::vector<geometry_msgs::TransformStamped> transforms;
+  if (isTransforms(message) && !isStatic(message.topic)) {
+    transforms = toTransforms(message).transforms;
+  } else if (isJointState(message) && contents_.joint_transforms) {
+    transforms = contents_.joint_transforms->at(toJointState(message));
+  }
+  for (const geometry_msgs::TransformStamped& transform : transforms) {
+    if (!buffer_.setTransform(transform, "bag")) ++refused_transforms_;
+    newest_transform_ = std::max(newest_transform_, transform.header.stamp);
   }
 }
 
@@ -135,7 +148,11 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
       if (!mesh) continue;
       MeshMailbox& mailbox = mailboxes_[event.input];
       mailbox.store(*mesh);
-      const Acceptance answer = inputs_[event.input].accept(*mailbox.take(), ros::Time());
+      ArrivedMesh arrived = *mailbox.take();
+      if (!event.played && !arrived.keyframe) {
+        arrived.keyframe = contents_.triangles_ahead.of(event.number);
+      }
+      const Acceptance answer = inputs_[event.input].accept(arrived, ros::Time());
       if (answer == Acceptance::kJumped) {
         planner_.forget(event.input, "the stamps of its meshes went back");
       }

@@ -64,6 +64,7 @@ class BagCycles {
 
   void plan(const BagContents& contents);
   void take(const BagMessage& message);
+  void takeTransforms(const BagMessage& message);
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
   std::optional<ReceivedMesh> nextMesh(const Event& event);
@@ -72,6 +73,7 @@ class BagCycles {
                 const std::function<void(CycleReport*)>& visit);
 
   const MonitorParameters& parameters_;
+  const BagContents& contents_;
   const PlayedObject* played_;
   std::map<std::string, std::size_t> input_of_topic_;
   MonitorScene scene_;

@@ -60,7 +60,7 @@ bool isMesh(const BagMessage& message) {
 BagMeshHead headOf(const BagMessage& message) {
   if (message.type == messageType(MeshType::kDeformableMesh)) {
     const DeformableMesh::ConstPtr mesh = decoded<DeformableMesh>(message);
-    return {mesh->header.stamp, mesh->object};
+    return {mesh->header.stamp, mesh};
   }
   if (message.type == messageType(MeshType::kShapeMesh)) {
     check<shape_msgs::Mesh>(message);
@@ -71,7 +71,7 @@ BagMeshHead headOf(const BagMessage& message) {
   } else {
     check<sensor_msgs::PointCloud2>(message);
   }
-  return {stampIn(message.bytes.data(), message.bytes.size()), ""};
+  return {stampIn(message.bytes.data(), message.bytes.size()), nullptr};
 }
 
 RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {

@@ -1,10 +1,10 @@
 // Recorded messages of objects' types as meshes.
 #pragma once
 
+#include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 
 #include <functional>
-#include <string>
 
 #include "node/mesh_adapters.h"
 #include "node/parameters.h"
@@ -16,8 +16,8 @@ namespace deformable_contact_monitor {
 bool isMesh(const BagMessage& message);
 
 struct BagMeshHead {
-  ros::Time stamp;     // of its header; zero: it has none
-  std::string object;  // the name that a DeformableMesh carries
+  ros::Time stamp;                // of its header; zero: it has none
+  DeformableMesh::ConstPtr mesh;  // null: it is of another type
 };
 
 // Throws std::runtime_error as RecordedMeshReader does.

@@ -71,6 +71,12 @@ void walk(Walker* walker, const tf2_msgs::TFMessage& /*as*/) {
 
 void walk(Walker* walker, const std_msgs::String& /*as*/) { walker->text(); }
 
+void walk(Walker* walker, const sensor_msgs::JointState& /*as*/) {
+  walker->header();
+  for (std::uint32_t left = walker->number(); left > 0; --left) walker->text();
+  for (int i = 0; i < 3; ++i) walker->array(sizeof(double));  // position, velocity, effort
+}
+
 template <typename M>
 void decode(const BagMessage& message, M* to) {
   const bool old = message.type == kOldTransforms && message.md5 == kOldTransformsMd5;
@@ -104,6 +110,9 @@ bool isTransforms(const BagMessage& message) {
 }
 bool isLinkMeshes(const BagMessage& message) { return message.type == typeOf<LinkMeshes>(); }
 bool isText(const BagMessage& message) { return message.type == typeOf<std_msgs::String>(); }
+bool isJointState(const BagMessage& message) {
+  return message.type == typeOf<sensor_msgs::JointState>();
+}
 
 tf2_msgs::TFMessage toTransforms(const BagMessage& message) {
   tf2_msgs::TFMessage transforms;
@@ -121,6 +130,13 @@ std::string toText(const BagMessage& message) {
   std_msgs::String text;
   decode(message, &text);
   return text.data;
+}
+
+sensor_msgs::JointState toJointState(const BagMessage& message) {
+  sensor_msgs::JointState state;
+  decode(message, &state);
+  if (state.header.stamp.isZero()) state.header.stamp = message.received;
+  return state;
 }
 
 }  // namespace deformable_contact_monitor

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deformable_contact_monitor/LinkMeshes.h>
+#include <sensor_msgs/JointState.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -19,11 +20,14 @@ const std::set<std::string>& neededTypes();
 bool isTransforms(const BagMessage& message);
 bool isLinkMeshes(const BagMessage& message);
 bool isText(const BagMessage& message);
+bool isJointState(const BagMessage& message);
 
 // They throw std::runtime_error, "<topic>: <what>", if the bytes are not exactly one message of the
 // type, or the type was defined otherwise when it was recorded.
 tf2_msgs::TFMessage toTransforms(const BagMessage& message);
 LinkMeshes toLinkMeshes(const BagMessage& message);
 std::string toText(const BagMessage& message);
+// Without a stamp it has that of its receipt.
+sensor_msgs::JointState toJointState(const BagMessage& message);
 
 }  // namespace deformable_contact_monitor

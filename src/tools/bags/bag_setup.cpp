@@ -53,7 +53,8 @@ void addPlayedObject(const SceneObject& object, MonitorParameters* parameters) {
 
 // Also sets the frame of a robot whose root link is known, where nobody said another.
 void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup) {
-  std::string urdf = contents.robot_description;
+  std::string& urdf = setup->urdf;
+  urdf = contents.robot_description;
   setup->robot_from = "the bags' robot_description";
   if (!files.robot_description.empty()) {
     urdf = readRobotDescription(files.robot_description);
@@ -75,6 +76,16 @@ void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* set
   }
   if (files.config.empty() && files.reference_frame.empty()) {
     setup->parameters.reference_frame = setup->robot.root_link;
+  }
+}
+
+// TF goes first: joints say where frames are that it does not have.
+void useJoints(const BagSetup& setup, BagContents* contents, const Warn& warn) {
+  if (setup.urdf.empty()) return;
+  try {
+    contents->addJointTransforms(setup.urdf);
+  } catch (const std::exception& error) {
+    warn(std::string("the URDF poses no links by /joint_states: ") + error.what());
   }
 }
 
@@ -192,39 +203,54 @@ MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
   }
 }
 
+std::vector<std::string> namesOf(const PairClasses& classes) {
+  std::vector<std::string> names;
+  if (classes.robot_deformable) names.emplace_back("robot_deformable");
+  if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
+  if (classes.deformable_self) names.emplace_back("deformable_self");
+  if (classes.robot_self) names.emplace_back("robot_self");
+  return names;
+}
+
 BagSelection neededMessages(const MonitorParameters& parameters) {
   BagSelection selection;
   selection.types = neededTypes();
   for (const ObjectParameters& object : parameters.objects) {
     selection.types_of_topics[topicOf(object)] = messageType(object.type);
   }
+  selection.types_of_topics.emplace(kJointsTopic,
+                                    ros::message_traits::datatype<sensor_msgs::JointState>());
   return selection;
 }
 
 BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
-                   const SceneObject& object, const BagContents& contents, const Warn& warn) {
+                   const SceneObject& object, BagContents* contents, const Warn& warn) {
   BagSetup setup;
   setup.parameters = configured;
   MonitorParameters& parameters = setup.parameters;
   if (!files.reference_frame.empty()) {
     parameters.reference_frame = plainFrame(files.reference_frame);
   }
-  if (parameters.objects.empty()) addRecordedObjects(contents, &parameters);
+  if (parameters.objects.empty()) addRecordedObjects(*contents, &parameters);
   if (object.isWanted()) addPlayedObject(object, &parameters);
   if (parameters.pair_classes.needRobot()) {
-    loadRobot(files, contents, &setup);
-    loadSrdf(files, contents, &setup, warn);
+    loadRobot(files, *contents, &setup);
+    loadSrdf(files, *contents, &setup, warn);
+    useJoints(setup, contents, warn);
   }
   warnOfLinks(setup.robot, warn);
   checkRobot(setup.robot, parameters);
-  checkReferenceFrame(files, contents, &parameters, warn);
+  checkReferenceFrame(files, *contents, &parameters, warn);
   if (object.isWanted()) {
-    if (contents.last_transform.isZero()) {
-      throw std::runtime_error("no moving transform in the bags: no time to play an object in");
+    if (contents->ended().isZero()) {
+      throw std::runtime_error(
+          "no moving transform in the bags, and no /joint_states of the robot's joints: no time to "
+          "play "
+          "an object in");
     }
     setup.played = playedObject(object, setup);
   }
-  checkObjects(files, contents, setup, warn);
+  checkObjects(files, *contents, setup, warn);
   return setup;
 }
 

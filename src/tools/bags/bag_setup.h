@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "node/parameters.h"
 #include "robot/robot_geometry.h"
@@ -20,6 +21,7 @@ struct BagSetup {
   MonitorParameters parameters;
   RobotGeometry robot;
   std::string robot_from;  // for people
+  std::string urdf;        // of the robot; empty: there is none
   std::optional<PlayedObject> played;
 };
 
@@ -28,6 +30,9 @@ struct BagSetup {
 MonitorParameters readBagParameters(const BagFiles& files,
                                     const std::function<void(const std::string&)>& warn);
 
+// As the parameter pair_classes has them.
+std::vector<std::string> namesOf(const PairClasses& classes);
+
 // What cycles with these parameters need. Of types that cameras send too, the objects' own topics
 // alone.
 BagSelection neededMessages(const MonitorParameters& parameters);
@@ -35,11 +40,11 @@ BagSelection neededMessages(const MonitorParameters& parameters);
 // `configured`: of readBagParameters(). Without a configuration the objects are the bags'
 // deformable meshes, each named as its messages say or else by its topic, and the reference frame
 // is the root link of a robot that comes as URDF, else base_link, or the transforms' root if they
-// do not know that. `object` is played if it isWanted(). `warn` gets what a user should know, a
-// line each. Throws std::exceptions, one line, on anything that keeps the cycles from making sense:
-// no mesh, no robot, a bad value.
+// do not know that. `contents` gets the frames that joints and the URDF say. `object` is played if
+// it isWanted(). `warn` gets what a user should know, a line each. Throws std::exceptions, one
+// line, on anything that keeps the cycles from making sense: no mesh, no robot, a bad value.
 BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
-                   const SceneObject& object, const BagContents& contents,
+                   const SceneObject& object, BagContents* contents,
                    const std::function<void(const std::string&)>& warn);
 
 }  // namespace deformable_contact_monitor

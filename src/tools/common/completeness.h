@@ -5,11 +5,14 @@
 
 namespace deformable_contact_monitor {
 
-// The settings are complete by proof, every triangle took part, no contact was left out and
-// nothing was cut off.
+// Every triangle took part, no contact was left out and nothing was cut off.
+inline bool isWhole(const DetectionResult& result) {
+  return result.counters.rejected == 0 && result.left_out == 0 && !result.cut_off;
+}
+
+// That, and the settings are complete by proof.
 inline bool isComplete(const DetectionResult& result) {
-  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0 &&
-         !result.cut_off;
+  return result.guaranteed && isWhole(result);
 }
 
 }  // namespace deformable_contact_monitor

@@ -14,7 +14,7 @@ constexpr const char* kDescription =
 constexpr const char* kFooter =
     "Exit code: 0; 1 if the cpu and cuda backends disagree or an expectation fails; 2 with one "
     "line on standard error on bad input (what could be read of a damaged bag is evaluated all the "
-    "same).";
+    "same), or if no cycle could be evaluated.";
 
 }  // namespace
 

@@ -27,6 +27,7 @@
 #include "tools/evaluate_bag/evaluation_run.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
 #include "tools/evaluate_bag/evaluation_tables.h"
+#include "tools/evaluate_bag/evaluation_verdict.h"
 #include "tools/evaluate_bag/swept_tables.h"
 
 namespace deformable_contact_monitor {
@@ -149,14 +150,21 @@ std::string damage(const BagContents& contents) {
 
 // What is missing may have been in what could not be read.
 BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& configured,
-               const BagContents& contents) {
+               BagContents* contents) {
   try {
     return setUpBags(arguments.files, configured, arguments.object, contents, warn);
   } catch (const std::exception& error) {
-    const std::string damaged = damage(contents);
+    const std::string damaged = damage(*contents);
     if (damaged.empty()) throw;
     throw std::runtime_error("damaged: " + damaged + "; " + error.what());
   }
+}
+
+std::vector<std::string> bodyNames(const BagSetup& setup) {
+  std::vector<std::string> names;
+  for (const LinkGeometry& link : setup.robot.links) names.push_back(link.link);
+  for (const ObjectParameters& object : setup.parameters.objects) names.push_back(object.name);
+  return names;
 }
 
 // Made if need be. What this evaluation may not write must not be an earlier one's.
@@ -181,10 +189,14 @@ int evaluate(const EvaluateArguments& arguments) {
   if (!arguments.expectations.empty()) expectations = readExpectations(arguments.expectations);
 
   std::optional<Progress> progress("reading the bags");
-  const BagContents contents = scanBags(&reader, [&](std::uint64_t count) {
+  BagContents contents = scanBags(&reader, [&](std::uint64_t count) {
     if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
   });
-  const BagSetup setup = setUp(arguments, configured, contents);
+  const BagSetup setup = setUp(arguments, configured, &contents);
+  checkBodies(bodyNames(setup), setup.robot.link_names, &expectations);
+  for (const Expectation& expectation : expectations) {
+    if (!expectation.problem.empty()) warn(arguments.expectations + ": " + expectation.problem);
+  }
   Runs runs = makeRuns(arguments, setup.parameters, expectations);
   std::vector<RunComparison> compared = comparisons(runs);
   Tables tables(cleanFolder(arguments.out), arguments.pairs,
@@ -217,6 +229,10 @@ int evaluate(const EvaluateArguments& arguments) {
   const std::string damaged = end.problem.empty() ? damage(contents) : end.problem;
   if (!damaged.empty()) {
     throw std::runtime_error("damaged: " + damaged + "; what could be read is in " + arguments.out);
+  }
+  if (!isEvaluated(end)) {
+    throw std::runtime_error("no cycle could be evaluated: " + whyNothing(end) +
+                             "; what could be read is in " + arguments.out);
   }
   return isPassed(end) ? 0 : 1;
 }

@@ -64,7 +64,10 @@ void EvaluationRun::detect(CycleReport* cycle, Scene* scene) {
   states = tracker.states(stamp, stamp);
   steps.takeEvents(&tracker);
   judge.look(states);
+  unknown.look(*cycle, states);
   ++cycles;
+  whole += isWhole(*cycle, *result);
+  guaranteed += result->guaranteed;
   complete += isComplete(*cycle, *result);
   pairs += result->contacts.size() + result->left_out;
   detect_ms.push_back(result->detect_ms);
@@ -82,7 +85,11 @@ std::string EvaluationRun::name() const {
 }
 
 bool isComplete(const CycleReport& cycle, const DetectionResult& result) {
-  return isComplete(result) &&
+  return isWhole(cycle, result) && isComplete(result);
+}
+
+bool isWhole(const CycleReport& cycle, const DetectionResult& result) {
+  return isWhole(result) &&
          std::all_of(cycle.bodies.begin(), cycle.bodies.end(),
                      [](const BodyStatus& body) { return body.unknown_because.empty(); });
 }

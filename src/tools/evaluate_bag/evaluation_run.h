@@ -14,6 +14,7 @@
 #include "node/cycle_report.h"
 #include "tools/evaluate_bag/evaluation_steps.h"
 #include "tools/evaluate_bag/expectations.h"
+#include "tools/evaluate_bag/unknown_reasons.h"
 
 namespace deformable_contact_monitor {
 
@@ -39,16 +40,23 @@ struct EvaluationRun {
   ContactStateTracker tracker;
   ExpectationJudge judge;
   RunSteps steps;
+  UnknownReasons unknown;
 
   // Of the latest cycle.
   const DetectionResult* result = nullptr;
   ContactStates states;
 
   // Of all cycles.
-  std::uint64_t cycles = 0, complete = 0, pairs = 0;
+  std::uint64_t cycles = 0, pairs = 0;
+  // Cycles in which nothing was left out, whose setting and backend are complete by proof, and
+  // both.
+  std::uint64_t whole = 0, guaranteed = 0, complete = 0;
   std::vector<double> detect_ms, round_trip_ms;
   std::vector<std::pair<std::string, std::vector<double>>> stages_ms;  // in order of execution
 };
+
+// Whether every body and triangle took part and no contact was left out.
+bool isWhole(const CycleReport& cycle, const DetectionResult& result);
 
 // Whether nothing can be missing: as ContactArray.complete says it.
 bool isComplete(const CycleReport& cycle, const DetectionResult& result);

@@ -1,15 +1,17 @@
 // summary.json of an evaluation, and its few lines for people.
 #include "tools/evaluate_bag/evaluation_summary.h"
 
-#include <algorithm>
 #include <boost/uuid/name_generator_sha1.hpp>
 #include <boost/uuid/uuid_io.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tools/bags/stamp_text.h"
 #include "tools/common/json_text.h"
 #include "tools/common/machine.h"
+#include "tools/common/run_tool.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/evaluate_bag/evaluation_verdict.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -21,15 +23,6 @@ Json topicsJson(const BagContents& contents) {
   for (const auto& [name, topic] : contents.topics) {
     json[name] = {{"type", topic.type}, {"messages", topic.messages}, {"damaged", topic.damaged}};
   }
-  return json;
-}
-
-Json classesJson(const PairClasses& classes) {
-  Json json = Json::array();
-  if (classes.robot_deformable) json.push_back("robot_deformable");
-  if (classes.deformable_deformable) json.push_back("deformable_deformable");
-  if (classes.deformable_self) json.push_back("deformable_self");
-  if (classes.robot_self) json.push_back("robot_self");
   return json;
 }
 
@@ -56,7 +49,7 @@ Json configurationJson(const EvaluationEnd& end) {
     json["objects"].push_back(
         {{"name", object.name}, {"topic", topicOf(object)}, {"margin_m", object.margin_m}});
   }
-  json["pair_classes"] = classesJson(p.pair_classes);
+  json["pair_classes"] = namesOf(p.pair_classes);
   json["allowed_contacts"] = Json::array();
   for (const AllowedContact& rule : p.allowed_contacts.rules()) {
     json["allowed_contacts"].push_back(
@@ -83,6 +76,32 @@ Json stepsJson(const EvaluationRun& run) {
           {"most_sub_steps", sums.most_sub_steps}};
 }
 
+Json unknownJson(const EvaluationRun& run) {
+  Json json = Json::array();
+  for (const UnknownReason& reason : run.unknown.all()) {
+    json.push_back({{"reason", reason.text},
+                    {"cycles", reason.cycles},
+                    {"from", stampText(reason.from)},
+                    {"to", stampText(reason.to)}});
+  }
+  return json;
+}
+
+// Which frames TF says, and which joints do.
+Json posesJson(const BagContents& contents) {
+  Json by_joints = Json::array();
+  if (contents.joint_transforms) {
+    for (const JointTransforms::Moving& moving : contents.joint_transforms->moving()) {
+      if (contents.joints.count(moving.joint) > 0) by_joints.push_back(moving.frame);
+    }
+    for (const auto& fixed : contents.joint_transforms->fixed()) {
+      by_joints.push_back(fixed.child_frame_id);
+    }
+  }
+  return {{"tf_frames", contents.parents.size() - by_joints.size()},
+          {"joint_states_frames", by_joints}};
+}
+
 Json runJson(const EvaluationRun& run) {
   return {{"name", run.name()},
           {"asked", run.asked},
@@ -90,7 +109,11 @@ Json runJson(const EvaluationRun& run) {
           {"predicates", toString(run.options.predicates)},
           {"overlap", run.options.overlap},
           {"cycles", run.cycles},
+          {"evaluated_cycles", run.unknown.evaluatedCycles()},
+          {"whole_cycles", run.whole},
+          {"guaranteed_cycles", run.guaranteed},
           {"complete_cycles", run.complete},
+          {"unknown", unknownJson(run)},
           {"pairs", run.pairs}};
 }
 
@@ -136,17 +159,33 @@ Json comparisonsJson(const EvaluationEnd& end) {
   return json;
 }
 
+// What no setting of a run guarantees is no failure of its cycles.
+std::string cyclesText(const EvaluationRun& run) {
+  const std::string of = " of " + std::to_string(run.cycles) + " cycles ";
+  if (run.guaranteed == run.cycles) return std::to_string(run.complete) + of + "complete";
+  return std::to_string(run.whole) + of + "with nothing left out, but without a guarantee";
+}
+
 std::string runLine(const EvaluationRun& run) {
-  char line[256];
-  std::snprintf(line, sizeof line,
-                "%s (on %s): %llu pairs, %llu of %llu cycles complete, detect median %.3f ms, p95 "
-                "%.3f ms\n",
-                run.name().c_str(), run.detector->backend().c_str(),
-                static_cast<unsigned long long>(run.pairs),
-                static_cast<unsigned long long>(run.complete),
-                static_cast<unsigned long long>(run.cycles), median(run.detect_ms),
-                percentile(run.detect_ms, 0.95));
-  return line;
+  char times[96];
+  std::snprintf(times, sizeof times, ", detect median %.3f ms, p95 %.3f ms\n",
+                median(run.detect_ms), percentile(run.detect_ms, 0.95));
+  return run.name() + " (on " + run.detector->backend() + "): " + std::to_string(run.pairs) +
+         " pairs, " + cyclesText(run) + times;
+}
+
+constexpr std::size_t kShownReasons = 3;
+
+std::string unknownLines(const EvaluationRun& run) {
+  std::string text;
+  std::size_t count = 0;
+  for (const UnknownReason& reason : run.unknown.all()) {
+    if (++count > kShownReasons) continue;
+    text += "UNKNOWN in " + std::to_string(reason.cycles) +
+            (reason.cycles == 1 ? " cycle: " : " cycles: ") + oneLine(reason.text) + "\n";
+  }
+  if (count <= kShownReasons) return text;
+  return text + "and " + std::to_string(count - kShownReasons) + " more reasons in summary.json\n";
 }
 
 std::string stepsLine(const EvaluationRun& run) {
@@ -172,6 +211,8 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["problem"] = end.problem;
   json["damaged_messages"] = end.contents->damaged();
   json["refused_transforms"] = end.refused_transforms;
+  json["meshes_with_triangles_sent_later"] = end.contents->triangles_ahead.count();
+  json["poses"] = posesJson(*end.contents);
   json["configuration"] = configurationJson(end);
   const boost::uuids::name_generator_sha1 hash(boost::uuids::ns::oid());
   json["configuration_hash"] = to_string(hash(jsonText(json["configuration"])));
@@ -188,6 +229,7 @@ std::string summaryJson(const EvaluationEnd& end) {
         {{"text", verdict.text}, {"holds", verdict.failure.empty()}, {"failure", verdict.failure}});
   }
   json["passed"] = isPassed(end);
+  json["verdict"] = verdictText(end);
   json["machine"] = machineJson();
   json["times"] = timesJson(end);
   return jsonText(json);
@@ -213,18 +255,17 @@ std::string summaryText(const EvaluationEnd& end) {
     text += (verdict.failure.empty() ? "holds: " : "FAILS: ") + verdict.text +
             (verdict.failure.empty() ? "" : " (" + verdict.failure + ")") + "\n";
   }
+  if (!end.runs->empty()) text += unknownLines(*(*end.runs)[0]);
+  const std::size_t by_joints = posesJson(*end.contents)["joint_states_frames"].size();
+  if (by_joints > 0) {
+    text += std::to_string(by_joints) + " frames that TF does not have stand where /joint_states " +
+            "and the URDF say\n";
+  }
+  text += verdictText(end) + "\n";
   char line[160];
   std::snprintf(line, sizeof line, "%.1f s; written to %s\n", end.elapsed_s,
                 end.arguments->out.c_str());
   return text + line;
-}
-
-bool isPassed(const EvaluationEnd& end) {
-  const bool agree =
-      std::all_of(end.comparisons->begin(), end.comparisons->end(),
-                  [](const RunComparison& c) { return !c.must_agree || c.cycles == 0; });
-  return agree && std::all_of(end.expectations.begin(), end.expectations.end(),
-                              [](const auto& verdict) { return verdict.failure.empty(); });
 }
 
 }  // namespace deformable_contact_monitor

@@ -29,7 +29,4 @@ std::string summaryJson(const EvaluationEnd& end);
 
 std::string summaryText(const EvaluationEnd& end);
 
-// Whether runs that must agree do, and all expectations hold.
-bool isPassed(const EvaluationEnd& end);
-
 }  // namespace deformable_contact_monitor

@@ -8,6 +8,7 @@
 
 #include "node/parameter_reader.h"
 #include "node/time_difference.h"
+#include "robot/nearest_name.h"
 #include "tools/common/yaml_parameters.h"
 
 namespace deformable_contact_monitor {
@@ -80,6 +81,21 @@ std::vector<Expectation> readExpectations(const std::string& path) {
   throw std::runtime_error(path + ": " + all);
 }
 
+void checkBodies(const std::vector<std::string>& bodies, const std::set<std::string>& links,
+                 std::vector<Expectation>* expectations) {
+  for (Expectation& expectation : *expectations) {
+    for (const std::string& name : {expectation.link, expectation.object}) {
+      if (std::find(bodies.begin(), bodies.end(), name) != bodies.end()) continue;
+      std::string& problem = expectation.problem;
+      if (!problem.empty()) problem += "; ";
+      problem += links.count(name) > 0
+                     ? "link '" + name + "' has no geometry, or is left out"
+                     : "no such body '" + name + "'" + nearestNameHint(name, bodies);
+      if (expectation.link == expectation.object) break;
+    }
+  }
+}
+
 ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations) {
   for (Expectation& expectation : expectations) {
     Record record;
@@ -101,6 +117,7 @@ void ExpectationJudge::look(const ContactStates& states) {
 void ExpectationJudge::look(const ContactStates& states, double since_s, Record* record) const {
   const Expectation& e = record->expectation;
   const ContactState* const state = find(states, e);
+  record->is_monitored |= state != nullptr;
   // The cycle did not look at the pair.
   if (state != nullptr && state->stamp != states.header.stamp) return;
   const bool known =
@@ -128,7 +145,11 @@ std::vector<ExpectationJudge::Verdict> ExpectationJudge::verdicts() const {
   std::vector<Verdict> verdicts;
   for (const Record& record : records_) {
     Verdict verdict{describe(record.expectation), ""};
-    if (record.cycles == 0) {
+    if (!record.expectation.problem.empty()) {
+      verdict.failure = record.expectation.problem;
+    } else if (record.cycles > 0 && !record.is_monitored) {
+      verdict.failure = "not monitored: no pair class that is on has these two";
+    } else if (record.cycles == 0) {
       verdict.failure = "no cycle in that time";
     } else if (record.expectation.touches != Expectation::Touches::kSometime) {
       verdict.failure = record.first_break;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,17 @@ struct Expectation {
   Touches touches = Touches::kSometime;
   double from_s = 0, to_s = std::numeric_limits<double>::infinity();  // since the first cycle
   std::uint32_t min_pairs = 1;                                        // that make a touch
+  std::string problem;  // why it cannot hold, whatever the cycles show; empty: it can
 };
 
 // From a yaml list of {link, object, touches: sometime|always|never, from_s, to_s, min_pairs}.
 // Throws std::runtime_error that names the file and every problem, in one line.
 std::vector<Expectation> readExpectations(const std::string& path);
+
+// Gives those a problem that name no body: neither an object nor a link with geometry. `links` are
+// all that the robot has.
+void checkBodies(const std::vector<std::string>& bodies, const std::set<std::string>& links,
+                 std::vector<Expectation>* expectations);
 
 // Judges one run's cycles. A cycle in which the pair is UNKNOWN, ALLOWED or not monitored is no
 // proof of anything: `always` and `never` fail by it. So do expectations without a single cycle in
@@ -46,6 +53,7 @@ class ExpectationJudge {
   struct Record {
     Expectation expectation;
     std::uint64_t cycles = 0, touching = 0, unknown = 0;
+    bool is_monitored = false;
     std::string first_break;  // of always or never: when and what was seen
     std::uint32_t most_pairs = 0;
   };

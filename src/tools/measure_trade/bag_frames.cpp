@@ -35,6 +35,8 @@ struct Frame {
 
 class BagFrames : public FrameSource {
  public:
+  explicit BagFrames(const PairClasses& classes) : pair_classes_(namesOf(classes)) {}
+
   void add(const CycleReport& cycle) {
     if (frames_.empty()) start(cycle);
     const Scene& scene = *cycle.scene;
@@ -67,6 +69,7 @@ class BagFrames : public FrameSource {
   void rewind() override { next_ = 0; }
   const Scene& scene() const override { return scene_; }
   bool isDeformable(BodyId body) const override { return deformable_.at(body); }
+  std::vector<std::string> pairClasses() const override { return pair_classes_; }
   std::string label() const override { return next_ == 0 ? "" : frames_[next_ - 1].label; }
 
  private:
@@ -99,6 +102,7 @@ class BagFrames : public FrameSource {
     }
   }
 
+  std::vector<std::string> pair_classes_;
   Scene scene_;
   std::vector<bool> deformable_;
   std::vector<Frame> frames_;
@@ -117,10 +121,10 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   progress("reading the bags");
-  const BagContents contents = scanBags(&reader, [](std::uint64_t) {});
-  const BagSetup setup = setUpBags(files, configured, SceneObject(), contents, warn);
+  BagContents contents = scanBags(&reader, [](std::uint64_t) {});
+  const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   BagCycles cycles(setup.parameters, contents, setup.robot, nullptr);
-  auto frames = std::make_unique<BagFrames>();
+  auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes);
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
     frames->add(*cycle);
     progress("reading the bags, cycle " + std::to_string(cycle->cycle));

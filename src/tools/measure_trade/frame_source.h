@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/scene.h"
 
@@ -28,6 +29,10 @@ class FrameSource {
 
   // Whether the body deforms; else it is a robot's link or another rigid one.
   virtual bool isDeformable(BodyId body) const = 0;
+
+  // The classes of pairs that are looked at, by the names of the node's `pair_classes`; the node's
+  // default where a source does not say otherwise.
+  virtual std::vector<std::string> pairClasses() const { return {"robot_deformable"}; }
 
   // Names the last frame for people: a file, a stamp.
   virtual std::string label() const = 0;

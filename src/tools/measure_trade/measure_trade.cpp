@@ -55,20 +55,30 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
   results.exact = exactResults(frames, arguments.base.adjacent,
                                [&](const std::string& what) { progress->set(what); });
   const int frame_count = static_cast<int>(results.exact.labels.size());
-  const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
-  std::vector<Worth> worth;
-  for (const Setting& setting : settings) {
-    const std::string place = "setting " + std::to_string(worth.size() + 1) + " of " +
-                              std::to_string(settings.size()) + ": " + describe(setting) + ": ";
-    const std::unique_ptr<Detector> detector = makeBackend(setting.backend);
-    results.measurements.push_back(
-        measure(frames, results.exact, setting, cycles, detector.get(),
-                [&](const std::string& what) { progress->set(place + what); }));
-    worth.push_back(results.measurements.back().worth());
+  const int cycles_each = (arguments.least_cycles - 1) / arguments.repeats + 1;
+  const CycleCounts cycles{arguments.warm_up, (cycles_each - 1) / frame_count + 1};
+  results.measurements.resize(settings.size());
+  // All settings, and then all again: what slows the machine down for a while hits many of them.
+  for (int repeat = 0; repeat < arguments.repeats; ++repeat) {
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+      const std::string place = "repeat " + std::to_string(repeat + 1) + " of " +
+                                std::to_string(arguments.repeats) + ", setting " +
+                                std::to_string(i + 1) + " of " + std::to_string(settings.size()) +
+                                ": " + describe(settings[i]) + ": ";
+      Measurement& sum = results.measurements[i];
+      sum.setting = settings[i];
+      const std::unique_ptr<Detector> detector = makeBackend(settings[i].backend);
+      measure(
+          frames, results.exact, cycles, detector.get(),
+          [&](const std::string& what) { progress->set(place + what); }, &sum);
+    }
   }
+  std::vector<Worth> worth;
+  for (const Measurement& m : results.measurements) worth.push_back(m.worth());
   results.front = paretoFront(worth);
   results.chosen = choose(worth, arguments.budget_ms);
   results.fastest = fastest(worth);
+  if (results.chosen) results.as_fast = asFast(worth, *results.chosen);
   return results;
 }
 
@@ -148,7 +158,7 @@ int run(const TradeArguments& arguments) {
     outputs.settings.write(settingsCsv(results));
     outputs.links.write(linksCsv(results, *frames));
     outputs.summary.write(summaryJson(arguments, results, *frames));
-    if (outputs.config) outputs.config->write(configYaml(arguments, results));
+    if (outputs.config) outputs.config->write(configYaml(arguments, results, *frames));
     progress.set("drawing");
     runScriptBeside("plot_trade.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
   }

@@ -22,6 +22,8 @@ class MeshFrames : public FrameSource {
     }
     addBody(files.states.front(), states_.front());
     scene_.setPairEnabled(kDeforming, kDeforming, files.self);
+    if (!files.against.empty()) pair_classes_.push_back("robot_deformable");
+    if (files.self) pair_classes_.push_back("deformable_self");
     for (const std::string& file : files.against) {
       progress("reading " + file);
       scene_.setPairEnabled(kDeforming, addBody(file, readMeshFile(file)), true);
@@ -44,6 +46,7 @@ class MeshFrames : public FrameSource {
   const Scene& scene() const override { return scene_; }
   bool isDeformable(BodyId body) const override { return body == kDeforming; }
   std::string label() const override { return next_ == 0 ? "" : labels_[next_ - 1]; }
+  std::vector<std::string> pairClasses() const override { return pair_classes_; }
 
  private:
   // With the frames that lead there from the state before.
@@ -77,6 +80,7 @@ class MeshFrames : public FrameSource {
   }
 
   std::vector<std::string> labels_;  // of states_
+  std::vector<std::string> pair_classes_;
   std::vector<TriangleMesh> states_;
   std::map<std::string, std::string> file_of_name_;
   Scene scene_;

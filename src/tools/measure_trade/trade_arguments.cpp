@@ -1,6 +1,7 @@
 // The command line of measure_trade.
 #include "tools/measure_trade/trade_arguments.h"
 
+#include <filesystem>
 #include <vector>
 
 #include "tools/common/command_line.h"
@@ -65,8 +66,11 @@ void addRun(CommandLine* line, TradeArguments* arguments) {
   line->add("--cycles", &arguments->least_cycles,
             "Measure at least so many cycles of each setting, in whole passes through the states",
             inRange(1, 1000000000));
-  line->add("--warm-up", &arguments->warm_up, "Cycles before them that are not counted",
-            inRange(0, 1000000000));
+  line->add("--repeats", &arguments->repeats,
+            "Share these cycles out over so many passes through all settings, to see the noise",
+            inRange(1, 1000));
+  line->add("--warm-up", &arguments->warm_up,
+            "Cycles before them, in each repeat, that are not counted", inRange(0, 1000000000));
   line->add("--out", &arguments->out_folder, "Folder for the results; made if need be");
   line->add("--budget-ms", &arguments->budget_ms,
             "Choose the most accurate setting that takes no longer in 95 of 100 cycles "
@@ -74,6 +78,8 @@ void addRun(CommandLine* line, TradeArguments* arguments) {
             isPositive());
   line->add("--write-config", &arguments->config_file,
             "Write the chosen setting here, as parameters of contact_monitor (YAML)");
+  line->addFlag("--force", &arguments->force, "Replace the file that --write-config names");
+  line->requireFor("--force", "--write-config");
 }
 
 // What is of the grid alone.
@@ -120,6 +126,10 @@ void check(const TradeArguments& arguments) {
   }
   if (arguments.out_folder.empty()) refuseUsage("--out: must not be empty");
   refuseMeshAsOutput("--write-config", arguments.config_file);
+  if (!arguments.force && std::filesystem::is_regular_file(arguments.config_file)) {
+    refuseUsage("--write-config: " + arguments.config_file +
+                " is there already; --force replaces it");
+  }
 }
 
 }  // namespace

@@ -17,10 +17,12 @@ struct TradeArguments {
   TradeGrid grid;
   Options base;           // what the grid does not vary
   int least_cycles = 20;  // measured for each setting, in whole passes through the frames
-  int warm_up = 5;        // cycles before them
+  int repeats = 3;        // times that the grid is gone through, the cycles shared out
+  int warm_up = 5;        // cycles before them, in each repeat
   std::optional<double> budget_ms;
   std::string out_folder = "trade";
   std::string config_file;  // empty: not wanted
+  bool force = false;       // replace config_file
   bool swept = false;       // what instant motion loses, in place of the grid
   int every = 10;           // swept: frames that are kept, each so-many-th
   std::string command;      // all of it, to be typed again

@@ -68,8 +68,22 @@ void addOnsets(const std::vector<FrameCounts>& pass, const ExactResults& exact, 
 }  // namespace
 
 Worth Measurement::worth() const {
-  return {median(round_trip_ms), percentile(round_trip_ms, 0.95),
-          std::min(external.worst, self.worst), precision.worst, guaranteed && broken.empty()};
+  Worth worth = {median(round_trip_ms), percentile(round_trip_ms, 0.95),
+                 std::min(external.worst, self.worst), precision.worst,
+                 guaranteed && broken.empty()};
+  std::vector<double> medians, p95s;
+  auto begin = round_trip_ms.begin();
+  for (const std::size_t cycles : repeats) {
+    const auto end = begin + static_cast<std::ptrdiff_t>(cycles);
+    const std::vector<double> ms(begin, end);
+    medians.push_back(median(ms));
+    p95s.push_back(percentile(ms, 0.95));
+    begin = end;
+  }
+  worth.median_noise = spreadAround(worth.median_ms, medians);
+  worth.p95_noise = spreadAround(worth.p95_ms, p95s);
+  worth.strictness = strictness(setting.options);
+  return worth;
 }
 
 ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,
@@ -91,8 +105,9 @@ ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,
   return exact;
 }
 
-Measurement measure(FrameSource* frames, const ExactResults& exact, const Setting& setting,
-                    const CycleCounts& cycles, Detector* detector, const SayProgress& progress) {
+void measure(FrameSource* frames, const ExactResults& exact, const CycleCounts& cycles,
+             Detector* detector, const SayProgress& progress, Measurement* sum) {
+  const Setting& setting = sum->setting;
   const auto detect = [&]() -> const DetectionResult& {
     const DetectionResult& result = detector->detect(frames->scene(), setting.options);
     if (result.cut_off) {
@@ -111,8 +126,7 @@ Measurement measure(FrameSource* frames, const ExactResults& exact, const Settin
     }
     detect();
   }
-  Measurement sum;
-  sum.setting = setting;
+  sum->repeats.push_back(0);
   for (int pass = 0; pass < cycles.passes; ++pass) {
     frames->rewind();
     std::vector<FrameCounts> counts;
@@ -122,14 +136,14 @@ Measurement measure(FrameSource* frames, const ExactResults& exact, const Settin
       const DetectionResult& result = detect();
       const std::size_t frame = counts.size();
       counts.push_back(compare(exact.contacts.at(frame), result.contacts));
-      sum.round_trip_ms.push_back(result.round_trip_ms);
-      sum.guaranteed = sum.guaranteed && result.guaranteed;
-      addWork(result.counters, &sum.work);
-      addFrame(counts.back(), exact, frame, &sum);
+      sum->round_trip_ms.push_back(result.round_trip_ms);
+      ++sum->repeats.back();
+      sum->guaranteed = sum->guaranteed && result.guaranteed;
+      addWork(result.counters, &sum->work);
+      addFrame(counts.back(), exact, frame, sum);
     }
-    addOnsets(counts, exact, &sum);
+    addOnsets(counts, exact, sum);
   }
-  return sum;
 }
 
 }  // namespace deformable_contact_monitor

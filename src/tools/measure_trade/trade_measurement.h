@@ -37,6 +37,7 @@ struct Measurement {
   };
   Setting setting;
   std::vector<double> round_trip_ms;  // per cycle: scene on the host to sorted contacts there
+  std::vector<std::size_t> repeats;   // cycles of each
   RateOverFrames external, self;      // recall, of contacts between bodies and within one
   RateOverFrames precision;
   std::map<BodyPair, Bodies> bodies;  // of ExactResults::bodies
@@ -48,9 +49,9 @@ struct Measurement {
   Worth worth() const;
 };
 
-// The detector is new or reset. Throws std::runtime_error where contacts were left out for want of
-// device memory.
-Measurement measure(FrameSource* frames, const ExactResults& exact, const Setting& setting,
-                    const CycleCounts& cycles, Detector* detector, const SayProgress& progress);
+// Once more, added to what was measured of that setting before. The detector is new or reset.
+// Throws std::runtime_error where contacts were left out for want of device memory.
+void measure(FrameSource* frames, const ExactResults& exact, const CycleCounts& cycles,
+             Detector* detector, const SayProgress& progress, Measurement* sum);
 
 }  // namespace deformable_contact_monitor

@@ -18,6 +18,7 @@ struct TradeResults {
   std::vector<bool> front;                // Pareto's, per measurement
   std::optional<std::size_t> chosen;      // of the measurements; none: none keeps the budget
   std::size_t fastest = 0;                // of the measurements
+  std::vector<std::size_t> as_fast;       // the others that cannot be told from the chosen one
 };
 
 // A row for each setting. A rate without anything to count, such as recall of self-contacts where
@@ -31,11 +32,12 @@ std::string linksCsv(const TradeResults& results, const FrameSource& frames);
 std::string summaryJson(const TradeArguments& arguments, const TradeResults& results,
                         const FrameSource& frames);
 
-// What was chosen, or that nothing keeps the budget, in two or three lines.
+// What was chosen, or that nothing keeps the budget, and what noise does to that; some lines.
 std::string choiceText(const TradeArguments& arguments, const TradeResults& results);
 
 // The chosen setting as parameters of contact_monitor, with a comment of what was measured; the
 // comment alone where nothing was chosen.
-std::string configYaml(const TradeArguments& arguments, const TradeResults& results);
+std::string configYaml(const TradeArguments& arguments, const TradeResults& results,
+                       const FrameSource& frames);
 
 }  // namespace deformable_contact_monitor

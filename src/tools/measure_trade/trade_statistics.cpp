@@ -11,6 +11,36 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 1 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+bool overlap(double a, const Spread& of_a, double b, const Spread& of_b) {
+  return a - of_a.below <= b + of_b.above && b - of_b.below <= a + of_a.above;
+}
+
+std::tuple<double, double, bool> accuracy(const Worth& w) {
+  return {w.recall, w.precision, w.guaranteed};
+}
+
+// By accuracy, then strictness among those as fast as the fastest, then speed.
+std::size_t bestOf(const std::vector<Worth>& settings, const std::vector<std::size_t>& of) {
+  std::size_t fastest = of.front();
+  for (const std::size_t i : of) {
+    const auto rank = [&](std::size_t k) {
+      return std::make_tuple(accuracy(settings[k]), -settings[k].median_ms);
+    };
+    if (rank(i) > rank(fastest)) fastest = i;
+  }
+  std::size_t best = fastest;
+  for (const std::size_t i : of) {
+    const Worth& setting = settings[i];
+    if (accuracy(setting) != accuracy(settings[fastest])) continue;
+    if (!isMedianWithinNoise(setting, settings[fastest])) continue;
+    const auto rank = [&](std::size_t k) {
+      return std::make_tuple(settings[k].strictness, -settings[k].median_ms);
+    };
+    if (rank(i) > rank(best)) best = i;
+  }
+  return best;
+}
+
 }  // namespace
 
 void PairCounts::add(const PairCounts& o) {
@@ -97,18 +127,63 @@ std::vector<bool> paretoFront(const std::vector<Worth>& settings) {
   return front;
 }
 
+double strictness(const Options& options) {
+  switch (options.predicates) {
+    case Predicates::kExact:
+      return 4.0 + static_cast<double>(options.overlap);
+    case Predicates::kConservative:
+      return 2.0 + static_cast<double>(options.overlap);
+    default:
+      return static_cast<double>(options.overlap);
+  }
+}
+
+Spread spreadAround(double figure, const std::vector<double>& of_repeats) {
+  Spread spread;
+  for (const double repeat : of_repeats) {
+    spread.below = std::max(spread.below, figure - repeat);
+    spread.above = std::max(spread.above, repeat - figure);
+  }
+  return spread;
+}
+
+bool isMedianWithinNoise(const Worth& a, const Worth& b) {
+  return overlap(a.median_ms, a.median_noise, b.median_ms, b.median_noise);
+}
+
+bool isP95WithinNoise(const Worth& a, const Worth& b) {
+  return overlap(a.p95_ms, a.p95_noise, b.p95_ms, b.p95_noise);
+}
+
 std::optional<std::size_t> choose(const std::vector<Worth>& settings,
                                   std::optional<double> budget_ms) {
-  const auto rank = [](const Worth& w) {
-    return std::make_tuple(w.recall, w.precision, w.guaranteed, -w.median_ms);
-  };
-  std::optional<std::size_t> best;
+  std::vector<std::size_t> allowed, doubtful;
   for (std::size_t i = 0; i < settings.size(); ++i) {
     const Worth& setting = settings[i];
-    if (budget_ms ? setting.p95_ms > *budget_ms : !setting.guaranteed) continue;
-    if (!best || rank(setting) > rank(settings[*best])) best = i;
+    if (budget_ms ? setting.p95_ms <= *budget_ms : setting.guaranteed) {
+      allowed.push_back(i);
+    } else if (budget_ms && setting.p95_ms - setting.p95_noise.below <= *budget_ms) {
+      doubtful.push_back(i);
+    }
   }
-  return best;
+  if (allowed.empty()) return std::nullopt;
+  const std::size_t best = bestOf(settings, allowed);
+  std::vector<std::size_t> better;
+  for (const std::size_t i : doubtful) {
+    if (accuracy(settings[i]) > accuracy(settings[best]) &&
+        isP95WithinNoise(settings[i], settings[best])) {
+      better.push_back(i);
+    }
+  }
+  return better.empty() ? best : bestOf(settings, better);
+}
+
+std::vector<std::size_t> asFast(const std::vector<Worth>& settings, std::size_t chosen) {
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    if (i != chosen && isMedianWithinNoise(settings[i], settings[chosen])) others.push_back(i);
+  }
+  return others;
 }
 
 std::size_t fastest(const std::vector<Worth>& settings) {

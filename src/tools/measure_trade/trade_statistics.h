@@ -56,22 +56,45 @@ struct OnsetDelay {
 // Of one pair of bodies in a sequence of frames: whether there is contact, whether one was found.
 OnsetDelay onsetDelay(const std::vector<bool>& truth, const std::vector<bool>& found);
 
+// By how much a figure was below and above itself when it was measured again.
+struct Spread {
+  double below = 0, above = 0;
+};
+
+// Of a figure of all repeats, by that of each.
+Spread spreadAround(double figure, const std::vector<double>& of_repeats);
+
 // What choosing between settings looks at.
 struct Worth {
   double median_ms = 0, p95_ms = 0;
   double recall = 1, precision = 1;  // in the worst frame
   bool guaranteed = false;
+  Spread median_noise = {}, p95_noise = {};  // [ms]
+  double strictness = 0;                     // how exact the setting is by design
 };
+
+// Exact predicates before conservative before fast ones, then by overlap.
+double strictness(const Options& options);
+
+// Whether the medians, or the p95s, of two settings cannot be told apart: what the repeats of one
+// measured reaches into what those of the other did.
+bool isMedianWithinNoise(const Worth& a, const Worth& b);
+bool isP95WithinNoise(const Worth& a, const Worth& b);
 
 // Whether each is on the Pareto front: none other is as good in median time, recall and precision,
 // and better in one of them.
 std::vector<bool> paretoFront(const std::vector<Worth>& settings);
 
 // The setting to use: of those whose p95 is within the budget, without one of those that are
-// guaranteed, the one with the best recall, then precision, then a guaranteed one, then the
-// fastest. Nothing if there is none.
+// guaranteed, the one with the best recall, then precision, then a guaranteed one, then, of those
+// whose median is within noise of the fastest's, the strictest, then the fastest. One whose p95 was
+// within the budget in some repeats alone goes before it if it is better in recall, precision or
+// guarantee, and their p95s are within noise of each other. Nothing if there is none.
 std::optional<std::size_t> choose(const std::vector<Worth>& settings,
                                   std::optional<double> budget_ms);
+
+// The others that are not `chosen`, and whose medians are within noise of its.
+std::vector<std::size_t> asFast(const std::vector<Worth>& settings, std::size_t chosen);
 
 // By median; at least one setting.
 std::size_t fastest(const std::vector<Worth>& settings);

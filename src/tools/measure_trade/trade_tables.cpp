@@ -44,6 +44,16 @@ void addRecall(const RateOverFrames& recall, bool counts, const ExactResults& ex
   row->text(recall.worst < 1 ? exact.labels.at(recall.worst_frame) : "");
 }
 
+// Of all cycles, and of what the repeats came to.
+void addNoise(const Measurement& m, Row* row) {
+  const Worth worth = m.worth();
+  row->number(percentile(m.round_trip_ms, 0.1)).number(percentile(m.round_trip_ms, 0.9));
+  row->number(worth.median_ms - worth.median_noise.below);
+  row->number(worth.median_ms + worth.median_noise.above);
+  row->number(worth.p95_ms - worth.p95_noise.below);
+  row->number(worth.p95_ms + worth.p95_noise.above);
+}
+
 void addOnset(const OnsetDelay& onset, Row* row) {
   row->count(onset.runs).count(onset.missed).number(onset.mean()).count(onset.worst);
 }
@@ -69,7 +79,8 @@ std::string settingsCsv(const TradeResults& results) {
     (bodies.first == bodies.second ? self : external) = true;
   }
   std::string text = std::string(kSettingColumns) +
-                     ",median_ms,p95_ms,least_ms,recall_external_mean,recall_external_worst,"
+                     ",median_ms,p95_ms,least_ms,p10_ms,p90_ms,median_low_ms,median_high_ms,"
+                     "p95_low_ms,p95_high_ms,recall_external_mean,recall_external_worst,"
                      "recall_external_worst_frame,recall_self_mean,recall_self_worst,"
                      "recall_self_worst_frame,precision_mean,precision_worst,undecided,"
                      "clusters_used,candidates_per_triangle,clusters_per_triangle,"
@@ -81,6 +92,7 @@ std::string settingsCsv(const TradeResults& results) {
     addSetting(m.setting, &row);
     row.number(median(m.round_trip_ms)).number(percentile(m.round_trip_ms, 0.95));
     row.number(*std::min_element(m.round_trip_ms.begin(), m.round_trip_ms.end()));
+    addNoise(m, &row);
     addRecall(m.external, external, results.exact, &row);
     addRecall(m.self, self, results.exact, &row);
     row.number(m.precision.mean()).number(m.precision.worst);

@@ -1,98 +1,24 @@
 #!/usr/bin/env python3
-"""evaluate_bag as its users see it: the oracle's pairs from every bag that holds the same scene,
-tables, expectations, exit codes and messages. The tool is $EVALUATE_BAG."""
-import csv
+"""evaluate_bag as its users see it: the oracle's pairs, tables, the report, and bad input."""
 import json
 import os
 import pathlib
-import random
 import re
 import resource
 import shutil
 import subprocess
-import sys
-import tempfile
-import unittest
 import xml.etree.ElementTree as ElementTree
 
 import rospy
 from std_msgs.msg import String
-from tf2_msgs.msg import TFMessage
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
-from panda_bag import AWAY_FROM, DATA, FRAMES, START, PandaBag, stamp_of, write_bag
+from evaluation_case import CONFIG, TOOL, EvaluationCase, main, read_table
+from panda_bag import DATA, FRAMES, START, stamp_of
 from panda_scene import SHIRT_FRAME
 from pose_meshes import write_ply
 
-TOOL = os.environ["EVALUATE_BAG"]
-CONFIG = """
-reference_frame: panda_link0
-objects: [{name: tshirt, topic: /tshirt}]
-"""
 
-
-def read_table(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
-class EvaluateBag(unittest.TestCase):
-
-    @classmethod
-    def setUpClass(cls):
-        cls.scene = PandaBag()
-        cls.events = cls.scene.events()
-        cls.expected = cls.scene.expected()
-        touched = [frame for frame, pairs in cls.expected.items() if pairs]
-        assert touched == list(range(AWAY_FROM)), "the scene is not what this test is about"
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def text(self, name, content):
-        with open(self.path(name), "w") as file:
-            file.write(content)
-        return self.path(name)
-
-    def bag(self, name="panda.bag", events=None, **options):
-        return write_bag(self.path(name), self.events if events is None else events, **options)
-
-    def run_tool(self, *arguments):
-        environment = dict(os.environ, ROS_PACKAGE_PATH=f"{DATA}/robots")
-        return subprocess.run([TOOL, "--out", self.path("out"), *arguments], stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True, errors="replace", timeout=300,
-                              check=False, env=environment)
-
-    def evaluate(self, *arguments, code=0):
-        """The tool's summary."""
-        done = self.run_tool("--config", self.text("config.yaml", CONFIG), "--pairs", *arguments)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        with open(self.path("out/summary.json")) as file:
-            return json.load(file)
-
-    def pairs(self):
-        """{stamp: pairs} as pairs.csv has them; each once."""
-        found = {}
-        for row in read_table(self.path("out/pairs.csv")):
-            pair = (row["body_a"], int(row["triangle_a"]), row["body_b"], int(row["triangle_b"]))
-            of_stamp = found.setdefault(row["stamp"], set())
-            self.assertNotIn(pair, of_stamp)
-            of_stamp.add(pair)
-        return found
-
-    def assert_oracle_pairs(self):
-        wanted = {f"{stamp_of(f).secs}.{stamp_of(f).nsecs:09d}": pairs
-                  for f, pairs in self.expected.items()}
-        frames = read_table(self.path("out/frames.csv"))
-        self.assertEqual([row["stamp"] for row in frames], sorted(wanted))
-        self.assertEqual(self.pairs(), {stamp: pairs for stamp, pairs in wanted.items() if pairs})
-        for row in frames:
-            self.assertEqual(int(row["pairs"]), len(wanted[row["stamp"]]))
-            self.assertEqual((row["complete"], row["skipped"]), ("yes", ""))
+class EvaluateBag(EvaluationCase):
 
     def test_other_types_of_messages_have_the_same_pairs(self):
         """The shape is recorded at its stamp, as it has no other."""
@@ -124,15 +50,6 @@ class EvaluateBag(unittest.TestCase):
             topics = json.load(file)["topics"]
         self.assertEqual(topics["/cloud"]["messages"], FRAMES)
         self.assertNotIn("/camera", topics, "it is nobody's, and was read")
-
-    def assert_refused(self, arguments, *wanted):
-        done = self.run_tool(*arguments)
-        self.assertEqual(done.returncode, 2, done)
-        last = done.stderr.splitlines()[-1]
-        self.assertRegex(last, r"\Aevaluate_bag: [^\n]+\Z")
-        for words in wanted:
-            self.assertIn(words, last)
-        return done
 
     def test_pairs_are_the_oracles(self):
         summary = self.evaluate(self.bag())
@@ -198,57 +115,6 @@ class EvaluateBag(unittest.TestCase):
         self.assertEqual(allowed(broken, stderr="SRDF, line 1: there is no element 'robot'"), set())
         self.assert_refused(["--srdf", self.path("no.srdf"), bag], "no.srdf: no such file")
 
-    def test_order_of_recording_does_not_matter(self):
-        """Late transforms, shuffled meshes, static transforms at the end, bags in parts."""
-        late = []
-        for received, topic, message in self.events:
-            delay = {"/tf": 1.5, "/tshirt": random.Random(str(received)).uniform(0, 0.3)}
-            late.append((received + rospy.Duration(delay.get(topic, 0)), topic, message))
-        late.sort(key=lambda event: event[0])
-        # A keyframe that is late is missed by those before it, so all are keyframes here.
-        late = [(t, topic, self.scene.shirt(round((m.header.stamp - START).to_sec() / 0.04)))
-                if topic == "/tshirt" else (t, topic, m) for t, topic, m in late]
-        stamps = [m.header.stamp for _, topic, m in late if topic == "/tshirt"]
-        self.assertNotEqual(stamps, sorted(stamps))
-        self.evaluate(self.bag("late.bag", late))
-        self.assert_oracle_pairs()
-
-        half = len(self.events) // 2
-        parts = [self.bag("a.bag", self.events[:half]), self.bag("b.bag", self.events[half:])]
-        self.evaluate(*reversed(parts))
-        self.assert_oracle_pairs()
-
-    def test_meshes_of_one_stamp_share_a_cycle(self):
-        """The second object's are recorded three seconds later."""
-        events = list(self.events)
-        for received, topic, message in self.events:
-            if topic == "/tshirt":
-                frame = round((message.header.stamp - START).to_sec() / 0.04)
-                other = self.scene.shirt(frame)
-                other.object = "other"
-                events.append((received + rospy.Duration(3), "/other", other))
-        events.sort(key=lambda event: event[0])
-        config = CONFIG.replace("}]", "}, {name: other, topic: /other}]")
-        done = self.run_tool("--config", self.text("two.yaml", config), "--pairs",
-                             self.bag("two.bag", events))
-        self.assertEqual(done.returncode, 0, done.stderr)
-        frames = read_table(self.path("out/frames.csv"))
-        self.assertEqual([row["objects"] for row in frames], ["tshirt other"] * FRAMES)
-        for row, pairs in zip(frames, self.expected.values()):
-            self.assertEqual(int(row["pairs"]), 2 * len(pairs))
-
-    def test_static_transforms_count_wherever_they_are(self):
-        moving, static = [], TFMessage()
-        for received, topic, message in self.events:
-            if topic == "/tf":
-                fixed = [t for t in message.transforms if t.child_frame_id == "panda_link8"]
-                static.transforms = fixed
-                message = TFMessage([t for t in message.transforms if t not in fixed])
-            moving.append((received, topic, message))
-        end = (moving[-1][0] + rospy.Duration(60), "/tf_static", static)
-        self.evaluate(self.bag("static.bag", moving + [end]))
-        self.assert_oracle_pairs()
-
     def test_compressed_bags(self):
         for compression in "bz2", "lz4":
             self.evaluate(self.bag(compression + ".bag", compression=compression, chunk=4096))
@@ -293,62 +159,6 @@ class EvaluateBag(unittest.TestCase):
         self.assertIn("no transform knows the reference frame 'elsewhere'", done.stderr)
         self.assertEqual({row["complete"] for row in read_table(self.path("out/frames.csv"))},
                          {"no"})
-
-    def test_expectations(self):
-        good = self.text("good.yaml", """
-- {link: panda_hand, object: tshirt, touches: sometime}
-- {link: panda_hand, object: tshirt, touches: never, from_s: 0.6}
-""")
-        touched = {pair[0] for pairs in self.expected.values() for pair in pairs}
-        self.assertIn("panda_hand", touched)
-        summary = self.evaluate(self.bag(), "--expect", good)
-        self.assertEqual([e["holds"] for e in summary["expectations"]], [True, True])
-
-        bad = self.text("bad.yaml", """
-- {link: panda_hand, object: tshirt, touches: never}
-- {link: tshirt, object: panda_hand, touches: always}
-- {link: panda_hand, object: tshirt, touches: sometime, from_s: 0.6, to_s: 100}
-- {link: panda_hand, object: tshirt, touches: sometime, min_pairs: 100000}
-- {link: panda_hand, object: tshirt, touches: never, from_s: 50}
-- {link: no_link, object: tshirt, touches: never}
-""")
-        summary = self.evaluate(self.bag(), "--expect", bad, code=1)
-        failures = [e["failure"] for e in summary["expectations"]]
-        for failure, words in zip(failures, ["CONTACT", "NONE", "not once", "most pairs",
-                                             "no cycle", "not monitored"]):
-            self.assertIn(words, failure)
-        self.assertFalse(summary["passed"])
-
-    def test_unknown_is_not_never(self):
-        gap = [e for e in self.events if e[1] != "/tf" or stamp_of(3) > e[0] or e[0] > stamp_of(18)]
-        gap = [(t, topic, TFMessage([x for x in m.transforms if x.child_frame_id != "panda_hand"]))
-               if topic == "/tf" and t > stamp_of(18) else (t, topic, m) for t, topic, m in gap]
-        expect = self.text("e.yaml", "- {link: panda_hand, object: tshirt, touches: never, "
-                                     "from_s: 0.65}")
-        summary = self.evaluate(self.bag("gap.bag", gap), "--expect", expect, code=1)
-        self.assertIn("UNKNOWN", summary["expectations"][0]["failure"])
-        self.assertLess(summary["runs"][0]["complete_cycles"], FRAMES)
-        self.assertIn("panda_hand: TF", read_table(self.path("out/frames.csv"))[-1]["skipped"])
-
-    def test_an_object_that_is_not_in_the_bag(self):
-        bag = str(DATA / "bags/pr2_arms_and_pressure.bag")
-        summary = self.evaluate_pr2(bag, "--cloth", "300", "--scale", "0.6", "--offset", "0.5", "0",
-                                    "1.0", "--rate", "10", "--backends", "cpu,brute_force")
-        self.assertGreater(summary["cycles"], 100)
-        self.assertGreater(summary["runs"][0]["pairs"], 300)
-        self.assertGreater(summary["runs"][0]["complete_cycles"], 100)
-        self.assertEqual(summary["comparisons"][0]["cycles_that_differ"], 0)
-        self.assertEqual(summary["topics"]["/tf"]["type"], "tf/tfMessage")
-        shirt = [str(DATA / f"tshirt/{i:03d}.obj") for i in range(20)]
-        summary = self.evaluate_pr2(bag, "--meshes", *shirt, "--scale", "0.09", "--object", "shirt",
-                                    "--offset", "0.5", "-0.2", "0.8", "--rate", "20")
-        self.assertEqual(summary["cycles"], 20)
-
-    def evaluate_pr2(self, bag, *arguments):
-        done = self.run_tool(bag, "--robot-description", str(DATA / "bags/pr2.urdf"), *arguments)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        with open(self.path("out/summary.json")) as file:
-            return json.load(file)
 
     def test_report(self):
         self.evaluate(self.bag(), "--backends", "cpu,fcl")
@@ -425,7 +235,4 @@ class EvaluateBag(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not DATA.is_dir():
-        print(f"SKIPPED: there are no test data at {DATA}")
-        raise SystemExit(77)
-    unittest.main()
+    main()

@@ -10,7 +10,7 @@
 
 #include "reference/brute_force_detector.h"
 #include "scenes.h"
-#include "tools/evaluate_bag/evaluation_summary.h"
+#include "tools/evaluate_bag/evaluation_verdict.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -66,18 +66,70 @@ TEST(RunComparison, OnlyExactRunsMustAgree) {
   }
 }
 
+// One cycle in which the pair of a link and a cloth is UNKNOWN for `reason`, or nothing is wrong.
+void look(const std::string& reason, EvaluationRun* run) {
+  CycleReport cycle;
+  cycle.header.stamp = ros::Time(1 + static_cast<double>(run->cycles++));
+  cycle.bodies = {{"hand", BodyKind::kLink, ros::Time(1), 0, ""},
+                  {"cloth", BodyKind::kDeformable, ros::Time(1), 0, "", true}};
+  cycle.pairs = {{0, 1}};
+  ContactStates states;
+  states.states.resize(1);
+  states.states[0].state = reason.empty() ? ContactState::NONE : ContactState::UNKNOWN;
+  states.states[0].reason = reason;
+  run->unknown.look(cycle, states);
+}
+
 TEST(EvaluationEnd, PassesUnlessExactRunsDisagreeOrAnExpectationFails) {
+  Runs runs;
+  addRun("cpu", Predicates::kExact, 1, &runs);
+  look("", runs[0].get());
   for (const bool must_agree : {false, true}) {
     for (const std::uint64_t differing : {0, 3}) {
       for (const char* failure : {"", "not once"}) {
         const std::vector<RunComparison> compared = {{0, 1, must_agree, differing, 0, 0, ""}};
         EvaluationEnd end;
+        end.runs = &runs;
         end.comparisons = &compared;
         end.expectations = {{"a touches b", failure}};
         EXPECT_EQ(isPassed(end), (!must_agree || differing == 0) && *failure == '\0');
       }
     }
   }
+}
+
+TEST(EvaluationEnd, WithoutACycleThatFoundOutAnythingNothingIsPassed) {
+  Runs runs;
+  addRun("cpu", Predicates::kExact, 1, &runs);
+  const std::vector<RunComparison> compared;
+  EvaluationEnd end;
+  end.runs = &runs;
+  end.comparisons = &compared;
+  EXPECT_FALSE(isPassed(end));
+  look("hand: no pose", runs[0].get());
+  EXPECT_FALSE(isPassed(end));
+  EXPECT_NE(verdictText(end).find("no cycle"), std::string::npos);
+  look("", runs[0].get());
+  EXPECT_TRUE(isPassed(end));
+}
+
+TEST(UnknownReasons, AreCountedWithoutTheirNumbersAndTheCommonestIsFirst) {
+  Runs runs;
+  addRun("cpu", Predicates::kExact, 1, &runs);
+  for (const char* reason : {"link_2: late: wanted 3.25, newest available 3.1", "hand: no mesh yet",
+                             "link_2: late: wanted 4.5, newest available 3.1",
+                             "link_3: late: wanted 4.5, newest available 3.1", ""}) {
+    look(reason, runs[0].get());
+  }
+  const std::vector<UnknownReason> all = runs[0]->unknown.all();
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].text, "link_2: late: wanted 3.25, newest available 3.1");
+  EXPECT_EQ(all[0].cycles, 2U);
+  EXPECT_EQ(all[0].from, ros::Time(1));
+  EXPECT_EQ(all[0].to, ros::Time(3));
+  EXPECT_EQ(all[1].text, "hand: no mesh yet");
+  EXPECT_EQ(all[2].text, "link_3: late: wanted 4.5, newest available 3.1");
+  EXPECT_EQ(runs[0]->unknown.evaluatedCycles(), 1U);
 }
 
 TEST(EvaluationRun, CompleteMeansThatNothingCanBeMissing) {

@@ -1,103 +1,16 @@
 #!/usr/bin/env python3
-"""measure_trade as its users see it: tables, plots, the choice, exit codes and messages.
-
-The tool is $MEASURE_TRADE. The scenes are a waving cloth that sinks through a floor and a post.
-"""
-import csv
-import json
-import math
+"""measure_trade as its users see it: tables, plots, exit codes and messages."""
 import os
 import pathlib
 import resource
-import re
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
-TOOL = os.environ["MEASURE_TRADE"]
-SOURCE = pathlib.Path(__file__).resolve().parents[3]
-DATA = pathlib.Path(os.environ.get("DCM_TEST_DATA") or SOURCE / "../shared/data")
-PARAMETERS = SOURCE / "config/contact_monitor.yaml"
-
-FLOOR = "v -9 -9 0\nv 9 -9 0\nv 0 9 0\nf 1 2 3\n"
-POST = "v 0.5 0.5 -3\nv 0.52 0.5 -3\nv 0.5 0.5 0.4\nf 1 2 3\n"
-ABOVE = "v 0 0 50\nv 1 0 50\nv 0 1 50\nf 1 2 3\n"
-SETTING = ("backend", "predicates", "overlap", "clusters", "fuzzifier", "iterations",
-           "refresh_period")
-
-
-def quick(**changes):
-    """Options for a few settings and cycles, so that a run takes no time."""
-    options = {"clusters": "0,6", "overlaps": "0,1", "predicates": "exact,fast", "fuzzifiers": "2",
-               "iterations": "1,0", "refresh_periods": "1", "cycles": "4", "warm_up": "1"}
-    options.update(changes)
-    return [word for name, value in options.items()
-            for word in ("--" + name.replace("_", "-"), value)]
-
-
-def cloth(height, n=12):
-    step = 1 / n
-    lines = [f"v {i * step} {j * step} {height + 0.1 * math.sin(9 * i * step + 4 * j * step)}"
-             for i in range(n + 1) for j in range(n + 1)]
-    for i in range(n):
-        for j in range(n):
-            a = i * (n + 1) + j + 1
-            lines += [f"f {a} {a + n + 1} {a + n + 2}", f"f {a} {a + n + 2} {a + 1}"]
-    return "\n".join(lines) + "\n"
-
-
-class Case(unittest.TestCase):
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
-
-    def path(self, *names):
-        return os.path.join(self.folder, *names)
-
-    def mesh(self, name, content):
-        with open(self.path(name), "w") as file:
-            file.write(content)
-        return self.path(name)
-
-    def sinking(self):
-        """Onto the post from the second state on, onto the floor in the third and fourth."""
-        return [self.mesh(f"cloth_{i}.obj", cloth(height))
-                for i, height in enumerate((1, 0.3, 0.05, -0.05))]
-
-    def run_tool(self, *arguments, **options):
-        return subprocess.run([TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              text=True, timeout=600, check=False, cwd=self.folder, **options)
-
-    def works(self, *arguments, **options):
-        done = self.run_tool(*arguments, **options)
-        self.assertEqual(done.returncode, 0, done)
-        return done
-
-    def table(self, name, out="trade"):
-        with open(self.path(out, name), newline="") as file:
-            return list(csv.DictReader(file))
-
-    def summary(self, out="trade"):
-        with open(self.path(out, "summary.json")) as file:
-            return json.load(file)
-
-    def assert_refused(self, arguments, *wanted, **options):
-        done = self.run_tool(*arguments, **options)
-        self.assertEqual(done.returncode, 2, done)
-        self.assertRegex(done.stderr, r"\Ameasure_trade: [^\n]+\n\Z")
-        self.assertEqual(done.stdout, "")
-        for words in wanted:
-            self.assertIn(words, done.stderr)
+from trade_case import ABOVE, DATA, FLOOR, POST, SETTING, TOOL, Case, cloth, quick
 
 
 class MeasureTrade(Case):
-
-    def scene(self):
-        return [*self.sinking(), "--against", self.mesh("floor.obj", FLOOR),
-                self.mesh("post.obj", POST), self.mesh("far.obj", ABOVE)]
 
     def test_tables(self):
         self.works(*self.scene(), *quick())
@@ -169,49 +82,6 @@ class MeasureTrade(Case):
         self.assertTrue(summary["machine"]["cpu"])
         self.assertRegex(summary["command"], r"\Ameasure_trade .*--out 'a folder/inside'")
         self.assertTrue(summary["chosen"]["guaranteed"])
-
-    def test_choice(self):
-        scene = self.scene()
-        done = self.works(*scene, *quick())
-        self.assertRegex(done.stdout, r"\AChosen without a budget: cpu, exact, overlap 1, .*\n"
-                                      r"  median .* ms, p95 .* ms; .* 100 % .* 100 % "
-                                      r".*miss none\n\Z")
-        done = self.works(*scene, *quick(), "--budget-ms", "10000")
-        self.assertRegex(done.stdout, r"\AChosen for a budget of 10000 ms: cpu, exact, overlap 1,")
-        done = self.works(*scene, *quick(), "--budget-ms", "0.000001")
-        fastest = min(self.table("settings.csv"), key=lambda row: float(row["median_ms"]))
-        self.assertIn("No setting keeps a budget of 1e-06 ms. The fastest: cpu, "
-                      f"{fastest['predicates']}, overlap {fastest['overlap']}, ", done.stdout)
-        self.assertIsNone(self.summary()["chosen"])
-        done = self.works(*scene, *quick(predicates="fast"))
-        self.assertIn("No setting of these is guaranteed. The fastest: cpu, fast, ", done.stdout)
-
-    def test_config(self):
-        """Names and values that the node knows; its own parser reads it in trade_config_test."""
-        known = re.findall(r"^([a-z_]+):", PARAMETERS.read_text(), re.MULTILINE)
-        self.works(*self.scene(), *quick(), "--write-config", self.path("chosen.yaml"))
-        text = pathlib.Path(self.path("chosen.yaml")).read_text()
-        values = dict(line.split(": ") for line in text.splitlines() if not line.startswith("#"))
-        self.assertEqual(tuple(values), SETTING)
-        self.assertLessEqual(set(values), set(known))
-        chosen = self.summary()["chosen"]
-        for name in SETTING:
-            self.assertEqual(values[name], f"{chosen[name]:g}" if isinstance(
-                chosen[name], float) else str(chosen[name]))
-        self.assertRegex(text, r"(?m)^# Written by measure_trade .*chosen.yaml$")
-        self.assertIn("# Chosen without a budget: cpu, ", text)
-
-        done = self.works(*self.scene(), *quick(), "--write-config", "-")
-        self.assertTrue(done.stdout.startswith("# Written by "), done.stdout)
-        self.assertTrue(done.stdout.endswith("refresh_period: 1\n"), done.stdout)
-
-    def test_config_that_there_is_none_for(self):
-        done = self.run_tool(*self.scene(), *quick(), "--budget-ms", "1e-6",
-                             "--write-config", "none")
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("none: there is no setting to write", done.stderr)
-        lines = pathlib.Path(self.path("none")).read_text().splitlines()
-        self.assertTrue(lines and all(line.startswith("#") for line in lines), lines)
 
     def test_plots(self):
         done = self.works(*self.scene(), *quick())

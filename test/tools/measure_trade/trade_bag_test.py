@@ -78,6 +78,16 @@ class TradeBag(unittest.TestCase):
             summary = json.load(file)
         self.assertEqual((len(summary["frames"]), summary["pairs_without_step"]), (FRAMES, 0))
 
+    def test_the_bags_pair_classes_are_written(self):
+        bag = write_bag(self.path("panda.bag"), self.scene.events())
+        classes = "pair_classes: [robot_deformable, deformable_self]\n"
+        pathlib.Path(self.path("config.yaml")).write_text(CONFIG + classes)
+        done = self.run_tool("--bag", bag, "--config", self.path("config.yaml"), "--overlaps", "1",
+                             "--clusters", "0", "--predicates", "exact", "--repeats", "1",
+                             "--write-config", self.path("chosen.yaml"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(pathlib.Path(self.path("chosen.yaml")).read_text().endswith(classes))
+
     def test_refusals(self):
         bag = write_bag(self.path("bare.bag"), [e for e in self.scene.events() if e[1] == "/tf"])
         for arguments, words in ((["--bag", bag], "no robot"),

@@ -66,7 +66,10 @@ class TradeMeasurement : public testing::Test {
   Measurement measured(const Options& options, const SpoiltDetector::Spoil& spoil,
                        const CycleCounts& cycles = {0, 1}) {
     SpoiltDetector detector(spoil);
-    return measure(&frames_, exact_, {"cpu", options}, cycles, &detector, ignore_);
+    Measurement sum;
+    sum.setting = {"cpu", options};
+    measure(&frames_, exact_, cycles, &detector, ignore_, &sum);
+    return sum;
   }
 
   const SayProgress ignore_ = [](const std::string&) {};

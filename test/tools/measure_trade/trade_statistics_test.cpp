@@ -223,6 +223,55 @@ TEST(TradeStatistics, ChoicesOfAWorkedExample) {
       << "a guarantee before speed, where what was measured is equal";
 }
 
+TEST(TradeStatistics, SpreadIsHowFarRepeatsReach) {
+  const Spread spread = spreadAround(5, {4.5, 5.25, 4.75});
+  EXPECT_EQ(spread.below, 0.5);
+  EXPECT_EQ(spread.above, 0.25);
+  EXPECT_EQ(spreadAround(5, {}).above, 0);
+  const Worth a = {5, 6, 1, 1, true, {1, 1}}, b = {7, 8, 1, 1, true, {1, 0}},
+              c = {9, 9, 1, 1, true, {0.5, 0}};
+  EXPECT_TRUE(isMedianWithinNoise(a, b) && isMedianWithinNoise(b, a)) << "both reach 6";
+  EXPECT_FALSE(isMedianWithinNoise(a, c) || isMedianWithinNoise(c, a));
+  EXPECT_EQ(asFast({a, b, c}, 0), std::vector<std::size_t>{1});
+}
+
+TEST(TradeStatistics, WithinNoiseTheStricterIsChosen) {
+  const Worth fast = {5, 6, 1, 1, true, {0.25, 0.25}, {}, 1};
+  Worth exact = {5.5, 6, 1, 1, true, {0.25, 0.25}, {}, 5};
+  EXPECT_EQ(choose({fast, exact}, 10), 1U);
+  EXPECT_EQ(choose({fast, exact}, std::nullopt), 1U);
+  exact.median_noise = {0.125, 0.25};
+  EXPECT_EQ(choose({fast, exact}, 10), 0U) << "it is slower for sure";
+  EXPECT_EQ(choose({fast, {5.5, 6, 1, 1, true, {1, 1}, {}, 1}}, 10), 0U) << "as strict: the faster";
+}
+
+TEST(TradeStatistics, WhatMissesTheBudgetByNoiseAloneGoesBeforeWhatIsLessExact) {
+  const Worth loose = {4, 5, 0.9, 1, false, {}, {0.25, 0.5}};
+  Worth exact = {4.5, 5.5, 1, 1, true, {}, {0.5, 0.5}};
+  EXPECT_EQ(choose({loose, exact}, 5), 1U);
+  EXPECT_EQ(choose({loose, exact}, 4.9), std::nullopt) << "nothing keeps that";
+  exact.p95_noise.below = 0.25;
+  EXPECT_EQ(choose({loose, exact}, 5), 0U) << "over the budget in every repeat";
+  exact = {4.5, 5.8, 1, 1, true, {}, {0.8, 0.5}};
+  EXPECT_EQ(choose({{4, 4.5, 0.9, 1, false, {}, {0.25, 0.25}}, exact}, 5), 0U)
+      << "it can be told from it";
+  EXPECT_EQ(choose({loose, {4.5, 5.5, 0.9, 1, false, {}, {0.5, 0.5}}}, 5), 0U) << "no more exact";
+}
+
+TEST(TradeStatistics, StrictnessIsOfPredicatesThenOfOverlap) {
+  double before = -1;
+  for (const Predicates predicates :
+       {Predicates::kFast, Predicates::kConservative, Predicates::kExact}) {
+    for (const float overlap : {0.0F, 0.5F, 1.0F}) {
+      Options options;
+      options.predicates = predicates;
+      options.overlap = overlap;
+      EXPECT_GT(strictness(options), before);
+      before = strictness(options);
+    }
+  }
+}
+
 TEST(TradeStatistics, NothingAllowedIsBetterThanTheChoice) {
   std::mt19937 random(4);
   for (int i = 0; i < kRandomCases; ++i) {

@@ -1,0 +1,74 @@
+// Triangles that a recording has later than the meshes that need them.
+#include "tools/bags/triangles_ahead.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace deformable_contact_monitor {
+
+// Which meshes come before which is known after the last one alone, but most are received in the
+// order of their stamps: so only triangles that were missed, or that are later than a mesh that
+// came after them, are kept.
+void TrianglesAhead::add(const std::string& object, std::uint64_t number, const ros::Time& stamp,
+                         const DeformableMesh::ConstPtr& mesh) {
+  Object& of = objects_[object];
+  const bool has_triangles = !mesh->triangles.empty();
+  of.meshes.push_back({stamp, number, mesh->topology_id, mesh->vertices.size(), has_triangles});
+  if (has_triangles) {
+    of.newest = mesh;
+    of.newest_number = number;
+    of.newest_stamp = stamp;
+    if (of.wanted.erase(mesh->topology_id) > 0) of.kept[number] = mesh;
+  } else if (!of.newest || of.newest->topology_id != mesh->topology_id) {
+    of.wanted.insert(mesh->topology_id);
+  } else if (stamp < of.newest_stamp) {
+    of.kept[of.newest_number] = of.newest;
+  }
+}
+
+void TrianglesAhead::settle() {
+  for (auto& [name, object] : objects_) settle(&object);
+  objects_.clear();
+}
+
+void TrianglesAhead::settle(Object* object) {
+  std::vector<Mesh>& meshes = object->meshes;
+  std::sort(meshes.begin(), meshes.end(), [](const Mesh& a, const Mesh& b) {
+    return std::tie(a.stamp, a.number) < std::tie(b.stamp, b.number);
+  });
+  std::vector<DeformableMesh::ConstPtr> ahead(meshes.size());  // of each mesh
+  DeformableMesh::ConstPtr next;
+  for (std::size_t i = meshes.size(); i-- > 0;) {
+    const Mesh& mesh = meshes[i];
+    if (next &&
+        (next->topology_id != mesh.topology_id || next->vertices.size() != mesh.coordinates))
+      next = nullptr;
+    const auto kept = object->kept.find(mesh.number);
+    if (kept != object->kept.end()) next = kept->second;
+    ahead[i] = next;
+  }
+  std::optional<std::uint32_t> known;  // the topology id whose triangles are known
+  bool from_ahead = false;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const Mesh& mesh = meshes[i];
+    if (mesh.has_triangles) {
+      known = mesh.topology_id;
+      from_ahead = false;
+      continue;
+    }
+    if (known != mesh.topology_id) {
+      if (!ahead[i]) continue;
+      needed_[mesh.number] = ahead[i];
+      known = mesh.topology_id;
+      from_ahead = true;
+    }
+    count_ += from_ahead;
+  }
+}
+
+DeformableMesh::ConstPtr TrianglesAhead::of(std::uint64_t number) const {
+  const auto found = needed_.find(number);
+  return found == needed_.end() ? nullptr : found->second;
+}
+
+}  // namespace deformable_contact_monitor

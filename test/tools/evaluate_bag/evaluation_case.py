@@ -1,0 +1,112 @@
+"""What the tests of evaluate_bag share: the scene's bags, the tool and its tables. The tool is
+$EVALUATE_BAG."""
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
+from panda_bag import AWAY_FROM, DATA, PandaBag, stamp_of, write_bag
+
+TOOL = os.environ["EVALUATE_BAG"]
+CONFIG = """
+reference_frame: panda_link0
+objects: [{name: tshirt, topic: /tshirt}]
+"""
+
+
+def read_table(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class EvaluationCase(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scene = PandaBag()
+        cls.events = cls.scene.events()
+        cls.expected = cls.scene.expected()
+        touched = [frame for frame, pairs in cls.expected.items() if pairs]
+        assert touched == list(range(AWAY_FROM)), "the scene is not what this test is about"
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def text(self, name, content):
+        with open(self.path(name), "w") as file:
+            file.write(content)
+        return self.path(name)
+
+    def bag(self, name="panda.bag", events=None, **options):
+        return write_bag(self.path(name), self.events if events is None else events, **options)
+
+    def run_tool(self, *arguments):
+        environment = dict(os.environ, ROS_PACKAGE_PATH=f"{DATA}/robots")
+        return subprocess.run([TOOL, "--out", self.path("out"), *arguments], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, errors="replace", timeout=300,
+                              check=False, env=environment)
+
+    def evaluate(self, *arguments, code=0):
+        """The tool's summary."""
+        done = self.run_tool("--config", self.text("config.yaml", CONFIG), "--pairs", *arguments)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return self.summary()
+
+    def summary(self):
+        with open(self.path("out/summary.json")) as file:
+            return json.load(file)
+
+    def report(self):
+        with open(self.path("out/report.html")) as file:
+            return file.read()
+
+    def pairs(self):
+        """{stamp: pairs} as pairs.csv has them; each once."""
+        found = {}
+        for row in read_table(self.path("out/pairs.csv")):
+            pair = (row["body_a"], int(row["triangle_a"]), row["body_b"], int(row["triangle_b"]))
+            of_stamp = found.setdefault(row["stamp"], set())
+            self.assertNotIn(pair, of_stamp)
+            of_stamp.add(pair)
+        return found
+
+    def assert_oracle_pairs(self):
+        wanted = {f"{stamp_of(f).secs}.{stamp_of(f).nsecs:09d}": pairs
+                  for f, pairs in self.expected.items()}
+        frames = read_table(self.path("out/frames.csv"))
+        self.assertEqual([row["stamp"] for row in frames], sorted(wanted))
+        self.assertEqual(self.pairs(), {stamp: pairs for stamp, pairs in wanted.items() if pairs})
+        for row in frames:
+            self.assertEqual(int(row["pairs"]), len(wanted[row["stamp"]]))
+            self.assertEqual((row["complete"], row["skipped"]), ("yes", ""))
+
+    def assert_refused(self, arguments, *wanted):
+        done = self.run_tool(*arguments)
+        self.assertEqual(done.returncode, 2, done)
+        last = done.stderr.splitlines()[-1]
+        self.assertRegex(last, r"\Aevaluate_bag: [^\n]+\Z")
+        for words in wanted:
+            self.assertIn(words, last)
+        return done
+
+    def evaluate_pr2(self, bag, *arguments):
+        done = self.run_tool(bag, "--robot-description", str(DATA / "bags/pr2.urdf"), *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return self.summary()
+
+
+def main():
+    if not DATA.is_dir():
+        print(f"SKIPPED: there are no test data at {DATA}")
+        raise SystemExit(77)
+    unittest.main()
