@@ -38,9 +38,9 @@ struct LaneSides {
   }
 };
 
-// Places at one time, relative to one point of the pair.
+// Places at one time, relative to the first vertex of a: of its others, and of b's.
 struct LanePlaces {
-  LaneVector a[3], b[3];
+  LaneVector a[2], b[3];
 };
 
 // How the two lie along a direction: by how much b lies beyond a, and a beyond b.
@@ -48,17 +48,11 @@ struct LaneOrder {
   FloatLanes b_beyond, a_beyond;
 
   LaneOrder(const LanePlaces& places, const LaneVector& n) {
-    FloatLanes low_a = dotOf(n, places.a[0]), low_b = dotOf(n, places.b[0]);
-    FloatLanes high_a = low_a, high_b = low_b;
-    for (int i = 1; i < 3; ++i) {
-      const FloatLanes x = dotOf(n, places.a[i]), y = dotOf(n, places.b[i]);
-      low_a = least(low_a, x);
-      high_a = most(high_a, x);
-      low_b = least(low_b, y);
-      high_b = most(high_b, y);
-    }
-    b_beyond = low_b - high_a;
-    a_beyond = low_a - high_b;
+    const FloatLanes a1 = dotOf(n, places.a[0]), a2 = dotOf(n, places.a[1]);
+    const FloatLanes b0 = dotOf(n, places.b[0]), b1 = dotOf(n, places.b[1]),
+                     b2 = dotOf(n, places.b[2]);
+    b_beyond = least(least(b0, b1), b2) - most(most(a1, a2), FloatLanes{});
+    a_beyond = least(least(a1, a2), FloatLanes{}) - most(most(b0, b1), b2);
   }
 };
 
@@ -67,14 +61,10 @@ struct LaneOrder {
 // use(direction, whether it is one of the former) until that returns false.
 template <class Use>
 inline void forEachDirection(const LanePlaces& p, const Use& use) {
-  LaneVector edge_a[3], edge_b[3];
-  for (int i = 0; i < 3; ++i) {
-    const int j = i == 2 ? 0 : i + 1;
-    edge_a[i] = minus(p.a[j], p.a[i]);
-    edge_b[i] = minus(p.b[j], p.b[i]);
-  }
-  const LaneVector centres =
-      minus(sumOf(sumOf(p.b[0], p.b[1]), p.b[2]), sumOf(sumOf(p.a[0], p.a[1]), p.a[2]));
+  const LaneVector edge_a[3] = {p.a[0], p.a[1], minus(p.a[1], p.a[0])};
+  const LaneVector edge_b[3] = {minus(p.b[1], p.b[0]), minus(p.b[2], p.b[0]),
+                                minus(p.b[2], p.b[1])};
+  const LaneVector centres = minus(sumOf(sumOf(p.b[0], p.b[1]), p.b[2]), sumOf(p.a[0], p.a[1]));
   if (!use(centres, false) || !use(crossOf(edge_a[0], edge_a[1]), true) ||
       !use(crossOf(edge_b[0], edge_b[1]), true)) {
     return;
@@ -97,19 +87,12 @@ struct LanePiece {
 class LaneMotion {
  public:
   explicit LaneMotion(const LanePairs& pairs) {
-    for (int i = 0; i < 3; ++i) {
-      from_.a[i] = minus(pairs.from.a[i], pairs.from.a[0]);
-      from_.b[i] = minus(pairs.from.b[i], pairs.from.a[0]);
-      to_.a[i] = minus(pairs.to.a[i], pairs.to.a[0]);
-      to_.b[i] = minus(pairs.to.b[i], pairs.to.a[0]);
-    }
+    setPlaces(pairs.from, from_);
+    setPlaces(pairs.to, to_);
     for (int k = 0; k < 3; ++k) {
-      FloatLanes r{};
-      for (int i = 0; i < 3; ++i) {
-        r = most(most(r, sizeOf(from_.a[i].x[k])), sizeOf(from_.b[i].x[k]));
-        r = most(most(r, sizeOf(to_.a[i].x[k])), sizeOf(to_.b[i].x[k]));
-      }
-      reach_.x[k] = r + Rounding<float>::kProduct;
+      const FloatLanes of_b2_from = sizeOf(from_.b[2].x[k]), of_b2_to = sizeOf(to_.b[2].x[k]);
+      reach_.x[k] = greatest(reachOfFour(from_, k), of_b2_from, reachOfFour(to_, k), of_b2_to) +
+                    Rounding<float>::kProduct;
     }
     // Edges are off by 8 u R, of at most 2 R; a component of their cross product by 80 u R R, of at
     // most 8 R R; its product with a place by 112 u R R R; the difference of two sums of three of
@@ -160,15 +143,25 @@ class LaneMotion {
   }
 
  private:
+  static void setPlaces(const LanePairs::State& state, LanePlaces& places) {
+    for (int i = 0; i < 2; ++i) places.a[i] = minus(state.a[i + 1], state.a[0]);
+    for (int i = 0; i < 3; ++i) places.b[i] = minus(state.b[i], state.a[0]);
+  }
+
+  // But for b's last vertex.
+  static FloatLanes reachOfFour(const LanePlaces& p, int k) {
+    return greatest(sizeOf(p.a[0].x[k]), sizeOf(p.a[1].x[k]), sizeOf(p.b[0].x[k]),
+                    sizeOf(p.b[1].x[k]));
+  }
+
   LanePlaces at(const FloatLanes& t) const {
     const FloatLanes s = 1 - t;
+    const auto between = [&s, &t](const LaneVector& p, const LaneVector& q) -> LaneVector {
+      return {{p.x[0] * s + q.x[0] * t, p.x[1] * s + q.x[1] * t, p.x[2] * s + q.x[2] * t}};
+    };
     LanePlaces places;
-    for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        places.a[i].x[k] = from_.a[i].x[k] * s + to_.a[i].x[k] * t;
-        places.b[i].x[k] = from_.b[i].x[k] * s + to_.b[i].x[k] * t;
-      }
-    }
+    for (int i = 0; i < 2; ++i) places.a[i] = between(from_.a[i], to_.a[i]);
+    for (int i = 0; i < 3; ++i) places.b[i] = between(from_.b[i], to_.b[i]);
     return places;
   }
 

@@ -87,7 +87,7 @@ void SweptScreen::halveSteps(Told where_they_meet) {
   for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
     if (told_[i] == Told::kApart) pieces_.push_back({i, 0});
   }
-  constexpr int kHalvings = 5;  // one more costs what the verdicts on what it settles do
+  constexpr int kHalvings = 7;  // one more costs what the verdicts on what it settles do
   float width = 1;
   for (int i = 0; i < kHalvings && (filters_ & kScreenPieces) != 0; ++i, width /= 2) {
     halvePieces(width, where_they_meet);
