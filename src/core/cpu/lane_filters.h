@@ -8,7 +8,7 @@ namespace deformable_contact_monitor {
 
 // The vertices of one triangle of each pair against the moving plane of the other.
 struct LaneSides {
-  IntLanes apart;                         // strictly on one side at all times
+  IntLanes apart;                             // strictly on one side at all times
   IntLanes on_both_at_start, on_both_at_end;  // strictly, some on one and some on the other
 
   LaneSides(const LaneVector (&plane_from)[3], const LaneVector (&plane_to)[3],
@@ -31,8 +31,8 @@ struct LaneSides {
       above[k] = low[k] > error;
       below[k] = high[k] < -error;
     }
-    apart = (above[0] & above[1] & above[2] & above[3]) |
-            (below[0] & below[1] & below[2] & below[3]);
+    apart =
+        (above[0] & above[1] & above[2] & above[3]) | (below[0] & below[1] & below[2] & below[3]);
     on_both_at_start = (low[0] < -error) & (high[0] > error);
     on_both_at_end = (low[3] < -error) & (high[3] > error);
   }
@@ -78,7 +78,7 @@ inline void forEachDirection(const LanePlaces& p, const Use& use) {
 
 // What is certain of a piece of the step.
 struct LanePiece {
-  IntLanes meet;                           // in the middle of it
+  IntLanes meet;                             // in the middle of it
   IntLanes apart_in_first, apart_in_second;  // at all times of its halves
 };
 

@@ -13,9 +13,9 @@ namespace deformable_contact_monitor {
 
 // Filters change no verdict; tests leave out one at a time.
 enum SweptScreenFilters : unsigned {
-  kScreenPlanes = 1,   // that move with one of the two
-  kScreenEnds = 2,     // contact at either end of the step
-  kScreenPieces = 4,   // directions, and contact, in ever smaller pieces of the step
+  kScreenPlanes = 1,  // that move with one of the two
+  kScreenEnds = 2,    // contact at either end of the step
+  kScreenPieces = 4,  // directions, and contact, in ever smaller pieces of the step
   kAllScreenFilters = 7,
 };
 
@@ -52,8 +52,8 @@ class SweptScreen {
 
   unsigned filters_;
   const std::vector<MovingTriangle>* triangles_ = nullptr;
-  std::vector<BoxPair> pairs_;  // that no plane parts
-  std::vector<Told> told_;      // of each of them
+  std::vector<BoxPair> pairs_;                    // that no plane parts
+  std::vector<Told> told_;                        // of each of them
   std::vector<std::uint32_t> at_start_, at_end_;  // of them, those that may meet there
   std::vector<Piece> pieces_, halves_;
   std::vector<BoxPair> meeting_, open_;

@@ -106,6 +106,33 @@ TEST_P(SweptScreenTest, EachFilterAloneAndAllNeverContradictTheVerdict) {
   }
 }
 
+// An affine map of all places keeps contacts that just touch, and fills mantissas so that products
+// are rounded.
+TEST_P(SweptScreenTest, NorWhereTheyTouchAndProductsAreRounded) {
+  const float rows[3][3] = {{20011, 313, -1021}, {-707, 15013, 2003}, {1511, -911, 17011}};
+  std::vector<MovingPair> pairs;
+  for (MovingPair pair : pairsOf(GetParam(), pairsWanted())) {
+    bool fits = true;
+    for (MovingTriangle* t : {&pair.a, &pair.b}) {
+      for (Triangle* state : {&t->from, &t->to}) {
+        for (Vec3f& v : state->v) {
+          const Vec3f p = v;
+          float* const x[3] = {&v.x, &v.y, &v.z};
+          for (int k = 0; k < 3; ++k) {
+            *x[k] = rows[k][0] * p.x + rows[k][1] * p.y + rows[k][2] * p.z;
+            fits = fits && std::fabs(*x[k]) < 1 << 24;
+          }
+        }
+      }
+    }
+    if (fits) pairs.push_back(pair);
+  }
+  const std::vector<SweptVerdict> exact = exactVerdicts(pairs);
+  for (const unsigned filters : {kScreenPlanes, kScreenEnds, kScreenPieces}) {
+    expectNoContradiction(pairs, exact, filters);
+  }
+}
+
 // Far from 1 rounding is the same, until numbers become denormal or infinite.
 TEST_P(SweptScreenTest, NorAtTheExtremes) {
   std::vector<MovingPair> pairs = pairsOf(GetParam(), pairsWanted() / 10);
@@ -171,7 +198,8 @@ TEST(SweptScreenExtremes, NothingIsCertainOfInfinityAndNaN) {
     }
   }
   for (const unsigned filters : {kScreenPlanes, kScreenEnds, kScreenPieces, kAllScreenFilters}) {
-    for (const Told told : screened(changed, filters, false)) EXPECT_EQ(told, Told::kOpen) << filters;
+    for (const Told told : screened(changed, filters, false))
+      EXPECT_EQ(told, Told::kOpen) << filters;
   }
 }
 
