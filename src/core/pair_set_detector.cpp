@@ -13,7 +13,7 @@ class PairSetDetector : public Detector {
  public:
   PairSetDetector(std::function<std::unique_ptr<Detector>()> make, const PairSetLimits& limits)
       : make_(std::move(make)), limits_(limits) {
-    kept_.push_back({{}, 0, make_(), 0});  // what cannot be made says so at once
+    kept_.push_back({{}, Motion::kInstant, 0, make_(), 0});  // what cannot be made says so at once
   }
 
   std::string backend() const override { return kept_.front().detector->backend(); }
@@ -23,7 +23,7 @@ class PairSetDetector : public Detector {
   }
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
-    choose(scene);
+    choose(scene, options.motion);
     const DetectionResult& result = kept_.front().detector->detect(scene, options);
     // It never shrinks, and a cycle that is cut off at once does not count it.
     kept_.front().memory_bytes = std::max(kept_.front().memory_bytes, result.memory_bytes);
@@ -33,21 +33,24 @@ class PairSetDetector : public Detector {
  private:
   struct Kept {
     std::vector<std::pair<BodyId, BodyId>> pairs;
+    Motion motion;
     std::uint64_t pairs_revision;  // Scene::pairsRevision() of the last scene with them; 0: none
     std::unique_ptr<Detector> detector;
     std::uint64_t memory_bytes;
   };
 
   // Brings the scene's own to the front.
-  void choose(const Scene& scene) {
-    if (kept_.front().pairs_revision == scene.pairsRevision()) return;
+  void choose(const Scene& scene, Motion motion) {
+    const Kept& last = kept_.front();
+    if (last.pairs_revision == scene.pairsRevision() && last.motion == motion) return;
     std::vector<std::pair<BodyId, BodyId>> pairs = scene.enabledPairs();
     auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
-      return kept.pairs_revision != 0 && kept.pairs == pairs;
+      return kept.pairs_revision != 0 && kept.motion == motion && kept.pairs == pairs;
     });
     if (found == kept_.end()) {
       found = forNewSet();
       found->pairs = std::move(pairs);
+      found->motion = motion;
     }
     found->pairs_revision = scene.pairsRevision();
     kept_.splice(kept_.begin(), kept_, found);
@@ -58,7 +61,7 @@ class PairSetDetector : public Detector {
     for (const Kept& kept : kept_) bytes += kept.memory_bytes;
     const bool first_is_free = kept_.front().pairs_revision == 0;
     const bool full = kept_.size() >= limits_.detectors || bytes >= limits_.memory_bytes;
-    if (!first_is_free && !full) kept_.push_back({{}, 0, make_(), 0});
+    if (!first_is_free && !full) kept_.push_back({{}, Motion::kInstant, 0, make_(), 0});
     return std::prev(kept_.end());
   }
 

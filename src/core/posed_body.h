@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/predicates/triangle.h"
 #include "core/rules/posed_vertex.h"
@@ -13,12 +14,19 @@ namespace deformable_contact_monitor {
 // A view: the body's mesh must be valid, and outlive it. Any number of threads may read.
 class PosedBody {
  public:
-  explicit PosedBody(const Body& body) : body_(&body), identity_(body.pose.isIdentity()) {}
+  explicit PosedBody(const Body& body)
+      : PosedBody(body.pose, body.mesh.vertices, body.mesh.triangles) {}
+
+  // Where it was at the beginning of the step; without an earlier state it stands still.
+  static PosedBody earlier(const Body& body) {
+    if (!body.earlier) return PosedBody(body);
+    const EarlierState& state = *body.earlier;
+    return {state.pose, state.vertices.empty() ? body.mesh.vertices : state.vertices,
+            body.mesh.triangles};
+  }
 
   // [m]; rounded as every backend does, so it may be infinite where the received one is not.
-  Vec3f vertex(std::size_t i) const {
-    return posedVertex(body_->pose, identity_, body_->mesh.vertex(i));
-  }
+  Vec3f vertex(std::size_t i) const { return posedVertex(*pose_, identity_, receivedVertex(i)); }
 
   // [m].
   Triangle triangle(std::uint32_t t) const {
@@ -29,17 +37,27 @@ class PosedBody {
   // In the body's frame [m].
   Triangle received(std::uint32_t t) const {
     const std::uint32_t* corner = corners(t);
-    const TriangleMesh& mesh = body_->mesh;
-    return {{mesh.vertex(corner[0]), mesh.vertex(corner[1]), mesh.vertex(corner[2])}};
+    return {{receivedVertex(corner[0]), receivedVertex(corner[1]), receivedVertex(corner[2])}};
   }
 
  private:
-  const std::uint32_t* corners(std::uint32_t t) const {
-    return &body_->mesh.triangles[3 * std::size_t{t}];
-  }
+  PosedBody(const RigidTransform& pose, const std::vector<float>& xyz,
+            const std::vector<std::uint32_t>& triangles)
+      : pose_(&pose),
+        identity_(pose.isIdentity()),
+        xyz_(xyz.data()),
+        triangles_(triangles.data()) {}
 
-  const Body* body_;
+  Vec3f receivedVertex(std::size_t i) const {
+    const float* v = xyz_ + 3 * i;
+    return {v[0], v[1], v[2]};
+  }
+  const std::uint32_t* corners(std::uint32_t t) const { return triangles_ + 3 * std::size_t{t}; }
+
+  const RigidTransform* pose_;
   bool identity_;
+  const float* xyz_;
+  const std::uint32_t* triangles_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -5,17 +5,19 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/options.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
 
 struct RejectedTriangles {
   std::size_t count = 0;  // of the body's triangles; what Counters::rejected sums up
-  bool by_pose = false;   // the pose makes some vertex infinite that was received finite
+  bool by_pose = false;   // a pose makes some vertex infinite that was received finite
 };
 
-// One per body of the scene; zero for those that take no part. Looks at every vertex: worth it only
-// where a cycle rejected any.
-std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene);
+// One per body of the scene; zero for those that take no part. In swept motion, of both states.
+// Looks at every vertex: worth it only where a cycle rejected any.
+std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene,
+                                                 Motion motion = Motion::kInstant);
 
 }  // namespace deformable_contact_monitor

@@ -80,7 +80,7 @@ class BruteForceDetector : public Detector {
     swept_.clear();
     PacedLimit pace(limit, 512);
     for (const auto& [a, b] : scene.enabledPairs()) {
-      const float pad_m = scene.body(a).pad_m + scene.body(b).pad_m;
+      const float pad_m = pairPad(scene.body(a).pad_m, scene.body(b).pad_m);
       for (std::size_t i = 0; i < bodies[a].size(); ++i) {
         for (std::size_t j = a == b ? i + 1 : 0; j < bodies[b].size() && !pace.over(); ++j) {
           const auto contact =

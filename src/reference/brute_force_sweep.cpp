@@ -7,13 +7,7 @@
 namespace deformable_contact_monitor {
 
 std::vector<MovingBodyTriangle> movingTriangles(const Body& body, const CycleLimit& limit) {
-  Body before;
-  before.mesh = body.mesh;
-  before.pose = body.earlier ? body.earlier->pose : body.pose;
-  if (body.earlier && !body.earlier->vertices.empty()) {
-    before.mesh.vertices = body.earlier->vertices;
-  }
-  const PosedBody from(before), to(body);
+  const PosedBody from = PosedBody::earlier(body), to(body);
   const auto count = static_cast<std::uint32_t>(body.mesh.triangleCount());
   std::vector<MovingBodyTriangle> triangles;
   PacedLimit pace(limit, 1 << 14);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,12 +45,15 @@ void row(const char* scene, const char* what, const Measured& m) {
   std::fflush(stdout);
 }
 
-// Sends body 0's vertices again before each cycle, so that nothing of them can be cached.
+// Sends body 0's vertices again before each cycle, those of its earlier state too, so that nothing
+// of them can be cached.
 Measured measureDetector(int repeats, Detector* detector, Scene* scene, const Options& options,
                          bool round_trip) {
   const std::vector<float> vertices = scene->body(0).mesh.vertices;
   return measure(repeats, [&](std::size_t* pairs) {
     scene->setVertices(0, vertices.data(), vertices.size() / 3);
+    const std::optional<EarlierState> earlier = scene->body(0).earlier;
+    if (earlier) scene->setEarlier(0, earlier->pose, earlier->vertices);
     const DetectionResult& result = detector->detect(*scene, options);
     *pairs = result.contacts.size();
     return round_trip ? result.round_trip_ms : result.detect_ms;
@@ -72,6 +76,43 @@ void geometryRows() {
       row("cloth_ball92, self", what.c_str(),
           measureDetector(25, detector.get(), &scene, options, true));
     }
+  }
+}
+
+// A step of a mesh in two states, self, neighbours skipped and not, with and without first times.
+void sweptMeshRows(const char* name, const std::string& from, const std::string& to) {
+  Scene scene = selfScene(readMeshFile(testDataFile(to)));
+  scene.setEarlier(0, RigidTransform(), readMeshFile(testDataFile(from)).vertices);
+  for (const AdjacentPairs adjacent : {AdjacentPairs::kSkip, AdjacentPairs::kBeyondShared}) {
+    for (const bool times : {false, true}) {
+      Options options;
+      options.motion = Motion::kSwept;
+      options.threads = 1;
+      options.adjacent = adjacent;
+      options.first_times = times;
+      const auto detector = makeCpuDetector();
+      const std::string what =
+          std::string("swept, ") + toString(adjacent) + (times ? ", first times" : "") + ": detect";
+      row(name, what.c_str(), measureDetector(9, detector.get(), &scene, options, false));
+    }
+  }
+}
+
+void sweptRows() {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  sweptMeshRows("cloth_ball 92 to 93, self", "cloth-ball/cloth_ball92.ply",
+                "cloth-ball/cloth_ball93.ply");
+  sweptMeshRows("cloth-funnel 227 to 228, self", "cloth-funnel/227.ply", "cloth-funnel/228.ply");
+  Scene robot = movingPandaAndCloth();
+  for (const bool times : {false, true}) {
+    Options options;
+    options.motion = Motion::kSwept;
+    options.threads = 1;
+    options.first_times = times;
+    const auto detector = makeCpuDetector();
+    row("Panda and a cloth of 15 138 triangles, both moving",
+        times ? "swept, first times: detect" : "swept: detect",
+        measureDetector(100, detector.get(), &robot, options, false));
   }
 }
 
@@ -114,11 +155,12 @@ void oneThreadRows() {
       measureDetector(200, robot_detector.get(), &robot, options, true));
 }
 
-// With the argument "geometry": what it costs alone.
+// With the argument "geometry" or "swept": these rows alone.
 int run(const std::string& only) {
   std::printf("| scene | what | median ms | least ms | pairs |\n|---|---|---|---|---|\n");
-  if (only != "geometry") oneThreadRows();
-  geometryRows();
+  if (only.empty()) oneThreadRows();
+  if (only.empty() || only == "geometry") geometryRows();
+  if (only.empty() || only == "swept") sweptRows();
   return 0;
 }
 

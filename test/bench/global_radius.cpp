@@ -48,12 +48,12 @@ double distance2(const Vec3f& a, const Vec3f& b) {
 
 }  // namespace
 
-ClusterAssignment assignByGlobalRadius(const WorkingSet& set, const SizeSplit& split,
-                                       const Prototypes& prototypes) {
+ClusterAssignment<Triangle> assignByGlobalRadius(const WorkingSet& set, const SizeSplit& split,
+                                                 const Prototypes& prototypes) {
   const PrototypesView view = prototypes.view();
   const Centroids centroids = centroidsOf(set, split);
   const double radius = centroids.radius;
-  ClusterAssignment assignment;
+  ClusterAssignment<Triangle> assignment;
   std::vector<std::uint32_t> list_begin, near;
   std::vector<double> d2;
   std::uint32_t nearest = 0;
@@ -87,8 +87,9 @@ ClusterAssignment assignByGlobalRadius(const WorkingSet& set, const SizeSplit& s
   std::vector<std::uint32_t> next = assignment.member_begin;
   for (std::size_t i = 0; i < split.regular.size(); ++i) {
     const TriangleIndex t = split.regular[i];
-    const ClusterMember member{set.posed(t),  set.vertexIds(t), t,
-                               set.bodyOf(t), list_begin[i],    list_begin[i + 1] - list_begin[i]};
+    const ClusterMember<Triangle> member{
+        set.posed(t),  set.vertexIds(t), t,
+        set.bodyOf(t), list_begin[i],    list_begin[i + 1] - list_begin[i]};
     for (std::uint32_t k = list_begin[i]; k < list_begin[i + 1]; ++k) {
       assignment.members[next[assignment.lists[k]]++] = member;
     }

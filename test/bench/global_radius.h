@@ -12,7 +12,7 @@ namespace deformable_contact_monitor {
 // triangles about their centroids, holds the triangle's centroid. In that reading ("overlap between
 // clusters >= max_i max_k |C_i - vertex_i,k|") the papers' rule loses no contact: where two
 // triangles meet, the centroid of neither is farther than that from the cell of the place.
-ClusterAssignment assignByGlobalRadius(const WorkingSet& set, const SizeSplit& split,
-                                       const Prototypes& prototypes);
+ClusterAssignment<Triangle> assignByGlobalRadius(const WorkingSet& set, const SizeSplit& split,
+                                                 const Prototypes& prototypes);
 
 }  // namespace deformable_contact_monitor

@@ -2,9 +2,11 @@
 
 #include <urdf_parser/urdf_parser.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "core/mesh_files/mesh_file.h"
 #include "scenes.h"
@@ -14,21 +16,33 @@ namespace deformable_contact_monitor {
 namespace {
 
 // parent_from_child = a b.
-RigidTransform composed(const RigidTransform& a, const urdf::Pose& b) {
+RigidTransform composed(const RigidTransform& a, const RigidTransform& b) {
   RigidTransform out;
-  const auto column = [&](int c) {
-    const urdf::Vector3 turned =
-        b.rotation * urdf::Vector3(c == 0 ? 1 : 0, c == 1 ? 1 : 0, c == 2 ? 1 : 0);
-    for (int r = 0; r < 3; ++r) {
-      out.rotation[3 * r + c] = a.rotation[3 * r] * turned.x + a.rotation[3 * r + 1] * turned.y +
-                                a.rotation[3 * r + 2] * turned.z;
-    }
-  };
-  for (int c = 0; c < 3; ++c) column(c);
   for (int r = 0; r < 3; ++r) {
-    out.translation[r] = a.rotation[3 * r] * b.position.x + a.rotation[3 * r + 1] * b.position.y +
-                         a.rotation[3 * r + 2] * b.position.z + a.translation[r];
+    out.translation[r] = a.translation[r];
+    for (int k = 0; k < 3; ++k) out.translation[r] += a.rotation[3 * r + k] * b.translation[k];
+    for (int c = 0; c < 3; ++c) {
+      out.rotation[3 * r + c] = 0;
+      for (int k = 0; k < 3; ++k) {
+        out.rotation[3 * r + c] += a.rotation[3 * r + k] * b.rotation[3 * k + c];
+      }
+    }
   }
+  return out;
+}
+
+RigidTransform toTransform(const urdf::Pose& pose) {
+  RigidTransform out;
+  for (int c = 0; c < 3; ++c) {
+    const urdf::Vector3 column =
+        pose.rotation * urdf::Vector3(c == 0 ? 1 : 0, c == 1 ? 1 : 0, c == 2 ? 1 : 0);
+    out.rotation[c] = column.x;
+    out.rotation[3 + c] = column.y;
+    out.rotation[6 + c] = column.z;
+  }
+  out.translation[0] = pose.position.x;
+  out.translation[1] = pose.position.y;
+  out.translation[2] = pose.position.z;
   return out;
 }
 
@@ -39,11 +53,13 @@ void addLink(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose, S
     const BodyId id = scene->addBody(
         link->name,
         readMeshFile(testDataFile("robots/panda_description/meshes/collision/" + file)));
-    scene->setPose(id, composed(pose, link->collision->origin));
+    scene->setPose(id, composed(pose, toTransform(link->collision->origin)));
     scene->setPairEnabled(0, id, true);
   }
   for (const auto& child : link->child_links) {
-    addLink(child, composed(pose, child->parent_joint->parent_to_joint_origin_transform), scene);
+    addLink(child,
+            composed(pose, toTransform(child->parent_joint->parent_to_joint_origin_transform)),
+            scene);
   }
 }
 
@@ -60,6 +76,24 @@ Scene pandaAndCloth() {
   RigidTransform pose;
   pose.translation[0] = pose.translation[1] = -0.6;
   scene.setPose(0, pose);
+  return scene;
+}
+
+Scene movingPandaAndCloth() {
+  Scene scene = pandaAndCloth();
+  const double s = std::sin(-0.02), c = std::cos(-0.02);
+  for (BodyId id = 1; id < scene.bodyCount(); ++id) {
+    RigidTransform about_z;
+    about_z.rotation[0] = about_z.rotation[4] = c;
+    about_z.rotation[1] = -s;
+    about_z.rotation[3] = s;
+    scene.setEarlier(id, composed(about_z, scene.body(id).pose));
+  }
+  std::vector<float> vertices = scene.body(0).mesh.vertices;
+  for (std::size_t i = 0; i < vertices.size(); i += 3) {
+    vertices[i + 2] += 0.003F + 0.001F * std::sin(40 * (vertices[i] + vertices[i + 1]));
+  }
+  scene.setEarlier(0, scene.body(0).pose, vertices);
   return scene;
 }
 

@@ -9,4 +9,8 @@ namespace deformable_contact_monitor {
 // laid through hand and elbow; links against cloth.
 Scene pandaAndCloth();
 
+// The same with a step: links turn by 0.02 rad about the robot's axis, the cloth falls by 3 mm and
+// ripples.
+Scene movingPandaAndCloth();
+
 }  // namespace deformable_contact_monitor

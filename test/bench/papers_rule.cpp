@@ -28,7 +28,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 using Contacts = std::set<std::pair<std::uint32_t, std::uint32_t>>;
-using Assign = std::function<ClusterAssignment(const SizeSplit&, const Prototypes&)>;
+using Assign = std::function<ClusterAssignment<Triangle>(const SizeSplit&, const Prototypes&)>;
 
 // The papers have no list of large triangles.
 SizeSplit withoutLargeList(const WorkingSet& set, SizeSplit split) {
@@ -75,14 +75,14 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
   const std::vector<float> slack = scaledSlacks(scene, rule.split.scale);
   const Options options;
   std::vector<double> assign_ms, sweep_ms;
-  CycleOutput output;
+  CycleOutput<Triangle> output;
   std::size_t entries = 0, largest = 0;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     Stopwatch watch;
-    const ClusterAssignment assignment = rule.assign(rule.split, prototypes);
+    const ClusterAssignment<Triangle> assignment = rule.assign(rule.split, prototypes);
     assign_ms.push_back(watch.lapMs());
-    const CycleInput input{scene, set, rule.split, assignment, groups, slack, options};
-    ClusterSweeper sweeper(input);
+    const CycleInput<Triangle> input{scene, set, rule.split, assignment, groups, slack, options};
+    ClusterSweeper<Triangle> sweeper(input);
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
     output = std::move(sweeper.output());
     sweepLargeTriangles(input, output);
@@ -94,8 +94,8 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     }
   }
   Contacts contacts;
-  for (const std::vector<WorkingContact>& block : output.contacts.blocks()) {
-    for (const WorkingContact& c : block) contacts.emplace(c.a.value, c.b.value);
+  for (const std::vector<WorkingContact<Triangle>>& block : output.contacts.blocks()) {
+    for (const WorkingContact<Triangle>& c : block) contacts.emplace(c.a.value, c.b.value);
   }
   std::printf("| %s | %zu | %s | %.2f | %zu | %.1f | %.0f | %.0f | %zu |\n", name, count, rule.name,
               static_cast<double>(entries) / static_cast<double>(rule.split.regular.size()),
@@ -117,7 +117,7 @@ void compareRules(const char* name, const Scene& scene, const std::vector<std::s
       {"one radius", withoutLargeList(set, split),
        [&set](const SizeSplit& s, const Prototypes& p) { return assignByGlobalRadius(set, s, p); }},
       {"half-spaces", split, [&](const SizeSplit& s, const Prototypes& p) {
-         ClusterAssignment assignment;
+         ClusterAssignment<Triangle> assignment;
          assigner.assign(scene, set, s, p, 1, assignment);
          return assignment;
        }}};

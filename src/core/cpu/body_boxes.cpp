@@ -39,12 +39,13 @@ bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& b
   return std::all_of(check, check + kStep, [](float c) { return c == 0; });
 }
 
-Aabb boxOfFiniteVertices(const TriangleMesh& mesh, const CycleLimit& limit) {
-  constexpr std::size_t kBlock = 1 << 16;
+Aabb boxOfFiniteVertices(const std::vector<float>& xyz, const CycleLimit& limit) {
+  constexpr std::size_t kBlock = 3 << 16;
   Aabb box;
-  serialBlocks(limit, mesh.vertexCount(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (isFinite(mesh.vertex(i))) box.include(mesh.vertex(i));
+  serialBlocks(limit, xyz.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; i += 3) {
+      const Vec3f vertex{xyz[i], xyz[i + 1], xyz[i + 2]};
+      if (isFinite(vertex)) box.include(vertex);
     }
   });
   return box;
@@ -73,41 +74,72 @@ Aabb posedBox(const Aabb& received, const RigidTransform& pose) {
   return {{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
 
+const Aabb& boxAs(const MovingBox& box, const Aabb& /*as*/) { return box.to; }
+const MovingBox& boxAs(const MovingBox& box, const MovingBox& /*as*/) { return box; }
+
 }  // namespace
 
+// False if the limit was over.
+bool BodyBoxes::updateReceived(std::uint64_t revision, const std::vector<float>& xyz,
+                               const CycleLimit& limit, ReceivedBox& received) {
+  if (received.vertices_revision == revision) return true;
+  received = {revision, Aabb(), true};
+  received.all_finite = boundFinite(xyz, limit, received.box);
+  if (!received.all_finite) received.box = boxOfFiniteVertices(xyz, limit);
+  if (limit.wasOver()) received = ReceivedBox();  // of some vertices alone
+  return !limit.wasOver();
+}
+
+template <class Hull>
 void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
   received_.resize(scene.bodyCount());
+  earlier_received_.resize(scene.bodyCount());
   posed_.resize(scene.bodyCount());
   all_finite_.resize(scene.bodyCount());
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (!scene.takesPart(id)) continue;
     const Body& body = scene.body(id);
-    ReceivedBox& received = received_[id];
-    if (received.vertices_revision != body.vertices_revision) {
-      received = {body.vertices_revision, Aabb(), true};
-      received.all_finite = boundFinite(body.mesh.vertices, limit, received.box);
-      if (!received.all_finite) received.box = boxOfFiniteVertices(body.mesh, limit);
-      if (limit.wasOver()) {
-        received = ReceivedBox();  // of some vertices alone
-        return;
-      }
+    const auto posed = [&](const ReceivedBox& received, const RigidTransform& pose) {
+      const Aabb box = posedBox(received.box, pose);
+      all_finite_[id] =
+          all_finite_[id] && received.all_finite && isFinite(box.min) && isFinite(box.max);
+      return box.empty() ? box : inflated(box, growthOf<Hull>(body));
+    };
+    all_finite_[id] = true;
+    if (!updateReceived(body.vertices_revision, body.mesh.vertices, limit, received_[id])) return;
+    posed_[id].to = posed(received_[id], body.pose);
+    if (!kIsMoving<Hull>) continue;
+    posed_[id].from = posed_[id].to;
+    if (!body.earlier) continue;
+    const std::vector<float>& earlier = body.earlier->vertices;
+    if (!earlier.empty() &&
+        !updateReceived(body.earlier_revision, earlier, limit, earlier_received_[id])) {
+      return;
     }
-    const Aabb posed = posedBox(received.box, body.pose);
-    all_finite_[id] = received.all_finite && isFinite(posed.min) && isFinite(posed.max);
-    posed_[id] = posed.empty() ? posed : inflated(posed, body.margin_m);
+    posed_[id].from =
+        posed(earlier.empty() ? received_[id] : earlier_received_[id], body.earlier->pose);
   }
 }
 
-PartnerBoxes BodyBoxes::partnersOf(const Scene& scene, BodyId id) const {
-  PartnerBoxes partners;
+template <class Hull>
+PartnerBoxes<BoxOf<Hull>> BodyBoxes::partnersOf(const Scene& scene, BodyId id) const {
+  using Box = BoxOf<Hull>;
+  PartnerBoxes<Box> partners;
   partners.self = scene.pairEnabled(id, id);
+  const Box& own = boxAs(posed_[id], Box());
   for (BodyId other = 0; other < scene.bodyCount(); ++other) {
     if (other == id || !scene.pairEnabled(id, other)) continue;
-    if (!intersects(posed_[id], posed_[other])) continue;
-    partners.boxes.push_back(posed_[other]);
-    partners.hull.include(posed_[other]);
+    const Box& its = boxAs(posed_[other], Box());
+    if (!intersects(own, its)) continue;
+    partners.boxes.push_back(its);
+    partners.hull.include(its);
   }
   return partners;
 }
+
+template void BodyBoxes::update<Triangle>(const Scene&, const CycleLimit&);
+template void BodyBoxes::update<MovingTriangle>(const Scene&, const CycleLimit&);
+template PartnerBoxes<Aabb> BodyBoxes::partnersOf<Triangle>(const Scene&, BodyId) const;
+template PartnerBoxes<MovingBox> BodyBoxes::partnersOf<MovingTriangle>(const Scene&, BodyId) const;
 
 }  // namespace deformable_contact_monitor

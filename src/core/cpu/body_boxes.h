@@ -5,35 +5,39 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cpu/hull.h"
 #include "core/cycle_limit.h"
-#include "core/predicates/aabb.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
 
-// The boxes of a body's partners that meet its own.
+// The boxes of a body's partners that meet its own, Aabb or MovingBox.
+template <class Box>
 struct PartnerBoxes {
   bool self = false;  // it is its own partner: every triangle counts
-  Aabb hull;
-  std::vector<Aabb> boxes;
+  Box hull;
+  std::vector<Box> boxes;
 
-  bool meet(const Aabb& box) const {
+  bool meet(const Box& box) const {
     if (self) return true;
     return intersects(hull, box) &&
            std::any_of(boxes.begin(), boxes.end(),
-                       [&box](const Aabb& partner) { return intersects(partner, box); });
+                       [&box](const Box& partner) { return intersects(partner, box); });
   }
 };
 
 // Keeps the boxes of bodies whose vertices did not change from call to call.
 class BodyBoxes {
  public:
-  // Of all bodies that take part; the others' are of no use.
+  // Of all bodies that take part; the others' are of no use. Hull: as in hull.h.
+  template <class Hull>
   void update(const Scene& scene, const CycleLimit& limit);
 
-  PartnerBoxes partnersOf(const Scene& scene, BodyId id) const;
+  // As updated with the same Hull.
+  template <class Hull>
+  PartnerBoxes<BoxOf<Hull>> partnersOf(const Scene& scene, BodyId id) const;
 
-  // Whether every vertex is certainly finite, as received and as posed.
+  // Whether every vertex is certainly finite, as received and as posed, in all states.
   bool allFinite(BodyId id) const { return all_finite_[id]; }
 
  private:
@@ -43,9 +47,13 @@ class BodyBoxes {
     bool all_finite = true;
   };
 
-  std::vector<ReceivedBox> received_;
-  // Each holds every finite vertex of its body as posed in float32, grown by the body's margin [m].
-  std::vector<Aabb> posed_;
+  static bool updateReceived(std::uint64_t revision, const std::vector<float>& xyz,
+                             const CycleLimit& limit, ReceivedBox& received);
+
+  std::vector<ReceivedBox> received_, earlier_received_;
+  // Each holds every finite vertex of its body as posed in float32, grown by growthOf [m]. Without
+  // motion `to` alone is of use.
+  std::vector<MovingBox> posed_;
   std::vector<bool> all_finite_;
 };
 

@@ -32,18 +32,19 @@ std::vector<Vec3f> refreshed(std::vector<Vec3f> warm, std::size_t count,
 
 }  // namespace
 
+template <class Hull>
 std::vector<Vec3f> sampleCentroids(const WorkingSet& set, const SizeSplit& split,
                                    const Sampling& sampling) {
   std::vector<Vec3f> centroids(sampling.samples);
   for (std::uint32_t s = 0; s < sampling.samples; ++s) {
-    const Triangle posed = set.posed(split.regular[sampling.triangleOf(s)]);
-    const Vec3f scaled[3] = {split.scale.apply(posed.v[0]), split.scale.apply(posed.v[1]),
-                             split.scale.apply(posed.v[2])};
-    centroids[s] = centroidOf(scaled);
+    Vec3f scaled[kPoints<Hull>];
+    split.scaled(set.posed<Hull>(split.regular[sampling.triangleOf(s)]), scaled);
+    centroids[s] = meanOf<Hull>(scaled);
   }
   return centroids;
 }
 
+template <class Hull>
 bool PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, const Options& options,
                               const CycleLimit& limit, Prototypes& searchable) {
   const std::size_t count =
@@ -58,14 +59,23 @@ bool PrototypeTracker::update(const WorkingSet& set, const SizeSplit& split, con
     const Sampling sampling = samplingOf(static_cast<std::uint32_t>(split.regular.size()),
                                          static_cast<std::uint32_t>(count), kLeastSamples);
     if (cold) scaled.clear();
-    scaled =
-        refreshed(std::move(scaled), count, sampleCentroids(set, split, sampling), options, limit);
+    scaled = refreshed(std::move(scaled), count, sampleCentroids<Hull>(set, split, sampling),
+                       options, limit);
   }
   searchable.build(scaled, limit);
   if (limit.wasOver()) return cold;
   prototypes_.clear();
-  for (const Vec3f& p : scaled) prototypes_.push_back(split.scale.invert(p));
+  const SceneScale& scale = kIsMoving<Hull> ? split.scale_after : split.scale;
+  for (const Vec3f& p : scaled) prototypes_.push_back(scale.invert(p));
   return cold;
 }
+
+template std::vector<Vec3f> sampleCentroids<Triangle>(const WorkingSet&, const SizeSplit&,
+                                                      const Sampling&);
+template bool PrototypeTracker::update<Triangle>(const WorkingSet&, const SizeSplit&,
+                                                 const Options&, const CycleLimit&, Prototypes&);
+template bool PrototypeTracker::update<MovingTriangle>(const WorkingSet&, const SizeSplit&,
+                                                       const Options&, const CycleLimit&,
+                                                       Prototypes&);
 
 }  // namespace deformable_contact_monitor

@@ -13,7 +13,8 @@
 namespace deformable_contact_monitor {
 
 // Centroids of the regular triangles that the sampling of their list asks for, in its order
-// [scaled].
+// [scaled]; of what moves, halfway.
+template <class Hull = Triangle>
 std::vector<Vec3f> sampleCentroids(const WorkingSet& set, const SizeSplit& split,
                                    const Sampling& sampling);
 
@@ -26,11 +27,13 @@ class PrototypeTracker {
   // Fuzzy c-means on a sample of the centroids, from last cycle's prototypes if there are as many
   // as wanted; between refreshes the prototypes stay where they are in the scene. Where the limit
   // was over, they stay too, and `searchable` is of no use. Whether it started from nothing.
+  // Hull: as in hull.h.
+  template <class Hull>
   bool update(const WorkingSet& set, const SizeSplit& split, const Options& options,
               const CycleLimit& limit, Prototypes& searchable);
 
  private:
-  std::vector<Vec3d> prototypes_;  // scene frame [m]
+  std::vector<Vec3d> prototypes_;  // scene frame [m], as at the end of the step
   int cycles_since_refresh_ = 0;
 };
 

@@ -9,25 +9,42 @@
 #include <utility>
 #include <vector>
 
+#include "core/cpu/hull.h"
 #include "core/detector.h"
 #include "core/index.h"
 
 namespace deformable_contact_monitor {
 
-// A contact between two triangles of the working set, a < b.
+// A contact between two triangles of the working set, a < b. Hull: as in hull.h, here and below.
+template <class Hull>
 struct WorkingContact {
   TriangleIndex a, b;
   float separation_m = 0;
+};
+
+template <>
+struct WorkingContact<MovingTriangle> {
+  TriangleIndex a, b;
+  FirstContact first;
+  bool within_pad;  // as in DetectionResult
 };
 
 // How many contacts all lists of a cycle may hold together. Any number of threads.
 class ContactRoom {
  public:
   // Upper bound of the memory of the contacts, from where they are found to the result [bytes].
-  explicit ContactRoom(std::uint64_t memory_limit_bytes, bool geometry = false)
+  ContactRoom(std::uint64_t memory_limit_bytes, std::uint64_t bytes_each)
       : blocks_left_(std::clamp<std::int64_t>(
-            static_cast<std::int64_t>(memory_limit_bytes / (kBlock * bytesEach(geometry))), 1,
+            static_cast<std::int64_t>(memory_limit_bytes / (kBlock * bytes_each)), 1,
             kMostContacts / kBlock)) {}
+
+  // The list, the sorted one, and the result's.
+  template <class Hull>
+  static std::uint64_t bytesEach(bool geometry) {
+    return 2 * sizeof(WorkingContact<Hull>) + sizeof(TrianglePair) +
+           (kIsMoving<Hull> ? sizeof(FirstContact) + 1 : sizeof(float)) +
+           (geometry ? sizeof(PairGeometry) : 0);
+  }
 
   // Room for so many more; false if there is none.
   bool takeBlock() { return blocks_left_.fetch_sub(1, std::memory_order_relaxed) > 0; }
@@ -35,24 +52,20 @@ class ContactRoom {
   static constexpr std::int64_t kBlock = 1024;
 
  private:
-  // The list, the sorted one, and the result's.
-  static std::uint64_t bytesEach(bool geometry) {
-    return 2 * sizeof(WorkingContact) + sizeof(TrianglePair) + sizeof(float) +
-           (geometry ? sizeof(PairGeometry) : 0);
-  }
   static constexpr std::int64_t kMostContacts = std::int64_t{1} << 31;
 
   std::atomic<std::int64_t> blocks_left_;
 };
 
 // One thread's. In blocks, so that it never moves.
+template <class Hull>
 class ContactList {
  public:
   // Null: room without bound.
   explicit ContactList(ContactRoom* room = nullptr) : room_(room) {}
 
   // Counts it, and keeps it if there is room.
-  void add(const WorkingContact& contact) {
+  void add(const WorkingContact<Hull>& contact) {
     if (room_in_block_ == 0 && !makeRoom()) {
       ++left_out_;
       return;
@@ -68,10 +81,10 @@ class ContactList {
     room_in_block_ = 0;
   }
 
-  const std::vector<std::vector<WorkingContact>>& blocks() const { return blocks_; }
+  const std::vector<std::vector<WorkingContact<Hull>>>& blocks() const { return blocks_; }
   std::size_t size() const {
     std::size_t size = 0;
-    for (const std::vector<WorkingContact>& block : blocks_) size += block.size();
+    for (const std::vector<WorkingContact<Hull>>& block : blocks_) size += block.size();
     return size;
   }
   std::uint64_t leftOut() const { return left_out_; }
@@ -86,7 +99,7 @@ class ContactList {
   }
 
   ContactRoom* room_;
-  std::vector<std::vector<WorkingContact>> blocks_;
+  std::vector<std::vector<WorkingContact<Hull>>> blocks_;
   std::size_t room_in_block_ = 0;
   std::uint64_t left_out_ = 0;
 };

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <tuple>
 
 #include "core/cpu/assign.h"
 #include "core/cpu/cluster.h"
@@ -24,12 +25,13 @@
 namespace deformable_contact_monitor {
 namespace {
 
-void sweepClusters(const CycleInput& input, CycleOutput& output) {
-  tbb::enumerable_thread_specific<ClusterSweeper> sweepers(std::cref(input));
+template <class Hull>
+void sweepClusters(const CycleInput<Hull>& input, CycleOutput<Hull>& output) {
+  tbb::enumerable_thread_specific<ClusterSweeper<Hull>> sweepers(std::cref(input));
   tbb::parallel_for(std::size_t{0}, input.assignment.clusterCount(), [&](std::size_t g) {
     if (!input.limit.over()) sweepers.local().sweep(ClusterIndex(static_cast<std::uint32_t>(g)));
   });
-  for (ClusterSweeper& sweeper : sweepers) output.take(sweeper.output());
+  for (ClusterSweeper<Hull>& sweeper : sweepers) output.take(sweeper.output());
 }
 
 // Stages that run at the same time on several threads share the wall time as their work was.
@@ -46,13 +48,22 @@ class CpuDetector : public Detector {
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
+  template <class Hull>
   void run(const Scene& scene, const Options& options);
+  template <class Hull>
   bool makeClusters(const Scene& scene, const Options& options, const CycleLimit& limit,
                     StageTimes& times);
+  template <class Hull>
   void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
                     StageTimes& times);
+  template <class Hull>
   void countClusters();
-  void countPairs(const CycleOutput& output);
+  template <class Hull>
+  void countPairs(const CycleOutput<Hull>& output);
+  template <class Hull>
+  ClusterAssignment<Hull>& assignment() {
+    return std::get<ClusterAssignment<Hull>>(assignments_);
+  }
 
   CpuSettings settings_;
   WorkingSetBuilder builder_;
@@ -61,25 +72,33 @@ class CpuDetector : public Detector {
   PrototypeTracker tracker_;
   Prototypes prototypes_;
   ClusterAssigner assigner_;
-  ClusterAssignment assignment_;
+  std::tuple<ClusterAssignment<Triangle>, ClusterAssignment<MovingTriangle>> assignments_;
   DetectionResult result_;
 };
 
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
-  requireInstant(options, backend());
   requireHostVertices(scene, backend());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] { run(scene, options); });
+  arena.execute([&] {
+    if (options.motion == Motion::kSwept) {
+      run<MovingTriangle>(scene, options);
+    } else {
+      run<Triangle>(scene, options);
+    }
+  });
   return result_;
 }
 
+template <class Hull>
 void CpuDetector::run(const Scene& scene, const Options& options) {
   const Stopwatch cycle;
   const CycleLimit limit(options.limits);
   StageTimes times;
   result_.begin(scene, options, isGuaranteed(options));
-  if (makeClusters(scene, options, limit, times)) findContacts(scene, options, limit, times);
+  if (makeClusters<Hull>(scene, options, limit, times)) {
+    findContacts<Hull>(scene, options, limit, times);
+  }
   if (limit.wasOver()) result_.cutOff(limit.why());
   result_.stages_ms = times.byName();
   result_.round_trip_ms = cycle.elapsedMs();
@@ -87,56 +106,62 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
 }
 
 // The stages ahead of the pairs; false if the limit was over.
+template <class Hull>
 bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const CycleLimit& limit,
                                StageTimes& times) {
   if (limit.over()) return false;
   Stopwatch watch;
-  builder_.build(scene, set_, result_.counters, limit);
+  builder_.build<Hull>(scene, set_, result_.counters, limit);
   if (!limit.wasOver()) splitBySize(set_, split_, limit);
   times.add(Stage::kPose, watch.lapMs());
   if (limit.wasOver()) return false;
-  result_.started_cold = tracker_.update(set_, split_, options, limit, prototypes_);
+  result_.started_cold = tracker_.update<Hull>(set_, split_, options, limit, prototypes_);
   times.add(Stage::kCluster, watch.lapMs());
   if (limit.wasOver()) return false;
-  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment_, limit);
+  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment<Hull>(), limit);
   times.add(Stage::kAssign, watch.lapMs());
   return !limit.wasOver();
 }
 
+template <class Hull>
 void CpuDetector::findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
                                StageTimes& times) {
   Stopwatch watch;
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlacks(scene, split_.scale);
-  ContactRoom room(settings_.memory_limit_bytes, options.geometry);
-  const CycleInput input{scene, set_, split_, assignment_, groups, slack, options, limit, &room};
-  CycleOutput output(input);
+  const std::vector<float> slack = scaledSlacks<Hull>(scene, split_.scale);
+  ContactRoom room(settings_.memory_limit_bytes, ContactRoom::bytesEach<Hull>(options.geometry));
+  const CycleInput<Hull> input{scene,   set_,  split_, assignment<Hull>(), groups, slack,
+                               options, limit, &room};
+  CycleOutput<Hull> output(input);
   sweepClusters(input, output);
   addShares(output.work, watch.lapMs(), times);
   output.work = StageTimes();
   if (!limit.wasOver()) sweepLargeTriangles(input, output);
   addShares(output.work, watch.lapMs(), times);
 
-  writeContacts(scene, set_, output.contacts, limit, result_);
+  writeContacts(scene, options, set_, output.contacts, limit, result_);
   writeGeometry(scene, options, result_);
-  countClusters();
+  countClusters<Hull>();
   countPairs(output);
   times.add(Stage::kOutput, watch.lapMs());
 }
 
+template <class Hull>
 void CpuDetector::countClusters() {
+  const ClusterAssignment<Hull>& assignment = this->assignment<Hull>();
   Counters& counters = result_.counters;
   counters.clustered = split_.regular.size();
   counters.large = split_.large.size();
-  counters.clusters = split_.regular.empty() ? 0 : assignment_.clusterCount();
-  counters.cluster_entries = assignment_.members.size();
-  for (std::size_t g = 0; g < assignment_.clusterCount(); ++g) {
+  counters.clusters = split_.regular.empty() ? 0 : assignment.clusterCount();
+  counters.cluster_entries = assignment.members.size();
+  for (std::size_t g = 0; g < assignment.clusterCount(); ++g) {
     counters.largest_cluster = std::max<std::uint64_t>(
-        counters.largest_cluster, assignment_.member_begin[g + 1] - assignment_.member_begin[g]);
+        counters.largest_cluster, assignment.member_begin[g + 1] - assignment.member_begin[g]);
   }
 }
 
-void CpuDetector::countPairs(const CycleOutput& output) {
+template <class Hull>
+void CpuDetector::countPairs(const CycleOutput<Hull>& output) {
   result_.counters.interval_overlaps = output.interval_overlaps;
   result_.counters.candidates = output.candidates;
   result_.counters.exact = output.exact;

@@ -18,12 +18,14 @@
 
 namespace deformable_contact_monitor {
 
-// What these stages read; made by the ones before them. Any number of threads.
+// What these stages read; made by the ones before them. Any number of threads. Hull: as in hull.h,
+// here and below.
+template <class Hull>
 struct CycleInput {
   const Scene& scene;
   const WorkingSet& set;
   const SizeSplit& split;
-  const ClusterAssignment& assignment;
+  const ClusterAssignment<Hull>& assignment;
   const BodyGroups& groups;
   const std::vector<float>& slack;  // per body [scaled]
   const Options& options;
@@ -31,20 +33,30 @@ struct CycleInput {
   ContactRoom* room = nullptr;  // for contacts; null: without bound
 };
 
-// Two triangles of the working set that boxes and plane filters leave to the verdict.
+// Two triangles of the working set that boxes and filters leave to the verdict, and what is known
+// of them.
+template <class Hull>
 struct Candidate {
   TriangleIndex a, b;
   PairFacts facts;
 };
 
+template <>
+struct Candidate<MovingTriangle> {
+  TriangleIndex a, b;
+  SharedVertices shared;
+  bool meet;  // certainly; if first times are wanted, at the start
+};
+
 // What these stages add to, each thread to one of its own.
+template <class Hull>
 struct CycleOutput {
-  ContactList contacts;
+  ContactList<Hull> contacts;
   std::uint64_t interval_overlaps = 0, candidates = 0, exact = 0, undecided = 0;
   StageTimes work;  // of this thread
 
   CycleOutput() = default;
-  explicit CycleOutput(const CycleInput& input) : contacts(input.room) {}
+  explicit CycleOutput(const CycleInput<Hull>& input) : contacts(input.room) {}
 
   // All of another's, which must not be used any more.
   void take(CycleOutput& part) {

@@ -33,23 +33,46 @@ constexpr std::array<Flags, 256> allFlags() {
 
 constexpr std::array<Flags, 256> kFlags = allFlags();
 
-}  // namespace
+// As intersects() of packed boxes, one that stands still against one of many.
+struct StillRow {
+  PackedBox box;
+  PackedColumns columns;
 
-DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, PackedBox box, const std::uint32_t* lo,
-                                    const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end,
-                                    BoxPair* pairs) {
-  const std::uint32_t guarded = box.hi | kPackedGuard;
+  StillRow(const PackedColumns& boxes, SortedIndex row)
+      : box(boxes.box(row.value)), columns(boxes) {}
+
+  // Guard bits where box and column are not apart. (Pointers, because an unsigned index might wrap,
+  // and that would keep the loop over a chunk from being vectorised.)
+  std::uint32_t above(std::uint32_t chunk, std::size_t k) const {
+    return (box.hi | kPackedGuard) - (columns.lo + chunk)[k];
+  }
+  std::uint32_t below(std::uint32_t chunk, std::size_t k) const {
+    return ((columns.hi + chunk)[k] | kPackedGuard) - box.lo;
+  }
+};
+
+struct MovingRow {
+  StillRow from, to;
+
+  std::uint32_t above(std::uint32_t chunk, std::size_t k) const {
+    return from.above(chunk, k) | to.above(chunk, k);
+  }
+  std::uint32_t below(std::uint32_t chunk, std::size_t k) const {
+    return from.below(chunk, k) | to.below(chunk, k);
+  }
+};
+
+// Inlined, for then it is compiled for the processor of its caller.
+template <class Row>
+__attribute__((always_inline)) inline std::size_t scan(SortedIndex row, const Row& boxes,
+                                                       std::uint32_t begin, std::uint32_t end,
+                                                       BoxPair* pairs) {
   BoxPair* next = pairs;
   for (std::uint32_t chunk = begin; chunk < end; chunk += kScanChunk) {
-    // As intersects(PackedBox, PackedBox), for a whole chunk without a branch. (Pointers, because
-    // an unsigned index might wrap, and that would keep the loop from being vectorised.)
-    const std::uint32_t* chunk_lo = lo + chunk;
-    const std::uint32_t* chunk_hi = hi + chunk;
+    // A whole chunk without a branch.
     std::uint8_t met[kScanChunk];
     for (std::size_t k = 0; k < kScanChunk; ++k) {
-      const std::uint32_t both =
-          (guarded - chunk_lo[k]) & ((chunk_hi[k] | kPackedGuard) - box.lo) & kPackedGuard;
-      met[k] = both == kPackedGuard;
+      met[k] = (boxes.above(chunk, k) & boxes.below(chunk, k) & kPackedGuard) == kPackedGuard;
     }
     // Nor a branch on what was found: eight pairs are written, as many are kept as there are. The
     // product gathers the eight flags as bits (little-endian).
@@ -63,6 +86,19 @@ DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, PackedBox box, const std::u
   }
   while (next != pairs && next[-1].b.value >= end) --next;  // read on past the end
   return static_cast<std::size_t>(next - pairs);
+}
+
+}  // namespace
+
+DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, const PackedColumns& boxes,
+                                    std::uint32_t begin, std::uint32_t end, BoxPair* pairs) {
+  return scan(row, StillRow(boxes, row), begin, end, pairs);
+}
+
+DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, const PackedColumns& from,
+                                    const PackedColumns& to, std::uint32_t begin, std::uint32_t end,
+                                    BoxPair* pairs) {
+  return scan(row, MovingRow{{from, row}, {to, row}}, begin, end, pairs);
 }
 
 }  // namespace deformable_contact_monitor

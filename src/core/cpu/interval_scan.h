@@ -17,10 +17,20 @@ struct BoxPair {
 // The arrays may be read, and `pairs` written, this much past the range.
 constexpr std::uint32_t kScanChunk = 32;
 
-// Writes {row, k} for each k in [begin, end) whose box intersects `box`, ascending; returns how
-// many.
-std::size_t scanRow(SortedIndex row, PackedBox box, const std::uint32_t* lo,
-                    const std::uint32_t* hi, std::uint32_t begin, std::uint32_t end,
-                    BoxPair* pairs);
+// Packed boxes by place, as two arrays.
+struct PackedColumns {
+  const std::uint32_t *lo, *hi;
+
+  PackedBox box(std::uint32_t place) const { return {lo[place], hi[place]}; }
+};
+
+// Writes {row, k} for each k in [begin, end) whose box intersects that of the row, ascending;
+// returns how many.
+std::size_t scanRow(SortedIndex row, const PackedColumns& boxes, std::uint32_t begin,
+                    std::uint32_t end, BoxPair* pairs);
+
+// The same of moving boxes.
+std::size_t scanRow(SortedIndex row, const PackedColumns& from, const PackedColumns& to,
+                    std::uint32_t begin, std::uint32_t end, BoxPair* pairs);
 
 }  // namespace deformable_contact_monitor

@@ -4,11 +4,12 @@
 
 namespace deformable_contact_monitor {
 
-void judgeCandidates(const CycleInput& input, const std::vector<Candidate>& candidates,
-                     CycleOutput& output) {
+void judgeCandidates(const CycleInput<Triangle>& input,
+                     const std::vector<Candidate<Triangle>>& candidates,
+                     CycleOutput<Triangle>& output) {
   constexpr std::uint64_t kLook = 64;
   PacedLimit pace(input.limit, kLook);
-  for (const Candidate& candidate : candidates) {
+  for (const Candidate<Triangle>& candidate : candidates) {
     if (pace.over()) return;
     ++output.candidates;
     PredicateState state{input.options.predicates};

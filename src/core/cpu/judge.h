@@ -8,7 +8,8 @@
 namespace deformable_contact_monitor {
 
 // Counts the candidates and adds those that are contacts to `output`, until the limit is over.
-void judgeCandidates(const CycleInput& input, const std::vector<Candidate>& candidates,
-                     CycleOutput& output);
+void judgeCandidates(const CycleInput<Triangle>& input,
+                     const std::vector<Candidate<Triangle>>& candidates,
+                     CycleOutput<Triangle>& output);
 
 }  // namespace deformable_contact_monitor

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/cpu/common_motion.h"
 #include "core/parallel.h"
 #include "core/posed_body.h"
+#include "core/rules/common_motion.h"
 
 namespace deformable_contact_monitor {
 
@@ -12,6 +14,8 @@ namespace {
 
 void clear(WorkingSet& set, std::size_t body_count) {
   set.vertices.clear();
+  set.earlier.clear();
+  set.common_motion = Vec3f();
   set.vertex_id.clear();
   set.corners.clear();
   set.body.clear();
@@ -20,14 +24,20 @@ void clear(WorkingSet& set, std::size_t body_count) {
   set.first_vertex.assign(body_count, 0);
 }
 
-void poseVertices(const Body& body, std::uint32_t first, const CycleLimit& limit,
+// Adds those of a body.
+void poseVertices(const PosedBody& posed, std::size_t count, const CycleLimit& limit,
                   std::vector<Vec3f>& vertices) {
   constexpr std::size_t kBlock = 16384;
-  const PosedBody posed(body);
-  parallelBlocks(limit, body.mesh.vertexCount(), kBlock,
-                 [&](std::size_t, std::size_t begin, std::size_t end) {
-                   for (std::size_t i = begin; i < end; ++i) vertices[first + i] = posed.vertex(i);
-                 });
+  const std::size_t first = vertices.size();
+  vertices.resize(first + count);
+  parallelBlocks(limit, count, kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) vertices[first + i] = posed.vertex(i);
+  });
+}
+
+Aabb setBoxOf(const Aabb& box, const WorkingSet& /*set*/) { return box; }
+Aabb setBoxOf(const MovingBox& box, const WorkingSet& set) {
+  return sweptBox(box, set.common_motion);
 }
 
 void fillCorners(const Scene& scene, const CycleLimit& limit, WorkingSet& set) {
@@ -46,23 +56,29 @@ void fillCorners(const Scene& scene, const CycleLimit& limit, WorkingSet& set) {
 }  // namespace
 
 // Only a body's own triangles ask which vertices they share.
-void WorkingSetBuilder::identifyVertices(const Body& body, bool self, std::uint32_t first,
-                                         const CycleLimit& limit, WorkingSet& set) {
+void WorkingSetBuilder::identifyVertices(const Body& body, bool self, bool moving,
+                                         std::uint32_t first, const CycleLimit& limit,
+                                         WorkingSet& set) {
   set.vertex_id.resize(set.vertices.size());
   if (!self) {
     std::iota(set.vertex_id.begin() + first, set.vertex_id.end(), first);
     return;
   }
-  identity_.identify(body.mesh.vertices, least_equal_, limit);
+  if (moving && body.earlier && !body.earlier->vertices.empty()) {
+    identity_.identify(body.mesh.vertices, body.earlier->vertices, least_equal_, limit);
+  } else {
+    identity_.identify(body.mesh.vertices, least_equal_, limit);
+  }
   for (std::size_t i = 0; i < least_equal_.size(); ++i) {
     set.vertex_id[first + i] = first + least_equal_[i];
   }
 }
 
 // Fills blocks_ with the triangles that meet a partner's box.
+template <class Hull>
 void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
-                                        const PartnerBoxes& partners, const CycleLimit& limit,
-                                        const WorkingSet& set) {
+                                        const PartnerBoxes<BoxOf<Hull>>& partners,
+                                        const CycleLimit& limit, const WorkingSet& set) {
   constexpr std::size_t kBlock = 8192;
   const TriangleMesh& mesh = body.mesh;
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
@@ -73,30 +89,33 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
     block.rejected = 0;
     for (std::size_t t = begin; t < end; ++t) {
       const std::uint32_t* corner = &mesh.triangles[3 * t];
-      const Triangle posed{{set.vertices[first + corner[0]], set.vertices[first + corner[1]],
-                            set.vertices[first + corner[2]]}};
+      const Hull posed = set.hullOf<Hull>(first + corner[0], first + corner[1], first + corner[2]);
       if (!isFinite(posed)) {
         ++block.rejected;
         continue;
       }
-      const Aabb box = inflated(boxOf(posed), body.margin_m);
+      const BoxOf<Hull> box = inflated(boxOf(posed), growthOf<Hull>(body));
       if (!partners.meet(box)) continue;
       block.triangle.push_back(static_cast<std::uint32_t>(t));
-      block.boxes.push_back(box);
+      block.boxes.push_back(setBoxOf(box, set));
     }
   };
   parallelBlocks(limit, mesh.triangleCount(), kBlock, chooseBlock);
 }
 
-void WorkingSetBuilder::addBody(const Scene& scene, BodyId id, const PartnerBoxes& partners,
-                                const CycleLimit& limit, WorkingSet& set, Counters& counters) {
+template <class Hull>
+void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
+                                const PartnerBoxes<BoxOf<Hull>>& partners, const CycleLimit& limit,
+                                WorkingSet& set, Counters& counters) {
   const Body& body = scene.body(id);
   const auto first = static_cast<std::uint32_t>(set.vertices.size());
   set.first_vertex[id] = first;
-  set.vertices.resize(first + body.mesh.vertexCount());
-  poseVertices(body, first, limit, set.vertices);
-  identifyVertices(body, partners.self, first, limit, set);
-  chooseTriangles(body, first, partners, limit, set);
+  poseVertices(PosedBody(body), body.mesh.vertexCount(), limit, set.vertices);
+  if (kIsMoving<Hull>) {
+    poseVertices(PosedBody::earlier(body), body.mesh.vertexCount(), limit, set.earlier);
+  }
+  identifyVertices(body, partners.self, kIsMoving<Hull>, first, limit, set);
+  chooseTriangles<Hull>(body, first, partners, limit, set);
   if (limit.over()) return;
   std::size_t kept = 0, rejected = 0;
   for (const Block& block : blocks_) {
@@ -112,36 +131,45 @@ void WorkingSetBuilder::addBody(const Scene& scene, BodyId id, const PartnerBoxe
 }
 
 // Of a body that meets no partner, and so is not posed.
+template <class Hull>
 void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const CycleLimit& limit,
                                      Counters& counters) const {
   constexpr std::size_t kBlock = 1 << 16;
   const std::size_t count = scene.body(id).mesh.triangleCount();
-  const PosedBody body(scene.body(id));
+  const PosedBody body(scene.body(id)), earlier = PosedBody::earlier(scene.body(id));
   std::uint64_t rejected = 0;
   const std::size_t to_check = body_boxes_.allFinite(id) ? 0 : count;
   serialBlocks(limit, to_check, kBlock, [&](std::size_t begin, std::size_t end) {
     for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-      rejected += !isFinite(body.triangle(t));
+      rejected +=
+          !isFinite(body.triangle(t)) || (kIsMoving<Hull> && !isFinite(earlier.triangle(t)));
     }
   });
   counters.rejected += rejected;
   counters.culled += count - rejected;
 }
 
+template <class Hull>
 void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& counters,
                               const CycleLimit& limit) {
-  body_boxes_.update(scene, limit);
+  body_boxes_.update<Hull>(scene, limit);
   clear(set, scene.bodyCount());
+  if (kIsMoving<Hull>) set.common_motion = commonMotionOf(scene);
   for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
     if (!scene.takesPart(id)) continue;
-    const PartnerBoxes partners = body_boxes_.partnersOf(scene, id);
+    const PartnerBoxes<BoxOf<Hull>> partners = body_boxes_.partnersOf<Hull>(scene, id);
     if (partners.self || !partners.boxes.empty()) {
-      addBody(scene, id, partners, limit, set, counters);
+      addBody<Hull>(scene, id, partners, limit, set, counters);
     } else {
-      countLeftOut(scene, id, limit, counters);
+      countLeftOut<Hull>(scene, id, limit, counters);
     }
   }
   if (!limit.wasOver()) fillCorners(scene, limit, set);
 }
+
+template void WorkingSetBuilder::build<Triangle>(const Scene&, WorkingSet&, Counters&,
+                                                 const CycleLimit&);
+template void WorkingSetBuilder::build<MovingTriangle>(const Scene&, WorkingSet&, Counters&,
+                                                       const CycleLimit&);
 
 }  // namespace deformable_contact_monitor

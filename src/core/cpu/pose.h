@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/cpu/body_boxes.h"
+#include "core/cpu/hull.h"
 #include "core/cpu/vertex_identity.h"
 #include "core/cycle_limit.h"
 #include "core/detector.h"
@@ -16,9 +17,12 @@
 namespace deformable_contact_monitor {
 
 // Triangles of one cycle, in ascending (body, triangle) order. Boxes are of the posed float32
-// vertices, grown by the body's margin.
+// vertices, grown by the body's margin; in swept motion, of all that they pass without the common
+// motion, grown by the body's pad.
 struct WorkingSet {
   std::vector<Vec3f> vertices;           // scene frame [m], of all bodies that take part
+  std::vector<Vec3f> earlier;            // the same at the step's beginning; in swept motion only
+  Vec3f common_motion;                   // [m]; in swept motion only
   std::vector<std::uint32_t> vertex_id;  // per vertex: equal iff of one body and equal as received
   std::vector<std::uint32_t> corners;    // three indices into `vertices` per triangle
   std::vector<std::uint32_t> body;       // per triangle
@@ -30,9 +34,20 @@ struct WorkingSet {
   const std::uint32_t* cornersOf(TriangleIndex t) const {
     return &corners[3 * std::size_t{t.value}];
   }
-  Triangle posed(TriangleIndex t) const {
+  // With vertices a, b and c.
+  template <class Hull>
+  Hull hullOf(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const Triangle now{{vertices[a], vertices[b], vertices[c]}};
+    if constexpr (kIsMoving<Hull>) {
+      return {{{earlier[a], earlier[b], earlier[c]}}, now};
+    } else {
+      return now;
+    }
+  }
+  template <class Hull = Triangle>
+  Hull posed(TriangleIndex t) const {
     const std::uint32_t* corner = cornersOf(t);
-    return {{vertices[corner[0]], vertices[corner[1]], vertices[corner[2]]}};
+    return hullOf<Hull>(corner[0], corner[1], corner[2]);
   }
   BodyIndex bodyOf(TriangleIndex t) const { return BodyIndex(body[t.value]); }
   const Aabb& box(TriangleIndex t) const { return boxes[t.value]; }
@@ -48,7 +63,8 @@ class WorkingSetBuilder {
  public:
   // A body takes part if its box meets a partner's; a triangle, if its box meets the box of a
   // partner of its body. Adds to counters.rejected, posed and culled. Where the limit was over, the
-  // set is of no use.
+  // set is of no use. Hull: as in hull.h.
+  template <class Hull = Triangle>
   DCM_EXPORT void build(const Scene& scene, WorkingSet& set, Counters& counters,
                         const CycleLimit& limit = noLimit());
 
@@ -60,14 +76,18 @@ class WorkingSetBuilder {
     std::uint64_t rejected = 0;
   };
 
+  template <class Hull>
   void countLeftOut(const Scene& scene, BodyId id, const CycleLimit& limit,
                     Counters& counters) const;
-  void addBody(const Scene& scene, BodyId id, const PartnerBoxes& partners, const CycleLimit& limit,
-               WorkingSet& set, Counters& counters);
-  void identifyVertices(const Body& body, bool self, std::uint32_t first, const CycleLimit& limit,
-                        WorkingSet& set);
-  void chooseTriangles(const Body& body, std::uint32_t first, const PartnerBoxes& partners,
-                       const CycleLimit& limit, const WorkingSet& set);
+  template <class Hull>
+  void addBody(const Scene& scene, BodyId id, const PartnerBoxes<BoxOf<Hull>>& partners,
+               const CycleLimit& limit, WorkingSet& set, Counters& counters);
+  void identifyVertices(const Body& body, bool self, bool moving, std::uint32_t first,
+                        const CycleLimit& limit, WorkingSet& set);
+  template <class Hull>
+  void chooseTriangles(const Body& body, std::uint32_t first,
+                       const PartnerBoxes<BoxOf<Hull>>& partners, const CycleLimit& limit,
+                       const WorkingSet& set);
 
   BodyBoxes body_boxes_;
   VertexIdentity identity_;

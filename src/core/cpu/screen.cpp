@@ -3,17 +3,22 @@
 #include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
+namespace {
 
-PairScreen::PairScreen(const CycleInput& input)
+using Prepared = PreparedTriangle<Triangle>;
+
+}  // namespace
+
+PairScreen<Triangle>::PairScreen(const CycleInput<Triangle>& input)
     : input_(input), margins_(input.scene.anyMargin()) {}
 
-void PairScreen::screen(const std::vector<PreparedTriangle>& triangles, BoxPair* pairs,
-                        std::size_t count, std::vector<Candidate>& candidates) {
+void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPair* pairs,
+                                  std::size_t count, std::vector<Candidate<Triangle>>& candidates) {
   neighbours_.resize(count);
   std::size_t neighbours = 0, separate = 0, left = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const BoxPair pair = pairs[i];
-    const PreparedTriangle &a = triangles[pair.a.value], &b = triangles[pair.b.value];
+    const Prepared &a = triangles[pair.a.value], &b = triangles[pair.b.value];
     const bool share = sharedBits(a.vertex_id, b.vertex_id) != 0;
     neighbours_[neighbours] = pair;
     neighbours += share;
@@ -22,7 +27,7 @@ void PairScreen::screen(const std::vector<PreparedTriangle>& triangles, BoxPair*
   }
   for (std::size_t i = 0; i < separate; ++i) {
     const BoxPair pair = pairs[i];
-    const PreparedTriangle &a = triangles[pair.a.value], &b = triangles[pair.b.value];
+    const Prepared &a = triangles[pair.a.value], &b = triangles[pair.b.value];
     const bool apart = onOneSide(b.plane, a.lanes) | onOneSide(a.plane, b.lanes);
     pairs[left] = pair;
     left += !apart | margins_;
@@ -36,8 +41,8 @@ void PairScreen::screen(const std::vector<PreparedTriangle>& triangles, BoxPair*
   }
 }
 
-void PairScreen::screen(const PreparedTriangle& a, const PreparedTriangle& b,
-                        std::vector<Candidate>& candidates) const {
+void PairScreen<Triangle>::screen(const Prepared& a, const Prepared& b,
+                                  std::vector<Candidate<Triangle>>& candidates) const {
   if (sharedBits(a.vertex_id, b.vertex_id) != 0) {
     screenNeighbours(a, b, candidates);
   } else {
@@ -45,8 +50,8 @@ void PairScreen::screen(const PreparedTriangle& a, const PreparedTriangle& b,
   }
 }
 
-void PairScreen::screenSeparate(const PreparedTriangle& a, const PreparedTriangle& b,
-                                std::vector<Candidate>& candidates) const {
+void PairScreen<Triangle>::screenSeparate(const Prepared& a, const Prepared& b,
+                                          std::vector<Candidate<Triangle>>& candidates) const {
   PairFacts facts;
   facts.margin_m = pairMargin(input_.scene.body(a.body.value).margin_m,
                               input_.scene.body(b.body.value).margin_m);
@@ -55,8 +60,8 @@ void PairScreen::screenSeparate(const PreparedTriangle& a, const PreparedTriangl
   if (!apart || facts.margin_m > 0) candidates.push_back({a.triangle, b.triangle, facts});
 }
 
-void PairScreen::screenNeighbours(const PreparedTriangle& a, const PreparedTriangle& b,
-                                  std::vector<Candidate>& candidates) const {
+void PairScreen<Triangle>::screenNeighbours(const Prepared& a, const Prepared& b,
+                                            std::vector<Candidate<Triangle>>& candidates) const {
   if (input_.options.adjacent == AdjacentPairs::kSkip) return;
   const int in_a = sharedBits(a.vertex_id, b.vertex_id);
   const int in_b = sharedBits(b.vertex_id, a.vertex_id);

@@ -13,8 +13,12 @@
 
 namespace deformable_contact_monitor {
 
-// A triangle with what the filters need of it.
-struct PreparedTriangle {
+// A triangle with what the filters need of it. Hull: as in hull.h; of what moves: swept_screen.h.
+template <class Hull>
+struct PreparedTriangle;
+
+template <>
+struct PreparedTriangle<Triangle> {
   LaneTriangle lanes;
   IntLanes vertex_id;
   PlaneFilter plane;
@@ -28,27 +32,31 @@ struct PreparedTriangle {
 };
 
 // Keeps its buffers from call to call. One per thread and cycle.
-class PairScreen {
+template <class Hull>
+class PairScreen;
+
+template <>
+class PairScreen<Triangle> {
  public:
-  explicit PairScreen(const CycleInput& input);
+  explicit PairScreen(const CycleInput<Triangle>& input);
 
   // Adds those of the pairs, positions in `triangles`, that are candidates. Leaves rubbish behind
   // in `pairs`. Filter by filter over all of them, so that the usual outcomes cost no mispredicted
   // branch.
-  void screen(const std::vector<PreparedTriangle>& triangles, BoxPair* pairs, std::size_t count,
-              std::vector<Candidate>& candidates);
+  void screen(const std::vector<PreparedTriangle<Triangle>>& triangles, BoxPair* pairs,
+              std::size_t count, std::vector<Candidate<Triangle>>& candidates);
 
   // Adds the pair if it is a candidate.
-  void screen(const PreparedTriangle& a, const PreparedTriangle& b,
-              std::vector<Candidate>& candidates) const;
+  void screen(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
+              std::vector<Candidate<Triangle>>& candidates) const;
 
  private:
-  void screenSeparate(const PreparedTriangle& a, const PreparedTriangle& b,
-                      std::vector<Candidate>& candidates) const;
-  void screenNeighbours(const PreparedTriangle& a, const PreparedTriangle& b,
-                        std::vector<Candidate>& candidates) const;
+  void screenSeparate(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
+                      std::vector<Candidate<Triangle>>& candidates) const;
+  void screenNeighbours(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
+                        std::vector<Candidate<Triangle>>& candidates) const;
 
-  const CycleInput& input_;
+  const CycleInput<Triangle>& input_;
   bool margins_ = false;  // some body that takes part has one
   std::vector<BoxPair> neighbours_;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/rules/common_motion.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -97,6 +98,7 @@ void splitBySize(const WorkingSet& set, SizeSplit& split, const CycleLimit& limi
   split.scale.origin = usual.origin;
   const double reach = *std::max_element(reach_in.begin(), reach_in.end());
   if (reach > 0) split.scale.scale = std::ldexp(1.0, -(std::ilogb(reach) + 1));
+  split.scale_after = withoutMotion(split.scale, set.common_motion);
 }
 
 }  // namespace deformable_contact_monitor

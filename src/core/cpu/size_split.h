@@ -17,6 +17,19 @@ struct SizeSplit {
   std::vector<TriangleIndex> regular;  // all others, ascending
   SizeRule rule;                       // that told them apart
   SceneScale scale;                    // brings the regular triangles into [-1, 1]
+  SceneScale scale_after;  // of what moves: for the step's end, without the common motion
+
+  void scaled(const Triangle& t, Vec3f points[3]) const { apply(scale, t, points); }
+  // Where it was comes first.
+  void scaled(const MovingTriangle& t, Vec3f points[6]) const {
+    apply(scale, t.from, points);
+    apply(scale_after, t.to, points + 3);
+  }
+
+ private:
+  static void apply(const SceneScale& scale, const Triangle& t, Vec3f points[3]) {
+    for (int k = 0; k < 3; ++k) points[k] = scale.apply(t.v[k]);
+  }
 };
 
 // Large: 32 times the median extent, or 64 times the median distance from the middle of the scene.

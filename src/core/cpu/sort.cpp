@@ -16,39 +16,47 @@ std::uint32_t memberOf(std::uint64_t key) { return static_cast<std::uint32_t>(ke
 }  // namespace
 
 // Fills projected_, the keys of order_, and what the other two axes are quantised by.
-void ClusterSorter::project(const ClusterMember* members) {
+template <class Hull>
+void ClusterSorter<Hull>::project(const ClusterMember<Hull>* members) {
   const auto count = static_cast<std::uint32_t>(projected_.size());
   // Axes of the centroids, about the first of them.
   Moments moments;
   Vec3f first;
   for (std::uint32_t m = 0; m < count && !pace_.over(); ++m) {
     Vec3f* scaled = projected_[m].scaled;
-    for (int k = 0; k < 3; ++k) scaled[k] = input_.split.scale.apply(members[m].posed.v[k]);
-    const Vec3f centroid = centroidOf(scaled);
+    input_.split.scaled(members[m].posed, scaled);
+    const Vec3f centroid = meanOf<Hull>(scaled);
     if (m == 0) first = centroid;
     moments.add(centroid - first);
   }
   const PrincipalAxes axes = principalAxes(covarianceOf(moments));
 
-  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   one_group_ = true;
   for (std::uint32_t m = 0; m < count && !pace_.over(); ++m) {
     Projected& projected = projected_[m];
     const std::uint32_t body = members[m].body.value;
     projected.group = input_.groups.group[body];
     one_group_ = one_group_ && projected.group == projected_[0].group;
-    for (int k = 0; k < 3; ++k) {
-      projected.interval[k] = deformable_contact_monitor::project(axes.axis[k], projected.scaled,
-                                                                  input_.slack[body] / 2);
-      low[k] = least(low[k], projected.interval[k].lo);
-      high[k] = most(high[k], projected.interval[k].hi);
+    const float growth = input_.slack[body] / 2;
+    projected.interval =
+        deformable_contact_monitor::project<kPoints<Hull>>(axes.axis[0], projected.scaled, growth);
+    for (int s = 0; s < kStates<Hull>; ++s) {
+      for (int k = 0; k < 2; ++k) {
+        const Interval across =
+            deformable_contact_monitor::project(axes.axis[k + 1], projected.scaled + 3 * s, growth);
+        projected.across[s][k] = across;
+        low[k] = least(low[k], across.lo);
+        high[k] = most(high[k], across.hi);
+      }
     }
-    order_[m] = std::uint64_t{orderedBits(projected.interval[0].lo)} << 32 | m;
+    order_[m] = std::uint64_t{orderedBits(projected.interval.lo)} << 32 | m;
   }
-  for (int k = 0; k < 2; ++k) quantiser_[k] = {low[k + 1], high[k + 1]};
+  for (int k = 0; k < 2; ++k) quantiser_[k] = {low[k], high[k]};
 }
 
-void ClusterSorter::order() {
+template <class Hull>
+void ClusterSorter<Hull>::order() {
   sortWithin(input_.limit, order_.size(), std::less<std::uint64_t>(),
              [this](const auto& less) { std::sort(order_.begin(), order_.end(), less); });
   if (one_group_ || input_.limit.wasOver()) return;
@@ -60,43 +68,50 @@ void ClusterSorter::order() {
 }
 
 // Every array of `sorted` but `cluster`.
-void ClusterSorter::layOut(const ClusterMember* members, SortedCluster& sorted) {
+template <class Hull>
+void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedCluster<Hull>& sorted) {
   const auto count = static_cast<std::uint32_t>(order_.size());
   sorted.groups.clear();
   sorted.lo.resize(count);
   sorted.hi.resize(count);
-  sorted.packed_lo.resize(count + kScanChunk);
-  sorted.packed_hi.resize(count + kScanChunk);
+  for (int s = 0; s < kStates<Hull>; ++s) {
+    sorted.packed_lo[s].resize(count + kScanChunk);
+    sorted.packed_hi[s].resize(count + kScanChunk);
+  }
   resizeWithin(input_.limit, count, sorted.boxes);
   resizeWithin(input_.limit, count, sorted.triangles);
   sorted.clusters.resize(count);
   if (input_.limit.wasOver()) return;
   for (std::uint32_t i = 0; i < count && !pace_.over(); ++i) {
-    const ClusterMember& member = members[memberOf(order_[i])];
+    const ClusterMember<Hull>& member = members[memberOf(order_[i])];
     const Projected& projected = projected_[memberOf(order_[i])];
     if (sorted.groups.empty() || sorted.groups.back().group != projected.group) {
       sorted.groups.push_back({projected.group, i, i});
     }
     sorted.groups.back().end = i + 1;
-    sorted.lo[i] = projected.interval[0].lo;
-    sorted.hi[i] = projected.interval[0].hi;
-    const PackedBox packed = pack(quantiser_, &projected.interval[1]);
-    sorted.packed_lo[i] = packed.lo;
-    sorted.packed_hi[i] = packed.hi;
+    sorted.lo[i] = projected.interval.lo;
+    sorted.hi[i] = projected.interval.hi;
+    for (int s = 0; s < kStates<Hull>; ++s) {
+      const PackedBox packed = pack(quantiser_, projected.across[s]);
+      sorted.packed_lo[s][i] = packed.lo;
+      sorted.packed_hi[s][i] = packed.hi;
+    }
     // Not looked up: computing it is faster than a cache miss.
-    sorted.boxes[i] = inflated(boxOf(member.posed), input_.scene.body(member.body.value).margin_m);
+    sorted.boxes[i] =
+        inflated(boxOf(member.posed), growthOf<Hull>(input_.scene.body(member.body.value)));
     sorted.triangles[i] =
-        PreparedTriangle(member.posed, member.vertex_id, member.triangle, member.body);
+        PreparedTriangle<Hull>(member.posed, member.vertex_id, member.triangle, member.body);
     sorted.clusters[i] =
         member.list_size == 1 ? nullptr : &input_.assignment.lists[member.list_begin];
   }
 }
 
-bool ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
-  const ClusterAssignment& assignment = input_.assignment;
+template <class Hull>
+bool ClusterSorter<Hull>::sort(ClusterIndex cluster, SortedCluster<Hull>& sorted) {
+  const ClusterAssignment<Hull>& assignment = input_.assignment;
   const std::uint32_t begin = assignment.member_begin[cluster.value];
   const std::uint32_t count = assignment.member_begin[cluster.value + 1] - begin;
-  const ClusterMember* const members = assignment.members.data() + begin;
+  const ClusterMember<Hull>* const members = assignment.members.data() + begin;
   resizeWithin(input_.limit, count, projected_);
   order_.resize(count);
   if (input_.limit.wasOver()) return false;
@@ -108,5 +123,8 @@ bool ClusterSorter::sort(ClusterIndex cluster, SortedCluster& sorted) {
   sorted.cluster = cluster;
   return !input_.limit.wasOver();
 }
+
+template class ClusterSorter<Triangle>;
+template class ClusterSorter<MovingTriangle>;
 
 }  // namespace deformable_contact_monitor

@@ -6,8 +6,8 @@
 
 #include "core/cpu/assign.h"
 #include "core/cpu/cycle_data.h"
-#include "core/cpu/screen.h"
-#include "core/predicates/aabb.h"
+#include "core/cpu/hull.h"
+#include "core/cpu/swept_screen.h"
 #include "core/rules/intervals.h"
 
 namespace deformable_contact_monitor {
@@ -17,42 +17,52 @@ struct GroupRange {
   std::uint32_t group, begin, end;
 };
 
-// One cluster's members by body group, and within it by where their intervals begin.
+// One cluster's members by body group, and within it by where their intervals begin. Hull: as in
+// hull.h, here and below.
+template <class Hull>
 struct SortedCluster {
   ClusterIndex cluster;
   std::vector<GroupRange> groups;  // ascending
   // All per position. Intervals along the first axis:
   std::vector<float> lo, hi;
-  // Along the other two, as in PackedBox; kScanChunk longer, so that the last chunk may read on.
-  std::vector<std::uint32_t> packed_lo, packed_hi;
-  std::vector<Aabb> boxes;  // scene frame [m], grown by the body's margin
-  std::vector<PreparedTriangle> triangles;
+  // Along the other two, as in PackedBox; kScanChunk longer, so that the last chunk may read on. Of
+  // what moves at the step's beginning, then at its end.
+  std::vector<std::uint32_t> packed_lo[kStates<Hull>], packed_hi[kStates<Hull>];
+  std::vector<BoxOf<Hull>> boxes;  // scene frame [m], grown by the body's margin or pad
+  std::vector<PreparedTriangle<Hull>> triangles;
   std::vector<const std::uint32_t*> clusters;  // ascending; null: in this one alone
+
+  PackedColumns packed(int state) const {
+    return {packed_lo[state].data(), packed_hi[state].data()};
+  }
 };
 
 // Keeps its buffers from cluster to cluster. One per thread and cycle.
+template <class Hull>
 class ClusterSorter {
  public:
-  explicit ClusterSorter(const CycleInput& input) : input_(input), pace_(input.limit, kLook) {}
+  explicit ClusterSorter(const CycleInput<Hull>& input)
+      : input_(input), pace_(input.limit, kLook) {}
 
   // False if the limit was over: then `sorted` is of no use.
-  bool sort(ClusterIndex cluster, SortedCluster& sorted);
+  bool sort(ClusterIndex cluster, SortedCluster<Hull>& sorted);
 
  private:
   // What is computed for a member before its place in the order is known.
   struct Projected {
     std::uint32_t group;
-    Vec3f scaled[3];
-    Interval interval[3];
+    Vec3f scaled[kPoints<Hull>];
+    Interval interval;                  // along the first axis, of all states
+    Interval across[kStates<Hull>][2];  // along the other two
   };
 
-  void project(const ClusterMember* members);
+  void project(const ClusterMember<Hull>* members);
   void order();
-  void layOut(const ClusterMember* members, SortedCluster& sorted);
+  void layOut(const ClusterMember<Hull>* members, SortedCluster<Hull>& sorted);
 
   static constexpr std::uint64_t kLook = 1 << 12;  // members between looks at the limit
 
-  const CycleInput& input_;
+  const CycleInput<Hull>& input_;
   PacedLimit pace_;
   std::vector<Projected> projected_;  // per member
   std::vector<std::uint64_t> order_;  // where the member's interval begins, then the member

@@ -3,29 +3,36 @@
 #include <algorithm>
 
 #include "core/cpu/judge.h"
+#include "core/cpu/swept_judge.h"
 #include "core/parallel.h"
 #include "core/rules/ownership.h"
 
 namespace deformable_contact_monitor {
 
 // False once the limit is over.
-bool ClusterSweeper::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+template <class Hull>
+bool ClusterSweeper<Hull>::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
   constexpr std::uint32_t kRow = 16;  // what a row costs beside its columns, in columns
   if (pace_.over(end - begin + kRow)) return false;
   if (begin == end) return true;
   output_.interval_overlaps += end - begin;
   const std::size_t room = pair_count_ + (end - begin) + kScanChunk;
   if (pairs_.size() < room) pairs_.resize(2 * room);
-  pair_count_ +=
-      scanRow(SortedIndex(row), {sorted_.packed_lo[row], sorted_.packed_hi[row]},
-              sorted_.packed_lo.data(), sorted_.packed_hi.data(), begin, end, &pairs_[pair_count_]);
+  BoxPair* const found = &pairs_[pair_count_];
+  if constexpr (kIsMoving<Hull>) {
+    pair_count_ +=
+        scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), begin, end, found);
+  } else {
+    pair_count_ += scanRow(SortedIndex(row), sorted_.packed(0), begin, end, found);
+  }
   constexpr std::size_t kMostPairs = 1 << 18;  // bounds the memory of dense clusters
   if (pair_count_ > kMostPairs) judgePairs();
   return true;
 }
 
 // Each unordered pair once: the partner begins later in the order.
-void ClusterSweeper::sweepWithin(const GroupRange& range) {
+template <class Hull>
+void ClusterSweeper<Hull>::sweepWithin(const GroupRange& range) {
   const std::vector<float>& lo = sorted_.lo;
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
     const auto last = std::upper_bound(lo.begin() + i + 1, lo.begin() + range.end, sorted_.hi[i]);
@@ -34,7 +41,9 @@ void ClusterSweeper::sweepWithin(const GroupRange& range) {
 }
 
 // Pairs whose column begins within the row's interval; `closed`: also where both begin together.
-void ClusterSweeper::sweepAcross(const GroupRange& rows, const GroupRange& columns, bool closed) {
+template <class Hull>
+void ClusterSweeper<Hull>::sweepAcross(const GroupRange& rows, const GroupRange& columns,
+                                       bool closed) {
   const std::vector<float>& lo = sorted_.lo;
   const auto columns_end = lo.begin() + columns.end;
   auto first = lo.begin() + columns.begin;
@@ -48,7 +57,8 @@ void ClusterSweeper::sweepAcross(const GroupRange& rows, const GroupRange& colum
   }
 }
 
-void ClusterSweeper::sweepGroups() {
+template <class Hull>
+void ClusterSweeper<Hull>::sweepGroups() {
   const std::vector<GroupRange>& groups = sorted_.groups;
   for (std::size_t s = 0; s < groups.size(); ++s) {
     const std::vector<bool>& enabled = input_.groups.enabled[groups[s].group];
@@ -62,8 +72,9 @@ void ClusterSweeper::sweepGroups() {
 }
 
 // What was found so far, in parts that take a millisecond or two without their verdicts.
-void ClusterSweeper::judgePairs() {
-  constexpr std::size_t kPart = 1 << 16;
+template <class Hull>
+void ClusterSweeper<Hull>::judgePairs() {
+  constexpr std::size_t kPart = kIsMoving<Hull> ? 1 << 14 : 1 << 16;
   serialBlocks(input_.limit, pair_count_, kPart, [this](std::size_t begin, std::size_t end) {
     judgeSome(&pairs_[begin], end - begin);
   });
@@ -71,7 +82,8 @@ void ClusterSweeper::judgePairs() {
 }
 
 // Boxes, owner and plane filters end the sweep, then come the verdicts. Leaves rubbish in `pairs`.
-void ClusterSweeper::judgeSome(BoxPair* pairs, std::size_t count) {
+template <class Hull>
+void ClusterSweeper<Hull>::judgeSome(BoxPair* pairs, std::size_t count) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const BoxPair pair = pairs[i];
@@ -87,7 +99,8 @@ void ClusterSweeper::judgeSome(BoxPair* pairs, std::size_t count) {
   output_.work.add(Stage::kJudge, watch_.lapMs());
 }
 
-void ClusterSweeper::sweep(ClusterIndex cluster) {
+template <class Hull>
+void ClusterSweeper<Hull>::sweep(ClusterIndex cluster) {
   const std::vector<std::uint32_t>& begin = input_.assignment.member_begin;
   if (begin[cluster.value] == begin[cluster.value + 1]) return;
   watch_ = Stopwatch();
@@ -97,5 +110,8 @@ void ClusterSweeper::sweep(ClusterIndex cluster) {
   sweepGroups();
   judgePairs();
 }
+
+template class ClusterSweeper<Triangle>;
+template class ClusterSweeper<MovingTriangle>;
 
 }  // namespace deformable_contact_monitor

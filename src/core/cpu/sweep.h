@@ -7,24 +7,26 @@
 
 #include "core/cpu/cycle_data.h"
 #include "core/cpu/interval_scan.h"
-#include "core/cpu/screen.h"
 #include "core/cpu/sort.h"
+#include "core/cpu/swept_screen.h"
 #include "core/stopwatch.h"
 
 namespace deformable_contact_monitor {
 
 // Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache; keeps its
 // buffers from cluster to cluster. Gives up once the limit is over. One per thread and cycle.
+// Hull: as in hull.h.
+template <class Hull>
 class ClusterSweeper {
  public:
-  explicit ClusterSweeper(const CycleInput& input)
+  explicit ClusterSweeper(const CycleInput<Hull>& input)
       : input_(input), pace_(input.limit, kLook), sorter_(input), screen_(input), output_(input) {}
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
   void sweep(ClusterIndex cluster);
 
-  CycleOutput& output() { return output_; }
+  CycleOutput<Hull>& output() { return output_; }
 
  private:
   void sweepGroups();
@@ -36,16 +38,16 @@ class ClusterSweeper {
 
   static constexpr std::uint64_t kLook = 1 << 17;  // columns between looks at the limit
 
-  const CycleInput& input_;
+  const CycleInput<Hull>& input_;
   PacedLimit pace_;
-  ClusterSorter sorter_;
-  SortedCluster sorted_;
-  PairScreen screen_;
+  ClusterSorter<Hull> sorter_;
+  SortedCluster<Hull> sorted_;
+  PairScreen<Hull> screen_;
   std::vector<BoxPair> pairs_;  // of which pair_count_ are in use
   std::size_t pair_count_ = 0;
-  std::vector<Candidate> candidates_;
+  std::vector<Candidate<Hull>> candidates_;
   Stopwatch watch_;
-  CycleOutput output_;
+  CycleOutput<Hull> output_;
 };
 
 }  // namespace deformable_contact_monitor

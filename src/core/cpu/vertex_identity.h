@@ -2,6 +2,7 @@
 // behaves like a welded mesh.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +18,15 @@ class VertexIdentity {
   void identify(const std::vector<float>& xyz, std::vector<std::uint32_t>& least_equal,
                 const CycleLimit& limit = noLimit());
 
+  // The same of vertices in two states: equal iff they are in both.
+  void identify(const std::vector<float>& xyz, const std::vector<float>& earlier_xyz,
+                std::vector<std::uint32_t>& least_equal, const CycleLimit& limit = noLimit());
+
  private:
+  template <class Vertices>
+  void identifyAll(const Vertices& vertices, std::size_t count,
+                   std::vector<std::uint32_t>& least_equal, const CycleLimit& limit);
+
   std::vector<std::uint32_t> table_;  // open addressing; a vertex index, or kFree
 };
 

@@ -50,9 +50,18 @@ struct MovingBox {
     from.include(p.from);
     to.include(p.to);
   }
+  DCM_HD void include(const MovingBox& box) {
+    from.include(box.from);
+    to.include(box.to);
+  }
 };
 
 DCM_HD inline MovingBox boxOf(const MovingTriangle& t) { return {boxOf(t.from), boxOf(t.to)}; }
+
+// Grown by `distance` >= 0 at all times.
+DCM_HD inline MovingBox inflated(const MovingBox& box, float distance) {
+  return {inflated(box.from, distance), inflated(box.to, distance)};
+}
 
 // Of all that the content passes.
 DCM_HD inline Aabb sweptBox(const MovingBox& box) {
@@ -72,5 +81,8 @@ DCM_HD inline bool areApart(const MovingBox& a, const MovingBox& b) {
          ((a.from.max.z < b.from.min.z) & (a.to.max.z < b.to.min.z)) |
          ((b.from.max.z < a.from.min.z) & (b.to.max.z < a.to.min.z));
 }
+
+// For all that these comparisons tell, they may at some time.
+DCM_HD inline bool intersects(const MovingBox& a, const MovingBox& b) { return !areApart(a, b); }
 
 }  // namespace deformable_contact_monitor

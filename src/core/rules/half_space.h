@@ -35,18 +35,20 @@ DCM_HD inline float reach2(const Vec3f& v, float d2, float slack) {
 }
 
 // A triangle before the rule: its scaled vertices and, for each competitor, how far each vertex
-// reaches.
-struct HalfSpaceRule {
+// reaches. Of a moving triangle six points decide, its vertices at both ends of the step: at each
+// time it lies in their hull.
+template <int kPoints>
+struct HalfSpaceRuleOf {
   static constexpr int kCompetitors = 4;
-  Vec3f v[3];
-  float reach2[kCompetitors][3] = {};
+  Vec3f v[kPoints];
+  float reach2[kCompetitors][kPoints] = {};
   int competitors = 0;
 
   // Places in the array are constants in these two, so that it can live in registers.
   DCM_HD void addCompetitor(const Vec3f& prototype, float slack) {
     for (int k = 0; k < kCompetitors; ++k) {
       if (k != competitors) continue;
-      for (int i = 0; i < 3; ++i) {
+      for (int i = 0; i < kPoints; ++i) {
         reach2[k][i] =
             deformable_contact_monitor::reach2(v[i], squaredDistance(v[i], prototype), slack);
       }
@@ -55,12 +57,12 @@ struct HalfSpaceRule {
   }
 
   DCM_HD bool admits(const Vec3f& prototype) const {
-    float d2[3];
-    for (int i = 0; i < 3; ++i) d2[i] = squaredDistance(v[i], prototype);
+    float d2[kPoints];
+    for (int i = 0; i < kPoints; ++i) d2[i] = squaredDistance(v[i], prototype);
     bool admitted = true;
     for (int k = 0; k < kCompetitors; ++k) {
-      // Written so that NaN admits.
-      const bool beyond = d2[0] > reach2[k][0] && d2[1] > reach2[k][1] && d2[2] > reach2[k][2];
+      bool beyond = true;
+      for (int i = 0; i < kPoints; ++i) beyond = beyond && d2[i] > reach2[k][i];  // NaN admits
       admitted = admitted && (k >= competitors || !beyond);
     }
     return admitted;
@@ -69,12 +71,14 @@ struct HalfSpaceRule {
   // No admitted prototype is farther than this from the first competitor, `prototype`.
   DCM_HD float searchRadius(const Vec3f& prototype) const {
     float radius = 0;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < kPoints; ++i) {
       radius = most(radius, sqrtf(reach2[0][i]) + sqrtf(squaredDistance(v[i], prototype)));
     }
     return radius * (1 + 1e-5F);
   }
 };
+
+using HalfSpaceRule = HalfSpaceRuleOf<3>;
 
 // One entry of a prototype's list of neighbours, nearest first.
 struct alignas(16) Neighbour {
@@ -107,11 +111,15 @@ struct NearestPrototype {
   bool tied = false;
 };
 
-// Whether a triangle, of whose vertices these are the nearest prototypes, lies in the interior of
-// one cell: then it belongs to that cluster alone, and needs no rule.
-DCM_HD inline bool isInterior(const NearestPrototype nearest[3]) {
-  return nearest[0].cluster == nearest[1].cluster && nearest[0].cluster == nearest[2].cluster &&
-         !nearest[0].tied && !nearest[1].tied && !nearest[2].tied;
+// Whether a triangle, of whose points these are the nearest prototypes, lies in the interior of one
+// cell: then it belongs to that cluster alone, and needs no rule.
+template <int kPoints = 3>
+DCM_HD inline bool isInterior(const NearestPrototype nearest[kPoints]) {
+  bool interior = !nearest[0].tied;
+  for (int k = 1; k < kPoints; ++k) {
+    interior = interior && nearest[k].cluster == nearest[0].cluster && !nearest[k].tied;
+  }
+  return interior;
 }
 
 // The least and the second least squared distance of a point, and whose the least is.
@@ -202,28 +210,37 @@ DCM_HD inline NearestPrototype nearestPrototype(const PrototypesView& view, cons
   return nearest.result(v, slack);
 }
 
-// The rule for a triangle with scaled vertices `v`, whose nearest prototypes are `nearest`;
-// `overlap` in [0, 1] is the share of it, about its centroid, that decides. `first` becomes the
-// first competitor.
-DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3],
-                                    const NearestPrototype nearest[3], float overlap, float slack,
-                                    std::uint32_t& first) {
-  HalfSpaceRule rule;
-  for (int k = 0; k < 3; ++k) rule.v[k] = v[k];
-  std::uint32_t competitor[3] = {nearest[0].cluster, nearest[1].cluster, nearest[2].cluster};
+// The rule for a triangle with scaled points `v`, three of a state, whose nearest prototypes are
+// `nearest`; `overlap` in [0, 1] is the share of it, about each state's centroid, that decides.
+// `first` becomes the first competitor.
+template <int kPoints = 3>
+DCM_HD inline HalfSpaceRuleOf<kPoints> ruleFor(const PrototypesView& view, const Vec3f v[kPoints],
+                                               const NearestPrototype nearest[kPoints],
+                                               float overlap, float slack, std::uint32_t& first) {
+  HalfSpaceRuleOf<kPoints> rule;
+  std::uint32_t competitor[kPoints];
+  for (int k = 0; k < kPoints; ++k) {
+    rule.v[k] = v[k];
+    competitor[k] = nearest[k].cluster;
+  }
   if (overlap < 1) {
-    const Vec3f centroid = centroidOf(v);
-    for (Vec3f& x : rule.v) x = centroid + (x - centroid) * overlap;
-    first = nearestPrototype(view, centroid, competitor[0], slack).cluster;
+    for (int state = 0; state < kPoints; state += 3) {
+      const Vec3f centroid = centroidOf(v + state);
+      for (int k = state; k < state + 3; ++k) {
+        rule.v[k] = centroid + (rule.v[k] - centroid) * overlap;
+      }
+      const std::uint32_t its = nearestPrototype(view, centroid, competitor[state], slack).cluster;
+      if (state == 0) first = its;
+      if (state > 0) competitor[0] = its;
+    }
     rule.addCompetitor(view.prototypes[first], slack);
   } else {
-    // The one whose farthest vertex is the nearest comes first: the search about it is the
-    // shortest.
+    // The one whose farthest point is the nearest comes first: the search about it is the shortest.
     float least2 = INFINITY;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < kPoints; ++k) {
       const Vec3f p = view.prototypes[competitor[k]];
-      const float farthest2 =
-          most(squaredDistance(v[0], p), most(squaredDistance(v[1], p), squaredDistance(v[2], p)));
+      float farthest2 = squaredDistance(v[0], p);
+      for (int i = 1; i < kPoints; ++i) farthest2 = most(farthest2, squaredDistance(v[i], p));
       if (k > 0 && farthest2 < least2) {
         const std::uint32_t former = competitor[0];
         competitor[0] = competitor[k];
@@ -233,20 +250,26 @@ DCM_HD inline HalfSpaceRule ruleFor(const PrototypesView& view, const Vec3f v[3]
     }
     first = competitor[0];
   }
-  for (int k = 0; k < 3; ++k) rule.addCompetitor(view.prototypes[competitor[k]], slack);
+  for (int k = 0; k < kPoints; ++k) {
+    // Of six points the first few that differ do.
+    bool is_new = kPoints == 3 || overlap == 1 || competitor[k] != first;
+    for (int i = 0; kPoints > 3 && i < k; ++i) is_new = is_new && competitor[i] != competitor[k];
+    if (is_new) rule.addCompetitor(view.prototypes[competitor[k]], slack);
+  }
   return rule;
 }
 
 // Whether the list of the first competitor holds all clusters that the rule may admit.
-DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRule& rule,
+template <int kPoints>
+DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule,
                                 std::uint32_t first, float& radius) {
   radius = rule.searchRadius(view.prototypes[first]);
   return view.list_reach[first] > radius;
 }
 
 // Calls add(place) for each of the neighbours of the first competitor that the rule admits.
-template <class Add>
-DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRule& rule,
+template <int kPoints, class Add>
+DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule,
                                  std::uint32_t first, float radius, const Add& add) {
   walkList(
       view, first, [radius] { return radius; },
@@ -256,8 +279,8 @@ DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRule
 }
 
 // Calls add(g) for every cluster g that the rule admits. In no particular order, each once.
-template <class Add>
-DCM_HD inline void forEachAdmitted(const PrototypesView& view, const HalfSpaceRule& rule,
+template <int kPoints, class Add>
+DCM_HD inline void forEachAdmitted(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule,
                                    std::uint32_t first, const Add& add) {
   float radius;
   if (listSuffices(view, rule, first, radius)) {

@@ -14,18 +14,26 @@ struct Interval {
   float lo, hi;
 };
 
-// The interval of a scaled triangle along a stored axis, grown by the margin and by all that
-// rounding can have moved: the exact projections of the unrounded triangle lie inside.
-DCM_HD inline Interval project(const Vec3f& axis, const Vec3f v[3], float margin) {
-  const float p0 = dot(axis, v[0]), p1 = dot(axis, v[1]), p2 = dot(axis, v[2]);
-  const float mx = most(fabsf(v[0].x), most(fabsf(v[1].x), fabsf(v[2].x)));
-  const float my = most(fabsf(v[0].y), most(fabsf(v[1].y), fabsf(v[2].y)));
-  const float mz = most(fabsf(v[0].z), most(fabsf(v[1].z), fabsf(v[2].z)));
+// The interval of a scaled triangle along a stored axis, or of all points that a moving one has at
+// both ends of a step; grown by the margin and by all that rounding can have moved: the exact
+// projections of the unrounded points lie inside.
+template <int kPoints = 3>
+DCM_HD inline Interval project(const Vec3f& axis, const Vec3f v[kPoints], float margin) {
+  float lo = dot(axis, v[0]), hi = lo;
+  float mx = fabsf(v[0].x), my = fabsf(v[0].y), mz = fabsf(v[0].z);
+  for (int k = 1; k < kPoints; ++k) {
+    const float p = dot(axis, v[k]);
+    lo = least(lo, p);
+    hi = most(hi, p);
+    mx = most(mx, fabsf(v[k].x));
+    my = most(my, fabsf(v[k].y));
+    mz = most(mz, fabsf(v[k].z));
+  }
   // u = 2^-24: 1 for the scaled coordinate, 3 for the dot product, 1 for the sum below, slack.
   constexpr float kError = 6 * kScaledError;
   const float pad =
       (fabsf(axis.x) * mx + fabsf(axis.y) * my + fabsf(axis.z) * mz) * kError + margin + 1e-44F;
-  return {least(p0, least(p1, p2)) - pad, most(p0, most(p1, p2)) + pad};
+  return {lo - pad, hi + pad};
 }
 
 // Two intervals on 15 bits each, in the two halves of a word; the top bit of each half is spare. A
@@ -56,6 +64,19 @@ DCM_HD inline PackedBox pack(const Quantiser q[2], const Interval i[2]) {
 DCM_HD inline bool intersects(const PackedBox& a, const PackedBox& b) {
   return (((a.hi | kPackedGuard) - b.lo) & ((b.hi | kPackedGuard) - a.lo) & kPackedGuard) ==
          kPackedGuard;
+}
+
+// As areApart(MovingBox, MovingBox) is for boxes: a packed box of each end of the step.
+struct MovingPackedBox {
+  PackedBox from, to;
+};
+
+DCM_HD inline bool intersects(const MovingPackedBox& a, const MovingPackedBox& b) {
+  const std::uint32_t above =
+      ((a.from.hi | kPackedGuard) - b.from.lo) | ((a.to.hi | kPackedGuard) - b.to.lo);
+  const std::uint32_t below =
+      ((b.from.hi | kPackedGuard) - a.from.lo) | ((b.to.hi | kPackedGuard) - a.to.lo);
+  return (above & below & kPackedGuard) == kPackedGuard;
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// How bodies' margins act on pairs and on clusters.
+// How bodies' margins and pads act on pairs and on clusters.
 #pragma once
 
 #include <cfloat>
@@ -15,9 +15,17 @@ DCM_HD inline float pairMargin(float margin_a_m, float margin_b_m) {
   return most(margin_a_m, margin_b_m);
 }
 
-// Slack of the half-space rule for a body with this margin [scaled]: twice the margin and a little
-// more, for distances are rounded before they are compared with it. Each body is inflated by its
-// full own margin.
+// In swept motion: points of two bodies with these pads are at most this much nearer to each other
+// than on their straight ways [m].
+DCM_HD inline float pairPad(float pad_a_m, float pad_b_m) {
+  const double sum = static_cast<double>(pad_a_m) + pad_b_m;
+  const auto rounded = static_cast<float>(least<double>(sum, FLT_MAX));
+  return rounded < sum ? nextafterf(rounded, FLT_MAX) : rounded;
+}
+
+// Slack of the half-space rule for a body with this margin or pad [scaled]: twice the margin and a
+// little more, for distances are rounded before they are compared with it. Each body is inflated by
+// its full own margin.
 inline float scaledSlack(float margin_m, const SceneScale& scale) {
   constexpr double kMore = 1 + 1e-6;
   const double slack = 2 * (margin_m * scale.scale) * kMore;

@@ -58,16 +58,16 @@ class Frame {
     return prototypes;
   }
 
-  CycleOutput sweep(const std::vector<Vec3f>& points) const {
+  CycleOutput<Triangle> sweep(const std::vector<Vec3f>& points) const {
     Prototypes prototypes;
     prototypes.build(points);
-    ClusterAssignment assignment;
+    ClusterAssignment<Triangle> assignment;
     ClusterAssigner().assign(scene_, set_, split_, prototypes, 1, assignment);
     const BodyGroups groups(scene_);
     const std::vector<float> slack = scaledSlacks(scene_, split_.scale);
     const Options options;
-    const CycleInput input{scene_, set_, split_, assignment, groups, slack, options};
-    ClusterSweeper sweeper(input);
+    const CycleInput<Triangle> input{scene_, set_, split_, assignment, groups, slack, options};
+    ClusterSweeper<Triangle> sweeper(input);
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
     return sweeper.output();
   }
@@ -90,9 +90,9 @@ std::vector<Vec3f> clustered(const Frame& frame, int iterations) {
 TEST(PrototypeQuality, BetterThanRandomOnes) {
   DCM_REQUIRE_TEST_DATA();
   const Frame frame("cloth-ball/cloth_ball92.ply");
-  const CycleOutput fuzzy = frame.sweep(clustered(frame, 5));
+  const CycleOutput<Triangle> fuzzy = frame.sweep(clustered(frame, 5));
   for (const unsigned seed : {1U, 2U, 3U}) {
-    const CycleOutput random = frame.sweep(frame.randomPrototypes(seed));
+    const CycleOutput<Triangle> random = frame.sweep(frame.randomPrototypes(seed));
     EXPECT_LT(fuzzy.interval_overlaps, random.interval_overlaps) << "seed " << seed;
     EXPECT_EQ(fuzzy.contacts.size(), random.contacts.size());
   }

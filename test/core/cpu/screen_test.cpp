@@ -27,7 +27,7 @@ std::vector<Triangle> randomTriangles(unsigned seed) {
 using Known = std::tuple<std::uint32_t, std::uint32_t, std::vector<int>>;
 
 // What there is to compare of a candidate.
-Known known(const Candidate& c) {
+Known known(const Candidate<Triangle>& c) {
   std::vector<int> facts;
   for (int i = 0; i < 3; ++i) {
     facts.insert(facts.end(), {c.facts.shared.in_a[i], c.facts.shared.in_b[i]});
@@ -38,9 +38,9 @@ Known known(const Candidate& c) {
   return {c.a.value, c.b.value, facts};
 }
 
-std::vector<Known> sorted(const std::vector<Candidate>& candidates) {
+std::vector<Known> sorted(const std::vector<Candidate<Triangle>>& candidates) {
   std::vector<Known> all;
-  for (const Candidate& c : candidates) all.push_back(known(c));
+  for (const Candidate<Triangle>& c : candidates) all.push_back(known(c));
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -59,19 +59,19 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
     Counters counters;
     builder.build(scene, set, counters);
     const SizeSplit split;
-    const ClusterAssignment assignment;
+    const ClusterAssignment<Triangle> assignment;
     const BodyGroups groups(scene);
     const std::vector<float> slack = scaledSlacks(scene, split.scale);
-    const CycleInput input{scene, set, split, assignment, groups, slack, options};
-    PairScreen screen(input);
+    const CycleInput<Triangle> input{scene, set, split, assignment, groups, slack, options};
+    PairScreen<Triangle> screen(input);
 
-    std::vector<PreparedTriangle> triangles;
+    std::vector<PreparedTriangle<Triangle>> triangles;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
       const TriangleIndex t(i);
       triangles.emplace_back(set.posed(t), set.vertexIds(t), t, set.bodyOf(t));
     }
     std::vector<BoxPair> pairs;
-    std::vector<Candidate> by_rule, one_by_one, all_at_once;
+    std::vector<Candidate<Triangle>> by_rule, one_by_one, all_at_once;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
       for (std::uint32_t j = i + 1; j < set.size(); ++j) {
         pairs.push_back({SortedIndex(i), SortedIndex(j)});

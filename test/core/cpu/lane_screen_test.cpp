@@ -1,6 +1,6 @@
 // The CPU's filters of moving pairs in vector lanes never contradict the exact verdict.
 // $DCM_FUZZ_PAIRS says how many pairs of each class.
-#include "core/cpu/swept_screen.h"
+#include "core/cpu/lane_screen.h"
 
 #include <gtest/gtest.h>
 
@@ -46,20 +46,15 @@ enum class Told { kApart, kMeet, kOpen };
 
 std::vector<Told> screened(const std::vector<MovingPair>& pairs, unsigned filters,
                            bool wants_time) {
-  std::vector<MovingTriangle> triangles;
-  std::vector<BoxPair> positions;
-  for (const MovingPair& pair : pairs) {
-    const auto first = static_cast<std::uint32_t>(triangles.size());
-    triangles.insert(triangles.end(), {pair.a, pair.b});
-    positions.push_back({SortedIndex(first), SortedIndex(first + 1)});
-  }
-  SweptScreen screen(filters);
-  screen.screen(triangles, positions.data(), positions.size(), wants_time);
+  std::vector<MovingTriangles> refs;
+  for (const MovingPair& pair : pairs) refs.push_back({&pair.a, &pair.b});
+  LaneScreen screen(filters);
+  screen.screen(refs, wants_time);
   std::vector<Told> told(pairs.size(), Told::kApart);
-  for (const BoxPair& pair : screen.meeting()) told[pair.a.value / 2] = Told::kMeet;
-  for (const BoxPair& pair : screen.open()) {
-    EXPECT_EQ(told[pair.a.value / 2], Told::kApart) << "told twice";
-    told[pair.a.value / 2] = Told::kOpen;
+  for (const std::uint32_t i : screen.meeting()) told[i] = Told::kMeet;
+  for (const std::uint32_t i : screen.open()) {
+    EXPECT_EQ(told[i], Told::kApart) << "told twice";
+    told[i] = Told::kOpen;
   }
   return told;
 }
@@ -89,9 +84,9 @@ Count expectNoContradiction(const std::vector<MovingPair>& pairs,
   return count;
 }
 
-class SweptScreenTest : public testing::TestWithParam<MovingPairClass> {};
+class LaneScreenTest : public testing::TestWithParam<MovingPairClass> {};
 
-TEST_P(SweptScreenTest, EachFilterAloneAndAllNeverContradictTheVerdict) {
+TEST_P(LaneScreenTest, EachFilterAloneAndAllNeverContradictTheVerdict) {
   const std::vector<MovingPair> pairs = pairsOf(GetParam(), pairsWanted());
   const std::vector<SweptVerdict> exact = exactVerdicts(pairs);
   for (const unsigned filters : {kScreenPlanes, kScreenEnds, kScreenPieces}) {
@@ -108,7 +103,7 @@ TEST_P(SweptScreenTest, EachFilterAloneAndAllNeverContradictTheVerdict) {
 
 // An affine map of all places keeps contacts that just touch, and fills mantissas so that products
 // are rounded.
-TEST_P(SweptScreenTest, NorWhereTheyTouchAndProductsAreRounded) {
+TEST_P(LaneScreenTest, NorWhereTheyTouchAndProductsAreRounded) {
   const float rows[3][3] = {{20011, 313, -1021}, {-707, 15013, 2003}, {1511, -911, 17011}};
   std::vector<MovingPair> pairs;
   for (MovingPair pair : pairsOf(GetParam(), pairsWanted())) {
@@ -134,7 +129,7 @@ TEST_P(SweptScreenTest, NorWhereTheyTouchAndProductsAreRounded) {
 }
 
 // Far from 1 rounding is the same, until numbers become denormal or infinite.
-TEST_P(SweptScreenTest, NorAtTheExtremes) {
+TEST_P(LaneScreenTest, NorAtTheExtremes) {
   std::vector<MovingPair> pairs = pairsOf(GetParam(), pairsWanted() / 10);
   for (const int power : {-149, -145, -130, -75, -45, 40, 60, 100, 115}) {
     std::vector<MovingPair> extreme;
@@ -153,10 +148,10 @@ TEST_P(SweptScreenTest, NorAtTheExtremes) {
 const auto kName = [](const testing::TestParamInfo<MovingPairClass>& info) {
   return std::string(info.param.name);
 };
-INSTANTIATE_TEST_SUITE_P(Moving, SweptScreenTest, testing::ValuesIn(movingPairClasses()), kName);
+INSTANTIATE_TEST_SUITE_P(Moving, LaneScreenTest, testing::ValuesIn(movingPairClasses()), kName);
 
 // Each coordinate of each vertex of its own size, from the least denormal to the largest number.
-TEST(SweptScreenExtremes, SizesFarApart) {
+TEST(LaneScreenExtremes, SizesFarApart) {
   MotionDice dice(5);
   const auto size = [&dice] {
     const float of[] = {0, 1.4e-45F, 1e-40F, 1e-38F, 1e-30F, 1e-19F, 1, 1e19F, 1e30F, FLT_MAX};
@@ -184,7 +179,7 @@ TEST(SweptScreenExtremes, SizesFarApart) {
 }
 
 // The filters are asked of finite vertices; of others they tell nothing.
-TEST(SweptScreenExtremes, NothingIsCertainOfInfinityAndNaN) {
+TEST(LaneScreenExtremes, NothingIsCertainOfInfinityAndNaN) {
   const std::vector<MovingPair> pairs = pairsOf(movingPairClasses()[3], 200);
   std::vector<MovingPair> changed;
   for (const float odd : {std::numeric_limits<float>::infinity(),
@@ -203,7 +198,7 @@ TEST(SweptScreenExtremes, NothingIsCertainOfInfinityAndNaN) {
   }
 }
 
-TEST(SweptScreenLanes, APairsPlaceAmongOthersChangesNothing) {
+TEST(LaneScreenLanes, APairsPlaceAmongOthersChangesNothing) {
   const std::vector<MovingPair> pairs = pairsOf(movingPairClasses()[3], 61);
   const std::vector<Told> together = screened(pairs, kAllScreenFilters, false);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -212,7 +207,7 @@ TEST(SweptScreenLanes, APairsPlaceAmongOthersChangesNothing) {
   EXPECT_TRUE(screened({}, kAllScreenFilters, false).empty());
 }
 
-TEST(SweptScreenLanes, BoxesAreApartAsMovingBoxesAre) {
+TEST(LaneScreenLanes, BoxesAreApartAsMovingBoxesAre) {
   std::size_t apart = 0;
   for (const MovingPairClass& what : movingPairClasses()) {
     for (const MovingPair& pair : pairsOf(what, 500)) {
