@@ -106,35 +106,6 @@ TEST_P(SweptSuite, GeometryIsRefused) {
   EXPECT_THROW(detector_->detect(Scene(), options), std::invalid_argument);
 }
 
-// What each stage does costs no contact, whatever the settings: bodies that shake, are posed, meet
-// themselves and each other.
-TEST_P(SweptSuite, IsTheSameForAnyClustersAndThreads) {
-  for (unsigned seed = 1; seed <= 3; ++seed) {
-    Scene scene = pairScene(clothGrid(12, 1, 0, 0.2F), clothGrid(10, 0.9F, 0.02F, -0.2F));
-    scene.setPairEnabled(0, 0, true);
-    scene.setEarlier(0, RigidTransform(), shaken(scene.body(0).mesh, 0.1F, seed));
-    scene.setEarlier(1, translationBy(0.3, 0, 0.1), shaken(scene.body(1).mesh, 0.02F, seed + 9));
-    for (const AdjacentPairs adjacent : kBothAdjacent) {
-      Options options = sweptOptions(adjacent);
-      options.first_times = true;
-      const std::vector<TrianglePair> expected = expectedOf(scene, adjacent);
-      ASSERT_GT(expected.size(), 1000U);
-      const DetectionResult first = makeBruteForceDetector()->detect(scene, options);
-      for (const int clusters : {0, 1, 7, 100}) {
-        for (const int threads : {1, 2}) {
-          options.clusters = clusters;
-          options.threads = threads;
-          const DetectionResult result = detect(scene, options);
-          EXPECT_TRUE(samePairs(expected, result.contacts)) << clusters;
-          EXPECT_TRUE(sameTimes(first.first_times, result.first_times)) << clusters;
-          EXPECT_TRUE(result.within_pad.empty());
-          EXPECT_TRUE(result.guaranteed);
-        }
-      }
-    }
-  }
-}
-
 TEST_P(SweptSuite, WhatIsApartAtBothEndsMayHavePassed) {
   Scene scene = pairScene(clothGrid(10, 1, 0, 0), clothGrid(3, 0.1F, 0, 0));
   scene.setPose(1, translationBy(0.4, 0.4, 2));
@@ -147,9 +118,38 @@ TEST_P(SweptSuite, WhatIsApartAtBothEndsMayHavePassed) {
 
 INSTANTIATE_TEST_SUITE_P(, SweptSuite, ::testing::ValuesIn(sweptBackends()), backendName);
 
-class SweptPairSets : public DetectorSuite {};
+class SweptProducts : public DetectorSuite {};
 
-TEST_P(SweptPairSets, InstantAndSweptOfTheSamePairsDoNotTakeTurnsOnOneDetector) {
+// What each stage does costs no contact, whatever the settings: bodies that shake, are posed, meet
+// themselves and each other.
+TEST_P(SweptProducts, IsTheSameForAnyClustersAndThreads) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    Scene scene = pairScene(clothGrid(9, 1, 0, 0.2F), clothGrid(8, 0.9F, 0.02F, -0.2F));
+    scene.setPairEnabled(0, 0, true);
+    scene.setEarlier(0, RigidTransform(), shaken(scene.body(0).mesh, 0.1F, seed));
+    scene.setEarlier(1, translationBy(0.3, 0, 0.1), shaken(scene.body(1).mesh, 0.02F, seed + 9));
+    for (const AdjacentPairs adjacent : kBothAdjacent) {
+      Options options = sweptOptions(adjacent);
+      options.first_times = true;
+      const std::vector<TrianglePair> expected = expectedOf(scene, adjacent);
+      ASSERT_GT(expected.size(), 300U);
+      const DetectionResult first = makeBruteForceDetector()->detect(scene, options);
+      for (const int clusters : {0, 1, 7, 100}) {
+        for (const int threads : {1, 2}) {
+          options.clusters = clusters;
+          options.threads = threads;
+          const DetectionResult& result = detector_->detect(scene, options);
+          EXPECT_TRUE(samePairs(expected, result.contacts)) << clusters;
+          EXPECT_TRUE(sameTimes(first.first_times, result.first_times)) << clusters;
+          EXPECT_TRUE(result.within_pad.empty());
+          EXPECT_TRUE(result.guaranteed);
+        }
+      }
+    }
+  }
+}
+
+TEST_P(SweptProducts, InstantAndSweptOfTheSamePairsDoNotTakeTurnsOnOneDetector) {
   const auto detector = makePairSetDetector(GetParam().make);
   Scene scene = pairScene(clothGrid(40, 1, 0, 0.03F), clothGrid(30, 1, 0.01F, 0.03F));
   scene.setEarlier(1, translationBy(0, 0, 0.1));
@@ -165,7 +165,7 @@ TEST_P(SweptPairSets, InstantAndSweptOfTheSamePairsDoNotTakeTurnsOnOneDetector) 
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, SweptPairSets, ::testing::ValuesIn(sweptProductBackends()), backendName);
+INSTANTIATE_TEST_SUITE_P(, SweptProducts, ::testing::ValuesIn(sweptProductBackends()), backendName);
 
 }  // namespace
 }  // namespace deformable_contact_monitor

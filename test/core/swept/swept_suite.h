@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "detector_suite.h"
+#include "test/core/detector_suite.h"
 
 namespace deformable_contact_monitor {
 
