@@ -1,4 +1,4 @@
-// Moving boxes and pairs of moving triangles spread over vector lanes.
+// Pairs of moving triangles spread over vector lanes.
 #pragma once
 
 #include "core/cpu/lane_triangle.h"
@@ -13,24 +13,6 @@ template <>
 struct Rounding<FloatLanes> : Rounding<float> {};
 
 using LaneVector = Vector<FloatLanes>;
-
-// A box at both ends of the step: x, y and z, and a lane in which nothing is apart.
-struct LaneBox {
-  FloatLanes from_min, from_max, to_min, to_max;
-
-  LaneBox() = default;
-  explicit LaneBox(const MovingBox& box)
-      : from_min{box.from.min.x, box.from.min.y, box.from.min.z, 0},
-        from_max{box.from.max.x, box.from.max.y, box.from.max.z, 0},
-        to_min{box.to.min.x, box.to.min.y, box.to.min.z, 0},
-        to_max{box.to.max.x, box.to.max.y, box.to.max.z, 0} {}
-};
-
-// As of moving boxes.
-inline bool areApart(const LaneBox& a, const LaneBox& b) {
-  return laneBits(((a.from_max < b.from_min) & (a.to_max < b.to_min)) |
-                  ((b.from_max < a.from_min) & (b.to_max < a.to_min))) != 0;
-}
 
 // A pair of triangles in each lane, at both ends of the step.
 struct LanePairs {
