@@ -79,6 +79,23 @@ void LaneScreen::halvePieces(float width, Told where_they_meet) {
   halves_.resize(halves);
 }
 
+// Of halves_, in which a pair's stand together, those of pairs that are worth it: where most of
+// them stay, as in one plane, filters tell nothing.
+void LaneScreen::keepPieces() {
+  constexpr std::size_t kMostPieces = 4;
+  pieces_.clear();
+  std::size_t of_pair = 0;
+  for (std::size_t i = 0; i < halves_.size(); ++i) {
+    const std::uint32_t pair = halves_[i].pair;
+    of_pair = i > 0 && halves_[i - 1].pair == pair ? of_pair + 1 : 1;
+    if (told_[pair] != Told::kApart) continue;
+    pieces_.push_back(halves_[i]);
+    if (of_pair <= kMostPieces) continue;
+    pieces_.resize(pieces_.size() - of_pair);
+    told_[pair] = Told::kOpen;
+  }
+}
+
 void LaneScreen::halveSteps(Told where_they_meet) {
   pieces_.clear();
   for (const std::uint32_t pair : left_) {
@@ -88,10 +105,7 @@ void LaneScreen::halveSteps(Told where_they_meet) {
   float width = 1;
   for (int i = 0; i < kHalvings && (filters_ & kScreenPieces) != 0; ++i, width /= 2) {
     halvePieces(width, where_they_meet);
-    pieces_.clear();
-    for (const Piece& half : halves_) {
-      if (told_[half.pair] == Told::kApart) pieces_.push_back(half);
-    }
+    keepPieces();
   }
   for (const Piece& piece : pieces_) told_[piece.pair] = Told::kOpen;
 }

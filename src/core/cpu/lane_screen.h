@@ -48,6 +48,7 @@ class LaneScreen {
   void findContacts(const std::vector<std::uint32_t>& pairs, bool at_end);
   void halveSteps(Told where_they_meet);
   void halvePieces(float width, Told where_they_meet);
+  void keepPieces();
   template <class PairOf>
   LanePairs gather(std::size_t begin, std::size_t end, const PairOf& pair_of) const;
 
