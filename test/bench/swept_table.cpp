@@ -1,10 +1,12 @@
 // Prints, for meshes in two states, what the filters of swept contacts leave of a body's pairs with
 // itself, how long each takes, and the verdicts. One thread.
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <string>
 #include <vector>
 
+#include "core/cpu/lane_screen.h"
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/swept_exact.h"
 #include "moving_meshes.h"
@@ -118,6 +120,30 @@ void printFilters(std::vector<Candidate> pairs) {
   std::printf("%zu features meet; integer signs alone settle %zu\n", met, with_integers);
 }
 
+// What the CPU does: the filters in vector lanes, then verdicts on what they leave.
+void printScreen(const std::vector<Candidate>& pairs, bool wants_time) {
+  std::vector<MovingTriangles> meet;
+  for (const Candidate& pair : pairs) {
+    if (!areApart(boxOf(*pair.a), boxOf(*pair.b))) meet.push_back({pair.a, pair.b});
+  }
+  constexpr std::size_t kPart = 1 << 14;
+  std::vector<Candidate> open;
+  std::size_t meeting = 0;
+  LaneScreen screen;
+  const std::clock_t start = std::clock();
+  for (std::size_t begin = 0; begin < meet.size(); begin += kPart) {
+    const std::size_t end = std::min(meet.size(), begin + kPart);
+    const std::vector<MovingTriangles> part(&meet[begin], &meet[begin] + (end - begin));
+    screen.screen(part, wants_time);
+    meeting += screen.meeting().size();
+    for (const std::uint32_t i : screen.open()) open.push_back({part[i].a, part[i].b, {}});
+  }
+  std::printf("in lanes%s: of %zu pairs %zu in contact, %zu open, %.1f ms\n",
+              wants_time ? ", with times" : "", meet.size(), meeting, open.size(),
+              millisecondsSince(start));
+  printVerdicts("  verdicts on these", open, AdjacentPairs::kSkip, wants_time, Predicates::kExact);
+}
+
 int run(const char* from, const char* to) {
   const std::vector<MovingTriangle> triangles =
       movingTriangles(readMeshFile(from), readMeshFile(to));
@@ -138,6 +164,7 @@ int run(const char* from, const char* to) {
   printVerdicts("with times", sharing, beyond, true, Predicates::kExact);
   printVerdicts("conservative", sharing, beyond, false, Predicates::kConservative);
   printVerdicts("fast", sharing, beyond, false, Predicates::kFast);
+  for (const bool wants_time : {false, true}) printScreen(disjoint, wants_time);
   printFilters(std::move(disjoint));
   return 0;
 }

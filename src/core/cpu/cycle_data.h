@@ -45,6 +45,7 @@ template <>
 struct Candidate<MovingTriangle> {
   TriangleIndex a, b;
   SharedVertices shared;
+  bool meet;  // certainly; if first times are wanted, at the start
 };
 
 // What these stages add to, each thread to one of its own.

@@ -74,7 +74,7 @@ void ClusterSweeper<Hull>::sweepGroups() {
 // What was found so far, in parts that take a millisecond or two without their verdicts.
 template <class Hull>
 void ClusterSweeper<Hull>::judgePairs() {
-  constexpr std::size_t kPart = 1 << 16;
+  constexpr std::size_t kPart = kIsMoving<Hull> ? 1 << 12 : 1 << 16;
   serialBlocks(input_.limit, pair_count_, kPart, [this](std::size_t begin, std::size_t end) {
     judgeSome(&pairs_[begin], end - begin);
   });

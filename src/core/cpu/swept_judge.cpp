@@ -37,6 +37,11 @@ void judgeCandidates(const CycleInput<MovingTriangle>& input,
     if (pace.over()) return;
     ++output.candidates;
     const Candidate<MovingTriangle> candidate = inOrder(any_order);
+    if (candidate.meet) {
+      const float first_high = options.first_times ? 0.0F : 1.0F;
+      output.contacts.add({candidate.a, candidate.b, {0, first_high}, false});
+      continue;
+    }
     const MovingTriangle a = input.set.posed<MovingTriangle>(candidate.a);
     const MovingTriangle b = input.set.posed<MovingTriangle>(candidate.b);
     PredicateState state{options.predicates};

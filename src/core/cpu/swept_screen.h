@@ -6,27 +6,30 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cpu/lane_screen.h"
 #include "core/cpu/screen.h"
 
 namespace deformable_contact_monitor {
 
 template <>
 struct PreparedTriangle<MovingTriangle> {
+  MovingTriangle posed;
   IntLanes vertex_id;
   TriangleIndex triangle;
   BodyIndex body;
 
   PreparedTriangle() = default;
-  PreparedTriangle(const MovingTriangle& /*posed*/, const std::array<std::uint32_t, 3>& id,
+  PreparedTriangle(const MovingTriangle& posed_at, const std::array<std::uint32_t, 3>& id,
                    TriangleIndex t, BodyIndex body_of_t)
-      : vertex_id(identityLanes(id)), triangle(t), body(body_of_t) {}
+      : posed(posed_at), vertex_id(identityLanes(id)), triangle(t), body(body_of_t) {}
 };
 
-// As PairScreen<Triangle>; the pairs' moving boxes intersect.
+// As PairScreen<Triangle>; the pairs' moving boxes intersect. Candidates are also the pairs that
+// filters know to be contacts.
 template <>
 class PairScreen<MovingTriangle> {
  public:
-  explicit PairScreen(const CycleInput<MovingTriangle>& input) : input_(input) {}
+  explicit PairScreen(const CycleInput<MovingTriangle>& input);
 
   void screen(const std::vector<PreparedTriangle<MovingTriangle>>& triangles, BoxPair* pairs,
               std::size_t count, std::vector<Candidate<MovingTriangle>>& candidates);
@@ -34,7 +37,13 @@ class PairScreen<MovingTriangle> {
               std::vector<Candidate<MovingTriangle>>& candidates) const;
 
  private:
+  float padOf(const PreparedTriangle<MovingTriangle>& a,
+              const PreparedTriangle<MovingTriangle>& b) const;
+
   const CycleInput<MovingTriangle>& input_;
+  bool pads_ = false;  // some body that takes part has one
+  LaneScreen lanes_;
+  std::vector<MovingTriangles> separate_;  // the first of `pairs`
 };
 
 }  // namespace deformable_contact_monitor

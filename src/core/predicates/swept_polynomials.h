@@ -1,5 +1,5 @@
-// Orientation determinants of moving points as polynomials in time, in float or double, with their
-// errors.
+// Orientation determinants of moving points as polynomials in time, with their errors. Real is float
+// or double; up to determinantsOf also a vector of floats, for several at once.
 //
 // A difference of coordinates carries u (half an ulp); a term of a 3 x 3 determinant 3 u from
 // differences, 3 u from products and the difference of products, 2 u from sums; sums of up to three
@@ -42,6 +42,8 @@ template <class Real>
 struct MovingVector {
   Vector<Real> from, to;
 
+  DCM_HD MovingVector(const Vector<Real>& at_start, const Vector<Real>& at_end)
+      : from(at_start), to(at_end) {}
   DCM_HD MovingVector(const MovingPoint& a, const MovingPoint& b)
       : from(between<Real>(a.from, b.from)), to(between<Real>(a.to, b.to)) {}
 };
@@ -62,7 +64,7 @@ struct MovingNormal {
       n[0].x[k] = a - b;
       n[1].x[k] = (c - d) + (e - f);
       n[2].x[k] = g - h;
-      constexpr Real kTiny = Rounding<Real>::kProduct;
+      constexpr auto kTiny = Rounding<Real>::kProduct;
       size[0].x[k] = sizeOf(a) + sizeOf(b) + kTiny;
       size[1].x[k] = (sizeOf(c) + sizeOf(d)) + (sizeOf(e) + sizeOf(f)) + kTiny;
       size[2].x[k] = sizeOf(g) + sizeOf(h) + kTiny;
@@ -126,14 +128,14 @@ DCM_HD inline Cubic<Real> determinantOf(const MovingNormal<Real>& n, const Movin
 template <class Real>
 DCM_HD inline void determinantsOf(const MovingNormal<Real>& n, const MovingVector<Real> (&w)[3],
                                   Cubic<Real> (&d)[3]) {
-  Real size = 0;
+  Real size{};
   for (int k = 0; k < 3; ++k) {
     const Real reach_from =
-        greatest(sizeOf(w[0].from.x[k]), sizeOf(w[1].from.x[k]), sizeOf(w[2].from.x[k]), Real(0));
+        greatest(sizeOf(w[0].from.x[k]), sizeOf(w[1].from.x[k]), sizeOf(w[2].from.x[k]), Real{});
     const Real reach_to =
-        greatest(sizeOf(w[0].to.x[k]), sizeOf(w[1].to.x[k]), sizeOf(w[2].to.x[k]), Real(0));
-    size += greatest(n.size[0].x[k], n.size[1].x[k], n.size[2].x[k], Real(0)) *
-            greatest(reach_from, reach_to, Real(0), Real(0));
+        greatest(sizeOf(w[0].to.x[k]), sizeOf(w[1].to.x[k]), sizeOf(w[2].to.x[k]), Real{});
+    size += greatest(n.size[0].x[k], n.size[1].x[k], n.size[2].x[k], Real{}) *
+            greatest(reach_from, reach_to, Real{}, Real{});
   }
   for (int i = 0; i < 3; ++i) {
     setDeterminant(n, w[i], d[i]);
@@ -156,7 +158,7 @@ DCM_HD inline Quadratic<Real> projectedDeterminant(const MovingVector<Real>& u,
   q.c[2] = 2 * (g - h);
   const Real s0 = 2 * (sizeOf(a) + sizeOf(b)), s2 = 2 * (sizeOf(g) + sizeOf(h));
   const Real s1 = (sizeOf(c) + sizeOf(d)) + (sizeOf(e) + sizeOf(f));
-  q.error = 6 * Rounding<Real>::kUnit * greatest(s0, s1, s2, Real(0)) + Rounding<Real>::kSum;
+  q.error = 6 * Rounding<Real>::kUnit * greatest(s0, s1, s2, Real{}) + Rounding<Real>::kSum;
   return q;
 }
 

@@ -227,5 +227,30 @@ TEST(SweptTruth, ClothFunnelWithItself) {
   EXPECT_EQ(contactsOf(movingTriangles(to, from)).beyond_shared, contacts.beyond_shared);
 }
 
+// The oracle on all contacts of triangles that share vertices, and on some of the others.
+TEST(SweptTruth, NeighboursOfClothBall) {
+  DCM_REQUIRE_TEST_DATA();
+  const std::vector<MovingTriangle> triangles =
+      movingTriangles(readMeshFile(testDataFile("cloth-ball/cloth_ball92.ply")),
+                      readMeshFile(testDataFile("cloth-ball/cloth_ball93.ply")));
+  std::size_t neighbours = 0, contacts = 0;
+  for (const auto& [i, j] : sweptBoxPairs(triangles)) {
+    const MovingTriangle &a = triangles[i], &b = triangles[j];
+    const SharedVertices shared = sharedTrajectories(a, b);
+    if (!shared.any) continue;
+    ++neighbours;
+    PredicateState state;
+    const bool found =
+        sweptVerdict(a, b, shared, AdjacentPairs::kBeyondShared, false, state).part ==
+        PartVerdict::kMeet;
+    contacts += found ? 1 : 0;
+    if (!found && neighbours % 50 != 0) continue;
+    ASSERT_EQ(sweptContact(a.from, a.to, b.from, b.to, AdjacentPairs::kBeyondShared), found)
+        << i << " " << j;
+  }
+  EXPECT_EQ(neighbours, 563793U);
+  EXPECT_EQ(contacts, 9022U);
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

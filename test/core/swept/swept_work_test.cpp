@@ -61,7 +61,7 @@ TEST_P(SweptWork, TrianglesThatNoPartnerComesToAreCulled) {
   scene.setEarlier(1, translationBy(0.4, 0.4, -1));
   const Counters counters = work(scene, sweptOptions());
   EXPECT_GT(counters.culled, 2500U);
-  EXPECT_GT(counters.candidates, 0U);
+  EXPECT_GT(counters.interval_overlaps, 0U);
 }
 
 // Large ones that move, among small ones.
