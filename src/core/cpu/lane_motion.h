@@ -1,6 +1,8 @@
 // Pairs of moving triangles spread over vector lanes.
 #pragma once
 
+#include <cstddef>
+
 #include "core/cpu/lane_triangle.h"
 #include "core/predicates/swept_polynomials.h"
 #include "core/predicates/swept_triangle.h"

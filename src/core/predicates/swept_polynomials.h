@@ -1,5 +1,5 @@
-// Orientation determinants of moving points as polynomials in time, with their errors. Real is float
-// or double; up to determinantsOf also a vector of floats, for several at once.
+// Orientation determinants of moving points as polynomials in time, with their errors. Real is
+// float or double; for what determinantsOf takes also a vector of floats, for several at once.
 //
 // A difference of coordinates carries u (half an ulp); a term of a 3 x 3 determinant 3 u from
 // differences, 3 u from products and the difference of products, 2 u from sums; sums of up to three
