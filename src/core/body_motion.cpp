@@ -117,13 +117,6 @@ void validate(const BodyPath& path, const std::string& name) {
   }
 }
 
-Body earlierBody(const Body& body) {
-  Body then = body;
-  if (body.earlier) then.pose = body.earlier->pose;
-  then.mesh.vertices = earlierVertices(body);
-  return then;
-}
-
 bool samePose(const RigidTransform& a, const RigidTransform& b) {
   return std::equal(std::begin(a.rotation), std::end(a.rotation), std::begin(b.rotation)) &&
          std::equal(std::begin(a.translation), std::end(a.translation), std::begin(b.translation));
