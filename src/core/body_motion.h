@@ -59,6 +59,7 @@ class BodyMotion {
   };
 
   static Piece pieceBetween(const RigidTransform& from, const RigidTransform& to);
+  std::size_t pieceAt(double at) const;
   double deviationAt(std::size_t sample, double from, const RigidTransform& pose_from, double to,
                      const RigidTransform& pose_to) const;
 
