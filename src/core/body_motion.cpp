@@ -117,13 +117,6 @@ void validate(const BodyPath& path, const std::string& name) {
   }
 }
 
-Body earlierBody(const Body& body) {
-  Body then = body;
-  if (body.earlier) then.pose = body.earlier->pose;
-  then.mesh.vertices = earlierVertices(body);
-  return then;
-}
-
 bool samePose(const RigidTransform& a, const RigidTransform& b) {
   return std::equal(std::begin(a.rotation), std::end(a.rotation), std::begin(b.rotation)) &&
          std::equal(std::begin(a.translation), std::end(a.translation), std::begin(b.translation));
@@ -184,13 +177,19 @@ BodyMotion::BodyMotion(const Body& body, const BodyPath& path) : body_(&body), p
   if (change_ > 0) rounding_ += roundingAt(reach_);
 }
 
+// The piece that begins at that time or before it; of the whole's end the last one.
+std::size_t BodyMotion::pieceAt(double at) const {
+  const auto next = std::upper_bound(path_->begin(), path_->end() - 1, at,
+                                     [](double t, const PoseSample& s) { return t < s.at; });
+  return static_cast<std::size_t>(next - path_->begin()) - 1;
+}
+
 RigidTransform BodyMotion::poseAt(double at) const {
   const BodyPath& path = *path_;
-  const auto next = std::lower_bound(path.begin(), path.end(), at,
-                                     [](const PoseSample& s, double t) { return s.at < t; });
-  if (next->at == at) return next->pose;
-  const PoseSample &to = *next, &from = *(next - 1);
-  const Piece& piece = pieces_[next - path.begin() - 1];
+  const std::size_t i = pieceAt(at);
+  const PoseSample &from = path[i], &to = path[i + 1];
+  if (from.at == at || to.at == at) return (from.at == at ? from : to).pose;
+  const Piece& piece = pieces_[i];
   const double part = (at - from.at) / (to.at - from.at);
   double turned[9];
   turn(piece.axis, part * piece.angle, turned);
@@ -216,9 +215,8 @@ double BodyMotion::deviation(double from, double to) const {
   const BodyPath& path = *path_;
   const RigidTransform pose_from = poseAt(from), pose_to = poseAt(to);
   double arc = 0, corner = 0;
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+  for (std::size_t i = pieceAt(from); i < pieces_.size() && path[i].at < to; ++i) {
     const double low = std::max(from, path[i].at), high = std::min(to, path[i + 1].at);
-    if (!(low < high)) continue;
     const double angle = pieces_[i].angle * ((high - low) / (path[i + 1].at - path[i].at));
     const double change = change_ * (high - low);
     arc = std::max(arc, angle * (angle * reach_ + 2 * change) / 8 + pieces_[i].defect * reach_);

@@ -11,9 +11,6 @@ namespace deformable_contact_monitor {
 // Throws std::invalid_argument, beginning with `name`, at a path that is not as BodyPath says.
 void validate(const BodyPath& path, const std::string& name);
 
-// The body as it was at the beginning of the step: without an earlier state as it is.
-Body earlierBody(const Body& body);
-
 bool samePose(const RigidTransform& a, const RigidTransform& b);
 
 // Vertices that move on straight lines: x y z each at a part [0, 1] of the way, rounded to float32
@@ -62,6 +59,7 @@ class BodyMotion {
   };
 
   static Piece pieceBetween(const RigidTransform& from, const RigidTransform& to);
+  std::size_t pieceAt(double at) const;
   double deviationAt(std::size_t sample, double from, const RigidTransform& pose_from, double to,
                      const RigidTransform& pose_to) const;
 

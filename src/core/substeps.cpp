@@ -8,7 +8,7 @@
 
 #include "core/body_motion.h"
 #include "core/merged_steps.h"
-#include "core/posed_body.h"
+#include "core/rejected_triangles.h"
 #include "core/stopwatch.h"
 #include "core/turning_scene.h"
 
@@ -45,17 +45,11 @@ std::vector<std::optional<BodyMotion>> turningMotions(const Scene& scene,
   return motions;
 }
 
-// Triangles with a vertex that is not finite in one of the two states, of bodies that take part.
-std::uint64_t rejectedTriangles(const Scene& step) {
+// Of bodies that take part, in one of the two states.
+std::uint64_t countRejected(const Scene& step) {
   std::uint64_t count = 0;
-  for (BodyId id = 0; id < step.bodyCount(); ++id) {
-    if (!step.takesPart(id)) continue;
-    const Body& body = step.body(id);
-    const Body then = earlierBody(body);
-    const PosedBody from(then), to(body);
-    for (std::uint32_t t = 0; t < body.mesh.triangleCount(); ++t) {
-      count += !isFinite(from.triangle(t)) || !isFinite(to.triangle(t));
-    }
+  for (const RejectedTriangles& of_body : rejectedTriangles(step, Motion::kSwept)) {
+    count += of_body.count;
   }
   return count;
 }
@@ -153,7 +147,7 @@ void SubStepDetector::detectTurning(const Scene& step,
   result_.detection.begin(step, options, guaranteed);
   merged.write(options.first_times, step.anyPad() || result_.pad_m > 0, &result_.detection);
   std::uint64_t& rejected = result_.detection.counters.rejected;  // of some part, at most
-  if (rejected > 0) rejected = std::max(rejected, rejectedTriangles(step));
+  if (rejected > 0) rejected = std::max(rejected, countRejected(step));
 }
 
 }  // namespace deformable_contact_monitor

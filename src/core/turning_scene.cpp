@@ -21,12 +21,11 @@ bool isStill(const Body& body) {
          (body.earlier->vertices.empty() && samePose(body.earlier->pose, body.pose));
 }
 
-std::vector<float> posed(const Body& body) {
-  const PosedBody at_pose(body);
+std::vector<float> posed(const PosedBody& body, std::size_t count) {
   std::vector<float> vertices;
-  vertices.reserve(body.mesh.vertices.size());
-  for (std::size_t i = 0; i < body.mesh.vertexCount(); ++i) {
-    const Vec3f v = at_pose.vertex(i);
+  vertices.reserve(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f v = body.vertex(i);
     vertices.insert(vertices.end(), {v.x, v.y, v.z});
   }
   return vertices;
@@ -109,7 +108,9 @@ TurningScene::Straight TurningScene::straightMotion(const Body& body) const {
                                 ": its vertices are on a device, where sub-steps of a "
                                 "body that turns cannot be made");
   }
-  Straight straight{posed(earlierBody(body)), posed(body), 0, false};
+  const std::size_t count = body.mesh.vertexCount();
+  Straight straight{posed(PosedBody::earlier(body), count), posed(PosedBody(body), count), 0,
+                    false};
   double farthest = 0;  // of those that are rounded
   for (std::size_t i = 0; i + 2 < straight.from.size(); i += 3) {
     float *from = &straight.from[i], *to = &straight.to[i];

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "pair_sets.h"
-#include "reference/brute_force_detector.h"
 #include "refusal.h"
 #include "scenes.h"
+#include "test/core/swept/swept_suite.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -76,10 +76,10 @@ Options timed() {
   return options;
 }
 
-class SubSteps : public ::testing::Test {
+class SubSteps : public DetectorSuite {
  protected:
   std::unique_ptr<Detector> brute_ = makeBruteForceDetector();
-  SubStepDetector steps_{*brute_};
+  SubStepDetector steps_{*detector_};
 };
 
 ::testing::AssertionResult sameTimes(const DetectionResult& expected,
@@ -109,7 +109,7 @@ DetectionResult pairOf(const DetectionResult& all, BodyId a, BodyId b) {
   return some;
 }
 
-TEST_F(SubSteps, AFingerThatSwingsThroughAClothIsSeenAtItsTime) {
+TEST_P(SubSteps, AFingerThatSwingsThroughAClothIsSeenAtItsTime) {
   Swing swing;
   Options instant;
   for (const double angle : {0.0, 0.1}) {
@@ -130,7 +130,7 @@ TEST_F(SubSteps, AFingerThatSwingsThroughAClothIsSeenAtItsTime) {
   EXPECT_NEAR(first, 0.45, 0.06);
 }
 
-TEST_F(SubSteps, WhatMovesStraightHasOneExactStepBesideWhatTurns) {
+TEST_P(SubSteps, WhatMovesStraightHasOneExactStepBesideWhatTurns) {
   const Swing swing;
   Scene without = swing.scene;
   without.setPairEnabled(swing.link, swing.cloth, false);
@@ -150,7 +150,7 @@ TEST_F(SubSteps, WhatMovesStraightHasOneExactStepBesideWhatTurns) {
 }
 
 // Also of a path that goes straight, in as many samples as you like.
-TEST_F(SubSteps, WithoutATurnItIsThePlainStep) {
+TEST_P(SubSteps, WithoutATurnItIsThePlainStep) {
   Swing swing;
   swing.scene.setPose(swing.link, movedBy(0, 0.08, 0.01));
   swing.paths[swing.link] = {
@@ -166,7 +166,7 @@ TEST_F(SubSteps, WithoutATurnItIsThePlainStep) {
   }
 }
 
-TEST_F(SubSteps, WithToleranceZeroAllMoveStraight) {
+TEST_P(SubSteps, WithToleranceZeroAllMoveStraight) {
   const Swing swing;
   const DetectionResult expected = brute_->detect(swing.scene, timed());
   const StepResult& result = steps_.detect(swing.scene, swing.paths, 0, timed());
@@ -178,7 +178,7 @@ TEST_F(SubSteps, WithToleranceZeroAllMoveStraight) {
 }
 
 // The path's ends stand for the poses of the scene, whatever the tolerance.
-TEST_F(SubSteps, ThePathSaysWhereTheBodyIs) {
+TEST_P(SubSteps, ThePathSaysWhereTheBodyIs) {
   const Swing swing;
   Swing other = swing;
   other.scene.setPose(other.link, movedBy(7, 7, 7));
@@ -197,7 +197,7 @@ TEST_F(SubSteps, ThePathSaysWhereTheBodyIs) {
             std::vector<BodyId>{other.box});
 }
 
-TEST_F(SubSteps, ZeroMotionIsTheStaticSetWithoutPads) {
+TEST_P(SubSteps, ZeroMotionIsTheStaticSetWithoutPads) {
   Swing swing;
   const RigidTransform inside = turnedAboutZ(0.05);
   swing.paths[swing.link] = {{0, inside}, {0.5, inside}, {1, inside}};
@@ -213,7 +213,7 @@ TEST_F(SubSteps, ZeroMotionIsTheStaticSetWithoutPads) {
   EXPECT_EQ(result.pad_m, 0);
 }
 
-TEST_F(SubSteps, ContactsOfBothEndsAreInTheStep) {
+TEST_P(SubSteps, ContactsOfBothEndsAreInTheStep) {
   for (const double angle : {0.03, 0.045, 0.05, 0.06}) {
     Swing swing;
     swing.scene.setPose(swing.link, turnedAboutZ(angle));
@@ -227,7 +227,7 @@ TEST_F(SubSteps, ContactsOfBothEndsAreInTheStep) {
 
 // In its own frame it does not move. On straight ways over half a turn it would pass through its
 // axis, all of it.
-TEST_F(SubSteps, ALinkThatTurnsTouchesItselfWhereItDoes) {
+TEST_P(SubSteps, ALinkThatTurnsTouchesItselfWhereItDoes) {
   const TriangleMesh mesh =
       meshOf({{{{0.8F, 0, 0}, {0.85F, 0, 0}, {0.8F, 0, 0.05F}}},
               {{{0.8F, 0.01F, 0}, {0.85F, 0.01F, 0}, {0.8F, 0.01F, 0.05F}}},
@@ -241,7 +241,7 @@ TEST_F(SubSteps, ALinkThatTurnsTouchesItselfWhereItDoes) {
 }
 
 // In bodies that turn, that move straight, and that are in pairs of both kinds.
-TEST_F(SubSteps, RejectedTrianglesCountOnce) {
+TEST_P(SubSteps, RejectedTrianglesCountOnce) {
   Swing swing;
   for (const BodyId id : {swing.link, swing.cloth, swing.box}) {
     TriangleMesh mesh = swing.scene.body(id).mesh;
@@ -256,7 +256,7 @@ TEST_F(SubSteps, RejectedTrianglesCountOnce) {
 }
 
 // One vertex at 1e30 would make all pads 1e23 m.
-TEST_F(SubSteps, AnOutlierCostsItsOwnTrianglesAlone) {
+TEST_P(SubSteps, AnOutlierCostsItsOwnTrianglesAlone) {
   Swing swing;
   const std::vector<TrianglePair> all =
       pairOf(steps_.detect(swing.scene, swing.paths, 1e-4, timed()).detection, 0, 1).contacts;
@@ -270,7 +270,7 @@ TEST_F(SubSteps, AnOutlierCostsItsOwnTrianglesAlone) {
   EXPECT_TRUE(samePairs(all, pairOf(result.detection, 0, 1).contacts));
 }
 
-TEST_F(SubSteps, WhatIsWrongIsNamed) {
+TEST_P(SubSteps, WhatIsWrongIsNamed) {
   const Swing swing;
   const auto ofPath = [&](const BodyPath& path) {
     std::vector<BodyPath> paths = swing.paths;
@@ -303,7 +303,7 @@ TEST_F(SubSteps, WhatIsWrongIsNamed) {
   }
 }
 
-TEST_F(SubSteps, VerticesOnADeviceAreRefusedByName) {
+TEST_P(SubSteps, VerticesOnADeviceAreRefusedByName) {
   float somewhere[3] = {0, 0, 0};
   Swing swing;
   swing.scene.setDeviceVertices(swing.link, somewhere,
@@ -331,14 +331,14 @@ class Stopping : public Detector {
   std::atomic<bool>* stop_;
 };
 
-TEST_F(SubSteps, AStopInTheMiddleKeepsWhatWasFoundAndSaysSo) {
+TEST_P(SubSteps, AStopInTheMiddleKeepsWhatWasFoundAndSaysSo) {
   const Swing swing;
   const std::vector<TrianglePair> all =
       steps_.detect(swing.scene, swing.paths, 1e-5, timed()).detection.contacts;
   std::size_t before = 0;
   for (const int calls : {0, 1, 4, 6}) {
     std::atomic<bool> stop{false};
-    Stopping stopping(*brute_, calls, &stop);
+    Stopping stopping(*detector_, calls, &stop);
     SubStepDetector steps(stopping);
     Options options = timed();
     options.limits.stop = &stop;
@@ -375,7 +375,7 @@ class Scripted : public Detector {
   std::size_t next_ = 0;
 };
 
-TEST_F(SubSteps, ResultsAreOne) {
+TEST_P(SubSteps, ResultsAreOne) {
   const TrianglePair p(0, 0, 1, 0), q(0, 0, 1, 1), r(0, 1, 1, 0);
   std::vector<DetectionResult> script(4);  // of quarters of the step
   script[0].contacts = {q, r};
@@ -426,6 +426,8 @@ TEST_F(SubSteps, ResultsAreOne) {
   EXPECT_EQ(all.detect_ms, 16);
   EXPECT_EQ(all.memory_bytes, 100U);
 }
+
+INSTANTIATE_TEST_SUITE_P(, SubSteps, ::testing::ValuesIn(sweptBackends()), backendName);
 
 }  // namespace
 }  // namespace deformable_contact_monitor

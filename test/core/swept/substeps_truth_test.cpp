@@ -12,9 +12,9 @@
 #include "core/substeps.h"
 #include "exact_triangles.h"
 #include "pair_sets.h"
-#include "reference/brute_force_detector.h"
 #include "scenes.h"
 #include "swept/screw_motions.h"
+#include "test/core/swept/swept_suite.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -112,15 +112,23 @@ std::vector<float> shifted(std::mt19937* random, const TriangleMesh& mesh, doubl
   return vertices;
 }
 
-void expectAllOfTheTrueMotion(const TrueBody& a, const TrueBody& b,
-                              const std::vector<BodyPath>& paths, double tolerance_m, int* contacts,
-                              int* only_swept) {
+class SubStepsTruth : public DetectorSuite {
+ protected:
+  // And counts those that were compared.
+  void expectAllOfTheTrueMotion(const TrueBody& a, const TrueBody& b,
+                                const std::vector<BodyPath>& paths, double tolerance_m);
+
+  SubStepDetector steps_{*detector_};
+  int contacts_ = 0, only_swept_ = 0;
+};
+
+void SubStepsTruth::expectAllOfTheTrueMotion(const TrueBody& a, const TrueBody& b,
+                                             const std::vector<BodyPath>& paths,
+                                             double tolerance_m) {
   const Scene scene = sceneOf({a, b});
-  const std::unique_ptr<Detector> brute = makeBruteForceDetector();
-  SubStepDetector steps(*brute);
   Options options;
   options.first_times = true;
-  const StepResult& result = steps.detect(scene, paths, tolerance_m, options);
+  const StepResult& result = steps_.detect(scene, paths, tolerance_m, options);
   const DetectionResult& found = result.detection;
   ASSERT_TRUE(isOrdered(found.contacts));
   ASSERT_EQ(found.within_pad.size(), found.contacts.size());
@@ -133,77 +141,68 @@ void expectAllOfTheTrueMotion(const TrueBody& a, const TrueBody& b,
     if (found.within_pad[i] != 0) {
       ASSERT_LE(found.first_times[i].low, part) << wanted;
     }
-    ++*contacts;
-    *only_swept += part > 0;
+    ++contacts_;
+    only_swept_ += part > 0;
   }
 }
 
-TEST(SubStepsTruth, EveryContactOfALinkThatTurnsIsFound) {
+TEST_P(SubStepsTruth, EveryContactOfALinkThatTurnsIsFound) {
   std::mt19937 random(1);
-  int contacts = 0, only_swept = 0;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 25; ++i) {
     TrueBody link{shards(&random, 12, 0.5), {}, randomScrewMotion(&random, 0.2, 1.5)};
     TrueBody cloth{shards(&random, 60, 0.5), {}, {}};
     cloth.earlier = shifted(&random, cloth.mesh, 0.05);
     for (const double tolerance_m : {1e-2, 1e-4}) {
-      expectAllOfTheTrueMotion(link, cloth, {link.screw.path(i % 3), {}}, tolerance_m, &contacts,
-                               &only_swept);
+      expectAllOfTheTrueMotion(link, cloth, {link.screw.path(i % 3), {}}, tolerance_m);
       ASSERT_FALSE(HasFatalFailure()) << i;
     }
   }
-  EXPECT_GT(contacts, 1000);
-  EXPECT_GT(only_swept, 500);
+  EXPECT_GT(contacts_, 600);
+  EXPECT_GT(only_swept_, 400);
 }
 
-TEST(SubStepsTruth, EveryContactOfTwoThatTurnIsFound) {
+TEST_P(SubStepsTruth, EveryContactOfTwoThatTurnIsFound) {
   std::mt19937 random(2);
-  int contacts = 0, only_swept = 0;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 25; ++i) {
     const TrueBody a{shards(&random, 15, 0.5), {}, randomScrewMotion(&random, 0.2, 0.8)};
     TrueBody b{shards(&random, 40, 0.5), {}, randomScrewMotion(&random, 0.2, 0.5)};
     if (i % 2 == 0) b.earlier = shifted(&random, b.mesh, 0.05);  // in a frame that turns
-    expectAllOfTheTrueMotion(a, b, {a.screw.path(i % 2), b.screw.path(i % 5)}, 1e-3, &contacts,
-                             &only_swept);
+    expectAllOfTheTrueMotion(a, b, {a.screw.path(i % 2), b.screw.path(i % 5)}, 1e-3);
     ASSERT_FALSE(HasFatalFailure()) << i;
   }
-  EXPECT_GT(contacts, 300);
-  EXPECT_GT(only_swept, 150);
+  EXPECT_GT(contacts_, 200);
+  EXPECT_GT(only_swept_, 100);
 }
 
 // More pieces than there may be: pads are larger than was asked for, and cover what is left.
-TEST(SubStepsTruth, AtMostSoManySubStepsAndTheRestIsPad) {
+TEST_P(SubStepsTruth, AtMostSoManySubStepsAndTheRestIsPad) {
   std::mt19937 random(3);
-  int contacts = 0, only_swept = 0;
   for (int i = 0; i < 5; ++i) {
     TrueBody link{shards(&random, 12, 0.5), {}, randomScrewMotion(&random, 0.2, 0.1)};
     link.screw.angle = 3;
     const TrueBody still{shards(&random, 60, 0.5), {}, {}};
-    expectAllOfTheTrueMotion(link, still, {link.screw.path(), {}}, 1e-9, &contacts, &only_swept);
-    const std::unique_ptr<Detector> brute = makeBruteForceDetector();
-    SubStepDetector steps(*brute);
+    expectAllOfTheTrueMotion(link, still, {link.screw.path(), {}}, 1e-9);
     const StepResult& result =
-        steps.detect(sceneOf({link, still}), {link.screw.path(), {}}, 1e-9, Options());
+        steps_.detect(sceneOf({link, still}), {link.screw.path(), {}}, 1e-9, Options());
     EXPECT_GT(result.sub_steps, kMostSubSteps / 2);
     EXPECT_LE(result.sub_steps, kMostSubSteps);
     const double arc = 9 * 0.5 / 8 / result.sub_steps / result.sub_steps;
     EXPECT_GT(result.pad_m, arc * 0.5);
     EXPECT_LT(result.pad_m, arc * 1.5);
   }
-  EXPECT_GT(only_swept, 50);
+  EXPECT_GT(only_swept_, 50);
 }
 
 // What a finer look costs less in pairs that only may touch.
-TEST(SubStepsTruth, AFinerToleranceLeavesFewerPairsToThePads) {
+TEST_P(SubStepsTruth, AFinerToleranceLeavesFewerPairsToThePads) {
   std::mt19937 random(4);
   const TrueBody link{shards(&random, 150, 0.5), {}, randomScrewMotion(&random, 0.1, 0.4)};
   TrueBody cloth{shards(&random, 300, 0.5), {}, {}};
   cloth.earlier = shifted(&random, cloth.mesh, 0.01);
-  const std::unique_ptr<Detector> brute = makeBruteForceDetector();
-  SubStepDetector steps(*brute);
   std::vector<double> shares;
   for (const double tolerance_m : {1e-2, 1e-3, 1e-4, 1e-5}) {
     const StepResult& result =
-        steps.detect(sceneOf({link, cloth}), {link.screw.path(), {}}, tolerance_m, Options());
+        steps_.detect(sceneOf({link, cloth}), {link.screw.path(), {}}, tolerance_m, Options());
     const std::vector<std::uint8_t>& within = result.detection.within_pad;
     shares.push_back(static_cast<double>(std::count(within.begin(), within.end(), 1)) /
                      static_cast<double>(within.size()));
@@ -212,6 +211,8 @@ TEST(SubStepsTruth, AFinerToleranceLeavesFewerPairsToThePads) {
   EXPECT_GT(shares[0], 0.02);
   EXPECT_LT(shares[2], 0.002);
 }
+
+INSTANTIATE_TEST_SUITE_P(, SubStepsTruth, ::testing::ValuesIn(sweptBackends()), backendName);
 
 }  // namespace
 }  // namespace deformable_contact_monitor
