@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "core/cpu/assign.h"
 #include "core/cpu/cycle_data.h"
 #include "core/cpu/hull.h"
+#include "core/cpu/lane_box.h"
 #include "core/cpu/swept_screen.h"
 #include "core/rules/intervals.h"
 
@@ -28,7 +30,8 @@ struct SortedCluster {
   // Along the other two, as in PackedBox; kScanChunk longer, so that the last chunk may read on. Of
   // what moves at the step's beginning, then at its end.
   std::vector<std::uint32_t> packed_lo[kStates<Hull>], packed_hi[kStates<Hull>];
-  std::vector<BoxOf<Hull>> boxes;  // scene frame [m], grown by the body's margin or pad
+  // Scene frame [m], grown by the body's margin or pad.
+  std::vector<std::conditional_t<kIsMoving<Hull>, LaneMovingBox, Aabb>> boxes;
   std::vector<PreparedTriangle<Hull>> triangles;
   std::vector<const std::uint32_t*> clusters;  // ascending; null: in this one alone
 

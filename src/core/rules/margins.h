@@ -16,11 +16,10 @@ DCM_HD inline float pairMargin(float margin_a_m, float margin_b_m) {
 }
 
 // In swept motion: points of two bodies with these pads are at most this much nearer to each other
-// than on their straight ways [m].
+// than on their straight ways [m]. Rounded up.
 DCM_HD inline float pairPad(float pad_a_m, float pad_b_m) {
-  const double sum = static_cast<double>(pad_a_m) + pad_b_m;
-  const auto rounded = static_cast<float>(least<double>(sum, FLT_MAX));
-  return rounded < sum ? nextafterf(rounded, FLT_MAX) : rounded;
+  const float sum = pad_a_m + pad_b_m;
+  return pad_a_m == 0 || pad_b_m == 0 ? sum : least(nextafterf(sum, INFINITY), FLT_MAX);
 }
 
 // Slack of the half-space rule for a body with this margin or pad [scaled]: twice the margin and a

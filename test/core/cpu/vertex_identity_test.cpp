@@ -43,6 +43,17 @@ TEST(VertexIdentity, NonFiniteVerticesAreEqualToNoneAndCostLittle) {
   for (std::uint32_t i = 0; i < least_equal.size(); ++i) ASSERT_EQ(least_equal[i], i);
 }
 
+// In two states vertices are one iff they are in both.
+TEST(VertexIdentity, InTwoStates) {
+  const std::vector<float> now = {1, 2, 3, 1, 2, 3, 1, 2, 3, -0.0F, 0, 0, 0, 0, 0, NAN, 0, 0};
+  const std::vector<float> earlier = {0, 0, 0, 0, 0, 1, -0.0F, 0, 0, 5, 5, 5, 5, 5, 5, 1, 1, 1};
+  std::vector<std::uint32_t> least_equal;
+  VertexIdentity().identify(now, earlier, least_equal);
+  EXPECT_EQ((std::vector<std::uint32_t>{0, 1, 0, 3, 3, 5}), least_equal);
+  VertexIdentity().identify(earlier, now, least_equal);
+  EXPECT_EQ((std::vector<std::uint32_t>{0, 1, 0, 3, 3, 5}), least_equal);
+}
+
 TEST(VertexIdentity, NoVertices) {
   std::vector<std::uint32_t> least_equal{7};
   VertexIdentity().identify({}, least_equal);

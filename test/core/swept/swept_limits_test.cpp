@@ -95,6 +95,20 @@ TEST_P(SweptProductLimits, EveryStageLooksAtTheDeadline) {
   }
 }
 
+// Two sheets that slide in one plane: no filter tells anything of what comes to meet there.
+TEST_P(SweptProductLimits, SoDoVerdictsThatAreAllExact) {
+  Scene scene = pairScene(clothGrid(40, 1, 0, 0), clothGrid(37, 1, 0, 0));
+  scene.setEarlier(1, translationBy(0.9, 0.3, 0), shaken(scene.body(1).mesh, 0, 1));
+  for (const int ms : {20, 100}) {
+    Options options = withDeadline(milliseconds(ms));
+    options.clusters = options.threads = 1;
+    const DetectionResult& result = timed(scene, options);
+    EXPECT_LT(took_, milliseconds(ms) + kSoon) << ms;
+    EXPECT_TRUE(result.isOutOfTime());
+    EXPECT_GT(result.counters.exact, 0U);
+  }
+}
+
 TEST_P(SweptProductLimits, WhereverACycleWasCutOffTheNextIsExact) {
   Scene scene = pairScene(clothGrid(24, 1, 0, 0.1F), clothGrid(20, 1.1F, 0.013F, -0.1F));
   scene.setPairEnabled(0, 0, true);
