@@ -62,7 +62,10 @@ __device__ inline bool screenMovingPair(const CycleArrays& c, ClusterIndex clust
   const Member& a = c.members.members[at_a];
   const Member& b = c.members.members[at_b];
   if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body(), b.body())) return false;
-  candidate = {at_a, at_b, (shared_a | shared_b << 3) << kSharedShift};
+  // The lesser triangle first, so that times do not depend on who found the pair.
+  candidate = a.triangle < b.triangle
+                  ? DeviceCandidate{at_a, at_b, (shared_a | shared_b << 3) << kSharedShift}
+                  : DeviceCandidate{at_b, at_a, (shared_b | shared_a << 3) << kSharedShift};
   if (cluster.value == kNone) return !areApart(movingBoxAt(c, at_a), movingBoxAt(c, at_b));
   return ownsPair(cluster.value, c.members.clustersOf(a), c.members.clustersOf(b));
 }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/cpu/cpu_detector.h"
@@ -24,29 +25,27 @@ int repeats = 100;  // after kWarmUp
 constexpr int kWarmUp = 20;
 bool all_equal = true;  // sets that were compared
 
-// A scene of which body 0 moves from one state to the other, and all others along x.
+// A scene with a step, taken forwards and backwards in turn.
 struct Stepping {
   std::string name;
-  Scene scene;
-  std::vector<float> state[2];
-  double others_move_m = 0;  // along x
-  double at_most_ms = 0;     // the figure to reach; 0: none
+  Scene forwards;         // what the step is
+  double at_most_ms;      // the figure to reach
+  Scene scene{forwards};  // as it is looked at
 
-  std::vector<RigidTransform> middle;  // each body's pose between the two
-
-  // Forwards if `i` is even.
+  // Forwards if `i` is even. Vertices are sent again.
   void set(int i) {
-    const std::vector<float>& from = state[i % 2];
-    const std::vector<float>& to = state[1 - i % 2];
-    scene.setVertices(0, to.data(), to.size() / 3);
-    scene.setEarlier(0, scene.body(0).pose, from);
-    for (BodyId b = 1; b < scene.bodyCount(); ++b) {
-      if (middle.size() < b) middle.push_back(scene.body(b).pose);
-      RigidTransform before = middle[b - 1], after = before;
-      before.translation[0] += (i % 2 == 0 ? -1 : 1) * others_move_m / 2;
-      after.translation[0] += (i % 2 == 0 ? 1 : -1) * others_move_m / 2;
-      scene.setPose(b, after);
-      scene.setEarlier(b, before);
+    for (BodyId b = 0; b < scene.bodyCount(); ++b) {
+      const Body& body = forwards.body(b);
+      const EarlierState& earlier = *body.earlier;
+      const bool back = i % 2 == 1;
+      if (!earlier.vertices.empty()) {
+        const std::vector<float>& now = back ? earlier.vertices : body.mesh.vertices;
+        scene.setVertices(b, now.data(), now.size() / 3);
+      }
+      std::vector<float> before;
+      if (!earlier.vertices.empty()) before = back ? body.mesh.vertices : earlier.vertices;
+      scene.setPose(b, back ? earlier.pose : body.pose);
+      scene.setEarlier(b, back ? body.pose : earlier.pose, std::move(before));
     }
   }
 };
@@ -135,25 +134,9 @@ void stages(Stepping& scene, const Options& options) {
 Stepping selfStepping(const std::string& name, const char* from, const char* to,
                       double at_most_ms) {
   const TriangleMesh a = readMeshFile(testDataFile(from)), b = readMeshFile(testDataFile(to));
-  Stepping scene;
-  scene.name = name;
-  scene.scene = selfScene(a);
-  scene.state[0] = a.vertices;
-  scene.state[1] = b.vertices;
-  scene.at_most_ms = at_most_ms;
-  return scene;
-}
-
-// The cloth sinks by 2 mm while the robot moves by 1 cm.
-Stepping pandaStepping() {
-  Stepping scene;
-  scene.name = "Panda and a cloth";
-  scene.scene = pandaAndCloth();
-  scene.state[0] = scene.state[1] = scene.scene.body(0).mesh.vertices;
-  for (std::size_t i = 2; i < scene.state[1].size(); i += 3) scene.state[1][i] -= 0.002F;
-  scene.others_move_m = 0.01;
-  scene.at_most_ms = 0.1;
-  return scene;
+  Scene scene = selfScene(b);
+  scene.setEarlier(0, RigidTransform(), a.vertices);
+  return {name, scene, at_most_ms};
 }
 
 int run(const std::string& only) {
@@ -166,7 +149,9 @@ int run(const std::string& only) {
         return selfStepping("cloth-funnel 227 -> 228", "cloth-funnel/227.ply",
                             "cloth-funnel/228.ply", 0.2);
       },
-      pandaStepping};
+      [] {
+        return Stepping{"Panda and a cloth, both moving", movingPandaAndCloth(), 0.1};
+      }};
   Options options;
   options.motion = Motion::kSwept;
   if (const char* clusters = std::getenv("DCM_BENCH_CLUSTERS")) {

@@ -151,6 +151,7 @@ TEST_P(SweptPadSoup, HoldContactsOfTheTrueScrewMotion) {
     }
     scene.setPairEnabled(0, 1, true);
     const DetectionResult& result = detector_->detect(scene, timedOptions());
+    ASSERT_EQ(result.contacts.size(), result.within_pad.size());
     Scene now = laterScene(scene);
     constexpr int kTimes = 48;
     for (int k = 0; k <= kTimes; ++k) {
