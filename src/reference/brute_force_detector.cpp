@@ -46,17 +46,21 @@ class BruteForceDetector : public Detector {
     const Stopwatch watch;
     const CycleLimit limit(options.limits);
     result_.begin(scene, options, options.predicates != Predicates::kFast);
-    if (options.motion == Motion::kSwept) {
-      sweep(scene, options, limit);
-    } else {
-      detectAtOnce(scene, options, limit);
-    }
+    if (!limit.over()) find(scene, options, limit);
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = watch.elapsedMs();
     return result_;
   }
 
  private:
+  void find(const Scene& scene, const Options& options, const CycleLimit& limit) {
+    if (options.motion == Motion::kSwept) {
+      sweep(scene, options, limit);
+    } else {
+      detectAtOnce(scene, options, limit);
+    }
+  }
+
   void detectAtOnce(const Scene& scene, const Options& options, const CycleLimit& limit) {
     found_.clear();
     const std::vector<std::vector<PosedTriangle>> bodies = posedBodies(scene, limit);

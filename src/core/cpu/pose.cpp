@@ -35,7 +35,7 @@ void poseVertices(const PosedBody& posed, std::size_t count, const CycleLimit& l
   });
 }
 
-Aabb setBoxOf(const Aabb& box, const WorkingSet& /*set*/) { return box; }
+const Aabb& setBoxOf(const Aabb& box, const WorkingSet& /*set*/) { return box; }
 Aabb setBoxOf(const MovingBox& box, const WorkingSet& set) {
   return sweptBox(box, set.common_motion);
 }
@@ -81,6 +81,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
                                         const CycleLimit& limit, const WorkingSet& set) {
   constexpr std::size_t kBlock = 8192;
   const TriangleMesh& mesh = body.mesh;
+  const float growth_m = growthOf<Hull>(body);
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
   const auto chooseBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
@@ -94,7 +95,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
         ++block.rejected;
         continue;
       }
-      const BoxOf<Hull> box = inflated(boxOf(posed), growthOf<Hull>(body));
+      const BoxOf<Hull> box = inflated(boxOf(posed), growth_m);
       if (!partners.meet(box)) continue;
       block.triangle.push_back(static_cast<std::uint32_t>(t));
       block.boxes.push_back(setBoxOf(box, set));
