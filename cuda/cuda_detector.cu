@@ -37,7 +37,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   result_.left_out = counted.contacts - result_.contacts.size();
   const bool listed = result_.contacts.size() >= listable(counted.contacts);
   open_pairs_.addTo(scene_, options, result_);
-  if (limit.wasOver() && !(all && listed)) result_.cutOff(limit.why());
+  if (limit.wasOver() && !(all && listed && all_decided_)) result_.cutOff(limit.why());
   if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
   if (counted.list_words > sizes_.list_words) dropRepeated(result_);
   result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_) + decide_ms_;
