@@ -44,6 +44,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   result_.memory_bytes = memory_.bytes() + output_.bytes();
   result_.counters.posed = scene_.triangleCount();
   tell(counted, sizes_.clusters, result_.counters);
+  result_.counters.exact += open_pairs_.taken();
   last_contacts_ = counted.contacts;
   cold_ = isOutgrown(counted, options);
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
