@@ -17,6 +17,7 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
   constexpr int kMostTries = 16;
   bool all = false;
   decide_ms_ = 0;
+  all_decided_ = true;
   open_pairs_.clear();
   for (int tries = 1;; ++tries) {
     runCycle(options);
@@ -50,6 +51,7 @@ void CudaDetector::decideOpenPairs(const Options& options, const CycleLimit& lim
   open_pairs_.decide(arrays_, std::min(counters_[0].open_pairs, sizes_.open_pairs), options, limit,
                      stream_.get());
   decide_ms_ += watch.elapsedMs();
+  all_decided_ = all_decided_ && !limit.wasOver();
 }
 
 // Whether the last cycle gave up, or leaves work for which no time is left.

@@ -68,8 +68,9 @@ class CudaDetector : public Detector {
   PinnedBuffer<CycleCounters> counters_{1};
   HostStop stop_;
   ContactOutput output_;
-  OpenPairs open_pairs_;  // in swept motion
-  double decide_ms_ = 0;  // what they took in this cycle
+  OpenPairs open_pairs_;     // in swept motion
+  double decide_ms_ = 0;     // what they took in this cycle
+  bool all_decided_ = true;  // no limit was over before or while they were
   SceneScale scale_;
   SizeRule size_rule_;
   bool cold_ = true;

@@ -37,13 +37,14 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   result_.left_out = counted.contacts - result_.contacts.size();
   const bool listed = result_.contacts.size() >= listable(counted.contacts);
   open_pairs_.addTo(scene_, options, result_);
-  if (limit.wasOver() && !(all && listed)) result_.cutOff(limit.why());
+  if (limit.wasOver() && !(all && listed && all_decided_)) result_.cutOff(limit.why());
   if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
   if (counted.list_words > sizes_.list_words) dropRepeated(result_);
   result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_) + decide_ms_;
   result_.memory_bytes = memory_.bytes() + output_.bytes();
   result_.counters.posed = scene_.triangleCount();
   tell(counted, sizes_.clusters, result_.counters);
+  result_.counters.exact += open_pairs_.taken();
   last_contacts_ = counted.contacts;
   cold_ = isOutgrown(counted, options);
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;

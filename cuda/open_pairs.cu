@@ -32,6 +32,7 @@ bool decideOne(const OpenPair& pair, bool wants_time, ContactTimes& times) {
 void OpenPairs::decide(const CycleArrays& cycle, std::uint32_t count, const Options& options,
                        const CycleLimit& limit, cudaStream_t stream) {
   if (count == 0) return;
+  taken_ += count;
   pairs_.grow(count);
   checkCuda(cudaMemcpyAsync(pairs_.data(), cycle.contacts.open_pairs.data(),
                             count * sizeof(OpenPair), cudaMemcpyDeviceToHost, stream),

@@ -15,7 +15,12 @@ namespace deformable_contact_monitor {
 // Of one detector and one cycle; of several passes, if need be.
 class OpenPairs {
  public:
-  void clear() { contacts_.clear(); }
+  void clear() {
+    contacts_.clear();
+    taken_ = 0;
+  }
+  // How many came since clear().
+  std::uint64_t taken() const { return taken_; }
 
   // Fetches the first `count` of contacts.open_pairs, once the cycle that left them is over, and
   // decides them on threads; those that the limit leaves no time for are left out.
@@ -34,6 +39,7 @@ class OpenPairs {
   PinnedBuffer<OpenPair> pairs_;
   std::vector<Contact> decided_;  // one for each pair; those that are none have equal numbers
   std::vector<Contact> contacts_;
+  std::uint64_t taken_ = 0;
 };
 
 }  // namespace deformable_contact_monitor
