@@ -191,8 +191,8 @@ def steps_table(summary):
              f'{times["swept_ms"]["median"]:.3f}' if "swept_ms" in times else ""]
             for run, times in zip(summary["runs"], summary["times"]["runs"])
             for swept in [run["swept"]]]
-    return table(["run", "pairs", "PASSED", "complete, of cycles with a step", "within the pad alone",
-                  "largest pad [m]", "median [ms]"], rows)
+    return table(["run", "pairs", "PASSED", "complete, of cycles with a step",
+                  "within the pad alone", "largest pad [m]", "median [ms]"], rows)
 
 
 def unknown_table(run):
