@@ -63,18 +63,21 @@ void writeBag(ByteSource* source, const std::string& path) {
   }
 }
 
-void evaluate(const ScratchFile& file, BagReader* reader, const BagContents& contents) {
+// In swept motion, which detects at the stamps too.
+void evaluate(const ScratchFile& file, BagReader* reader, BagContents* contents) {
   BagFiles files;
   files.bags = {file.path()};
+  MonitorParameters parameters;
+  parameters.motion = Motion::kSwept;
   try {
     const BagSetup setup =
-        setUpBags(files, MonitorParameters(), SceneObject(), contents, [](const std::string&) {});
+        setUpBags(files, parameters, SceneObject(), contents, [](const std::string&) {});
     Options options;
     options.threads = 1;  // no threads where forks come
     EvaluationRun run("cpu", makeCpuDetector(), options, StateRules(), {});
-    BagCycles cycles(setup.parameters, contents, setup.robot, nullptr);
-    cycles.run(reader, [&run](CycleReport* cycle) { run.detect(cycle); });
-    requireThat(run.cycles <= contents.meshes.size(), "more cycles than meshes");
+    BagCycles cycles(setup.parameters, *contents, setup.robot, nullptr);
+    cycles.run(reader, [&](CycleReport* cycle) { run.detect(cycle, &cycles.sceneOfStep()); });
+    requireThat(run.cycles <= contents->meshes.size(), "more cycles than meshes");
   } catch (const std::exception& refusal) {
     requireThat(*refusal.what() != '\0', "a refusal without a reason");
   }
@@ -97,9 +100,9 @@ bool tryBag(const std::uint8_t* data, std::size_t size) {
   }
   try {
     BagReader reader({file.path()}, neededMessages(MonitorParameters()));
-    const BagContents contents = scanBags(&reader, [](std::uint64_t) {});
+    BagContents contents = scanBags(&reader, [](std::uint64_t) {});
     if (contents.topics.empty()) return false;
-    evaluate(file, &reader, contents);
+    evaluate(file, &reader, &contents);
     return true;
   } catch (const std::runtime_error& refusal) {
     requireThat(namesFile(refusal.what(), file), "a refusal does not name its file");
