@@ -4,19 +4,6 @@
 #include "core/predicates/triangle.h"
 
 namespace deformable_contact_monitor {
-namespace {
-
-// Where it was at the beginning of the step.
-Body earlierBody(const Body& body) {
-  Body then = body;
-  if (!body.earlier) return then;
-  then.pose = body.earlier->pose;
-  if (!body.earlier->vertices.empty()) then.mesh.vertices = body.earlier->vertices;
-  return then;
-}
-
-}  // namespace
-
 std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene, Motion motion) {
   std::vector<RejectedTriangles> rejected(scene.bodyCount());
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
@@ -33,23 +20,6 @@ std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene, Motion moti
         rejected[id].by_pose = rejected[id].by_pose || isFinite(body->received(t));
       }
       rejected[id].count += is_rejected ? 1 : 0;
-    }
-  }
-  return rejected;
-}
-
-std::vector<RejectedTriangles> rejectedOfStep(const Scene& scene) {
-  std::vector<RejectedTriangles> rejected(scene.bodyCount());
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (!scene.takesPart(id)) continue;
-    const Body before = earlierBody(scene.body(id));
-    const PosedBody then(before), now(scene.body(id));
-    const auto count = static_cast<std::uint32_t>(scene.body(id).mesh.triangleCount());
-    for (std::uint32_t t = 0; t < count; ++t) {
-      if (isFinite(then.triangle(t)) && isFinite(now.triangle(t))) continue;
-      ++rejected[id].count;
-      rejected[id].by_pose =
-          rejected[id].by_pose || (isFinite(then.received(t)) && isFinite(now.received(t)));
     }
   }
   return rejected;

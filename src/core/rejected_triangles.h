@@ -20,7 +20,4 @@ struct RejectedTriangles {
 std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene,
                                                  Motion motion = Motion::kInstant);
 
-// The same of swept motion, which rejects a triangle for a vertex at either end of the step.
-std::vector<RejectedTriangles> rejectedOfStep(const Scene& scene);
-
 }  // namespace deformable_contact_monitor

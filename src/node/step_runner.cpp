@@ -59,7 +59,7 @@ void setEarlier(const StepBody& body, BodyId id, Scene* scene) {
 
 void noteRejectedOfStep(const Scene& scene, SweepReport* sweep) {
   if (sweep->result->detection.counters.rejected == 0) return;
-  const std::vector<RejectedTriangles> rejected = rejectedOfStep(scene);
+  const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene, Motion::kSwept);
   for (BodyId id = 0; id < rejected.size(); ++id) sweep->bodies[id].rejected = rejected[id].count;
 }
 

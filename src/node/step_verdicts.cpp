@@ -63,7 +63,11 @@ std::string StepVerdicts::problemOf(const SweepReport& sweep, const MonitoredPai
   const DetectionResult& result = sweep.result->detection;
   if (result.cut_off) return "in the step: " + result.cut_off_because;
   if (result.left_out > 0) return "in the step, contacts were left out: memory_limit_mib";
+  const std::vector<BodyId>& outlying = sweep.result->outlying;
   for (const BodyId id : {pair.a, pair.b}) {
+    if (std::find(outlying.begin(), outlying.end(), id) != outlying.end()) {
+      return report_.bodies[id].name + ": in the step, it has vertices too far off to be followed";
+    }
     const std::size_t count = report_.scene->body(id).mesh.triangleCount();
     const std::uint64_t rejected = sweep.bodies[id].rejected;
     if (static_cast<double>(rejected) <= tolerated_rejects_ * static_cast<double>(count)) continue;

@@ -172,6 +172,14 @@ TEST(PassedStatesTest, RejectedTrianglesAreNotNoContact) {
   EXPECT_EQ(tolerant.run("-"), "NONE");
 }
 
+TEST(PassedStatesTest, VerticesTooFarOffToFollowAreNotNoContact) {
+  Feed feed;
+  feed.change = [](SampleStep* sample) { sample->step.outlying = {0}; };
+  feed.run("-");
+  EXPECT_EQ(feed.of(kHandCloth).state, ContactState::UNKNOWN);
+  EXPECT_EQ(feed.of(kBaseCloth).state, ContactState::NONE);
+}
+
 TEST(PassedStatesTest, ABodyWithoutAStepCostsItsPairsAlone) {
   Feed feed;
   feed.run("-");

@@ -11,14 +11,19 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// A flat map of scalars, typed as rosparam types them: integers, numbers, else text.
+// A flat map of scalars, typed as rosparam types them (integers, numbers, else text), and of lists
+// of text.
 XmlRpc::XmlRpcValue parameterTree(const std::string& yaml) {
   XmlRpc::XmlRpcValue tree;
   for (const auto& entry : YAML::Load(yaml)) {
     const auto name = entry.first.as<std::string>();
     int integer;
     double number;
-    if (YAML::convert<int>::decode(entry.second, integer)) {
+    if (entry.second.IsSequence()) {
+      for (int i = 0; i < static_cast<int>(entry.second.size()); ++i) {
+        tree[name][i] = entry.second[i].as<std::string>();
+      }
+    } else if (YAML::convert<int>::decode(entry.second, integer)) {
       tree[name] = integer;
     } else if (YAML::convert<double>::decode(entry.second, number)) {
       tree[name] = number;
@@ -38,6 +43,19 @@ TradeResults chosen(const Setting& setting) {
   return results;
 }
 
+class NoFrames : public FrameSource {
+ public:
+  bool next() override { return false; }
+  void rewind() override {}
+  const Scene& scene() const override { return scene_; }
+  bool isDeformable(BodyId /*body*/) const override { return false; }
+  std::vector<std::string> pairClasses() const override { return {"deformable_self"}; }
+  std::string label() const override { return ""; }
+
+ private:
+  Scene scene_;
+};
+
 // The corners of the ranges, and what is not exact in binary.
 TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
   std::size_t read = 0;
@@ -53,7 +71,7 @@ TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
           setting.options.clusters = overlap == 1 ? 0 : kMaxClusters;
           setting.options.iterations = 100;
           setting.options.refresh_period = 7;
-          const std::string yaml = configYaml(TradeArguments(), chosen(setting));
+          const std::string yaml = configYaml(TradeArguments(), chosen(setting), NoFrames());
           std::vector<std::string> warnings;
           const MonitorParameters p = parseParameters(parameterTree(yaml), &warnings);
           EXPECT_TRUE(warnings.empty()) << warnings.front();
@@ -65,6 +83,8 @@ TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
           EXPECT_EQ(p.detector.clusters, setting.options.clusters);
           EXPECT_EQ(p.detector.iterations, 100);
           EXPECT_EQ(p.detector.refresh_period, 7);
+          EXPECT_TRUE(p.pair_classes.deformable_self);
+          EXPECT_FALSE(p.pair_classes.robot_deformable);
           ++read;
         }
       }
@@ -76,7 +96,7 @@ TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
 TEST(TradeConfig, WithoutAChoiceThereIsACommentAlone) {
   TradeResults results = chosen({"cpu", Options()});
   results.chosen.reset();
-  EXPECT_TRUE(YAML::Load(configYaml(TradeArguments(), results)).IsNull());
+  EXPECT_TRUE(YAML::Load(configYaml(TradeArguments(), results, NoFrames())).IsNull());
 }
 
 }  // namespace
