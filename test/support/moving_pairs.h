@@ -1,6 +1,7 @@
 // Seeded random pairs of moving triangles, by classes: where floating point alone would guess.
 #pragma once
 
+#include <ostream>
 #include <random>
 #include <vector>
 
@@ -33,6 +34,10 @@ struct MovingPairClass {
   const char* name;
   MovingPair (*make)(MotionDice* dice);
 };
+
+inline std::ostream& operator<<(std::ostream& out, const MovingPairClass& pairs) {
+  return out << pairs.name;
+}
 
 // Pairs that share no vertex, or share some by chance.
 const std::vector<MovingPairClass>& movingPairClasses();

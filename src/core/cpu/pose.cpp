@@ -168,9 +168,10 @@ void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& cou
   if (!limit.wasOver()) fillCorners(scene, limit, set);
 }
 
-template void WorkingSetBuilder::build<Triangle>(const Scene&, WorkingSet&, Counters&,
-                                                 const CycleLimit&);
-template void WorkingSetBuilder::build<MovingTriangle>(const Scene&, WorkingSet&, Counters&,
-                                                       const CycleLimit&);
+// Exported here, for a template is not visible outside that has arguments which are not.
+template DCM_EXPORT void WorkingSetBuilder::build<Triangle>(const Scene&, WorkingSet&, Counters&,
+                                                            const CycleLimit&);
+template DCM_EXPORT void WorkingSetBuilder::build<MovingTriangle>(const Scene&, WorkingSet&,
+                                                                  Counters&, const CycleLimit&);
 
 }  // namespace deformable_contact_monitor

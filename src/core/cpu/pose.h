@@ -65,8 +65,8 @@ class WorkingSetBuilder {
   // partner of its body. Adds to counters.rejected, posed and culled. Where the limit was over, the
   // set is of no use. Hull: as in hull.h.
   template <class Hull = Triangle>
-  DCM_EXPORT void build(const Scene& scene, WorkingSet& set, Counters& counters,
-                        const CycleLimit& limit = noLimit());
+  void build(const Scene& scene, WorkingSet& set, Counters& counters,
+             const CycleLimit& limit = noLimit());
 
  private:
   // What one block of a body's triangles contributes.

@@ -2,6 +2,7 @@
 // float32 input; and the whole verdict on a pair. Host only; thread-compatible, allocates memory.
 #pragma once
 
+#include "core/export.h"
 #include "core/predicates/swept_adjacency.h"
 #include "core/predicates/swept_intersection.h"
 
@@ -27,9 +28,9 @@ FirstTime exactTimeBeyondShared(const MovingTriangle& a, const MovingTriangle& b
                                 const SharedVertices& shared);
 
 // Decides what `quick`, of kPart kOpen, has left open; counts in `state`.
-SweptVerdict decideOpen(const MovingTriangle& a, const MovingTriangle& b,
-                        const SharedVertices& shared, bool wants_time, const SweptVerdict& quick,
-                        PredicateState& state);
+DCM_EXPORT SweptVerdict decideOpen(const MovingTriangle& a, const MovingTriangle& b,
+                                   const SharedVertices& shared, bool wants_time,
+                                   const SweptVerdict& quick, PredicateState& state);
 
 // The verdict on two triangles with finite vertices; `shared` as sharedTrajectories tells, for
 // triangles of one body, else none. Times are told to 2^-20 in exact mode.
