@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import numpy as np
 import rospy
@@ -21,8 +22,8 @@ sys.path[:0] = [str(TESTS / "ros"), str(TESTS / "tools/bags")]
 # pylint: disable=wrong-import-position
 from deformable_contact_monitor.msg import LinkMesh, LinkMeshes
 from monitor_test_support import grid, mesh_message, transform_message
-from panda_bag import write_bag
-from pose_meshes import merged, posed, rpy_quaternion, write_ply
+from panda_bag import DATA, write_bag
+from pose_meshes import merged, posed, read_binary_stl, rpy_quaternion, write_ply
 
 TOOL = os.environ["EVALUATE_BAG"]
 SWEPT_PAIRS = os.environ["SWEPT_PAIRS"]
@@ -178,6 +179,17 @@ class SweptBag(unittest.TestCase):
         self.assertEqual({row["complete"] for row in frames}, {"yes"})
         manual = (TESTS.parent / "src/tools/evaluate_bag/README.md").read_text()
         self.assertRegex(manual, r"swept +NONE NONE PASSED NONE NONE +0 +%d\n" % len(rows))
+
+    def test_the_pandas_finger(self):
+        stl = DATA / "robots/panda_description/meshes/collision/finger.stl"
+        if not stl.exists():
+            self.skipTest(f"SKIPPED: no {stl}")
+        with mock.patch.object(sys.modules[__name__], "finger", lambda: read_binary_stl(stl)):
+            self.evaluate(CONFIG)
+            self.assertEqual(self.states(), ["NONE"] * len(HEIGHTS))
+            self.evaluate(EXACT)
+            self.assertGreater(len(self.assert_oracle_pairs()), 50)
+            self.assertEqual(self.states(), ["NONE", "NONE", "PASSED", "NONE", "NONE"])
 
     def test_its_event_says_when(self):
         self.evaluate(EXACT)
