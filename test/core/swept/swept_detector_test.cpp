@@ -9,6 +9,7 @@
 #include "random_scenes.h"
 #include "scenes.h"
 #include "swept/swept_oracle.h"
+#include "swept/swept_scenes.h"
 #include "swept_suite.h"
 
 namespace deformable_contact_monitor {
@@ -23,7 +24,7 @@ class SweptSuite : public DetectorSuite {
 
 std::vector<TrianglePair> expectedOf(const Scene& scene,
                                      AdjacentPairs adjacent = AdjacentPairs::kBeyondShared) {
-  return oracleSweptContacts(sceneBefore(scene), scene, adjacent);
+  return oracleSweptContacts(earlierScene(scene), scene, adjacent);
 }
 
 bool sameTimes(const std::vector<FirstContact>& a, const std::vector<FirstContact>& b) {

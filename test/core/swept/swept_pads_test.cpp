@@ -8,6 +8,7 @@
 #include "core/predicates/narrow_phase.h"
 #include "moving_meshes.h"
 #include "scenes.h"
+#include "swept/swept_scenes.h"
 #include "swept_suite.h"
 
 namespace deformable_contact_monitor {
@@ -77,7 +78,7 @@ TEST_P(SweptPads, NothingNearerThanTheirSumIsLost) {
     Scene scene = shakenCloths(seed);
     scene.setPad(0, 0.004F);
     scene.setPad(1, 0.002F);
-    const Scene before = sceneBefore(scene);
+    const Scene before = earlierScene(scene);
     Options options = sweptOptions(AdjacentPairs::kSkip);
     for (const int clusters : {0, 1, 50}) {
       options.clusters = clusters;

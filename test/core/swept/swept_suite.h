@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
@@ -28,21 +27,6 @@ inline Options timedOptions(AdjacentPairs adjacent = AdjacentPairs::kBeyondShare
   Options options = sweptOptions(adjacent);
   options.first_times = true;
   return options;
-}
-
-// Where the bodies were at the beginning of their step, as a scene at one moment.
-inline Scene sceneBefore(const Scene& scene) {
-  Scene before = scene;
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    const std::optional<EarlierState>& earlier = scene.body(id).earlier;
-    if (!earlier) continue;
-    before.setPose(id, earlier->pose);
-    if (!earlier->vertices.empty()) {
-      before.setVertices(id, earlier->vertices.data(), earlier->vertices.size() / 3);
-    }
-    before.clearEarlier(id);
-  }
-  return before;
 }
 
 inline RigidTransform translationBy(double x, double y, double z) {
