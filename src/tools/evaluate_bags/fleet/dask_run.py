@@ -1,0 +1,110 @@
+"""Jobs on Dask's workers. A job is a process that a worker starts, so workers need neither our
+modules nor our environment, and a bag that crashes its reader takes no worker along."""
+import collections
+import logging
+import os
+import subprocess
+import sys
+import time
+
+import distributed
+from distributed import Client, Nanny, Scheduler, SpecCluster, as_completed
+
+RETRIES = 2
+GPU = "GPU"  # Dask's resource that a worker with a GPU has one of
+POLL_S = 0.1
+CONNECT_S = 20
+
+
+def gpu_count():
+    try:
+        listed = subprocess.run(["nvidia-smi", "-L"], stdout=subprocess.PIPE, timeout=30,
+                                stderr=subprocess.DEVNULL, universal_newlines=True, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return 0
+    return sum(line.startswith("GPU ") for line in listed.stdout.splitlines())
+
+
+def local_cluster(workers, folder):
+    """Worker processes on this machine's loopback address, each with one bag at a time, and with
+    a GPU of its own where there are any. `workers`: None for as many as GPUs, else cores."""
+    gpus = gpu_count()
+    count = workers or gpus or len(os.sched_getaffinity(0))
+    # Dask's own limit on memory is of the worker, which needs next to none.
+    options = {"nthreads": 1, "memory_limit": 0, "host": "127.0.0.1", "local_directory": folder,
+               "silence_logs": logging.CRITICAL}
+    specs = {}
+    for i in range(count):
+        specs[i] = {"cls": Nanny, "options": dict(options)}
+        if gpus:
+            specs[i]["options"].update(env={"CUDA_VISIBLE_DEVICES": str(i % gpus)},
+                                       resources={GPU: 1})
+    scheduler = {"cls": Scheduler, "options": {"host": "127.0.0.1", "port": 0, "dashboard": False,
+                                               "dashboard_address": None,
+                                               "allowed_failures": RETRIES}}
+    return SpecCluster(workers=specs, scheduler=scheduler, silence_logs=logging.CRITICAL)
+
+
+def connect(address):
+    """Of a local cluster, or an address."""
+    return Client(address, timeout=CONNECT_S)
+
+
+def _failure(error):
+    if isinstance(error, subprocess.CalledProcessError):
+        lines = (error.stderr or b"").decode(errors="replace").splitlines()
+        return lines[-1] if lines else f"the job ended with {error.returncode}"
+    return " ".join(f"{type(error).__name__}: {error}".split())
+
+
+class DaskRun:
+    """Hands out as many jobs as there are places on workers: a job that waits at a worker would
+    count as failed when that worker dies."""
+
+    def __init__(self, client):
+        self.client = client
+        self.running = {}  # future: job
+        self.done = as_completed()
+
+    def run(self, jobs, on_end, on_wait):
+        """on_end(job, text, failure) for each: what it wrote, or why there is nothing.
+        on_wait(number of places) in between."""
+        waiting = collections.deque(jobs)
+        while waiting or self.running:
+            places, resources = self._places()
+            while waiting and len(self.running) < places:
+                self._submit(waiting.popleft(), resources)
+            if not self.done.has_ready():
+                on_wait(places)
+                time.sleep(POLL_S)
+                continue
+            future = next(self.done)
+            job = self.running.pop(future)
+            if future.status == "finished":
+                on_end(job, future.result().decode(), None)
+            else:
+                error = future.exception() if future.status == "error" else None
+                on_end(job, None, _failure(error) if error else f"Dask: {future.status}")
+
+    def _places(self):
+        """Where any worker has a GPU, those with one do the work."""
+        if self.client.status != "running":
+            raise OSError("the scheduler is gone")
+        workers = self.client.scheduler_info()["workers"].values()
+        gpus = sum(int(worker["resources"].get(GPU, 0)) for worker in workers)
+        if gpus:
+            return gpus, {GPU: 1}
+        return sum(worker["nthreads"] for worker in workers), None
+
+    def _submit(self, job, resources):
+        command = [sys.executable, job["script"], job["text"]]
+        # The worker's terminal is not the job's: Ctrl-C there is the worker's to handle.
+        future = self.client.submit(subprocess.check_output, command, stderr=subprocess.PIPE,
+                                    start_new_session=True, retries=RETRIES, resources=resources,
+                                    pure=False)
+        self.running[future] = job
+        self.done.add(future)
+
+
+def version():
+    return distributed.__version__

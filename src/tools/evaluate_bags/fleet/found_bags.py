@@ -1,0 +1,40 @@
+"""Which bags there are, and their names in the fleet."""
+import os
+
+SUFFIX = ".bag"
+
+
+class BagsError(Exception):
+    """One line for the user."""
+
+
+def _below(folder):
+    for at, folders, files in os.walk(folder):
+        folders.sort()
+        for file in sorted(files):
+            if file.endswith(SUFFIX):
+                yield os.path.join(at, file)
+
+
+def find_bags(places):
+    """{name: absolute path}, in the order of names. A bag of a folder is named by its way from
+    there, any other by its file's name, so that an earlier run's names are the same."""
+    found = {}
+    for place in places:
+        if os.path.isdir(place):
+            paths = [(os.path.relpath(path, place), path) for path in _below(place)]
+            if not paths:
+                raise BagsError(f"{place}: no {SUFFIX} file in it")
+        elif os.path.isfile(place):
+            paths = [(os.path.basename(place), place)]
+        else:
+            raise BagsError(f"{place}: no such file or folder")
+        for name, path in paths:
+            path = os.path.abspath(path)
+            if found.setdefault(name, path) != path:
+                raise BagsError(f"{path} and {found[name]} would both be {name}: give a folder that "
+                                "has both")
+    for name in found:
+        if any(other.startswith(name + os.sep) for other in found):
+            raise BagsError(f"{name} is a bag and a folder with bags: rename one")
+    return dict(sorted(found.items()))

@@ -1,0 +1,87 @@
+"""What a bag's result was made of. The same identity: it need not be made again."""
+import hashlib
+import json
+import os
+
+import rospkg
+import yaml
+
+VARIABLES = ("ROS_PACKAGE_PATH", "LD_LIBRARY_PATH", "PYTHONPATH", "CMAKE_PREFIX_PATH")
+CHUNK = 1 << 22
+
+
+def hash_of(path, go_on=lambda: None):
+    """Of a file's content; None: there is no such file. `go_on` is called now and then."""
+    digest = hashlib.sha256()
+    try:
+        with open(path, "rb") as file:
+            for chunk in iter(lambda: file.read(CHUNK), b""):
+                digest.update(chunk)
+                go_on()
+    except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+        return None
+    return digest.hexdigest()
+
+
+def resolved(name):
+    """The path of a file or a package:// or file:// name; None: nobody knows."""
+    if name.startswith("file://"):
+        return name[len("file://"):]
+    if not name.startswith("package://"):
+        return None if "://" in name else name
+    package, _, rest = name[len("package://"):].partition("/")
+    try:
+        return os.path.join(rospkg.RosPack().get_path(package), rest)
+    except rospkg.ResourceNotFound:
+        return None
+
+
+def _strings(tree):
+    if isinstance(tree, dict):
+        for value in tree.values():
+            yield from _strings(value)
+    elif isinstance(tree, list):
+        for value in tree:
+            yield from _strings(value)
+    elif isinstance(tree, str):
+        yield tree
+
+
+def _named_in(path):
+    """Files that a yaml file names. What cannot be read is evaluate_bag's to refuse."""
+    try:
+        with open(path, errors="replace") as file:
+            return list(_strings(yaml.safe_load(file)))
+    except (OSError, yaml.YAMLError):
+        return []
+
+
+def identity_of(tool, version, bag, arguments, go_on):
+    """Of everything that is known before the bag was read."""
+    files = {}
+    words = list(arguments)
+    if "--config" in arguments:
+        words += _named_in(arguments[arguments.index("--config") + 1])
+    for word in words:
+        path = resolved(word) if len(word) < 4096 and "\n" not in word else None
+        content = hash_of(path, go_on) if path else None
+        if content:
+            files[word] = content
+    return {"version": version, "tool": hash_of(tool, go_on), "bag": hash_of(bag, go_on),
+            "arguments": arguments, "files": files,
+            "packages": os.environ.get("ROS_PACKAGE_PATH", "")}
+
+
+def meshes_of(summary, go_on):
+    """{name: hash} of the mesh files that the robot's links came from, as the evaluation had it."""
+    names = {name for link in summary["configuration"]["links"]
+             for name in link["source"].split("; ") if "://" in name}
+    return {name: hash_of(resolved(name) or "", go_on) for name in sorted(names)}
+
+
+def are_same_meshes(meshes, go_on):
+    return all(hash_of(resolved(name) or "", go_on) == content for name, content in meshes.items())
+
+
+def short_hash(tree):
+    return hashlib.sha256(json.dumps(tree, sort_keys=True).encode()).hexdigest()[:16]
