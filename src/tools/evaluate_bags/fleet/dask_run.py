@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 
-import distributed
 from distributed import Client, Nanny, Scheduler, SpecCluster, as_completed
 
 RETRIES = 2
@@ -104,7 +103,3 @@ class DaskRun:
                                     pure=False)
         self.running[future] = job
         self.done.add(future)
-
-
-def version():
-    return distributed.__version__

@@ -1,0 +1,120 @@
+"""A run over the fleet: its folder, its jobs, and what came of them."""
+import contextlib
+import fcntl
+import json
+import os
+import shutil
+import tempfile
+import time
+import uuid
+
+from fleet import dask_run
+from fleet.changes import read_summary
+from fleet.evaluation import REFUSED
+from fleet.identity import VARIABLES
+from fleet.progress import Progress
+from fleet.tables import CRASHED, TABLES
+
+STOP_S = 5  # for jobs to see that they shall stop
+
+
+class FolderError(Exception):
+    """One line for the user."""
+
+
+class Run:
+    """One run over the fleet; its folder of attempts has all that is not whole yet."""
+
+    def __init__(self, arguments, tools):
+        """`tools`: the folder with evaluate_bag and fleet_job.py."""
+        self.out = os.path.abspath(arguments.out)
+        self.passed = arguments.passed
+        self.id = uuid.uuid4().hex[:12]
+        self.attempts = os.path.join(self.out, "attempts")
+        self.stop = os.path.join(self.attempts, self.id + ".stop")
+        self.script = os.path.join(tools, "fleet_job.py")
+        self.tool = os.path.join(tools, "evaluate_bag")
+
+    @contextlib.contextmanager
+    def folder(self):
+        """Ours alone as long as it lasts. An earlier run's tables speak of another state."""
+        os.makedirs(self.out, exist_ok=True)
+        with open(os.path.join(self.out, ".lock"), "w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise FolderError(f"{self.out}: another evaluate_bags writes there") from None
+            for name in TABLES:
+                with contextlib.suppress(FileNotFoundError):
+                    os.remove(os.path.join(self.out, name))
+            shutil.rmtree(self.attempts, ignore_errors=True)
+            os.makedirs(self.attempts)
+            try:
+                yield
+            finally:
+                shutil.rmtree(self.attempts, ignore_errors=True)
+
+    def stop_jobs(self):
+        """Waits until they have."""
+        with open(self.stop, "w"):
+            pass
+        ends = time.monotonic() + STOP_S
+        while self._has_attempts() and time.monotonic() < ends:
+            time.sleep(.1)
+
+    def _forget(self, name):
+        """An earlier result is of another bag or configuration."""
+        with contextlib.suppress(FileNotFoundError):
+            os.rename(os.path.join(self.out, "bags", name),
+                      tempfile.mkdtemp(prefix="forgotten-", dir=self.attempts))
+
+    def _has_attempts(self):
+        return any(name.startswith(self.id + "-") for name in os.listdir(self.attempts))
+
+    def job(self, name, bag):
+        environment = {key: os.environ[key] for key in VARIABLES if key in os.environ}
+        text = json.dumps({
+            "name": name, "bag": bag, "out": self.out, "attempts": self.attempts, "run": self.id,
+            "stop": self.stop, "tool": self.tool, "arguments": self.passed, "folder": os.getcwd(),
+            "environment": environment})
+        return {"name": name, "bag": bag, "script": self.script,
+                "text": text}
+
+    def evaluate(self, bags, address):
+        """{name: record}"""
+        sizes = {name: os.path.getsize(path) for name, path in bags.items()}
+        progress = Progress(len(bags), sum(sizes.values()))
+        records = {}
+
+        def on_end(job, text, failure):
+            name = job["name"]
+            records[name] = json.loads(text) if failure is None else {
+                "name": name, "bag": job["bag"], "state": CRASHED, "message": failure}
+            record, cycles = records[name], 0
+            if record["state"] in (REFUSED, CRASHED):
+                self._forget(name)
+            else:
+                cycles = read_summary(os.path.join(self.out, "bags", name))["cycles"]
+            progress.add(sizes[name], cycles, record.get("was_there", False))
+
+        client = dask_run.connect(address)
+        try:
+            jobs = [self.job(name, path) for name, path in bags.items()]
+            dask_run.DaskRun(client).run(jobs, on_end, progress.show)
+        finally:
+            progress.clear()
+            client.close()
+        return records
+
+
+def evaluate_on_workers(run, bags, arguments):
+    cluster = arguments.scheduler or dask_run.local_cluster(
+        arguments.workers, os.path.join(run.attempts, "dask"))
+    try:
+        return run.evaluate(bags, cluster)
+    except BaseException:
+        run.stop_jobs()
+        raise
+    finally:
+        if not arguments.scheduler:
+            cluster.close()

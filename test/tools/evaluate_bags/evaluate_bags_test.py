@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""evaluate_bags as its users see it: the tables of single runs, workers that die, going on."""
+import glob
+import os
+import re
+import shutil
+import signal
+import subprocess
+
+from fleet_case import (
+    CUT, EXPECTATIONS, FAR, FLEET_TOOL, TOOL, WHOLE, FleetCase, main, processes)
+
+
+class EvaluateBags(FleetCase):
+
+    def records(self):
+        return {path: os.stat(path).st_mtime_ns
+                for path in glob.glob(self.path("fleet/bags/**/job.json"), recursive=True)}
+
+    def test_a_worker_is_killed_and_the_fleet_goes_on(self):
+        self.write_bags()
+        running = subprocess.Popen(**self.options("fleet", "--workers", "2", "--pairs", "--no-report"))
+        job, worker = next(iter(self.wait_for(self.jobs).items()))
+        self.assertNotEqual(worker, running.pid)
+        os.kill(worker, signal.SIGKILL)
+
+        def job_is_gone():
+            return job not in self.jobs()
+        self.wait_for(job_is_gone, 20)
+        out, err = running.communicate(timeout=500)
+        self.assertEqual(running.returncode, 2, out + err)
+        fleet = self.fleet("fleet")
+        self.assertEqual(self.states(fleet), {CUT: "refused", FAR: "broken",
+                                              **dict.fromkeys(WHOLE, "passed")})
+        self.assertIn("rosbag reindex", out)
+        self.assertIn("FAILS: panda_hand touches tshirt (not once", out)
+        self.assert_like_single_runs("fleet", (FAR, *WHOLE))
+        self.assertFalse(os.path.exists(self.path("fleet/bags/" + CUT)))
+
+        before = self.records()
+        self.assertEqual(len(before), 5)
+        again = self.run_fleet("fleet", "--pairs", "--no-report", code=2)
+        self.assertEqual(self.records(), before, "what was done was done again")
+        self.assertEqual({bag["bag"] for bag in again["bags"] if bag["was_there"]}, {FAR, *WHOLE})
+        self.assertEqual(self.states(again), self.states(fleet))
+        self.what_else_ends_a_fleet(before)
+
+    def what_else_ends_a_fleet(self, before):
+        os.remove(self.path("bags/" + CUT))
+        self.assertEqual(set(self.states(self.run_fleet("fleet", "--pairs", "--no-report", code=1))), {FAR, *WHOLE})
+        self.assertEqual(self.records(), before)
+        self.text("expect.yaml", EXPECTATIONS + "- {link: panda_link0, object: tshirt, "
+                  "touches: never}\n")
+        os.remove(self.path("bags/" + FAR))
+        fleet = self.run_fleet("fleet", "--pairs", "--no-report", code=0)
+        self.assertEqual(fleet["were_there"], 0, "other expectations")
+        # A bag that cannot be read any more leaves no earlier result behind.
+        with open(self.path("bags/one.bag"), "r+b") as file:
+            file.truncate(1000)
+        fleet = self.run_fleet("fleet", "--pairs", "--no-report", code=2)
+        self.assertEqual((self.states(fleet)["one.bag"], fleet["were_there"]), ("refused", 3))
+        self.assertFalse(os.path.exists(self.path("fleet/bags/one.bag")))
+
+    def test_stopped_it_leaves_what_is_done(self):
+        self.write_bags()
+        running = subprocess.Popen(**self.options("fleet", "--workers", "1"))
+
+        def one_is_done():
+            return self.records() and self.jobs()
+        self.wait_for(one_is_done)
+        os.killpg(running.pid, signal.SIGINT)
+        out, err = running.communicate(timeout=20)
+        self.assertEqual(running.returncode, 130, out + err)
+        self.assertNotIn("Traceback", err)
+        self.assertEqual(processes(self.folder), {})
+        self.assertFalse(os.path.exists(self.path("fleet/attempts")))
+        done = self.records()
+        self.assertGreater(len(done), 0)
+        self.assertLess(len(done), 5)
+        fleet = self.run_fleet("fleet", code=2)
+        self.assertEqual(fleet["were_there"], len(done))
+        self.assertLessEqual(done.items(), self.records().items())
+
+    def test_a_reader_that_crashes_costs_its_bag_alone(self):
+        """Another evaluate_bag, which ends by a signal at one bag."""
+        self.bag("bags/bad.bag")
+        self.bag("bags/good.bag")
+        tools = self.path("tools")
+        os.mkdir(tools)
+        for path in glob.glob(os.path.dirname(TOOL) + "/*"):
+            os.symlink(path, os.path.join(tools, os.path.basename(path)))
+        for name in ("evaluate_bags", "evaluate_bag"):
+            os.remove(os.path.join(tools, name))
+        shutil.copy(FLEET_TOOL, self.path("tools/evaluate_bags"))
+        self.text("tools/evaluate_bag", f"""#!/bin/sh
+case "$1" in *bad.bag) echo attempt >>{self.path("attempts")}; kill -SEGV $$;; esac
+exec {TOOL} "$@"
+""")
+        os.chmod(self.path("tools/evaluate_bag"), 0o755)
+        options = self.options("fleet", "--workers", "1")
+        options["args"][:1] = ["/usr/bin/python3", self.path("tools/evaluate_bags")]
+        done = subprocess.run(**options, timeout=300, check=False)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertEqual(self.states(self.fleet("fleet")),
+                         {"bad.bag": "crashed", "good.bag": "passed"})
+        with open(self.path("attempts")) as file:
+            self.assertEqual(file.read().count("attempt"), 3)
+        self.assertIn("bad.bag: crashed: ", done.stdout)
+
+    def assert_usage(self, *words, **change):
+        options = self.options("fleet", *change.get("more", ()))
+        options["args"][1:2] = change.get("bags", [self.path("bags")])
+        done = subprocess.run(**options, timeout=60, check=False)
+        self.assertEqual(done.returncode, 2, done)
+        self.assertNotIn("Traceback", done.stderr)
+        for word in words:
+            self.assertIn(word, done.stderr.splitlines()[-1])
+
+    def test_bad_usage(self):
+        self.assert_usage("no .bag file")
+        self.assert_usage("no such file or folder", bags=[self.path("none")])
+        self.bag("bags/one.bag")
+        self.bag("one.bag")
+        self.assert_usage("would both be one.bag", bags=[self.path("bags"), self.path("one.bag")])
+        self.assert_usage("--srdf", "no such file", more=["--srdf", self.path("no.srdf")])
+        self.assert_usage("--workers", more=["--workers", "0"])
+        self.assert_usage("not allowed with", more=["--workers", "1", "--scheduler", "tcp://a:1"])
+        self.assert_usage("127.0.0.1:1", more=["--scheduler", "tcp://127.0.0.1:1"])
+        self.assert_usage("needs --baseline", more=["--allow", self.text("allow.yaml", "[]")])
+        self.assert_usage("no run of evaluate_bags", more=["--baseline", self.path("bags")])
+
+    def test_every_option_of_evaluate_bag_passes(self):
+        texts = [subprocess.run([tool, "--help"], stdout=subprocess.PIPE, check=True,
+                                universal_newlines=True).stdout for tool in (TOOL, FLEET_TOOL)]
+        single, fleet = (set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", text)) for text in texts)
+        self.assertEqual(single - fleet, {"--version"})
+
+
+if __name__ == "__main__":
+    main()

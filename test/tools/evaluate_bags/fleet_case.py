@@ -1,0 +1,134 @@
+"""What the tests of evaluate_bags share: six bags made from the Panda's, and the tool, which lies
+beside $EVALUATE_BAG."""
+import glob
+import importlib.util
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "evaluate_bag"))
+from evaluation_case import CONFIG, TOOL, EvaluationCase, main as run_tests, read_table
+from panda_bag import AWAY_FROM, DATA, PandaBag, stamp_of
+
+FLEET_TOOL = os.path.join(os.path.dirname(TOOL), "evaluate_bags")
+URDF = str(DATA / "robots/panda_description/urdf/panda.urdf")
+EXPECTATIONS = "- {link: panda_hand, object: tshirt, touches: sometime}\n"
+CUT, FAR = "cut.bag", "lab/far.bag"
+WHOLE = ("lab/bare.bag", "lab/late.bag", "lab/packed.bag", "one.bag")
+
+
+def processes(word):
+    """{pid: parent's pid} of those with the word in their command line."""
+    found = {}
+    for path in glob.glob("/proc/[0-9]*"):
+        try:
+            with open(path + "/cmdline") as file:
+                command = file.read()
+            with open(path + "/stat") as file:
+                state, parent = file.read().rsplit(")", 1)[1].split()[:2]
+        except OSError:
+            continue
+        if word in command and state != "Z":
+            found[int(path[len("/proc/"):])] = int(parent)
+    return found
+
+
+class FleetCase(EvaluationCase):
+
+    @classmethod
+    def setUpClass(cls):
+        """Which contacts there are is evaluate_bag's to test."""
+        cls.scene = PandaBag()
+        cls.events = cls.scene.events()
+
+    def setUp(self):
+        super().setUp()
+        os.makedirs(self.path("bags/lab"))
+        self.config = self.text("config.yaml", CONFIG)
+        self.expect = self.text("expect.yaml", EXPECTATIONS)
+
+    def write_bags(self):
+        """Of what `touches: sometime` says, all but FAR keep it."""
+        without = [event for event in self.events if event[1] != "/contact_monitor/robot_meshes"]
+
+        def from_frame(first):
+            return [e for e in self.events if e[1] != "/tshirt" or e[2].header.stamp >=
+                    stamp_of(first)]
+        self.bag("bags/one.bag")
+        self.bag("bags/lab/bare.bag", without)
+        self.bag("bags/lab/packed.bag", compression="bz2", chunk=4096)
+        self.bag("bags/lab/late.bag", from_frame(5))
+        self.bag("bags/" + FAR, from_frame(AWAY_FROM))
+        whole = pathlib.Path(self.path("bags/one.bag")).read_bytes()
+        pathlib.Path(self.path("bags/" + CUT)).write_bytes(whole[:len(whole) // 2])
+
+    def options(self, out, *more, robots=DATA / "robots"):
+        command = [FLEET_TOOL, self.path("bags"), "--out", self.path(out), "--config", self.config,
+                   "--expect", self.expect, "--robot-description", URDF, *more]
+        return {"args": command, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
+                "universal_newlines": True, "start_new_session": True,
+                "env": dict(os.environ, ROS_PACKAGE_PATH=str(robots))}
+
+    def run_fleet(self, out, *more, code, workers=("--workers", "2"), **options):
+        done = subprocess.run(**self.options(out, *workers, *more, **options), timeout=500,
+                              check=False)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return self.fleet(out)
+
+    def fleet(self, out):
+        """fleet.json, after a look at the other tables."""
+        with open(self.path(out + "/fleet.json")) as file:
+            fleet = json.load(file)
+        rows = read_table(self.path(out + "/fleet.csv"))
+        self.assertEqual([(row["bag"], row["state"]) for row in rows],
+                         [(bag["bag"], bag["state"]) for bag in fleet["bags"]])
+        self.assertTrue(os.path.exists(self.path(out + "/index.html")))
+        self.assertFalse(os.path.exists(self.path(out + "/attempts")))
+        return fleet
+
+    def states(self, fleet):
+        return {bag["bag"]: bag["state"] for bag in fleet["bags"]}
+
+    def wait_for(self, condition, seconds=120):
+        ends = time.monotonic() + seconds
+        while time.monotonic() < ends:
+            found = condition()
+            if found:
+                return found
+            time.sleep(.05)
+        return self.fail(f"{condition.__name__} did not come in {seconds} s")
+
+    def jobs(self):
+        """{pid: parent's pid} of jobs of this test."""
+        own = processes(self.folder)
+        return {pid: parent for pid, parent in processes("fleet_job.py").items() if pid in own}
+
+    def assert_like_single_runs(self, out, names):
+        for name in names:
+            with self.subTest(bag=name):
+                done = self.run_tool(self.path("bags/" + name), "--config", self.config, "--expect",
+                                     self.expect, "--robot-description", URDF, "--pairs", "--no-report")
+                self.assertIn(done.returncode, (0, 1), done.stderr)
+                self.assertEqual(self.outcome(self.path("out")),
+                                 self.outcome(self.path(f"{out}/bags/{name}")))
+
+    def outcome(self, folder):
+        """All that a run found, without times."""
+        frames = [{k: v for k, v in row.items() if not k.endswith("_ms")}
+                  for row in read_table(folder + "/frames.csv")]
+        with open(folder + "/summary.json") as file:
+            summary = json.load(file)
+        del summary["times"]
+        texts = [pathlib.Path(folder, name).read_bytes()
+                 for name in ("links.csv", "events.csv", "pairs.csv")]
+        return frames, summary, texts
+
+
+def main():
+    if importlib.util.find_spec("distributed") is None:
+        print("SKIPPED: there is no python3-distributed")
+        raise SystemExit(77)
+    run_tests()

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""What changed between two evaluations, by tables written here; rules of what may; progress."""
+import csv
+import io
+import json
+import os
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "src/tools/evaluate_bags"))
+from fleet.baseline import BaselineError, is_allowed, read_allowed
+from fleet.changes import Change, changes_of
+from fleet.pair_hashes import read_pair_hashes, write_pair_hashes
+from fleet.progress import Progress
+
+
+class Rules(unittest.TestCase):
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def evaluation(self, name, links, pairs=(), ms=1.0, expectations=()):
+        folder = os.path.join(self.folder, name)
+        os.mkdir(folder)
+        with open(folder + "/links.csv", "w") as file:
+            file.write("run,body_a,body_b,state,from,to,cycles,least_pairs,most_pairs\n")
+            for state, begin, end in links:
+                file.write(f"cpu,hand,cloth,{state},{begin},{end},1,1,1\n")
+                file.write(f"other,hand,cloth,CONTACT,0.{len(name)},9.0,1,1,1\n")
+        with open(folder + "/pairs.csv", "w") as file:
+            table = csv.writer(file)
+            table.writerow("cycle,stamp,body_a,triangle_a,body_b,triangle_b".split(","))
+            table.writerows((1, stamp, "hand", a, "cloth", b) for stamp, a, b in pairs)
+        write_pair_hashes(folder)
+        with open(folder + "/summary.json", "w") as file:
+            json.dump({"times": {"runs": [{"detect_ms": {"median": ms}}]}, "expectations": [
+                {"text": text, "holds": holds} for text, holds in expectations]}, file)
+        return folder
+
+    def kinds(self, old, new):
+        count = len(os.listdir(self.folder))
+        return [(c.kind, round(c.amount, 6)) for c in changes_of(
+            "a.bag", self.evaluation(f"old{count}", **old), self.evaluation(f"new{count}", **new))
+            if c.kind != "latency"]
+
+    def test_contacts(self):
+        def links(*contacts, state="CONTACT"):
+            return {"links": [(state, *contact) for contact in contacts]}
+        one = links(("1.0", "2.0"))
+        self.assertEqual(self.kinds(one, one), [])
+        self.assertEqual(self.kinds(one, links(("1.1", "2.0"))), [("began", .1)])
+        self.assertEqual(self.kinds(one, links(("1.0", "1.5"))), [("ended", .5)])
+        self.assertEqual(self.kinds(one, links(("3.0", "4.0"))), [("appeared", 0), ("vanished", 0)])
+        self.assertEqual(self.kinds(links(), one), [("appeared", 0)])
+        self.assertEqual(self.kinds(one, links()), [("vanished", 0)])
+        self.assertEqual(self.kinds(one, links(("1.0", "1.2"), ("1.6", "2.0"))),
+                         [("ended", float("inf"))])
+        self.assertEqual(self.kinds(links(("1.0", "1.2"), ("1.6", "2.0")), one),
+                         [("ended", .8), ("began", .6)])
+        self.assertEqual(self.kinds(one, links(("1.0", "2.0"), state="UNKNOWN")),
+                         [("vanished", 0), ("unknown", 0)])
+        self.assertEqual(self.kinds(links(("10.0", "11.0")), links(("9.0", "11.0"))),
+                         [("began", 1)])
+
+    def test_sets_of_pairs(self):
+        links = [("CONTACT", "1.0", "2.0")]
+        old = {"links": links, "pairs": [("1.0", 1, 2), ("1.0", 3, 4), ("2.0", 5, 6)]}
+        turned = {"links": links, "pairs": [("1.0", 3, 4), ("1.0", 1, 2), ("2.0", 5, 6)]}
+        moved = {"links": links, "pairs": [("1.0", 1, 4), ("1.0", 3, 2), ("2.0", 5, 6)]}
+        self.assertEqual(self.kinds(old, turned), [])
+        self.assertEqual(self.kinds(old, moved), [("moved", 1)])
+        self.assertEqual(len(read_pair_hashes(os.path.join(self.folder, "old0"))), 1)
+
+    def test_expectations(self):
+        old = {"links": [], "expectations": [("a", True), ("b", True), ("c", False)]}
+        new = {"links": [], "expectations": [("a", True), ("b", False), ("c", True)]}
+        self.assertEqual(self.kinds(old, new), [("expectation", 0)] * 2)
+
+    def allowed(self, text):
+        path = os.path.join(self.folder, "allow.yaml")
+        with open(path, "w") as file:
+            file.write(text)
+        return read_allowed(path)
+
+    def test_rules(self):
+        began = Change("lab/a.bag", "began", ("hand", "cloth"), "", .1)
+        slower = Change("lab/a.bag", "latency", (), "", 1.6)
+        for text, may in (("[]", False), ("- {change: began}", True), ("- {change: ended}", False),
+                          ("- {change: began, link: hand, bag: lab/*}", True),
+                          ("- {change: began, link: foot}", False),
+                          ("- {change: began, bag: other/*}", False),
+                          ("- {change: began, within_s: 0.05}", False),
+                          ("- {change: began, within_s: 0.2}", True)):
+            self.assertEqual(is_allowed(began, self.allowed(text)), may, text)
+        self.assertTrue(is_allowed(slower, []))
+        self.assertTrue(is_allowed(slower, self.allowed("- {change: latency, ratio: 2}")))
+        self.assertFalse(is_allowed(slower, self.allowed("- {change: latency, ratio: 1.5}")))
+
+    def test_bad_rules_are_refused_by_name(self):
+        for text, word in (("a: 1", "list"), ("- 3", "maps"), ("- {change: x}", "'x'"),
+                           ("- {change: began, ratio: 2}", "ratio"),
+                           ("- {change: latency, ratio: -1}", "ratio"),
+                           ("- {change: latency, ratio: .nan}", "ratio"),
+                           ("- {change: began, lnik: a}", "lnik"), ("- {change: moved, bag: 3}", "bag"),
+                           ("- {change: [", "allow.yaml")):
+            with self.assertRaises(BaselineError) as caught:
+                self.allowed(text)
+            self.assertIn(word, str(caught.exception))
+            self.assertNotIn("\n", str(caught.exception))
+
+    def test_progress(self):
+        clock = iter([0, 10, 10, 10]).__next__
+        progress = Progress(4, 400, clock, io.StringIO())
+        progress.add(100, 50, False)
+        progress.add(100, 99, True)
+        self.assertEqual(progress.text(2), "2 of 4 bags (1 were there), 50 cycles, 5 a second, "
+                                           "0:00:20 left")
+
+
+if __name__ == "__main__":
+    unittest.main()
