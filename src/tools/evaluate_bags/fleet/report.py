@@ -11,8 +11,7 @@ MOST_SLOW_CYCLES = 20
 MOST_CHANGES = 500
 MOST_EXPECTATIONS = 40
 MATRIX_STYLE = """
-td.cell { text-align: center; padding: .1rem .5rem; } th.turned { writing-mode: vertical-rl;
-transform: rotate(180deg); font-weight: normal; padding: .4rem .1rem; max-height: 20rem; }
+.matrix td + td, .matrix th + th { text-align: center; padding: .1rem .6rem; }
 """
 
 
@@ -61,8 +60,9 @@ def _bags_table(fleet):
                f'{ms["most"]:.3f}' if ms else ""]
         if with_baseline:
             changes = [c for c in bag["changes"] if c["kind"] != "latency" or not c["allowed"]]
-            row.append(verdict(all(c["allowed"] for c in changes), f"{len(changes)}",
-                               f"{len(changes)}"))
+            count = str(len(changes))
+            nothing = not bag["folder"] and not changes
+            row.append("" if nothing else verdict(all(c["allowed"] for c in changes), count, count))
         rows.append(row + [html.escape("" if bag["state"] == PASSED else bag["message"])])
     return table(titles + (["changes"] if with_baseline else []) + ["why"], rows)
 
@@ -72,7 +72,8 @@ def _matrix(fleet):
     for bag in fleet["bags"]:
         texts += [e["text"] for e in bag["expectations"] if e["text"] not in texts]
     shown = texts[:MOST_EXPECTATIONS]
-    head = "<th></th>" + "".join(f'<th class="turned">{html.escape(text)}</th>' for text in shown)
+    head = "<th></th>" + "".join(f"<th>{i + 1}</th>" for i in range(len(shown)))
+    names = "".join(f"<li>{html.escape(text)}</li>" for text in shown)
     rows = []
     for bag in fleet["bags"]:
         of_text = {e["text"]: e for e in bag["expectations"]}
@@ -82,10 +83,10 @@ def _matrix(fleet):
             cell = "" if e is None else (
                 f'<span title="{html.escape(e["failure"])}">'
                 + verdict(e["holds"], "\u2713", "\u2717") + "</span>")
-            cells.append(f'<td class="cell">{cell}</td>')
+            cells.append(f"<td>{cell}</td>")
         rows.append(f"<tr><td>{_link(bag)}</td>{''.join(cells)}</tr>")
     more = len(texts) - len(shown)
-    return (f"<table><tr>{head}</tr>{''.join(rows)}</table>"
+    return (f'<ol>{names}</ol><table class="matrix"><tr>{head}</tr>{"".join(rows)}</table>'
             + (f"<p>And {more} more expectations in fleet.json.</p>" if more > 0 else ""))
 
 
