@@ -37,8 +37,8 @@ class Cluster(FleetCase):
             process.wait()
 
     def address(self):
-        self.start("dask-scheduler", *LOOPBACK, "--port", "0", "--no-dashboard",
-                   "--scheduler-file", self.path("scheduler.json"))
+        self.scheduler = self.start("dask-scheduler", *LOOPBACK, "--port", "0", "--no-dashboard",
+                                    "--scheduler-file", self.path("scheduler.json"))
 
         def scheduler_is_there():
             return os.path.exists(self.path("scheduler.json"))
@@ -90,6 +90,22 @@ class Cluster(FleetCase):
         out, err = running.communicate()
         self.assertEqual(running.returncode, 0, out + err)
         self.assertEqual(nannies, {with_gpu.pid})
+
+    def test_the_scheduler_goes(self):
+        self.write_bags()
+        address = self.address()
+        self.worker(address)
+        running = subprocess.Popen(**self.options("fleet", "--scheduler", address))
+
+        def one_is_done():
+            return os.path.exists(self.path("fleet/bags")) and self.jobs()
+        self.wait_for(one_is_done)
+        os.killpg(self.scheduler.pid, signal.SIGKILL)
+        out, err = running.communicate(timeout=60)
+        self.assertEqual(running.returncode, 2, out + err)
+        self.assertIn("the scheduler is gone", err.splitlines()[-1])
+        self.assertFalse(os.path.exists(self.path("fleet/fleet.json")))
+        self.assertGreater(self.run_fleet("fleet", code=2)["were_there"], 0)
 
 
 if __name__ == "__main__":

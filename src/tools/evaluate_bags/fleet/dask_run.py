@@ -13,6 +13,7 @@ RETRIES = 2
 GPU = "GPU"  # Dask's resource that a worker with a GPU has one of
 POLL_S = 0.1
 CONNECT_S = 20
+GONE = "the scheduler is gone; what is done is kept, the same command goes on with another"
 
 
 def gpu_count():
@@ -81,14 +82,15 @@ class DaskRun:
             job = self.running.pop(future)
             if future.status == "finished":
                 on_end(job, future.result().decode(), None)
-            else:
-                error = future.exception() if future.status == "error" else None
-                on_end(job, None, _failure(error) if error else f"Dask: {future.status}")
+            elif future.status == "error":
+                on_end(job, None, _failure(future.exception()))
+            else:  # cancelled, lost
+                raise OSError(GONE)
 
     def _places(self):
         """Where any worker has a GPU, those with one do the work."""
         if self.client.status != "running":
-            raise OSError("the scheduler is gone")
+            raise OSError(GONE)
         workers = self.client.scheduler_info()["workers"].values()
         gpus = sum(int(worker["resources"].get(GPU, 0)) for worker in workers)
         if gpus:
