@@ -19,7 +19,8 @@ class EvaluateBags(FleetCase):
 
     def test_a_worker_is_killed_and_the_fleet_goes_on(self):
         self.write_bags()
-        running = subprocess.Popen(**self.options("fleet", "--workers", "2", "--pairs", "--no-report"))
+        running = subprocess.Popen(**self.options("fleet", "--workers", "2", "--pairs",
+                                                  "--no-report"))
         job, worker = next(iter(self.wait_for(self.jobs).items()))
         self.assertNotEqual(worker, running.pid)
         os.kill(worker, signal.SIGKILL)
@@ -47,7 +48,8 @@ class EvaluateBags(FleetCase):
 
     def what_else_ends_a_fleet(self, before):
         os.remove(self.path("bags/" + CUT))
-        self.assertEqual(set(self.states(self.run_fleet("fleet", "--pairs", "--no-report", code=1))), {FAR, *WHOLE})
+        fleet = self.run_fleet("fleet", "--pairs", "--no-report", code=1)
+        self.assertEqual(set(self.states(fleet)), {FAR, *WHOLE})
         self.assertEqual(self.records(), before)
         self.text("expect.yaml", EXPECTATIONS + "- {link: panda_link0, object: tshirt, "
                   "touches: never}\n")

@@ -110,7 +110,8 @@ class FleetCase(EvaluationCase):
         for name in names:
             with self.subTest(bag=name):
                 done = self.run_tool(self.path("bags/" + name), "--config", self.config, "--expect",
-                                     self.expect, "--robot-description", URDF, "--pairs", "--no-report")
+                                     self.expect, "--robot-description", URDF, "--pairs",
+                                     "--no-report")
                 self.assertIn(done.returncode, (0, 1), done.stderr)
                 self.assertEqual(self.outcome(self.path("out")),
                                  self.outcome(self.path(f"{out}/bags/{name}")))

@@ -81,7 +81,8 @@ class Cluster(FleetCase):
 
         with Client(address) as client:
             client.wait_for_workers(2)
-        running = subprocess.Popen(**self.options("fleet", "--scheduler", address, "--no-report"))
+        running = subprocess.Popen(**self.options("fleet", "--scheduler", address,
+                                                  "--no-report"))
         nannies = set()
         while running.poll() is None:
             parents = processes("")

@@ -105,7 +105,8 @@ class Rules(unittest.TestCase):
                            ("- {change: began, ratio: 2}", "ratio"),
                            ("- {change: latency, ratio: -1}", "ratio"),
                            ("- {change: latency, ratio: .nan}", "ratio"),
-                           ("- {change: began, lnik: a}", "lnik"), ("- {change: moved, bag: 3}", "bag"),
+                           ("- {change: began, lnik: a}", "lnik"),
+                           ("- {change: moved, bag: 3}", "bag"),
                            ("- {change: [", "allow.yaml")):
             with self.assertRaises(BaselineError) as caught:
                 self.allowed(text)

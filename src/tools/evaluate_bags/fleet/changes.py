@@ -66,7 +66,8 @@ def _of_pairs(old, new):
     moved = [stamp for stamp in sorted(set(old) & set(new), key=float)
              if sorted(old[stamp]) != sorted(new[stamp])]
     if moved:
-        yield "moved", f"other triangles in {len(moved)} cycles, the first at {moved[0]}", len(moved)
+        text = f"other triangles in {len(moved)} cycles, the first at {moved[0]}"
+        yield "moved", text, len(moved)
 
 
 def _of_unknown(old, new):

@@ -42,8 +42,8 @@ class Evaluation:
 
     def run(self):
         """The record of the bag's result: one that is there already, or a new one."""
-        version = subprocess.run([self.job["tool"], "--version"], stdout=subprocess.PIPE, check=True,
-                                 universal_newlines=True).stdout.strip()
+        version = subprocess.run([self.job["tool"], "--version"], stdout=subprocess.PIPE,
+                                 check=True, universal_newlines=True).stdout.strip()
         identity = identity_of(self.job["tool"], version, self.job["bag"], self.job["arguments"],
                                self._go_on)
         record = self._earlier(identity)

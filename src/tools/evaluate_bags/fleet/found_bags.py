@@ -32,8 +32,8 @@ def find_bags(places):
         for name, path in paths:
             path = os.path.abspath(path)
             if found.setdefault(name, path) != path:
-                raise BagsError(f"{path} and {found[name]} would both be {name}: give a folder that "
-                                "has both")
+                raise BagsError(f"{path} and {found[name]} would both be {name}: give a folder "
+                                "that has both")
     for name in found:
         if any(other.startswith(name + os.sep) for other in found):
             raise BagsError(f"{name} is a bag and a folder with bags: rename one")
