@@ -19,8 +19,7 @@ class EvaluateBags(FleetCase):
 
     def test_a_worker_is_killed_and_the_fleet_goes_on(self):
         self.write_bags()
-        running = subprocess.Popen(**self.options("fleet", "--workers", "2", "--pairs",
-                                                  "--no-report"))
+        running = self.start_fleet("fleet", "--workers", "2", "--pairs", "--no-report")
         job, worker = next(iter(self.wait_for(self.jobs).items()))
         self.assertNotEqual(worker, running.pid)
         os.kill(worker, signal.SIGKILL)
@@ -65,9 +64,10 @@ class EvaluateBags(FleetCase):
 
     def test_stopped_it_leaves_what_is_done(self):
         self.write_bags()
-        running = subprocess.Popen(**self.options("fleet", "--workers", "1"))
+        running = self.start_fleet("fleet", "--workers", "1")
 
         def one_is_done():
+            self.assertIsNone(running.poll(), "ended too early")
             return self.records() and self.jobs()
         self.wait_for(one_is_done)
         os.killpg(running.pid, signal.SIGINT)

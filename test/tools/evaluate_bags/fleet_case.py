@@ -5,6 +5,7 @@ import importlib.util
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
@@ -71,6 +72,17 @@ class FleetCase(EvaluationCase):
         return {"args": command, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
                 "universal_newlines": True, "start_new_session": True,
                 "env": dict(os.environ, ROS_PACKAGE_PATH=str(robots))}
+
+    def start_fleet(self, out, *more):
+        """Ends with the test, whatever comes of that."""
+        running = subprocess.Popen(**self.options(out, *more))
+
+        def end():
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGKILL)
+                running.communicate()
+        self.addCleanup(end)
+        return running
 
     def run_fleet(self, out, *more, code, workers=("--workers", "2"), **options):
         done = subprocess.run(**self.options(out, *workers, *more, **options), timeout=500,

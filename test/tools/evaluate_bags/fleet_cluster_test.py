@@ -58,8 +58,7 @@ class Cluster(FleetCase):
         address = self.address()
         self.assertTrue(address.startswith("tcp://127.0.0.1:"), address)
         workers = [self.worker(address) for _ in range(2)]
-        options = self.options("fleet", "--scheduler", address, "--pairs", "--no-report")
-        running = subprocess.Popen(**options)
+        running = self.start_fleet("fleet", "--scheduler", address, "--pairs", "--no-report")
         self.wait_for(self.jobs)
         # A machine that goes away: with its nanny, so that nobody starts it anew.
         os.killpg(workers[0].pid, signal.SIGKILL)
@@ -81,8 +80,7 @@ class Cluster(FleetCase):
 
         with Client(address) as client:
             client.wait_for_workers(2)
-        running = subprocess.Popen(**self.options("fleet", "--scheduler", address,
-                                                  "--no-report"))
+        running = self.start_fleet("fleet", "--scheduler", address, "--no-report")
         nannies = set()
         while running.poll() is None:
             parents = processes("")
@@ -96,7 +94,7 @@ class Cluster(FleetCase):
         self.write_bags()
         address = self.address()
         self.worker(address)
-        running = subprocess.Popen(**self.options("fleet", "--scheduler", address))
+        running = self.start_fleet("fleet", "--scheduler", address)
 
         def one_is_done():
             return os.path.exists(self.path("fleet/bags")) and self.jobs()
