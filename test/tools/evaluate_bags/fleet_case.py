@@ -5,6 +5,7 @@ import importlib.util
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -48,6 +49,7 @@ class FleetCase(EvaluationCase):
     def setUp(self):
         super().setUp()
         os.makedirs(self.path("bags/lab"))
+        self.fleet_tool = FLEET_TOOL
         self.config = self.text("config.yaml", CONFIG)
         self.expect = self.text("expect.yaml", EXPECTATIONS)
 
@@ -67,11 +69,28 @@ class FleetCase(EvaluationCase):
         pathlib.Path(self.path("bags/" + CUT)).write_bytes(whole[:len(whole) // 2])
 
     def options(self, out, *more, robots=DATA / "robots"):
-        command = [FLEET_TOOL, self.path("bags"), "--out", self.path(out), "--config", self.config,
-                   "--expect", self.expect, "--robot-description", URDF, *more]
+        command = [self.fleet_tool, self.path("bags"), "--out", self.path(out),
+                   "--config", self.config, "--expect", self.expect, "--robot-description", URDF, *more]
         return {"args": command, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
                 "universal_newlines": True, "start_new_session": True,
                 "env": dict(os.environ, ROS_PACKAGE_PATH=str(robots))}
+
+    def fake_tool(self, case):
+        """Another evaluate_bag, which does what a case of sh says, or else what ours does. Its
+        identity is the same whatever the case."""
+        tools = self.path("tools")
+        self.text("case", f'case "$1" in {case} esac')
+        if not os.path.isdir(tools):
+            os.mkdir(tools)
+            for path in glob.glob(os.path.dirname(TOOL) + "/*"):
+                os.symlink(path, os.path.join(tools, os.path.basename(path)))
+            for name in ("evaluate_bags", "evaluate_bag"):
+                os.remove(os.path.join(tools, name))
+            shutil.copy(FLEET_TOOL, tools)
+            self.text("tools/evaluate_bag",
+                      f'#!/bin/sh\n. {self.path("case")}\nexec {TOOL} "$@"\n')
+            os.chmod(self.path("tools/evaluate_bag"), 0o755)
+        self.fleet_tool = os.path.join(tools, "evaluate_bags")
 
     def start_fleet(self, out, *more):
         """Ends with the test, whatever comes of that."""

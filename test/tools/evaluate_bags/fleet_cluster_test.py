@@ -67,7 +67,8 @@ class Cluster(FleetCase):
         self.assertEqual(self.states(self.fleet("fleet")),
                          {CUT: "refused", FAR: "broken", **dict.fromkeys(WHOLE, "passed")})
         self.assert_like_single_runs("fleet", (FAR, *WHOLE))
-        fleet = self.run_fleet("fleet", "--pairs", "--no-report", workers=("--scheduler", address), code=2)
+        fleet = self.run_fleet("fleet", "--pairs", "--no-report", code=2,
+                               workers=("--scheduler", address))
         self.assertEqual(fleet["were_there"], 5)
 
     def test_workers_with_a_gpu_do_the_work(self):
