@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 
 #include <array>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -74,9 +75,10 @@ void evaluate(const ScratchFile& file, BagReader* reader, BagContents* contents)
         setUpBags(files, parameters, SceneObject(), contents, [](const std::string&) {});
     Options options;
     options.threads = 1;  // no threads where forks come
-    EvaluationRun run("cpu", makeCpuDetector(), options, StateRules(), {});
+    EvaluationRun run("cpu", std::make_unique<DetectedContacts>(makeCpuDetector()), options,
+                      StateRules(), {});
     BagCycles cycles(setup.parameters, *contents, setup.robot, nullptr);
-    cycles.run(reader, [&](CycleReport* cycle) { run.detect(cycle, &cycles.sceneOfStep()); });
+    cycles.run(reader, [&](CycleReport* cycle) { run.evaluate(cycle, &cycles.sceneOfStep()); });
     requireThat(run.cycles <= contents->meshes.size(), "more cycles than meshes");
   } catch (const std::exception& refusal) {
     requireThat(*refusal.what() != '\0', "a refusal without a reason");

@@ -102,6 +102,36 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
   return problem;
 }
 
+// The first part has all before the second, so that none is in no part.
+ros::Time BagCycles::beginningOf(const BagPart& part) const {
+  const std::size_t first = events_.size() * (part.number - 1) / part.of;
+  if (part.number == 1 || events_.empty()) return ros::Time();
+  return first < events_.size() ? events_[first].stamp : ros::TIME_MAX;
+}
+
+void BagCycles::runPart(const BagPart& part, BagReader* reader,
+                        const std::function<void(CycleReport*)>& visit) {
+  struct PartEnds {};  // there is no other way out of reading
+  const ros::Time first = beginningOf(part), next = beginningOf({part.number + 1, part.of});
+  const auto is_later = [&next](const Event& event) { return event.stamp >= next; };
+  if (part.number < part.of) {
+    events_.erase(std::find_if(events_.begin(), events_.end(), is_later), events_.end());
+  }
+  const auto visit_part = [&](CycleReport* cycle) {
+    if (cycle->header.stamp >= first) visit(cycle);
+  };
+  try {
+    reader->read([&](const BagMessage& message) {
+      if (next_ == events_.size()) throw PartEnds();
+      take(message);
+      release(visit_part);
+    });
+    at_end_ = true;
+    release(visit_part);
+  } catch (const PartEnds&) {  // NOLINT(bugprone-empty-catch)
+  }
+}
+
 void BagCycles::take(const BagMessage& message) {
   received_ = std::max(received_, message.received);
   if (isMesh(message)) {

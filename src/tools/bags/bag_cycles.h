@@ -18,6 +18,7 @@
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_meshes.h"
+#include "tools/bags/bag_part.h"
 #include "tools/bags/bag_reader.h"
 #include "tools/common/mesh_player.h"
 
@@ -47,6 +48,12 @@ class BagCycles {
   // Hands each cycle to `visit`, without a result yet. Once. Returns what BagReader::read does.
   std::string run(BagReader* reader, const std::function<void(CycleReport*)>& visit);
 
+  // As run(), but hands over the cycles of a part alone. Transforms, meshes, earlier states and a
+  // played object have come the whole way from the bags' beginning, so each of these cycles is as
+  // run() has it. Reads no further than the part goes. Parts have about as many meshes each.
+  void runPart(const BagPart& part, BagReader* reader,
+               const std::function<void(CycleReport*)>& visit);
+
   // That of the cycle that is being visited; for its steps, see StepRunner.
   Scene& sceneOfStep() { return scene_.sceneOfStep(); }
 
@@ -65,6 +72,7 @@ class BagCycles {
   void plan(const BagContents& contents);
   void take(const BagMessage& message);
   void takeTransforms(const BagMessage& message);
+  ros::Time beginningOf(const BagPart& part) const;
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
   std::optional<ReceivedMesh> nextMesh(const Event& event);

@@ -10,87 +10,35 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/stopwatch.h"
-#include "cuda/device/cuda_error.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_setup.h"
 #include "tools/bags/stamp_text.h"
-#include "tools/common/backend_choice.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"
 #include "tools/common/run_tool.h"
 #include "tools/common/script.h"
 #include "tools/evaluate_bag/evaluate_arguments.h"
 #include "tools/evaluate_bag/evaluation_run.h"
+#include "tools/evaluate_bag/evaluation_runs.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
 #include "tools/evaluate_bag/evaluation_tables.h"
 #include "tools/evaluate_bag/evaluation_verdict.h"
+#include "tools/evaluate_bag/recorded_contacts.h"
 #include "tools/evaluate_bag/swept_tables.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
+using Sources = std::vector<std::unique_ptr<ContactSource>>;
 
 void warn(const std::string& what) {
   std::fprintf(stderr, "evaluate_bag: warning: %s\n", oneLine(what).c_str());
-}
-
-// Unlike the node: what is called cuda ran with CUDA.
-std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSettings& settings) {
-  try {
-    return makeDetector(backend, WithoutCuda::kRefuse, settings, warn);
-  } catch (const CudaError& error) {
-    throw std::runtime_error(std::string(error.what()) + "; --backends cpu needs no GPU");
-  }
-}
-
-bool hasMargins(const MonitorParameters& parameters) {
-  bool any = parameters.margin_m > 0;
-  for (const ObjectParameters& object : parameters.objects) any |= object.margin_m > 0;
-  for (const auto& [link, margin_m] : parameters.link_margin_m) any |= margin_m > 0;
-  return any;
-}
-
-Runs makeRuns(const EvaluateArguments& arguments, const MonitorParameters& parameters,
-              const std::vector<Expectation>& expectations) {
-  std::vector<std::string> backends = arguments.backends;
-  if (backends.empty()) backends = {toString(parameters.backend)};
-  std::vector<Predicates> predicates;
-  for (const std::string& name : arguments.predicates) predicates.push_back(toPredicates(name));
-  if (predicates.empty()) predicates = {parameters.detector.predicates};
-  std::vector<float> overlaps = arguments.overlaps;
-  if (overlaps.empty()) overlaps = {parameters.detector.overlap};
-  StateRules rules;
-  rules.max_age_s = parameters.max_mesh_age_s;
-  rules.tolerated_rejects = parameters.tolerated_rejects;
-  rules.since_survives_s = parameters.since_survives_s;
-  rules.debounce_on_cycles = parameters.debounce_on_cycles;
-  rules.debounce_off_cycles = parameters.debounce_off_cycles;
-  Runs runs;
-  for (const Predicates p : predicates) {
-    for (const float overlap : overlaps) {
-      for (const std::string& backend : backends) {
-        Options options = parameters.detector;
-        options.predicates = p;
-        options.overlap = overlap;
-        runs.push_back(
-            std::make_unique<EvaluationRun>(backend, makeBackend(backend, parameters.cuda), options,
-                                            rules, expectations, parameters.containment));
-        if (hasMargins(parameters) && !supportsMargins(*runs.back()->detector)) {
-          throw std::invalid_argument("backend " + backend + " has no margins; set margin_m to 0");
-        }
-        if (parameters.motion == Motion::kSwept && backend == "fcl") {
-          throw std::invalid_argument("backend fcl knows no swept motion; set motion to instant");
-        }
-        runs.back()->swept_tolerance_m = parameters.swept_tolerance_m;
-      }
-    }
-  }
-  return runs;
 }
 
 // Everything that is written while the evaluation goes.
@@ -118,7 +66,7 @@ struct Tables {
 
 void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
                    std::vector<RunComparison>* compared, Tables* tables) {
-  for (auto& run : *runs) run->detect(cycle, scene);
+  for (auto& run : *runs) run->evaluate(cycle, scene);
   std::vector<bool> differing(runs->size(), false);
   for (RunComparison& comparison : *compared) {
     const EvaluationRun &a = *(*runs)[comparison.a], &b = *(*runs)[comparison.b];
@@ -178,55 +126,13 @@ std::string cleanFolder(const std::string& folder) {
   return folder;
 }
 
-int evaluate(const EvaluateArguments& arguments) {
-  const Stopwatch stopwatch;
-  const MonitorParameters configured = readBagParameters(arguments.files, warn);
-  // Before threads, because it forks.
-  BagReader reader(arguments.files.bags, neededMessages(configured));
-  ros::Time::init();
-  console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
-  std::vector<Expectation> expectations;
-  if (!arguments.expectations.empty()) expectations = readExpectations(arguments.expectations);
-
-  std::optional<Progress> progress("reading the bags");
-  BagContents contents = scanBags(&reader, [&](std::uint64_t count) {
-    if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
-  });
-  const BagSetup setup = setUp(arguments, configured, &contents);
-  checkBodies(bodyNames(setup), setup.robot.link_names, &expectations);
-  for (const Expectation& expectation : expectations) {
-    if (!expectation.problem.empty()) warn(arguments.expectations + ": " + expectation.problem);
-  }
-  Runs runs = makeRuns(arguments, setup.parameters, expectations);
-  std::vector<RunComparison> compared = comparisons(runs);
-  Tables tables(cleanFolder(arguments.out), arguments.pairs,
-                setup.parameters.motion == Motion::kSwept);
-  BagCycles cycles(setup.parameters, contents, setup.robot,
-                   setup.played ? &*setup.played : nullptr);
-
-  EvaluationEnd end;
-  end.problem = cycles.run(&reader, [&](CycleReport* cycle) {
-    progress->set("cycle " + std::to_string(cycle->cycle) + ", stamp " +
-                  stampText(cycle->header.stamp));
-    evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
-  });
-  tables.finish();
-  progress.reset();
-  // The two readings of a damaged bag need not end alike.
-  if (end.problem.empty()) end.problem = contents.problem;
-
-  end.arguments = &arguments;
-  end.contents = &contents;
-  end.setup = &setup;
-  end.runs = &runs;
-  end.comparisons = &compared;
-  end.expectations = runs[0]->judge.verdicts();
-  end.refused_transforms = cycles.refusedTransforms();
-  end.elapsed_s = stopwatch.elapsedMs() / 1e3;
+// Writes what came of an evaluation, but for the tables. Returns the exit code.
+int report(const EvaluationEnd& end) {
+  const EvaluateArguments& arguments = *end.arguments;
   OutputFile(arguments.out + "/summary.json").write(summaryJson(end));
   if (arguments.report) runScriptBeside("evaluation_report.py", {arguments.out}, warn);
   OutputFile("-").write(summaryText(end));
-  const std::string damaged = end.problem.empty() ? damage(contents) : end.problem;
+  const std::string damaged = end.problem.empty() ? damage(*end.contents) : end.problem;
   if (!damaged.empty()) {
     throw std::runtime_error("damaged: " + damaged + "; what could be read is in " + arguments.out);
   }
@@ -237,6 +143,116 @@ int evaluate(const EvaluateArguments& arguments) {
   return isPassed(end) ? 0 : 1;
 }
 
+// The bags, looked through once.
+struct Scanned {
+  explicit Scanned(const EvaluateArguments& arguments)
+      : configured(readBagParameters(arguments.files, warn)),
+        reader(arguments.files.bags, neededMessages(configured)) {  // forks: before threads
+    ros::Time::init();
+    console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
+    if (!arguments.expectations.empty()) expectations = readExpectations(arguments.expectations);
+    progress.emplace("reading the bags");
+    contents = scanBags(&reader, [this](std::uint64_t count) {
+      if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
+    });
+    setup = setUp(arguments, configured, &contents);
+    checkBodies(bodyNames(setup), setup.robot.link_names, &expectations);
+    for (const Expectation& expectation : expectations) {
+      if (!expectation.problem.empty()) warn(arguments.expectations + ": " + expectation.problem);
+    }
+    settings = runSettings(arguments, setup.parameters);
+  }
+
+  BagCycles cycles() const {
+    return BagCycles(setup.parameters, contents, setup.robot,
+                     setup.played ? &*setup.played : nullptr);
+  }
+  void show(const CycleReport& cycle) {
+    progress->set("cycle " + std::to_string(cycle.cycle) + ", stamp " +
+                  stampText(cycle.header.stamp));
+  }
+
+  const MonitorParameters configured;
+  BagReader reader;
+  std::vector<Expectation> expectations;
+  std::optional<Progress> progress;
+  BagContents contents;
+  BagSetup setup;
+  std::vector<RunSettings> settings;
+};
+
+int writeRecords(const EvaluateArguments& arguments) {
+  const Stopwatch stopwatch;
+  Scanned bags(arguments);
+  const Runs runs =
+      makeRuns(bags.settings, makeDetected(bags.settings, bags.setup.parameters, warn),
+               bags.setup.parameters, bags.expectations);
+  RecordsHead head;
+  head.part = *arguments.part;
+  head.origin = originOf(arguments.files.bags, bags.contents, bags.setup, bags.settings);
+  for (const auto& run : runs) {
+    head.backends.push_back(run->source->backend());
+    if (isExact(*run)) continue;
+    throw std::invalid_argument("--part: what " + run->name() +
+                                " finds depends on the cycles before; there are parts of exact "
+                                "predicates on cpu and cuda with overlap 1 alone");
+  }
+  RecordsWriter writer(arguments.records, head);
+  BagCycles cycles = bags.cycles();
+  cycles.runPart(head.part, &bags.reader, [&](CycleReport* cycle) {
+    bags.show(*cycle);
+    writer.add(recordOf(runs, &cycles.sceneOfStep(), cycle));
+  });
+  writer.finish(stopwatch.elapsedMs() / 1e3);
+  bags.progress.reset();
+  OutputFile("-").write(std::to_string(writer.cycles()) + " cycles; written to " +
+                        arguments.records + "\n");
+  return 0;
+}
+
+int evaluate(const EvaluateArguments& arguments) {
+  const Stopwatch stopwatch;
+  Scanned bags(arguments);
+  std::shared_ptr<RecordedCycles> recorded;
+  Sources sources;
+  if (arguments.joined.empty()) {
+    sources = makeDetected(bags.settings, bags.setup.parameters, warn);
+  } else {
+    recorded = std::make_shared<RecordedCycles>(
+        RecordsReader(arguments.joined,
+                      originOf(arguments.files.bags, bags.contents, bags.setup, bags.settings)));
+    for (std::size_t i = 0; i < bags.settings.size(); ++i) {
+      sources.push_back(std::make_unique<RecordedContacts>(recorded, i));
+    }
+  }
+  Runs runs = makeRuns(bags.settings, std::move(sources), bags.setup.parameters, bags.expectations);
+  std::vector<RunComparison> compared = comparisons(runs);
+  Tables tables(cleanFolder(arguments.out), arguments.pairs,
+                bags.setup.parameters.motion == Motion::kSwept);
+  BagCycles cycles = bags.cycles();
+
+  EvaluationEnd end;
+  end.problem = cycles.run(&bags.reader, [&](CycleReport* cycle) {
+    bags.show(*cycle);
+    evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
+  });
+  if (recorded) recorded->requireEnd();
+  tables.finish();
+  bags.progress.reset();
+  // The two readings of a damaged bag need not end alike.
+  if (end.problem.empty()) end.problem = bags.contents.problem;
+
+  end.arguments = &arguments;
+  end.contents = &bags.contents;
+  end.setup = &bags.setup;
+  end.runs = &runs;
+  end.comparisons = &compared;
+  end.expectations = runs[0]->judge.verdicts();
+  end.refused_transforms = cycles.refusedTransforms();
+  end.elapsed_s = stopwatch.elapsedMs() / 1e3 + (recorded ? recorded->elapsedS() : 0);
+  return report(end);
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor
 
@@ -245,6 +261,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   return dcm::runTool("evaluate_bag", [argc, argv] {
     dcm::EvaluateArguments arguments;
-    return dcm::parseArguments(argc, argv, &arguments) ? dcm::evaluate(arguments) : 0;
+    if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
+    return arguments.part ? dcm::writeRecords(arguments) : dcm::evaluate(arguments);
   });
 }

@@ -10,12 +10,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Whose contacts equal the definition when the settings do.
-bool isExact(const EvaluationRun& run) {
-  return run.asked != "fcl" && run.options.predicates == Predicates::kExact &&
-         run.options.overlap == 1;
-}
-
 std::string shown(const Scene& scene, const TrianglePair& pair) {
   std::ostringstream text;
   text << scene.body(pair.body_a).name << " " << pair.triangle_a << ", "
@@ -37,27 +31,32 @@ void addStages(const DetectionResult& result, std::size_t cycles, EvaluationRun*
 
 }  // namespace
 
-EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made,
+EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<ContactSource> from,
                              const Options& with, const StateRules& rules,
-                             std::vector<Expectation> expectations, bool with_containment)
+                             std::vector<Expectation> expectations)
     : asked(std::move(asked_for)),
-      detector(std::move(made)),
+      source(std::move(from)),
       options(with),
-      looks_within(with_containment),
       tracker(rules),
-      judge(std::move(expectations)),
-      steps(*detector) {}
+      judge(std::move(expectations)) {}
 
-void EvaluationRun::detect(CycleReport* cycle, Scene* scene) {
-  result = &detector->detect(*cycle->scene, options);
-  cycle->result = result;
+void EvaluationRun::find(CycleReport* cycle, Scene* scene) {
   cycle->options = options;
-  cycle->backend = detector->backend();
-  noteRejected(cycle);
+  cycle->backend = source->backend();
   cycle->containment = nullptr;
-  if (looks_within) noteInside(noLimit(), &containment, cycle);
-  steps.detect(swept_tolerance_m, scene, cycle);
+  for (SweepReport& sweep : cycle->sweeps) {  // another run's
+    sweep.result = nullptr;
+    sweep.problem.clear();
+    for (StepBody& body : sweep.bodies) body.rejected = 0;
+  }
+  source->find(scene, cycle);
   result = cycle->result;
+}
+
+void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
+  find(cycle, scene);
+  noteRejected(cycle);
+  steps.look(*cycle);
   const ros::Time& stamp = cycle->header.stamp;
   tracker.expire(stamp, "no new mesh within max_mesh_age_s");
   tracker.update(*cycle);
@@ -75,13 +74,18 @@ void EvaluationRun::detect(CycleReport* cycle, Scene* scene) {
   addStages(*result, cycles, this);
 }
 
-std::string EvaluationRun::name() const {
+std::string runName(const std::string& asked, const Options& options) {
   std::ostringstream text;
   text << asked;
   if (asked == "fcl") return text.str();  // it has predicates of its own
   text << " " << toString(options.predicates);
   if (options.overlap != 1) text << ", overlap " << options.overlap;
   return text.str();
+}
+
+bool isExact(const EvaluationRun& run) {
+  return run.asked != "fcl" && run.options.predicates == Predicates::kExact &&
+         run.options.overlap == 1;
 }
 
 bool isComplete(const CycleReport& cycle, const DetectionResult& result) {

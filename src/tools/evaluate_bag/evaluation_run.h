@@ -8,35 +8,34 @@
 #include <string>
 #include <vector>
 
-#include "core/containment.h"
 #include "core/detector.h"
 #include "node/contact_state_tracker.h"
 #include "node/cycle_report.h"
+#include "tools/evaluate_bag/contact_source.h"
 #include "tools/evaluate_bag/evaluation_steps.h"
 #include "tools/evaluate_bag/expectations.h"
 #include "tools/evaluate_bag/unknown_reasons.h"
 
 namespace deformable_contact_monitor {
 
+// "cpu exact", "cuda exact, overlap 0.5", "fcl": what was asked for, which is not always what ran.
+std::string runName(const std::string& asked, const Options& options);
+
 struct EvaluationRun {
-  EvaluationRun(std::string asked_for, std::unique_ptr<Detector> made, const Options& with,
-                const StateRules& rules, std::vector<Expectation> expectations,
-                bool with_containment = false);
+  EvaluationRun(std::string asked_for, std::unique_ptr<ContactSource> from, const Options& with,
+                const StateRules& rules, std::vector<Expectation> expectations);
 
-  // Detects in the cycle's scene, keeps its times and states, and fills the report; then the
-  // cycle's steps, with `scene`, which is the report's.
-  void detect(CycleReport* cycle, Scene* scene);
+  // Finds the cycle's contacts, and fills the report; `scene` is the report's.
+  void find(CycleReport* cycle, Scene* scene);
 
-  // "cpu exact", "cuda exact, overlap 0.5", "fcl": what was asked for, which is not always what
-  // ran.
-  std::string name() const;
+  // find(), and keeps what came of it: times, states, and all that is counted.
+  void evaluate(CycleReport* cycle, Scene* scene);
+
+  std::string name() const { return runName(asked, options); }
 
   const std::string asked;  // backend
-  const std::unique_ptr<Detector> detector;
+  const std::unique_ptr<ContactSource> source;
   const Options options;
-  const bool looks_within;
-  double swept_tolerance_m = 0;  // of links' ways, as StepRunner takes it
-  ContainmentFinder containment;
   ContactStateTracker tracker;
   ExpectationJudge judge;
   RunSteps steps;
@@ -54,6 +53,9 @@ struct EvaluationRun {
   std::vector<double> detect_ms, round_trip_ms;
   std::vector<std::pair<std::string, std::vector<double>>> stages_ms;  // in order of execution
 };
+
+// Whose contacts are those of the definition, whatever came before, when the settings are.
+bool isExact(const EvaluationRun& run);
 
 // Whether every body and triangle took part and no contact was left out.
 bool isWhole(const CycleReport& cycle, const DetectionResult& result);

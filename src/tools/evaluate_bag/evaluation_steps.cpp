@@ -8,19 +8,13 @@
 
 namespace deformable_contact_monitor {
 
-void RunSteps::detect(double tolerance_m, Scene* scene, CycleReport* cycle) {
-  for (SweepReport& sweep : cycle->sweeps) {  // another run's
-    sweep.result = nullptr;
-    sweep.problem.clear();
-    for (StepBody& body : sweep.bodies) body.rejected = 0;
-  }
-  runner_.run(cycle->options, tolerance_m, scene, cycle);
-  sweeps_ = cycle->sweeps;
+void RunSteps::look(const CycleReport& cycle) {
+  sweeps_ = cycle.sweeps;
   bool any = false, complete = true;
   for (const SweepReport& sweep : sweeps_) {
     if (sweep.from.isZero()) continue;
     any = true;
-    complete = complete && isComplete(*cycle, sweep);
+    complete = complete && isComplete(cycle, sweep);
     if (sweep.result == nullptr) continue;
     const std::vector<std::uint8_t>& pads = sweep.result->detection.within_pad;
     sums_.within_pad +=

@@ -10,7 +10,6 @@
 #include "core/detector.h"
 #include "node/contact_state_tracker.h"
 #include "node/cycle_report.h"
-#include "node/step_runner.h"
 
 namespace deformable_contact_monitor {
 
@@ -19,12 +18,8 @@ struct SetDifference;
 // Of one run.
 class RunSteps {
  public:
-  // The detector must outlive this.
-  explicit RunSteps(Detector& detector) : runner_(detector) {}
-
-  // The report's steps, which the parameters ask for; `scene` is that of the cycle. Afterwards the
-  // report has their results, until the next call. Does nothing where there are none.
-  void detect(double tolerance_m, Scene* scene, CycleReport* cycle);
+  // A cycle's steps, with their results. Does nothing where there are none.
+  void look(const CycleReport& cycle);
 
   // Once the tracker knows the cycle.
   void takeEvents(ContactStateTracker* tracker);
@@ -50,7 +45,6 @@ class RunSteps {
   const Sums& sums() const { return sums_; }
 
  private:
-  StepRunner runner_;
   std::vector<SweepReport> sweeps_;
   std::vector<ContactEvent> events_;
   Sums sums_;

@@ -11,6 +11,7 @@
 #include "tools/common/machine.h"
 #include "tools/common/run_tool.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/evaluate_bag/evaluation_configuration.h"
 #include "tools/evaluate_bag/evaluation_verdict.h"
 
 namespace deformable_contact_monitor {
@@ -18,51 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json topicsJson(const BagContents& contents) {
-  Json json = Json::object();
-  for (const auto& [name, topic] : contents.topics) {
-    json[name] = {{"type", topic.type}, {"messages", topic.messages}, {"damaged", topic.damaged}};
-  }
-  return json;
-}
-
 bool isSwept(const EvaluationEnd& end) { return end.setup->parameters.motion == Motion::kSwept; }
-
-// What decides which contacts there are.
-Json configurationJson(const EvaluationEnd& end) {
-  const MonitorParameters& p = end.setup->parameters;
-  Json json;
-  json["reference_frame"] = p.reference_frame;
-  json["robot"] = end.setup->robot_from;
-  json["geometry"] = p.geometry.kind == GeometryKind::kCollision ? "collision" : "visual";
-  json["links"] = Json::array();
-  for (const LinkGeometry& link : end.setup->robot.links) {
-    json["links"].push_back({{"name", link.link},
-                             {"triangles", link.mesh.triangleCount()},
-                             {"source", link.source},
-                             {"problem", link.problem}});
-  }
-  json["margin_m"] = p.margin_m;
-  json["link_margin_m"] = p.link_margin_m;
-  json["objects"] = Json::array();
-  for (const ObjectParameters& object : p.objects) {
-    json["objects"].push_back(
-        {{"name", object.name}, {"topic", topicOf(object)}, {"margin_m", object.margin_m}});
-  }
-  json["pair_classes"] = namesOf(p.pair_classes);
-  json["allowed_contacts"] = Json::array();
-  for (const AllowedContact& rule : p.allowed_contacts.rules()) {
-    json["allowed_contacts"].push_back(
-        {{"body_a", rule.body_a}, {"body_b", rule.body_b}, {"allowed", rule.allowed != 0}});
-  }
-  json["adjacent_pairs"] = toString(p.detector.adjacent);
-  json["max_mesh_age_s"] = p.max_mesh_age_s;
-  if (isSwept(end)) {
-    json["motion"] = toString(p.motion);
-    json["swept_tolerance_m"] = p.swept_tolerance_m;
-  }
-  return json;
-}
 
 // What the steps of swept motion found.
 Json stepsJson(const EvaluationRun& run) {
@@ -105,7 +62,7 @@ Json posesJson(const BagContents& contents) {
 Json runJson(const EvaluationRun& run) {
   return {{"name", run.name()},
           {"asked", run.asked},
-          {"backend", run.detector->backend()},
+          {"backend", run.source->backend()},
           {"predicates", toString(run.options.predicates)},
           {"overlap", run.options.overlap},
           {"cycles", run.cycles},
@@ -170,7 +127,7 @@ std::string runLine(const EvaluationRun& run) {
   char times[96];
   std::snprintf(times, sizeof times, ", detect median %.3f ms, p95 %.3f ms\n",
                 median(run.detect_ms), percentile(run.detect_ms, 0.95));
-  return run.name() + " (on " + run.detector->backend() + "): " + std::to_string(run.pairs) +
+  return run.name() + " (on " + run.source->backend() + "): " + std::to_string(run.pairs) +
          " pairs, " + cyclesText(run) + times;
 }
 
@@ -213,7 +170,7 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["refused_transforms"] = end.refused_transforms;
   json["meshes_with_triangles_sent_later"] = end.contents->triangles_ahead.count();
   json["poses"] = posesJson(*end.contents);
-  json["configuration"] = configurationJson(end);
+  json["configuration"] = configurationJson(*end.setup);
   const boost::uuids::name_generator_sha1 hash(boost::uuids::ns::oid());
   json["configuration_hash"] = to_string(hash(jsonText(json["configuration"])));
   json["cycles"] = end.runs->empty() ? 0 : (*end.runs)[0]->cycles;

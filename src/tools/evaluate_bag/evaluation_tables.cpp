@@ -91,7 +91,7 @@ void FramesTable::add(const CycleReport& cycle,
     const DetectionResult& result = *run.result;
     std::string row = std::to_string(cycle.cycle) + "," + stampText(cycle.header.stamp) + "," +
                       csvField(objects(cycle)) + "," + csvField(run.name()) + "," +
-                      run.detector->backend() + "," + std::to_string(result.counters.triangles) +
+                      run.source->backend() + "," + std::to_string(result.counters.triangles) +
                       "," + std::to_string(result.counters.rejected) + "," +
                       std::to_string(result.contacts.size() + result.left_out) + "," +
                       std::to_string(result.counters.undecided) + "," +

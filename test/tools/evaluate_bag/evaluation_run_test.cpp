@@ -47,8 +47,9 @@ void addRun(const std::string& backend, Predicates predicates, float overlap, Ru
   Options options;
   options.predicates = predicates;
   options.overlap = overlap;
-  runs->push_back(std::make_unique<EvaluationRun>(backend, makeBruteForceDetector(), options,
-                                                  StateRules(), std::vector<Expectation>()));
+  runs->push_back(std::make_unique<EvaluationRun>(
+      backend, std::make_unique<DetectedContacts>(makeBruteForceDetector()), options, StateRules(),
+      std::vector<Expectation>()));
 }
 
 TEST(RunComparison, OnlyExactRunsMustAgree) {
