@@ -115,6 +115,7 @@ class EvaluateBags(FleetCase):
         self.assert_usage("would both be one.bag", bags=[self.path("bags"), self.path("one.bag")])
         self.assert_usage("--srdf", "no such file", more=["--srdf", self.path("no.srdf")])
         self.assert_usage("--workers", more=["--workers", "0"])
+        self.assert_usage("--split-minutes", more=["--split-minutes", "-1"])
         self.assert_usage("not allowed with", more=["--workers", "1", "--scheduler", "tcp://a:1"])
         self.assert_usage("127.0.0.1:1", more=["--scheduler", "tcp://127.0.0.1:1"])
         self.assert_usage("needs --baseline", more=["--allow", self.text("allow.yaml", "[]")])
@@ -124,7 +125,7 @@ class EvaluateBags(FleetCase):
         texts = [subprocess.run([tool, "--help"], stdout=subprocess.PIPE, check=True,
                                 universal_newlines=True).stdout for tool in (TOOL, FLEET_TOOL)]
         single, fleet = (set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", text)) for text in texts)
-        self.assertEqual(single - fleet, {"--version"})
+        self.assertEqual(single - fleet, {"--version", "--part", "--records", "--join"})
 
 
 if __name__ == "__main__":

@@ -25,6 +25,13 @@ def _whole_number(text):
     return value
 
 
+def _minutes(text):
+    value = float(text)
+    if not 0 <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"must be a number of at least 0, not {text}")
+    return value
+
+
 def _parser():
     parser = argparse.ArgumentParser("evaluate_bags", description=DESCRIPTION, epilog=EPILOG,
                                      allow_abbrev=False)
@@ -36,6 +43,9 @@ def _parser():
     workers.add_argument("--scheduler", metavar="tcp://HOST:8786", help="of a running Dask cluster")
     workers.add_argument("--workers", type=_whole_number, metavar="N",
                          help="local processes (default: one for each GPU, else for each core)")
+    parser.add_argument("--split-minutes", type=_minutes, default=10, metavar="N",
+                        help="a bag that was recorded for longer is a job for each N minutes, and "
+                        "one that joins them; the result is the same; 0: never (default: 10)")
     parser.add_argument("--baseline", metavar="DIR", help="an earlier --out to compare with")
     parser.add_argument("--allow", metavar="yaml", help="changes that are no failure")
     group = parser.add_argument_group("options of evaluate_bag")

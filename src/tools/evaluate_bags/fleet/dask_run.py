@@ -67,13 +67,15 @@ class DaskRun:
         self.done = as_completed()
 
     def run(self, jobs, on_end, on_wait):
-        """on_end(job, text, failure) for each: what it wrote, or why there is nothing.
-        on_wait(number of places) in between."""
+        """on_end(job, text, failure) for each: what it wrote, or why there is nothing; returns
+        jobs that go next. Those that are `given_up` meanwhile are left out. on_wait(number of places) in between."""
         waiting = collections.deque(jobs)
         while waiting or self.running:
             places, resources = self._places()
             while waiting and len(self.running) < places:
-                self._submit(waiting.popleft(), resources)
+                job = waiting.popleft()
+                if not job.get("given_up"):
+                    self._submit(job, resources)
             if not self.done.has_ready():
                 on_wait(places)
                 time.sleep(POLL_S)
@@ -81,11 +83,12 @@ class DaskRun:
             future = next(self.done)
             job = self.running.pop(future)
             if future.status == "finished":
-                on_end(job, future.result().decode(), None)
+                more = on_end(job, future.result().decode(), None)
             elif future.status == "error":
-                on_end(job, None, _failure(future.exception()))
+                more = on_end(job, None, _failure(future.exception()))
             else:  # cancelled, lost
                 raise OSError(GONE)
+            waiting.extendleft(reversed(more))
 
     def _places(self):
         """Where any worker has a GPU, those with one do the work."""

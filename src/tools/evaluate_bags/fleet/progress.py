@@ -17,6 +17,7 @@ class Progress:
     def __init__(self, bags, total_bytes, clock=time.monotonic, out=sys.stderr):
         self.bags, self.bytes_left, self.clock, self.out = bags, total_bytes, clock, out
         self.done = self.there = self.cycles = self.bytes_done = 0
+        self.parts = self.parts_done = 0  # of bags that are split
         self.started = clock()
         self.on_terminal = out.isatty()
         self.next_s = self.started + (TERMINAL_PERIOD_S if self.on_terminal else 2)
@@ -34,6 +35,8 @@ class Progress:
         text = f"{self.done} of {self.bags} bags"
         if self.there:
             text += f" ({self.there} were there)"
+        if self.parts:
+            text += f", {self.parts_done} of {self.parts} parts"
         text += f", {self.cycles} cycles, {self.cycles / elapsed:.0f} a second"
         if self.bytes_done:
             left = elapsed * self.bytes_left / self.bytes_done

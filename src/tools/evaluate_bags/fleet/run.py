@@ -12,6 +12,7 @@ from fleet import dask_run
 from fleet.changes import read_summary
 from fleet.evaluation import REFUSED
 from fleet.identity import VARIABLES
+from fleet.parts import Splits
 from fleet.progress import Progress
 from fleet.tables import CRASHED, TABLES
 
@@ -29,6 +30,7 @@ class Run:
         """`tools`: the folder with evaluate_bag and fleet_job.py."""
         self.out = os.path.abspath(arguments.out)
         self.passed = arguments.passed
+        self.split_minutes = arguments.split_minutes
         self.id = uuid.uuid4().hex[:12]
         self.attempts = os.path.join(self.out, "attempts")
         self.stop = os.path.join(self.attempts, self.id + ".stop")
@@ -53,6 +55,9 @@ class Run:
                 yield
             finally:
                 shutil.rmtree(self.attempts, ignore_errors=True)
+                for at, _, _ in os.walk(os.path.join(self.out, "parts"), topdown=False):
+                    with contextlib.suppress(OSError):  # parts that are not joined yet
+                        os.rmdir(at)
 
     def stop_jobs(self):
         """Waits until they have."""
@@ -71,23 +76,27 @@ class Run:
     def _has_attempts(self):
         return any(name.startswith(self.id + "-") for name in os.listdir(self.attempts))
 
-    def job(self, name, bag):
+    def job(self, name, bag, **fields):
         environment = {key: os.environ[key] for key in VARIABLES if key in os.environ}
         text = json.dumps({
             "name": name, "bag": bag, "out": self.out, "attempts": self.attempts, "run": self.id,
             "stop": self.stop, "tool": self.tool, "arguments": self.passed, "folder": os.getcwd(),
-            "environment": environment})
+            "environment": environment, **fields})
         return {"name": name, "bag": bag, "script": self.script,
-                "text": text}
+                "text": text, "fields": fields}
 
     def evaluate(self, bags, address):
         """{name: record}"""
         sizes = {name: os.path.getsize(path) for name, path in bags.items()}
         progress = Progress(len(bags), sum(sizes.values()))
         records = {}
+        splits = Splits(self.split_minutes, self.job, progress)
 
         def on_end(job, text, failure):
             name = job["name"]
+            more = splits.after(job, None if text is None else json.loads(text))
+            if more is not None:
+                return more
             records[name] = json.loads(text) if failure is None else {
                 "name": name, "bag": job["bag"], "state": CRASHED, "message": failure}
             record, cycles = records[name], 0
@@ -96,10 +105,11 @@ class Run:
             else:
                 cycles = read_summary(os.path.join(self.out, "bags", name))["cycles"]
             progress.add(sizes[name], cycles, record.get("was_there", False))
+            return []
 
         client = dask_run.connect(address)
         try:
-            jobs = [self.job(name, path) for name, path in bags.items()]
+            jobs = [splits.first(name, path) for name, path in bags.items()]
             dask_run.DaskRun(client).run(jobs, on_end, progress.show)
         finally:
             progress.clear()
