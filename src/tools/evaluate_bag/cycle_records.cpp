@@ -130,7 +130,8 @@ Json toJson(const Containment& containment) {
 Containment toContainment(const Json& json) {
   Containment containment;
   for (const Json& part : json.at("parts")) {
-    containment.parts.push_back({part.at(0), part.at(1), part.at(2), Vec3d()});
+    const std::vector<std::uint32_t> of_part = part;
+    containment.parts.push_back({of_part.at(0), of_part.at(1), of_part.at(2), Vec3d()});
   }
   json.at("cut_off_because").get_to(containment.cut_off_because);
   return containment;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -84,13 +85,19 @@ void RecordsWriter::finish(double elapsed_s) {
 }
 
 RecordsReader::RecordsReader(const std::vector<std::string>& paths, const Json& origin) {
+  const Json wanted = parsed(lineOf(origin));  // as a file has it: names need not be UTF-8
   for (const std::string& path : paths) {
     std::ifstream file(path, std::ios::binary);
     const Json head = headOf(file, path);
     const Json end = endOf(file, path);
     try {
-      checkOrigin(path, head.at("origin"), origin);
-      files_.push_back({path, {{head.at("part"), head.at("of")}, Json(), head.at("backends")}});
+      checkOrigin(path, head.at("origin"), wanted);
+      File found;
+      found.path = path;
+      head.at("part").get_to(found.head.part.number);
+      head.at("of").get_to(found.head.part.of);
+      head.at("backends").get_to(found.head.backends);
+      files_.push_back(std::move(found));
       elapsed_s_ += end.at("elapsed_s").get<double>();
     } catch (const Json::exception& error) {
       refuse(path, std::string("damaged: ") + error.what());

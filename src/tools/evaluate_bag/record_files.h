@@ -1,5 +1,5 @@
 // Files with the records of an evaluation's parts. JSON, a line each: a head, a record of each
-// cycle, an end.
+// cycle in their order, an end.
 #pragma once
 
 #include <cstdint>
@@ -55,7 +55,7 @@ class RecordsReader {
  private:
   struct File {
     std::string path;
-    RecordsHead head;
+    RecordsHead head;  // without its origin
   };
 
   void checkParts() const;
