@@ -90,7 +90,8 @@ DetectionResult toResult(const Json& json, const CycleReport& cycle) {
 }
 
 Json toJson(const SweepReport& sweep) {
-  Json json{{"problem", sweep.problem}, {"compute_s", sweep.compute_s}};
+  Json json{
+      {"from_ns", sweep.from.toNSec()}, {"problem", sweep.problem}, {"compute_s", sweep.compute_s}};
   json["rejected"] = Json::array();
   for (const StepBody& body : sweep.bodies) json["rejected"].push_back(body.rejected);
   if (sweep.result == nullptr) return json;
@@ -102,6 +103,7 @@ Json toJson(const SweepReport& sweep) {
 }
 
 void readStep(const Json& json, const CycleReport& cycle, StepResult* result, SweepReport* sweep) {
+  if (json.at("from_ns") != sweep->from.toNSec()) throw std::runtime_error("a step from elsewhere");
   json.at("problem").get_to(sweep->problem);
   json.at("compute_s").get_to(sweep->compute_s);
   for (std::size_t i = 0; i < sweep->bodies.size(); ++i) {

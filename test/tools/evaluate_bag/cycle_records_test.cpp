@@ -164,6 +164,7 @@ TEST_F(CycleRecords, RefuseNonsense) {
                                                  {"/steps/0/result/within_pad", {1}},
                                                  {"/steps", Json::array()},
                                                  {"/steps/1/rejected", {0}},
+                                                 {"/steps/1/from_ns", 5},
                                                  {"/containment/parts", {{0, 1}}}}) {
     Json bad = good;
     bad.at(Json::json_pointer(path)) = value;
