@@ -211,7 +211,8 @@ class Parts(EvaluationCase):
                 self.assertIn(reason, reasons)
 
     def test_margins_what_is_within_and_two_runs(self):
-        config = CONFIG + "margin_m: 0.02\ncontainment: true\npair_classes: [robot_deformable, deformable_self]\n"
+        config = (CONFIG + "margin_m: 0.02\ncontainment: true\n"
+                  "pair_classes: [robot_deformable, deformable_self]\n")
         summary = self.assert_like_one_run((3,), [
             *self.arguments(config), "--backends", "cpu,brute_force"])
         self.assertEqual(summary["comparisons"][0]["cycles_that_differ"], 0)
@@ -354,7 +355,8 @@ class Parts(EvaluationCase):
                 (["--part", "1/2", "--records", records, "--join", records], "--join"),
                 (["--part", "1/2", "--records", records, "--predicates", "fast"],
                  "auto fast finds depends"),
-                (["--part", "1/2", "--records", records, "--overlaps", "0.5"], "overlap 0.5 finds depends"),
+                (["--part", "1/2", "--records", records, "--overlaps", "0.5"],
+                 "overlap 0.5 finds depends"),
                 (["--part", "1/2", "--records", records, "--backends", "fcl"], "fcl finds depends"),
                 (["--part", "1/2", "--records", self.path("no/folder")], "no/folder")):
             with self.subTest(words=words):

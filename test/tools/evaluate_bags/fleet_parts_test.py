@@ -51,8 +51,8 @@ class FleetParts(FleetCase):
         self.bag("bags/one.bag")
         log, asleep = self.path("log"), self.path("asleep")
         count = f'*.bag) echo "$*" >>{log}; '
-        self.fake_tool(count + f'case "$*" in *"--part 3/"*) echo here >{asleep}; tail -f {asleep};;'
-                       " esac;;")
+        self.fake_tool(count + 'case "$*" in *"--part 3/"*) '
+                       f"echo here >{asleep}; tail -f {asleep};; esac;;")
         running = self.start_fleet("fleet", "--workers", "1", "--no-report", "--pairs",
                                    "--split-minutes", str(MINUTES))
 

@@ -68,7 +68,8 @@ class DaskRun:
 
     def run(self, jobs, on_end, on_wait):
         """on_end(job, text, failure) for each: what it wrote, or why there is nothing; returns
-        jobs that go next. Those that are `given_up` meanwhile are left out. on_wait(number of places) in between."""
+        jobs that go next. Those that are `given_up` by then are left out. on_wait(number of places)
+        in between."""
         waiting = collections.deque(jobs)
         while waiting or self.running:
             places, resources = self._places()

@@ -126,6 +126,7 @@ class Evaluation:
         if not os.path.exists(summary_path):
             if code != 2:
                 raise Crashed(f"evaluate_bag ended with {code} and no summary: {last_line}")
+            shutil.rmtree(self.parts, ignore_errors=True)
             return dict(record, state=REFUSED)
         with open(summary_path, errors="replace") as file:
             summary = json.load(file)
@@ -150,8 +151,9 @@ class Evaluation:
             arguments.append("--pairs")
         with tempfile.TemporaryFile() as errors:
             # A session of its own: what evaluate_bag starts ends with it.
-            tool = subprocess.Popen([self.job["tool"], self.job["bag"], *arguments], stdin=subprocess.DEVNULL,
-                                    stdout=subprocess.DEVNULL, stderr=errors,
+            tool = subprocess.Popen([self.job["tool"], self.job["bag"], *arguments],
+                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                    stderr=errors,
                                     preexec_fn=_die_with_parent, start_new_session=True)
             try:
                 while True:
