@@ -9,6 +9,8 @@ import time
 
 from distributed import Client, Nanny, Scheduler, SpecCluster, as_completed
 
+from fleet.places import environments, gpu_count
+
 RETRIES = 2
 GPU = "GPU"  # Dask's resource that a worker with a GPU has one of
 POLL_S = 0.1
@@ -16,29 +18,20 @@ CONNECT_S = 20
 GONE = "the scheduler is gone; what is done is kept, the same command goes on with another"
 
 
-def gpu_count():
-    try:
-        listed = subprocess.run(["nvidia-smi", "-L"], stdout=subprocess.PIPE, timeout=30,
-                                stderr=subprocess.DEVNULL, universal_newlines=True, check=False)
-    except (OSError, subprocess.TimeoutExpired):
-        return 0
-    return sum(line.startswith("GPU ") for line in listed.stdout.splitlines())
-
-
 def local_cluster(workers, folder):
-    """Worker processes on this machine's loopback address, each with one bag at a time, and with
-    a GPU of its own where there are any. `workers`: None for as many as GPUs, else cores."""
+    """Worker processes on this machine's loopback address, each with one bag at a time, its share
+    of the cores, and a GPU of its own where there are any. `workers`: None for as many as GPUs,
+    else cores."""
     gpus = gpu_count()
-    count = workers or gpus or len(os.sched_getaffinity(0))
+    cores = sorted(os.sched_getaffinity(0))
+    count = workers or gpus or len(cores)
     # Dask's own limit on memory is of the worker, which needs next to none.
     options = {"nthreads": 1, "memory_limit": 0, "host": "127.0.0.1", "local_directory": folder,
                "silence_logs": logging.CRITICAL}
-    specs = {}
-    for i in range(count):
-        specs[i] = {"cls": Nanny, "options": dict(options)}
-        if gpus:
-            specs[i]["options"].update(env={"CUDA_VISIBLE_DEVICES": str(i % gpus)},
-                                       resources={GPU: 1})
+    if gpus:
+        options["resources"] = {GPU: 1}
+    specs = {i: {"cls": Nanny, "options": dict(options, env=environment)}
+             for i, environment in enumerate(environments(count, gpus, cores))}
     scheduler = {"cls": Scheduler, "options": {"host": "127.0.0.1", "port": 0, "dashboard": False,
                                                "dashboard_address": None,
                                                "allowed_failures": RETRIES}}

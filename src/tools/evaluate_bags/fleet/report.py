@@ -10,6 +10,7 @@ from fleet.evaluation import PASSED
 MOST_SLOW_CYCLES = 20
 MOST_CHANGES = 500
 MOST_EXPECTATIONS = 40
+MOST_POINTS = 2000  # of a curve
 MATRIX_STYLE = """
 .matrix td + td, .matrix th + th { text-align: center; padding: .1rem .6rem; }
 """
@@ -42,7 +43,8 @@ def _of_cycles(out, bags):
 def _plot_latency(cycles):
     figure, axes = plt.subplots(figsize=(9, 3.2))
     times = sorted(ms for ms, _, _ in cycles)
-    axes.step(times, [(k + 1) / len(times) for k in range(len(times))], where="post")
+    shown = sorted({round(k * (len(times) - 1) / MOST_POINTS) for k in range(MOST_POINTS + 1)})
+    axes.step([times[k] for k in shown], [(k + 1) / len(times) for k in shown], where="post")
     axes.set(xlabel="time of a cycle [ms]", ylabel="share of all cycles", ylim=(0, 1.02))
     axes.set_xscale("log")
     axes.grid(alpha=.3, which="both")
