@@ -33,7 +33,7 @@ def local_cluster(workers, folder):
     specs = {i: {"cls": Nanny, "options": dict(options, env=environment)}
              for i, environment in enumerate(environments(count, gpus, cores))}
     scheduler = {"cls": Scheduler, "options": {"host": "127.0.0.1", "port": 0, "dashboard": False,
-                                               "dashboard_address": None,
+                                               "dashboard_address": "127.0.0.1:0",
                                                "allowed_failures": RETRIES}}
     return SpecCluster(workers=specs, scheduler=scheduler, silence_logs=logging.CRITICAL)
 
