@@ -173,10 +173,8 @@ void RecordedCycle::read(const Json& record, CycleReport* cycle) {
 std::uint32_t sceneChecksum(const CycleReport& cycle) {
   boost::crc_32_type sum;
   const Scene& scene = *cycle.scene;
-  for (const auto& [a, b] : scene.enabledPairs()) {
-    const BodyId pair[] = {a, b};
-    add(pair, 2, &sum);
-  }
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [a, b] : scene.enabledPairs()) numbers.insert(numbers.end(), {a, b});
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (!scene.takesPart(id)) continue;
     const Body& body = scene.body(id);
@@ -185,9 +183,9 @@ std::uint32_t sceneChecksum(const CycleReport& cycle) {
     add(&body.margin_m, 1, &sum);
     if (cycle.bodies[id].kind == BodyKind::kLink) continue;
     add(body.mesh.vertices.data(), body.mesh.vertices.size(), &sum);
-    const std::uint64_t triangles = body.mesh.triangleCount();
-    add(&triangles, 1, &sum);
+    numbers.push_back(body.mesh.triangleCount());
   }
+  add(numbers.data(), numbers.size(), &sum);
   return sum.checksum();
 }
 

@@ -187,19 +187,19 @@ int writeRecords(const EvaluateArguments& arguments) {
   const Runs runs =
       makeRuns(bags.settings, makeDetected(bags.settings, bags.setup.parameters, warn),
                bags.setup.parameters, bags.expectations);
-  RecordsHead head;
-  head.part = *arguments.part;
-  head.origin = originOf(arguments.files.bags, bags.contents, bags.setup, bags.settings);
+  std::vector<std::string> backends;
   for (const auto& run : runs) {
-    head.backends.push_back(run->source->backend());
+    backends.push_back(run->source->backend());
     if (isExact(*run)) continue;
     throw std::invalid_argument("--part: what " + run->name() +
                                 " finds depends on the cycles before; there are parts of exact "
                                 "predicates on cpu and cuda with overlap 1 alone");
   }
-  RecordsWriter writer(arguments.records, head);
+  RecordsWriter writer(arguments.records, *arguments.part,
+                       originOf(arguments.files.bags, bags.contents, bags.setup, bags.settings),
+                       backends);
   BagCycles cycles = bags.cycles();
-  cycles.runPart(head.part, &bags.reader, [&](CycleReport* cycle) {
+  cycles.runPart(*arguments.part, &bags.reader, [&](CycleReport* cycle) {
     bags.show(*cycle);
     writer.add(recordOf(runs, &cycles.sceneOfStep(), cycle));
   });

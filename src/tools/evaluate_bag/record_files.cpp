@@ -29,9 +29,9 @@ Json parsed(const std::string& line) { return Json::parse(line, nullptr, false);
 Json headOf(std::ifstream& file, const std::string& path) {
   std::string line;
   if (!file || !std::getline(file, line)) refuse(path, "cannot be read");
-  const Json head = parsed(line);
+  Json head = parsed(line);
   if (!head.is_object() || head.count(kFormat) == 0) refuse(path, "no records of evaluate_bag");
-  if (head[kFormat] != kFormatVersion || head.value("version", "") != DCM_VERSION) {
+  if (head[kFormat] != kFormatVersion || head.value("version", Json()) != DCM_VERSION) {
     refuse(path, "records of another version than " DCM_VERSION);
   }
   return head;
@@ -45,7 +45,7 @@ Json endOf(std::ifstream& file, const std::string& path) {
   file.read(&tail[0], static_cast<std::streamsize>(tail.size()));
   if (!tail.empty() && tail.back() == '\n') {
     tail.pop_back();
-    const Json end = parsed(tail.substr(tail.rfind('\n') + 1));
+    Json end = parsed(tail.substr(tail.rfind('\n') + 1));
     if (end.is_object() && end.count(kEnd) > 0) return end;
   }
   refuse(path, "cut off");
@@ -65,13 +65,15 @@ std::string nameOf(const BagPart& part) {
 
 }  // namespace
 
-RecordsWriter::RecordsWriter(const std::string& path, const RecordsHead& head) : file_(path) {
+RecordsWriter::RecordsWriter(const std::string& path, const BagPart& part, const Json& origin,
+                             const std::vector<std::string>& backends)
+    : file_(path) {
   file_.line(lineOf({{kFormat, kFormatVersion},
                      {"version", DCM_VERSION},
-                     {"part", head.part.number},
-                     {"of", head.part.of},
-                     {"origin", head.origin},
-                     {"backends", head.backends}}));
+                     {"part", part.number},
+                     {"of", part.of},
+                     {"origin", origin},
+                     {"backends", backends}}));
 }
 
 void RecordsWriter::add(const Json& cycle) {
@@ -94,9 +96,9 @@ RecordsReader::RecordsReader(const std::vector<std::string>& paths, const Json& 
       checkOrigin(path, head.at("origin"), wanted);
       File found;
       found.path = path;
-      head.at("part").get_to(found.head.part.number);
-      head.at("of").get_to(found.head.part.of);
-      head.at("backends").get_to(found.head.backends);
+      head.at("part").get_to(found.part.number);
+      head.at("of").get_to(found.part.of);
+      head.at("backends").get_to(found.backends);
       files_.push_back(std::move(found));
       elapsed_s_ += end.at("elapsed_s").get<double>();
     } catch (const Json::exception& error) {
@@ -104,23 +106,23 @@ RecordsReader::RecordsReader(const std::vector<std::string>& paths, const Json& 
     }
   }
   std::sort(files_.begin(), files_.end(),
-            [](const File& a, const File& b) { return a.head.part.number < b.head.part.number; });
+            [](const File& a, const File& b) { return a.part.number < b.part.number; });
   checkParts();
   open();
 }
 
 void RecordsReader::checkParts() const {
-  const std::uint64_t of = files_.at(0).head.part.of;
+  const std::uint64_t of = files_.at(0).part.of;
   for (std::size_t i = 0; i < files_.size(); ++i) {
     const std::string& path = files_[i].path;
-    const BagPart& part = files_[i].head.part;
+    const BagPart& part = files_[i].part;
     if (part.of != of) {
-      refuse(path, nameOf(part) + " does not go with " + nameOf(files_[0].head.part));
+      refuse(path, nameOf(part) + " does not go with " + nameOf(files_[0].part));
     }
-    if (files_[i].head.backends != backends()) {
+    if (files_[i].backends != backends()) {
       refuse(path, "it ran on another backend than " + files_[0].path);
     }
-    if (i > 0 && part.number == files_[i - 1].head.part.number) {
+    if (i > 0 && part.number == files_[i - 1].part.number) {
       refuse(path, nameOf(part) + " is there twice, also as " + files_[i - 1].path);
     }
     if (part.number != i + 1) refuse(path, "before this, " + nameOf({i + 1, of}) + " is missing");

@@ -13,18 +13,13 @@
 
 namespace deformable_contact_monitor {
 
-struct RecordsHead {
-  BagPart part;
-  // What the cycles were found in and with: names, and what they say. Records of another origin are
-  // refused by the name that differs.
-  nlohmann::json origin;
-  std::vector<std::string> backends;  // of each run: what ran
-};
-
 // Has its name once it is whole. Throws std::system_error that names it.
 class RecordsWriter {
  public:
-  RecordsWriter(const std::string& path, const RecordsHead& head);
+  // `origin`: what the cycles are found in and with: names, and what they say. Records of another
+  // origin are refused by the name that differs. `backends`: of each run, what runs.
+  RecordsWriter(const std::string& path, const BagPart& part, const nlohmann::json& origin,
+                const std::vector<std::string>& backends);
   void add(const nlohmann::json& cycle);
   // `elapsed_s`: of the part.
   void finish(double elapsed_s);
@@ -43,7 +38,7 @@ class RecordsReader {
   // parts that are missing or there twice, and those that ran on different backends.
   RecordsReader(const std::vector<std::string>& paths, const nlohmann::json& origin);
 
-  const std::vector<std::string>& backends() const { return files_[0].head.backends; }
+  const std::vector<std::string>& backends() const { return files_[0].backends; }
 
   // The next cycle's, of whatever file; null: there is none. Until the next call.
   const nlohmann::json* next();
@@ -55,7 +50,8 @@ class RecordsReader {
  private:
   struct File {
     std::string path;
-    RecordsHead head;  // without its origin
+    BagPart part;
+    std::vector<std::string> backends;
   };
 
   void checkParts() const;

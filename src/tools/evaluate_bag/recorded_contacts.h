@@ -18,7 +18,7 @@
 
 namespace deformable_contact_monitor {
 
-// RecordsHead::origin: the same where the same contacts would be found.
+// RecordsWriter's origin: the same where the same contacts would be found.
 nlohmann::json originOf(const std::vector<std::string>& bags, const BagContents& contents,
                         const BagSetup& setup, const std::vector<RunSettings>& runs);
 
