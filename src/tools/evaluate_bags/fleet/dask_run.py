@@ -32,7 +32,8 @@ def local_cluster(workers, folder):
         options["resources"] = {GPU: 1}
     specs = {i: {"cls": Nanny, "options": dict(options, env=environment)}
              for i, environment in enumerate(environments(count, gpus, cores))}
-    scheduler = {"cls": Scheduler, "options": {"host": "127.0.0.1", "port": 0, "dashboard": False,
+    # Dask 2.8 cannot do without the port of a dashboard, so it is any free one.
+    scheduler = {"cls": Scheduler, "options": {"host": "127.0.0.1", "port": 0,
                                                "dashboard_address": "127.0.0.1:0",
                                                "allowed_failures": RETRIES}}
     return SpecCluster(workers=specs, scheduler=scheduler, silence_logs=logging.CRITICAL)
