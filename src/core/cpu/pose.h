@@ -23,7 +23,8 @@ struct WorkingSet {
   std::vector<Vec3f> vertices;           // scene frame [m], of all bodies that take part
   std::vector<Vec3f> earlier;            // the same at the step's beginning; in swept motion only
   Vec3f common_motion;                   // [m]; in swept motion only
-  std::vector<std::uint32_t> vertex_id;  // per vertex: equal iff of one body and equal as received
+  // Per vertex: equal iff of one body and equal as received; maybe with kFanCertified.
+  std::vector<std::uint32_t> vertex_id;
   std::vector<std::uint32_t> corners;    // three indices into `vertices` per triangle
   std::vector<std::uint32_t> body;       // per triangle
   std::vector<std::uint32_t> triangle;   // per triangle: its id in the body
