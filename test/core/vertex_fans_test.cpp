@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <set>
-#include <string>
 #include <tuple>
 #include <vector>
 
@@ -223,12 +223,23 @@ TEST_P(CrumpledCloths, CertificatesAreOfThisCycle) {
   }
 }
 
-TEST_P(CrumpledCloths, FlatNeighboursAreNoCandidates) {
-  const Scene scene = selfScene(clothGrid(40, 1, 0, 0));
-  const DetectionResult& result = detector_->detect(scene, Options());
-  EXPECT_TRUE(result.contacts.empty());
-  const bool tells = GetParam().name != std::string("brute_force");
-  EXPECT_EQ(0U, tells ? result.counters.candidates : 0);
+// Without certificates 18 565 pairs that share a vertex are candidates, where the cloth is flat.
+TEST_P(CrumpledCloths, SmoothNeighboursAreNoCandidates) {
+  const bool certifies = GetParam().make != makeBruteForceDetector;
+  for (const float wave_height : {0.0F, 0.1F}) {
+    const Scene scene = selfScene(clothGrid(40, 1, 0, wave_height));
+    std::uint64_t candidates[2];
+    for (int i = 0; i < 2; ++i) {
+      const auto detector = GetParam().make();
+      for (int n = 0; n < 4; ++n) {  // clusters settle
+        const DetectionResult& result = detector->detect(scene, withAdjacent(kBothAdjacent[i]));
+        EXPECT_TRUE(result.contacts.empty());
+        candidates[i] = result.counters.candidates;
+      }
+    }
+    EXPECT_EQ(certifies, candidates[1] < candidates[0] + 2000)
+        << candidates[0] << " " << candidates[1];
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, CrumpledCloths, ::testing::ValuesIn(allBackends()), backendName);
