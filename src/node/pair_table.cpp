@@ -13,6 +13,15 @@ bool isMonitored(const BodyStatus& a, const BodyStatus& b, bool same, const Pair
 
 }  // namespace
 
+std::vector<std::string> namesOf(const PairClasses& classes) {
+  std::vector<std::string> names;
+  if (classes.robot_deformable) names.emplace_back("robot_deformable");
+  if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
+  if (classes.deformable_self) names.emplace_back("deformable_self");
+  if (classes.robot_self) names.emplace_back("robot_self");
+  return names;
+}
+
 std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,
                                           const PairClasses& classes, const ContactRules& rules) {
   std::vector<MonitoredPair> pairs;

@@ -1,6 +1,7 @@
 // Which pairs of bodies are monitored, and which of them are allowed to touch.
 #pragma once
 
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct PairClasses {
     return all(*this) == all(other);
   }
 };
+
+// Of those that are on, as the parameter pair_classes has them.
+std::vector<std::string> namesOf(const PairClasses& classes);
 
 // The pairs of the classes that are on, ascending, allowed ones marked.
 std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,

@@ -17,15 +17,6 @@ double usable(const char* name, double value, double in_force, std::vector<std::
   return in_force;
 }
 
-std::vector<std::string> namesOf(const PairClasses& classes) {
-  std::vector<std::string> names;
-  if (classes.robot_deformable) names.emplace_back("robot_deformable");
-  if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
-  if (classes.deformable_self) names.emplace_back("deformable_self");
-  if (classes.robot_self) names.emplace_back("robot_self");
-  return names;
-}
-
 PairClasses classesOf(const ContactMonitorConfig& config) {
   return {config.robot_deformable, config.deformable_deformable, config.deformable_self,
           config.robot_self};

@@ -57,7 +57,7 @@ SweptContacts toSweptContacts(const CycleReport& report, const SweepReport& swee
   SweptContacts message;
   message.header = report.header;
   message.cycle = report.cycle;
-  message.from = sweep.from;
+  message.from_stamp = sweep.from;
   addBodies(report, sweep, &message);
   message.backend = report.backend;
   message.predicates = toString(report.options.predicates);

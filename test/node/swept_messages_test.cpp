@@ -41,7 +41,7 @@ TEST(SweptContactsTest, carriesTheWholeStep) {
   EXPECT_EQ(message.header.stamp, ros::Time(100, 500));
   EXPECT_EQ(message.header.frame_id, "base_link");
   EXPECT_EQ(message.cycle, 7U);
-  EXPECT_EQ(message.from, ros::Time(100, 500) - ros::Duration(0.1));
+  EXPECT_EQ(message.from_stamp, ros::Time(100, 500) - ros::Duration(0.1));
   EXPECT_EQ(message.bodies, (Strings{"arm/hand", "base", "cloth"}));
   EXPECT_EQ(message.topology_ids, (std::vector<std::uint32_t>{0, 0, 9}));
   EXPECT_EQ(pairsOf(message), (PairList{{0, 0, 2, 0}, {0, 1, 2, 1}}));
@@ -107,7 +107,7 @@ TEST(SweptContactsTest, whyBodiesHaveNoStepIsSaid) {
   SampleStep none;
   none.lackStep("reset");
   SweptContacts message = toMessage(&none);
-  EXPECT_TRUE(message.from.isZero());
+  EXPECT_TRUE(message.from_stamp.isZero());
   EXPECT_EQ(message.skipped, Strings{"cloth: reset"});
   EXPECT_EQ(message.topology_ids, (std::vector<std::uint32_t>{0, 0, 0}));
   EXPECT_EQ(message.pair_count, 0U);

@@ -138,7 +138,7 @@ class PandaPasses(unittest.TestCase):
         for monitor in (self.linear, self.turning):
             self.check_states(monitor, before, lambda link: NONE)
             first = monitor.step_to(before)
-            self.assertTrue(first.from_.is_zero())
+            self.assertTrue(first.from_stamp.is_zero())
             self.assertIn("cloth: reset", first.skipped)
 
         exact = self.oracle(before, behind, mesh)
@@ -146,7 +146,7 @@ class PandaPasses(unittest.TestCase):
         self.assertGreater(len(exact), 20)
         step = self.linear.step_to(behind)
         self.assertEqual(pairs_of(step), set(exact))
-        self.assertEqual((step.from_, step.pad, step.within_pad), (before, 0, []))
+        self.assertEqual((step.from_stamp, step.pad, step.within_pad), (before, 0, []))
         self.assertTrue(step.complete, step.skipped)
         for pair, low, high in zip(step.pairs, step.first_low, step.first_high):
             true_low, true_high = exact[step.bodies[pair.body_a], pair.triangle_a, "cloth",

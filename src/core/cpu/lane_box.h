@@ -11,8 +11,8 @@ struct LaneMovingBox {
   FloatLanes from_min, from_max, to_min, to_max;
 
   LaneMovingBox() = default;
-  LaneMovingBox(
-      const MovingBox& box)  // NOLINT(google-explicit-constructor): the same in another form
+  // The same in another form.
+  LaneMovingBox(const MovingBox& box)  // NOLINT(google-explicit-constructor)
       : from_min(lanes(box.from.min)),
         from_max(lanes(box.from.max)),
         to_min(lanes(box.to.min)),

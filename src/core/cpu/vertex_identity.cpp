@@ -14,11 +14,6 @@ Vec3f vertexAt(const std::vector<float>& xyz, std::uint32_t i) {
   return {v[0], v[1], v[2]};
 }
 
-bool isFinite(const MovingPoint& p) {
-  return deformable_contact_monitor::isFinite(p.from) && deformable_contact_monitor::isFinite(p.to);
-}
-using deformable_contact_monitor::isFinite;
-
 std::uint64_t hashOf(const Vec3f& v) { return vertexHash(v, 0); }
 std::uint64_t hashOf(const MovingPoint& p) {
   return vertexHash(p.from, static_cast<std::uint32_t>(vertexHash(p.to, 0)));

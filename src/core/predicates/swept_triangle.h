@@ -17,6 +17,8 @@ DCM_HD inline bool operator==(const MovingPoint& a, const MovingPoint& b) {
   return a.from == b.from && a.to == b.to;
 }
 
+DCM_HD inline bool isFinite(const MovingPoint& p) { return isFinite(p.from) && isFinite(p.to); }
+
 struct MovingTriangle {
   Triangle from, to;
 

@@ -203,15 +203,6 @@ MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
   }
 }
 
-std::vector<std::string> namesOf(const PairClasses& classes) {
-  std::vector<std::string> names;
-  if (classes.robot_deformable) names.emplace_back("robot_deformable");
-  if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
-  if (classes.deformable_self) names.emplace_back("deformable_self");
-  if (classes.robot_self) names.emplace_back("robot_self");
-  return names;
-}
-
 BagSelection neededMessages(const MonitorParameters& parameters) {
   BagSelection selection;
   selection.types = neededTypes();

@@ -30,9 +30,6 @@ struct BagSetup {
 MonitorParameters readBagParameters(const BagFiles& files,
                                     const std::function<void(const std::string&)>& warn);
 
-// As the parameter pair_classes has them.
-std::vector<std::string> namesOf(const PairClasses& classes);
-
 // What cycles with these parameters need. Of types that cameras send too, the objects' own topics
 // alone.
 BagSelection neededMessages(const MonitorParameters& parameters);

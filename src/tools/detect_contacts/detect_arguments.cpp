@@ -72,7 +72,9 @@ void refuseOutputs(const DetectArguments& arguments) {
     for (const auto& [other, other_file] : outputs) {
       if (option == other) break;
       if (file.empty() || file != other_file) continue;
-      refuseUsage(other + " and " + option + ": both would write to " + file);
+      std::string both = other;
+      both.append(" and ").append(option).append(": both would write to ").append(file);
+      refuseUsage(both);
     }
   }
 }

@@ -53,7 +53,7 @@ class MeshFrames : public FrameSource {
   void addState(const std::string& file, TriangleMesh mesh, int split) {
     if (!states_.empty() && states_.back().triangles == mesh.triangles &&
         states_.back().vertices.size() == mesh.vertices.size()) {
-      const std::string begin = labels_.back() + " + ", end = "/" + std::to_string(split);
+      const std::string begin = labels_.back() + " + ";
       const TriangleMesh from = states_.back();
       for (int part = 1; part < split; ++part) {
         TriangleMesh between = from;
@@ -62,7 +62,9 @@ class MeshFrames : public FrameSource {
           between.vertices[i] = static_cast<float>(a + (b - a) * part / split);
         }
         states_.push_back(std::move(between));
-        labels_.push_back(begin + std::to_string(part) + end);
+        std::string label = begin;
+        label.append(std::to_string(part)).append("/").append(std::to_string(split));
+        labels_.push_back(std::move(label));
       }
     }
     states_.push_back(std::move(mesh));

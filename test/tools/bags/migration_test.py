@@ -40,7 +40,7 @@ MD5 = {
     "LinkMesh": "3da062f9797ab898734a4a87678d4843",
     "LinkMeshes": "0b911e759aca1832ac28cfa4b75ff854",
     "SetAllowedContacts": "58f084afbfa0b6c38ef90a19eb55201a",
-    "SweptContacts": "eb454a15558f7cec71c9f359e8b36547",
+    "SweptContacts": "01760a1f3ca41ca2e83776344d5507b6",
 }
 # What 0.1 had under the same name with the same meaning.
 KEPT = {

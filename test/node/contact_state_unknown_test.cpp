@@ -1,0 +1,105 @@
+// Tests of which pairs of bodies are UNKNOWN after a cycle: no contact that may be is NONE.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tracker_fixture.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+TEST(ContactStateTrackerTest, unknownIsNeverNoContact) {
+  SampleReport sample;
+  sample.result.contacts.clear();
+  sample.report.bodies[2].unknown_because = "stale";
+  ContactStateTracker tracker(rules(1, 1));
+  ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kBaseHand].state, ContactState::ALLOWED);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::UNKNOWN);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  EXPECT_TRUE(std::isnan(message.states[kBaseCloth].min_separation));
+
+  SampleReport nothing_ran;
+  nothing_ran.report.result = nullptr;
+  nothing_ran.report.scene = nullptr;
+  message = take(&tracker, nothing_ran.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::UNKNOWN);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+}
+
+// A contact may be among those that did not fit: no pair without one in the list is known.
+TEST(ContactStateTrackerTest, contactsThatWereLeftOutAreNotNoContact) {
+  SampleReport sample;
+  sample.result.left_out = 1;
+  ContactStateTracker tracker(rules(1, 2));
+  ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  sample.result.separations_m = {.1F, .2F, .3F};
+  message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::UNKNOWN);
+  EXPECT_TRUE(std::isnan(message.states[kHandCloth].min_separation));
+  EXPECT_EQ(texts(tracker.takeEvents()).back(),
+            "END arm/hand cloth 0 contacts were left out: memory_limit_mib");
+}
+
+// Pairs of triangles were not looked at: only what touches is known.
+TEST(ContactStateTrackerTest, whatWasCutOffIsNotNoContact) {
+  SampleReport sample;
+  sample.result.cutOff("no time");
+  sample.result.cutOff("memory_limit_mib");
+  ContactStateTracker tracker(rules(1, 2));
+  ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  sample.result.separations_m = {.1F, .2F, .3F};
+  message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::UNKNOWN) << "near, but it may touch";
+  EXPECT_EQ(texts(tracker.takeEvents()).back(), "END arm/hand cloth 0 no time");
+}
+
+TEST(ContactStateTrackerTest, whatWasNotLookedWithinIsNotNoContact) {
+  SampleReport sample;
+  Containment containment;
+  containment.cut_off_because = "no time";
+  sample.report.containment = &containment;
+  sample.report.pairs.push_back({2, 2, false});
+  ContactStateTracker tracker(rules(1, 2));
+  ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  EXPECT_EQ(message.states[kBaseCloth].reason, "no time");
+  EXPECT_EQ(message.states[3].state, ContactState::NONE) << "nothing is within itself";
+  containment.parts = {{1, 2, 0, {}}};
+  message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::CONTACT);
+}
+
+// As of a cycle that took long.
+TEST(ContactStateTrackerTest, whatIsTooOldWhenItComesIsNotNoContact) {
+  SampleReport sample;
+  sample.report.now = sample.report.header.stamp + ros::Duration(0.6);
+  ContactStateTracker tracker(rules(1, 2));
+  const ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(message.states[kHandCloth].state, ContactState::CONTACT) << "it was one";
+  EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
+  EXPECT_NE(message.states[kBaseCloth].reason.find("max_mesh_age_s"), std::string::npos);
+}
+
+// No pair of a body with triangles that took no part is known, but for a contact that was found.
+TEST(ContactStateTrackerTest, rejectedTrianglesAreNotNoContact) {
+  SampleReport sample;
+  sample.report.bodies[2].rejected = 1;  // of three
+  ContactStateTracker strict(rules(1, 1));
+  ContactStates states = take(&strict, sample.report);
+  EXPECT_EQ(statesOf(states), "aC?");
+  EXPECT_EQ(states.states[kBaseCloth].reason,
+            "cloth: 1 of 3 triangles have a vertex that is not finite (tolerated_rejects)");
+  ContactStateTracker lenient(rules(1, 1, 0.34)), less(rules(1, 1, 0.33));
+  EXPECT_EQ(statesOf(take(&lenient, sample.report)), "aC-");
+  EXPECT_EQ(statesOf(take(&less, sample.report)), "aC?");
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
