@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/export.h"
 #include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {
@@ -17,6 +18,6 @@ struct VertexFans {
 };
 
 // By index alone. Of a valid mesh.
-VertexFans vertexFans(const TriangleMesh& mesh);
+DCM_EXPORT VertexFans vertexFans(const TriangleMesh& mesh);
 
 }  // namespace deformable_contact_monitor
