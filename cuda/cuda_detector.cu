@@ -160,7 +160,8 @@ CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refi
   const bool sharers = scene_.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
   const bool swept = options.motion == Motion::kSwept;
   const bool pads = swept && scene_.anyLengths().pads;
-  return {device_, identify, refinements, swept, swept && sharers, pads};
+  const bool fans = identify && sharers && !swept && options.predicates == Predicates::kExact;
+  return {device_, identify, refinements, swept, swept && sharers, pads, fans};
 }
 
 void CudaDetector::runCycle(const Options& options) {

@@ -29,7 +29,7 @@ class CycleGraph {
  private:
   // Beside the stream itself.
   static constexpr int kBranches = 3;
-  static constexpr int kSteps = 10;
+  static constexpr int kSteps = 11;
 
   // The steps, on `stream` and the branches.
   void enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);

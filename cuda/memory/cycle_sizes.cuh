@@ -13,7 +13,7 @@ struct CycleSizes {
   // Of the scene, as DeviceScene lays it out.
   std::uint32_t bodies = 0, partners = 0, pair_words = 0;
   std::uint32_t vertices = 0, triangles = 0, vertex_blocks = 0, triangle_blocks = 0;
-  std::uint32_t identity_slots = 0;
+  std::uint32_t identity_slots = 0, fan_places = 0;
   // Of what a cycle finds. Those of candidates and contacts share a memory limit by halves; the
   // others grow by need.
   std::uint32_t clusters = 0, samples = 0;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/rules/margins.h"
+#include "core/vertex_fans.h"
 #include "cuda/memory/device_scene.cuh"
 
 namespace deformable_contact_monitor {
@@ -179,8 +180,33 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   put(corners, arrays_.corners.data(), stream);
   put(vertex_blocks, arrays_.vertex_blocks.data(), stream);
   put(triangle_blocks, arrays_.triangle_blocks.data(), stream);
+  layOutFans(scene, stream);
   vertices_.assign(scene.bodyCount(), 0);  // no revision is 0
   earlier_.assign(scene.bodyCount(), 0);
+}
+
+// Vertices of bodies without contacts with themselves have no ring.
+void DeviceScene::layOutFans(const Scene& scene, cudaStream_t stream) {
+  std::vector<Place> begin;
+  std::vector<VertexIndex> ring;
+  begin.reserve(std::size_t{vertex_count_} + 1);
+  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
+    const auto first = static_cast<std::uint32_t>(ring.size());
+    if (body_[i].has_self == 0) {
+      begin.insert(begin.end(), body_[i].vertex_count, Place(first));
+      continue;
+    }
+    const VertexFans fans = vertexFans(scene.body(taking_part_[i]).mesh);
+    for (std::uint32_t v = 0; v < body_[i].vertex_count; ++v) {
+      begin.emplace_back(first + fans.begin[v]);
+    }
+    for (const std::uint32_t v : fans.ring) ring.emplace_back(body_[i].first_vertex + v);
+  }
+  sizes_.fan_places = static_cast<std::uint32_t>(ring.size());
+  begin.emplace_back(sizes_.fan_places);
+  growArrays();
+  put(begin, arrays_.fan_begin.data(), stream);
+  put(ring, arrays_.fan_ring.data(), stream);
 }
 
 void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t stream) {

@@ -65,6 +65,7 @@ class DeviceScene {
   void layOutPairs(const Scene& scene, cudaStream_t stream);
   void numberMeshes(const Scene& scene);
   void layOutMeshes(const Scene& scene, cudaStream_t stream);
+  void layOutFans(const Scene& scene, cudaStream_t stream);
   void growArrays();
   void sendEarlierVertices(const Scene& scene, cudaStream_t stream);
   void sendEarlierBodies(const Scene& scene, cudaStream_t stream);

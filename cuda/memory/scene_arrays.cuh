@@ -75,8 +75,14 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<Vec3f, Place> common_motion{*this, 1U};
   // Of the bodies' finite vertices, see cuda/device/boxes.cuh; zero at the start of a cycle.
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
-  // Equal iff of one body and equal as received: the number of one of those vertices.
+  // Equal iff of one body and equal as received: the number of one of those vertices; with
+  // kFanCertified where that is so.
   DeviceArray<VertexIndex, VertexIndex> vertex_id{*this, &CycleSizes::vertices};
+  // Zero but for vertices that others equal, and maybe for such of earlier cycles.
+  DeviceArray<std::uint32_t, VertexIndex> repeated{*this, &CycleSizes::vertices};
+  // VertexFans of all bodies that have contacts with themselves.
+  DeviceArray<Place, VertexIndex> fan_begin{*this, &CycleSizes::vertices, 1};
+  DeviceArray<VertexIndex, Place> fan_ring{*this, &CycleSizes::fan_places};
   // An open-addressing hash table of vertices' numbers + 1; its size is a power of two.
   DeviceArray<std::uint32_t, Place> identity_table{*this, &CycleSizes::identity_slots};
 };

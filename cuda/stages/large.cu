@@ -38,7 +38,10 @@ __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberInde
   if (!groupsMeet(c.scene, a, b)) return;
   const uint4 ids_a = idsOf(c.scene, a), ids_b = idsOf(c.scene, b);
   const std::uint32_t shared_a = sharedBits(ids_a, ids_b);
-  if (shared_a != 0 && c.params().adjacent == AdjacentPairs::kSkip) return;
+  if (shared_a != 0 &&
+      (c.params().adjacent == AdjacentPairs::kSkip || isCertified(ids_a, shared_a))) {
+    return;
+  }
   DeviceCandidate candidate;
   const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(ids_b, ids_a);
   const auto screen = kStates > 1 ? screenMovingPair : screenPair;

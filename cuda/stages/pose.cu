@@ -108,6 +108,7 @@ __global__ void __launch_bounds__(kThreads) identifyKernel(CycleArrays c) {
     const bool same_body = other.value - body.first_vertex < body.vertex_count;
     if (same_body && receivedAt(c.scene, other) == v) {
       c.scene.vertex_id[i] = other;
+      c.scene.repeated[other] = 1;
       return;
     }
     slot = Place((slot.value + 1) & mask);

@@ -3,6 +3,7 @@
 
 #include "core/predicates/aabb.h"
 #include "core/predicates/narrow_phase.h"
+#include "core/predicates/vertex_fan.h"
 #include "core/rules/margins.h"
 #include "core/rules/ownership.h"
 #include "cuda/memory/cycle_arrays.cuh"
@@ -13,6 +14,14 @@ namespace deformable_contact_monitor {
 __device__ inline std::uint32_t sharedBits(const uint4& a, const uint4& b) {
   const std::uint32_t ids_a[3] = {a.x, a.y, a.z}, ids_b[3] = {b.x, b.y, b.z};
   return sharedBits(ids_a, ids_b);
+}
+
+// Whether one of these vertices of `a` has a certified fan: then triangles that share it meet in
+// what they share alone.
+__device__ inline bool isCertified(const uint4& a, std::uint32_t bits) {
+  const std::uint32_t certified =
+      ((bits & 1) != 0 ? a.x : 0) | ((bits & 2) != 0 ? a.y : 0) | ((bits & 4) != 0 ? a.z : 0);
+  return (certified & kFanCertified) != 0;
 }
 
 // The facts of a pair in one word: see DeviceCandidate::facts. The margin is not among them.

@@ -17,10 +17,11 @@ struct CycleShape {
   bool swept = false;     // motion: each launch then works on both states
   bool sharers = false;   // in swept motion: triangles that share vertices may be contacts
   bool pads = false;      // in swept motion: some body has one
+  bool fans = false;      // certified ones settle pairs of triangles that share vertices
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
-           swept == o.swept && sharers == o.sharers && pads == o.pads;
+           swept == o.swept && sharers == o.sharers && pads == o.pads && fans == o.fans;
   }
 };
 
@@ -36,6 +37,9 @@ void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cud
 // the scene frame and bounds the bodies, and finds each vertex's nearest prototype: reads
 // scene.received; writes scene.posed, scene.body_boxes.
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// pose: marks the vertices whose fans are certified: reads scene.posed; adds to scene.vertex_id.
+void launchPoseFans(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign: drops triangles that are not finite or outside every partner's box; puts the others into
 // their clusters' bins, or on the large list; takes samples. Reads scene.posed, scene.corners;

@@ -168,7 +168,8 @@ class Sweeper {
     if (kept) {
       const uint4 a = c_.sweep.ids[row], b = c_.sweep.ids[column];
       const std::uint32_t shared_a = sharedBits(a, b);
-      kept = shared_a == 0 || c_.params().adjacent == AdjacentPairs::kBeyondShared;
+      kept = shared_a == 0 ||
+             (c_.params().adjacent == AdjacentPairs::kBeyondShared && !isCertified(a, shared_a));
       const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(b, a);
       box_pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, unit_.cluster};
     }

@@ -11,6 +11,7 @@
 #include "core/cpu/assign.h"
 #include "core/cpu/cluster.h"
 #include "core/cpu/cycle_data.h"
+#include "core/cpu/fans.h"
 #include "core/cpu/geometry.h"
 #include "core/cpu/large.h"
 #include "core/cpu/output.h"
@@ -68,6 +69,7 @@ class CpuDetector : public Detector {
   CpuSettings settings_;
   WorkingSetBuilder builder_;
   WorkingSet set_;
+  FanCertifier fans_;
   SizeSplit split_;
   PrototypeTracker tracker_;
   Prototypes prototypes_;
@@ -112,6 +114,10 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
   if (limit.over()) return false;
   Stopwatch watch;
   builder_.build<Hull>(scene, set_, result_.counters, limit);
+  if (!kIsMoving<Hull> && options.adjacent == AdjacentPairs::kBeyondShared &&
+      options.predicates == Predicates::kExact && !limit.wasOver()) {
+    fans_.certify(scene, set_, limit);
+  }
   if (!limit.wasOver()) splitBySize(set_, split_, limit);
   times.add(Stage::kPose, watch.lapMs());
   if (limit.wasOver()) return false;

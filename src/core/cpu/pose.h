@@ -20,14 +20,15 @@ namespace deformable_contact_monitor {
 // vertices, grown by the body's margin; in swept motion, of all that they pass without the common
 // motion, grown by the body's pad.
 struct WorkingSet {
-  std::vector<Vec3f> vertices;           // scene frame [m], of all bodies that take part
-  std::vector<Vec3f> earlier;            // the same at the step's beginning; in swept motion only
-  Vec3f common_motion;                   // [m]; in swept motion only
-  std::vector<std::uint32_t> vertex_id;  // per vertex: equal iff of one body and equal as received
-  std::vector<std::uint32_t> corners;    // three indices into `vertices` per triangle
-  std::vector<std::uint32_t> body;       // per triangle
-  std::vector<std::uint32_t> triangle;   // per triangle: its id in the body
-  std::vector<Aabb> boxes;               // per triangle
+  std::vector<Vec3f> vertices;  // scene frame [m], of all bodies that take part
+  std::vector<Vec3f> earlier;   // the same at the step's beginning; in swept motion only
+  Vec3f common_motion;          // [m]; in swept motion only
+  // Per vertex: equal iff of one body and equal as received; maybe with kFanCertified.
+  std::vector<std::uint32_t> vertex_id;
+  std::vector<std::uint32_t> corners;       // three indices into `vertices` per triangle
+  std::vector<std::uint32_t> body;          // per triangle
+  std::vector<std::uint32_t> triangle;      // per triangle: its id in the body
+  std::vector<Aabb> boxes;                  // per triangle
   std::vector<std::uint32_t> first_vertex;  // per body: where its vertices begin in `vertices`
 
   std::size_t size() const { return triangle.size(); }

@@ -1,11 +1,19 @@
 #include "core/cpu/screen.h"
 
+#include "core/predicates/vertex_fan.h"
 #include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Prepared = PreparedTriangle<Triangle>;
+
+// Whether one of these vertices has a certified fan: then triangles that share it meet in what they
+// share alone.
+bool isCertified(const Prepared& a, int shared_bits) {
+  static_assert(kFanCertified == std::uint32_t{1} << 31, "the sign");
+  return (laneBits(a.vertex_id < 0) & shared_bits) != 0;
+}
 
 }  // namespace
 
@@ -19,9 +27,10 @@ void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPai
   for (std::size_t i = 0; i < count; ++i) {
     const BoxPair pair = pairs[i];
     const Prepared &a = triangles[pair.a.value], &b = triangles[pair.b.value];
-    const bool share = sharedBits(a.vertex_id, b.vertex_id) != 0;
+    const int shared_a = sharedBits(a.vertex_id, b.vertex_id);
+    const bool share = shared_a != 0;
     neighbours_[neighbours] = pair;
-    neighbours += share;
+    neighbours += share & !isCertified(a, shared_a);
     pairs[separate] = pair;
     separate += !share;
   }
@@ -62,8 +71,8 @@ void PairScreen<Triangle>::screenSeparate(const Prepared& a, const Prepared& b,
 
 void PairScreen<Triangle>::screenNeighbours(const Prepared& a, const Prepared& b,
                                             std::vector<Candidate<Triangle>>& candidates) const {
-  if (input_.options.adjacent == AdjacentPairs::kSkip) return;
   const int in_a = sharedBits(a.vertex_id, b.vertex_id);
+  if (input_.options.adjacent == AdjacentPairs::kSkip || isCertified(a, in_a)) return;
   const int in_b = sharedBits(b.vertex_id, a.vertex_id);
   if (restOnOneSide(b.plane, a.lanes, in_a) || restOnOneSide(a.plane, b.lanes, in_b)) return;
   PairFacts facts;

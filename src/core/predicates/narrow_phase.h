@@ -140,6 +140,20 @@ DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const Triangle& b
   return false;
 }
 
+// Of a triangle that shares one vertex with t: whether the edge opposite to it certainly crosses
+// the inside of t.
+DCM_HD inline bool certainlyCrosses(const Triangle& a, const bool shared[3], const Triangle& t) {
+  if (shared[0] + shared[1] + shared[2] != 1) return false;
+  const Vec3f p = shared[0] ? a.v[1] : a.v[0], q = shared[2] ? a.v[1] : a.v[2];
+  if (orient3dFiltered(t.v[0], t.v[1], t.v[2], p) * orient3dFiltered(t.v[0], t.v[1], t.v[2], q) !=
+      -1) {
+    return false;
+  }
+  const int side = orient3dFiltered(p, q, t.v[0], t.v[1]);
+  return (side == 1 || side == -1) && orient3dFiltered(p, q, t.v[1], t.v[2]) == side &&
+         orient3dFiltered(p, q, t.v[2], t.v[0]) == side;
+}
+
 // What is known of a pair before its verdict: the vertices that they share, else the sides that the
 // plane filters told, and the larger of their bodies' margins [m].
 struct PairFacts {
@@ -154,8 +168,11 @@ struct PairFacts {
 DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        Predicates mode) {
   if (!facts.shared.any) return quickIntersection(a, b, facts.sides, mode);
-  const bool apart = mode != Predicates::kFast && certainlyNotBeyondShared(a, b, facts.shared);
-  return apart ? PartVerdict::kApart : PartVerdict::kOpen;
+  if (mode == Predicates::kFast) return PartVerdict::kOpen;
+  if (certainlyNotBeyondShared(a, b, facts.shared)) return PartVerdict::kApart;
+  const bool meet =
+      certainlyCrosses(a, facts.shared.in_a, b) || certainlyCrosses(b, facts.shared.in_b, a);
+  return meet ? PartVerdict::kMeet : PartVerdict::kOpen;
 }
 
 // The verdict on any candidate, without asking the filters of quickVerdict again. Margins do not

@@ -1,0 +1,34 @@
+// Stage `pose`, once vertices have their places and identities: which fans are certified.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/cpu/pose.h"
+#include "core/cycle_limit.h"
+#include "core/scene.h"
+#include "core/vertex_fans.h"
+
+namespace deformable_contact_monitor {
+
+// Keeps what it knows of each body until its topology changes.
+class FanCertifier {
+ public:
+  // Adds kFanCertified to the identities of vertices; of bodies that have contacts with themselves.
+  // `set`: just built from the scene. Some vertices are left out if the limit was over.
+  void certify(const Scene& scene, WorkingSet& set, const CycleLimit& limit);
+
+ private:
+  struct BodyFans {
+    std::uint64_t topology_revision = 0;  // no body's
+    VertexFans fans;
+  };
+
+  void certifyBody(const VertexFans& fans, std::uint32_t first, std::uint32_t count,
+                   const CycleLimit& limit, WorkingSet& set);
+
+  std::vector<BodyFans> bodies_;
+  std::vector<char> repeated_;  // per vertex of a body: another one equals it
+};
+
+}  // namespace deformable_contact_monitor
