@@ -1,6 +1,7 @@
 // What the CPU's stages hand to one another from `sort` on.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -46,6 +47,29 @@ struct Candidate<MovingTriangle> {
   TriangleIndex a, b;
   SharedVertices shared;
   bool meet;  // certainly; if first times are wanted, at the start
+};
+
+// What the filters leave of many pairs.
+template <class Hull>
+struct Screened {
+  std::vector<Candidate<Hull>> candidates;
+
+  void clear() { candidates.clear(); }
+};
+
+template <>
+struct Screened<Triangle> {
+  std::vector<Candidate<Triangle>> candidates;
+  // Candidates too, of which float32 says that they certainly are contacts; and how many of which
+  // it says that they certainly are not.
+  std::vector<std::array<TriangleIndex, 2>> meeting;
+  std::uint64_t apart = 0;
+
+  void clear() {
+    candidates.clear();
+    meeting.clear();
+    apart = 0;
+  }
 };
 
 // What these stages add to, each thread to one of its own.

@@ -1,5 +1,8 @@
 #include "core/cpu/screen.h"
 
+#include <algorithm>
+
+#include "core/cpu/lane_crossing.h"
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/margins.h"
 
@@ -17,13 +20,19 @@ bool isCertified(const Prepared& a, int shared_bits) {
 
 }  // namespace
 
+// In other modes what is open counts, so that all must be asked alike.
 PairScreen<Triangle>::PairScreen(const CycleInput<Triangle>& input)
-    : input_(input), margins_(input.scene.anyMargin()) {}
+    : input_(input),
+      margins_(input.scene.anyMargin()),
+      settles_(!margins_ && input.options.predicates == Predicates::kExact) {}
 
-void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPair* pairs,
-                                  std::size_t count, std::vector<Candidate<Triangle>>& candidates) {
-  neighbours_.resize(count);
-  std::size_t neighbours = 0, separate = 0, left = 0;
+// The pairs that share a vertex and may meet beyond it to neighbours_; how many share none: they are
+// the first of `pairs` then.
+std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangles, BoxPair* pairs,
+                                           std::size_t count, std::size_t& neighbours) {
+  if (neighbours_.size() < count) neighbours_.resize(count);
+  std::size_t separate = 0;
+  neighbours = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const BoxPair pair = pairs[i];
     const Prepared &a = triangles[pair.a.value], &b = triangles[pair.b.value];
@@ -34,19 +43,78 @@ void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPai
     pairs[separate] = pair;
     separate += !share;
   }
-  for (std::size_t i = 0; i < separate; ++i) {
-    const BoxPair pair = pairs[i];
-    const Prepared &a = triangles[pair.a.value], &b = triangles[pair.b.value];
-    const bool apart = onOneSide(b.plane, a.lanes) | onOneSide(a.plane, b.lanes);
-    pairs[left] = pair;
-    left += !apart | margins_;
+  return separate;
+}
+
+// Those that no plane parts: to crossing_, or, where a vertex may lie in a plane, to open_. First by
+// the rows' planes, for a row's stays in registers.
+void PairScreen<Triangle>::dropAside(const std::vector<Prepared>& triangles, const BoxPair* pairs,
+                                     std::size_t count) {
+  open_.resize(count);
+  crossing_.resize(count);
+  std::size_t left = 0, open = 0, crossing = 0;
+  for (std::size_t i = 0; i < count;) {
+    const SortedIndex row = pairs[i].a;
+    const PlaneFilter plane = triangles[row.value].plane;
+    for (; i < count && pairs[i].a == row; ++i) {
+      const PlaneSides sides = sidesOf(plane, triangles[pairs[i].b.value].lanes);
+      open_[left] = {pairs[i], {}, sides};
+      left += !sides.allOnOne() | margins_;
+    }
   }
   for (std::size_t i = 0; i < left; ++i) {
-    screenSeparate(triangles[pairs[i].a.value], triangles[pairs[i].b.value], candidates);
+    SidedPair sided = open_[i];
+    sided.a = sidesOf(triangles[sided.pair.b.value].plane, triangles[sided.pair.a.value].lanes);
+    const bool strict = sided.a.allStrict() & sided.b.allStrict() & settles_;
+    const bool drop = sided.a.allOnOne() & !margins_;
+    open_[open] = crossing_[crossing] = sided;
+    open += !drop & !strict;
+    crossing += !drop & strict;
+  }
+  open_.resize(open);
+  crossing_.resize(crossing);
+}
+
+// Of crossing_, four at a time; adds to open_ what is open.
+void PairScreen<Triangle>::settleCrossings(const std::vector<Prepared>& triangles,
+                                           Screened<Triangle>& screened) {
+  for (std::size_t begin = 0; begin < crossing_.size(); begin += 4) {
+    const std::size_t count = std::min<std::size_t>(4, crossing_.size() - begin);
+    CrossingPair four[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+      const SidedPair& sided = crossing_[begin + std::min(i, count - 1)];
+      four[i] = {&triangles[sided.pair.a.value].lanes, &triangles[sided.pair.b.value].lanes,
+                 sided.a, sided.b};
+    }
+    const LaneCrossings told = crossingsOf(four);
+    const int meet = laneBits(told.meet), apart = laneBits(told.apart);
+    for (std::size_t i = 0; i < count; ++i) {
+      const SidedPair& sided = crossing_[begin + i];
+      if ((apart >> i & 1) != 0) {
+        ++screened.apart;
+      } else if ((meet >> i & 1) != 0) {
+        screened.meeting.push_back(
+            {triangles[sided.pair.a.value].triangle, triangles[sided.pair.b.value].triangle});
+      } else {
+        open_.push_back(sided);
+      }
+    }
+  }
+}
+
+void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPair* pairs,
+                                  std::size_t count, Screened<Triangle>& screened) {
+  std::size_t neighbours;
+  const std::size_t separate = splitOff(triangles, pairs, count, neighbours);
+  dropAside(triangles, pairs, separate);
+  settleCrossings(triangles, screened);
+  for (const SidedPair& sided : open_) {
+    addCandidate(triangles[sided.pair.a.value], triangles[sided.pair.b.value], sided.a, sided.b,
+                 screened.candidates);
   }
   for (std::size_t i = 0; i < neighbours; ++i) {
     screenNeighbours(triangles[neighbours_[i].a.value], triangles[neighbours_[i].b.value],
-                     candidates);
+                     screened.candidates);
   }
 }
 
@@ -59,14 +127,24 @@ void PairScreen<Triangle>::screen(const Prepared& a, const Prepared& b,
   }
 }
 
-void PairScreen<Triangle>::screenSeparate(const Prepared& a, const Prepared& b,
-                                          std::vector<Candidate<Triangle>>& candidates) const {
+// Two that share nothing and no plane parts, or that are near one another.
+void PairScreen<Triangle>::addCandidate(const Prepared& a, const Prepared& b,
+                                        const PlaneSides& sides_a, const PlaneSides& sides_b,
+                                        std::vector<Candidate<Triangle>>& candidates) const {
   PairFacts facts;
   facts.margin_m = pairMargin(input_.scene.body(a.body.value).margin_m,
                               input_.scene.body(b.body.value).margin_m);
-  const bool apart =
-      sidesOf(b.plane, a.lanes, facts.sides.a) | sidesOf(a.plane, b.lanes, facts.sides.b);
-  if (!apart || facts.margin_m > 0) candidates.push_back({a.triangle, b.triangle, facts});
+  if ((sides_a.allOnOne() || sides_b.allOnOne()) && facts.margin_m == 0) return;
+  for (int i = 0; i < 3; ++i) {
+    facts.sides.a[i] = sides_a.of(i);
+    facts.sides.b[i] = sides_b.of(i);
+  }
+  candidates.push_back({a.triangle, b.triangle, facts});
+}
+
+void PairScreen<Triangle>::screenSeparate(const Prepared& a, const Prepared& b,
+                                          std::vector<Candidate<Triangle>>& candidates) const {
+  addCandidate(a, b, sidesOf(b.plane, a.lanes), sidesOf(a.plane, b.lanes), candidates);
 }
 
 void PairScreen<Triangle>::screenNeighbours(const Prepared& a, const Prepared& b,

@@ -10,6 +10,12 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Of an ascending list that holds the cluster.
+LowerClusters lowerThan(ClusterIndex cluster, const std::uint32_t* list) {
+  if (list[0] == cluster.value) return kNoLower;
+  return list[1] == cluster.value ? list[0] : kSeveralLower;
+}
+
 // The lower half of a key.
 std::uint32_t memberOf(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
@@ -67,9 +73,11 @@ void ClusterSorter<Hull>::order() {
              [this](const auto& less) { std::stable_sort(order_.begin(), order_.end(), less); });
 }
 
-// Every array of `sorted` but `cluster`.
+// All of `sorted`.
 template <class Hull>
-void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedCluster<Hull>& sorted) {
+void ClusterSorter<Hull>::layOut(ClusterIndex cluster, const ClusterMember<Hull>* members,
+                                 SortedCluster<Hull>& sorted) {
+  sorted.cluster = cluster;
   const auto count = static_cast<std::uint32_t>(order_.size());
   sorted.groups.clear();
   sorted.lo.resize(count);
@@ -81,6 +89,7 @@ void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedClust
   resizeWithin(input_.limit, count, sorted.boxes);
   resizeWithin(input_.limit, count, sorted.triangles);
   sorted.clusters.resize(count);
+  sorted.lower.resize(count);
   if (input_.limit.wasOver()) return;
   for (std::uint32_t i = 0; i < count && !pace_.over(); ++i) {
     const ClusterMember<Hull>& member = members[memberOf(order_[i])];
@@ -101,8 +110,8 @@ void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedClust
         inflated(boxOf(member.posed), growthOf<Hull>(input_.scene.body(member.body.value)));
     sorted.triangles[i] =
         PreparedTriangle<Hull>(member.posed, member.vertex_id, member.triangle, member.body);
-    sorted.clusters[i] =
-        member.list_size == 1 ? nullptr : &input_.assignment.lists[member.list_begin];
+    sorted.clusters[i] = &input_.assignment.lists[member.list_begin];
+    sorted.lower[i] = lowerThan(cluster, sorted.clusters[i]);
   }
 }
 
@@ -119,8 +128,7 @@ bool ClusterSorter<Hull>::sort(ClusterIndex cluster, SortedCluster<Hull>& sorted
   if (input_.limit.wasOver()) return false;
   order();
   if (input_.limit.wasOver()) return false;
-  layOut(members, sorted);
-  sorted.cluster = cluster;
+  layOut(cluster, members, sorted);
   return !input_.limit.wasOver();
 }
 

@@ -19,6 +19,12 @@ struct GroupRange {
   std::uint32_t group, begin, end;
 };
 
+// Which of a triangle's clusters are below the one that is swept: its number, or one of these. Most
+// pairs' owner is told by these two numbers alone, without a branch.
+using LowerClusters = std::uint32_t;
+constexpr LowerClusters kNoLower = ~LowerClusters{0};
+constexpr LowerClusters kSeveralLower = kNoLower - 1;
+
 // One cluster's members by body group, and within it by where their intervals begin. Hull: as in
 // hull.h, here and below.
 template <class Hull>
@@ -31,9 +37,10 @@ struct SortedCluster {
   // what moves at the step's beginning, then at its end.
   std::vector<std::uint32_t> packed_lo[kStates<Hull>], packed_hi[kStates<Hull>];
   // Scene frame [m], grown by the body's margin or pad.
-  std::vector<std::conditional_t<kIsMoving<Hull>, LaneMovingBox, Aabb>> boxes;
+  std::vector<std::conditional_t<kIsMoving<Hull>, LaneMovingBox, LaneBox>> boxes;
   std::vector<PreparedTriangle<Hull>> triangles;
-  std::vector<const std::uint32_t*> clusters;  // ascending; null: in this one alone
+  std::vector<const std::uint32_t*> clusters;  // that the triangle is in, ascending
+  std::vector<LowerClusters> lower;            // which of them are below this one
 
   PackedColumns packed(int state) const {
     return {packed_lo[state].data(), packed_hi[state].data()};
@@ -61,7 +68,8 @@ class ClusterSorter {
 
   void project(const ClusterMember<Hull>* members);
   void order();
-  void layOut(const ClusterMember<Hull>* members, SortedCluster<Hull>& sorted);
+  void layOut(ClusterIndex cluster, const ClusterMember<Hull>* members,
+              SortedCluster<Hull>& sorted);
 
   static constexpr std::uint64_t kLook = 1 << 12;  // members between looks at the limit
 

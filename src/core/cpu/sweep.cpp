@@ -71,6 +71,17 @@ void ClusterSweeper<Hull>::sweepGroups() {
   }
 }
 
+// Whether the swept cluster is the one that reports the pair.
+template <class Hull>
+bool ClusterSweeper<Hull>::owns(const BoxPair& pair) const {
+  const LowerClusters a = sorted_.lower[pair.a.value], b = sorted_.lower[pair.b.value];
+  if ((a == kSeveralLower) | (b == kSeveralLower)) {
+    return ownsPair(sorted_.cluster.value, sorted_.clusters[pair.a.value],
+                    sorted_.clusters[pair.b.value]);
+  }
+  return (a != b) | (a == kNoLower);
+}
+
 // What was found so far, in parts that take a millisecond or two without their verdicts.
 template <class Hull>
 void ClusterSweeper<Hull>::judgePairs() {
@@ -87,15 +98,13 @@ void ClusterSweeper<Hull>::judgeSome(BoxPair* pairs, std::size_t count) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const BoxPair pair = pairs[i];
-    const bool owned = ownsPair(sorted_.cluster.value, sorted_.clusters[pair.a.value],
-                                sorted_.clusters[pair.b.value]);
     pairs[kept] = pair;
-    kept += intersects(sorted_.boxes[pair.a.value], sorted_.boxes[pair.b.value]) & owned;
+    kept += intersects(sorted_.boxes[pair.a.value], sorted_.boxes[pair.b.value]) & owns(pair);
   }
-  candidates_.clear();
-  screen_.screen(sorted_.triangles, pairs, kept, candidates_);
+  screened_.clear();
+  screen_.screen(sorted_.triangles, pairs, kept, screened_);
   output_.work.add(Stage::kSweep, watch_.lapMs());
-  judgeCandidates(input_, candidates_, output_);
+  judgeCandidates(input_, screened_, output_);
   output_.work.add(Stage::kJudge, watch_.lapMs());
 }
 

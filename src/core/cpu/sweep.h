@@ -32,6 +32,7 @@ class ClusterSweeper {
   void sweepGroups();
   void sweepWithin(const GroupRange& range);
   void sweepAcross(const GroupRange& rows, const GroupRange& columns, bool closed);
+  bool owns(const BoxPair& pair) const;
   bool scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
   void judgePairs();
   void judgeSome(BoxPair* pairs, std::size_t count);
@@ -45,7 +46,7 @@ class ClusterSweeper {
   PairScreen<Hull> screen_;
   std::vector<BoxPair> pairs_;  // of which pair_count_ are in use
   std::size_t pair_count_ = 0;
-  std::vector<Candidate<Hull>> candidates_;
+  Screened<Hull> screened_;
   Stopwatch watch_;
   CycleOutput<Hull> output_;
 };

@@ -32,7 +32,7 @@ class PairScreen<MovingTriangle> {
   explicit PairScreen(const CycleInput<MovingTriangle>& input);
 
   void screen(const std::vector<PreparedTriangle<MovingTriangle>>& triangles, BoxPair* pairs,
-              std::size_t count, std::vector<Candidate<MovingTriangle>>& candidates);
+              std::size_t count, Screened<MovingTriangle>& screened);
   void screen(const PreparedTriangle<MovingTriangle>& a, const PreparedTriangle<MovingTriangle>& b,
               std::vector<Candidate<MovingTriangle>>& candidates) const;
 
