@@ -14,7 +14,7 @@ struct BoxPair {
   SortedIndex a, b;
 };
 
-// The arrays may be read, and `pairs` written, this much past the range.
+// The arrays may be read, and `found` written, this much past the range.
 constexpr std::uint32_t kScanChunk = 32;
 
 // Packed boxes by place, as two arrays.
@@ -24,13 +24,13 @@ struct PackedColumns {
   PackedBox box(std::uint32_t place) const { return {lo[place], hi[place]}; }
 };
 
-// Writes {row, k} for each k in [begin, end) whose box intersects that of the row, ascending;
-// returns how many.
+// Writes each place in [begin, end) whose box intersects that of the row, ascending; returns how
+// many.
 std::size_t scanRow(SortedIndex row, const PackedColumns& boxes, std::uint32_t begin,
-                    std::uint32_t end, BoxPair* pairs);
+                    std::uint32_t end, SortedIndex* found);
 
 // The same of moving boxes.
 std::size_t scanRow(SortedIndex row, const PackedColumns& from, const PackedColumns& to,
-                    std::uint32_t begin, std::uint32_t end, BoxPair* pairs);
+                    std::uint32_t begin, std::uint32_t end, SortedIndex* found);
 
 }  // namespace deformable_contact_monitor

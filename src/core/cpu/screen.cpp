@@ -33,15 +33,19 @@ std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangle
   if (neighbours_.size() < count) neighbours_.resize(count);
   std::size_t separate = 0;
   neighbours = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const BoxPair pair = pairs[i];
-    const Prepared &a = triangles[pair.a.value], &b = triangles[pair.b.value];
-    const int shared_a = sharedBits(a.vertex_id, b.vertex_id);
-    const bool share = shared_a != 0;
-    neighbours_[neighbours] = pair;
-    neighbours += share & !isCertified(a, shared_a);
-    pairs[separate] = pair;
-    separate += !share;
+  for (std::size_t i = 0; i < count;) {
+    const SortedIndex row = pairs[i].a;
+    const IntLanes id = triangles[row.value].vertex_id;
+    for (; i < count && pairs[i].a == row; ++i) {
+      const BoxPair pair = pairs[i];
+      const IntLanes& other = triangles[pair.b.value].vertex_id;
+      const IntLanes shared = (other == id[0]) | (other == id[1]) | (other == id[2]);
+      const bool share = laneBits(shared) != 0;
+      neighbours_[neighbours] = pair;
+      neighbours += share & (laneBits(shared & other) == 0);
+      pairs[separate] = pair;
+      separate += !share;
+    }
   }
   return separate;
 }
@@ -50,9 +54,12 @@ std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangle
 // the rows' planes, for a row's stays in registers.
 void PairScreen<Triangle>::dropAside(const std::vector<Prepared>& triangles, const BoxPair* pairs,
                                      std::size_t count) {
-  open_.resize(count);
-  crossing_.resize(count);
-  std::size_t left = 0, open = 0, crossing = 0;
+  if (open_.size() < count) {
+    open_.resize(count);
+    crossing_.resize(count);
+  }
+  std::size_t left = 0;
+  open_count_ = crossing_count_ = 0;
   for (std::size_t i = 0; i < count;) {
     const SortedIndex row = pairs[i].a;
     const PlaneFilter plane = triangles[row.value].plane;
@@ -67,19 +74,17 @@ void PairScreen<Triangle>::dropAside(const std::vector<Prepared>& triangles, con
     sided.a = sidesOf(triangles[sided.pair.b.value].plane, triangles[sided.pair.a.value].lanes);
     const bool strict = sided.a.allStrict() & sided.b.allStrict() & settles_;
     const bool drop = sided.a.allOnOne() & !margins_;
-    open_[open] = crossing_[crossing] = sided;
-    open += !drop & !strict;
-    crossing += !drop & strict;
+    open_[open_count_] = crossing_[crossing_count_] = sided;
+    open_count_ += !drop & !strict;
+    crossing_count_ += !drop & strict;
   }
-  open_.resize(open);
-  crossing_.resize(crossing);
 }
 
 // Of crossing_, four at a time; adds to open_ what is open.
 void PairScreen<Triangle>::settleCrossings(const std::vector<Prepared>& triangles,
                                            Screened<Triangle>& screened) {
-  for (std::size_t begin = 0; begin < crossing_.size(); begin += 4) {
-    const std::size_t count = std::min<std::size_t>(4, crossing_.size() - begin);
+  for (std::size_t begin = 0; begin < crossing_count_; begin += 4) {
+    const std::size_t count = std::min<std::size_t>(4, crossing_count_ - begin);
     CrossingPair four[4];
     for (std::size_t i = 0; i < 4; ++i) {
       const SidedPair& sided = crossing_[begin + std::min(i, count - 1)];
@@ -96,7 +101,7 @@ void PairScreen<Triangle>::settleCrossings(const std::vector<Prepared>& triangle
         screened.meeting.push_back(
             {triangles[sided.pair.a.value].triangle, triangles[sided.pair.b.value].triangle});
       } else {
-        open_.push_back(sided);
+        open_[open_count_++] = sided;
       }
     }
   }
@@ -108,7 +113,8 @@ void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPai
   const std::size_t separate = splitOff(triangles, pairs, count, neighbours);
   dropAside(triangles, pairs, separate);
   settleCrossings(triangles, screened);
-  for (const SidedPair& sided : open_) {
+  for (std::size_t i = 0; i < open_count_; ++i) {
+    const SidedPair& sided = open_[i];
     addCandidate(triangles[sided.pair.a.value], triangles[sided.pair.b.value], sided.a, sided.b,
                  screened.candidates);
   }

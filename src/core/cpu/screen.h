@@ -75,7 +75,8 @@ class PairScreen<Triangle> {
   bool margins_ = false;     // some body that takes part has one
   bool settles_ = false;     // float32 may decide
   std::vector<BoxPair> neighbours_;
-  std::vector<SidedPair> open_, crossing_;
+  std::vector<SidedPair> open_, crossing_;  // of which so many are in use:
+  std::size_t open_count_ = 0, crossing_count_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

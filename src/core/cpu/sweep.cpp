@@ -4,7 +4,6 @@
 
 #include "core/cpu/judge.h"
 #include "core/cpu/swept_judge.h"
-#include "core/parallel.h"
 #include "core/rules/ownership.h"
 
 namespace deformable_contact_monitor {
@@ -16,17 +15,21 @@ bool ClusterSweeper<Hull>::scan(std::uint32_t row, std::uint32_t begin, std::uin
   if (pace_.over(end - begin + kRow)) return false;
   if (begin == end) return true;
   output_.interval_overlaps += end - begin;
-  const std::size_t room = pair_count_ + (end - begin) + kScanChunk;
-  if (pairs_.size() < room) pairs_.resize(2 * room);
-  BoxPair* const found = &pairs_[pair_count_];
+  const std::size_t room = found_count_ + (end - begin) + kScanChunk;
+  if (found_.size() < room) found_.resize(2 * room);
+  SortedIndex* const found = &found_[found_count_];
+  std::size_t count;
   if constexpr (kIsMoving<Hull>) {
-    pair_count_ +=
-        scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), begin, end, found);
+    count = scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), begin, end, found);
   } else {
-    pair_count_ += scanRow(SortedIndex(row), sorted_.packed(0), begin, end, found);
+    count = scanRow(SortedIndex(row), sorted_.packed(0), begin, end, found);
   }
-  constexpr std::size_t kMostPairs = 1 << 18;  // bounds the memory of dense clusters
-  if (pair_count_ > kMostPairs) judgePairs();
+  if (count == 0) return true;
+  found_count_ += count;
+  rows_.push_back({SortedIndex(row), found_count_});
+  // Parts take a millisecond or two without their verdicts.
+  constexpr std::size_t kPart = kIsMoving<Hull> ? 1 << 12 : 1 << 16;
+  if (found_count_ >= kPart) judgeFound();
   return true;
 }
 
@@ -73,36 +76,41 @@ void ClusterSweeper<Hull>::sweepGroups() {
 
 // Whether the swept cluster is the one that reports the pair.
 template <class Hull>
-bool ClusterSweeper<Hull>::owns(const BoxPair& pair) const {
-  const LowerClusters a = sorted_.lower[pair.a.value], b = sorted_.lower[pair.b.value];
-  if ((a == kSeveralLower) | (b == kSeveralLower)) {
-    return ownsPair(sorted_.cluster.value, sorted_.clusters[pair.a.value],
-                    sorted_.clusters[pair.b.value]);
+bool ClusterSweeper<Hull>::owns(SortedIndex a, SortedIndex b) const {
+  const LowerClusters lower_a = sorted_.lower[a.value], lower_b = sorted_.lower[b.value];
+  if ((lower_a == kSeveralLower) | (lower_b == kSeveralLower)) {
+    return ownsPair(sorted_.cluster.value, sorted_.clusters[a.value], sorted_.clusters[b.value]);
   }
-  return (a != b) | (a == kNoLower);
+  return (lower_a != lower_b) | (lower_a == kNoLower);
 }
 
-// What was found so far, in parts that take a millisecond or two without their verdicts.
+// Of what was found, the pairs that this cluster owns and whose boxes intersect: the first of
+// pairs_ then. How many.
 template <class Hull>
-void ClusterSweeper<Hull>::judgePairs() {
-  constexpr std::size_t kPart = kIsMoving<Hull> ? 1 << 12 : 1 << 16;
-  serialBlocks(input_.limit, pair_count_, kPart, [this](std::size_t begin, std::size_t end) {
-    judgeSome(&pairs_[begin], end - begin);
-  });
-  pair_count_ = 0;
+std::size_t ClusterSweeper<Hull>::pairsOfBoxes() {
+  if (pairs_.size() < found_count_) pairs_.resize(found_.size());
+  BoxPair* next = pairs_.data();
+  std::size_t i = 0;
+  for (const FoundRow& row : rows_) {
+    const auto box = sorted_.boxes[row.row.value];
+    const bool owns_all = sorted_.lower[row.row.value] == kNoLower;
+    for (; i < row.end; ++i) {
+      const SortedIndex column = found_[i];
+      *next = {row.row, column};
+      next += intersects(box, sorted_.boxes[column.value]) & (owns_all || owns(row.row, column));
+    }
+  }
+  return static_cast<std::size_t>(next - pairs_.data());
 }
 
-// Boxes, owner and plane filters end the sweep, then come the verdicts. Leaves rubbish in `pairs`.
+// What was found since this was last called: boxes, owner and plane filters end the sweep, then come
+// the verdicts.
 template <class Hull>
-void ClusterSweeper<Hull>::judgeSome(BoxPair* pairs, std::size_t count) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const BoxPair pair = pairs[i];
-    pairs[kept] = pair;
-    kept += intersects(sorted_.boxes[pair.a.value], sorted_.boxes[pair.b.value]) & owns(pair);
-  }
+void ClusterSweeper<Hull>::judgeFound() {
   screened_.clear();
-  screen_.screen(sorted_.triangles, pairs, kept, screened_);
+  screen_.screen(sorted_.triangles, pairs_.data(), pairsOfBoxes(), screened_);
+  rows_.clear();
+  found_count_ = 0;
   output_.work.add(Stage::kSweep, watch_.lapMs());
   judgeCandidates(input_, screened_, output_);
   output_.work.add(Stage::kJudge, watch_.lapMs());
@@ -113,11 +121,13 @@ void ClusterSweeper<Hull>::sweep(ClusterIndex cluster) {
   const std::vector<std::uint32_t>& begin = input_.assignment.member_begin;
   if (begin[cluster.value] == begin[cluster.value + 1]) return;
   watch_ = Stopwatch();
+  rows_.clear();
+  found_count_ = 0;
   const bool is_sorted = sorter_.sort(cluster, sorted_);
   output_.work.add(Stage::kSort, watch_.lapMs());
   if (!is_sorted) return;
   sweepGroups();
-  judgePairs();
+  if (!input_.limit.over()) judgeFound();
 }
 
 template class ClusterSweeper<Triangle>;

@@ -32,10 +32,10 @@ class ClusterSweeper {
   void sweepGroups();
   void sweepWithin(const GroupRange& range);
   void sweepAcross(const GroupRange& rows, const GroupRange& columns, bool closed);
-  bool owns(const BoxPair& pair) const;
+  bool owns(SortedIndex a, SortedIndex b) const;
   bool scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
-  void judgePairs();
-  void judgeSome(BoxPair* pairs, std::size_t count);
+  std::size_t pairsOfBoxes();
+  void judgeFound();
 
   static constexpr std::uint64_t kLook = 1 << 17;  // columns between looks at the limit
 
@@ -44,8 +44,15 @@ class ClusterSweeper {
   ClusterSorter<Hull> sorter_;
   SortedCluster<Hull> sorted_;
   PairScreen<Hull> screen_;
-  std::vector<BoxPair> pairs_;  // of which pair_count_ are in use
-  std::size_t pair_count_ = 0;
+  // What a row found: up to `end` of found_, from where the row before ended.
+  struct FoundRow {
+    SortedIndex row;
+    std::size_t end;
+  };
+  std::vector<FoundRow> rows_;
+  std::vector<SortedIndex> found_;  // columns, of which found_count_ are in use
+  std::size_t found_count_ = 0;
+  std::vector<BoxPair> pairs_;
   Screened<Hull> screened_;
   Stopwatch watch_;
   CycleOutput<Hull> output_;
