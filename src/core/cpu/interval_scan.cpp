@@ -65,15 +65,22 @@ struct MovingRow {
 
 // Inlined, for then it is compiled for the processor of its caller.
 template <class Row>
-__attribute__((always_inline)) inline std::size_t scan(const Row& boxes, std::uint32_t begin,
-                                                       std::uint32_t end, SortedIndex* found) {
+__attribute__((always_inline)) inline ScanCounts scan(const Row& boxes, const ScanRange& range,
+                                                      SortedIndex* found) {
   static_assert(sizeof(EightPlaces) == 8 * sizeof(SortedIndex));
   SortedIndex* next = found;
-  for (std::uint32_t chunk = begin; chunk < end; chunk += kScanChunk) {
+  std::uint32_t overlaps = 0;
+  for (std::uint32_t chunk = range.begin; chunk < range.end && range.lo[chunk] <= range.most;
+       chunk += kScanChunk) {
     // A whole chunk without a branch.
+    const float* const lo = range.lo + chunk;
+    const std::uint32_t left = range.end - chunk;
     std::uint8_t met[kScanChunk];
-    for (std::size_t k = 0; k < kScanChunk; ++k) {
-      met[k] = (boxes.above(chunk, k) & boxes.below(chunk, k) & kPackedGuard) == kPackedGuard;
+    for (std::uint32_t k = 0; k < kScanChunk; ++k) {
+      const bool overlap = (lo[k] <= range.most) & (k < left);
+      overlaps += overlap;
+      met[k] = ((boxes.above(chunk, k) & boxes.below(chunk, k) & kPackedGuard) == kPackedGuard) &
+               overlap;
     }
     // Nor a branch on what was found: eight places are written, as many are kept as there are. The
     // product gathers the eight flags as bits (little-endian).
@@ -88,21 +95,20 @@ __attribute__((always_inline)) inline std::size_t scan(const Row& boxes, std::ui
       next += kFlags.count[flags];
     }
   }
-  while (next != found && next[-1].value >= end) --next;  // read on past the end
-  return static_cast<std::size_t>(next - found);
+  return {static_cast<std::size_t>(next - found), overlaps};
 }
 
 }  // namespace
 
-DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, const PackedColumns& boxes,
-                                    std::uint32_t begin, std::uint32_t end, SortedIndex* found) {
-  return scan(StillRow(boxes, row), begin, end, found);
+DCM_WIDE_CLONES ScanCounts scanRow(SortedIndex row, const PackedColumns& boxes,
+                                   const ScanRange& range, SortedIndex* found) {
+  return scan(StillRow(boxes, row), range, found);
 }
 
-DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, const PackedColumns& from,
-                                    const PackedColumns& to, std::uint32_t begin, std::uint32_t end,
-                                    SortedIndex* found) {
-  return scan(MovingRow{{from, row}, {to, row}}, begin, end, found);
+DCM_WIDE_CLONES ScanCounts scanRow(SortedIndex row, const PackedColumns& from,
+                                   const PackedColumns& to, const ScanRange& range,
+                                   SortedIndex* found) {
+  return scan(MovingRow{{from, row}, {to, row}}, range, found);
 }
 
 }  // namespace deformable_contact_monitor

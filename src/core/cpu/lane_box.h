@@ -24,6 +24,16 @@ inline bool intersects(const LaneBox& a, const LaneBox& b) {
   return laneBits((a.max < b.min) | (b.max < a.min)) == 0;
 }
 
+// Of a triangle, grown by growth_m >= 0 [m].
+inline LaneBox boxLanes(const Triangle& t, float growth_m) {
+  if (growth_m > 0) return inflated(boxOf(t), growth_m);
+  const FloatLanes a = laneCorner(t.v[0]), b = laneCorner(t.v[1]), c = laneCorner(t.v[2]);
+  LaneBox box;
+  box.min = least(least(a, b), c);
+  box.max = most(most(a, b), c);
+  return box;
+}
+
 struct LaneMovingBox {
   FloatLanes from_min, from_max, to_min, to_max;
 
@@ -35,6 +45,10 @@ struct LaneMovingBox {
         to_min(laneCorner(box.to.min)),
         to_max(laneCorner(box.to.max)) {}
 };
+
+inline LaneMovingBox boxLanes(const MovingTriangle& t, float growth_m) {
+  return inflated(boxOf(t), growth_m);
+}
 
 // As of MovingBox.
 inline bool intersects(const LaneMovingBox& a, const LaneMovingBox& b) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <new>
 
 #include "core/rules/ordered_bits.h"
 #include "core/rules/principal_axes.h"
@@ -80,7 +81,7 @@ void ClusterSorter<Hull>::layOut(ClusterIndex cluster, const ClusterMember<Hull>
   sorted.cluster = cluster;
   const auto count = static_cast<std::uint32_t>(order_.size());
   sorted.groups.clear();
-  sorted.lo.resize(count);
+  sorted.lo.resize(count + kScanChunk);
   sorted.hi.resize(count);
   for (int s = 0; s < kStates<Hull>; ++s) {
     sorted.packed_lo[s].resize(count + kScanChunk);
@@ -106,9 +107,9 @@ void ClusterSorter<Hull>::layOut(ClusterIndex cluster, const ClusterMember<Hull>
       sorted.packed_hi[s][i] = packed.hi;
     }
     // Not looked up: computing it is faster than a cache miss.
-    sorted.boxes[i] =
-        inflated(boxOf(member.posed), growthOf<Hull>(input_.scene.body(member.body.value)));
-    sorted.triangles[i] =
+    sorted.boxes[i] = boxLanes(member.posed, growthOf<Hull>(input_.scene.body(member.body.value)));
+    // In place, for by way of the stack it waits for each half-written vector.
+    new (&sorted.triangles[i])
         PreparedTriangle<Hull>(member.posed, member.vertex_id, member.triangle, member.body);
     sorted.clusters[i] = &input_.assignment.lists[member.list_begin];
     sorted.lower[i] =

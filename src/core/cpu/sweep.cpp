@@ -1,31 +1,30 @@
 #include "core/cpu/sweep.h"
 
-#include <algorithm>
-
 #include "core/cpu/judge.h"
 #include "core/cpu/swept_judge.h"
 #include "core/rules/ownership.h"
 
 namespace deformable_contact_monitor {
 
-// False once the limit is over.
+// The columns in [begin, end) whose intervals begin within the row's. False once the limit is over.
 template <class Hull>
 bool ClusterSweeper<Hull>::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-  constexpr std::uint32_t kRow = 16;  // what a row costs beside its columns, in columns
-  if (pace_.over(end - begin + kRow)) return false;
   if (begin == end) return true;
-  output_.interval_overlaps += end - begin;
   const std::size_t room = found_count_ + (end - begin) + kScanChunk;
   if (found_.size() < room) found_.resize(2 * room);
   SortedIndex* const found = &found_[found_count_];
-  std::size_t count;
+  const ScanRange range{sorted_.lo.data(), sorted_.hi[row], begin, end};
+  ScanCounts counts;
   if constexpr (kIsMoving<Hull>) {
-    count = scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), begin, end, found);
+    counts = scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), range, found);
   } else {
-    count = scanRow(SortedIndex(row), sorted_.packed(0), begin, end, found);
+    counts = scanRow(SortedIndex(row), sorted_.packed(0), range, found);
   }
-  if (count == 0) return true;
-  found_count_ += count;
+  output_.interval_overlaps += counts.overlaps;
+  constexpr std::uint32_t kRow = 16;  // what a row costs beside its columns, in columns
+  if (pace_.over(counts.overlaps + kRow)) return false;
+  if (counts.found == 0) return true;
+  found_count_ += counts.found;
   rows_.push_back({SortedIndex(row), found_count_});
   // Parts take a millisecond or two without their verdicts.
   constexpr std::size_t kPart = kIsMoving<Hull> ? 1 << 12 : 1 << 16;
@@ -36,10 +35,8 @@ bool ClusterSweeper<Hull>::scan(std::uint32_t row, std::uint32_t begin, std::uin
 // Each unordered pair once: the partner begins later in the order.
 template <class Hull>
 void ClusterSweeper<Hull>::sweepWithin(const GroupRange& range) {
-  const std::vector<float>& lo = sorted_.lo;
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
-    const auto last = std::upper_bound(lo.begin() + i + 1, lo.begin() + range.end, sorted_.hi[i]);
-    if (!scan(i, i + 1, static_cast<std::uint32_t>(last - lo.begin()))) return;
+    if (!scan(i, i + 1, range.end)) return;
   }
 }
 
@@ -48,15 +45,10 @@ template <class Hull>
 void ClusterSweeper<Hull>::sweepAcross(const GroupRange& rows, const GroupRange& columns,
                                        bool closed) {
   const std::vector<float>& lo = sorted_.lo;
-  const auto columns_end = lo.begin() + columns.end;
-  auto first = lo.begin() + columns.begin;
+  std::uint32_t first = columns.begin;
   for (std::uint32_t i = rows.begin; i < rows.end; ++i) {
-    while (first != columns_end && (closed ? *first < lo[i] : *first <= lo[i])) ++first;
-    const auto last = std::upper_bound(first, columns_end, sorted_.hi[i]);
-    if (!scan(i, static_cast<std::uint32_t>(first - lo.begin()),
-              static_cast<std::uint32_t>(last - lo.begin()))) {
-      return;
-    }
+    while (first != columns.end && (closed ? lo[first] < lo[i] : lo[first] <= lo[i])) ++first;
+    if (!scan(i, first, columns.end)) return;
   }
 }
 
