@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -57,6 +58,7 @@ class ClusterAssigner {
     std::vector<std::uint32_t> members;        // per cluster: how many; later: where they begin
   };
 
+  void markUsers(const WorkingSet& set, const SizeSplit& split, const CycleLimit& limit);
   template <class Hull>
   void findNearest(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
                    const std::vector<float>& slack, const CycleLimit& limit);
@@ -75,7 +77,8 @@ class ClusterAssigner {
   // Per state of a vertex, those of a vertex side by side:
   std::vector<Vec3f> scaled_;              // if it is in use
   std::vector<NearestPrototype> nearest_;  // from cycle to cycle, as guesses
-  std::vector<std::uint32_t> user_;        // per vertex: the body that uses it, or kUnused
+  // Per vertex: the body that uses it, or kUnused.
+  std::vector<std::atomic<std::uint32_t>> user_;
 };
 
 // Of each body [scaled].

@@ -1,11 +1,9 @@
 #include "core/cpu/cpu_detector.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <functional>
+#include <atomic>
 #include <tuple>
 
 #include "core/cpu/assign.h"
@@ -20,19 +18,42 @@
 #include "core/cpu/size_split.h"
 #include "core/cpu/sweep.h"
 #include "core/host_vertices.h"
+#include "core/parallel.h"
 #include "core/stages.h"
 #include "core/stopwatch.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// Large ones first, for no thread should begin one when the others are done.
+template <class Hull>
+std::vector<ClusterIndex> clustersBySize(const ClusterAssignment<Hull>& assignment) {
+  std::vector<ClusterIndex> clusters;
+  for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) clusters.emplace_back(g);
+  const auto size = [&assignment](ClusterIndex g) {
+    return assignment.member_begin[g.value + 1] - assignment.member_begin[g.value];
+  };
+  std::sort(clusters.begin(), clusters.end(), [&size](ClusterIndex a, ClusterIndex b) {
+    return size(a) != size(b) ? size(a) > size(b) : a < b;
+  });
+  return clusters;
+}
+
+// Each thread takes the next cluster as long as there is one.
 template <class Hull>
 void sweepClusters(const CycleInput<Hull>& input, CycleOutput<Hull>& output) {
-  tbb::enumerable_thread_specific<ClusterSweeper<Hull>> sweepers(std::cref(input));
-  tbb::parallel_for(std::size_t{0}, input.assignment.clusterCount(), [&](std::size_t g) {
-    if (!input.limit.over()) sweepers.local().sweep(ClusterIndex(static_cast<std::uint32_t>(g)));
+  const std::vector<ClusterIndex> clusters = clustersBySize(input.assignment);
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<CycleOutput<Hull>> outputs(std::min(threads, clusters.size()),
+                                         CycleOutput<Hull>(input));
+  std::atomic<std::size_t> next{0};
+  parallelBlocks(outputs.size(), 1, [&](std::size_t thread, std::size_t, std::size_t) {
+    ClusterSweeper<Hull> sweeper(input, outputs[thread]);
+    for (std::size_t i = next++; i < clusters.size() && !input.limit.over(); i = next++) {
+      sweeper.sweep(clusters[i]);
+    }
   });
-  for (ClusterSweeper<Hull>& sweeper : sweepers) output.take(sweeper.output());
+  for (CycleOutput<Hull>& part : outputs) output.take(part);
 }
 
 // Stages that run at the same time on several threads share the wall time as their work was.

@@ -37,7 +37,7 @@ void FanCertifier::certifyBody(const VertexFans& fans, std::uint32_t first, std:
   for (std::uint32_t v = 0; v < count; ++v) {
     if (id[v] != first + v) repeated_[v] = repeated_[id[v] - first] = 1;
   }
-  constexpr std::size_t kBlock = 4096;
+  constexpr std::size_t kBlock = 1024;
   parallelBlocks(limit, count, kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     const Vec3f* const vertices = set.vertices.data() + first;
     for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {

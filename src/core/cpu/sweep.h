@@ -19,14 +19,13 @@ namespace deformable_contact_monitor {
 template <class Hull>
 class ClusterSweeper {
  public:
-  explicit ClusterSweeper(const CycleInput<Hull>& input)
-      : input_(input), pace_(input.limit, kLook), sorter_(input), screen_(input), output_(input) {}
+  ClusterSweeper(const CycleInput<Hull>& input, CycleOutput<Hull>& output)
+      : input_(input), pace_(input.limit, kLook), sorter_(input), screen_(input), output_(output) {}
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
+  // Adds to the output.
   void sweep(ClusterIndex cluster);
-
-  CycleOutput<Hull>& output() { return output_; }
 
  private:
   void sweepGroups();
@@ -55,7 +54,7 @@ class ClusterSweeper {
   std::vector<BoxPair> pairs_;
   Screened<Hull> screened_;
   Stopwatch watch_;
-  CycleOutput<Hull> output_;
+  CycleOutput<Hull>& output_;
 };
 
 }  // namespace deformable_contact_monitor
