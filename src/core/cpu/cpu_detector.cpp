@@ -96,6 +96,7 @@ class CpuDetector : public Detector {
   Prototypes prototypes_;
   ClusterAssigner assigner_;
   std::tuple<ClusterAssignment<Triangle>, ClusterAssignment<MovingTriangle>> assignments_;
+  std::tuple<ContactWriter<Triangle>, ContactWriter<MovingTriangle>> writers_;
   DetectionResult result_;
 };
 
@@ -166,7 +167,8 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
   if (!limit.wasOver()) sweepLargeTriangles(input, output);
   addShares(output.work, watch.lapMs(), times);
 
-  writeContacts(scene, options, set_, output.contacts, limit, result_);
+  std::get<ContactWriter<Hull>>(writers_).write(scene, options, set_, output.contacts, limit,
+                                                result_);
   writeGeometry(scene, options, result_);
   countClusters<Hull>();
   countPairs(output);
