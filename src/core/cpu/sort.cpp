@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <new>
 
+#include "core/cpu/radix_sort.h"
 #include "core/rules/ordered_bits.h"
 #include "core/rules/principal_axes.h"
 
@@ -64,8 +64,7 @@ void ClusterSorter<Hull>::project(const ClusterMember<Hull>* members) {
 
 template <class Hull>
 void ClusterSorter<Hull>::order() {
-  sortWithin(input_.limit, order_.size(), std::less<std::uint64_t>(),
-             [this](const auto& less) { std::sort(order_.begin(), order_.end(), less); });
+  sortByUpperHalf(input_.limit, order_, scratch_);
   if (one_group_ || input_.limit.wasOver()) return;
   const auto by_group = [this](std::uint64_t a, std::uint64_t b) {
     return projected_[memberOf(a)].group < projected_[memberOf(b)].group;

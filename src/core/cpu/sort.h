@@ -76,7 +76,8 @@ class ClusterSorter {
   const CycleInput<Hull>& input_;
   PacedLimit pace_;
   std::vector<Projected> projected_;  // per member
-  std::vector<std::uint64_t> order_;  // where the member's interval begins, then the member
+  // Where the member's interval begins, then the member; the members ascending at first.
+  std::vector<std::uint64_t> order_, scratch_;
   bool one_group_ = true;
   Quantiser quantiser_[2];  // of the second and third axis
 };
