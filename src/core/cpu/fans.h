@@ -22,9 +22,10 @@ class FanCertifier {
   struct BodyFans {
     std::uint64_t topology_revision = 0;  // no body's
     VertexFans fans;
+    std::vector<std::uint32_t> fours;  // its vertices, as of foursAlike()
   };
 
-  void certifyBody(const VertexFans& fans, std::uint32_t first, std::uint32_t count,
+  void certifyBody(const BodyFans& body, std::uint32_t first, std::uint32_t count,
                    const CycleLimit& limit, WorkingSet& set);
 
   std::vector<BodyFans> bodies_;
