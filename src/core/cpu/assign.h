@@ -12,6 +12,7 @@
 #include "core/cpu/size_split.h"
 #include "core/cycle_limit.h"
 #include "core/index.h"
+#include "core/parallel.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -53,7 +54,7 @@ class ClusterAssigner {
 
  private:
   // Lists of one block of triangles, to be joined in order.
-  struct Block {
+  struct alignas(kOwnLines) Block {
     std::vector<std::uint32_t> length, lists;  // per triangle; joined
     std::vector<std::uint32_t> members;        // per cluster: how many; later: where they begin
   };

@@ -37,11 +37,13 @@ struct FiniteBound {
 
 // The box of all vertices; false if some coordinate is not finite, then the box is of no use.
 bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& box) {
-  constexpr std::size_t kBlock = kStep << 10;
+  constexpr std::size_t kBlock = kStep << 9;
   std::vector<FiniteBound> bounds(blockCount(xyz.size(), kBlock));
   parallelBlocks(limit, xyz.size(), kBlock,
                  [&](std::size_t b, std::size_t begin, std::size_t end) {
-                   bounds[b].add(&xyz[begin], end - begin);
+                   FiniteBound bound;
+                   bound.add(&xyz[begin], end - begin);
+                   bounds[b] = bound;
                  });
   for (const FiniteBound& bound : bounds) {
     for (std::size_t k = 0; k < kStep; k += 3) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <tuple>
 
 #include "core/cpu/assign.h"
@@ -41,14 +42,16 @@ std::vector<ClusterIndex> clustersBySize(const ClusterAssignment<Hull>& assignme
 
 // Each thread takes the next cluster as long as there is one.
 template <class Hull>
-void sweepClusters(const CycleInput<Hull>& input, CycleOutput<Hull>& output) {
+void sweepClusters(const CycleInput<Hull>& input, std::vector<SweepBuffers<Hull>>& buffers,
+                   CycleOutput<Hull>& output) {
   const std::vector<ClusterIndex> clusters = clustersBySize(input.assignment);
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::vector<CycleOutput<Hull>> outputs(std::min(threads, clusters.size()),
                                          CycleOutput<Hull>(input));
+  if (buffers.size() < outputs.size()) buffers.resize(outputs.size());
   std::atomic<std::size_t> next{0};
   parallelBlocks(outputs.size(), 1, [&](std::size_t thread, std::size_t, std::size_t) {
-    ClusterSweeper<Hull> sweeper(input, outputs[thread]);
+    ClusterSweeper<Hull> sweeper(input, buffers[thread], outputs[thread]);
     for (std::size_t i = next++; i < clusters.size() && !input.limit.over(); i = next++) {
       sweeper.sweep(clusters[i]);
     }
@@ -88,6 +91,8 @@ class CpuDetector : public Detector {
   }
 
   CpuSettings settings_;
+  std::optional<tbb::task_arena> arena_;  // of so many threads, as of Options::threads
+  int arena_threads_ = 0;
   WorkingSetBuilder builder_;
   WorkingSet set_;
   FanCertifier fans_;
@@ -96,6 +101,8 @@ class CpuDetector : public Detector {
   Prototypes prototypes_;
   ClusterAssigner assigner_;
   std::tuple<ClusterAssignment<Triangle>, ClusterAssignment<MovingTriangle>> assignments_;
+  std::tuple<std::vector<SweepBuffers<Triangle>>, std::vector<SweepBuffers<MovingTriangle>>>
+      sweep_buffers_;
   std::tuple<ContactWriter<Triangle>, ContactWriter<MovingTriangle>> writers_;
   DetectionResult result_;
 };
@@ -103,8 +110,13 @@ class CpuDetector : public Detector {
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   requireHostVertices(scene, backend());
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
+  if (!arena_ || arena_threads_ != options.threads) {
+    int threads = tbb::task_arena::automatic;
+    if (options.threads > 0) threads = options.threads;
+    arena_.emplace(threads);
+    arena_threads_ = options.threads;
+  }
+  arena_->execute([&] {
     if (options.motion == Motion::kSwept) {
       run<MovingTriangle>(scene, options);
     } else {
@@ -161,7 +173,7 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
   const CycleInput<Hull> input{scene,   set_,  split_, assignment<Hull>(), groups, slack,
                                options, limit, &room};
   CycleOutput<Hull> output(input);
-  sweepClusters(input, output);
+  sweepClusters(input, std::get<std::vector<SweepBuffers<Hull>>>(sweep_buffers_), output);
   addShares(output.work, watch.lapMs(), times);
   output.work = StageTimes();
   if (!limit.wasOver()) sweepLargeTriangles(input, output);

@@ -13,6 +13,7 @@
 #include "core/cycle_limit.h"
 #include "core/index.h"
 #include "core/options.h"
+#include "core/parallel.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/scene.h"
 #include "core/stages.h"
@@ -74,7 +75,7 @@ struct Screened<Triangle> {
 
 // What these stages add to, each thread to one of its own.
 template <class Hull>
-struct CycleOutput {
+struct alignas(kOwnLines) CycleOutput {
   ContactList<Hull> contacts;
   std::uint64_t interval_overlaps = 0, candidates = 0, exact = 0, undecided = 0;
   StageTimes work;  // of this thread

@@ -58,7 +58,7 @@ class LargeSweeper {
         large_(large),
         cluster_boxes_(cluster_boxes),
         pace_(input.limit, kLook),
-        screen_(input),
+        screen_(input, screen_buffers_),
         output_(output) {}
 
   // The i-th in the order along x.
@@ -113,6 +113,7 @@ class LargeSweeper {
   const std::vector<TriangleIndex>& large_;
   const std::vector<Aabb>& cluster_boxes_;
   PacedLimit pace_;
+  ScreenBuffers<Hull> screen_buffers_;
   PairScreen<Hull> screen_;
   Screened<Hull> screened_;
   Stopwatch watch_;

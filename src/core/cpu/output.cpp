@@ -83,13 +83,17 @@ void ContactWriter<Hull>::intoBuckets(std::size_t triangle_count, const CycleLim
   const std::size_t buckets = (triangle_count >> bucket_shift_) + 1;
   const std::size_t batch_size = std::max<std::size_t>(1, blockCount(parts_.size(), kBatches));
   const std::size_t batches = blockCount(parts_.size(), batch_size);
-  place_.assign(buckets * batches, 0);
+  // Each batch's in lines of its own.
+  constexpr std::size_t kRound = kOwnLines / sizeof(std::uint32_t);
+  const std::size_t stride = blockCount(buckets, kRound) * kRound;
+  place_.assign(stride * batches + kRound, 0);
   const auto forEach = [&](const auto& visit) {
     const auto visitBatch = [&](std::size_t batch, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end && !limit.over(); ++p) {
         const Part& part = parts_[p];
+        std::uint32_t* const place = &place_[stride * batch];
         for (std::size_t i = 0; i < part.size; ++i) {
-          visit(part.begin[i], place_[(part.begin[i].a.value >> bucket_shift_) * batches + batch]);
+          visit(part.begin[i], place[part.begin[i].a.value >> bucket_shift_]);
         }
       }
     };
@@ -101,7 +105,7 @@ void ContactWriter<Hull>::intoBuckets(std::size_t triangle_count, const CycleLim
   for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
     bucket_begin_[bucket] = total;
     for (std::size_t batch = 0; batch < batches; ++batch) {
-      std::uint32_t& place = place_[bucket * batches + batch];
+      std::uint32_t& place = place_[stride * batch + bucket];
       const std::uint32_t size = place;
       place = total;
       total += size;

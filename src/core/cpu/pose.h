@@ -11,6 +11,7 @@
 #include "core/cycle_limit.h"
 #include "core/detector.h"
 #include "core/index.h"
+#include "core/parallel.h"
 #include "core/predicates/aabb.h"
 #include "core/scene.h"
 
@@ -71,7 +72,7 @@ class WorkingSetBuilder {
 
  private:
   // What one block of a body's triangles contributes; unless every triangle of the body does.
-  struct Block {
+  struct alignas(kOwnLines) Block {
     std::vector<std::uint32_t> triangle;
     std::vector<Aabb> boxes;
     std::uint64_t rejected = 0;

@@ -21,10 +21,14 @@ bool isCertified(const Prepared& a, int shared_bits) {
 }  // namespace
 
 // In other modes what is open counts, so that all must be asked alike.
-PairScreen<Triangle>::PairScreen(const CycleInput<Triangle>& input)
+PairScreen<Triangle>::PairScreen(const CycleInput<Triangle>& input,
+                                 ScreenBuffers<Triangle>& buffers)
     : input_(input),
       margins_(input.scene.anyMargin()),
-      settles_(!margins_ && input.options.predicates == Predicates::kExact) {}
+      settles_(!margins_ && input.options.predicates == Predicates::kExact),
+      neighbours_(buffers.neighbours),
+      open_(buffers.open),
+      crossing_(buffers.crossing) {}
 
 // The pairs that share a vertex and may meet beyond it to neighbours_; how many share none: they are
 // the first of `pairs` then.

@@ -31,14 +31,30 @@ struct PreparedTriangle<Triangle> {
       : lanes(posed), vertex_id(identityLanes(id)), plane(posed), triangle(t), body(body_of_t) {}
 };
 
-// Keeps its buffers from call to call. One per thread and cycle.
+// What a screen works in. One per thread, from cycle to cycle.
+template <class Hull>
+struct ScreenBuffers;
+
+template <>
+struct ScreenBuffers<Triangle> {
+  // A pair, and on which side of the other's plane the vertices are.
+  struct SidedPair {
+    BoxPair pair;
+    PlaneSides a, b;
+  };
+
+  std::vector<BoxPair> neighbours;
+  std::vector<SidedPair> open, crossing;
+};
+
+// One per thread and cycle.
 template <class Hull>
 class PairScreen;
 
 template <>
 class PairScreen<Triangle> {
  public:
-  explicit PairScreen(const CycleInput<Triangle>& input);
+  PairScreen(const CycleInput<Triangle>& input, ScreenBuffers<Triangle>& buffers);
 
   // Adds those of the pairs, positions in `triangles`, that are candidates; all of a row one after
   // the other. Leaves rubbish behind in `pairs`. Filter by filter over all of them, so that the usual
@@ -51,11 +67,7 @@ class PairScreen<Triangle> {
               std::vector<Candidate<Triangle>>& candidates) const;
 
  private:
-  // A pair, and on which side of the other's plane the vertices are.
-  struct SidedPair {
-    BoxPair pair;
-    PlaneSides a, b;
-  };
+  using SidedPair = ScreenBuffers<Triangle>::SidedPair;
 
   std::size_t splitOff(const std::vector<PreparedTriangle<Triangle>>& triangles, BoxPair* pairs,
                        std::size_t count, std::size_t& neighbours);
@@ -74,8 +86,8 @@ class PairScreen<Triangle> {
   const CycleInput<Triangle>& input_;
   bool margins_ = false;     // some body that takes part has one
   bool settles_ = false;     // float32 may decide
-  std::vector<BoxPair> neighbours_;
-  std::vector<SidedPair> open_, crossing_;  // of which so many are in use:
+  std::vector<BoxPair>& neighbours_;
+  std::vector<SidedPair>&open_, &crossing_;  // of which so many are in use:
   std::size_t open_count_ = 0, crossing_count_ = 0;
 };
 

@@ -47,17 +47,9 @@ struct SortedCluster {
   }
 };
 
-// Keeps its buffers from cluster to cluster. One per thread and cycle.
+// What a sorter works in. One per thread, from cycle to cycle.
 template <class Hull>
-class ClusterSorter {
- public:
-  explicit ClusterSorter(const CycleInput<Hull>& input)
-      : input_(input), pace_(input.limit, kLook) {}
-
-  // False if the limit was over: then `sorted` is of no use.
-  bool sort(ClusterIndex cluster, SortedCluster<Hull>& sorted);
-
- private:
+struct SortBuffers {
   // What is computed for a member before its place in the order is known.
   struct Projected {
     std::uint32_t group;
@@ -65,6 +57,28 @@ class ClusterSorter {
     Interval interval;                  // along the first axis, of all states
     Interval across[kStates<Hull>][2];  // along the other two
   };
+
+  std::vector<Projected> projected;  // per member
+  // Where the member's interval begins, then the member; the members ascending at first.
+  std::vector<std::uint64_t> order, scratch;
+};
+
+// One per thread and cycle.
+template <class Hull>
+class ClusterSorter {
+ public:
+  ClusterSorter(const CycleInput<Hull>& input, SortBuffers<Hull>& buffers)
+      : input_(input),
+        pace_(input.limit, kLook),
+        projected_(buffers.projected),
+        order_(buffers.order),
+        scratch_(buffers.scratch) {}
+
+  // False if the limit was over: then `sorted` is of no use.
+  bool sort(ClusterIndex cluster, SortedCluster<Hull>& sorted);
+
+ private:
+  using Projected = typename SortBuffers<Hull>::Projected;
 
   void project(const ClusterMember<Hull>* members);
   void order();
@@ -75,9 +89,8 @@ class ClusterSorter {
 
   const CycleInput<Hull>& input_;
   PacedLimit pace_;
-  std::vector<Projected> projected_;  // per member
-  // Where the member's interval begins, then the member; the members ascending at first.
-  std::vector<std::uint64_t> order_, scratch_;
+  std::vector<Projected>& projected_;
+  std::vector<std::uint64_t>&order_, &scratch_;
   bool one_group_ = true;
   Quantiser quantiser_[2];  // of the second and third axis
 };

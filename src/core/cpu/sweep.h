@@ -13,14 +13,42 @@
 
 namespace deformable_contact_monitor {
 
-// Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache; keeps its
-// buffers from cluster to cluster. Gives up once the limit is over. One per thread and cycle.
-// Hull: as in hull.h.
+// What a row of the sweep found: columns up to `end` of all that were found, from where the row
+// before ended.
+struct FoundRow {
+  SortedIndex row;
+  std::size_t end;
+};
+
+// What a sweeper works in. One per thread, from cycle to cycle. Hull: as in hull.h, here and below.
+template <class Hull>
+struct alignas(kOwnLines) SweepBuffers {
+  SortBuffers<Hull> sort;
+  SortedCluster<Hull> sorted;
+  std::vector<FoundRow> rows;
+  std::vector<SortedIndex> found;
+  std::vector<BoxPair> pairs;
+  ScreenBuffers<Hull> screen;
+  Screened<Hull> screened;
+};
+
+// Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache. Gives up
+// once the limit is over. One per thread and cycle.
 template <class Hull>
 class ClusterSweeper {
  public:
-  ClusterSweeper(const CycleInput<Hull>& input, CycleOutput<Hull>& output)
-      : input_(input), pace_(input.limit, kLook), sorter_(input), screen_(input), output_(output) {}
+  ClusterSweeper(const CycleInput<Hull>& input, SweepBuffers<Hull>& buffers,
+                 CycleOutput<Hull>& output)
+      : input_(input),
+        pace_(input.limit, kLook),
+        sorter_(input, buffers.sort),
+        sorted_(buffers.sorted),
+        screen_(input, buffers.screen),
+        rows_(buffers.rows),
+        found_(buffers.found),
+        pairs_(buffers.pairs),
+        screened_(buffers.screened),
+        output_(output) {}
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
@@ -41,18 +69,13 @@ class ClusterSweeper {
   const CycleInput<Hull>& input_;
   PacedLimit pace_;
   ClusterSorter<Hull> sorter_;
-  SortedCluster<Hull> sorted_;
+  SortedCluster<Hull>& sorted_;
   PairScreen<Hull> screen_;
-  // What a row found: up to `end` of found_, from where the row before ended.
-  struct FoundRow {
-    SortedIndex row;
-    std::size_t end;
-  };
-  std::vector<FoundRow> rows_;
-  std::vector<SortedIndex> found_;  // columns, of which found_count_ are in use
+  std::vector<FoundRow>& rows_;
+  std::vector<SortedIndex>& found_;  // of which found_count_ are in use
   std::size_t found_count_ = 0;
-  std::vector<BoxPair> pairs_;
-  Screened<Hull> screened_;
+  std::vector<BoxPair>& pairs_;
+  Screened<Hull>& screened_;
   Stopwatch watch_;
   CycleOutput<Hull>& output_;
 };

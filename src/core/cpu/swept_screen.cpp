@@ -4,8 +4,12 @@
 
 namespace deformable_contact_monitor {
 
-PairScreen<MovingTriangle>::PairScreen(const CycleInput<MovingTriangle>& input)
-    : input_(input), pads_(input.scene.anyPad()) {}
+PairScreen<MovingTriangle>::PairScreen(const CycleInput<MovingTriangle>& input,
+                                       ScreenBuffers<MovingTriangle>& buffers)
+    : input_(input),
+      pads_(input.scene.anyPad()),
+      lanes_(buffers.lanes),
+      separate_(buffers.separate) {}
 
 void PairScreen<MovingTriangle>::screen(
     const std::vector<PreparedTriangle<MovingTriangle>>& triangles, BoxPair* pairs,

@@ -24,7 +24,7 @@ std::uint64_t hashOf(const MovingPoint& p) {
 template <class Vertices>
 void VertexIdentity::identifyAll(const Vertices& at, std::size_t vertex_count,
                                  std::vector<std::uint32_t>& least_equal, const CycleLimit& limit) {
-  constexpr std::size_t kBlock = 4096;
+  constexpr std::size_t kBlock = 2048;
   const auto count = static_cast<std::uint32_t>(vertex_count);
   std::size_t size = 16;
   while (size < 2 * std::size_t{count}) size *= 2;

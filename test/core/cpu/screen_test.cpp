@@ -81,7 +81,8 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
     const BodyGroups groups(scene);
     const std::vector<float> slack = scaledSlacks(scene, split.scale);
     const CycleInput<Triangle> input{scene, set, split, assignment, groups, slack, options};
-    PairScreen<Triangle> screen(input);
+    ScreenBuffers<Triangle> buffers;
+    PairScreen<Triangle> screen(input, buffers);
 
     std::vector<PreparedTriangle<Triangle>> triangles;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
