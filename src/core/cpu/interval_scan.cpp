@@ -2,12 +2,7 @@
 
 #include <cstring>
 
-// Wide vectors where the processor has them. ThreadSanitizer is not up yet when clones are chosen.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define DCM_WIDE_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define DCM_WIDE_CLONES
-#endif
+#include "core/cpu/wide_clones.h"
 
 namespace deformable_contact_monitor {
 namespace {

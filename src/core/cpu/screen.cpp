@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/cpu/lane_crossing.h"
+#include "core/cpu/wide_clones.h"
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/margins.h"
 
@@ -10,12 +11,49 @@ namespace deformable_contact_monitor {
 namespace {
 
 using Prepared = PreparedTriangle<Triangle>;
+using SidedPair = ScreenBuffers<Triangle>::SidedPair;
 
 // Whether one of these vertices has a certified fan: then triangles that share it meet in what they
 // share alone.
 bool isCertified(const Prepared& a, int shared_bits) {
   static_assert(kFanCertified == std::uint32_t{1} << 31, "the sign");
   return (laneBits(a.vertex_id < 0) & shared_bits) != 0;
+}
+
+// Fills `left` with the pairs that the rows' planes do not part, or with all; how many. A row's plane
+// stays in registers.
+DCM_WIDE_CLONES std::size_t dropByRows(const Prepared* triangles, const BoxPair* pairs,
+                                       std::size_t count, bool all, SidedPair* left) {
+  SidedPair* next = left;
+  for (std::size_t i = 0; i < count;) {
+    const SortedIndex row = pairs[i].a;
+    const PlaneFilter plane = triangles[row.value].plane;
+    for (; i < count && pairs[i].a == row; ++i) {
+      const PlaneSides sides = sidesOf(plane, triangles[pairs[i].b.value].lanes);
+      *next = {pairs[i], {}, sides};
+      next += !sides.allOnOne() | all;
+    }
+  }
+  return static_cast<std::size_t>(next - left);
+}
+
+// Of `open`, those that the columns' planes do not part, or all: where `settles`, to `crossing` if no
+// vertex may lie in a plane; the others are the first of `open` then.
+DCM_WIDE_CLONES void dropByColumns(const Prepared* triangles, std::size_t count, bool all,
+                                   bool settles, SidedPair* open, std::size_t& open_count,
+                                   SidedPair* crossing, std::size_t& crossing_count) {
+  std::size_t opens = 0, crossings = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    SidedPair sided = open[i];
+    sided.a = sidesOf(triangles[sided.pair.b.value].plane, triangles[sided.pair.a.value].lanes);
+    const bool strict = sided.a.allStrict() & sided.b.allStrict() & settles;
+    const bool keep = !sided.a.allOnOne() | all;
+    open[opens] = crossing[crossings] = sided;
+    opens += keep & !strict;
+    crossings += keep & strict;
+  }
+  open_count = opens;
+  crossing_count = crossings;
 }
 
 }  // namespace
@@ -54,34 +92,17 @@ std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangle
   return separate;
 }
 
-// Those that no plane parts: to crossing_, or, where a vertex may lie in a plane, to open_. First by
-// the rows' planes, for a row's stays in registers.
+// Those that no plane parts: to crossing_, or, where a vertex may lie in a plane, to open_.
 void PairScreen<Triangle>::dropAside(const std::vector<Prepared>& triangles, const BoxPair* pairs,
                                      std::size_t count) {
   if (open_.size() < count) {
     open_.resize(count);
     crossing_.resize(count);
   }
-  std::size_t left = 0;
+  const std::size_t left = dropByRows(triangles.data(), pairs, count, margins_, open_.data());
   open_count_ = crossing_count_ = 0;
-  for (std::size_t i = 0; i < count;) {
-    const SortedIndex row = pairs[i].a;
-    const PlaneFilter plane = triangles[row.value].plane;
-    for (; i < count && pairs[i].a == row; ++i) {
-      const PlaneSides sides = sidesOf(plane, triangles[pairs[i].b.value].lanes);
-      open_[left] = {pairs[i], {}, sides};
-      left += !sides.allOnOne() | margins_;
-    }
-  }
-  for (std::size_t i = 0; i < left; ++i) {
-    SidedPair sided = open_[i];
-    sided.a = sidesOf(triangles[sided.pair.b.value].plane, triangles[sided.pair.a.value].lanes);
-    const bool strict = sided.a.allStrict() & sided.b.allStrict() & settles_;
-    const bool drop = sided.a.allOnOne() & !margins_;
-    open_[open_count_] = crossing_[crossing_count_] = sided;
-    open_count_ += !drop & !strict;
-    crossing_count_ += !drop & strict;
-  }
+  dropByColumns(triangles.data(), left, margins_, settles_, open_.data(), open_count_,
+                crossing_.data(), crossing_count_);
 }
 
 // Of crossing_, four at a time; adds to open_ what is open.
