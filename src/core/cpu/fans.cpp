@@ -1,5 +1,6 @@
 #include "core/cpu/fans.h"
 
+#include <atomic>
 #include <cstddef>
 
 #include "core/cpu/lane_fan.h"
@@ -7,15 +8,31 @@
 #include "core/predicates/vertex_fan.h"
 
 namespace deformable_contact_monitor {
+
+// Fills repeated_; leaves it empty where no vertex is.
+void FanCertifier::markRepeated(const std::uint32_t* id, std::uint32_t first, std::uint32_t count,
+                                const CycleLimit& limit) {
+  constexpr std::size_t kBlock = 4096;
+  repeated_.clear();
+  std::atomic<bool> any{false};
+  parallelBlocks(limit, count, kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    bool here = false;
+    for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) here |= id[v] != first + v;
+    if (here) any.store(true, std::memory_order_relaxed);
+  });
+  if (!any) return;
+  repeated_.resize(count);
+  for (std::uint32_t v = 0; v < count; ++v) {
+    if (id[v] != first + v) repeated_[v] = repeated_[id[v] - first] = 1;
+  }
+}
+
 // No vertex of another index has the same place in the mesh as one that is not repeated: so the
 // ring tells of all triangles there.
 void FanCertifier::certifyBody(const BodyFans& body, std::uint32_t first, std::uint32_t count,
                                const CycleLimit& limit, WorkingSet& set) {
   std::uint32_t* const id = set.vertex_id.data() + first;
-  repeated_.assign(count, 0);
-  for (std::uint32_t v = 0; v < count; ++v) {
-    if (id[v] != first + v) repeated_[v] = repeated_[id[v] - first] = 1;
-  }
+  markRepeated(id, first, count, limit);
   constexpr std::size_t kBlock = 256;  // fours
   const Vec3f* const vertices = set.vertices.data() + first;
   const auto certifyBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -23,7 +40,8 @@ void FanCertifier::certifyBody(const BodyFans& body, std::uint32_t first, std::u
       const std::uint32_t* const four = &body.fours[4 * i];
       const int certified = laneBits(areFansCertified(body.fans, four, vertices));
       for (int k = 0; k < 4; ++k) {
-        if ((certified >> k & 1) != 0 && repeated_[four[k]] == 0) id[four[k]] |= kFanCertified;
+        const bool repeated = !repeated_.empty() && repeated_[four[k]] != 0;
+        if ((certified >> k & 1) != 0 && !repeated) id[four[k]] |= kFanCertified;
       }
     }
   };

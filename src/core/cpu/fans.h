@@ -25,11 +25,13 @@ class FanCertifier {
     std::vector<std::uint32_t> fours;  // its vertices, as of foursAlike()
   };
 
+  void markRepeated(const std::uint32_t* id, std::uint32_t first, std::uint32_t count,
+                    const CycleLimit& limit);
   void certifyBody(const BodyFans& body, std::uint32_t first, std::uint32_t count,
                    const CycleLimit& limit, WorkingSet& set);
 
   std::vector<BodyFans> bodies_;
-  std::vector<char> repeated_;  // per vertex of a body: another one equals it
+  std::vector<char> repeated_;  // per vertex of a body: another one equals it; empty: of none
 };
 
 }  // namespace deformable_contact_monitor

@@ -40,17 +40,18 @@ struct Usual {
 Usual measure(const WorkingSet& set) {
   constexpr std::size_t kSample = 2048;
   const std::size_t count = std::min(set.size(), kSample);
-  const auto box = [&](std::size_t i) -> const Aabb& { return set.boxes[i * set.size() / count]; };
-  Usual usual;
-  std::vector<double> values(count);
   const auto medianOf = [&](const auto& value) {
-    for (std::size_t i = 0; i < count; ++i) values[i] = value(box(i));
+    std::vector<double> values(count);
+    for (std::size_t i = 0; i < count; ++i) values[i] = value(set.boxes[i * set.size() / count]);
     return median(values);
   };
-  usual.origin = {medianOf([](const Aabb& b) { return middleOf(b).x; }),
-                  medianOf([](const Aabb& b) { return middleOf(b).y; }),
-                  medianOf([](const Aabb& b) { return middleOf(b).z; })};
-  usual.extent = medianOf(largestSide);
+  Usual usual;
+  parallelBlocks(4, 1, [&](std::size_t what, std::size_t, std::size_t) {
+    if (what == 0) usual.origin.x = medianOf([](const Aabb& b) { return middleOf(b).x; });
+    if (what == 1) usual.origin.y = medianOf([](const Aabb& b) { return middleOf(b).y; });
+    if (what == 2) usual.origin.z = medianOf([](const Aabb& b) { return middleOf(b).z; });
+    if (what == 3) usual.extent = medianOf(largestSide);
+  });
   usual.reach = medianOf([&](const Aabb& b) { return reachFrom(usual.origin, b); });
   return usual;
 }
