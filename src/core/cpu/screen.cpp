@@ -73,6 +73,7 @@ PairScreen<Triangle>::PairScreen(const CycleInput<Triangle>& input,
 std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangles, BoxPair* pairs,
                                            std::size_t count, std::size_t& neighbours) {
   if (neighbours_.size() < count) neighbours_.resize(count);
+  const bool wants_neighbours = input_.options.adjacent == AdjacentPairs::kBeyondShared;
   std::size_t separate = 0;
   neighbours = 0;
   for (std::size_t i = 0; i < count;) {
@@ -84,7 +85,7 @@ std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangle
       const IntLanes shared = (other == id[0]) | (other == id[1]) | (other == id[2]);
       const bool share = laneBits(shared) != 0;
       neighbours_[neighbours] = pair;
-      neighbours += share & (laneBits(shared & other) == 0);
+      neighbours += share & wants_neighbours & (laneBits(shared & other) == 0);
       pairs[separate] = pair;
       separate += !share;
     }
