@@ -39,12 +39,11 @@ struct FiniteBound {
 bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& box) {
   constexpr std::size_t kBlock = kStep << 9;
   std::vector<FiniteBound> bounds(blockCount(xyz.size(), kBlock));
-  parallelBlocks(limit, xyz.size(), kBlock,
-                 [&](std::size_t b, std::size_t begin, std::size_t end) {
-                   FiniteBound bound;
-                   bound.add(&xyz[begin], end - begin);
-                   bounds[b] = bound;
-                 });
+  parallelBlocks(limit, xyz.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
+    FiniteBound bound;
+    bound.add(&xyz[begin], end - begin);
+    bounds[b] = bound;
+  });
   for (const FiniteBound& bound : bounds) {
     for (std::size_t k = 0; k < kStep; k += 3) {
       box.include(Aabb{{bound.lo[k], bound.lo[k + 1], bound.lo[k + 2]},

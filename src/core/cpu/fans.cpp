@@ -61,8 +61,8 @@ void FanCertifier::certify(const Scene& scene, WorkingSet& set, const CycleLimit
       if (!known.fans.begin.empty()) known.fours = foursAlike(known.fans);
       known.topology_revision = body.topology_revision;
     }
-    certifyBody(known, set.first_vertex[id],
-                static_cast<std::uint32_t>(body.mesh.vertexCount()), limit, set);
+    certifyBody(known, set.first_vertex[id], static_cast<std::uint32_t>(body.mesh.vertexCount()),
+                limit, set);
   }
 }
 

@@ -1,4 +1,5 @@
-// Whether triangles that cross each other's planes meet: float32 determinants of four pairs at once.
+// Whether triangles that cross each other's planes meet: float32 determinants of four pairs at
+// once.
 #pragma once
 
 #include <cstdint>

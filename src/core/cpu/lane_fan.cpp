@@ -4,48 +4,15 @@
 #include <array>
 #include <cstddef>
 
+#include "core/cpu/lane_product.h"
+
 namespace deformable_contact_monitor {
 namespace {
-
-struct LanePoint {
-  FloatLanes x, y, z;
-};
-
-LanePoint operator-(const LanePoint& p, const LanePoint& q) {
-  return {p.x - q.x, p.y - q.y, p.z - q.z};
-}
 
 LanePoint spread(const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
   return {FloatLanes{p.x, q.x, r.x, s.x}, FloatLanes{p.y, q.y, r.y, s.y},
           FloatLanes{p.z, q.z, r.z, s.z}};
 }
-
-FloatLanes sizeOf(const FloatLanes& x) { return most(x, -x); }
-
-// As detail::EdgeProduct.
-struct LaneProduct {
-  LanePoint value, permanent;
-
-  LaneProduct() = default;
-  LaneProduct(const LanePoint& u, const LanePoint& w) {
-    const FloatLanes m1 = u.y * w.z, m2 = u.z * w.y, m3 = u.z * w.x;
-    const FloatLanes m4 = u.x * w.z, m5 = u.x * w.y, m6 = u.y * w.x;
-    value = {m1 - m2, m3 - m4, m5 - m6};
-    permanent = {sizeOf(m1) + sizeOf(m2) + 1e-37F, sizeOf(m3) + sizeOf(m4) + 1e-37F,
-                 sizeOf(m5) + sizeOf(m6) + 1e-37F};
-  }
-
-  void turn(const LanePoint& normal, IntLanes& left, IntLanes& right) const {
-    constexpr float kBound = 4.3e-7F;
-    const FloatLanes seen = normal.x * value.x + normal.y * value.y + normal.z * value.z;
-    const FloatLanes error =
-        kBound * (permanent.x * sizeOf(normal.x) + permanent.y * sizeOf(normal.y) +
-                  permanent.z * sizeOf(normal.z)) +
-        1e-36F;
-    left = seen > error;
-    right = seen < -error;
-  }
-};
 
 std::uint32_t ringSize(const VertexFans& fans, std::uint32_t v) {
   return fans.begin[v + 1] - fans.begin[v];
@@ -92,20 +59,20 @@ IntLanes areFansCertified(const VertexFans& fans, const std::uint32_t four[4],
             centre;
     if (k == 0) continue;
     product[k] = LaneProduct(to[k - 1], to[k]);
-    const LanePoint& value = product[k].value;
+    const LanePoint& value = product[k].value();
     normal = {normal.x + value.x, normal.y + value.y, normal.z + value.z};
   }
+  constexpr auto sizeOf = LaneProduct::sizeOf;
   const FloatLanes scale = most(most(sizeOf(normal.x), sizeOf(normal.y)), sizeOf(normal.z));
   const FloatLanes share = 1 / scale;
   normal = {normal.x * share, normal.y * share, normal.z * share};
-  IntLanes certified = ~IntLanes{}, ahead{}, left, right;
+  IntLanes certified = ~IntLanes{}, ahead{};
   for (std::uint32_t k = 1; k < size; ++k) {
-    product[k].turn(normal, left, right);
-    certified &= left;
+    certified &= product[k].signWith(normal).positive;
     if (k >= last) continue;
-    LaneProduct(to[0], to[k]).turn(normal, left, right);
-    if (k > 1) certified &= ahead | right;
-    ahead = left;
+    const LaneSigns side = LaneProduct(to[0], to[k]).signWith(normal);
+    if (k > 1) certified &= ahead | side.negative;
+    ahead = side.positive;
   }
   return certified;
 }

@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kBatches = 16;  // of parts, at most: each has its own places in the buckets
 
 // Of the i-th up to the last contact of a list, whose first triangles are in one range of 2^shift:
-// sorts them by (a, b), by a counting sort and then each triangle's few by comparison. Where the limit
-// was over, in any order. `sorted`, `begin`: scratch.
+// sorts them by (a, b), by a counting sort and then each triangle's few by comparison. Where the
+// limit was over, in any order. `sorted`, `begin`: scratch.
 template <class Hull>
 void sortBucket(const WorkingContact<Hull>* contacts, std::size_t count, unsigned shift,
                 const CycleLimit& limit, std::vector<WorkingContact<Hull>>& sorted,

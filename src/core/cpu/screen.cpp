@@ -20,8 +20,8 @@ bool isCertified(const Prepared& a, int shared_bits) {
   return (laneBits(a.vertex_id < 0) & shared_bits) != 0;
 }
 
-// Fills `left` with the pairs that the rows' planes do not part, or with all; how many. A row's plane
-// stays in registers.
+// Fills `left` with the pairs that the rows' planes do not part, or with all; how many. A row's
+// plane stays in registers.
 DCM_WIDE_CLONES std::size_t dropByRows(const Prepared* triangles, const BoxPair* pairs,
                                        std::size_t count, bool all, SidedPair* left) {
   SidedPair* next = left;
@@ -37,8 +37,8 @@ DCM_WIDE_CLONES std::size_t dropByRows(const Prepared* triangles, const BoxPair*
   return static_cast<std::size_t>(next - left);
 }
 
-// Of `open`, those that the columns' planes do not part, or all: where `settles`, to `crossing` if no
-// vertex may lie in a plane; the others are the first of `open` then.
+// Of `open`, those that the columns' planes do not part, or all: where `settles`, to `crossing` if
+// no vertex may lie in a plane; the others are the first of `open` then.
 DCM_WIDE_CLONES void dropByColumns(const Prepared* triangles, std::size_t count, bool all,
                                    bool settles, SidedPair* open, std::size_t& open_count,
                                    SidedPair* crossing, std::size_t& crossing_count) {
@@ -68,8 +68,8 @@ PairScreen<Triangle>::PairScreen(const CycleInput<Triangle>& input,
       open_(buffers.open),
       crossing_(buffers.crossing) {}
 
-// The pairs that share a vertex and may meet beyond it to neighbours_; how many share none: they are
-// the first of `pairs` then.
+// The pairs that share a vertex and may meet beyond it to neighbours_; how many share none: they
+// are the first of `pairs` then.
 std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangles, BoxPair* pairs,
                                            std::size_t count, std::size_t& neighbours) {
   if (neighbours_.size() < count) neighbours_.resize(count);

@@ -57,8 +57,8 @@ class PairScreen<Triangle> {
   PairScreen(const CycleInput<Triangle>& input, ScreenBuffers<Triangle>& buffers);
 
   // Adds those of the pairs, positions in `triangles`, that are candidates; all of a row one after
-  // the other. Leaves rubbish behind in `pairs`. Filter by filter over all of them, so that the usual
-  // outcomes cost no mispredicted branch.
+  // the other. Leaves rubbish behind in `pairs`. Filter by filter over all of them, so that the
+  // usual outcomes cost no mispredicted branch.
   void screen(const std::vector<PreparedTriangle<Triangle>>& triangles, BoxPair* pairs,
               std::size_t count, Screened<Triangle>& screened);
 
@@ -84,8 +84,8 @@ class PairScreen<Triangle> {
                         std::vector<Candidate<Triangle>>& candidates) const;
 
   const CycleInput<Triangle>& input_;
-  bool margins_ = false;     // some body that takes part has one
-  bool settles_ = false;     // float32 may decide
+  bool margins_ = false;  // some body that takes part has one
+  bool settles_ = false;  // float32 may decide
   std::vector<BoxPair>& neighbours_;
   std::vector<SidedPair>&open_, &crossing_;  // of which so many are in use:
   std::size_t open_count_ = 0, crossing_count_ = 0;

@@ -63,15 +63,14 @@ void list(const WorkingSet& set, const std::vector<std::size_t>& large_in, std::
   std::partial_sum(large_in.begin(), large_in.end(), large_before.begin() + 1);
   split.large.resize(large_before.back());
   split.regular.resize(set.size() - large_before.back());
-  parallelBlocks(limit, set.size(), block_size,
-                 [&](std::size_t b, std::size_t begin, std::size_t end) {
-                   std::size_t large = large_before[b], regular = begin - large;
-                   for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-                     const bool is_large = large_in[b] > 0 && split.rule.isLarge(set.boxes[i]);
-                     (is_large ? split.large[large++] : split.regular[regular++]) =
-                         TriangleIndex(i);
-                   }
-                 });
+  parallelBlocks(
+      limit, set.size(), block_size, [&](std::size_t b, std::size_t begin, std::size_t end) {
+        std::size_t large = large_before[b], regular = begin - large;
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+          const bool is_large = large_in[b] > 0 && split.rule.isLarge(set.boxes[i]);
+          (is_large ? split.large[large++] : split.regular[regular++]) = TriangleIndex(i);
+        }
+      });
 }
 
 }  // namespace

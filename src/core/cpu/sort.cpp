@@ -111,8 +111,7 @@ void ClusterSorter<Hull>::layOut(ClusterIndex cluster, const ClusterMember<Hull>
     new (&sorted.triangles[i])
         PreparedTriangle<Hull>(member.posed, member.vertex_id, member.triangle, member.body);
     sorted.clusters[i] = &input_.assignment.lists[member.list_begin];
-    sorted.lower[i] =
-        member.list_size == 1 ? kNoLower : lowerThan(cluster, sorted.clusters[i]);
+    sorted.lower[i] = member.list_size == 1 ? kNoLower : lowerThan(cluster, sorted.clusters[i]);
   }
 }
 

@@ -31,8 +31,8 @@ template <class Hull>
 struct SortedCluster {
   ClusterIndex cluster;
   std::vector<GroupRange> groups;  // ascending
-  // All per position. Intervals along the first axis; lo, as the next, is kScanChunk longer, so that
-  // the last chunk may read on:
+  // All per position. Intervals along the first axis; lo, as the next, is kScanChunk longer, so
+  // that the last chunk may read on:
   std::vector<float> lo, hi;
   // Along the other two, as in PackedBox. Of what moves at the step's beginning, then at its end.
   std::vector<std::uint32_t> packed_lo[kStates<Hull>], packed_hi[kStates<Hull>];

@@ -95,8 +95,8 @@ std::size_t ClusterSweeper<Hull>::pairsOfBoxes() {
   return static_cast<std::size_t>(next - pairs_.data());
 }
 
-// What was found since this was last called: boxes, owner and plane filters end the sweep, then come
-// the verdicts.
+// What was found since this was last called: boxes, owner and plane filters end the sweep, then
+// come the verdicts.
 template <class Hull>
 void ClusterSweeper<Hull>::judgeFound() {
   screened_.clear();

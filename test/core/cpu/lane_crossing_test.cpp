@@ -77,7 +77,8 @@ TrianglesPair mapped(TrianglesPair pair) {
   for (Triangle* t : {&pair.a, &pair.b}) {
     for (Vec3f& v : t->v) {
       const Vec3f p = v;
-      v = {dot({rows[0][0], rows[0][1], rows[0][2]}, p), dot({rows[1][0], rows[1][1], rows[1][2]}, p),
+      v = {dot({rows[0][0], rows[0][1], rows[0][2]}, p),
+           dot({rows[1][0], rows[1][1], rows[1][2]}, p),
            dot({rows[2][0], rows[2][1], rows[2][2]}, p)};
     }
   }
@@ -123,8 +124,8 @@ TEST(LaneCrossing, SettlesNearlyAllInGeneralPosition) {
 TEST(LaneCrossing, SizesFarApart) {
   GridDice dice(5);
   const auto size = [&dice] {
-    const float of[] = {0, 1.4e-45F, 1e-40F, 1e-38F, 1e-19F, 1e-12F, 1, 1e12F, 1e19F, 1e30F,
-                        FLT_MAX};
+    const float of[] = {0, 1.4e-45F, 1e-40F, 1e-38F, 1e-19F, 1e-12F,
+                        1, 1e12F,    1e19F,  1e30F,  FLT_MAX};
     return of[dice.within(0, 10)] * dice.eighths(-8, 8);
   };
   Tally tally;

@@ -24,7 +24,8 @@ struct Ring {
   bool closed() const { return fans.ring[fans.begin[v]] == fans.ring[fans.begin[v + 1] - 1]; }
 };
 
-// Fans of all sizes, apart: each a centre and its ring, most about flat, some folded or wound twice.
+// Fans of all sizes, apart: each a centre and its ring, most about flat, some folded or wound
+// twice.
 TriangleMesh randomFans(std::mt19937& random, int count, float size) {
   TriangleMesh mesh;
   const auto within = [&random](int low, int high) {

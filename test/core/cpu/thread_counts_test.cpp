@@ -31,10 +31,10 @@ class ThreadCounts : public testing::Test {
 };
 
 std::vector<std::uint64_t> valuesOf(const Counters& c) {
-  return {c.triangles, c.rejected,        c.posed,           c.culled,
-          c.clustered, c.large,           c.clusters,        c.cluster_entries,
-          c.exact,     c.largest_cluster, c.interval_overlaps, c.candidates,
-          c.undecided};
+  return {
+      c.triangles, c.rejected,        c.posed, c.culled,          c.clustered,         c.large,
+      c.clusters,  c.cluster_entries, c.exact, c.largest_cluster, c.interval_overlaps, c.candidates,
+      c.undecided};
 }
 
 template <class T>
