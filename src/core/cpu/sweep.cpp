@@ -80,7 +80,7 @@ bool ClusterSweeper<Hull>::owns(SortedIndex a, SortedIndex b) const {
 // pairs_ then. How many.
 template <class Hull>
 std::size_t ClusterSweeper<Hull>::pairsOfBoxes() {
-  if (pairs_.size() < found_count_) pairs_.resize(found_.size());
+  if (pairs_.size() <= found_count_) pairs_.resize(2 * found_count_ + 1);  // one is rubbish
   BoxPair* next = pairs_.data();
   std::size_t i = 0;
   for (const FoundRow& row : rows_) {
