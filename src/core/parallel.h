@@ -12,6 +12,10 @@
 
 namespace deformable_contact_monitor {
 
+// Where what several threads write lies side by side, each thread's is aligned to this: processors
+// hand cache lines to one another in pairs.
+constexpr std::size_t kOwnLines = 128;
+
 inline std::size_t blockCount(std::size_t n, std::size_t block_size) {
   return (n + block_size - 1) / block_size;
 }

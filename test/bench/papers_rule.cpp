@@ -75,6 +75,7 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
   const std::vector<float> slack = scaledSlacks(scene, rule.split.scale);
   const Options options;
   std::vector<double> assign_ms, sweep_ms;
+  SweepBuffers<Triangle> buffers;
   CycleOutput<Triangle> output;
   std::size_t entries = 0, largest = 0;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
@@ -82,9 +83,9 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     const ClusterAssignment<Triangle> assignment = rule.assign(rule.split, prototypes);
     assign_ms.push_back(watch.lapMs());
     const CycleInput<Triangle> input{scene, set, rule.split, assignment, groups, slack, options};
-    ClusterSweeper<Triangle> sweeper(input);
+    output = CycleOutput<Triangle>(input);
+    ClusterSweeper<Triangle> sweeper(input, buffers, output);
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
-    output = std::move(sweeper.output());
     sweepLargeTriangles(input, output);
     sweep_ms.push_back(watch.lapMs());
     entries = assignment.members.size();

@@ -8,7 +8,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kBlock = 2048;
 constexpr std::size_t kLook = 64;  // triangles or vertices between looks at the limit
 constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 
@@ -27,28 +27,42 @@ std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale) {
   return slack;
 }
 
+// Fills user_. Triangles of one body may name the same vertex at the same time.
+void ClusterAssigner::markUsers(const WorkingSet& set, const SizeSplit& split,
+                                const CycleLimit& limit) {
+  const std::size_t count = set.vertices.size();
+  if (user_.size() < count) user_ = std::vector<std::atomic<std::uint32_t>>(count + count / 8);
+  parallelBlocks(limit, count, 4 * kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) user_[i].store(kUnused, std::memory_order_relaxed);
+  });
+  const auto markBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const TriangleIndex t = split.regular[i];
+      for (int k = 0; k < 3; ++k) {
+        user_[set.cornersOf(t)[k]].store(set.bodyOf(t).value, std::memory_order_relaxed);
+      }
+    }
+  };
+  parallelBlocks(limit, split.regular.size(), kBlock, markBlock);
+}
+
 template <class Hull>
 void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
                                   const PrototypesView& view, const std::vector<float>& slack,
                                   const CycleLimit& limit) {
-  user_.assign(set.vertices.size(), kUnused);
-  serialBlocks(limit, split.regular.size(), 16 * kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const TriangleIndex t = split.regular[i];
-      for (int k = 0; k < 3; ++k) user_[set.cornersOf(t)[k]] = set.bodyOf(t).value;
-    }
-  });
+  markUsers(set, split, limit);
   scaled_.resize(kStates<Hull> * set.vertices.size());
   nearest_.resize(kStates<Hull> * set.vertices.size());
   const auto findBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
     PacedLimit pace(limit, kLook);
     for (std::size_t i = begin; i < end && !pace.over(); ++i) {
-      if (user_[i] == kUnused) continue;
+      const std::uint32_t user = user_[i].load(std::memory_order_relaxed);
+      if (user == kUnused) continue;
       const auto find = [&](const SceneScale& scale, const Vec3f& vertex, std::size_t at) {
         scaled_[at] = scale.apply(vertex);
         // What was the nearest last cycle is the best guess, where there was one.
         const std::uint32_t start = nearest_[at].cluster < view.count ? nearest_[at].cluster : 0;
-        nearest_[at] = nearestPrototype(view, scaled_[at], start, slack[user_[i]]);
+        nearest_[at] = nearestPrototype(view, scaled_[at], start, slack[user]);
       };
       if constexpr (kIsMoving<Hull>) {
         find(split.scale, set.earlier[i], 2 * i);

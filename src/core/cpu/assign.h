@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/cpu/size_split.h"
 #include "core/cycle_limit.h"
 #include "core/index.h"
+#include "core/parallel.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -52,11 +54,12 @@ class ClusterAssigner {
 
  private:
   // Lists of one block of triangles, to be joined in order.
-  struct Block {
+  struct alignas(kOwnLines) Block {
     std::vector<std::uint32_t> length, lists;  // per triangle; joined
     std::vector<std::uint32_t> members;        // per cluster: how many; later: where they begin
   };
 
+  void markUsers(const WorkingSet& set, const SizeSplit& split, const CycleLimit& limit);
   template <class Hull>
   void findNearest(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
                    const std::vector<float>& slack, const CycleLimit& limit);
@@ -75,7 +78,8 @@ class ClusterAssigner {
   // Per state of a vertex, those of a vertex side by side:
   std::vector<Vec3f> scaled_;              // if it is in use
   std::vector<NearestPrototype> nearest_;  // from cycle to cycle, as guesses
-  std::vector<std::uint32_t> user_;        // per vertex: the body that uses it, or kUnused
+  // Per vertex: the body that uses it, or kUnused.
+  std::vector<std::atomic<std::uint32_t>> user_;
 };
 
 // Of each body [scaled].

@@ -9,34 +9,49 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// The box of all vertices; false if some coordinate is not finite, then the box is of no use. Four
-// vertices at a time, which is one loop over vectors.
-bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& box) {
-  constexpr std::size_t kStep = 12, kBlock = kStep << 15;
+constexpr std::size_t kStep = 12;
+
+// The box of coordinates x y z x y z ..., kStep at a time, which is one loop over vectors.
+struct FiniteBound {
   float lo[kStep], hi[kStep], check[kStep] = {};  // check turns NaN with the first that is not
-  std::fill_n(lo, kStep, INFINITY);
-  std::fill_n(hi, kStep, -INFINITY);
-  const std::size_t whole = xyz.size() / kStep * kStep;
-  serialBlocks(limit, whole, kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; i += kStep) {
-      for (std::size_t k = 0; k < kStep; ++k) {
-        const float x = xyz[i + k];
-        lo[k] = least(lo[k], x);
-        hi[k] = most(hi[k], x);
-        check[k] += x - x;
-      }
+
+  FiniteBound() {
+    std::fill_n(lo, kStep, INFINITY);
+    std::fill_n(hi, kStep, -INFINITY);
+  }
+
+  void add(std::size_t k, float x) {
+    lo[k] = least(lo[k], x);
+    hi[k] = most(hi[k], x);
+    check[k] += x - x;
+  }
+
+  void add(const float* xyz, std::size_t count) {
+    std::size_t i = 0;
+    for (; i + kStep <= count; i += kStep) {
+      for (std::size_t k = 0; k < kStep; ++k) add(k, xyz[i + k]);
     }
+    for (; i < count; ++i) add(i % 3, xyz[i]);
+  }
+};
+
+// The box of all vertices; false if some coordinate is not finite, then the box is of no use.
+bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& box) {
+  constexpr std::size_t kBlock = kStep << 9;
+  std::vector<FiniteBound> bounds(blockCount(xyz.size(), kBlock));
+  parallelBlocks(limit, xyz.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
+    FiniteBound bound;
+    bound.add(&xyz[begin], end - begin);
+    bounds[b] = bound;
   });
-  for (std::size_t i = whole; i < xyz.size(); ++i) {
-    const std::size_t k = i % 3;
-    lo[k] = least(lo[k], xyz[i]);
-    hi[k] = most(hi[k], xyz[i]);
-    check[k] += xyz[i] - xyz[i];
+  for (const FiniteBound& bound : bounds) {
+    for (std::size_t k = 0; k < kStep; k += 3) {
+      box.include(Aabb{{bound.lo[k], bound.lo[k + 1], bound.lo[k + 2]},
+                       {bound.hi[k], bound.hi[k + 1], bound.hi[k + 2]}});
+      if (!(bound.check[k] + bound.check[k + 1] + bound.check[k + 2] == 0)) return false;
+    }
   }
-  for (std::size_t k = 0; k < kStep; k += 3) {
-    box.include(Aabb{{lo[k], lo[k + 1], lo[k + 2]}, {hi[k], hi[k + 1], hi[k + 2]}});
-  }
-  return std::all_of(check, check + kStep, [](float c) { return c == 0; });
+  return true;
 }
 
 Aabb boxOfFiniteVertices(const std::vector<float>& xyz, const CycleLimit& limit) {

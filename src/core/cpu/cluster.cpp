@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/cpu/fuzzy_clustering.h"
+#include "core/parallel.h"
 #include "core/rules/cluster_count.h"
 
 namespace deformable_contact_monitor {
@@ -36,11 +37,14 @@ template <class Hull>
 std::vector<Vec3f> sampleCentroids(const WorkingSet& set, const SizeSplit& split,
                                    const Sampling& sampling) {
   std::vector<Vec3f> centroids(sampling.samples);
-  for (std::uint32_t s = 0; s < sampling.samples; ++s) {
-    Vec3f scaled[kPoints<Hull>];
-    split.scaled(set.posed<Hull>(split.regular[sampling.triangleOf(s)]), scaled);
-    centroids[s] = meanOf<Hull>(scaled);
-  }
+  constexpr std::size_t kBlock = 512;
+  parallelBlocks(centroids.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) {
+      Vec3f scaled[kPoints<Hull>];
+      split.scaled(set.posed<Hull>(split.regular[sampling.triangleOf(s)]), scaled);
+      centroids[s] = meanOf<Hull>(scaled);
+    }
+  });
   return centroids;
 }
 

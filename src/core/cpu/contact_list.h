@@ -38,10 +38,10 @@ class ContactRoom {
             static_cast<std::int64_t>(memory_limit_bytes / (kBlock * bytes_each)), 1,
             kMostContacts / kBlock)) {}
 
-  // The list, the sorted one, and the result's.
+  // The list, the one by buckets, a bucket's own, and the result's.
   template <class Hull>
   static std::uint64_t bytesEach(bool geometry) {
-    return 2 * sizeof(WorkingContact<Hull>) + sizeof(TrianglePair) +
+    return 3 * sizeof(WorkingContact<Hull>) + sizeof(TrianglePair) +
            (kIsMoving<Hull> ? sizeof(FirstContact) + 1 : sizeof(float)) +
            (geometry ? sizeof(PairGeometry) : 0);
   }

@@ -1,11 +1,10 @@
 #include "core/cpu/cpu_detector.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <functional>
+#include <atomic>
+#include <optional>
 #include <tuple>
 
 #include "core/cpu/assign.h"
@@ -20,19 +19,44 @@
 #include "core/cpu/size_split.h"
 #include "core/cpu/sweep.h"
 #include "core/host_vertices.h"
+#include "core/parallel.h"
 #include "core/stages.h"
 #include "core/stopwatch.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// Large ones first, for no thread should begin one when the others are done.
 template <class Hull>
-void sweepClusters(const CycleInput<Hull>& input, CycleOutput<Hull>& output) {
-  tbb::enumerable_thread_specific<ClusterSweeper<Hull>> sweepers(std::cref(input));
-  tbb::parallel_for(std::size_t{0}, input.assignment.clusterCount(), [&](std::size_t g) {
-    if (!input.limit.over()) sweepers.local().sweep(ClusterIndex(static_cast<std::uint32_t>(g)));
+std::vector<ClusterIndex> clustersBySize(const ClusterAssignment<Hull>& assignment) {
+  std::vector<ClusterIndex> clusters;
+  for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) clusters.emplace_back(g);
+  const auto size = [&assignment](ClusterIndex g) {
+    return assignment.member_begin[g.value + 1] - assignment.member_begin[g.value];
+  };
+  std::sort(clusters.begin(), clusters.end(), [&size](ClusterIndex a, ClusterIndex b) {
+    return size(a) != size(b) ? size(a) > size(b) : a < b;
   });
-  for (ClusterSweeper<Hull>& sweeper : sweepers) output.take(sweeper.output());
+  return clusters;
+}
+
+// Each thread takes the next cluster as long as there is one.
+template <class Hull>
+void sweepClusters(const CycleInput<Hull>& input, std::vector<SweepBuffers<Hull>>& buffers,
+                   CycleOutput<Hull>& output) {
+  const std::vector<ClusterIndex> clusters = clustersBySize(input.assignment);
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<CycleOutput<Hull>> outputs(std::min(threads, clusters.size()),
+                                         CycleOutput<Hull>(input));
+  if (buffers.size() < outputs.size()) buffers.resize(outputs.size());
+  std::atomic<std::size_t> next{0};
+  parallelBlocks(outputs.size(), 1, [&](std::size_t thread, std::size_t, std::size_t) {
+    ClusterSweeper<Hull> sweeper(input, buffers[thread], outputs[thread]);
+    for (std::size_t i = next++; i < clusters.size() && !input.limit.over(); i = next++) {
+      sweeper.sweep(clusters[i]);
+    }
+  });
+  for (CycleOutput<Hull>& part : outputs) output.take(part);
 }
 
 // Stages that run at the same time on several threads share the wall time as their work was.
@@ -67,6 +91,8 @@ class CpuDetector : public Detector {
   }
 
   CpuSettings settings_;
+  std::optional<tbb::task_arena> arena_;  // of so many threads, as of Options::threads
+  int arena_threads_ = 0;
   WorkingSetBuilder builder_;
   WorkingSet set_;
   FanCertifier fans_;
@@ -75,14 +101,22 @@ class CpuDetector : public Detector {
   Prototypes prototypes_;
   ClusterAssigner assigner_;
   std::tuple<ClusterAssignment<Triangle>, ClusterAssignment<MovingTriangle>> assignments_;
+  std::tuple<std::vector<SweepBuffers<Triangle>>, std::vector<SweepBuffers<MovingTriangle>>>
+      sweep_buffers_;
+  std::tuple<ContactWriter<Triangle>, ContactWriter<MovingTriangle>> writers_;
   DetectionResult result_;
 };
 
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   requireHostVertices(scene, backend());
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
+  if (!arena_ || arena_threads_ != options.threads) {
+    int threads = tbb::task_arena::automatic;
+    if (options.threads > 0) threads = options.threads;
+    arena_.emplace(threads);
+    arena_threads_ = options.threads;
+  }
+  arena_->execute([&] {
     if (options.motion == Motion::kSwept) {
       run<MovingTriangle>(scene, options);
     } else {
@@ -139,13 +173,14 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
   const CycleInput<Hull> input{scene,   set_,  split_, assignment<Hull>(), groups, slack,
                                options, limit, &room};
   CycleOutput<Hull> output(input);
-  sweepClusters(input, output);
+  sweepClusters(input, std::get<std::vector<SweepBuffers<Hull>>>(sweep_buffers_), output);
   addShares(output.work, watch.lapMs(), times);
   output.work = StageTimes();
   if (!limit.wasOver()) sweepLargeTriangles(input, output);
   addShares(output.work, watch.lapMs(), times);
 
-  writeContacts(scene, options, set_, output.contacts, limit, result_);
+  std::get<ContactWriter<Hull>>(writers_).write(scene, options, set_, output.contacts, limit,
+                                                result_);
   writeGeometry(scene, options, result_);
   countClusters<Hull>();
   countPairs(output);

@@ -1,6 +1,7 @@
 // What the CPU's stages hand to one another from `sort` on.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "core/cycle_limit.h"
 #include "core/index.h"
 #include "core/options.h"
+#include "core/parallel.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/scene.h"
 #include "core/stages.h"
@@ -48,9 +50,32 @@ struct Candidate<MovingTriangle> {
   bool meet;  // certainly; if first times are wanted, at the start
 };
 
+// What the filters leave of many pairs.
+template <class Hull>
+struct Screened {
+  std::vector<Candidate<Hull>> candidates;
+
+  void clear() { candidates.clear(); }
+};
+
+template <>
+struct Screened<Triangle> {
+  std::vector<Candidate<Triangle>> candidates;
+  // Candidates too, of which float32 says that they certainly are contacts; and how many of which
+  // it says that they certainly are not.
+  std::vector<std::array<TriangleIndex, 2>> meeting;
+  std::uint64_t apart = 0;
+
+  void clear() {
+    candidates.clear();
+    meeting.clear();
+    apart = 0;
+  }
+};
+
 // What these stages add to, each thread to one of its own.
 template <class Hull>
-struct CycleOutput {
+struct alignas(kOwnLines) CycleOutput {
   ContactList<Hull> contacts;
   std::uint64_t interval_overlaps = 0, candidates = 0, exact = 0, undecided = 0;
   StageTimes work;  // of this thread

@@ -22,13 +22,16 @@ class FanCertifier {
   struct BodyFans {
     std::uint64_t topology_revision = 0;  // no body's
     VertexFans fans;
+    std::vector<std::uint32_t> fours;  // its vertices, as of foursAlike()
   };
 
-  void certifyBody(const VertexFans& fans, std::uint32_t first, std::uint32_t count,
+  void markRepeated(const std::uint32_t* id, std::uint32_t first, std::uint32_t count,
+                    const CycleLimit& limit);
+  void certifyBody(const BodyFans& body, std::uint32_t first, std::uint32_t count,
                    const CycleLimit& limit, WorkingSet& set);
 
   std::vector<BodyFans> bodies_;
-  std::vector<char> repeated_;  // per vertex of a body: another one equals it
+  std::vector<char> repeated_;  // per vertex of a body: another one equals it; empty: of none
 };
 
 }  // namespace deformable_contact_monitor

@@ -148,7 +148,7 @@ void FuzzyClustering::initialise(const std::vector<Vec3f>& points, std::size_t c
 }
 
 double FuzzyClustering::iterate(const std::vector<Vec3f>& points) {
-  constexpr std::size_t kBlock = 1024;
+  constexpr std::size_t kBlock = 128;
   const Lanes lanes(prototypes_);
   std::vector<Sums> partial(blockCount(points.size(), kBlock), Sums(lanes.size()));
   if (powers_.m == 2) {

@@ -1,37 +1,33 @@
 #include "core/cpu/interval_scan.h"
 
-#include <array>
 #include <cstring>
 
-// Wide vectors where the processor has them. ThreadSanitizer is not up yet when clones are chosen.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define DCM_WIDE_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define DCM_WIDE_CLONES
-#endif
+#include "core/cpu/wide_clones.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// For each set of eight flags: which are set, ascending, a byte each, and how many.
-struct Flags {
-  std::array<std::uint8_t, 8> set;
-  std::uint8_t count;
+using EightPlaces = std::uint32_t __attribute__((vector_size(32)));
+
+// For each set of eight flags: which are set, ascending, and how many.
+struct FlagTable {
+  std::uint32_t set[256][8];
+  std::uint8_t count[256];
 };
 
-constexpr std::array<Flags, 256> allFlags() {
-  std::array<Flags, 256> table{};
+constexpr FlagTable allFlags() {
+  FlagTable table{};
   for (unsigned mask = 0; mask < 256; ++mask) {
     for (unsigned bit = 0; bit < 8; ++bit) {
       if ((mask >> bit & 1) != 0) {
-        table[mask].set[table[mask].count++] = static_cast<std::uint8_t>(bit);
+        table.set[mask][table.count[mask]++] = bit;
       }
     }
   }
   return table;
 }
 
-constexpr std::array<Flags, 256> kFlags = allFlags();
+constexpr FlagTable kFlags = allFlags();
 
 // As intersects() of packed boxes, one that stands still against one of many.
 struct StillRow {
@@ -64,41 +60,50 @@ struct MovingRow {
 
 // Inlined, for then it is compiled for the processor of its caller.
 template <class Row>
-__attribute__((always_inline)) inline std::size_t scan(SortedIndex row, const Row& boxes,
-                                                       std::uint32_t begin, std::uint32_t end,
-                                                       BoxPair* pairs) {
-  BoxPair* next = pairs;
-  for (std::uint32_t chunk = begin; chunk < end; chunk += kScanChunk) {
+__attribute__((always_inline)) inline ScanCounts scan(const Row& boxes, const ScanRange& range,
+                                                      SortedIndex* found) {
+  static_assert(sizeof(EightPlaces) == 8 * sizeof(SortedIndex));
+  SortedIndex* next = found;
+  std::uint32_t overlaps = 0;
+  for (std::uint32_t chunk = range.begin; chunk < range.end && range.lo[chunk] <= range.most;
+       chunk += kScanChunk) {
     // A whole chunk without a branch.
+    const float* const lo = range.lo + chunk;
+    const std::uint32_t left = range.end - chunk;
     std::uint8_t met[kScanChunk];
-    for (std::size_t k = 0; k < kScanChunk; ++k) {
-      met[k] = (boxes.above(chunk, k) & boxes.below(chunk, k) & kPackedGuard) == kPackedGuard;
+    for (std::uint32_t k = 0; k < kScanChunk; ++k) {
+      const bool overlap = (lo[k] <= range.most) & (k < left);
+      overlaps += overlap;
+      met[k] = ((boxes.above(chunk, k) & boxes.below(chunk, k) & kPackedGuard) == kPackedGuard) &
+               overlap;
     }
-    // Nor a branch on what was found: eight pairs are written, as many are kept as there are. The
+    // Nor a branch on what was found: eight places are written, as many are kept as there are. The
     // product gathers the eight flags as bits (little-endian).
     for (std::uint32_t k = 0; k < kScanChunk; k += 8) {
       std::uint64_t word;
       std::memcpy(&word, met + k, 8);
-      const Flags& flags = kFlags[word * 0x0102040810204080U >> 56];
-      for (int i = 0; i < 8; ++i) next[i] = {row, SortedIndex(chunk + k + flags.set[i])};
-      next += flags.count;
+      const std::size_t flags = word * 0x0102040810204080U >> 56;
+      EightPlaces places;
+      std::memcpy(&places, kFlags.set[flags], sizeof(places));
+      places += chunk + k;
+      std::memcpy(next, &places, sizeof(places));
+      next += kFlags.count[flags];
     }
   }
-  while (next != pairs && next[-1].b.value >= end) --next;  // read on past the end
-  return static_cast<std::size_t>(next - pairs);
+  return {static_cast<std::size_t>(next - found), overlaps};
 }
 
 }  // namespace
 
-DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, const PackedColumns& boxes,
-                                    std::uint32_t begin, std::uint32_t end, BoxPair* pairs) {
-  return scan(row, StillRow(boxes, row), begin, end, pairs);
+DCM_WIDE_CLONES ScanCounts scanRow(SortedIndex row, const PackedColumns& boxes,
+                                   const ScanRange& range, SortedIndex* found) {
+  return scan(StillRow(boxes, row), range, found);
 }
 
-DCM_WIDE_CLONES std::size_t scanRow(SortedIndex row, const PackedColumns& from,
-                                    const PackedColumns& to, std::uint32_t begin, std::uint32_t end,
-                                    BoxPair* pairs) {
-  return scan(row, MovingRow{{from, row}, {to, row}}, begin, end, pairs);
+DCM_WIDE_CLONES ScanCounts scanRow(SortedIndex row, const PackedColumns& from,
+                                   const PackedColumns& to, const ScanRange& range,
+                                   SortedIndex* found) {
+  return scan(MovingRow{{from, row}, {to, row}}, range, found);
 }
 
 }  // namespace deformable_contact_monitor

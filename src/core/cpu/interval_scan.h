@@ -14,7 +14,7 @@ struct BoxPair {
   SortedIndex a, b;
 };
 
-// The arrays may be read, and `pairs` written, this much past the range.
+// The arrays may be read, and `found` written, this much past the range.
 constexpr std::uint32_t kScanChunk = 32;
 
 // Packed boxes by place, as two arrays.
@@ -24,13 +24,24 @@ struct PackedColumns {
   PackedBox box(std::uint32_t place) const { return {lo[place], hi[place]}; }
 };
 
-// Writes {row, k} for each k in [begin, end) whose box intersects that of the row, ascending;
-// returns how many.
-std::size_t scanRow(SortedIndex row, const PackedColumns& boxes, std::uint32_t begin,
-                    std::uint32_t end, BoxPair* pairs);
+// The places in [begin, end) whose intervals begin at `most` at the latest.
+struct ScanRange {
+  const float* lo;  // by place, ascending in the range; may be read as far past it
+  float most;
+  std::uint32_t begin, end;
+};
+
+struct ScanCounts {
+  std::size_t found;
+  std::uint32_t overlaps;  // places in the range
+};
+
+// Writes each place in the range whose box intersects that of the row, ascending.
+ScanCounts scanRow(SortedIndex row, const PackedColumns& boxes, const ScanRange& range,
+                   SortedIndex* found);
 
 // The same of moving boxes.
-std::size_t scanRow(SortedIndex row, const PackedColumns& from, const PackedColumns& to,
-                    std::uint32_t begin, std::uint32_t end, BoxPair* pairs);
+ScanCounts scanRow(SortedIndex row, const PackedColumns& from, const PackedColumns& to,
+                   const ScanRange& range, SortedIndex* found);
 
 }  // namespace deformable_contact_monitor

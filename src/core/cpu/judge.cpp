@@ -4,12 +4,15 @@
 
 namespace deformable_contact_monitor {
 
-void judgeCandidates(const CycleInput<Triangle>& input,
-                     const std::vector<Candidate<Triangle>>& candidates,
+void judgeCandidates(const CycleInput<Triangle>& input, const Screened<Triangle>& screened,
                      CycleOutput<Triangle>& output) {
   constexpr std::uint64_t kLook = 64;
+  for (const auto& [a, b] : screened.meeting) {
+    output.contacts.add({std::min(a, b), std::max(a, b), 0});
+  }
+  output.candidates += screened.apart + screened.meeting.size();
   PacedLimit pace(input.limit, kLook);
-  for (const Candidate<Triangle>& candidate : candidates) {
+  for (const Candidate<Triangle>& candidate : screened.candidates) {
     if (pace.over()) return;
     ++output.candidates;
     PredicateState state{input.options.predicates};

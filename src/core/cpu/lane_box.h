@@ -1,26 +1,54 @@
-// A moving box spread over vector lanes: the CPU's form for the test that ends most pairs' sweep.
+// Boxes spread over vector lanes: the CPU's form for the test that ends many pairs' sweep.
 #pragma once
 
 #include "core/cpu/lane_triangle.h"
+#include "core/predicates/aabb.h"
 #include "core/predicates/swept_triangle.h"
 
 namespace deformable_contact_monitor {
 
-// The fourth lane is 0 throughout.
+inline FloatLanes laneCorner(const Vec3f& v) { return FloatLanes{v.x, v.y, v.z, 0}; }
+
+// Of finite corners. The fourth lane is 0 throughout, here and below.
+struct LaneBox {
+  FloatLanes min, max;
+
+  LaneBox() = default;
+  // The same in another form.
+  LaneBox(const Aabb& box)  // NOLINT(google-explicit-constructor)
+      : min(laneCorner(box.min)), max(laneCorner(box.max)) {}
+};
+
+// As of Aabb.
+inline bool intersects(const LaneBox& a, const LaneBox& b) {
+  return laneBits((a.max < b.min) | (b.max < a.min)) == 0;
+}
+
+// Of a triangle, grown by growth_m >= 0 [m].
+inline LaneBox boxLanes(const Triangle& t, float growth_m) {
+  if (growth_m > 0) return inflated(boxOf(t), growth_m);
+  const FloatLanes a = laneCorner(t.v[0]), b = laneCorner(t.v[1]), c = laneCorner(t.v[2]);
+  LaneBox box;
+  box.min = least(least(a, b), c);
+  box.max = most(most(a, b), c);
+  return box;
+}
+
 struct LaneMovingBox {
   FloatLanes from_min, from_max, to_min, to_max;
 
   LaneMovingBox() = default;
   // The same in another form.
   LaneMovingBox(const MovingBox& box)  // NOLINT(google-explicit-constructor)
-      : from_min(lanes(box.from.min)),
-        from_max(lanes(box.from.max)),
-        to_min(lanes(box.to.min)),
-        to_max(lanes(box.to.max)) {}
-
- private:
-  static FloatLanes lanes(const Vec3f& v) { return FloatLanes{v.x, v.y, v.z, 0}; }
+      : from_min(laneCorner(box.from.min)),
+        from_max(laneCorner(box.from.max)),
+        to_min(laneCorner(box.to.min)),
+        to_max(laneCorner(box.to.max)) {}
 };
+
+inline LaneMovingBox boxLanes(const MovingTriangle& t, float growth_m) {
+  return inflated(boxOf(t), growth_m);
+}
 
 // As of MovingBox.
 inline bool intersects(const LaneMovingBox& a, const LaneMovingBox& b) {

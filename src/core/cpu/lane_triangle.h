@@ -32,20 +32,22 @@ struct LaneTriangle {
         z{t.v[0].z, t.v[1].z, t.v[2].z, t.v[2].z} {}
 };
 
-// Are all vertices certainly strictly on one side of the plane?
-inline bool onOneSide(const PlaneFilter& plane, const LaneTriangle& t) {
-  FloatLanes value, error;
-  plane.distance(t.x, t.y, t.z, value, error);
-  return (laneBits(value > error) == 15) | (laneBits(value < -error) == 15);
-}
+// Which of a triangle's vertices are certainly strictly on the one side of a plane, and which on
+// the other, as bits; the fourth bit is the third vertex's.
+struct PlaneSides {
+  std::uint8_t plus, minus;
 
-// As PlaneFilter::side, for the three vertices; true if all are on one side.
-inline bool sidesOf(const PlaneFilter& plane, const LaneTriangle& t, int side[3]) {
+  bool allOnOne() const { return (plus == 15) | (minus == 15); }
+  bool allStrict() const { return (plus | minus) == 15; }
+  // As PlaneFilter::side.
+  int of(int vertex) const { return (plus >> vertex & 1) - (minus >> vertex & 1); }
+};
+
+inline PlaneSides sidesOf(const PlaneFilter& plane, const LaneTriangle& t) {
   FloatLanes value, error;
   plane.distance(t.x, t.y, t.z, value, error);
-  const int plus = laneBits(value > error), minus = laneBits(value < -error);
-  for (int i = 0; i < 3; ++i) side[i] = (plus >> i & 1) - (minus >> i & 1);
-  return (plus == 15) | (minus == 15);
+  return {static_cast<std::uint8_t>(laneBits(value > error)),
+          static_cast<std::uint8_t>(laneBits(value < -error))};
 }
 
 // Identities of three vertices; the fourth lane repeats the third.

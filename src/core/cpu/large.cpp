@@ -58,7 +58,7 @@ class LargeSweeper {
         large_(large),
         cluster_boxes_(cluster_boxes),
         pace_(input.limit, kLook),
-        screen_(input),
+        screen_(input, screen_buffers_),
         output_(output) {}
 
   // The i-th in the order along x.
@@ -72,8 +72,8 @@ class LargeSweeper {
  private:
   void judge() {
     output_.work.add(Stage::kLarge, watch_.lapMs());
-    judgeCandidates(input_, candidates_, output_);
-    candidates_.clear();
+    judgeCandidates(input_, screened_, output_);
+    screened_.clear();
     output_.work.add(Stage::kJudge, watch_.lapMs());
   }
 
@@ -104,8 +104,8 @@ class LargeSweeper {
     const std::vector<std::uint32_t>& group = input_.groups.group;
     if (intersects(set.box(triangle.triangle), set.box(other)) &&
         input_.groups.enabled[group[triangle.body.value]][group[set.bodyOf(other).value]]) {
-      screen_.screen(triangle, prepared<Hull>(set, other), candidates_);
-      if (candidates_.size() >= kMostCandidates) judge();
+      screen_.screen(triangle, prepared<Hull>(set, other), screened_.candidates);
+      if (screened_.candidates.size() >= kMostCandidates) judge();
     }
   }
 
@@ -113,8 +113,9 @@ class LargeSweeper {
   const std::vector<TriangleIndex>& large_;
   const std::vector<Aabb>& cluster_boxes_;
   PacedLimit pace_;
+  ScreenBuffers<Hull> screen_buffers_;
   PairScreen<Hull> screen_;
-  std::vector<Candidate<Hull>> candidates_;
+  Screened<Hull> screened_;
   Stopwatch watch_;
   CycleOutput<Hull>& output_;
 };

@@ -1,103 +1,156 @@
 #include "core/cpu/output.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <vector>
 
 #include "core/parallel.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::size_t kBlock = 1 << 16;
+constexpr std::size_t kBatches = 16;  // of parts, at most: each has its own places in the buckets
 
-// visit(contact) for the first `count` of them, until the limit is over.
-template <class Hull, class Visit>
-void forFirst(const ContactList<Hull>& contacts, std::size_t count, const CycleLimit& limit,
-              const Visit& visit) {
-  PacedLimit pace(limit, kBlock);
+// Of the i-th up to the last contact of a list, whose first triangles are in one range of 2^shift:
+// sorts them by (a, b), by a counting sort and then each triangle's few by comparison. Where the
+// limit was over, in any order. `sorted`, `begin`: scratch.
+template <class Hull>
+void sortBucket(const WorkingContact<Hull>* contacts, std::size_t count, unsigned shift,
+                const CycleLimit& limit, std::vector<WorkingContact<Hull>>& sorted,
+                std::vector<std::uint32_t>& begin) {
+  const std::size_t range = std::size_t{1} << shift, mask = range - 1;
+  sorted.resize(count);
+  begin.assign(range + 2, 0);
+  for (std::size_t i = 0; i < count; ++i) ++begin[(contacts[i].a.value & mask) + 2];
+  for (std::size_t t = 2; t < range + 2; ++t) begin[t] += begin[t - 1];
+  // While they are placed, begin[t + 1] moves from where t's begin to where they end.
+  for (std::size_t i = 0; i < count; ++i) {
+    sorted[begin[(contacts[i].a.value & mask) + 1]++] = contacts[i];
+  }
+  PacedLimit pace(limit, 1 << 16);
+  const auto by_b = [](const auto& x, const auto& y) { return x.b < y.b; };
+  for (std::size_t t = 0; t < range; ++t) {
+    const std::size_t size = begin[t + 1] - begin[t];
+    if (size < 2) continue;
+    if (pace.over(size)) return;
+    sortWithin(limit, size, by_b, [&](const auto& less) {
+      std::sort(&sorted[begin[t]], &sorted[begin[t]] + size, less);
+    });
+  }
+}
+
+// What of the result's there is beside each contact; makes room for it.
+struct Beside {
+  bool separations, first_times, within_pad;
+
+  Beside(const Scene& scene, const Options& options, std::size_t count, DetectionResult& result)
+      : separations(options.motion == Motion::kInstant && scene.anyMargin()),
+        first_times(options.first_times),
+        within_pad(options.motion == Motion::kSwept && scene.anyPad()) {
+    result.separations_m.resize(separations ? count : 0);
+    result.first_times.resize(first_times ? count : 0);
+    result.within_pad.resize(within_pad ? count : 0);
+  }
+
+  void write(const WorkingContact<Triangle>& contact, std::size_t i,
+             DetectionResult& result) const {
+    if (separations) result.separations_m[i] = contact.separation_m;
+  }
+  void write(const WorkingContact<MovingTriangle>& contact, std::size_t i,
+             DetectionResult& result) const {
+    if (first_times) result.first_times[i] = contact.first;
+    if (within_pad) result.within_pad[i] = contact.within_pad ? 1 : 0;
+  }
+};
+
+}  // namespace
+
+// Fills parts_.
+template <class Hull>
+void ContactWriter<Hull>::takeFirst(const ContactList<Hull>& contacts, std::size_t count) {
+  parts_.clear();
   for (const std::vector<WorkingContact<Hull>>& block : contacts.blocks()) {
     const std::size_t taken = std::min(count, block.size());
-    if (pace.over(taken)) return;
-    for (std::size_t i = 0; i < taken; ++i) visit(block[i]);
+    if (taken > 0) parts_.push_back({block.data(), taken});
     count -= taken;
   }
 }
 
-// The first `count` by (a, b): a counting sort, then each triangle's few by comparison. Where the
-// limit was over, they are of no use.
+// Brings them into in_order_, bucket by bucket.
 template <class Hull>
-std::vector<WorkingContact<Hull>> sorted(const ContactList<Hull>& contacts, std::size_t count,
-                                         std::size_t triangle_count, const CycleLimit& limit) {
-  using Contact = WorkingContact<Hull>;
-  std::vector<std::uint32_t> begin(triangle_count + 1, 0);
-  forFirst(contacts, count, limit, [&](const Contact& c) { ++begin[c.a.value + 1]; });
-  if (limit.wasOver()) return {};
-  for (std::size_t i = 0; i < triangle_count; ++i) begin[i + 1] += begin[i];
-  std::vector<Contact> in_order(count);
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  forFirst(contacts, count, limit, [&](const Contact& c) { in_order[next[c.a.value]++] = c; });
-  PacedLimit pace(limit, kBlock);
-  const auto by_b = [](const Contact& x, const Contact& y) { return x.b < y.b; };
-  for (std::size_t i = 0; i < triangle_count; ++i) {
-    if (pace.over(1 + begin[i + 1] - begin[i])) break;
-    sortWithin(limit, begin[i + 1] - begin[i], by_b, [&](const auto& less) {
-      std::sort(in_order.begin() + begin[i], in_order.begin() + begin[i + 1], less);
-    });
+void ContactWriter<Hull>::intoBuckets(std::size_t triangle_count, const CycleLimit& limit) {
+  constexpr std::size_t kMostBuckets = 4096;
+  bucket_shift_ = 10;
+  while (triangle_count >> bucket_shift_ >= kMostBuckets) ++bucket_shift_;
+  const std::size_t buckets = (triangle_count >> bucket_shift_) + 1;
+  const std::size_t batch_size = std::max<std::size_t>(1, blockCount(parts_.size(), kBatches));
+  const std::size_t batches = blockCount(parts_.size(), batch_size);
+  // Each batch's in lines of its own.
+  constexpr std::size_t kRound = kOwnLines / sizeof(std::uint32_t);
+  const std::size_t stride = blockCount(buckets, kRound) * kRound;
+  place_.assign(stride * batches + kRound, 0);
+  const auto forEach = [&](const auto& visit) {
+    const auto visitBatch = [&](std::size_t batch, std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end && !limit.over(); ++p) {
+        const Part& part = parts_[p];
+        std::uint32_t* const place = &place_[stride * batch];
+        for (std::size_t i = 0; i < part.size; ++i) {
+          visit(part.begin[i], place[part.begin[i].a.value >> bucket_shift_]);
+        }
+      }
+    };
+    parallelBlocks(limit, parts_.size(), batch_size, visitBatch);
+  };
+  forEach([](const WorkingContact<Hull>&, std::uint32_t& count) { ++count; });
+  bucket_begin_.resize(buckets + 1);
+  std::uint32_t total = 0;
+  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
+    bucket_begin_[bucket] = total;
+    for (std::size_t batch = 0; batch < batches; ++batch) {
+      std::uint32_t& place = place_[stride * batch + bucket];
+      const std::uint32_t size = place;
+      place = total;
+      total += size;
+    }
   }
-  return in_order;
+  bucket_begin_[buckets] = total;
+  if (limit.wasOver()) return;
+  forEach([this](const WorkingContact<Hull>& c, std::uint32_t& place) { in_order_[place++] = c; });
 }
-
-// What of the result's there is beside each contact; empties it.
-struct Beside {
-  bool separations, first_times, within_pad;
-
-  Beside(const Scene& scene, const Options& options, DetectionResult& result)
-      : separations(options.motion == Motion::kInstant && scene.anyMargin()),
-        first_times(options.first_times),
-        within_pad(options.motion == Motion::kSwept && scene.anyPad()) {
-    result.separations_m.clear();
-    result.first_times.clear();
-    result.within_pad.clear();
-  }
-
-  void add(const WorkingContact<Triangle>& contact, DetectionResult& result) const {
-    if (separations) result.separations_m.push_back(contact.separation_m);
-  }
-  void add(const WorkingContact<MovingTriangle>& contact, DetectionResult& result) const {
-    if (first_times) result.first_times.push_back(contact.first);
-    if (within_pad) result.within_pad.push_back(contact.within_pad ? 1 : 0);
-  }
-};
 
 // Fills the lists with the first `count`. False if the limit was over before that was done.
 template <class Hull>
-bool writeFirst(const Scene& scene, const Options& options, const WorkingSet& set,
-                const ContactList<Hull>& contacts, std::size_t count, const CycleLimit& limit,
-                DetectionResult& result) {
-  const std::vector<WorkingContact<Hull>> in_order = sorted(contacts, count, set.size(), limit);
+bool ContactWriter<Hull>::writeFirst(const Scene& scene, const Options& options,
+                                     const WorkingSet& set, const ContactList<Hull>& contacts,
+                                     std::size_t count, const CycleLimit& limit,
+                                     DetectionResult& result) {
+  takeFirst(contacts, count);
+  resizeWithin(limit, count, in_order_);
   if (limit.wasOver()) return false;
-  const Beside beside(scene, options, result);
-  result.contacts.clear();
-  result.contacts.reserve(count);
-  serialBlocks(limit, count, kBlock, [&](std::size_t first, std::size_t end) {
+  intoBuckets(set.size(), limit);
+  if (limit.wasOver()) return false;
+  const Beside beside(scene, options, count, result);
+  resizeWithin(limit, count, result.contacts);
+  if (limit.wasOver()) return false;
+  const auto writeBucket = [&](std::size_t bucket, std::size_t, std::size_t) {
+    const std::size_t first = bucket_begin_[bucket], size = bucket_begin_[bucket + 1] - first;
+    if (size == 0) return;
+    std::vector<WorkingContact<Hull>> sorted;
+    std::vector<std::uint32_t> scratch;
+    sortBucket(&in_order_[first], size, bucket_shift_, limit, sorted, scratch);
     // The working set's order is that of (body, triangle).
-    for (std::size_t i = first; i < end; ++i) {
-      const std::uint32_t a = in_order[i].a.value, b = in_order[i].b.value;
-      result.contacts.push_back({set.body[a], set.triangle[a], set.body[b], set.triangle[b]});
-      beside.add(in_order[i], result);
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::uint32_t a = sorted[i].a.value, b = sorted[i].b.value;
+      result.contacts[first + i] = {set.body[a], set.triangle[a], set.body[b], set.triangle[b]};
+      beside.write(sorted[i], first + i, result);
     }
-  });
+  };
+  parallelBlocks(limit, bucket_begin_.size() - 1, 1, writeBucket);
   return !limit.wasOver();
 }
 
-}  // namespace
-
 template <class Hull>
-void writeContacts(const Scene& scene, const Options& options, const WorkingSet& set,
-                   const ContactList<Hull>& contacts, const CycleLimit& limit,
-                   DetectionResult& result) {
+void ContactWriter<Hull>::write(const Scene& scene, const Options& options, const WorkingSet& set,
+                                const ContactList<Hull>& contacts, const CycleLimit& limit,
+                                DetectionResult& result) {
   const std::size_t found = contacts.size();
   const std::size_t few = std::min<std::size_t>(found, kMostListedLate);
   std::size_t listed = found;
@@ -110,10 +163,7 @@ void writeContacts(const Scene& scene, const Options& options, const WorkingSet&
   if (listed < found) result.cutOff(limit.why());
 }
 
-template void writeContacts(const Scene&, const Options&, const WorkingSet&,
-                            const ContactList<Triangle>&, const CycleLimit&, DetectionResult&);
-template void writeContacts(const Scene&, const Options&, const WorkingSet&,
-                            const ContactList<MovingTriangle>&, const CycleLimit&,
-                            DetectionResult&);
+template class ContactWriter<Triangle>;
+template class ContactWriter<MovingTriangle>;
 
 }  // namespace deformable_contact_monitor

@@ -12,45 +12,50 @@ namespace deformable_contact_monitor {
 
 namespace {
 
-void clear(WorkingSet& set, std::size_t body_count) {
-  set.vertices.clear();
-  set.earlier.clear();
-  set.common_motion = Vec3f();
-  set.vertex_id.clear();
-  set.corners.clear();
-  set.body.clear();
-  set.triangle.clear();
-  set.boxes.clear();
-  set.first_vertex.assign(body_count, 0);
+constexpr std::size_t kBlock = 2048;  // triangles or vertices
+
+// To at least so many, without a pass over what is there.
+template <class T>
+void growTo(std::size_t size, std::vector<T>& to) {
+  if (to.size() < size) to.resize(size);
 }
 
-// Adds those of a body.
-void poseVertices(const PosedBody& posed, std::size_t count, const CycleLimit& limit,
-                  std::vector<Vec3f>& vertices) {
-  constexpr std::size_t kBlock = 16384;
-  const std::size_t first = vertices.size();
-  vertices.resize(first + count);
+void growTriangles(std::size_t size, WorkingSet& set) {
+  growTo(3 * size, set.corners);
+  growTo(size, set.body);
+  growTo(size, set.triangle);
+  growTo(size, set.boxes);
+}
+
+void cutTo(std::size_t vertices, std::size_t triangles, bool moving, WorkingSet& set) {
+  set.vertices.resize(vertices);
+  set.earlier.resize(moving ? vertices : 0);
+  set.vertex_id.resize(vertices);
+  set.corners.resize(3 * triangles);
+  set.body.resize(triangles);
+  set.triangle.resize(triangles);
+  set.boxes.resize(triangles);
+}
+
+void poseVertices(const PosedBody& posed, std::size_t first, std::size_t count,
+                  const CycleLimit& limit, std::vector<Vec3f>& vertices) {
+  growTo(first + count, vertices);
   parallelBlocks(limit, count, kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) vertices[first + i] = posed.vertex(i);
   });
 }
 
+// All of the i-th of the set but its box: triangle t of a body.
+void place(const Body& body, BodyId id, std::uint32_t t, std::size_t i, WorkingSet& set) {
+  const std::uint32_t* corner = &body.mesh.triangles[3 * std::size_t{t}];
+  for (int k = 0; k < 3; ++k) set.corners[3 * i + k] = set.first_vertex[id] + corner[k];
+  set.body[i] = id;
+  set.triangle[i] = t;
+}
+
 const Aabb& setBoxOf(const Aabb& box, const WorkingSet& /*set*/) { return box; }
 Aabb setBoxOf(const MovingBox& box, const WorkingSet& set) {
   return sweptBox(box, set.common_motion);
-}
-
-void fillCorners(const Scene& scene, const CycleLimit& limit, WorkingSet& set) {
-  constexpr std::size_t kBlock = 1 << 16;
-  set.corners.resize(3 * set.size());
-  serialBlocks(limit, set.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::vector<std::uint32_t>& triangles = scene.body(set.body[i]).mesh.triangles;
-      const std::uint32_t* corner = &triangles[3 * std::size_t{set.triangle[i]}];
-      const std::uint32_t first = set.first_vertex[set.body[i]];
-      for (int k = 0; k < 3; ++k) set.corners[3 * i + k] = first + corner[k];
-    }
-  });
 }
 
 }  // namespace
@@ -59,9 +64,11 @@ void fillCorners(const Scene& scene, const CycleLimit& limit, WorkingSet& set) {
 void WorkingSetBuilder::identifyVertices(const Body& body, bool self, bool moving,
                                          std::uint32_t first, const CycleLimit& limit,
                                          WorkingSet& set) {
-  set.vertex_id.resize(set.vertices.size());
+  const std::size_t count = body.mesh.vertexCount();
+  growTo(first + count, set.vertex_id);
+  std::uint32_t* const id = set.vertex_id.data() + first;
   if (!self) {
-    std::iota(set.vertex_id.begin() + first, set.vertex_id.end(), first);
+    std::iota(id, id + count, first);
     return;
   }
   if (moving && body.earlier && !body.earlier->vertices.empty()) {
@@ -69,9 +76,9 @@ void WorkingSetBuilder::identifyVertices(const Body& body, bool self, bool movin
   } else {
     identity_.identify(body.mesh.vertices, least_equal_, limit);
   }
-  for (std::size_t i = 0; i < least_equal_.size(); ++i) {
-    set.vertex_id[first + i] = first + least_equal_[i];
-  }
+  parallelBlocks(limit, count, kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) id[i] = first + least_equal_[i];
+  });
 }
 
 // Fills blocks_ with the triangles that meet a partner's box.
@@ -79,7 +86,6 @@ template <class Hull>
 void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
                                         const PartnerBoxes<BoxOf<Hull>>& partners,
                                         const CycleLimit& limit, const WorkingSet& set) {
-  constexpr std::size_t kBlock = 8192;
   const TriangleMesh& mesh = body.mesh;
   const float growth_m = growthOf<Hull>(body);
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
@@ -104,31 +110,72 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
   parallelBlocks(limit, mesh.triangleCount(), kBlock, chooseBlock);
 }
 
+// Adds what blocks_ hold. How many triangles were rejected.
+std::uint64_t WorkingSetBuilder::addChosen(const Body& body, BodyId id, const CycleLimit& limit,
+                                           WorkingSet& set) {
+  std::uint64_t rejected = 0;
+  for (Block& block : blocks_) {
+    block.place = triangle_count_;
+    triangle_count_ += block.triangle.size();
+    rejected += block.rejected;
+  }
+  growTriangles(triangle_count_, set);
+  parallelBlocks(limit, blocks_.size(), 1, [&](std::size_t b, std::size_t, std::size_t) {
+    const Block& block = blocks_[b];
+    for (std::size_t i = 0; i < block.triangle.size(); ++i) {
+      place(body, id, block.triangle[i], block.place + i, set);
+    }
+    std::copy(block.boxes.begin(), block.boxes.end(),
+              set.boxes.begin() + static_cast<std::ptrdiff_t>(block.place));
+  });
+  return rejected;
+}
+
+// Of a body whose vertices are all finite, and which is its own partner.
+template <class Hull>
+void WorkingSetBuilder::addAllTriangles(const Body& body, BodyId id, const CycleLimit& limit,
+                                        WorkingSet& set) {
+  const std::size_t first = triangle_count_;
+  triangle_count_ += body.mesh.triangleCount();
+  growTriangles(triangle_count_, set);
+  const float growth_m = growthOf<Hull>(body);
+  const auto addBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      place(body, id, static_cast<std::uint32_t>(t), first + t, set);
+      const std::uint32_t* corner = &set.corners[3 * (first + t)];
+      const Hull posed = set.hullOf<Hull>(corner[0], corner[1], corner[2]);
+      set.boxes[first + t] = setBoxOf(inflated(boxOf(posed), growth_m), set);
+    }
+  };
+  parallelBlocks(limit, body.mesh.triangleCount(), kBlock, addBlock);
+}
+
 template <class Hull>
 void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
                                 const PartnerBoxes<BoxOf<Hull>>& partners, const CycleLimit& limit,
                                 WorkingSet& set, Counters& counters) {
   const Body& body = scene.body(id);
-  const auto first = static_cast<std::uint32_t>(set.vertices.size());
+  const auto first = static_cast<std::uint32_t>(vertex_count_);
+  vertex_count_ += body.mesh.vertexCount();
   set.first_vertex[id] = first;
-  poseVertices(PosedBody(body), body.mesh.vertexCount(), limit, set.vertices);
+  poseVertices(PosedBody(body), first, body.mesh.vertexCount(), limit, set.vertices);
   if (kIsMoving<Hull>) {
-    poseVertices(PosedBody::earlier(body), body.mesh.vertexCount(), limit, set.earlier);
+    poseVertices(PosedBody::earlier(body), first, body.mesh.vertexCount(), limit, set.earlier);
   }
   identifyVertices(body, partners.self, kIsMoving<Hull>, first, limit, set);
-  chooseTriangles<Hull>(body, first, partners, limit, set);
-  if (limit.over()) return;
-  std::size_t kept = 0, rejected = 0;
-  for (const Block& block : blocks_) {
-    set.triangle.insert(set.triangle.end(), block.triangle.begin(), block.triangle.end());
-    set.boxes.insert(set.boxes.end(), block.boxes.begin(), block.boxes.end());
-    kept += block.triangle.size();
-    rejected += block.rejected;
+  const std::size_t before = triangle_count_;
+  std::uint64_t rejected = 0;
+  if (partners.self && body_boxes_.allFinite(id)) {
+    addAllTriangles<Hull>(body, id, limit, set);
+  } else {
+    chooseTriangles<Hull>(body, first, partners, limit, set);
+    if (limit.wasOver()) return;
+    rejected = addChosen(body, id, limit, set);
   }
-  set.body.insert(set.body.end(), kept, id);
+  if (limit.over()) return;
   counters.posed += body.mesh.triangleCount();
   counters.rejected += rejected;
-  counters.culled += body.mesh.triangleCount() - kept - rejected;
+  counters.culled += body.mesh.triangleCount() - (triangle_count_ - before) - rejected;
 }
 
 // Of a body that meets no partner, and so is not posed.
@@ -154,8 +201,9 @@ template <class Hull>
 void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& counters,
                               const CycleLimit& limit) {
   body_boxes_.update<Hull>(scene, limit);
-  clear(set, scene.bodyCount());
-  if (kIsMoving<Hull>) set.common_motion = commonMotionOf(scene);
+  set.first_vertex.assign(scene.bodyCount(), 0);
+  set.common_motion = kIsMoving<Hull> ? commonMotionOf(scene) : Vec3f();
+  vertex_count_ = triangle_count_ = 0;
   for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
     if (!scene.takesPart(id)) continue;
     const PartnerBoxes<BoxOf<Hull>> partners = body_boxes_.partnersOf<Hull>(scene, id);
@@ -165,7 +213,7 @@ void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& cou
       countLeftOut<Hull>(scene, id, limit, counters);
     }
   }
-  if (!limit.wasOver()) fillCorners(scene, limit, set);
+  cutTo(vertex_count_, triangle_count_, kIsMoving<Hull>, set);
 }
 
 // Exported here, for a template is not visible outside that has arguments which are not.

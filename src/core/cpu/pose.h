@@ -11,6 +11,7 @@
 #include "core/cycle_limit.h"
 #include "core/detector.h"
 #include "core/index.h"
+#include "core/parallel.h"
 #include "core/predicates/aabb.h"
 #include "core/scene.h"
 
@@ -70,11 +71,12 @@ class WorkingSetBuilder {
              const CycleLimit& limit = noLimit());
 
  private:
-  // What one block of a body's triangles contributes.
-  struct Block {
+  // What one block of a body's triangles contributes; unless every triangle of the body does.
+  struct alignas(kOwnLines) Block {
     std::vector<std::uint32_t> triangle;
     std::vector<Aabb> boxes;
     std::uint64_t rejected = 0;
+    std::size_t place = 0;  // in the set
   };
 
   template <class Hull>
@@ -86,14 +88,19 @@ class WorkingSetBuilder {
   void identifyVertices(const Body& body, bool self, bool moving, std::uint32_t first,
                         const CycleLimit& limit, WorkingSet& set);
   template <class Hull>
+  void addAllTriangles(const Body& body, BodyId id, const CycleLimit& limit, WorkingSet& set);
+  template <class Hull>
   void chooseTriangles(const Body& body, std::uint32_t first,
                        const PartnerBoxes<BoxOf<Hull>>& partners, const CycleLimit& limit,
                        const WorkingSet& set);
+  std::uint64_t addChosen(const Body& body, BodyId id, const CycleLimit& limit, WorkingSet& set);
 
   BodyBoxes body_boxes_;
   VertexIdentity identity_;
   std::vector<std::uint32_t> least_equal_;
   std::vector<Block> blocks_;
+  // The set's, so far; its arrays are as long as they were in the cycle before, or longer.
+  std::size_t vertex_count_ = 0, triangle_count_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

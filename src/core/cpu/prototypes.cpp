@@ -46,7 +46,7 @@ void Prototypes::build(const std::vector<Vec3f>& prototypes, const CycleLimit& l
   list_reach_.resize(points_.size());
   neighbours_.assign(points_.size() * kMostNeighbours, Neighbour());
   neighbour_cluster_.resize(neighbours_.size());
-  parallelBlocks(limit, points_.size(), 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+  parallelBlocks(limit, points_.size(), 4, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<std::pair<float, std::uint32_t>> others;
     for (std::size_t g = begin; g < end; ++g) listNeighbours(g, others);
   });

@@ -31,26 +31,53 @@ struct PreparedTriangle<Triangle> {
       : lanes(posed), vertex_id(identityLanes(id)), plane(posed), triangle(t), body(body_of_t) {}
 };
 
-// Keeps its buffers from call to call. One per thread and cycle.
+// What a screen works in. One per thread, from cycle to cycle.
+template <class Hull>
+struct ScreenBuffers;
+
+template <>
+struct ScreenBuffers<Triangle> {
+  // A pair, and on which side of the other's plane the vertices are.
+  struct SidedPair {
+    BoxPair pair;
+    PlaneSides a, b;
+  };
+
+  std::vector<BoxPair> neighbours;
+  std::vector<SidedPair> open, crossing;
+};
+
+// One per thread and cycle.
 template <class Hull>
 class PairScreen;
 
 template <>
 class PairScreen<Triangle> {
  public:
-  explicit PairScreen(const CycleInput<Triangle>& input);
+  PairScreen(const CycleInput<Triangle>& input, ScreenBuffers<Triangle>& buffers);
 
-  // Adds those of the pairs, positions in `triangles`, that are candidates. Leaves rubbish behind
-  // in `pairs`. Filter by filter over all of them, so that the usual outcomes cost no mispredicted
-  // branch.
+  // Adds those of the pairs, positions in `triangles`, that are candidates; all of a row one after
+  // the other. Leaves rubbish behind in `pairs`. Filter by filter over all of them, so that the
+  // usual outcomes cost no mispredicted branch.
   void screen(const std::vector<PreparedTriangle<Triangle>>& triangles, BoxPair* pairs,
-              std::size_t count, std::vector<Candidate<Triangle>>& candidates);
+              std::size_t count, Screened<Triangle>& screened);
 
   // Adds the pair if it is a candidate.
   void screen(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
               std::vector<Candidate<Triangle>>& candidates) const;
 
  private:
+  using SidedPair = ScreenBuffers<Triangle>::SidedPair;
+
+  std::size_t splitOff(const std::vector<PreparedTriangle<Triangle>>& triangles, BoxPair* pairs,
+                       std::size_t count, std::size_t& neighbours);
+  void dropAside(const std::vector<PreparedTriangle<Triangle>>& triangles, const BoxPair* pairs,
+                 std::size_t count);
+  void settleCrossings(const std::vector<PreparedTriangle<Triangle>>& triangles,
+                       Screened<Triangle>& screened);
+  void addCandidate(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
+                    const PlaneSides& sides_a, const PlaneSides& sides_b,
+                    std::vector<Candidate<Triangle>>& candidates) const;
   void screenSeparate(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
                       std::vector<Candidate<Triangle>>& candidates) const;
   void screenNeighbours(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
@@ -58,7 +85,10 @@ class PairScreen<Triangle> {
 
   const CycleInput<Triangle>& input_;
   bool margins_ = false;  // some body that takes part has one
-  std::vector<BoxPair> neighbours_;
+  bool settles_ = false;  // float32 may decide
+  std::vector<BoxPair>& neighbours_;
+  std::vector<SidedPair>&open_, &crossing_;  // of which so many are in use:
+  std::size_t open_count_ = 0, crossing_count_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

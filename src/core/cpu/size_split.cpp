@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.h"
 #include "core/rules/common_motion.h"
@@ -39,31 +40,49 @@ struct Usual {
 Usual measure(const WorkingSet& set) {
   constexpr std::size_t kSample = 2048;
   const std::size_t count = std::min(set.size(), kSample);
-  const auto box = [&](std::size_t i) -> const Aabb& { return set.boxes[i * set.size() / count]; };
-  Usual usual;
-  std::vector<double> values(count);
   const auto medianOf = [&](const auto& value) {
-    for (std::size_t i = 0; i < count; ++i) values[i] = value(box(i));
+    std::vector<double> values(count);
+    for (std::size_t i = 0; i < count; ++i) values[i] = value(set.boxes[i * set.size() / count]);
     return median(values);
   };
-  usual.origin = {medianOf([](const Aabb& b) { return middleOf(b).x; }),
-                  medianOf([](const Aabb& b) { return middleOf(b).y; }),
-                  medianOf([](const Aabb& b) { return middleOf(b).z; })};
-  usual.extent = medianOf(largestSide);
+  Usual usual;
+  parallelBlocks(4, 1, [&](std::size_t what, std::size_t, std::size_t) {
+    if (what == 0) usual.origin.x = medianOf([](const Aabb& b) { return middleOf(b).x; });
+    if (what == 1) usual.origin.y = medianOf([](const Aabb& b) { return middleOf(b).y; });
+    if (what == 2) usual.origin.z = medianOf([](const Aabb& b) { return middleOf(b).z; });
+    if (what == 3) usual.extent = medianOf(largestSide);
+  });
   usual.reach = medianOf([&](const Aabb& b) { return reachFrom(usual.origin, b); });
   return usual;
+}
+
+// Fills the lists by the rule; blocks of the set have so many large triangles each.
+void list(const WorkingSet& set, const std::vector<std::size_t>& large_in, std::size_t block_size,
+          const CycleLimit& limit, SizeSplit& split) {
+  std::vector<std::size_t> large_before(large_in.size() + 1, 0);
+  std::partial_sum(large_in.begin(), large_in.end(), large_before.begin() + 1);
+  split.large.resize(large_before.back());
+  split.regular.resize(set.size() - large_before.back());
+  parallelBlocks(
+      limit, set.size(), block_size, [&](std::size_t b, std::size_t begin, std::size_t end) {
+        std::size_t large = large_before[b], regular = begin - large;
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+          const bool is_large = large_in[b] > 0 && split.rule.isLarge(set.boxes[i]);
+          (is_large ? split.large[large++] : split.regular[regular++]) = TriangleIndex(i);
+        }
+      });
 }
 
 }  // namespace
 
 void splitBySize(const WorkingSet& set, SizeSplit& split, const CycleLimit& limit) {
   split.large.clear();
-  split.regular.clear();
   split.scale = SceneScale();
   split.rule = SizeRule();
+  if (set.size() == 0) split.regular.clear();
   if (set.size() == 0) return;
   const Usual usual = measure(set);
-  constexpr std::size_t kBlock = 8192;
+  constexpr std::size_t kBlock = 4096;
   const std::size_t allowed = 64 + set.size() / 64;
   const std::size_t blocks = blockCount(set.size(), kBlock);
   std::vector<std::size_t> large_in(blocks);
@@ -90,11 +109,7 @@ void splitBySize(const WorkingSet& set, SizeSplit& split, const CycleLimit& limi
     rule.most_extent = std::max(4 * rule.most_extent, 1e-44);
     rule.most_reach = std::max(4 * rule.most_reach, 1e-44);
   }
-  serialBlocks(limit, set.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-      (rule.isLarge(set.boxes[i]) ? split.large : split.regular).emplace_back(i);
-    }
-  });
+  list(set, large_in, kBlock, limit, split);
   split.scale.origin = usual.origin;
   const double reach = *std::max_element(reach_in.begin(), reach_in.end());
   if (reach > 0) split.scale.scale = std::ldexp(1.0, -(std::ilogb(reach) + 1));

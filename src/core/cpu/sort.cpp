@@ -2,13 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <new>
 
+#include "core/cpu/radix_sort.h"
 #include "core/rules/ordered_bits.h"
 #include "core/rules/principal_axes.h"
 
 namespace deformable_contact_monitor {
 namespace {
+
+// Of an ascending list that holds the cluster.
+LowerClusters lowerThan(ClusterIndex cluster, const std::uint32_t* list) {
+  if (list[0] == cluster.value) return kNoLower;
+  return list[1] == cluster.value ? list[0] : kSeveralLower;
+}
 
 // The lower half of a key.
 std::uint32_t memberOf(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
@@ -57,8 +64,7 @@ void ClusterSorter<Hull>::project(const ClusterMember<Hull>* members) {
 
 template <class Hull>
 void ClusterSorter<Hull>::order() {
-  sortWithin(input_.limit, order_.size(), std::less<std::uint64_t>(),
-             [this](const auto& less) { std::sort(order_.begin(), order_.end(), less); });
+  sortByUpperHalf(input_.limit, order_, scratch_);
   if (one_group_ || input_.limit.wasOver()) return;
   const auto by_group = [this](std::uint64_t a, std::uint64_t b) {
     return projected_[memberOf(a)].group < projected_[memberOf(b)].group;
@@ -67,12 +73,14 @@ void ClusterSorter<Hull>::order() {
              [this](const auto& less) { std::stable_sort(order_.begin(), order_.end(), less); });
 }
 
-// Every array of `sorted` but `cluster`.
+// All of `sorted`.
 template <class Hull>
-void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedCluster<Hull>& sorted) {
+void ClusterSorter<Hull>::layOut(ClusterIndex cluster, const ClusterMember<Hull>* members,
+                                 SortedCluster<Hull>& sorted) {
+  sorted.cluster = cluster;
   const auto count = static_cast<std::uint32_t>(order_.size());
   sorted.groups.clear();
-  sorted.lo.resize(count);
+  sorted.lo.resize(count + kScanChunk);
   sorted.hi.resize(count);
   for (int s = 0; s < kStates<Hull>; ++s) {
     sorted.packed_lo[s].resize(count + kScanChunk);
@@ -81,6 +89,7 @@ void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedClust
   resizeWithin(input_.limit, count, sorted.boxes);
   resizeWithin(input_.limit, count, sorted.triangles);
   sorted.clusters.resize(count);
+  sorted.lower.resize(count);
   if (input_.limit.wasOver()) return;
   for (std::uint32_t i = 0; i < count && !pace_.over(); ++i) {
     const ClusterMember<Hull>& member = members[memberOf(order_[i])];
@@ -97,12 +106,12 @@ void ClusterSorter<Hull>::layOut(const ClusterMember<Hull>* members, SortedClust
       sorted.packed_hi[s][i] = packed.hi;
     }
     // Not looked up: computing it is faster than a cache miss.
-    sorted.boxes[i] =
-        inflated(boxOf(member.posed), growthOf<Hull>(input_.scene.body(member.body.value)));
-    sorted.triangles[i] =
+    sorted.boxes[i] = boxLanes(member.posed, growthOf<Hull>(input_.scene.body(member.body.value)));
+    // In place, for by way of the stack it waits for each half-written vector.
+    new (&sorted.triangles[i])
         PreparedTriangle<Hull>(member.posed, member.vertex_id, member.triangle, member.body);
-    sorted.clusters[i] =
-        member.list_size == 1 ? nullptr : &input_.assignment.lists[member.list_begin];
+    sorted.clusters[i] = &input_.assignment.lists[member.list_begin];
+    sorted.lower[i] = member.list_size == 1 ? kNoLower : lowerThan(cluster, sorted.clusters[i]);
   }
 }
 
@@ -119,8 +128,7 @@ bool ClusterSorter<Hull>::sort(ClusterIndex cluster, SortedCluster<Hull>& sorted
   if (input_.limit.wasOver()) return false;
   order();
   if (input_.limit.wasOver()) return false;
-  layOut(members, sorted);
-  sorted.cluster = cluster;
+  layOut(cluster, members, sorted);
   return !input_.limit.wasOver();
 }
 

@@ -1,42 +1,42 @@
 #include "core/cpu/sweep.h"
 
-#include <algorithm>
-
 #include "core/cpu/judge.h"
 #include "core/cpu/swept_judge.h"
-#include "core/parallel.h"
 #include "core/rules/ownership.h"
 
 namespace deformable_contact_monitor {
 
-// False once the limit is over.
+// The columns in [begin, end) whose intervals begin within the row's. False once the limit is over.
 template <class Hull>
 bool ClusterSweeper<Hull>::scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-  constexpr std::uint32_t kRow = 16;  // what a row costs beside its columns, in columns
-  if (pace_.over(end - begin + kRow)) return false;
   if (begin == end) return true;
-  output_.interval_overlaps += end - begin;
-  const std::size_t room = pair_count_ + (end - begin) + kScanChunk;
-  if (pairs_.size() < room) pairs_.resize(2 * room);
-  BoxPair* const found = &pairs_[pair_count_];
+  const std::size_t room = found_count_ + (end - begin) + kScanChunk;
+  if (found_.size() < room) found_.resize(2 * room);
+  SortedIndex* const found = &found_[found_count_];
+  const ScanRange range{sorted_.lo.data(), sorted_.hi[row], begin, end};
+  ScanCounts counts;
   if constexpr (kIsMoving<Hull>) {
-    pair_count_ +=
-        scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), begin, end, found);
+    counts = scanRow(SortedIndex(row), sorted_.packed(0), sorted_.packed(1), range, found);
   } else {
-    pair_count_ += scanRow(SortedIndex(row), sorted_.packed(0), begin, end, found);
+    counts = scanRow(SortedIndex(row), sorted_.packed(0), range, found);
   }
-  constexpr std::size_t kMostPairs = 1 << 18;  // bounds the memory of dense clusters
-  if (pair_count_ > kMostPairs) judgePairs();
+  output_.interval_overlaps += counts.overlaps;
+  constexpr std::uint32_t kRow = 16;  // what a row costs beside its columns, in columns
+  if (pace_.over(counts.overlaps + kRow)) return false;
+  if (counts.found == 0) return true;
+  found_count_ += counts.found;
+  rows_.push_back({SortedIndex(row), found_count_});
+  // Parts take a millisecond or two without their verdicts.
+  constexpr std::size_t kPart = kIsMoving<Hull> ? 1 << 12 : 1 << 16;
+  if (found_count_ >= kPart) judgeFound();
   return true;
 }
 
 // Each unordered pair once: the partner begins later in the order.
 template <class Hull>
 void ClusterSweeper<Hull>::sweepWithin(const GroupRange& range) {
-  const std::vector<float>& lo = sorted_.lo;
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
-    const auto last = std::upper_bound(lo.begin() + i + 1, lo.begin() + range.end, sorted_.hi[i]);
-    if (!scan(i, i + 1, static_cast<std::uint32_t>(last - lo.begin()))) return;
+    if (!scan(i, i + 1, range.end)) return;
   }
 }
 
@@ -45,15 +45,10 @@ template <class Hull>
 void ClusterSweeper<Hull>::sweepAcross(const GroupRange& rows, const GroupRange& columns,
                                        bool closed) {
   const std::vector<float>& lo = sorted_.lo;
-  const auto columns_end = lo.begin() + columns.end;
-  auto first = lo.begin() + columns.begin;
+  std::uint32_t first = columns.begin;
   for (std::uint32_t i = rows.begin; i < rows.end; ++i) {
-    while (first != columns_end && (closed ? *first < lo[i] : *first <= lo[i])) ++first;
-    const auto last = std::upper_bound(first, columns_end, sorted_.hi[i]);
-    if (!scan(i, static_cast<std::uint32_t>(first - lo.begin()),
-              static_cast<std::uint32_t>(last - lo.begin()))) {
-      return;
-    }
+    while (first != columns.end && (closed ? lo[first] < lo[i] : lo[first] <= lo[i])) ++first;
+    if (!scan(i, first, columns.end)) return;
   }
 }
 
@@ -71,31 +66,45 @@ void ClusterSweeper<Hull>::sweepGroups() {
   }
 }
 
-// What was found so far, in parts that take a millisecond or two without their verdicts.
+// Whether the swept cluster is the one that reports the pair.
 template <class Hull>
-void ClusterSweeper<Hull>::judgePairs() {
-  constexpr std::size_t kPart = kIsMoving<Hull> ? 1 << 12 : 1 << 16;
-  serialBlocks(input_.limit, pair_count_, kPart, [this](std::size_t begin, std::size_t end) {
-    judgeSome(&pairs_[begin], end - begin);
-  });
-  pair_count_ = 0;
+bool ClusterSweeper<Hull>::owns(SortedIndex a, SortedIndex b) const {
+  const LowerClusters lower_a = sorted_.lower[a.value], lower_b = sorted_.lower[b.value];
+  if ((lower_a == kSeveralLower) | (lower_b == kSeveralLower)) {
+    return ownsPair(sorted_.cluster.value, sorted_.clusters[a.value], sorted_.clusters[b.value]);
+  }
+  return (lower_a != lower_b) | (lower_a == kNoLower);
 }
 
-// Boxes, owner and plane filters end the sweep, then come the verdicts. Leaves rubbish in `pairs`.
+// Of what was found, the pairs that this cluster owns and whose boxes intersect: the first of
+// pairs_ then. How many.
 template <class Hull>
-void ClusterSweeper<Hull>::judgeSome(BoxPair* pairs, std::size_t count) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const BoxPair pair = pairs[i];
-    const bool owned = ownsPair(sorted_.cluster.value, sorted_.clusters[pair.a.value],
-                                sorted_.clusters[pair.b.value]);
-    pairs[kept] = pair;
-    kept += intersects(sorted_.boxes[pair.a.value], sorted_.boxes[pair.b.value]) & owned;
+std::size_t ClusterSweeper<Hull>::pairsOfBoxes() {
+  if (pairs_.size() <= found_count_) pairs_.resize(2 * found_count_ + 1);  // one is rubbish
+  BoxPair* next = pairs_.data();
+  std::size_t i = 0;
+  for (const FoundRow& row : rows_) {
+    const auto box = sorted_.boxes[row.row.value];
+    const bool owns_all = sorted_.lower[row.row.value] == kNoLower;
+    for (; i < row.end; ++i) {
+      const SortedIndex column = found_[i];
+      *next = {row.row, column};
+      next += intersects(box, sorted_.boxes[column.value]) & (owns_all || owns(row.row, column));
+    }
   }
-  candidates_.clear();
-  screen_.screen(sorted_.triangles, pairs, kept, candidates_);
+  return static_cast<std::size_t>(next - pairs_.data());
+}
+
+// What was found since this was last called: boxes, owner and plane filters end the sweep, then
+// come the verdicts.
+template <class Hull>
+void ClusterSweeper<Hull>::judgeFound() {
+  screened_.clear();
+  screen_.screen(sorted_.triangles, pairs_.data(), pairsOfBoxes(), screened_);
+  rows_.clear();
+  found_count_ = 0;
   output_.work.add(Stage::kSweep, watch_.lapMs());
-  judgeCandidates(input_, candidates_, output_);
+  judgeCandidates(input_, screened_, output_);
   output_.work.add(Stage::kJudge, watch_.lapMs());
 }
 
@@ -104,11 +113,13 @@ void ClusterSweeper<Hull>::sweep(ClusterIndex cluster) {
   const std::vector<std::uint32_t>& begin = input_.assignment.member_begin;
   if (begin[cluster.value] == begin[cluster.value + 1]) return;
   watch_ = Stopwatch();
+  rows_.clear();
+  found_count_ = 0;
   const bool is_sorted = sorter_.sort(cluster, sorted_);
   output_.work.add(Stage::kSort, watch_.lapMs());
   if (!is_sorted) return;
   sweepGroups();
-  judgePairs();
+  if (!input_.limit.over()) judgeFound();
 }
 
 template class ClusterSweeper<Triangle>;

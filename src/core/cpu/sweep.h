@@ -13,41 +13,71 @@
 
 namespace deformable_contact_monitor {
 
-// Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache; keeps its
-// buffers from cluster to cluster. Gives up once the limit is over. One per thread and cycle.
-// Hull: as in hull.h.
+// What a row of the sweep found: columns up to `end` of all that were found, from where the row
+// before ended.
+struct FoundRow {
+  SortedIndex row;
+  std::size_t end;
+};
+
+// What a sweeper works in. One per thread, from cycle to cycle. Hull: as in hull.h, here and below.
+template <class Hull>
+struct alignas(kOwnLines) SweepBuffers {
+  SortBuffers<Hull> sort;
+  SortedCluster<Hull> sorted;
+  std::vector<FoundRow> rows;
+  std::vector<SortedIndex> found;
+  std::vector<BoxPair> pairs;
+  ScreenBuffers<Hull> screen;
+  Screened<Hull> screened;
+};
+
+// Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache. Gives up
+// once the limit is over. One per thread and cycle.
 template <class Hull>
 class ClusterSweeper {
  public:
-  explicit ClusterSweeper(const CycleInput<Hull>& input)
-      : input_(input), pace_(input.limit, kLook), sorter_(input), screen_(input), output_(input) {}
+  ClusterSweeper(const CycleInput<Hull>& input, SweepBuffers<Hull>& buffers,
+                 CycleOutput<Hull>& output)
+      : input_(input),
+        pace_(input.limit, kLook),
+        sorter_(input, buffers.sort),
+        sorted_(buffers.sorted),
+        screen_(input, buffers.screen),
+        rows_(buffers.rows),
+        found_(buffers.found),
+        pairs_(buffers.pairs),
+        screened_(buffers.screened),
+        output_(output) {}
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
+  // Adds to the output.
   void sweep(ClusterIndex cluster);
-
-  CycleOutput<Hull>& output() { return output_; }
 
  private:
   void sweepGroups();
   void sweepWithin(const GroupRange& range);
   void sweepAcross(const GroupRange& rows, const GroupRange& columns, bool closed);
+  bool owns(SortedIndex a, SortedIndex b) const;
   bool scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
-  void judgePairs();
-  void judgeSome(BoxPair* pairs, std::size_t count);
+  std::size_t pairsOfBoxes();
+  void judgeFound();
 
   static constexpr std::uint64_t kLook = 1 << 17;  // columns between looks at the limit
 
   const CycleInput<Hull>& input_;
   PacedLimit pace_;
   ClusterSorter<Hull> sorter_;
-  SortedCluster<Hull> sorted_;
+  SortedCluster<Hull>& sorted_;
   PairScreen<Hull> screen_;
-  std::vector<BoxPair> pairs_;  // of which pair_count_ are in use
-  std::size_t pair_count_ = 0;
-  std::vector<Candidate<Hull>> candidates_;
+  std::vector<FoundRow>& rows_;
+  std::vector<SortedIndex>& found_;  // of which found_count_ are in use
+  std::size_t found_count_ = 0;
+  std::vector<BoxPair>& pairs_;
+  Screened<Hull>& screened_;
   Stopwatch watch_;
-  CycleOutput<Hull> output_;
+  CycleOutput<Hull>& output_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -28,12 +28,12 @@ Candidate<MovingTriangle> inOrder(Candidate<MovingTriangle> candidate) {
 }  // namespace
 
 void judgeCandidates(const CycleInput<MovingTriangle>& input,
-                     const std::vector<Candidate<MovingTriangle>>& candidates,
+                     const Screened<MovingTriangle>& screened,
                      CycleOutput<MovingTriangle>& output) {
   constexpr std::uint64_t kLook = 16;
   const Options& options = input.options;
   PacedLimit pace(input.limit, kLook);
-  for (const Candidate<MovingTriangle>& any_order : candidates) {
+  for (const Candidate<MovingTriangle>& any_order : screened.candidates) {
     if (pace.over()) return;
     ++output.candidates;
     const Candidate<MovingTriangle> candidate = inOrder(any_order);

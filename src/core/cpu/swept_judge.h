@@ -10,7 +10,6 @@ namespace deformable_contact_monitor {
 // Adds the contacts among the candidates to `output`, with their first times if
 // options.first_times, until the limit is over.
 void judgeCandidates(const CycleInput<MovingTriangle>& input,
-                     const std::vector<Candidate<MovingTriangle>>& candidates,
-                     CycleOutput<MovingTriangle>& output);
+                     const Screened<MovingTriangle>& screened, CycleOutput<MovingTriangle>& output);
 
 }  // namespace deformable_contact_monitor

@@ -4,12 +4,17 @@
 
 namespace deformable_contact_monitor {
 
-PairScreen<MovingTriangle>::PairScreen(const CycleInput<MovingTriangle>& input)
-    : input_(input), pads_(input.scene.anyPad()) {}
+PairScreen<MovingTriangle>::PairScreen(const CycleInput<MovingTriangle>& input,
+                                       ScreenBuffers<MovingTriangle>& buffers)
+    : input_(input),
+      pads_(input.scene.anyPad()),
+      lanes_(buffers.lanes),
+      separate_(buffers.separate) {}
 
 void PairScreen<MovingTriangle>::screen(
     const std::vector<PreparedTriangle<MovingTriangle>>& triangles, BoxPair* pairs,
-    std::size_t count, std::vector<Candidate<MovingTriangle>>& candidates) {
+    std::size_t count, Screened<MovingTriangle>& screened) {
+  std::vector<Candidate<MovingTriangle>>& candidates = screened.candidates;
   // In other modes what is open counts, so that all must be asked alike.
   const bool exact = input_.options.predicates == Predicates::kExact;
   separate_.clear();

@@ -24,15 +24,21 @@ struct PreparedTriangle<MovingTriangle> {
       : posed(posed_at), vertex_id(identityLanes(id)), triangle(t), body(body_of_t) {}
 };
 
+template <>
+struct ScreenBuffers<MovingTriangle> {
+  LaneScreen lanes;
+  std::vector<MovingTriangles> separate;  // the first of the pairs
+};
+
 // As PairScreen<Triangle>; the pairs' moving boxes intersect. Candidates are also the pairs that
 // filters know to be contacts.
 template <>
 class PairScreen<MovingTriangle> {
  public:
-  explicit PairScreen(const CycleInput<MovingTriangle>& input);
+  PairScreen(const CycleInput<MovingTriangle>& input, ScreenBuffers<MovingTriangle>& buffers);
 
   void screen(const std::vector<PreparedTriangle<MovingTriangle>>& triangles, BoxPair* pairs,
-              std::size_t count, std::vector<Candidate<MovingTriangle>>& candidates);
+              std::size_t count, Screened<MovingTriangle>& screened);
   void screen(const PreparedTriangle<MovingTriangle>& a, const PreparedTriangle<MovingTriangle>& b,
               std::vector<Candidate<MovingTriangle>>& candidates) const;
 
@@ -42,8 +48,8 @@ class PairScreen<MovingTriangle> {
 
   const CycleInput<MovingTriangle>& input_;
   bool pads_ = false;  // some body that takes part has one
-  LaneScreen lanes_;
-  std::vector<MovingTriangles> separate_;  // the first of `pairs`
+  LaneScreen& lanes_;
+  std::vector<MovingTriangles>& separate_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -19,28 +19,71 @@ std::uint64_t hashOf(const MovingPoint& p) {
   return vertexHash(p.from, static_cast<std::uint32_t>(vertexHash(p.to, 0)));
 }
 
+// Of all threads: a slot, once taken, is only ever handed to an equal vertex. So all that are equal
+// end in one, the first that is not another vertex's, and when all have been entered, the least of
+// them is in it. Places are looked up by at(index).
+template <class Vertices>
+class Table {
+ public:
+  // `size`: a power of two, at most as many as there are slots.
+  Table(std::vector<std::atomic<std::uint32_t>>& slots, std::size_t size, const Vertices& at)
+      : slots_(slots), mask_(size - 1), at_(at) {}
+
+  void enter(std::uint32_t i) {
+    const auto v = at_(i);
+    for (std::size_t s = hashOf(v) & mask_;; s = (s + 1) & mask_) {
+      std::atomic<std::uint32_t>& slot = slots_[s];
+      std::uint32_t there = slot.load(std::memory_order_relaxed);
+      if (there == kFree && slot.compare_exchange_strong(there, i, std::memory_order_relaxed)) {
+        return;
+      }
+      if (!(at_(there) == v)) continue;
+      while (i < there && !slot.compare_exchange_weak(there, i, std::memory_order_relaxed)) {
+      }
+      return;
+    }
+  }
+
+  // Of one that was entered.
+  std::uint32_t leastEqual(std::uint32_t i) const {
+    const auto v = at_(i);
+    for (std::size_t s = hashOf(v) & mask_;; s = (s + 1) & mask_) {
+      const std::uint32_t there = slots_[s].load(std::memory_order_relaxed);
+      if (there == i || at_(there) == v) return there;
+    }
+  }
+
+ private:
+  std::vector<std::atomic<std::uint32_t>>& slots_;
+  std::size_t mask_;
+  const Vertices& at_;
+};
+
 }  // namespace
 
 template <class Vertices>
 void VertexIdentity::identifyAll(const Vertices& at, std::size_t vertex_count,
                                  std::vector<std::uint32_t>& least_equal, const CycleLimit& limit) {
-  constexpr std::size_t kBlock = 8192;
-  const auto count = static_cast<std::uint32_t>(vertex_count);
+  constexpr std::size_t kBlock = 2048;
   std::size_t size = 16;
-  while (size < 2 * std::size_t{count}) size *= 2;
-  table_.assign(size, kFree);
-  least_equal.resize(count);
-  serialBlocks(limit, count, kBlock, [&](std::size_t begin, std::size_t end) {
-    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-      const auto v = at(i);
-      least_equal[i] = i;
-      if (!isFinite(v)) continue;
-      std::size_t slot = hashOf(v) & (size - 1);
-      while (table_[slot] != kFree && !(at(table_[slot]) == v)) slot = (slot + 1) & (size - 1);
-      if (table_[slot] == kFree) table_[slot] = i;
-      least_equal[i] = table_[slot];
-    }
+  while (size < 2 * vertex_count) size *= 2;
+  if (table_.size() < size) table_ = std::vector<std::atomic<std::uint32_t>>(size);
+  least_equal.resize(vertex_count);
+  parallelBlocks(limit, size, 4 * kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) table_[s].store(kFree, std::memory_order_relaxed);
   });
+  Table<Vertices> table(table_, size, at);
+  const auto forEach = [&](const auto& visit) {
+    parallelBlocks(limit, vertex_count, kBlock,
+                   [&](std::size_t, std::size_t begin, std::size_t end) {
+                     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) visit(i);
+                   });
+  };
+  forEach([&](std::uint32_t i) {
+    if (isFinite(at(i))) table.enter(i);
+  });
+  if (limit.wasOver()) return;  // some were not entered
+  forEach([&](std::uint32_t i) { least_equal[i] = isFinite(at(i)) ? table.leastEqual(i) : i; });
 }
 
 void VertexIdentity::identify(const std::vector<float>& xyz,

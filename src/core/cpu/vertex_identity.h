@@ -2,6 +2,7 @@
 // behaves like a welded mesh.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,7 +28,7 @@ class VertexIdentity {
   void identifyAll(const Vertices& vertices, std::size_t count,
                    std::vector<std::uint32_t>& least_equal, const CycleLimit& limit);
 
-  std::vector<std::uint32_t> table_;  // open addressing; a vertex index, or kFree
+  std::vector<std::atomic<std::uint32_t>> table_;  // open addressing; a vertex index, or kFree
 };
 
 }  // namespace deformable_contact_monitor

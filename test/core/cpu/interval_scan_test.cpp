@@ -30,35 +30,39 @@ struct RandomColumns {
 };
 
 template <class Met>
-void expectPairs(std::uint32_t row, const std::vector<BoxPair>& pairs, std::size_t count,
-                 std::uint32_t begin, std::uint32_t end, const Met& met) {
-  std::size_t next = 0;
-  for (std::uint32_t k = begin; k < end; ++k) {
+void expectFound(const ScanCounts& counts, const std::vector<SortedIndex>& found,
+                 const ScanRange& range, const Met& met) {
+  std::size_t next = 0, overlaps = 0;
+  for (std::uint32_t k = range.begin; k < range.end; ++k) {
+    if (range.lo[k] > range.most) continue;
+    ++overlaps;
     if (!met(k)) continue;
-    ASSERT_LT(next, count);
-    EXPECT_EQ(row, pairs[next].a.value);
-    EXPECT_EQ(k, pairs[next].b.value);
+    ASSERT_LT(next, counts.found);
+    EXPECT_EQ(k, found[next].value);
     ++next;
   }
-  EXPECT_EQ(next, count);
+  EXPECT_EQ(next, counts.found);
+  EXPECT_EQ(overlaps, counts.overlaps);
 }
 
 TEST(IntervalScan, FindsWhatTheRuleFinds) {
   std::mt19937 random(3);
   const RandomColumns from(random), to(random);
-  std::vector<BoxPair> pairs(kCount + kScanChunk);
+  std::vector<SortedIndex> found(kCount + kScanChunk);
+  std::vector<float> lo;
+  for (std::uint32_t i = 0; i < kCount + kScanChunk; ++i) lo.push_back(static_cast<float>(i / 3));
   for (std::uint32_t row = 0; row < kCount; ++row) {
     const std::uint32_t begin = random() % kCount;
     const std::uint32_t end = begin + random() % (kCount - begin + 1);
+    const ScanRange range{lo.data(), static_cast<float>(random() % (kCount / 2)), begin, end};
     const PackedColumns a = from.view(), b = to.view();
-    const std::size_t still = scanRow(SortedIndex(row), a, begin, end, pairs.data());
-    expectPairs(row, pairs, still, begin, end,
+    expectFound(scanRow(SortedIndex(row), a, range, found.data()), found, range,
                 [&](std::uint32_t k) { return intersects(a.box(row), a.box(k)); });
-    const std::size_t moving = scanRow(SortedIndex(row), a, b, begin, end, pairs.data());
-    expectPairs(row, pairs, moving, begin, end, [&](std::uint32_t k) {
-      return intersects(MovingPackedBox{a.box(row), b.box(row)},
-                        MovingPackedBox{a.box(k), b.box(k)});
-    });
+    expectFound(scanRow(SortedIndex(row), a, b, range, found.data()), found, range,
+                [&](std::uint32_t k) {
+                  return intersects(MovingPackedBox{a.box(row), b.box(row)},
+                                    MovingPackedBox{a.box(k), b.box(k)});
+                });
   }
 }
 
@@ -82,6 +86,31 @@ TEST(LaneBox, IntersectsWhereTheMovingBoxDoes) {
     apart += intersects(a, b) ? 0 : 1;
   }
   EXPECT_GT(apart, 1000);
+}
+
+TEST(LaneBox, IntersectsWhereTheBoxDoes) {
+  std::mt19937 random(5);
+  int apart = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Aabb a = randomBox(random), b = randomBox(random);
+    EXPECT_EQ(intersects(a, b), intersects(LaneBox(a), LaneBox(b)));
+    apart += intersects(a, b) ? 0 : 1;
+  }
+  EXPECT_GT(apart, 1000);
+}
+
+TEST(LaneBox, OfATriangleIsItsBoxGrown) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 1000; ++i) {
+    Triangle t;
+    for (Vec3f& v : t.v) v = randomBox(random).min;
+    const float growth_m = i % 2 == 0 ? 0.0F : 0.3F;
+    const LaneBox expected(inflated(boxOf(t), growth_m)), box = boxLanes(t, growth_m);
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_EQ(expected.min[k], box.min[k]);
+      EXPECT_EQ(expected.max[k], box.max[k]);
+    }
+  }
 }
 
 }  // namespace

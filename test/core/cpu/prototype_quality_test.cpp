@@ -67,9 +67,11 @@ class Frame {
     const std::vector<float> slack = scaledSlacks(scene_, split_.scale);
     const Options options;
     const CycleInput<Triangle> input{scene_, set_, split_, assignment, groups, slack, options};
-    ClusterSweeper<Triangle> sweeper(input);
+    SweepBuffers<Triangle> buffers;
+    CycleOutput<Triangle> output(input);
+    ClusterSweeper<Triangle> sweeper(input, buffers, output);
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
-    return sweeper.output();
+    return output;
   }
 
  private:

@@ -8,8 +8,6 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
-#include <list>
-#include <map>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -91,28 +89,15 @@ class task_arena {
   int threads_;
 };
 
-// One T for each thread that asks for its own; all are made in the same way.
-template <class T>
-class enumerable_thread_specific {
+namespace this_task_arena {
+inline int max_concurrency() { return threadsHere(); }
+}  // namespace this_task_arena
+
+// Here nothing limits threads but the arena.
+class global_control {
  public:
-  template <class Argument>
-  explicit enumerable_thread_specific(const Argument& argument)
-      : make_([this, argument]() -> T& { return all_.emplace_back(argument); }) {}
-
-  T& local() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    T*& mine = by_thread_[std::this_thread::get_id()];
-    if (mine == nullptr) mine = &make_();
-    return *mine;
-  }
-  auto begin() { return all_.begin(); }
-  auto end() { return all_.end(); }
-
- private:
-  std::function<T&()> make_;
-  std::mutex mutex_;  // guards what follows, while threads ask
-  std::list<T> all_;
-  std::map<std::thread::id, T*> by_thread_;
+  enum parameter { max_allowed_parallelism };
+  global_control(parameter /*what*/, std::size_t /*value*/) {}
 };
 
 }  // namespace tbb

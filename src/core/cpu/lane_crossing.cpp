@@ -1,0 +1,65 @@
+#include "core/cpu/lane_crossing.h"
+
+#include <array>
+#include <cstddef>
+
+#include "core/cpu/lane_product.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Of det[q-p; r-p; s-p].
+LaneSigns orientationOf(const LanePoint& p, const LanePoint& q, const LanePoint& r,
+                        const LanePoint& s) {
+  return LaneProduct(q - p, r - p).signWith(s - p);
+}
+
+// The vertices of a triangle in their order, from the one that is alone on its side, or the other
+// way round from there; by which of them are on the positive side.
+using Order = std::array<std::uint8_t, 3>;
+constexpr Order kOrders[8][2] = {
+    {{0, 0, 0}, {0, 0, 0}}, {{0, 1, 2}, {0, 2, 1}}, {{1, 2, 0}, {1, 0, 2}}, {{2, 0, 1}, {2, 1, 0}},
+    {{2, 0, 1}, {2, 1, 0}}, {{1, 2, 0}, {1, 0, 2}}, {{0, 1, 2}, {0, 2, 1}}, {{0, 0, 0}, {0, 0, 0}}};
+
+// Whether two vertices are on the positive side, and so the lone one on the negative.
+bool loneIsNegative(PlaneSides sides) {
+  constexpr std::uint8_t kTwo = 1 << 3 | 1 << 5 | 1 << 6;
+  return (kTwo >> (sides.plus & 7) & 1) != 0;
+}
+
+float coordinate(const FloatLanes& lanes, std::uint8_t i) { return lanes[i]; }
+
+// In each lane a vertex of one of four triangles.
+LanePoint spread(const LaneTriangle* const (&t)[4], const Order* const (&orders)[4],
+                 std::size_t k) {
+  const std::uint8_t i = (*orders[0])[k], j = (*orders[1])[k], l = (*orders[2])[k],
+                     m = (*orders[3])[k];
+  return {FloatLanes{coordinate(t[0]->x, i), coordinate(t[1]->x, j), coordinate(t[2]->x, l),
+                     coordinate(t[3]->x, m)},
+          FloatLanes{coordinate(t[0]->y, i), coordinate(t[1]->y, j), coordinate(t[2]->y, l),
+                     coordinate(t[3]->y, m)},
+          FloatLanes{coordinate(t[0]->z, i), coordinate(t[1]->z, j), coordinate(t[2]->z, l),
+                     coordinate(t[3]->z, m)}};
+}
+
+}  // namespace
+
+// As detail::crossingVerdict: each begins with the vertex that is alone on its side of the other's
+// plane, and is turned round where the other's is on the negative side.
+LaneCrossings crossingsOf(const CrossingPair (&pairs)[4]) {
+  const LaneTriangle *a[4], *b[4];
+  const Order *of_a[4], *of_b[4];
+  for (int i = 0; i < 4; ++i) {
+    const CrossingPair& pair = pairs[i];
+    a[i] = pair.a;
+    b[i] = pair.b;
+    of_a[i] = &kOrders[pair.sides_a.plus & 7][loneIsNegative(pair.sides_b) ? 1 : 0];
+    of_b[i] = &kOrders[pair.sides_b.plus & 7][loneIsNegative(pair.sides_a) ? 1 : 0];
+  }
+  const LanePoint a0 = spread(a, of_a, 0), b0 = spread(b, of_b, 0);
+  const LaneSigns first = orientationOf(a0, spread(a, of_a, 1), b0, spread(b, of_b, 1));
+  const LaneSigns second = orientationOf(a0, spread(a, of_a, 2), spread(b, of_b, 2), b0);
+  return {first.negative & second.negative, first.positive | second.positive};
+}
+
+}  // namespace deformable_contact_monitor
