@@ -38,12 +38,22 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
   } else if (all) {
     decideOpenPairs(options, limit);
   }
-  if (in_passes || listable(counters_[0].contacts) > output_.fetched()) {
-    last_contacts_ = counters_[0].contacts;
-    fetchContacts(options, limit.over());
+  if (in_passes) {
+    fetchContacts(options, limit.isSet());
     wait(limit);
   }
+  completeContacts(limit);
   return all && counters_[0].candidates <= sizes_.candidates;
+}
+
+// What the fetch did not bring, now that it is known how many there are.
+void CudaDetector::completeContacts(const CycleLimit& limit) {
+  std::uint32_t count = listable(counters_[0].contacts);
+  if (limit.over()) count = std::min(count, kMostListedLate);
+  if (output_.has(count)) return;
+  output_.fetchAgain(arrays_, params_[0].index_bits, count, result_.contacts, stream_.get());
+  checkCuda(cudaGetLastError(), "a launch");
+  wait(limit);
 }
 
 void CudaDetector::decideOpenPairs(const Options& options, const CycleLimit& limit) {

@@ -11,6 +11,7 @@
 #include "cuda/cycle_graph.cuh"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_stop.cuh"
+#include "cuda/memory/pinned_memory.cuh"
 #include "cuda/open_pairs.cuh"
 #include "cuda/stages/output.cuh"
 
@@ -46,6 +47,7 @@ class CudaDetector : public Detector {
   bool makeRoom();
   bool sweepInPasses(const Options& options, const CycleLimit& limit);
   void fetchContacts(const Options& options, bool few);
+  void completeContacts(const CycleLimit& limit);
   void decideOpenPairs(const Options& options, const CycleLimit& limit);
   CycleShape shapeOf(const Options& options, bool identify, int refinements) const;
   void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
@@ -67,7 +69,7 @@ class CudaDetector : public Detector {
   PinnedBuffer<CycleParams> params_{1};
   PinnedBuffer<CycleCounters> counters_{1};
   HostStop stop_;
-  ContactOutput output_;
+  ContactOutput output_{8 * device_.multiprocessors};
   OpenPairs open_pairs_;     // in swept motion
   double decide_ms_ = 0;     // what they took in this cycle
   bool all_decided_ = true;  // no limit was over before or while they were
@@ -79,7 +81,7 @@ class CudaDetector : public Detector {
   std::uint32_t large_at_start_ = 0;
   std::uint64_t last_contacts_ = 0;
   int cycles_since_refresh_ = 0;
-  DetectionResult result_;
+  DetectionResult result_{pinnedMemory()};
 };
 
 }  // namespace deformable_contact_monitor

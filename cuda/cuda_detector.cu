@@ -1,3 +1,4 @@
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -33,7 +34,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   const double upload_ms = watch.elapsedMs();
   const bool all = runUntilItFits(options, limit);
   const CycleCounters& counted = counters_[0];
-  output_.list(scene_, std::min(listable(counted.contacts), output_.fetched()), limit, result_);
+  output_.list(listable(counted.contacts), result_);
   result_.left_out = counted.contacts - result_.contacts.size();
   const bool listed = result_.contacts.size() >= listable(counted.contacts);
   open_pairs_.addTo(scene_, options, result_);
@@ -182,15 +183,15 @@ void CudaDetector::runCycle(const Options& options) {
   cycle_end_.record(stream);
 }
 
-// Behind what is in the stream, as many contacts as there were last time; `few`: no more than are
-// sorted and copied in little time.
+// Behind what is in the stream; `few`: no more than take little time.
 void CudaDetector::fetchContacts(const Options& options, bool few) {
-  const std::uint64_t most = few ? kMostListedLate : last_contacts_;
+  const std::uint32_t most = few ? kMostListedLate : std::numeric_limits<std::uint32_t>::max();
   const bool swept = options.motion == Motion::kSwept;
   const BodyLengths any = scene_.anyLengths();
-  output_.fetch(arrays_,
-                {any.margins && !swept, options.geometry, options.first_times, any.pads && swept},
-                params_[0].index_bits, listable(std::min(last_contacts_, most)), stream_.get());
+  const ContactFields fields{any.margins && !swept, options.geometry, options.first_times,
+                             any.pads && swept};
+  output_.fetch(arrays_, fields, std::min(listable(last_contacts_), most), most, result_.contacts,
+                stream_.get());
 }
 
 // A scene that has outgrown its clusters or its scale starts anew.

@@ -151,17 +151,14 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   std::vector<VertexIndex> corners;
   corners.reserve(3 * std::size_t{arrays_.triangle_count});
   std::vector<BodyBlock> vertex_blocks, triangle_blocks;
-  first_triangle_.assign(scene.bodyCount(), 0);
-  body_of_.clear();
-  body_of_.reserve(arrays_.triangle_count);
+  listed_.clear();
   std::uint32_t first_vertex = 0, first_triangle = 0;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
     addBlocks(vertex_blocks, BodyIndex(i), first_vertex, mesh.vertexCount());
     addBlocks(triangle_blocks, BodyIndex(i), first_triangle, mesh.triangleCount());
     for (const std::uint32_t corner : mesh.triangles) corners.emplace_back(first_vertex + corner);
-    first_triangle_[taking_part_[i]] = first_triangle;
-    body_of_.insert(body_of_.end(), mesh.triangleCount(), taking_part_[i]);
+    listed_.push_back({first_triangle, taking_part_[i]});
     body_[i].first_vertex = first_vertex;
     body_[i].vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
     first_vertex += body_[i].vertex_count;
@@ -177,6 +174,7 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   arrays_.vertex_block_count = sizes_.vertex_blocks;
   arrays_.triangle_block_count = sizes_.triangle_blocks;
   arrays_.identity_mask = arrays_.identity_table.size() - 1;
+  put(listed_, arrays_.listed_bodies.data(), stream);
   put(corners, arrays_.corners.data(), stream);
   put(vertex_blocks, arrays_.vertex_blocks.data(), stream);
   put(triangle_blocks, arrays_.triangle_blocks.data(), stream);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,24 @@ struct DCM_EXPORT TrianglePair {
   }
 };
 
+// A list of pairs, as a vector; a backend's may lie in memory that its device writes straight to.
+// Copies are in plain memory, as a std::vector of their own if one likes.
+class DCM_EXPORT TrianglePairs : public std::pmr::vector<TrianglePair> {
+ public:
+  using Vector = std::pmr::vector<TrianglePair>;
+  using Vector::Vector;
+  using Vector::operator=;
+
+  TrianglePairs() = default;
+  TrianglePairs(const std::vector<TrianglePair>& pairs) : Vector(pairs.begin(), pairs.end()) {}
+  operator std::vector<TrianglePair>() const { return {begin(), end()}; }
+
+  friend bool operator==(const TrianglePairs& a, const TrianglePairs& b) {
+    return static_cast<const Vector&>(a) == static_cast<const Vector&>(b);
+  }
+  friend bool operator!=(const TrianglePairs& a, const TrianglePairs& b) { return !(a == b); }
+};
+
 // When two triangles touch first, as parts [0, 1] of a step: certainly not before `low`, and
 // certainly at some time in [low, high]; at most 2^-20 apart where predicates are exact. 0 and 0:
 // at the step's beginning.
@@ -66,7 +85,11 @@ struct DCM_EXPORT Counters {
 };
 
 struct DCM_EXPORT DetectionResult {
-  std::vector<TrianglePair> contacts;  // sorted, each once
+  DetectionResult() = default;
+  // `memory` is the contacts', and outlives this.
+  explicit DetectionResult(std::pmr::memory_resource& memory) : contacts(&memory) {}
+
+  TrianglePairs contacts;  // sorted, each once
   // Distance of each contact's triangles [m], 0 where they intersect, above 0 elsewhere. There iff
   // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
   // intersect. Empty too in swept motion, which knows no margins.

@@ -52,7 +52,7 @@ double minSeparationM(const CycleReport& report, const DetectionResult& result, 
 // Contacts [begin, end) of one pair of bodies.
 PairSummary sumUp(const CycleReport& report, const DetectionResult& result, const PosedBody& of_a,
                   const PosedBody& of_b, std::size_t begin, std::size_t end) {
-  const std::vector<TrianglePair>& contacts = result.contacts;
+  const TrianglePairs& contacts = result.contacts;
   const bool has_normal = report.bodies.at(contacts[begin].body_a).kind == BodyKind::kLink;
   PairSummary sum;
   Vec3d corners_of_a;
@@ -79,7 +79,7 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, cons
 Summaries summarize(const CycleReport& report, const DetectionResult& result,
                     const std::vector<PosedBody>& bodies, std::size_t begin, std::size_t end) {
   Summaries summaries;
-  const std::vector<TrianglePair>& contacts = result.contacts;
+  const TrianglePairs& contacts = result.contacts;
   for (std::size_t first = begin; first < end;) {
     const BodyId a = contacts[first].body_a, b = contacts[first].body_b;
     std::size_t last = first;
@@ -108,7 +108,7 @@ PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* r
   if (report.scene == nullptr || result == nullptr) return;
   std::vector<PosedBody> bodies;
   for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
-  const std::vector<TrianglePair>& contacts = result->contacts;
+  const TrianglePairs& contacts = result->contacts;
   const auto start = [&contacts](std::size_t i) {
     while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
     return i;
