@@ -45,8 +45,9 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
                           TrianglePairs& contacts, cudaStream_t stream) {
   fields_ = fields;
   makeRoom(expected, contacts);
-  rows_.gather(cycle, blocks_, stream);
-  rows_.write(cycle, output(contacts), blocks_, stream);
+  gathered_ = expected > kLongestRow / 2;
+  if (gathered_) rows_.gather(cycle, blocks_, stream);
+  write(cycle, contacts, stream);
   describe(cycle, std::min(most_described, expected + expected / 4 + 1024), stream);
 }
 
@@ -58,9 +59,17 @@ void ContactOutput::fetchAgain(const CycleArrays& cycle, unsigned index_bits, st
     too_long_[0] = 0;
     room_ = count;
   } else {
-    rows_.write(cycle, output(contacts), blocks_, stream);
+    write(cycle, contacts, stream);
   }
   describe(cycle, count, stream);
+}
+
+void ContactOutput::write(const CycleArrays& cycle, TrianglePairs& contacts, cudaStream_t stream) {
+  if (gathered_) {
+    rows_.write(cycle, output(contacts), blocks_, stream);
+  } else {
+    ContactRows::writeFew(cycle, output(contacts), blocks_, stream);
+  }
 }
 
 // Geometry of the first `most` contacts.

@@ -52,6 +52,7 @@ class ContactOutput {
 
  private:
   void makeRoom(std::uint32_t count, TrianglePairs& contacts);
+  void write(const CycleArrays& cycle, TrianglePairs& contacts, cudaStream_t stream);
   OrderedOutput output(TrianglePairs& contacts);
   void describe(const CycleArrays& cycle, std::uint32_t most, cudaStream_t stream);
   void listTimes(std::uint32_t count, DetectionResult& result) const;
@@ -65,6 +66,7 @@ class ContactOutput {
   PinnedBuffer<ContactTimes> times_;
   PinnedBuffer<PairGeometry> geometry_;
   PinnedBuffer<std::uint32_t> too_long_{1};
+  bool gathered_ = false;  // into rows, by the last fetch
   std::uint32_t room_ = 0, described_ = 0;
   ContactFields fields_{false, false, false, false};
 };

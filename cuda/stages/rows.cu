@@ -3,15 +3,13 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
+#include "cuda/device/warp.cuh"
 #include "cuda/stages/rows.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 256;
-// Counting takes each of a row's contacts as many steps as there are: longer ones are sorted.
-constexpr std::uint32_t kLongestRow = 2048;
-
 __device__ std::uint32_t listed(const CycleArrays& c) {
   return static_cast<std::uint32_t>(
       min(c.counters().contacts, static_cast<unsigned long long>(c.contacts.contacts.size())));
@@ -54,12 +52,12 @@ __device__ uint4 pairOf(const CycleArrays& c, std::uint64_t key) {
   return {body_a.id, a.value - body_a.first_triangle, body_b.id, b.value - body_b.first_triangle};
 }
 
-__device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, std::uint32_t i,
+// A contact, which stands at `from` in contacts.contacts, to its place in the order.
+__device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place from,
                          std::uint64_t key, std::uint32_t place) {
   if (place >= out.room) return;
   out.pairs[place] = pairOf(c, key);
   if (out.keys != nullptr) out.keys[place] = key;
-  const Place from = c.contacts.row_from[Place(i)];
   if (out.times != nullptr) out.times[place] = c.contacts.times[from];
   if (out.separations_m == nullptr) return;
   const float separation_m = c.contacts.separations_m[from];
@@ -84,7 +82,24 @@ __global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOu
       const std::uint64_t other = c.contacts.rows[Place(k)];
       place += other < key || (other == key && k < i) ? 1 : 0;
     }
-    writeOne(c, out, i, key, place);
+    writeOne(c, out, c.contacts.row_from[Place(i)], key, place);
+  }
+}
+
+// A warp for each contact: all of them are one row.
+__global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, OrderedOutput out) {
+  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads / kWarp;
+  if (blockIdx.x == 0 && threadIdx.x == 0) *out.too_long = count > kLongestRow ? 1 : 0;
+  if (count > kLongestRow) return;
+  for (std::uint32_t i = (blockIdx.x * kThreads + threadIdx.x) / kWarp; i < count; i += stride) {
+    const std::uint64_t key = c.contacts.contacts[Place(i)];
+    std::uint32_t before = 0;
+    for (std::uint32_t k = laneId(); k < count; k += kWarp) {
+      const std::uint64_t other = c.contacts.contacts[Place(k)];
+      before += other < key || (other == key && k < i) ? 1 : 0;
+    }
+    before = warpSum(before);
+    if (laneId() == 0) writeOne(c, out, Place(i), key, before);
   }
 }
 
@@ -99,7 +114,7 @@ __global__ void __launch_bounds__(kThreads)
     writeSortedKernel(CycleArrays c, OrderedOutput out, std::uint32_t count) {
   const std::uint32_t stride = gridDim.x * kThreads;
   for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
-    writeOne(c, out, i, c.contacts.rows[Place(i)], i);
+    writeOne(c, out, c.contacts.row_from[Place(i)], c.contacts.rows[Place(i)], i);
   }
 }
 
@@ -128,6 +143,11 @@ void ContactRows::gather(const CycleArrays& cycle, unsigned blocks, cudaStream_t
 void ContactRows::write(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
                         cudaStream_t stream) const {
   writeKernel<<<blocks, kThreads, 0, stream>>>(cycle, out);
+}
+
+void ContactRows::writeFew(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
+                           cudaStream_t stream) {
+  writeFewKernel<<<blocks, kThreads, 0, stream>>>(cycle, out);
 }
 
 void ContactRows::sortAndWrite(const CycleArrays& cycle, std::uint32_t count, unsigned index_bits,

@@ -11,6 +11,9 @@
 
 namespace deformable_contact_monitor {
 
+// Counting takes each of a row's contacts as many steps as there are: longer ones are sorted.
+constexpr std::uint32_t kLongestRow = 2048;
+
 // Where contacts are written to in their order; what is null is left out.
 struct OrderedOutput {
   // In mapped memory of the host, for the first `room` contacts.
@@ -34,6 +37,10 @@ class ContactRows {
   // that are too long for that are left: see `too_long`.
   void write(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
              cudaStream_t stream) const;
+  // Of contacts that are as few as in a row: writes them without gather(); more of them are too
+  // long.
+  static void writeFew(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
+                       cudaStream_t stream);
   // For any rows: sorts the first `count` contacts of contacts.contacts, and writes them.
   void sortAndWrite(const CycleArrays& cycle, std::uint32_t count, unsigned index_bits,
                     const OrderedOutput& out, unsigned blocks, cudaStream_t stream);
