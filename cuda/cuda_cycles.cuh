@@ -22,7 +22,9 @@ class CudaDetector : public Detector {
   explicit CudaDetector(const CudaSettings& settings)
       : settings_(settings),
         device_(DeviceTraits::of(settings.device)),
-        cluster_counts_{500, 8192, 1600, device_.multiprocessors} {}
+        cluster_counts_{500, 8192, 1600, device_.multiprocessors} {
+    result_.contacts.moveTo(pinnedMemory());
+  }
   ~CudaDetector() override {
     cudaSetDevice(settings_.device);
     stop_.set();
@@ -30,6 +32,7 @@ class CudaDetector : public Detector {
   }
   std::string backend() const override { return "cuda"; }
   void reset() override { cold_ = true; }
+  std::pmr::memory_resource& vertexMemory() override { return lentMemory(); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
@@ -67,6 +70,8 @@ class CudaDetector : public Detector {
   DeviceScene scene_{settings_.device, memory_, sizes_, arrays_.scene};
   CycleGraph graphs_[2];  // with and without refinement of the prototypes
   PinnedBuffer<CycleParams> params_{1};
+  CycleParams sent_params_;
+  bool params_sent_ = false;  // sent_params_ are on the device
   PinnedBuffer<CycleCounters> counters_{1};
   HostStop stop_;
   ContactOutput output_{8 * device_.multiprocessors};
@@ -81,7 +86,7 @@ class CudaDetector : public Detector {
   std::uint32_t large_at_start_ = 0;
   std::uint64_t last_contacts_ = 0;
   int cycles_since_refresh_ = 0;
-  DetectionResult result_{pinnedMemory()};
+  DetectionResult result_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,3 +1,4 @@
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -69,6 +70,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const cudaStream_t stream = stream_.get();
   const bool was_cold = cold_ || asked_clusters_ != options.clusters || motion_ != options.motion;
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
+  if (was_cold) params_sent_ = false;
   motion_ = options.motion;
   const bool laid_out_anew = scene_.layOut(scene, motion_, stream);
   if (scene_.triangleCount() == 0) return false;
@@ -139,7 +141,11 @@ void CudaDetector::makeArrays() {
   for (CycleGraph& graph : graphs_) graph.forget();
 }
 
+// Unless they are there already: even a small copy takes 5 us.
 void CudaDetector::sendParams() {
+  if (params_sent_ && std::memcmp(&sent_params_, params_.data(), sizeof sent_params_) == 0) return;
+  std::memcpy(&sent_params_, params_.data(), sizeof sent_params_);
+  params_sent_ = true;
   checkCuda(cudaMemcpyAsync(arrays_.the_params.data(), params_.data(), sizeof(CycleParams),
                             cudaMemcpyHostToDevice, stream_.get()),
             "cudaMemcpyAsync to the device");

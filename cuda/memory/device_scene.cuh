@@ -77,6 +77,7 @@ class DeviceScene {
   SceneArrays& arrays_;
 
   bool laid_out_ = false;             // what is below is on the device
+  bool bodies_sent_ = false;          // so is what staged_bodies_ holds
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
   std::vector<std::pair<BodyId, BodyId>> pairs_;
   std::vector<std::uint64_t> topology_;  // revisions, per body on the device

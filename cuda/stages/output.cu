@@ -13,7 +13,7 @@ void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts) {
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
   if (count > contacts.capacity()) {
     contacts.clear();
-    contacts.reserve(count + std::size_t{count} / 2);
+    contacts.reserve(count + std::size_t{count} / 4);
   }
   contacts.resize(std::min(contacts.capacity(), kMost));
   room_ = static_cast<std::uint32_t>(contacts.size());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/export.h"
+#include "core/host_list.h"
 #include "core/options.h"
 #include "core/pair_geometry.h"
 #include "core/scene.h"
@@ -41,23 +42,7 @@ struct DCM_EXPORT TrianglePair {
   }
 };
 
-// A list of pairs, as a vector; a backend's may lie in memory that its device writes straight to.
-// Copies are in plain memory, as a std::vector of their own if one likes.
-class DCM_EXPORT TrianglePairs : public std::pmr::vector<TrianglePair> {
- public:
-  using Vector = std::pmr::vector<TrianglePair>;
-  using Vector::Vector;
-  using Vector::operator=;
-
-  TrianglePairs() = default;
-  TrianglePairs(const std::vector<TrianglePair>& pairs) : Vector(pairs.begin(), pairs.end()) {}
-  operator std::vector<TrianglePair>() const { return {begin(), end()}; }
-
-  friend bool operator==(const TrianglePairs& a, const TrianglePairs& b) {
-    return static_cast<const Vector&>(a) == static_cast<const Vector&>(b);
-  }
-  friend bool operator!=(const TrianglePairs& a, const TrianglePairs& b) { return !(a == b); }
-};
+using TrianglePairs = HostList<TrianglePair>;
 
 // When two triangles touch first, as parts [0, 1] of a step: certainly not before `low`, and
 // certainly at some time in [low, high]; at most 2^-20 apart where predicates are exact. 0 and 0:
@@ -85,10 +70,6 @@ struct DCM_EXPORT Counters {
 };
 
 struct DCM_EXPORT DetectionResult {
-  DetectionResult() = default;
-  // `memory` is the contacts', and outlives this.
-  explicit DetectionResult(std::pmr::memory_resource& memory) : contacts(&memory) {}
-
   TrianglePairs contacts;  // sorted, each once
   // Distance of each contact's triangles [m], 0 where they intersect, above 0 elsewhere. There iff
   // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
@@ -153,6 +134,9 @@ class DCM_EXPORT Detector {
 
   // With default options.
   const DetectionResult& detect(const Scene& scene) { return detect(scene, Options()); }
+
+  // Memory from which this backend reads vertices soonest, for Scene::useMemory(); it outlives all.
+  virtual std::pmr::memory_resource& vertexMemory() { return *std::pmr::new_delete_resource(); }
 
   // Forgets what earlier cycles left (warm starts); exact results never depend on it.
   virtual void reset() = 0;

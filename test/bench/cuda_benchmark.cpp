@@ -59,6 +59,7 @@ const char* what(const Options& options) {
 
 void whole(Moving& moving, const Options& options, bool check) {
   const auto detector = makeCudaDetector();
+  moving.scene.useMemory(detector->vertexMemory());
   for (int i = 0; i < (only_growth ? 10 : kWarmUp); ++i) step(moving, i, *detector, options);
   std::vector<double> detect, round_trip, there, back;
   DetectionResult last;
@@ -101,6 +102,7 @@ void stages(Moving& moving, const Options& options) {
   CudaSettings settings;
   settings.time_stages = true;
   const auto detector = makeCudaDetector(settings);
+  moving.scene.useMemory(detector->vertexMemory());
   std::vector<std::string> names;
   std::map<std::string, std::vector<double>> times;
   for (int i = 0; i < kWarmUp + 2 * repeatsFor(moving); ++i) {

@@ -83,7 +83,7 @@ TEST_P(ContactOutput, FollowsANumberThatJumps) {
   }
   EXPECT_EQ(0U, numbers[2]);
   EXPECT_GT(numbers[0], 0U);
-  EXPECT_GT(numbers[1], 3000U);
+  EXPECT_GT(numbers[1], 2000U);
   EXPECT_EQ(numbers[1], numbers[7]);
 }
 
@@ -120,6 +120,23 @@ TEST_P(ContactOutput, CopiesOutliveTheDetector) {
   detector_.reset();
   EXPECT_TRUE(samePairs(cpu_->detect(scene, options_).contacts, copy.contacts));
   EXPECT_TRUE(copy.contacts == moved);
+}
+
+// The device reads vertices where the scene has them, and nobody notices.
+TEST_P(ContactOutput, VerticesMayLieInMemoryThatIsLent) {
+  if (!detector_) return;
+  Scene scene = selfScene(clothGrid(50, 1, 0, 0.3F));
+  scene.useMemory(detector_->vertexMemory());
+  scene.addBody("other", clothGrid(30, 1, 0, -0.1F));
+  scene.setPairEnabled(0, 1, true);
+  std::vector<float> vertices = scene.body(0).mesh.vertices;
+  for (int cycle = 0; cycle < 8; ++cycle) {
+    for (std::size_t i = 2; i < vertices.size(); i += 3) vertices[i] *= cycle % 2 == 0 ? -1 : 0.5F;
+    scene.setVertices(0, vertices.data(), vertices.size() / 3);
+    const Scene plain = scene;
+    EXPECT_GT(expectTheCpus(scene), 0U);
+    EXPECT_EQ(expectTheCpus(scene), expectTheCpus(plain));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, ContactOutput,
