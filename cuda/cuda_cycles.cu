@@ -51,7 +51,14 @@ void CudaDetector::completeContacts(const CycleLimit& limit) {
   std::uint32_t count = listable(counters_[0].contacts);
   if (limit.over()) count = std::min(count, kMostListedLate);
   if (output_.has(count)) return;
-  output_.fetchAgain(arrays_, params_[0].index_bits, count, result_.contacts, stream_.get());
+  // Page-locked memory takes a millisecond a MiB: the limit is looked at in between.
+  std::uint32_t room = limit.isSet() ? std::min(count, kMostListedLate) : count;
+  output_.makeRoom(room, result_.contacts);
+  while (room < count && !limit.over()) {
+    room = std::min(count, 2 * room);
+    output_.makeRoom(room, result_.contacts);
+  }
+  output_.fetchAgain(arrays_, params_[0].index_bits, room, result_.contacts, stream_.get());
   checkCuda(cudaGetLastError(), "a launch");
   wait(limit);
 }

@@ -38,6 +38,8 @@ class ContactOutput {
   bool has(std::uint32_t count) const {
     return too_long_[0] == 0 && count <= room_ && (!fields_.geometry || count <= described_);
   }
+  // For so many contacts, while the device does not write any.
+  void makeRoom(std::uint32_t count, TrianglePairs& contacts);
   // Then, where it did not: brings them. They are any contacts where there are more.
   void fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
                   TrianglePairs& contacts, cudaStream_t stream);
@@ -51,7 +53,6 @@ class ContactOutput {
   void list(std::uint32_t count, DetectionResult& result) const;
 
  private:
-  void makeRoom(std::uint32_t count, TrianglePairs& contacts);
   void write(const CycleArrays& cycle, TrianglePairs& contacts, cudaStream_t stream);
   OrderedOutput output(TrianglePairs& contacts);
   void describe(const CycleArrays& cycle, std::uint32_t most, cudaStream_t stream);

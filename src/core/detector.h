@@ -135,7 +135,9 @@ class DCM_EXPORT Detector {
   // With default options.
   const DetectionResult& detect(const Scene& scene) { return detect(scene, Options()); }
 
-  // Memory from which this backend reads vertices soonest, for Scene::useMemory(); it outlives all.
+  // Memory from which this backend reads vertices soonest, for Scene::useMemory(). It is the
+  // process's own, outlives all detectors, and any backend and the user may read it; it is good
+  // for as long as nobody calls cudaDeviceReset().
   virtual std::pmr::memory_resource& vertexMemory() { return *std::pmr::new_delete_resource(); }
 
   // Forgets what earlier cycles left (warm starts); exact results never depend on it.
