@@ -38,9 +38,9 @@ class ContactOutput {
   bool has(std::uint32_t count) const {
     return too_long_[0] == 0 && count <= room_ && (!fields_.geometry || count <= described_);
   }
-  // For so many contacts, while the device does not write any.
+  // Makes room for so many contacts, while the device does not write any.
   void makeRoom(std::uint32_t count, TrianglePairs& contacts);
-  // Then, where it did not: brings them. They are any contacts where there are more.
+  // Where the fetch did not: brings the first `count`, or any, where they have to be sorted.
   void fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
                   TrianglePairs& contacts, cudaStream_t stream);
 

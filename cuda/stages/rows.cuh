@@ -22,7 +22,7 @@ struct OrderedOutput {
   ContactTimes* times;
   std::uint32_t room;
   std::uint32_t* too_long;  // becomes 1, and nothing is written, where some row is; else 0
-  // The same on the device, for all that ContactArrays::contacts has room for.
+  // On the device, for as many.
   std::uint64_t* keys;
   float* separations_on_device;
 };
