@@ -38,12 +38,29 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
   } else if (all) {
     decideOpenPairs(options, limit);
   }
-  if (in_passes || listable(counters_[0].contacts) > output_.fetched()) {
-    last_contacts_ = counters_[0].contacts;
-    fetchContacts(options, limit.over());
+  if (in_passes) {
+    fetchContacts(options, limit.isSet());
     wait(limit);
   }
+  completeContacts(limit);
   return all && counters_[0].candidates <= sizes_.candidates;
+}
+
+// What the fetch did not bring, now that it is known how many there are.
+void CudaDetector::completeContacts(const CycleLimit& limit) {
+  std::uint32_t count = listable(counters_[0].contacts);
+  if (limit.over()) count = std::min(count, kMostListedLate);
+  if (output_.has(count)) return;
+  // Page-locked memory takes a millisecond a MiB: the limit is looked at in between.
+  std::uint32_t room = limit.isSet() ? std::min(count, kMostListedLate) : count;
+  output_.makeRoom(room, result_.contacts);
+  while (room < count && !limit.over()) {
+    room = std::min(count, 2 * room);
+    output_.makeRoom(room, result_.contacts);
+  }
+  output_.fetchAgain(arrays_, params_[0].index_bits, room, result_.contacts, stream_.get());
+  checkCuda(cudaGetLastError(), "a launch");
+  wait(limit);
 }
 
 void CudaDetector::decideOpenPairs(const Options& options, const CycleLimit& limit) {

@@ -11,6 +11,7 @@
 #include "cuda/cycle_graph.cuh"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_stop.cuh"
+#include "cuda/memory/pinned_memory.cuh"
 #include "cuda/open_pairs.cuh"
 #include "cuda/stages/output.cuh"
 
@@ -21,7 +22,9 @@ class CudaDetector : public Detector {
   explicit CudaDetector(const CudaSettings& settings)
       : settings_(settings),
         device_(DeviceTraits::of(settings.device)),
-        cluster_counts_{500, 8192, 1600, device_.multiprocessors} {}
+        cluster_counts_{500, 8192, 1600, device_.multiprocessors} {
+    result_.contacts.moveTo(pinnedMemory());
+  }
   ~CudaDetector() override {
     cudaSetDevice(settings_.device);
     stop_.set();
@@ -29,6 +32,7 @@ class CudaDetector : public Detector {
   }
   std::string backend() const override { return "cuda"; }
   void reset() override { cold_ = true; }
+  std::pmr::memory_resource& vertexMemory() override { return lentMemory(); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
@@ -46,6 +50,7 @@ class CudaDetector : public Detector {
   bool makeRoom();
   bool sweepInPasses(const Options& options, const CycleLimit& limit);
   void fetchContacts(const Options& options, bool few);
+  void completeContacts(const CycleLimit& limit);
   void decideOpenPairs(const Options& options, const CycleLimit& limit);
   CycleShape shapeOf(const Options& options, bool identify, int refinements) const;
   void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
@@ -65,9 +70,11 @@ class CudaDetector : public Detector {
   DeviceScene scene_{settings_.device, memory_, sizes_, arrays_.scene};
   CycleGraph graphs_[2];  // with and without refinement of the prototypes
   PinnedBuffer<CycleParams> params_{1};
+  CycleParams sent_params_;
+  bool params_sent_ = false;  // sent_params_ are on the device
   PinnedBuffer<CycleCounters> counters_{1};
   HostStop stop_;
-  ContactOutput output_;
+  ContactOutput output_{8 * device_.multiprocessors};
   OpenPairs open_pairs_;     // in swept motion
   double decide_ms_ = 0;     // what they took in this cycle
   bool all_decided_ = true;  // no limit was over before or while they were

@@ -1,3 +1,5 @@
+#include <cstring>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -33,7 +35,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   const double upload_ms = watch.elapsedMs();
   const bool all = runUntilItFits(options, limit);
   const CycleCounters& counted = counters_[0];
-  output_.list(scene_, std::min(listable(counted.contacts), output_.fetched()), limit, result_);
+  output_.list(listable(counted.contacts), result_);
   result_.left_out = counted.contacts - result_.contacts.size();
   const bool listed = result_.contacts.size() >= listable(counted.contacts);
   open_pairs_.addTo(scene_, options, result_);
@@ -68,6 +70,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const cudaStream_t stream = stream_.get();
   const bool was_cold = cold_ || asked_clusters_ != options.clusters || motion_ != options.motion;
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
+  if (was_cold) params_sent_ = false;
   motion_ = options.motion;
   const bool laid_out_anew = scene_.layOut(scene, motion_, stream);
   if (scene_.triangleCount() == 0) return false;
@@ -138,7 +141,11 @@ void CudaDetector::makeArrays() {
   for (CycleGraph& graph : graphs_) graph.forget();
 }
 
+// Unless they are there already: even a small copy takes 5 us.
 void CudaDetector::sendParams() {
+  if (params_sent_ && std::memcmp(&sent_params_, params_.data(), sizeof sent_params_) == 0) return;
+  std::memcpy(&sent_params_, params_.data(), sizeof sent_params_);
+  params_sent_ = true;
   checkCuda(cudaMemcpyAsync(arrays_.the_params.data(), params_.data(), sizeof(CycleParams),
                             cudaMemcpyHostToDevice, stream_.get()),
             "cudaMemcpyAsync to the device");
@@ -182,15 +189,15 @@ void CudaDetector::runCycle(const Options& options) {
   cycle_end_.record(stream);
 }
 
-// Behind what is in the stream, as many contacts as there were last time; `few`: no more than are
-// sorted and copied in little time.
+// Behind what is in the stream; `few`: no more than take little time.
 void CudaDetector::fetchContacts(const Options& options, bool few) {
-  const std::uint64_t most = few ? kMostListedLate : last_contacts_;
+  const std::uint32_t most = few ? kMostListedLate : std::numeric_limits<std::uint32_t>::max();
   const bool swept = options.motion == Motion::kSwept;
   const BodyLengths any = scene_.anyLengths();
-  output_.fetch(arrays_,
-                {any.margins && !swept, options.geometry, options.first_times, any.pads && swept},
-                params_[0].index_bits, listable(std::min(last_contacts_, most)), stream_.get());
+  const ContactFields fields{any.margins && !swept, options.geometry, options.first_times,
+                             any.pads && swept};
+  output_.fetch(arrays_, fields, std::min(listable(last_contacts_), most), most, result_.contacts,
+                stream_.get());
 }
 
 // A scene that has outgrown its clusters or its scale starts anew.

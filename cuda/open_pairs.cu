@@ -69,7 +69,7 @@ void OpenPairs::addTo(const DeviceScene& scene, const Options& options, Detectio
     const Contact& contact = contacts_[k - 1];
     const TriangleIndex a(static_cast<std::uint32_t>(contact.lower));
     const TriangleIndex b(static_cast<std::uint32_t>(contact.higher));
-    const TrianglePair pair{scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)};
+    const TrianglePair pair = scene.pairOf(a, b);
     for (; from > 0 && pair < result.contacts[from - 1]; --from) {
       --to;
       result.contacts[to] = result.contacts[from - 1];

@@ -64,6 +64,15 @@ struct ContactArrays : ArrayGroup {
   DeviceArray<std::uint64_t, Place> contacts{*this, &CycleSizes::contacts};
   DeviceArray<float, Place> separations_m{*this, &CycleSizes::contacts};
 
+  // Of each triangle, how many contacts it is the lower triangle of; zero but in stage output. And
+  // the place of the first of them in `rows`.
+  DeviceArray<std::uint32_t, TriangleIndex> row_count{*this, &CycleSizes::triangles, 1};
+  DeviceArray<Place, TriangleIndex> row_begin{*this, &CycleSizes::triangles, 1};
+  // The contacts with those of one lower triangle together, and where they stand in `contacts`.
+  DeviceArray<std::uint64_t, Place> rows{*this, &CycleSizes::contacts};
+  DeviceArray<Place, Place> row_from{*this, &CycleSizes::contacts};
+  DeviceArray<std::uint32_t, Place> row_too_long{*this, 1U};  // not 0: some row is
+
   // In swept motion: what the candidates' stations are, as places of candidates.
   DeviceArray<SweptState, Place> states{*this, &CycleSizes::swept_candidates};
   DeviceArray<Place, Place> first_list{*this, &CycleSizes::swept_candidates};

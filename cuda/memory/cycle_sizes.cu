@@ -14,8 +14,8 @@ std::uint64_t candidateBytes(bool swept) {
   const std::uint64_t more = sizeof(SweptState) + 4 * sizeof(std::uint32_t);
   return sizeof(DeviceCandidate) + sizeof(std::uint32_t) + (swept ? more : 0);
 }
-std::uint64_t contactBytes(bool swept) {  // the list, the sorted one, and what sorting needs
-  return 3 * (sizeof(std::uint64_t) + (swept ? sizeof(ContactTimes) : sizeof(float)));
+std::uint64_t contactBytes(bool swept) {
+  return 2 * sizeof(std::uint64_t) + sizeof(Place) + (swept ? sizeof(ContactTimes) : sizeof(float));
 }
 
 std::uint32_t withinLimit(std::uint64_t wanted, std::uint64_t bytes_each, std::uint64_t limit) {

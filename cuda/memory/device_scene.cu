@@ -5,6 +5,7 @@
 #include "core/rules/margins.h"
 #include "core/vertex_fans.h"
 #include "cuda/memory/device_scene.cuh"
+#include "cuda/memory/pinned_memory.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -36,6 +37,20 @@ void put(const std::vector<T>& from, void* to, cudaStream_t stream) {
   checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
 }
 
+// Vertices of a body whose first coordinate is `first` of all, by way of `staged` where they are
+// not in page-locked memory.
+template <class List>
+void send(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer<float>& staged,
+          float* to, cudaStream_t stream) {
+  const float* from = vertices.data();
+  if (!isPinned(from)) {
+    staged.grow(all);  // once for all of them, or it would go while it is in use
+    std::copy(vertices.begin(), vertices.end(), staged.data() + first);
+    from = staged.data() + first;
+  }
+  upload(from, vertices.size(), to + first, stream);
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> DeviceScene::topologyOf(const Scene& scene) const {
@@ -56,7 +71,7 @@ bool DeviceScene::layOut(const Scene& scene, Motion motion, cudaStream_t stream)
   const bool anew = !isLaidOut(scene);
   sizes_.swept = motion == Motion::kSwept;
   if (anew) {
-    laid_out_ = false;  // until all of it is there
+    laid_out_ = bodies_sent_ = false;  // until all of it is there
     pairs_ = scene.enabledPairs();
     layOutPairs(scene, stream);
     layOutMeshes(scene, stream);
@@ -123,10 +138,8 @@ void DeviceScene::growArrays() {
   sizes_.follow();
   memory_.grow(sizes_);
   staged_bodies_.grow(body_.size());
-  staged_vertices_.grow(3 * std::size_t{vertex_count_});
   if (!sizes_.swept) return;
   staged_earlier_bodies_.grow(body_.size());
-  staged_earlier_vertices_.grow(3 * std::size_t{vertex_count_});
   earlier_.resize(vertices_.size());
 }
 
@@ -151,17 +164,14 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   std::vector<VertexIndex> corners;
   corners.reserve(3 * std::size_t{arrays_.triangle_count});
   std::vector<BodyBlock> vertex_blocks, triangle_blocks;
-  first_triangle_.assign(scene.bodyCount(), 0);
-  body_of_.clear();
-  body_of_.reserve(arrays_.triangle_count);
+  listed_.clear();
   std::uint32_t first_vertex = 0, first_triangle = 0;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
     addBlocks(vertex_blocks, BodyIndex(i), first_vertex, mesh.vertexCount());
     addBlocks(triangle_blocks, BodyIndex(i), first_triangle, mesh.triangleCount());
     for (const std::uint32_t corner : mesh.triangles) corners.emplace_back(first_vertex + corner);
-    first_triangle_[taking_part_[i]] = first_triangle;
-    body_of_.insert(body_of_.end(), mesh.triangleCount(), taking_part_[i]);
+    listed_.push_back({first_triangle, taking_part_[i]});
     body_[i].first_vertex = first_vertex;
     body_[i].vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
     first_vertex += body_[i].vertex_count;
@@ -177,6 +187,7 @@ void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
   arrays_.vertex_block_count = sizes_.vertex_blocks;
   arrays_.triangle_block_count = sizes_.triangle_blocks;
   arrays_.identity_mask = arrays_.identity_table.size() - 1;
+  put(listed_, arrays_.listed_bodies.data(), stream);
   put(corners, arrays_.corners.data(), stream);
   put(vertex_blocks, arrays_.vertex_blocks.data(), stream);
   put(triangle_blocks, arrays_.triangle_blocks.data(), stream);
@@ -222,13 +233,11 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     const Body& from = scene.body(id);
     if (vertices_[id] == from.vertices_revision) continue;
     const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
-    float* const to = arrays_.received.data() + first;
     if (from.device_vertices) {
-      copier_.copy(from, to, stream);
+      copier_.copy(from, arrays_.received.data() + first, stream);
     } else {
-      const std::vector<float>& vertices = from.mesh.vertices;
-      std::copy(vertices.begin(), vertices.end(), staged_vertices_.data() + first);
-      upload(staged_vertices_.data() + first, vertices.size(), to, stream);
+      send(from.mesh.vertices, first, 3 * std::size_t{vertex_count_}, staged_vertices_,
+           arrays_.received.data(), stream);
     }
     vertices_[id] = from.vertices_revision;
   }
@@ -241,11 +250,9 @@ void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
     const Body& from = scene.body(id);
     if (!from.earlier || from.earlier->vertices.empty()) continue;
     if (earlier_[id] == from.earlier_revision) continue;
-    const std::vector<float>& vertices = from.earlier->vertices;
     const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
-    std::copy(vertices.begin(), vertices.end(), staged_earlier_vertices_.data() + first);
-    upload(staged_earlier_vertices_.data() + first, vertices.size(),
-           arrays_.earlier_received.data() + first, stream);
+    send(from.earlier->vertices, first, 3 * std::size_t{vertex_count_}, staged_earlier_vertices_,
+         arrays_.earlier_received.data(), stream);
     earlier_[id] = from.earlier_revision;
   }
 }
@@ -279,9 +286,11 @@ void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
     body.margin_m = swept ? grownPad(from.pad_m) : from.margin_m;
     body.slack = scaledSlack(body.margin_m, scale);
+    bodies_sent_ = bodies_sent_ && std::memcmp(&staged_bodies_[i], &body, sizeof body) == 0;
     staged_bodies_[i] = body;
   }
-  upload(staged_bodies_.data(), body_.size(), arrays_.bodies.data(), stream);
+  if (!bodies_sent_) upload(staged_bodies_.data(), body_.size(), arrays_.bodies.data(), stream);
+  bodies_sent_ = true;
   if (swept) sendEarlierBodies(scene, stream);
 }
 

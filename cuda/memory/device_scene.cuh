@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/body_groups.h"
-#include "core/scene.h"
+#include "core/detector.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_vertices.cuh"
@@ -45,10 +45,11 @@ class DeviceScene {
   // Scene::anyMargin() and anyPad() of the scene that was sent.
   BodyLengths anyLengths() const { return any_; }
 
-  // The body of the scene that a triangle is of, and its number there.
-  BodyId bodyOf(TriangleIndex triangle) const { return body_of_[triangle.value]; }
-  std::uint32_t localOf(TriangleIndex triangle) const {
-    return triangle.value - first_triangle_[body_of_[triangle.value]];
+  // What results call two triangles of the scene.
+  TrianglePair pairOf(TriangleIndex a, TriangleIndex b) const {
+    const ListedBody body_a = bodyOf(listed_.data(), arrays_.body_count, a);
+    const ListedBody body_b = bodyOf(listed_.data(), arrays_.body_count, b);
+    return {body_a.id, a.value - body_a.first_triangle, body_b.id, b.value - body_b.first_triangle};
   }
 
  private:
@@ -76,15 +77,15 @@ class DeviceScene {
   SceneArrays& arrays_;
 
   bool laid_out_ = false;             // what is below is on the device
+  bool bodies_sent_ = false;          // so is what staged_bodies_ holds
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
   std::vector<std::pair<BodyId, BodyId>> pairs_;
-  std::vector<std::uint64_t> topology_;        // revisions, per body on the device
-  std::vector<std::uint64_t> vertices_;        // revisions on the device, per body of the scene
-  std::vector<std::uint64_t> earlier_;         // the same of Body::earlier; 0: none
-  std::vector<BodyId> taking_part_;            // bodies of the scene, per body on the device
-  std::vector<DeviceBody> body_;               // per body on the device
-  std::vector<std::uint32_t> first_triangle_;  // per body of the scene
-  std::vector<BodyId> body_of_;                // per triangle
+  std::vector<std::uint64_t> topology_;  // revisions, per body on the device
+  std::vector<std::uint64_t> vertices_;  // revisions on the device, per body of the scene
+  std::vector<std::uint64_t> earlier_;   // the same of Body::earlier; 0: none
+  std::vector<BodyId> taking_part_;      // bodies of the scene, per body on the device
+  std::vector<DeviceBody> body_;         // per body on the device
+  std::vector<ListedBody> listed_;       // per body on the device
   std::uint32_t vertex_count_ = 0, group_count_ = 0;
   bool any_self_ = false, any_from_device_ = false;
   BodyLengths any_{};

@@ -39,6 +39,24 @@ struct BodyBlock {
   std::uint32_t first, count;
 };
 
+// What a body's triangles are called in results.
+struct alignas(8) ListedBody {
+  std::uint32_t first_triangle;  // the number of its first one
+  std::uint32_t id;              // a BodyId
+};
+
+// Of `count` bodies in the order of their triangles: the one that a triangle is of.
+__host__ __device__ inline ListedBody bodyOf(const ListedBody* bodies, std::uint32_t count,
+                                             TriangleIndex triangle) {
+  std::uint32_t first = 0;
+  while (count > 1) {
+    const std::uint32_t half = count / 2;
+    if (bodies[first + half].first_triangle <= triangle.value) first += half;
+    count -= half;
+  }
+  return bodies[first];
+}
+
 // A vertex for which the lists of neighbours did not do.
 struct alignas(8) FarVertex {
   VertexIndex vertex;
@@ -54,6 +72,7 @@ struct SceneArrays : ArrayGroup {
   std::uint32_t identity_mask = 0;
 
   DeviceArray<DeviceBody, BodyIndex> bodies{*this, &CycleSizes::bodies};
+  DeviceArray<ListedBody, BodyIndex> listed_bodies{*this, &CycleSizes::bodies};
   DeviceArray<BodyIndex, Place> partners{*this, &CycleSizes::partners};
   // Per group: which groups its bodies meet, as bits.
   DeviceArray<std::uint32_t, Place> group_mask{*this, kMostGroups};

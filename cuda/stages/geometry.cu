@@ -18,13 +18,13 @@ __device__ Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triang
   return posed;
 }
 
-// A thread for each key; what fills up the list behind the contacts has none.
 __global__ void __launch_bounds__(kThreads)
     geometryKernel(CycleArrays c, SortedContacts sorted, PairGeometry* geometry) {
   const std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  if (i >= sorted.count || sorted.keys[i] == kNoContact) return;
-  const std::uint64_t mask = (std::uint64_t{1} << sorted.index_bits) - 1;
-  const TriangleIndex a(static_cast<std::uint32_t>(sorted.keys[i] >> sorted.index_bits));
+  if (i >= sorted.most || i >= c.counters().contacts) return;
+  const unsigned bits = c.params().index_bits;
+  const std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
+  const TriangleIndex a(static_cast<std::uint32_t>(sorted.keys[i] >> bits));
   const TriangleIndex b(static_cast<std::uint32_t>(sorted.keys[i] & mask));
   geometry[i] = geometryOf(posedTriangle(c.scene, a), posedTriangle(c.scene, b),
                            sorted.separations_m != nullptr ? sorted.separations_m[i] : 0);
@@ -34,8 +34,8 @@ __global__ void __launch_bounds__(kThreads)
 
 void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted, PairGeometry* geometry,
                     cudaStream_t stream) {
-  if (sorted.count == 0) return;
-  const unsigned blocks = (sorted.count + kThreads - 1) / kThreads;
+  if (sorted.most == 0) return;
+  const unsigned blocks = (sorted.most + kThreads - 1) / kThreads;
   geometryKernel<<<blocks, kThreads, 0, stream>>>(cycle, sorted, geometry);
   checkCuda(cudaGetLastError(), "a launch");
 }

@@ -10,18 +10,14 @@
 
 namespace deformable_contact_monitor {
 
-// The key of a place behind the last contact; sorts behind all contacts.
-constexpr std::uint64_t kNoContact = ~std::uint64_t{0};
-
 // Contacts on the device, by keys as in ContactArrays::contacts.
 struct SortedContacts {
   const std::uint64_t* keys;
   const float* separations_m;  // null: all of them intersect
-  std::uint32_t count;
-  unsigned index_bits;  // as in CycleParams
+  std::uint32_t most;          // of them, if there are so many
 };
 
-// Behind what is in the stream: fills in the geometry of each contact, none of other places. Reads
+// Behind what is in the stream: fills in the geometry of each contact. Reads
 // scene.corners and scene.posed.
 void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted, PairGeometry* geometry,
                     cudaStream_t stream);

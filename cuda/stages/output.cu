@@ -1,126 +1,97 @@
 #include <algorithm>
-#include <cub/device/device_radix_sort.cuh>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "cuda/stages/geometry.cuh"
 #include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
-namespace {
 
-constexpr unsigned kThreads = 256;
-
-// A thread for each place of contacts.contacts behind the last contact, up to `capacity`: fills it
-// with a key that sorts behind all contacts, for a sort of fixed size.
-__global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c, std::uint32_t capacity) {
-  const std::uint64_t count = c.counters().contacts;
-  const std::uint64_t i = count + blockIdx.x * kThreads + threadIdx.x;
-  if (i >= count && i < capacity) {
-    c.contacts.contacts[Place(static_cast<std::uint32_t>(i))] = kNoContact;
+// With room to spare, or contacts that creep up would allocate in every cycle.
+void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts) {
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (count > contacts.capacity()) {
+    contacts.clear();
+    contacts.reserve(count + std::size_t{count} / 4);
   }
+  contacts.resize(std::min(contacts.capacity(), kMost));
+  room_ = static_cast<std::uint32_t>(contacts.size());
+  if (fields_.separations) separations_.grow(room_);
+  if (fields_.times()) times_.grow(room_);
+  if (!fields_.geometry) return;
+  geometry_.grow(room_);
+  geometry_on_device_.grow(room_);
+  keys_.grow(room_);
+  if (fields_.separations) sorted_separations_.grow(room_);
 }
 
-// Where what is sorted comes to; null: there is none.
-struct SortedOutput {
-  std::uint64_t* keys;
-  float* separations;
-  ContactTimes* times;
-};
-
-// The first `capacity` keys, with what comes with them. A null `scratch` only asks for the bytes it
-// needs.
-void sortKeys(const ContactArrays& contacts, std::uint32_t capacity, unsigned index_bits,
-              const SortedOutput& out, void* scratch, std::size_t& scratch_bytes,
-              cudaStream_t stream) {
-  const auto bits = static_cast<int>(2 * index_bits);
-  const std::uint64_t* const keys = contacts.contacts.data();
-  cudaError_t status;
-  if (out.times != nullptr) {
-    status = cub::DeviceRadixSort::SortPairs(scratch, scratch_bytes, keys, out.keys,
-                                             contacts.times.data(), out.times, capacity, 0, bits,
-                                             stream);
-  } else if (out.separations != nullptr) {
-    status = cub::DeviceRadixSort::SortPairs(scratch, scratch_bytes, keys, out.keys,
-                                             contacts.separations_m.data(), out.separations,
-                                             capacity, 0, bits, stream);
-  } else {
-    status = cub::DeviceRadixSort::SortKeys(scratch, scratch_bytes, keys, out.keys, capacity, 0,
-                                            bits, stream);
+OrderedOutput ContactOutput::output(TrianglePairs& contacts) {
+  OrderedOutput out{};
+  out.pairs = reinterpret_cast<uint4*>(contacts.data());
+  if (fields_.separations) out.separations_m = separations_.data();
+  if (fields_.times()) out.times = times_.data();
+  out.room = room_;
+  out.too_long = too_long_.data();
+  if (fields_.geometry) out.keys = keys_.data();
+  if (fields_.geometry && fields_.separations) {
+    out.separations_on_device = sorted_separations_.data();
   }
-  checkCuda(status, "cub::DeviceRadixSort");
-}
-
-}  // namespace
-
-void ContactOutput::makeRoom(std::uint32_t count, std::uint32_t most, const ContactFields& fields) {
-  if (count > sorted_keys_.size()) {
-    // With room to spare, or contacts that creep up would allocate in every cycle.
-    sorted_keys_.grow(std::min(most, count + count / 2));
-  }
-  keys_.grow(sorted_keys_.size());
-  if (fields.separations) {
-    sorted_separations_.grow(sorted_keys_.size());
-    separations_.grow(sorted_keys_.size());
-  }
-  if (fields.times()) {
-    sorted_times_.grow(sorted_keys_.size());
-    times_.grow(sorted_keys_.size());
-  }
-  if (fields.geometry) {
-    geometry_on_device_.grow(sorted_keys_.size());
-    geometry_.grow(sorted_keys_.size());
-  }
+  return out;
 }
 
 void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
-                          unsigned index_bits, std::uint32_t count, cudaStream_t stream) {
-  const std::uint32_t most = cycle.contacts.contacts.size();
-  fetched_ = std::min(most, count + count / 4 + 1024);
-  index_bits_ = index_bits;
+                          std::uint32_t expected, std::uint32_t most_described,
+                          TrianglePairs& contacts, cudaStream_t stream) {
   fields_ = fields;
-  makeRoom(fetched_, most, fields);
-  padKernel<<<(fetched_ + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle, fetched_);
-  const SortedOutput sorted{sorted_keys_.data(),
-                            fields.separations ? sorted_separations_.data() : nullptr,
-                            fields.times() ? sorted_times_.data() : nullptr};
-  const auto sort = [&](void* scratch, std::size_t& bytes) {
-    sortKeys(cycle.contacts, fetched_, index_bits, sorted, scratch, bytes, stream);
-  };
-  std::size_t scratch_bytes = 0;
-  sort(nullptr, scratch_bytes);
-  if (scratch_bytes > scratch_.size()) scratch_.grow(scratch_bytes + scratch_bytes / 2);
-  sort(scratch_.data(), scratch_bytes);
-  sorted_keys_.download(keys_.data(), fetched_, stream);
-  if (fields.separations) sorted_separations_.download(separations_.data(), fetched_, stream);
-  if (fields.times()) sorted_times_.download(times_.data(), fetched_, stream);
-  if (!fields.geometry) return;
-  launchGeometry(cycle, {sorted.keys, sorted.separations, fetched_, index_bits},
-                 geometry_on_device_.data(), stream);
-  geometry_on_device_.download(geometry_.data(), fetched_, stream);
+  makeRoom(expected, contacts);
+  gathered_ = expected > kLongestRow / 2;
+  if (gathered_) rows_.gather(cycle, blocks_, stream);
+  write(cycle, contacts, stream);
+  describe(cycle, std::min(most_described, expected + expected / 4 + 1024), stream);
 }
 
-void ContactOutput::list(const DeviceScene& scene, std::uint32_t count, const CycleLimit& limit,
-                         DetectionResult& result) const {
-  constexpr std::uint32_t kBlock = 1 << 16;
-  const std::uint64_t mask = (std::uint64_t{1} << index_bits_) - 1;
-  result.contacts.resize(count);
-  std::uint32_t done = 0;
-  while (done < count && (done < kMostListedLate || !limit.over())) {
-    // Nothing but the list within: it is the longest part of the way back.
-    const std::uint32_t end = std::min(count, std::max(kMostListedLate, done + kBlock));
-    for (std::uint32_t i = done; i < end; ++i) {
-      const TriangleIndex a(static_cast<std::uint32_t>(keys_[i] >> index_bits_));
-      const TriangleIndex b(static_cast<std::uint32_t>(keys_[i] & mask));
-      result.contacts[i] = {scene.bodyOf(a), scene.localOf(a), scene.bodyOf(b), scene.localOf(b)};
-    }
-    done = end;
+void ContactOutput::fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
+                               TrianglePairs& contacts, cudaStream_t stream) {
+  makeRoom(count, contacts);
+  if (too_long_[0] != 0) {
+    rows_.sortAndWrite(cycle, count, index_bits, output(contacts), blocks_, stream);
+    too_long_[0] = 0;
+    room_ = count;
+  } else {
+    write(cycle, contacts, stream);
   }
-  count = done;
+  describe(cycle, count, stream);
+}
+
+void ContactOutput::write(const CycleArrays& cycle, TrianglePairs& contacts, cudaStream_t stream) {
+  if (gathered_) {
+    rows_.write(cycle, output(contacts), blocks_, stream);
+  } else {
+    ContactRows::writeFew(cycle, output(contacts), blocks_, stream);
+  }
+}
+
+// Geometry of the first `most` contacts.
+void ContactOutput::describe(const CycleArrays& cycle, std::uint32_t most, cudaStream_t stream) {
+  described_ = 0;
+  if (!fields_.geometry) return;
+  described_ = std::min(most, room_);
+  launchGeometry(
+      cycle, {keys_.data(), fields_.separations ? sorted_separations_.data() : nullptr, described_},
+      geometry_on_device_.data(), stream);
+  geometry_on_device_.download(geometry_.data(), described_, stream);
+}
+
+void ContactOutput::list(std::uint32_t count, DetectionResult& result) const {
+  count = std::min(count, room_);
   result.contacts.resize(count);
   if (fields_.separations) {
     result.separations_m.assign(separations_.data(), separations_.data() + count);
   }
-  if (fields_.geometry) result.geometry.assign(geometry_.data(), geometry_.data() + count);
+  if (fields_.geometry && count <= described_) {
+    result.geometry.assign(geometry_.data(), geometry_.data() + count);
+  }
   if (fields_.times()) listTimes(count, result);
 }
 

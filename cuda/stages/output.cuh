@@ -3,11 +3,10 @@
 
 #include <cstdint>
 
-#include "core/cycle_limit.h"
 #include "core/detector.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
-#include "cuda/memory/device_scene.cuh"
+#include "cuda/stages/rows.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -25,39 +24,51 @@ struct ContactFields {
 
 class ContactOutput {
  public:
-  // Sorts on the device, adds the geometry, and copies, behind what is in the stream. A little more
-  // than `count` contacts: as last cycle's count says, for the host does not know this one's
-  // before.
-  void fetch(const CycleArrays& cycle, const ContactFields& fields, unsigned index_bits,
-             std::uint32_t count, cudaStream_t stream);
-  // How many contacts the last fetch could bring.
-  std::uint32_t fetched() const { return fetched_; }
+  // `blocks`: as many as a launch may well have.
+  explicit ContactOutput(unsigned blocks) : blocks_(blocks) {}
+
+  // Behind what is in the stream: the device brings the contacts into their order and writes them
+  // to `contacts`, which lie in pinnedMemory(), as far as there is room: for `expected` at least,
+  // and for more if there once were. Geometry of up to `most_described`. The stream must have been
+  // waited for since the last fetch.
+  void fetch(const CycleArrays& cycle, const ContactFields& fields, std::uint32_t expected,
+             std::uint32_t most_described, TrianglePairs& contacts, cudaStream_t stream);
+  // Once the stream has been waited for: whether the fetch brought the first `count` with all that
+  // is asked for.
+  bool has(std::uint32_t count) const {
+    return too_long_[0] == 0 && count <= room_ && (!fields_.geometry || count <= described_);
+  }
+  // Makes room for so many contacts, while the device does not write any.
+  void makeRoom(std::uint32_t count, TrianglePairs& contacts);
+  // Where the fetch did not: brings the first `count`, or any, where they have to be sorted.
+  void fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
+                  TrianglePairs& contacts, cudaStream_t stream);
 
   std::uint64_t bytes() const {
-    return sorted_keys_.bytes() + sorted_separations_.bytes() + sorted_times_.bytes() +
-           geometry_on_device_.bytes() + scratch_.bytes();
+    return keys_.bytes() + sorted_separations_.bytes() + geometry_on_device_.bytes() +
+           rows_.bytes();
   }
 
-  // The first `count` of them, once the stream has been waited for; where the limit is over, at
-  // least kMostListedLate of them, if there are so many.
-  void list(const DeviceScene& scene, std::uint32_t count, const CycleLimit& limit,
-            DetectionResult& result) const;
+  // The first `count` of them, once the stream has been waited for; fewer, if no more came.
+  void list(std::uint32_t count, DetectionResult& result) const;
 
  private:
+  void write(const CycleArrays& cycle, TrianglePairs& contacts, cudaStream_t stream);
+  OrderedOutput output(TrianglePairs& contacts);
+  void describe(const CycleArrays& cycle, std::uint32_t most, cudaStream_t stream);
   void listTimes(std::uint32_t count, DetectionResult& result) const;
-  void makeRoom(std::uint32_t count, std::uint32_t most, const ContactFields& fields);
 
-  DeviceBuffer<std::uint64_t> sorted_keys_;
+  const unsigned blocks_;
+  ContactRows rows_;
+  DeviceBuffer<std::uint64_t> keys_;
   DeviceBuffer<float> sorted_separations_;
-  DeviceBuffer<ContactTimes> sorted_times_;
   DeviceBuffer<PairGeometry> geometry_on_device_;
-  DeviceBuffer<unsigned char> scratch_;
-  PinnedBuffer<std::uint64_t> keys_;
   PinnedBuffer<float> separations_;
   PinnedBuffer<ContactTimes> times_;
   PinnedBuffer<PairGeometry> geometry_;
-  std::uint32_t fetched_ = 0;
-  unsigned index_bits_ = 1;
+  PinnedBuffer<std::uint32_t> too_long_{1};
+  bool gathered_ = false;  // into rows, by the last fetch
+  std::uint32_t room_ = 0, described_ = 0;
   ContactFields fields_{false, false, false, false};
 };
 

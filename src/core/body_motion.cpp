@@ -88,7 +88,7 @@ void quaternionOf(const double r[9], double q[4]) {
 
 double lengthOf(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
 
-const std::vector<float>& earlierVertices(const Body& body) {
+const HostList<float>& earlierVertices(const Body& body) {
   const bool others = body.earlier && !body.earlier->vertices.empty();
   return others ? body.earlier->vertices : body.mesh.vertices;
 }
@@ -122,7 +122,7 @@ bool samePose(const RigidTransform& a, const RigidTransform& b) {
          std::equal(std::begin(a.translation), std::end(a.translation), std::begin(b.translation));
 }
 
-std::vector<float> verticesBetween(const std::vector<float>& from, const std::vector<float>& to,
+std::vector<float> verticesBetween(const HostList<float>& from, const HostList<float>& to,
                                    double at) {
   if (at == 0 || at == 1) return at == 0 ? from : to;
   std::vector<float> between(from.size());
@@ -153,7 +153,7 @@ BodyMotion::Piece BodyMotion::pieceBetween(const RigidTransform& from, const Rig
 }
 
 BodyMotion::BodyMotion(const Body& body, const BodyPath& path) : body_(&body), path_(&path) {
-  const std::vector<float>&now = body.mesh.vertices, &then = earlierVertices(body);
+  const HostList<float>&now = body.mesh.vertices, &then = earlierVertices(body);
   for (std::size_t i = 0; i + 2 < now.size(); i += 3) {
     const double x = now[i], y = now[i + 1], z = now[i + 2];
     const double u = then[i], v = then[i + 1], w = then[i + 2];

@@ -15,7 +15,7 @@ bool samePose(const RigidTransform& a, const RigidTransform& b);
 
 // Vertices that move on straight lines: x y z each at a part [0, 1] of the way, rounded to float32
 // once; at 0 and 1 the given ones. As many as the others.
-std::vector<float> verticesBetween(const std::vector<float>& from, const std::vector<float>& to,
+std::vector<float> verticesBetween(const HostList<float>& from, const HostList<float>& to,
                                    double at);
 
 // How far rounding to float32 moves a point, at most, that is so far from the origin [m].

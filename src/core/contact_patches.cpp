@@ -23,7 +23,7 @@ using ContactList = std::vector<std::uint32_t>;  // places in DetectionResult::c
 double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
 // By pair of bodies, ascending. Those of a pair mostly follow one another.
-std::map<std::pair<BodyId, BodyId>, ContactList> byBodies(const std::vector<TrianglePair>& pairs) {
+std::map<std::pair<BodyId, BodyId>, ContactList> byBodies(const TrianglePairs& pairs) {
   std::map<std::pair<BodyId, BodyId>, ContactList> lists;
   auto last = lists.end();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -163,8 +163,9 @@ class PatchFinder::Numbering {
 };
 
 // By patch, in the order of their first contacts.
-std::vector<std::vector<std::uint32_t>> PatchFinder::joinedContacts(
-    const Scene& scene, const std::vector<TrianglePair>& pairs, const ContactList& contacts) {
+std::vector<std::vector<std::uint32_t>> PatchFinder::joinedContacts(const Scene& scene,
+                                                                    const TrianglePairs& pairs,
+                                                                    const ContactList& contacts) {
   const BodyId body_a = pairs[contacts.front()].body_a, body_b = pairs[contacts.front()].body_b;
   UnionFind joined(0);
   ContactList node;
@@ -193,7 +194,7 @@ std::vector<std::vector<std::uint32_t>> PatchFinder::joinedContacts(
 }
 
 // The triangles of body_a, or of body_b, of these contacts, ascending, each once.
-std::vector<std::uint32_t> PatchFinder::trianglesOf(const std::vector<TrianglePair>& pairs,
+std::vector<std::uint32_t> PatchFinder::trianglesOf(const TrianglePairs& pairs,
                                                     const ContactList& contacts,
                                                     std::uint32_t TrianglePair::*triangle) {
   std::vector<std::uint32_t> triangles;

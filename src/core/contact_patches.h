@@ -56,9 +56,8 @@ class PatchFinder {
   class Numbering;
 
   std::vector<std::vector<std::uint32_t>> joinedContacts(
-      const Scene& scene, const std::vector<TrianglePair>& pairs,
-      const std::vector<std::uint32_t>& contacts);
-  std::vector<std::uint32_t> trianglesOf(const std::vector<TrianglePair>& pairs,
+      const Scene& scene, const TrianglePairs& pairs, const std::vector<std::uint32_t>& contacts);
+  std::vector<std::uint32_t> trianglesOf(const TrianglePairs& pairs,
                                          const std::vector<std::uint32_t>& contacts,
                                          std::uint32_t TrianglePair::*triangle);
 

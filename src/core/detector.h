@@ -4,11 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/export.h"
+#include "core/host_list.h"
 #include "core/options.h"
 #include "core/pair_geometry.h"
 #include "core/scene.h"
@@ -40,6 +42,8 @@ struct DCM_EXPORT TrianglePair {
   }
 };
 
+using TrianglePairs = HostList<TrianglePair>;
+
 // When two triangles touch first, as parts [0, 1] of a step: certainly not before `low`, and
 // certainly at some time in [low, high]; at most 2^-20 apart where predicates are exact. 0 and 0:
 // at the step's beginning.
@@ -66,7 +70,7 @@ struct DCM_EXPORT Counters {
 };
 
 struct DCM_EXPORT DetectionResult {
-  std::vector<TrianglePair> contacts;  // sorted, each once
+  TrianglePairs contacts;  // sorted, each once
   // Distance of each contact's triangles [m], 0 where they intersect, above 0 elsewhere. There iff
   // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
   // intersect. Empty too in swept motion, which knows no margins.
@@ -130,6 +134,11 @@ class DCM_EXPORT Detector {
 
   // With default options.
   const DetectionResult& detect(const Scene& scene) { return detect(scene, Options()); }
+
+  // Memory from which this backend reads vertices soonest, for Scene::useMemory(). It is the
+  // process's own, outlives all detectors, and any backend and the user may read it; it is good
+  // for as long as nobody calls cudaDeviceReset().
+  virtual std::pmr::memory_resource& vertexMemory() { return *std::pmr::new_delete_resource(); }
 
   // Forgets what earlier cycles left (warm starts); exact results never depend on it.
   virtual void reset() = 0;

@@ -42,6 +42,11 @@ class FallbackDetector : public Detector {
 
   std::string backend() const override { return running_->backend(); }
 
+  // Of the first, where there is one: others can read it too.
+  std::pmr::memory_resource& vertexMemory() override {
+    return first_ ? first_->vertexMemory() : running_->vertexMemory();
+  }
+
   void reset() override {
     if (first_) first_->reset();
     if (second_) second_->reset();

@@ -18,6 +18,10 @@ class PairSetDetector : public Detector {
 
   std::string backend() const override { return kept_.front().detector->backend(); }
 
+  std::pmr::memory_resource& vertexMemory() override {
+    return kept_.front().detector->vertexMemory();
+  }
+
   void reset() override {
     for (Kept& kept : kept_) kept.detector->reset();
   }

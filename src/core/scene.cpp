@@ -17,11 +17,17 @@ std::uint64_t nextRevision() {
 
 }  // namespace
 
+void Scene::useMemory(std::pmr::memory_resource& memory) {
+  memory_ = &memory;
+  for (Body& body : bodies_) body.mesh.vertices.moveTo(memory);
+}
+
 BodyId Scene::addBody(std::string name, TriangleMesh mesh) {
   validate(mesh, name);
   Body body;
   body.name = std::move(name);
   body.mesh = std::move(mesh);
+  body.mesh.vertices.moveTo(*memory_);
   body.topology_revision = body.vertices_revision = nextRevision();
   bodies_.push_back(std::move(body));
   for (auto& row : enabled_) row.push_back(false);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <string>
 #include <utility>
@@ -27,7 +28,7 @@ struct DCM_EXPORT DeviceVertices {
 struct DCM_EXPORT EarlierState {
   RigidTransform pose;
   // In the body's frame then, as many as the mesh has [m]. Empty: the present ones.
-  std::vector<float> vertices;
+  HostList<float> vertices;
 };
 
 struct DCM_EXPORT Body {
@@ -53,6 +54,10 @@ struct DCM_EXPORT Body {
 // scene as it was.
 class DCM_EXPORT Scene {
  public:
+  // From now on vertices lie in `memory`, which outlives this: a detector's vertexMemory(), which
+  // spares it a copy. Copies of the scene are in plain memory.
+  void useMemory(std::pmr::memory_resource& memory);
+
   // Adds a body (its mesh may be empty, to be set later); ids count up from 0.
   BodyId addBody(std::string name, TriangleMesh mesh);
 
@@ -116,6 +121,7 @@ class DCM_EXPORT Scene {
   std::vector<Body> bodies_;
   std::vector<std::vector<bool>> enabled_;  // symmetric
   std::uint64_t pairs_revision_ = 0;
+  std::pmr::memory_resource* memory_ = std::pmr::new_delete_resource();
 };
 
 }  // namespace deformable_contact_monitor

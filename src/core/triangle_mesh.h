@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "core/export.h"
+#include "core/host_list.h"
 #include "core/predicates/vector3.h"
 
 namespace deformable_contact_monitor {
 
 struct DCM_EXPORT TriangleMesh {
-  std::vector<float> vertices;           // x y z per vertex [m]; may hold NaN or infinity
+  HostList<float> vertices;              // x y z per vertex [m]; may hold NaN or infinity
   std::vector<std::uint32_t> triangles;  // three vertex indices per triangle
 
   std::size_t vertexCount() const { return vertices.size() / 3; }

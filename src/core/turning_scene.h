@@ -34,7 +34,7 @@ class TurningScene {
  private:
   // A body that moves straight, in the scene frame.
   struct Straight {
-    std::vector<float> from, to;
+    HostList<float> from, to;
     double rounding;
     bool has_outliers;
   };

@@ -25,7 +25,7 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       clock_(parameters.max_mesh_age_s, time_.steady()),
       turns_(maxRatesHz(live_, parameters.objects.size())),
       inputs_(makeMeshInputs(parameters)),
-      scene_(parameters),
+      scene_(parameters, detector_->vertexMemory()),
       lookup_(sources_.transforms, parameters.reference_frame),
       queues_(turns_, sources_.meshes, inputs_, scene_, lookup_),
       planner_(parameters),

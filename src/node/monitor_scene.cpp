@@ -26,7 +26,9 @@ MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
   return inputs;
 }
 
-MonitorScene::MonitorScene(const MonitorParameters& parameters) : parameters_(parameters) {
+MonitorScene::MonitorScene(const MonitorParameters& parameters,
+                           std::pmr::memory_resource& vertex_memory)
+    : parameters_(parameters), vertex_memory_(vertex_memory) {
   rules_.allowed = parameters.allowed_contacts;
   setRobot(parameters.pair_classes.needRobot() ? missingRobot("no robot received yet")
                                                : RobotGeometry());
@@ -37,6 +39,7 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
     return setRobot(missingRobot("the robot has no link with geometry"));
   }
   Scene scene;
+  scene.useMemory(vertex_memory_);
   std::vector<BodyStatus> bodies;
   std::vector<std::string> problems;
   const auto addBody = [&](const std::string& name, BodyKind kind, TriangleMesh mesh,

@@ -3,6 +3,7 @@
 
 #include <ros/time.h>
 
+#include <memory_resource>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,8 +43,11 @@ struct CycleTrigger {
 // thread at a time.
 class MonitorScene {
  public:
-  // The parameters must outlive this. Without a robot until setRobot().
-  explicit MonitorScene(const MonitorParameters& parameters);
+  // The parameters must outlive this, and so must the vertices' memory. Without a robot until
+  // setRobot().
+  explicit MonitorScene(
+      const MonitorParameters& parameters,
+      std::pmr::memory_resource& vertex_memory = *std::pmr::new_delete_resource());
 
   // Builds the scene anew, with the SRDF's rules. The names of links and objects must differ.
   void setRobot(const RobotGeometry& robot);
@@ -113,6 +117,7 @@ class MonitorScene {
   bool isKnown(BodyId id) const { return bodies_[id].unknown_because.empty(); }
 
   const MonitorParameters& parameters_;
+  std::pmr::memory_resource& vertex_memory_;
   ContactRules rules_;
   // In place of the parameters'; nothing: as those.
   std::optional<PairClasses> classes_;

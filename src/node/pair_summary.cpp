@@ -52,8 +52,9 @@ double minSeparationM(const CycleReport& report, const DetectionResult& result, 
 // Contacts [begin, end) of one pair of bodies.
 PairSummary sumUp(const CycleReport& report, const DetectionResult& result, const PosedBody& of_a,
                   const PosedBody& of_b, std::size_t begin, std::size_t end) {
-  const std::vector<TrianglePair>& contacts = result.contacts;
+  const TrianglePairs& contacts = result.contacts;
   const bool has_normal = report.bodies.at(contacts[begin].body_a).kind == BodyKind::kLink;
+  constexpr std::size_t kFar = 32, kNear = 16;
   PairSummary sum;
   Vec3d corners_of_a;
   for (std::size_t i = begin; i < end; ++i) {
@@ -66,6 +67,9 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, cons
         sum.area_sum += std::sqrt(dot(normal, normal));
       }
     }
+    // Vertices have come just now, but nobody has looked at triangles since the last cycle.
+    if (i + kFar < end) of_b.prefetchCorners(contacts[i + kFar].triangle_b);
+    if (i + kNear < end) of_b.prefetchVertices(contacts[i + kNear].triangle_b);
     sum.corner_sum =
         sum.corner_sum + (corners_of_a + cornerSum(of_b.triangle(contacts[i].triangle_b)));
   }
@@ -79,7 +83,7 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, cons
 Summaries summarize(const CycleReport& report, const DetectionResult& result,
                     const std::vector<PosedBody>& bodies, std::size_t begin, std::size_t end) {
   Summaries summaries;
-  const std::vector<TrianglePair>& contacts = result.contacts;
+  const TrianglePairs& contacts = result.contacts;
   for (std::size_t first = begin; first < end;) {
     const BodyId a = contacts[first].body_a, b = contacts[first].body_b;
     std::size_t last = first;
@@ -104,11 +108,11 @@ Vec3d PairSummary::meanNormal() const {
 
 // In blocks that leave the contacts of one triangle of body_a together.
 PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* result) {
-  constexpr std::size_t kBlock = 8192;
+  constexpr std::size_t kBlock = 2048;
   if (report.scene == nullptr || result == nullptr) return;
   std::vector<PosedBody> bodies;
   for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
-  const std::vector<TrianglePair>& contacts = result->contacts;
+  const TrianglePairs& contacts = result->contacts;
   const auto start = [&contacts](std::size_t i) {
     while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
     return i;

@@ -14,7 +14,7 @@ static_assert(sizeof(TrianglePair) == 4 * sizeof(std::uint32_t) &&
                   std::is_standard_layout<TrianglePair>::value,
               "a list of pairs is a table of four columns");
 
-py::array pairTable(const std::vector<TrianglePair>& contacts) {
+py::array pairTable(const TrianglePairs& contacts) {
   const auto* const from = reinterpret_cast<const std::uint32_t*>(contacts.data());
   return py::array_t<std::uint32_t>({contacts.size(), std::size_t{4}}, from);
 }

@@ -59,8 +59,9 @@ const char* what(const Options& options) {
 
 void whole(Moving& moving, const Options& options, bool check) {
   const auto detector = makeCudaDetector();
+  moving.scene.useMemory(detector->vertexMemory());
   for (int i = 0; i < (only_growth ? 10 : kWarmUp); ++i) step(moving, i, *detector, options);
-  std::vector<double> detect, round_trip;
+  std::vector<double> detect, round_trip, there, back;
   DetectionResult last;
   const int repeats = repeatsFor(moving);
   for (int i = 0; i < 2 * repeats; ++i) {
@@ -68,6 +69,8 @@ void whole(Moving& moving, const Options& options, bool check) {
     if (i % 2 == 1) continue;  // both states move; the first is the scene that is named
     detect.push_back(result.detect_ms);
     round_trip.push_back(result.round_trip_ms);
+    there.push_back(1e3 * result.stages_ms.front().second);
+    back.push_back(1e3 * result.stages_ms.back().second);
     if (i + 2 >= 2 * repeats) last = result;
   }
   const char* sets = "-";
@@ -80,11 +83,12 @@ void whole(Moving& moving, const Options& options, bool check) {
   }
   const Counters& c = last.counters;
   std::printf(
-      "| %s | %s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %llu | %llu | %.2f | %llu | "
+      "| %s | %s | %llu | %zu | %.3f | %.3f | %.3f | %.3f | %.3f | %.0f | %.0f | %llu | %llu | "
+      "%.2f | %llu | "
       "%llu | %.0f | %s |\n",
       moving.name.c_str(), what(options), static_cast<unsigned long long>(c.triangles),
       last.contacts.size(), moving.at_most_ms, median(detect), percentile(detect, 0.95),
-      median(round_trip), percentile(round_trip, 0.95),
+      median(round_trip), percentile(round_trip, 0.95), median(there), median(back),
       static_cast<unsigned long long>(c.interval_overlaps),
       static_cast<unsigned long long>(c.candidates),
       c.clustered > 0 ? static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered)
@@ -98,6 +102,7 @@ void stages(Moving& moving, const Options& options) {
   CudaSettings settings;
   settings.time_stages = true;
   const auto detector = makeCudaDetector(settings);
+  moving.scene.useMemory(detector->vertexMemory());
   std::vector<std::string> names;
   std::map<std::string, std::vector<double>> times;
   for (int i = 0; i < kWarmUp + 2 * repeatsFor(moving); ++i) {
@@ -221,9 +226,10 @@ int run(const std::string& only) {
   }
   std::printf(
       "| scene | adjacent | triangles | contacts | at most ms | detect ms | p95 | round trip ms | "
-      "p95 | overlaps | candidates | clusters a triangle | clusters | exact | bytes a triangle | "
+      "p95 | upload us | output us | overlaps | candidates | clusters a triangle | clusters | "
+      "exact | bytes a triangle | "
       "sets |\n");
-  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   if (only == "growth") {
     only_growth = true;
     printGrowth(ball92, ball93, options);

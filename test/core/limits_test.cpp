@@ -85,7 +85,7 @@ class LimitsTest : public DetectorSuite {
 };
 
 TEST_P(LimitsTest, ADenseMeshEndsAtItsDeadlineWithWhatWasFound) {
-  const Scene scene = selfScene(crossingTriangles(10000));
+  const Scene scene = selfScene(crossingTriangles(22000));
   for (int cycle = 0; cycle < 3; ++cycle) {  // cold and warm
     const DetectionResult& result = timed(scene, withDeadline(milliseconds(50)));
     EXPECT_LT(took_, kSoon);

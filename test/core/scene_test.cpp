@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory_resource>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -176,6 +177,52 @@ TEST_F(SceneTest, PadsAreFiniteAndCountForBodiesThatTakePart) {
   EXPECT_FALSE(scene_.anyMargin());
   scene_.setPad(hand_, 0);
   EXPECT_FALSE(scene_.anyPad());
+}
+
+// Counts what is in use.
+class CountedMemory : public std::pmr::memory_resource {
+ public:
+  std::size_t bytes = 0;
+
+ private:
+  void* do_allocate(std::size_t size, std::size_t alignment) override {
+    bytes += size;
+    return std::pmr::new_delete_resource()->allocate(size, alignment);
+  }
+  void do_deallocate(void* memory, std::size_t size, std::size_t alignment) override {
+    bytes -= size;
+    std::pmr::new_delete_resource()->deallocate(memory, size, alignment);
+  }
+  bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
+    return this == &other;
+  }
+};
+
+TEST(SceneMemory, VerticesLieWhereTheyAreWantedAndCopiesDoNot) {
+  constexpr std::size_t kMesh = 9 * sizeof(float);
+  CountedMemory memory;
+  Scene scene;
+  scene.addBody("before", oneTriangle());
+  scene.useMemory(memory);
+  EXPECT_EQ(kMesh, memory.bytes);
+  const BodyId after = scene.addBody("after", oneTriangle());
+  EXPECT_EQ(2 * kMesh, memory.bytes);
+  const float* const place = scene.body(after).mesh.vertices.data();
+  const std::vector<float> moved(9, 2.0F);
+  scene.setVertices(after, moved.data(), 3);
+  EXPECT_EQ(place, scene.body(after).mesh.vertices.data());
+  {
+    const Scene copy = scene;
+    EXPECT_EQ(2 * kMesh, memory.bytes);
+    EXPECT_TRUE(copy.body(after).mesh.vertices == moved);
+    scene.setMesh(after, TriangleMesh());
+    EXPECT_TRUE(copy.body(after).mesh.vertices == moved);
+  }
+  scene.setMesh(after, oneTriangle());
+  for (int i = 0; i < 9; ++i) scene.addBody("more", oneTriangle());
+  EXPECT_EQ(11 * kMesh, memory.bytes);
+  scene = Scene();
+  EXPECT_EQ(0U, memory.bytes);
 }
 
 }  // namespace

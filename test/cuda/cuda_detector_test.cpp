@@ -85,7 +85,7 @@ Scene crowdedScene(int count, float margin_m) {
 // The first cycle finds too few contacts to tell how long the list will be, so passes start again.
 TEST(CudaDetector, PassesThatOutgrowTheListOfContactsStartAgain) {
   CudaSettings settings;
-  settings.memory_limit_bytes = 60000;
+  settings.memory_limit_bytes = 40000;
   for (const float margin_m : {0.0F, 0.05F}) {
     const auto detector = makeOrSayWhy(settings);
     if (detector == nullptr) return;

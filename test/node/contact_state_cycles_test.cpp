@@ -21,7 +21,7 @@ struct Feed {
     for (const char c : cycles) {
       sample.report.header.stamp += ros::Duration(0.1);
       sample.report.now = sample.report.header.stamp;
-      sample.result.contacts = c == '-' ? std::vector<TrianglePair>() : contacts;
+      sample.result.contacts = c == '-' ? TrianglePairs() : contacts;
       sample.result.separations_m =
           c == 'n' ? std::vector<float>{.1F, .2F, .3F} : std::vector<float>();
       sample.report.bodies[0].unknown_because = c == '?' ? "no transform" : "";

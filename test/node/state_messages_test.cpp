@@ -33,7 +33,7 @@ struct Feed {
   const ContactStates& step(char c) {
     sample.report.header.stamp += ros::Duration(kStepS);
     sample.report.now = sample.report.header.stamp;
-    sample.result.contacts = c == '-' ? std::vector<TrianglePair>() : contacts;
+    sample.result.contacts = c == '-' ? TrianglePairs() : contacts;
     sample.result.separations_m = std::vector<float>();
     if (c == 'n') sample.result.separations_m = {.1F, .2F, .3F};
     sample.report.bodies[0].unknown_because = c == '?' ? "no transform" : "";
@@ -49,7 +49,7 @@ struct Feed {
   }
 
   SampleReport sample;
-  const std::vector<TrianglePair> contacts = sample.result.contacts;
+  const TrianglePairs contacts = sample.result.contacts;
   ContactStateTracker tracker;
   ContactStates message;
 };

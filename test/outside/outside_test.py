@@ -18,7 +18,7 @@ KNOWN_PAIRS = "0 0 1 0\n0 1 1 0\n"
 PUBLIC_HEADERS = {
     "core": {
         "backend_error.h", "cpu/cpu_detector.h", "detector.h", "export.h", "fallback_detector.h",
-        "limits.h", "mesh_files/mesh_file.h", "options.h", "pair_geometry.h",
+        "host_list.h", "limits.h", "mesh_files/mesh_file.h", "options.h", "pair_geometry.h",
         "predicates/host_device.h", "predicates/pair_settings.h", "predicates/vector3.h",
         "rules/rigid_transform.h", "scene.h", "steady_time.h", "substeps.h",
         "triangle_mesh.h"},

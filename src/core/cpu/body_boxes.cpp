@@ -36,7 +36,7 @@ struct FiniteBound {
 };
 
 // The box of all vertices; false if some coordinate is not finite, then the box is of no use.
-bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& box) {
+bool boundFinite(const HostList<float>& xyz, const CycleLimit& limit, Aabb& box) {
   constexpr std::size_t kBlock = kStep << 9;
   std::vector<FiniteBound> bounds(blockCount(xyz.size(), kBlock));
   parallelBlocks(limit, xyz.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
@@ -54,7 +54,7 @@ bool boundFinite(const std::vector<float>& xyz, const CycleLimit& limit, Aabb& b
   return true;
 }
 
-Aabb boxOfFiniteVertices(const std::vector<float>& xyz, const CycleLimit& limit) {
+Aabb boxOfFiniteVertices(const HostList<float>& xyz, const CycleLimit& limit) {
   constexpr std::size_t kBlock = 3 << 16;
   Aabb box;
   serialBlocks(limit, xyz.size(), kBlock, [&](std::size_t begin, std::size_t end) {
@@ -95,7 +95,7 @@ const MovingBox& boxAs(const MovingBox& box, const MovingBox& /*as*/) { return b
 }  // namespace
 
 // False if the limit was over.
-bool BodyBoxes::updateReceived(std::uint64_t revision, const std::vector<float>& xyz,
+bool BodyBoxes::updateReceived(std::uint64_t revision, const HostList<float>& xyz,
                                const CycleLimit& limit, ReceivedBox& received) {
   if (received.vertices_revision == revision) return true;
   received = {revision, Aabb(), true};
@@ -126,7 +126,7 @@ void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
     if (!kIsMoving<Hull>) continue;
     posed_[id].from = posed_[id].to;
     if (!body.earlier) continue;
-    const std::vector<float>& earlier = body.earlier->vertices;
+    const HostList<float>& earlier = body.earlier->vertices;
     if (!earlier.empty() &&
         !updateReceived(body.earlier_revision, earlier, limit, earlier_received_[id])) {
       return;

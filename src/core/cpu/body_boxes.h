@@ -47,7 +47,7 @@ class BodyBoxes {
     bool all_finite = true;
   };
 
-  static bool updateReceived(std::uint64_t revision, const std::vector<float>& xyz,
+  static bool updateReceived(std::uint64_t revision, const HostList<float>& xyz,
                              const CycleLimit& limit, ReceivedBox& received);
 
   std::vector<ReceivedBox> received_, earlier_received_;

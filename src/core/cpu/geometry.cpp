@@ -14,7 +14,7 @@ void writeGeometry(const Scene& scene, const Options& options, DetectionResult& 
   if (!options.geometry) return;
   std::vector<PosedBody> bodies(scene.bodies().begin(), scene.bodies().end());
   const CycleLimit limit(options.limits);
-  const std::vector<TrianglePair>& contacts = result.contacts;
+  const TrianglePairs& contacts = result.contacts;
   resizeWithin(limit, contacts.size(), result.geometry);
   if (limit.wasOver()) {
     result.geometry.clear();

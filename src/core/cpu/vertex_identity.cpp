@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t kFree = ~std::uint32_t{0};
 
-Vec3f vertexAt(const std::vector<float>& xyz, std::uint32_t i) {
+Vec3f vertexAt(const HostList<float>& xyz, std::uint32_t i) {
   const float* v = &xyz[3 * std::size_t{i}];
   return {v[0], v[1], v[2]};
 }
@@ -86,13 +86,13 @@ void VertexIdentity::identifyAll(const Vertices& at, std::size_t vertex_count,
   forEach([&](std::uint32_t i) { least_equal[i] = isFinite(at(i)) ? table.leastEqual(i) : i; });
 }
 
-void VertexIdentity::identify(const std::vector<float>& xyz,
-                              std::vector<std::uint32_t>& least_equal, const CycleLimit& limit) {
+void VertexIdentity::identify(const HostList<float>& xyz, std::vector<std::uint32_t>& least_equal,
+                              const CycleLimit& limit) {
   identifyAll([&xyz](std::uint32_t i) { return vertexAt(xyz, i); }, xyz.size() / 3, least_equal,
               limit);
 }
 
-void VertexIdentity::identify(const std::vector<float>& xyz, const std::vector<float>& earlier_xyz,
+void VertexIdentity::identify(const HostList<float>& xyz, const HostList<float>& earlier_xyz,
                               std::vector<std::uint32_t>& least_equal, const CycleLimit& limit) {
   identifyAll(
       [&](std::uint32_t i) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/cycle_limit.h"
+#include "core/host_list.h"
 
 namespace deformable_contact_monitor {
 
@@ -16,11 +17,11 @@ class VertexIdentity {
  public:
   // For each vertex (x y z each) the least index of a vertex with equal coordinates; -0 equals 0.
   // A vertex that is not finite is equal to none.
-  void identify(const std::vector<float>& xyz, std::vector<std::uint32_t>& least_equal,
+  void identify(const HostList<float>& xyz, std::vector<std::uint32_t>& least_equal,
                 const CycleLimit& limit = noLimit());
 
   // The same of vertices in two states: equal iff they are in both.
-  void identify(const std::vector<float>& xyz, const std::vector<float>& earlier_xyz,
+  void identify(const HostList<float>& xyz, const HostList<float>& earlier_xyz,
                 std::vector<std::uint32_t>& least_equal, const CycleLimit& limit = noLimit());
 
  private:

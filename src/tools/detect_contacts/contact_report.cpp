@@ -102,7 +102,7 @@ std::string milliseconds(const char* name, const std::vector<double>& ms) {
   return line;
 }
 
-std::string bodyPairs(const Scene& scene, const std::vector<TrianglePair>& contacts) {
+std::string bodyPairs(const Scene& scene, const TrianglePairs& contacts) {
   constexpr std::size_t kShown = 20;
   std::map<std::pair<BodyId, BodyId>, std::uint64_t> counts;
   for (const TrianglePair& pair : contacts) ++counts[{pair.body_a, pair.body_b}];
@@ -142,7 +142,7 @@ void DetectionTimes::add(const DetectionResult& result) {
   stages.push_back(result.stages_ms);
 }
 
-std::string pairLines(const std::vector<TrianglePair>& contacts) {
+std::string pairLines(const TrianglePairs& contacts) {
   constexpr std::size_t kLongestLine = 44;  // four numbers of ten digits, three blanks, LF
   std::string text(contacts.size() * kLongestLine, '\0');
   char* at = text.data();

@@ -18,7 +18,7 @@ struct DetectionTimes {
 };
 
 // A line "bodyA triA bodyB triB" for each contact, sorted, 0-based, nothing else.
-std::string pairLines(const std::vector<TrianglePair>& contacts);
+std::string pairLines(const TrianglePairs& contacts);
 
 // A line "bodyA triA bodyB triB first_low first_high" for each contact of a step, in the same
 // order, as FirstContact; numbers with nine digits.

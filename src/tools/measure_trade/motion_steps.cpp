@@ -23,7 +23,7 @@ Scene sceneOfStep(const Scene& from, const Scene& to, std::vector<BodyPair>* bod
     has_step.push_back(isSameMesh(before, now));
     if (!has_step.back()) continue;
     const bool stiff = before.vertices_revision == now.vertices_revision;
-    scene.setEarlier(id, before.pose, stiff ? std::vector<float>() : before.mesh.vertices);
+    scene.setEarlier(id, before.pose, stiff ? HostList<float>() : before.mesh.vertices);
   }
   for (const BodyPair& pair : to.enabledPairs()) {
     if (has_step[pair.first] && has_step[pair.second] &&

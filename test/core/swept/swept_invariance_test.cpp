@@ -53,7 +53,7 @@ struct Step {
   void mapAll(const Map& map) {
     for (std::size_t b = 0; b < to.size(); ++b) {
       for (const bool end : {false, true}) {
-        std::vector<float>& xyz = (end ? to : from)[b].vertices;
+        HostList<float>& xyz = (end ? to : from)[b].vertices;
         for (std::size_t i = 0; i < xyz.size(); i += 3) {
           const Vec3f v = map(Vec3f{xyz[i], xyz[i + 1], xyz[i + 2]}, end);
           xyz[i] = v.x;

@@ -40,7 +40,7 @@ Scene stepOf(const Scene& before, const Scene& after, std::mt19937* random) {
     const Body& body = before.body(id);
     if (body.topology_revision != after.body(id).topology_revision) continue;
     const bool is_link = body.vertices_revision == after.body(id).vertices_revision;
-    step.setEarlier(id, body.pose, is_link ? std::vector<float>() : body.mesh.vertices);
+    step.setEarlier(id, body.pose, is_link ? HostList<float>() : body.mesh.vertices);
   }
   return step;
 }

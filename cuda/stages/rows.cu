@@ -1,0 +1,170 @@
+// Stage output: rows instead of a sort. A triangle meets few others, so that counting finds a
+// contact's place in its row, and the rows' lengths say where they begin.
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+
+#include "cuda/device/warp.cuh"
+#include "cuda/stages/rows.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr unsigned kThreads = 256;
+__device__ std::uint32_t listed(const CycleArrays& c) {
+  return static_cast<std::uint32_t>(
+      min(c.counters().contacts, static_cast<unsigned long long>(c.contacts.contacts.size())));
+}
+
+__device__ TriangleIndex lowerOf(const CycleArrays& c, std::uint64_t key) {
+  return TriangleIndex(static_cast<std::uint32_t>(key >> c.params().index_bits));
+}
+
+__global__ void __launch_bounds__(kThreads) countKernel(CycleArrays c) {
+  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads;
+  std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i == 0) c.contacts.row_too_long[Place(0)] = 0;
+  for (; i < count; i += stride) {
+    atomicAdd(&c.contacts.row_count[lowerOf(c, c.contacts.contacts[Place(i)])], 1U);
+  }
+}
+
+// Counts the rows down again, so that the next cycle finds zeros.
+__global__ void __launch_bounds__(kThreads) scatterKernel(CycleArrays c) {
+  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads;
+  for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
+    const std::uint64_t key = c.contacts.contacts[Place(i)];
+    const TriangleIndex a = lowerOf(c, key);
+    const std::uint32_t left = atomicSub(&c.contacts.row_count[a], 1U);
+    if (left > kLongestRow) c.contacts.row_too_long[Place(0)] = 1;
+    const Place place = c.contacts.row_begin[a] + (left - 1);
+    c.contacts.rows[place] = key;
+    c.contacts.row_from[place] = Place(i);
+  }
+}
+
+// As TrianglePair.
+__device__ uint4 pairOf(const CycleArrays& c, std::uint64_t key) {
+  const ListedBody* const bodies = c.scene.listed_bodies.data();
+  const std::uint64_t mask = (std::uint64_t{1} << c.params().index_bits) - 1;
+  const TriangleIndex a = lowerOf(c, key), b(static_cast<std::uint32_t>(key & mask));
+  const ListedBody body_a = bodyOf(bodies, c.scene.body_count, a);
+  const ListedBody body_b = bodyOf(bodies, c.scene.body_count, b);
+  return {body_a.id, a.value - body_a.first_triangle, body_b.id, b.value - body_b.first_triangle};
+}
+
+// A contact, which stands at `from` in contacts.contacts, to its place in the order.
+__device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place from,
+                         std::uint64_t key, std::uint32_t place) {
+  if (place >= out.room) return;
+  out.pairs[place] = pairOf(c, key);
+  if (out.keys != nullptr) out.keys[place] = key;
+  if (out.times != nullptr) out.times[place] = c.contacts.times[from];
+  if (out.separations_m == nullptr) return;
+  const float separation_m = c.contacts.separations_m[from];
+  out.separations_m[place] = separation_m;
+  if (out.separations_on_device != nullptr) out.separations_on_device[place] = separation_m;
+}
+
+// A contact that stands there twice has two places.
+__global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOutput out) {
+  const bool too_long = c.contacts.row_too_long[Place(0)] != 0;
+  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads;
+  std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i == 0) *out.too_long = too_long ? 1 : 0;
+  if (too_long) return;
+  for (; i < count; i += stride) {
+    const std::uint64_t key = c.contacts.rows[Place(i)];
+    const TriangleIndex a = lowerOf(c, key);
+    const std::uint32_t begin = c.contacts.row_begin[a].value;
+    const std::uint32_t end = c.contacts.row_begin[a + 1].value;
+    std::uint32_t place = begin;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const std::uint64_t other = c.contacts.rows[Place(k)];
+      place += other < key || (other == key && k < i) ? 1 : 0;
+    }
+    writeOne(c, out, c.contacts.row_from[Place(i)], key, place);
+  }
+}
+
+// A warp for each contact: all of them are one row.
+__global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, OrderedOutput out) {
+  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads / kWarp;
+  if (blockIdx.x == 0 && threadIdx.x == 0) *out.too_long = count > kLongestRow ? 1 : 0;
+  if (count > kLongestRow) return;
+  for (std::uint32_t i = (blockIdx.x * kThreads + threadIdx.x) / kWarp; i < count; i += stride) {
+    const std::uint64_t key = c.contacts.contacts[Place(i)];
+    std::uint32_t before = 0;
+    for (std::uint32_t k = laneId(); k < count; k += kWarp) {
+      const std::uint64_t other = c.contacts.contacts[Place(k)];
+      before += other < key || (other == key && k < i) ? 1 : 0;
+    }
+    before = warpSum(before);
+    if (laneId() == 0) writeOne(c, out, Place(i), key, before);
+  }
+}
+
+__global__ void __launch_bounds__(kThreads) numberKernel(Place* places, std::uint32_t count) {
+  const std::uint32_t stride = gridDim.x * kThreads;
+  for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
+    places[i] = Place(i);
+  }
+}
+
+__global__ void __launch_bounds__(kThreads)
+    writeSortedKernel(CycleArrays c, OrderedOutput out, std::uint32_t count) {
+  const std::uint32_t stride = gridDim.x * kThreads;
+  for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
+    writeOne(c, out, c.contacts.row_from[Place(i)], c.contacts.rows[Place(i)], i);
+  }
+}
+
+}  // namespace
+
+unsigned char* ContactRows::scratch(std::size_t bytes) {
+  if (bytes > scratch_.size()) scratch_.grow(bytes + bytes / 2);
+  return scratch_.data();
+}
+
+void ContactRows::gather(const CycleArrays& cycle, unsigned blocks, cudaStream_t stream) {
+  countKernel<<<blocks, kThreads, 0, stream>>>(cycle);
+  const auto scan = [&](void* memory, std::size_t& bytes) {
+    checkCuda(cub::DeviceScan::ExclusiveSum(
+                  memory, bytes, cycle.contacts.row_count.data(),
+                  reinterpret_cast<std::uint32_t*>(cycle.contacts.row_begin.data()),
+                  cycle.scene.triangle_count + 1, stream),
+              "cub::DeviceScan");
+  };
+  std::size_t bytes = 0;
+  scan(nullptr, bytes);
+  scan(scratch(bytes), bytes);
+  scatterKernel<<<blocks, kThreads, 0, stream>>>(cycle);
+}
+
+void ContactRows::write(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
+                        cudaStream_t stream) const {
+  writeKernel<<<blocks, kThreads, 0, stream>>>(cycle, out);
+}
+
+void ContactRows::writeFew(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
+                           cudaStream_t stream) {
+  writeFewKernel<<<blocks, kThreads, 0, stream>>>(cycle, out);
+}
+
+void ContactRows::sortAndWrite(const CycleArrays& cycle, std::uint32_t count, unsigned index_bits,
+                               const OrderedOutput& out, unsigned blocks, cudaStream_t stream) {
+  places_.grow(count);
+  numberKernel<<<blocks, kThreads, 0, stream>>>(places_.data(), count);
+  const auto sort = [&](void* memory, std::size_t& bytes) {
+    checkCuda(cub::DeviceRadixSort::SortPairs(memory, bytes, cycle.contacts.contacts.data(),
+                                              cycle.contacts.rows.data(), places_.data(),
+                                              cycle.contacts.row_from.data(), count, 0,
+                                              static_cast<int>(2 * index_bits), stream),
+              "cub::DeviceRadixSort");
+  };
+  std::size_t bytes = 0;
+  sort(nullptr, bytes);
+  sort(scratch(bytes), bytes);
+  writeSortedKernel<<<blocks, kThreads, 0, stream>>>(cycle, out, count);
+}
+
+}  // namespace deformable_contact_monitor
