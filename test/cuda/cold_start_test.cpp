@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -17,7 +18,7 @@ ColdStart measured(const Scene& scene, bool all, const Options& options = Option
   return SceneMeasurer().measure(scene, options, kPolicy, all, noLimit());
 }
 
-double most(const Vec3f& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
+float size(const Vec3f& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
 TEST(SceneMeasurer, ASampleTellsWhatAllTrianglesTell) {
   const Scene scene = selfScene(clothGrid(250, 3, 1, 0.2F));
@@ -27,9 +28,10 @@ TEST(SceneMeasurer, ASampleTellsWhatAllTrianglesTell) {
   EXPECT_EQ(sample.large, 0U);
   EXPECT_EQ(sample.seeds.size(), all.seeds.size());
   EXPECT_EQ(sample.scale.scale, all.scale.scale);
-  EXPECT_LT(norm(sample.scale.origin - all.scale.origin), 0.05);
+  const Vec3d apart = sample.scale.origin - all.scale.origin;
+  EXPECT_LT(dot(apart, apart), 0.05 * 0.05);
   EXPECT_NEAR(sample.size_rule.most_extent, all.size_rule.most_extent, 0.02);
-  for (const Vec3f& seed : sample.seeds) EXPECT_LT(most(seed), 1);
+  for (const Vec3f& seed : sample.seeds) EXPECT_LT(size(seed), 1);
 }
 
 TEST(SceneMeasurer, IsTheSameEachTime) {
@@ -67,7 +69,7 @@ TEST(SceneMeasurer, AnOutlierIsLargeWhetherSampledOrNot) {
 // As many large ones as the bound allows for all, not for the sample.
 TEST(SceneMeasurer, LargeTrianglesAreFewOfAll) {
   TriangleMesh cloth = clothGrid(150, 1, 0, 0.1F);
-  for (std::uint32_t t = 0; t < 45000; t += 20) {  // 5 % of them
+  for (std::uint32_t t = 0; t < 45000; t += 40) {  // 2.5 % of them
     cloth.triangles[3 * t] = 0;
     cloth.triangles[3 * t + 1] = 150;
     cloth.triangles[3 * t + 2] = static_cast<std::uint32_t>(cloth.vertexCount()) - 1;
