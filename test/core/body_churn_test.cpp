@@ -165,7 +165,7 @@ TEST_P(BodyChurn, PairsAreThoseOfBruteForceAfterEveryStep) {
 }
 
 // By a hundredth a cycle, to four times its size and back.
-TEST_P(BodyChurn, AScenesThatGrowsAndShrinksHasAllItsPairs) {
+TEST_P(BodyChurn, ASceneThatGrowsAndShrinksHasAllItsPairs) {
   const auto brute_force = makeBruteForceDetector();
   TriangleMesh whole = clothGrid(20, 1, 0, 0.05F);
   for (std::size_t i = 0; i < whole.vertices.size(); i += 3) {
