@@ -120,14 +120,19 @@ WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes
   return set;
 }
 
+std::size_t sampleSize(Look look, std::size_t triangles, std::size_t most_seeds) {
+  constexpr std::size_t kGlance = 512, kLeastSample = 2048, kEachSeed = 4;
+  if (look == Look::kAll) return triangles;
+  return std::min(triangles,
+                  look == Look::kGlance ? kGlance : std::max(kLeastSample, kEachSeed * most_seeds));
+}
+
 template <class Hull>
 ColdStart measureAs(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                    bool all, BodyBoxes& boxes, const CycleLimit& limit) {
-  constexpr std::size_t kLeastSample = 4096, kEachSeed = 4;
+                    Look look, BodyBoxes& boxes, const CycleLimit& limit) {
   const std::size_t triangles = trianglesThatTakePart(scene);
   const std::size_t most_seeds = clusterCountFor(options.clusters, policy, triangles, 0);
-  const std::size_t wanted = all ? triangles : std::max(kLeastSample, kEachSeed * most_seeds);
-  const Sample sample{std::min(triangles, wanted), triangles};
+  const Sample sample{sampleSize(look, triangles, most_seeds), triangles};
   ColdStart start;
   const WorkingSet set = sampledSet<Hull>(scene, sample, boxes, limit);
   SizeSplit split;
@@ -153,11 +158,11 @@ ColdStart measureAs(const Scene& scene, const Options& options, const ClusterCou
 }  // namespace
 
 ColdStart SceneMeasurer::measure(const Scene& scene, const Options& options,
-                                 const ClusterCountPolicy& policy, bool all,
+                                 const ClusterCountPolicy& policy, Look look,
                                  const CycleLimit& limit) {
   return options.motion == Motion::kSwept
-             ? measureAs<MovingTriangle>(scene, options, policy, all, boxes_, limit)
-             : measureAs<Triangle>(scene, options, policy, all, boxes_, limit);
+             ? measureAs<MovingTriangle>(scene, options, policy, look, boxes_, limit)
+             : measureAs<Triangle>(scene, options, policy, look, boxes_, limit);
 }
 
 }  // namespace deformable_contact_monitor

@@ -22,16 +22,20 @@ struct ColdStart {
   std::size_t large = 0;     // triangles for the list of their own
 };
 
-// For first cycles, and large changes of the scene's make-up. Keeps the boxes of bodies whose
+// How many triangles are looked at: some hundred, which tell whether a scene is like the one
+// before; some thousand, and some for each seed; or, where such a sample has turned out to mislead,
+// all.
+enum class Look { kGlance, kSample, kAll };
+
+// For first cycles, and where the scene's make-up changed. Keeps the boxes of bodies whose
 // vertices did not change from call to call.
 class SceneMeasurer {
  public:
-  // From some thousand triangles, evenly spread over their order, the same ones each time; or with
-  // `all` from each of them, where a sample has turned out to mislead. Numbers of triangles are
-  // estimates unless all were looked at. Seeds are centroids of those triangles. Of no use where
-  // the limit was over.
+  // From triangles that are evenly spread over their order, the same ones each time. Numbers of
+  // triangles are estimates unless all were looked at. Seeds are centroids of those that were. Of
+  // no use where the limit was over.
   ColdStart measure(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                    bool all, const CycleLimit& limit);
+                    Look look, const CycleLimit& limit);
 
  private:
   BodyBoxes boxes_;

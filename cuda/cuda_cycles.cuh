@@ -80,7 +80,7 @@ class CudaDetector : public Detector {
   double decide_ms_ = 0;     // what they took in this cycle
   bool all_decided_ = true;  // no limit was over before or while they were
   SceneMeasurer measurer_;
-  bool measures_all_ = false;  // triangles, at the next cold start
+  bool sample_misled_ = false;  // in the last cycle
   SceneScale scale_;
   SizeRule size_rule_;
   bool cold_ = true;

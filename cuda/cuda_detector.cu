@@ -58,7 +58,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   result_.counters.exact += open_pairs_.taken();
   last_contacts_ = counted.contacts;
   cold_ = isOutgrown(counted, options);
-  measures_all_ = cold_ && result_.started_cold;  // a sample misled
+  sample_misled_ = cold_ && result_.started_cold;
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
   if (settings_.time_stages) {
     StageTimes times = graphs_[0].times();
@@ -105,7 +105,12 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].size = size_rule_;
   params_[0].limited = limit.isSet() ? 1 : 0;
   if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream);
-  if (adapts) sizeBins(options);
+  // Every vertex is its own where no body touches itself: once is enough then.
+  if (result_.started_cold || change.more_triangles > 0) {
+    sizeBins(options);
+  } else if (change.any) {
+    launchPoseIdentities(arrays_, shapeOf(options, true, 0), stream);
+  }
   return true;
 }
 
@@ -113,9 +118,15 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
 // clusters of the scene before do for it. False if the limit was over.
 bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change,
                            const Options& options, const CycleLimit& limit, ColdStart& start) {
-  start = measurer_.measure(scene, options, cluster_counts_, measures_all_, limit);
+  const auto look = [&](Look how) {
+    start = measurer_.measure(scene, options, cluster_counts_, how, limit);
+  };
+  if (!result_.started_cold) {
+    look(Look::kGlance);
+    result_.started_cold = !isAlike(start, change, options);
+  }
+  if (result_.started_cold) look(sample_misled_ ? Look::kAll : Look::kSample);
   if (limit.wasOver()) return false;
-  result_.started_cold = result_.started_cold || !isAlike(start, change, options);
   size_rule_ = start.size_rule;
   large_at_start_ = static_cast<std::uint32_t>(start.large);
   const std::size_t clusters = result_.started_cold ? start.seeds.size() : sizes_.clusters;
@@ -182,8 +193,7 @@ void CudaDetector::sendParams() {
 }
 
 // Where the bins have no room, or not where it is needed, part of a cycle finds out how much that
-// is; where frames do not fit yet, more of one finds those. And every vertex is its own where no
-// body touches itself: once is enough then.
+// is; where frames do not fit yet, more of one finds those.
 void CudaDetector::sizeBins(const Options& options) {
   const CycleShape shape = shapeOf(options, true, 0);
   const cudaStream_t stream = stream_.get();
@@ -192,7 +202,7 @@ void CudaDetector::sizeBins(const Options& options) {
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);
-  if (!result_.started_cold || getenv("DCM_NO_FRAMES")) return;
+  if (!result_.started_cold) return;
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchSort(arrays_, shape, stream);
@@ -247,11 +257,11 @@ namespace {
 
 // The device loads each kernel when it runs for the first time in a process, which takes longer
 // than a cycle: a scene as small as can be runs all that a cycle may need, once for each device.
-void loadKernels(const CudaSettings& settings) {
+void loadKernels(int device) {
   static std::mutex mutex;
   static std::set<int> loaded;
   const std::lock_guard<std::mutex> lock(mutex);
-  if (loaded.count(settings.device) > 0) return;
+  if (loaded.count(device) > 0) return;
   Scene scene;
   scene.addBody("", {{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.1F}, {0, 1, 2, 1, 3, 2}});
   scene.addBody("", {{0.2F, 0.2F, -1, 0.2F, 0.3F, 1, 0.3F, 0.2F, 1}, {0, 1, 2}});
@@ -260,18 +270,20 @@ void loadKernels(const CudaSettings& settings) {
   scene.setEarlier(1, RigidTransform());
   Options options;
   options.clusters = 2;
+  CudaSettings settings;
+  settings.device = device;
   CudaDetector detector(settings);
   for (int i = 0; i < 3; ++i) detector.detect(scene, options);  // the third is a recorded one
   options.motion = Motion::kSwept;
   detector.detect(scene, options);
-  loaded.insert(settings.device);
+  loaded.insert(device);
 }
 
 }  // namespace
 
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
   requireUsable(settings.device);
-  loadKernels(settings);
+  loadKernels(settings.device);
   return std::make_unique<CudaDetector>(settings);
 }
 

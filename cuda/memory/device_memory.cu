@@ -26,8 +26,9 @@ void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
   const bool moves = used_ + growing > memory_.size();
   DeviceBuffer<unsigned char> other;
   if (moves) {
-    // What grew once may do so again: then some arrays find room without another allocation.
-    other.grow(memory_.size() == 0 ? all : all + all / 2);
+    // So that some arrays find room later on without another allocation; what grew once may do so
+    // again.
+    other.grow(all + all / (memory_.size() == 0 ? 8 : 2));
     other.swap(memory_);
     used_ = 0;
     checkCuda(cudaMemsetAsync(memory_.data(), 0, memory_.size(), stream), "cudaMemsetAsync");

@@ -162,7 +162,8 @@ void DeviceScene::sendLayout(cudaStream_t stream) {
   upload(pair_tables_.pair_enabled, arrays_.pair_enabled.data(), stream);
   upload(meshes.vertex_blocks, arrays_.vertex_blocks.data(), stream);
   upload(meshes.triangle_blocks, arrays_.triangle_blocks.data(), stream);
-  upload(meshes.corners, arrays_.corners.data() + 3 * std::size_t{meshes.first_triangle}, stream);
+  upload(meshes.corners.get(), meshes.corner_count,
+         arrays_.corners.data() + 3 * std::size_t{meshes.first_triangle}, stream);
   checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
   pair_tables_ = PairTables();
   mesh_tables_ = MeshTables();
@@ -217,8 +218,9 @@ DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
       first_body < taking_part_.size() ? first_triangle_[taking_part_[first_body]] : 0;
   const std::uint32_t changed =
       first_body < taking_part_.size() ? arrays_.triangle_count - tables.first_triangle : 0;
-  tables.corners.resize(3 * std::size_t{changed});
-  VertexIndex* corner = tables.corners.data();
+  tables.corner_count = 3 * std::size_t{changed};
+  tables.corners.reset(new VertexIndex[tables.corner_count]);
+  VertexIndex* corner = tables.corners.get();
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
     const std::uint32_t first_vertex = body_[i].first_vertex;
@@ -226,7 +228,7 @@ DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
     addBlocks(tables.triangle_blocks, BodyIndex(i), first_triangle_[taking_part_[i]],
               mesh.triangleCount());
     if (i < first_body) continue;
-    constexpr std::size_t kPart = 1 << 16;
+    constexpr std::size_t kPart = 1 << 20;  // below, threads take longer to wake up
     parallelBlocks(mesh.triangles.size(), kPart,
                    [&, corner](std::size_t, std::size_t begin, std::size_t end) {
                      for (std::size_t k = begin; k < end; ++k) {

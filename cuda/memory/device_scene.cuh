@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -74,8 +75,9 @@ class DeviceScene {
   // And of the bodies' meshes: blocks of all, corners from the first body on that has changed.
   struct MeshTables {
     std::vector<BodyBlock> vertex_blocks, triangle_blocks;
-    std::vector<VertexIndex> corners;
-    std::uint32_t first_triangle;  // of the corners
+    std::unique_ptr<VertexIndex[]> corners;  // not zero first, as a vector would be
+    std::size_t corner_count = 0;
+    std::uint32_t first_triangle = 0;  // of the corners
   };
 
   // A body on the device, and what it was laid out for.

@@ -14,15 +14,15 @@ namespace {
 
 constexpr ClusterCountPolicy kPolicy{500, 8192, 1600, 132};
 
-ColdStart measured(const Scene& scene, bool all, const Options& options = Options()) {
-  return SceneMeasurer().measure(scene, options, kPolicy, all, noLimit());
+ColdStart measured(const Scene& scene, Look look, const Options& options = Options()) {
+  return SceneMeasurer().measure(scene, options, kPolicy, look, noLimit());
 }
 
 float size(const Vec3f& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
 TEST(SceneMeasurer, ASampleTellsWhatAllTrianglesTell) {
   const Scene scene = selfScene(clothGrid(250, 3, 1, 0.2F));
-  const ColdStart sample = measured(scene, false), all = measured(scene, true);
+  const ColdStart sample = measured(scene, Look::kSample), all = measured(scene, Look::kAll);
   EXPECT_EQ(sample.regular, 125000U);
   EXPECT_EQ(all.regular, 125000U);
   EXPECT_EQ(sample.large, 0U);
@@ -34,9 +34,20 @@ TEST(SceneMeasurer, ASampleTellsWhatAllTrianglesTell) {
   for (const Vec3f& seed : sample.seeds) EXPECT_LT(size(seed), 1);
 }
 
+// Enough to see whether a scene is another one.
+TEST(SceneMeasurer, AGlanceTellsScaleAndNumber) {
+  const Scene scene = pairScene(clothGrid(200, 1, 3, 0.1F), clothGrid(100, 0.5F, 3, 0.1F));
+  const ColdStart glance = measured(scene, Look::kGlance), all = measured(scene, Look::kAll);
+  EXPECT_NEAR(static_cast<double>(glance.regular), static_cast<double>(all.regular), 4000);
+  EXPECT_LE(glance.scale.scale, 2 * all.scale.scale);
+  EXPECT_GE(2 * glance.scale.scale, all.scale.scale);
+  const Vec3d apart = glance.scale.origin - all.scale.origin;
+  EXPECT_LT(dot(apart, apart) * all.scale.scale * all.scale.scale, 0.1 * 0.1);
+}
+
 TEST(SceneMeasurer, IsTheSameEachTime) {
   const Scene scene = selfScene(clothGrid(100, 3, 1, 0.2F));
-  const ColdStart first = measured(scene, false), second = measured(scene, false);
+  const ColdStart first = measured(scene, Look::kSample), second = measured(scene, Look::kSample);
   EXPECT_EQ(first.scale.scale, second.scale.scale);
   ASSERT_EQ(first.seeds.size(), second.seeds.size());
   for (std::size_t g = 0; g < first.seeds.size(); ++g) {
@@ -48,7 +59,7 @@ TEST(SceneMeasurer, IsTheSameEachTime) {
 TEST(SceneMeasurer, NoSeedComesTwice) {
   Options options;
   options.clusters = 2000;
-  const ColdStart start = measured(selfScene(clothGrid(120, 1, 0, 0.1F)), false, options);
+  const ColdStart start = measured(selfScene(clothGrid(120, 1, 0, 0.1F)), Look::kSample, options);
   ASSERT_EQ(start.seeds.size(), 2000U);
   for (std::size_t g = 1; g < start.seeds.size(); ++g) {
     EXPECT_FALSE(start.seeds[g] == start.seeds[g - 1]) << g;
@@ -58,11 +69,12 @@ TEST(SceneMeasurer, NoSeedComesTwice) {
 TEST(SceneMeasurer, AnOutlierIsLargeWhetherSampledOrNot) {
   TriangleMesh cloth = clothGrid(100, 1, 0, 0.1F);
   cloth.vertices[3 * 5050] = 1e30F;
-  for (const bool all : {false, true}) {
-    const ColdStart start = measured(selfScene(cloth), all);
-    EXPECT_TRUE(start.size_rule.isLarge({{0, 0, 0}, {1e30F, 0, 0}})) << all;
-    EXPECT_FALSE(start.size_rule.isLarge({{0, 0, 0}, {0.01F, 0.01F, 0.01F}})) << all;
-    EXPECT_GE(start.scale.scale, 0.5) << all;
+  for (const Look look : {Look::kGlance, Look::kSample, Look::kAll}) {
+    const ColdStart start = measured(selfScene(cloth), look);
+    EXPECT_TRUE(start.size_rule.isLarge({{0, 0, 0}, {1e30F, 0, 0}})) << static_cast<int>(look);
+    EXPECT_FALSE(start.size_rule.isLarge({{0, 0, 0}, {0.01F, 0.01F, 0.01F}}))
+        << static_cast<int>(look);
+    EXPECT_GE(start.scale.scale, 0.5) << static_cast<int>(look);
   }
 }
 
@@ -74,15 +86,15 @@ TEST(SceneMeasurer, LargeTrianglesAreFewOfAll) {
     cloth.triangles[3 * t + 1] = 150;
     cloth.triangles[3 * t + 2] = static_cast<std::uint32_t>(cloth.vertexCount()) - 1;
   }
-  const ColdStart all = measured(selfScene(cloth), true),
-                  sample = measured(selfScene(cloth), false);
+  const ColdStart all = measured(selfScene(cloth), Look::kAll),
+                  sample = measured(selfScene(cloth), Look::kSample);
   EXPECT_EQ(all.large, 0U) << "too many of them";
   EXPECT_EQ(sample.large, 0U) << "too many of them";
 }
 
 TEST(SceneMeasurer, TrianglesOutsideEveryPartnersBoxAreNotCounted) {
   const Scene scene = pairScene(clothGrid(200, 1, 0, 0.1F), clothGrid(20, 0.25F, 0, 0.1F));
-  const ColdStart sample = measured(scene, false), all = measured(scene, true);
+  const ColdStart sample = measured(scene, Look::kSample), all = measured(scene, Look::kAll);
   EXPECT_LT(all.regular, 8000U);
   EXPECT_NEAR(static_cast<double>(sample.regular), static_cast<double>(all.regular), 800);
 }
@@ -94,7 +106,8 @@ TEST(SceneMeasurer, StepsAreMeasuredWithoutTheCommonMotion) {
   scene.setEarlier(0, before);
   Options options;
   options.motion = Motion::kSwept;
-  const ColdStart sample = measured(scene, false, options), all = measured(scene, true, options);
+  const ColdStart sample = measured(scene, Look::kSample, options),
+                  all = measured(scene, Look::kAll, options);
   EXPECT_EQ(sample.scale.scale, all.scale.scale);
   EXPECT_GE(sample.scale.scale, 0.5);
   EXPECT_EQ(sample.regular, all.regular);
@@ -102,10 +115,10 @@ TEST(SceneMeasurer, StepsAreMeasuredWithoutTheCommonMotion) {
 
 TEST(SceneMeasurer, NothingToLookAtHasOneSeed) {
   Scene scene = pairScene(clothGrid(3, 1, 0, 0), clothGrid(3, 1, 9, 0));
-  EXPECT_EQ(measured(scene, false).seeds.size(), 1U);
-  EXPECT_EQ(measured(scene, false).regular, 0U);
+  EXPECT_EQ(measured(scene, Look::kSample).seeds.size(), 1U);
+  EXPECT_EQ(measured(scene, Look::kSample).regular, 0U);
   scene.setPairEnabled(0, 1, false);
-  EXPECT_EQ(measured(scene, false).seeds.size(), 1U);
+  EXPECT_EQ(measured(scene, Look::kSample).seeds.size(), 1U);
 }
 
 }  // namespace
