@@ -148,6 +148,10 @@ ColdStart measureAs(const Scene& scene, const Options& options, const ClusterCou
   start.large = ofAll(split.large.size());
   start.seeds.resize(
       std::max<std::size_t>(1, clusterCountFor(options.clusters, policy, start.regular, 0)));
+  if (look == Look::kSample && sample.count < triangles &&
+      start.seeds.size() > split.regular.size()) {  // some would come twice
+    return measureAs<Hull>(scene, options, policy, Look::kAll, boxes, limit);
+  }
   for (std::size_t g = 0; g < start.seeds.size() && !split.regular.empty(); ++g) {
     const TriangleIndex t = split.regular[seedOf(g, start.seeds.size(), split.regular.size())];
     start.seeds[g] = seedAt(split, set.posed<Hull>(t));

@@ -69,12 +69,8 @@ void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
   raise(samples, std::max(kLeastSamples, kSamplesEach * cluster_count));
   raise(members, n * 2 + 48 * cluster_count + 256);
   raise(list_words, n + 256);
-  raise(units, n *
-                       (n < kFewTriangles    ? 4
-                        : n < kManyTriangles ? 3
-                                             : 1) /
-                       4 +
-                   4 * cluster_count + 256);
+  const std::uint64_t quarters = n < kFewTriangles ? 4 : n < kManyTriangles ? 3 : 1;
+  raise(units, n * quarters / 4 + 4 * cluster_count + 256);
   const auto within = [&](std::uint32_t& size, std::uint64_t needed, std::uint64_t bytes) {
     std::uint32_t wanted = size;
     raise(wanted, needed);

@@ -55,14 +55,17 @@ TEST(SceneMeasurer, IsTheSameEachTime) {
   }
 }
 
-// Seeds are apart: each stands for another part of the scene.
+// Each stands for another part of the scene: also where few of its triangles can be in contact.
 TEST(SceneMeasurer, NoSeedComesTwice) {
   Options options;
-  options.clusters = 2000;
-  const ColdStart start = measured(selfScene(clothGrid(120, 1, 0, 0.1F)), Look::kSample, options);
-  ASSERT_EQ(start.seeds.size(), 2000U);
-  for (std::size_t g = 1; g < start.seeds.size(); ++g) {
-    EXPECT_FALSE(start.seeds[g] == start.seeds[g - 1]) << g;
+  for (const float side : {1.0F, 0.02F}) {
+    options.clusters = side == 1 ? 2000 : 400;
+    Scene scene = pairScene(clothGrid(120, 1, 0, 0.1F), clothGrid(30, side, 0, 0.1F));
+    const ColdStart start = measured(scene, Look::kSample, options);
+    ASSERT_EQ(start.seeds.size(), static_cast<std::size_t>(options.clusters));
+    for (std::size_t g = 1; g < start.seeds.size(); ++g) {
+      EXPECT_FALSE(start.seeds[g] == start.seeds[g - 1]) << g;
+    }
   }
 }
 
