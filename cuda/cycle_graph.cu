@@ -1,4 +1,3 @@
-#include <cstring>
 #include <type_traits>
 
 #include "cuda/cycle_graph.cuh"
@@ -57,6 +56,13 @@ constexpr unsigned awaited() {
   return steps;
 }
 
+// They hold addresses and numbers alone.
+std::vector<unsigned char> bytesOf(const CycleArrays& cycle) {
+  static_assert(std::is_trivially_copyable_v<CycleArrays>);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(&cycle);
+  return {bytes, bytes + sizeof cycle};
+}
+
 }  // namespace
 
 void CycleGraph::forget() {
@@ -65,16 +71,13 @@ void CycleGraph::forget() {
 }
 
 bool CycleGraph::isLast(const CycleArrays& cycle, const CycleShape& shape) const {
-  return shape == shape_ && arrays_.size() == sizeof cycle &&
-         std::memcmp(arrays_.data(), &cycle, sizeof cycle) == 0;
+  return shape == shape_ && arrays_ == bytesOf(cycle);
 }
 
 void CycleGraph::run(const CycleArrays& cycle, const CycleShape& shape, CudaEvent& start,
                      cudaStream_t stream) {
   if (!isLast(cycle, shape)) {
-    static_assert(std::is_trivially_copyable_v<CycleArrays>);
-    const auto* bytes = reinterpret_cast<const unsigned char*>(&cycle);
-    arrays_.assign(bytes, bytes + sizeof cycle);
+    arrays_ = bytesOf(cycle);
     shape_ = shape;
     is_recorded_ = false;
     start.record(stream);

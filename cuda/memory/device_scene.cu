@@ -2,7 +2,6 @@
 #include <cstring>
 #include <string>
 
-#include "core/parallel.h"
 #include "core/rules/margins.h"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/stages/fan_rings.cuh"
@@ -228,14 +227,7 @@ DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
     addBlocks(tables.triangle_blocks, BodyIndex(i), first_triangle_[taking_part_[i]],
               mesh.triangleCount());
     if (i < first_body) continue;
-    constexpr std::size_t kPart = 1 << 20;  // below, threads take longer to wake up
-    parallelBlocks(mesh.triangles.size(), kPart,
-                   [&, corner](std::size_t, std::size_t begin, std::size_t end) {
-                     for (std::size_t k = begin; k < end; ++k) {
-                       corner[k] = VertexIndex(first_vertex + mesh.triangles[k]);
-                     }
-                   });
-    corner += mesh.triangles.size();
+    for (const std::uint32_t local : mesh.triangles) *corner++ = VertexIndex(first_vertex + local);
   }
   return tables;
 }
