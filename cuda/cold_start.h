@@ -1,9 +1,10 @@
-// What a first cycle needs to know of the scene, found on the host by the CPU backend's stages.
+// What a first cycle needs to know of the scene, found on the host from a sample of its triangles.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
+#include "core/cpu/body_boxes.h"
 #include "core/cycle_limit.h"
 #include "core/options.h"
 #include "core/rules/cluster_count.h"
@@ -21,9 +22,23 @@ struct ColdStart {
   std::size_t large = 0;     // triangles for the list of their own
 };
 
-// Costs milliseconds (of no use where the limit was over): for first cycles and changes of the
-// scene's make-up. Seeds are centroids of triangles evenly spread over their order.
-ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                       const CycleLimit& limit);
+// How many triangles are looked at: some hundred, which tell whether a scene is like the one
+// before; some thousand, and some for each seed; or, where such a sample has turned out to mislead,
+// all.
+enum class Look { kGlance, kSample, kAll };
+
+// For first cycles, and where the scene's make-up changed. Keeps the boxes of bodies whose
+// vertices did not change from call to call.
+class SceneMeasurer {
+ public:
+  // From triangles that are evenly spread over their order, the same ones each time. Numbers of
+  // triangles are estimates unless all were looked at. Seeds are centroids of those that were. Of
+  // no use where the limit was over.
+  ColdStart measure(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
+                    Look look, const CycleLimit& limit);
+
+ private:
+  BodyBoxes boxes_;
+};
 
 }  // namespace deformable_contact_monitor

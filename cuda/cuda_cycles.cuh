@@ -7,6 +7,7 @@
 
 #include "core/rules/cluster_count.h"
 #include "core/stopwatch.h"
+#include "cuda/cold_start.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/cycle_graph.cuh"
 #include "cuda/memory/device_scene.cuh"
@@ -24,6 +25,8 @@ class CudaDetector : public Detector {
         device_(DeviceTraits::of(settings.device)),
         cluster_counts_{500, 8192, 1600, device_.multiprocessors} {
     result_.contacts.moveTo(pinnedMemory());
+    arrays_.host_counters.pointTo(counters_.data());
+    arrays_.host_stop.pointTo(stop_.word());
   }
   ~CudaDetector() override {
     cudaSetDevice(settings_.device);
@@ -39,7 +42,11 @@ class CudaDetector : public Detector {
   void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
                     const Stopwatch& watch);
   bool upload(const Scene& scene, const Options& options, const CycleLimit& limit);
-  bool startCold(const Scene& scene, const Options& options, const CycleLimit& limit);
+  bool adaptTo(const Scene& scene, const DeviceScene::Change& change, const Options& options,
+               const CycleLimit& limit, ColdStart& start);
+  bool isAlike(const ColdStart& start, const DeviceScene::Change& change,
+               const Options& options) const;
+  void startCold(const ColdStart& start, const Options& options);
   void makeArrays();
   void sendParams();
   void sizeBins(const Options& options);
@@ -78,6 +85,8 @@ class CudaDetector : public Detector {
   OpenPairs open_pairs_;     // in swept motion
   double decide_ms_ = 0;     // what they took in this cycle
   bool all_decided_ = true;  // no limit was over before or while they were
+  SceneMeasurer measurer_;
+  bool sample_misled_ = false;  // in the last cycle
   SceneScale scale_;
   SizeRule size_rule_;
   bool cold_ = true;

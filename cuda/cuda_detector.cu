@@ -1,13 +1,25 @@
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <vector>
 
-#include "cuda/cold_start.h"
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
 
 namespace deformable_contact_monitor {
+namespace {
+
+// Whether certificates of fans are of use to bodies that have contacts with themselves.
+bool asksForFans(const Options& options) {
+  return options.motion == Motion::kInstant && options.adjacent == AdjacentPairs::kBeyondShared &&
+         options.predicates == Predicates::kExact;
+}
+
+}  // namespace
 
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
@@ -49,6 +61,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   result_.counters.exact += open_pairs_.taken();
   last_contacts_ = counted.contacts;
   cold_ = isOutgrown(counted, options);
+  sample_misled_ = cold_ && result_.started_cold;
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
   if (settings_.time_stages) {
     StageTimes times = graphs_[0].times();
@@ -69,40 +82,82 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
 bool CudaDetector::upload(const Scene& scene, const Options& options, const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
   const bool was_cold = cold_ || asked_clusters_ != options.clusters || motion_ != options.motion;
+  if (!was_cold) sizes_.growAhead(counters_[0], settings_.memory_limit_bytes);
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
   if (was_cold) params_sent_ = false;
   motion_ = options.motion;
-  const bool laid_out_anew = scene_.layOut(scene, motion_, stream);
+  const DeviceScene::Change change = scene_.layOut(scene, motion_, asksForFans(options));
   if (scene_.triangleCount() == 0) return false;
+  result_.started_cold = was_cold;
+  const bool adapts = was_cold || change.any;
+  ColdStart start;
+  if (adapts && !scene_.anyFromDevice() && !adaptTo(scene, change, options, limit, start)) {
+    return false;
+  }
+  scene_.sendLayout(stream);
   scene_.sendVertices(scene, motion_, stream);
-  const bool starts = was_cold || laid_out_anew;
-  result_.started_cold = starts;
-  if (starts && !startCold(scene, options, limit)) return false;
+  if (adapts && scene_.anyFromDevice() &&
+      !adaptTo(scene_.onHost(scene, stream), change, options, limit, start)) {
+    return false;
+  }
+  makeArrays();
+  if (result_.started_cold) startCold(start, options);
   scene_.sendBodies(scene, motion_, scale_, stream);
   params_[0] =
       cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyLengths());
   params_[0].scale = scale_;
   params_[0].size = size_rule_;
   params_[0].limited = limit.isSet() ? 1 : 0;
-  if (starts) sizeBins(options);
+  if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream);
+  // Every vertex is its own where no body touches itself: once is enough then.
+  if (result_.started_cold || change.more_triangles > 0) {
+    sizeBins(options);
+  } else if (change.any) {
+    launchPoseIdentities(arrays_, shapeOf(options, true, 0), stream);
+  }
   return true;
 }
 
-// What the first cycle of a scene needs and others take over from the one before. False if the
-// limit was over.
-bool CudaDetector::startCold(const Scene& scene, const Options& options, const CycleLimit& limit) {
-  std::optional<Scene> on_host;
-  if (scene_.anyFromDevice()) on_host = scene_.onHost(scene, stream_.get());
-  const ColdStart start = measureScene(on_host ? *on_host : scene, options, cluster_counts_, limit);
+// Sizes and rules to a first scene, or to one whose make-up changed: it starts cold, unless the
+// clusters of the scene before do for it. False if the limit was over.
+bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change,
+                           const Options& options, const CycleLimit& limit, ColdStart& start) {
+  const auto look = [&](Look how) {
+    start = measurer_.measure(scene, options, cluster_counts_, how, limit);
+  };
+  if (!result_.started_cold) {
+    look(Look::kGlance);
+    result_.started_cold = !isAlike(start, change, options);
+  }
+  if (result_.started_cold) look(sample_misled_ ? Look::kAll : Look::kSample);
   if (limit.wasOver()) return false;
-  asked_clusters_ = options.clusters;
-  scale_ = start.scale;
   size_rule_ = start.size_rule;
   large_at_start_ = static_cast<std::uint32_t>(start.large);
-  sizes_.prepare(static_cast<std::uint32_t>(start.regular),
-                 static_cast<std::uint32_t>(start.seeds.size()), settings_.memory_limit_bytes);
-  makeArrays();
+  const std::size_t clusters = result_.started_cold ? start.seeds.size() : sizes_.clusters;
+  sizes_.prepare(static_cast<std::uint32_t>(start.regular), static_cast<std::uint32_t>(clusters),
+                 settings_.memory_limit_bytes);
+  return true;
+}
 
+// Whether clusters that fitted the scene before fit this one: hardly anything is new, nor is the
+// whole elsewhere, or of another size.
+bool CudaDetector::isAlike(const ColdStart& start, const DeviceScene::Change& change,
+                           const Options& options) const {
+  constexpr std::uint64_t kNewShare = 16;
+  if (kNewShare * change.more_triangles > scene_.triangleCount()) return false;
+  const double ratio = start.scale.scale / scale_.scale;
+  const Vec3d moved = scale_.applyExact(start.scale.origin);  // in halves of the scene's size
+  const double most_moved = std::max({std::fabs(moved.x), std::fabs(moved.y), std::fabs(moved.z)});
+  const std::size_t wanted =
+      clusterCountFor(options.clusters, cluster_counts_, start.regular, sizes_.clusters);
+  return ratio >= 0.5 && ratio <= 2 && most_moved < 0.25 &&
+         std::max<std::size_t>(1, wanted) == sizes_.clusters;
+}
+
+// Prototypes from the seeds; no frame fits yet, no list says how far it reaches, no bin has room.
+void CudaDetector::startCold(const ColdStart& start, const Options& options) {
+  asked_clusters_ = options.clusters;
+  scale_ = start.scale;
   std::vector<ClusterFrame> frames(start.seeds.size());
   for (ClusterFrame& frame : frames) {
     for (int k = 0; k < 3; ++k) {
@@ -116,29 +171,23 @@ bool CudaDetector::startCold(const Scene& scene, const Options& options, const C
                               cudaMemcpyHostToDevice, stream),
               "cudaMemcpyAsync to the device");
   };
+  const auto clear = [stream](void* what, std::size_t bytes) {
+    checkCuda(cudaMemsetAsync(what, 0, bytes, stream), "cudaMemsetAsync");
+  };
   put(arrays_.clusters.prototypes.data(), start.seeds);
   put(arrays_.sweep.frames.data(), frames);
-  // No list says how far it reaches, no bin has room.
-  checkCuda(
-      cudaMemsetAsync(arrays_.clusters.list_reach.data(), 0, frames.size() * sizeof(float), stream),
-      "cudaMemsetAsync");
-  checkCuda(cudaMemsetAsync(arrays_.members.next_bins.data(), 0, (frames.size() + 1) * sizeof(Bin),
-                            stream),
-            "cudaMemsetAsync");
+  clear(arrays_.clusters.list_reach.data(), frames.size() * sizeof(float));
+  clear(arrays_.members.next_bins.data(), (frames.size() + 1) * sizeof(Bin));
   launchClusterLists(arrays_, stream);
   stream_.synchronise();  // the host's arrays go
   cycles_since_refresh_ = 0;
-  return true;
 }
 
-// Arrays of the sizes; recorded graphs know other ones.
+// Arrays of the sizes.
 void CudaDetector::makeArrays() {
-  memory_.grow(sizes_);
+  memory_.grow(sizes_, stream_.get());
   arrays_.clusters.count = sizes_.clusters;
-  arrays_.clusters.sample_count = sizes_.samples;
-  arrays_.host_counters.pointTo(counters_.data());
-  arrays_.host_stop.pointTo(stop_.word());
-  for (CycleGraph& graph : graphs_) graph.forget();
+  arrays_.clusters.sample_count = std::min(sizes_.samples, scene_.triangleCount());
 }
 
 // Unless they are there already: even a small copy takes 5 us.
@@ -151,8 +200,8 @@ void CudaDetector::sendParams() {
             "cudaMemcpyAsync to the device");
 }
 
-// Without a cycle before, the bins have no room: part of one finds out how much they need. And
-// every vertex is its own where no body touches itself: once is enough then.
+// Where the bins have no room, or not where it is needed, part of a cycle finds out how much that
+// is; where frames do not fit yet, more of one finds those.
 void CudaDetector::sizeBins(const Options& options) {
   const CycleShape shape = shapeOf(options, true, 0);
   const cudaStream_t stream = stream_.get();
@@ -161,13 +210,18 @@ void CudaDetector::sizeBins(const Options& options) {
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);
+  if (!result_.started_cold) return;
+  launchPose(arrays_, shape, stream);
+  launchAssign(arrays_, shape, stream);
+  launchSort(arrays_, shape, stream);
+  launchSortFrames(arrays_, shape, stream);
 }
 
 CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refinements) const {
   const bool sharers = scene_.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
   const bool swept = options.motion == Motion::kSwept;
   const bool pads = swept && scene_.anyLengths().pads;
-  const bool fans = identify && sharers && !swept && options.predicates == Predicates::kExact;
+  const bool fans = identify && sharers && asksForFans(options);
   return {device_, identify, refinements, swept, swept && sharers, pads, fans};
 }
 
@@ -181,10 +235,7 @@ void CudaDetector::runCycle(const Options& options) {
     cycle_start_.record(stream);
     graphs_[0].runTimed(arrays_, shape, stream);
   } else {
-    CycleGraph& graph = graphs_[refresh ? 1 : 0];
-    graph.prepare(arrays_, shape, stream);
-    cycle_start_.record(stream);
-    graph.launch(stream);
+    graphs_[refresh ? 1 : 0].run(arrays_, shape, cycle_start_, stream);
   }
   cycle_end_.record(stream);
 }
@@ -210,8 +261,37 @@ bool CudaDetector::isOutgrown(const CycleCounters& counted, const Options& optio
   return more_large || other_count;
 }
 
+namespace {
+
+// The device loads each kernel when it runs for the first time in a process, which takes longer
+// than a cycle: a scene as small as can be runs all that a cycle may need, once for each device.
+void loadKernels(int device) {
+  static std::mutex mutex;
+  static std::set<int> loaded;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (loaded.count(device) > 0) return;
+  Scene scene;
+  scene.addBody("", {{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.1F}, {0, 1, 2, 1, 3, 2}});
+  scene.addBody("", {{0.2F, 0.2F, -1, 0.2F, 0.3F, 1, 0.3F, 0.2F, 1}, {0, 1, 2}});
+  scene.setPairEnabled(0, 0, true);
+  scene.setPairEnabled(0, 1, true);
+  scene.setEarlier(1, RigidTransform());
+  Options options;
+  options.clusters = 2;
+  CudaSettings settings;
+  settings.device = device;
+  CudaDetector detector(settings);
+  for (int i = 0; i < 3; ++i) detector.detect(scene, options);  // the third is a recorded one
+  options.motion = Motion::kSwept;
+  detector.detect(scene, options);
+  loaded.insert(device);
+}
+
+}  // namespace
+
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
   requireUsable(settings.device);
+  loadKernels(settings.device);
   return std::make_unique<CudaDetector>(settings);
 }
 

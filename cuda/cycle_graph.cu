@@ -1,3 +1,5 @@
+#include <type_traits>
+
 #include "cuda/cycle_graph.cuh"
 
 namespace deformable_contact_monitor {
@@ -54,6 +56,13 @@ constexpr unsigned awaited() {
   return steps;
 }
 
+// They hold addresses and numbers alone.
+std::vector<unsigned char> bytesOf(const CycleArrays& cycle) {
+  static_assert(std::is_trivially_copyable_v<CycleArrays>);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(&cycle);
+  return {bytes, bytes + sizeof cycle};
+}
+
 }  // namespace
 
 void CycleGraph::forget() {
@@ -61,10 +70,26 @@ void CycleGraph::forget() {
   graph_ = nullptr;
 }
 
-void CycleGraph::prepare(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  if (graph_ != nullptr && shape == shape_) return;
-  forget();
-  shape_ = shape;
+bool CycleGraph::isLast(const CycleArrays& cycle, const CycleShape& shape) const {
+  return shape == shape_ && arrays_ == bytesOf(cycle);
+}
+
+void CycleGraph::run(const CycleArrays& cycle, const CycleShape& shape, CudaEvent& start,
+                     cudaStream_t stream) {
+  if (!isLast(cycle, shape)) {
+    arrays_ = bytesOf(cycle);
+    shape_ = shape;
+    is_recorded_ = false;
+    start.record(stream);
+    enqueue(cycle, shape, stream);
+    return;
+  }
+  if (!is_recorded_) record(cycle, shape, stream);
+  start.record(stream);
+  checkCuda(cudaGraphLaunch(graph_, stream), "cudaGraphLaunch");
+}
+
+void CycleGraph::record(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   // Other threads' detectors may allocate meanwhile.
   checkCuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal),
             "cudaStreamBeginCapture");
@@ -77,9 +102,30 @@ void CycleGraph::prepare(const CycleArrays& cycle, const CycleShape& shape, cuda
     throw;
   }
   checkCuda(cudaStreamEndCapture(stream, &recorded), "cudaStreamEndCapture");
-  const cudaError_t status = cudaGraphInstantiateWithFlags(&graph_, recorded, 0);
+  cudaError_t status = cudaSuccess;
+  if (!update(recorded)) {
+    forget();
+    status = cudaGraphInstantiateWithFlags(&graph_, recorded, 0);
+  }
   cudaGraphDestroy(recorded);
   checkCuda(status, "cudaGraphInstantiateWithFlags");
+  is_recorded_ = true;
+}
+
+// Where the steps are the same, only their arguments have to be changed; false if they are not.
+bool CycleGraph::update(cudaGraph_t recorded) {
+  if (graph_ == nullptr) return false;
+#if CUDART_VERSION >= 12000
+  cudaGraphExecUpdateResultInfo result{};
+  const cudaError_t status = cudaGraphExecUpdate(graph_, recorded, &result);
+#else
+  cudaGraphNode_t node = nullptr;
+  cudaGraphExecUpdateResult result{};
+  const cudaError_t status = cudaGraphExecUpdate(graph_, recorded, &node, &result);
+#endif
+  if (status == cudaSuccess) return true;
+  cudaGetLastError();  // another graph: no error
+  return false;
 }
 
 void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
@@ -101,10 +147,6 @@ void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cuda
     if ((awaited() >> s & 1) != 0) done_[s].record(on);
   }
   done_[kFrames].makeWait(stream);
-}
-
-void CycleGraph::launch(cudaStream_t stream) {
-  checkCuda(cudaGraphLaunch(graph_, stream), "cudaGraphLaunch");
 }
 
 void CycleGraph::runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {

@@ -1,14 +1,15 @@
 // The steps of a cycle in order: as a CUDA graph, or one after the other with their times.
 #pragma once
 
+#include <vector>
+
 #include "core/stages.h"
 #include "cuda/device/stream.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
 
-// One recorded cycle and the streams of its branches. The arrays' memory must stay as it is while a
-// recording of them is in use: forget() when it moved.
+// One recorded cycle and the streams of its branches.
 class CycleGraph {
  public:
   CycleGraph() = default;
@@ -16,10 +17,10 @@ class CycleGraph {
   CycleGraph& operator=(const CycleGraph&) = delete;
   ~CycleGraph() { forget(); }
 
-  // Records the cycle if it is not the one recorded last.
-  void prepare(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
-  void launch(cudaStream_t stream);
-  void forget();
+  // Runs a cycle; records `start` as its work begins. What comes for the first time is launched
+  // step by step; the second time it is recorded, for that takes longer than one cycle gains.
+  void run(const CycleArrays& cycle, const CycleShape& shape, CudaEvent& start,
+           cudaStream_t stream);
 
   // Runs the steps one by one.
   void runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
@@ -31,10 +32,17 @@ class CycleGraph {
   static constexpr int kBranches = 3;
   static constexpr int kSteps = 11;
 
+  // What came last, bit by bit: arrays that moved, or count otherwise, are others.
+  bool isLast(const CycleArrays& cycle, const CycleShape& shape) const;
+  void record(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+  bool update(cudaGraph_t recorded);
+  void forget();
   // The steps, on `stream` and the branches.
   void enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
   CycleShape shape_;
+  std::vector<unsigned char> arrays_;  // the bytes of the last cycle's
+  bool is_recorded_ = false;           // the last cycle, in graph_
   cudaGraphExec_t graph_ = nullptr;
   CudaStream branch_[kBranches];
   CudaEvent started_, done_[kSteps];  // done_: of each step

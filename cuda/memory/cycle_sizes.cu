@@ -1,7 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <string>
 
-#include "core/rules/sampling.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/memory/contact_arrays.cuh"
 #include "cuda/memory/cycle_sizes.cuh"
@@ -19,35 +19,66 @@ std::uint64_t contactBytes(bool swept) {
 }
 
 std::uint32_t withinLimit(std::uint64_t wanted, std::uint64_t bytes_each, std::uint64_t limit) {
-  constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 30;
-  const std::uint64_t most = std::clamp<std::uint64_t>(limit / 2 / bytes_each, 1, kMostPlaces);
+  constexpr std::uint64_t kMostInAList = std::uint64_t{1} << 30;
+  const std::uint64_t most = std::clamp<std::uint64_t>(limit / 2 / bytes_each, 1, kMostInAList);
   return static_cast<std::uint32_t>(std::min(wanted, most));
 }
 
-// A little more than is needed, so that a scene that changes fits for a while.
-bool grow(std::uint32_t& size, std::uint64_t needed, std::uint64_t most) {
-  const std::uint64_t wanted = std::min(needed + needed / 4 + 256, most);
-  if (needed <= size || wanted <= size) return false;
+constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 29;  // the sweep packs members' places
+
+// A list that counters count, and the most places that it may have.
+struct List {
+  std::uint32_t CycleSizes::*size;
+  std::uint64_t needed, most;
+};
+
+std::array<List, 6> listsOf(const CycleCounters& c, bool swept, std::uint64_t limit) {
+  const auto most = [limit](std::uint64_t bytes) {
+    return withinLimit(~std::uint64_t{0}, bytes, limit);
+  };
+  return {{{&CycleSizes::members, c.bins_wanted, kMostPlaces},
+           {&CycleSizes::list_words, c.list_words, kMostPlaces},
+           {&CycleSizes::units, c.units, kMostPlaces},
+           {&CycleSizes::candidates, c.candidates, most(candidateBytes(swept))},
+           {&CycleSizes::contacts, c.contacts, most(contactBytes(swept))},
+           {&CycleSizes::open_pairs, c.open_pairs, most(sizeof(OpenPair))}}};
+}
+
+// True if it grew.
+bool growTo(std::uint32_t& size, std::uint64_t wanted, std::uint64_t most) {
+  wanted = std::min(wanted, most);
+  if (wanted <= size) return false;
   size = static_cast<std::uint32_t>(wanted);
   return true;
 }
 
 }  // namespace
 
+void CycleSizes::raise(std::uint32_t& size, std::uint64_t needed) {
+  if (needed <= size) return;
+  const std::uint64_t wanted = size == 0 ? needed : needed + needed / 2;
+  size = static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, ~std::uint32_t{0}));
+}
+
 void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                          std::uint64_t memory_limit_bytes) {
-  constexpr std::uint32_t kLeastSamples = 1024;
+  constexpr std::uint32_t kLeastSamples = 1024, kSamplesEach = 8;
+  constexpr std::uint32_t kFewTriangles = 40000, kManyTriangles = 300000;  // as unitColumns()
   clusters = cluster_count;
-  samples = samplingOf(triangles, cluster_count, kLeastSamples).samples;
-  members = std::max(members, clustered * 2 + 48 * cluster_count + 256);
-  list_words = std::max(list_words, clustered + 256);
-  units = std::max(units, clustered / 6 + 4 * cluster_count + 256);
-  const std::uint64_t each = swept ? 8 : 2;
-  candidates = std::max(
-      candidates, withinLimit(each * clustered + 256, candidateBytes(swept), memory_limit_bytes));
-  contacts =
-      std::max(contacts, withinLimit(clustered + 256, contactBytes(swept), memory_limit_bytes));
-  if (swept) open_pairs = std::max(open_pairs, clustered / 64 + 256);
+  const std::uint64_t n = clustered;
+  raise(samples, std::max(kLeastSamples, kSamplesEach * cluster_count));
+  raise(members, n * 2 + 48 * cluster_count + 256);
+  raise(list_words, n + 256);
+  const std::uint64_t quarters = n < kFewTriangles ? 4 : n < kManyTriangles ? 3 : 1;
+  raise(units, n * quarters / 4 + 4 * cluster_count + 256);
+  const auto within = [&](std::uint32_t& size, std::uint64_t needed, std::uint64_t bytes) {
+    std::uint32_t wanted = size;
+    raise(wanted, needed);
+    size = std::max(size, withinLimit(wanted, bytes, memory_limit_bytes));
+  };
+  within(candidates, (swept ? 8 : 2) * n + 256, candidateBytes(swept));
+  within(contacts, n + n / 4 + 256, contactBytes(swept));
+  if (swept) raise(open_pairs, n / 64 + 256);
   follow();
 }
 
@@ -66,24 +97,28 @@ bool CycleSizes::hold(const CycleCounters& c) const {
 }
 
 bool CycleSizes::growFor(const CycleCounters& c, std::uint64_t memory_limit_bytes) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 29;  // the sweep packs members' places
-  if (c.bins_wanted >= kMost || c.list_words >= kMost || c.units >= kMost) {
+  if (c.bins_wanted >= kMostPlaces || c.list_words >= kMostPlaces || c.units >= kMostPlaces) {
     throw CudaError(
         BackendFault::kSceneTooLarge,
         "the scene is too crowded for the CUDA backend: " + std::to_string(c.bins_wanted) +
             " places in clusters, " + std::to_string(c.units) + " work units");
   }
-  bool grown = grow(members, c.bins_wanted, kMost);
-  grown |= grow(list_words, c.list_words, kMost);
-  grown |= grow(units, c.units, kMost);
-  grown |= grow(candidates, c.candidates,
-                withinLimit(~std::uint64_t{0}, candidateBytes(swept), memory_limit_bytes));
-  grown |= grow(contacts, c.contacts,
-                withinLimit(~std::uint64_t{0}, contactBytes(swept), memory_limit_bytes));
-  grown |= grow(open_pairs, c.open_pairs,
-                withinLimit(~std::uint64_t{0}, sizeof(OpenPair), memory_limit_bytes));
+  bool grown = false;
+  for (const List& list : listsOf(c, swept, memory_limit_bytes)) {
+    // A little more than is needed, so that a scene that changes fits for a while.
+    if (list.needed <= this->*list.size) continue;
+    grown |= growTo(this->*list.size, list.needed + list.needed / 4 + 256, list.most);
+  }
   follow();
   return grown;
+}
+
+void CycleSizes::growAhead(const CycleCounters& c, std::uint64_t memory_limit_bytes) {
+  for (const List& list : listsOf(c, swept, memory_limit_bytes)) {
+    const std::uint64_t size = this->*list.size;
+    if (list.needed > size - size / 8) growTo(this->*list.size, 2 * list.needed, list.most);
+  }
+  follow();
 }
 
 }  // namespace deformable_contact_monitor

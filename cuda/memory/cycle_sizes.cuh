@@ -10,10 +10,10 @@ namespace deformable_contact_monitor {
 
 // Capacities of the arrays in CycleArrays.
 struct CycleSizes {
-  // Of the scene, as DeviceScene lays it out.
+  // For the scene, as DeviceScene lays it out; those of fans where certificates are asked for.
   std::uint32_t bodies = 0, partners = 0, pair_words = 0;
   std::uint32_t vertices = 0, triangles = 0, vertex_blocks = 0, triangle_blocks = 0;
-  std::uint32_t identity_slots = 0, fan_places = 0;
+  std::uint32_t identity_slots = 0, fan_vertices = 0, fan_places = 0;
   // Of what a cycle finds. Those of candidates and contacts share a memory limit by halves; the
   // others grow by need.
   std::uint32_t clusters = 0, samples = 0;
@@ -26,7 +26,10 @@ struct CycleSizes {
   // Brings the sizes for swept motion up to the others, if `swept`; wherever those have changed.
   void follow();
 
-  // For the scene's triangles, of which `clustered` are for the clusters: a guess.
+  // A size to at least `needed`; if it grows beyond what it was once, by half as much again.
+  static void raise(std::uint32_t& size, std::uint64_t needed);
+
+  // For so many triangles in so many clusters: a guess. None shrinks but the number of clusters.
   void prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                std::uint64_t memory_limit_bytes);
 
@@ -36,6 +39,10 @@ struct CycleSizes {
   // After a cycle that counted so. True if some capacity grew; candidates and contacts do not
   // beyond the limit. Throws CudaError where the places of members would not fit their bits.
   bool growFor(const CycleCounters& counters, std::uint64_t memory_limit_bytes);
+
+  // After a cycle that fitted: doubles what is nearly full, so that the next ones fit as well; but
+  // nothing beyond its limit.
+  void growAhead(const CycleCounters& counters, std::uint64_t memory_limit_bytes);
 };
 
 }  // namespace deformable_contact_monitor

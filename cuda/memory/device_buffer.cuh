@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <utility>
 
 #include "cuda/device/check.cuh"
 
@@ -18,13 +19,17 @@ class DeviceBuffer {
   DeviceBuffer(const DeviceBuffer&) = delete;
   DeviceBuffer& operator=(const DeviceBuffer&) = delete;
   ~DeviceBuffer() { cudaFree(data_); }
+  void swap(DeviceBuffer& o) {
+    std::swap(data_, o.data_);
+    std::swap(size_, o.size_);
+  }
 
   T* data() { return data_; }
   const T* data() const { return data_; }
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return size_ * sizeof(T); }
 
-  // To at least `size` elements; then all of them are zero, whatever they were. True if it moved.
+  // To at least `size` elements; then they are uninitialised, whatever they were. True if it moved.
   bool grow(std::size_t size) {
     if (size <= size_) return false;
     cudaFree(data_);
@@ -32,9 +37,6 @@ class DeviceBuffer {
     size_ = 0;
     checkCuda(cudaMalloc(&data_, size * sizeof(T)), "cudaMalloc");
     size_ = size;
-    checkCuda(cudaMemset(data_, 0, bytes()), "cudaMemset");
-    // The detectors' streams do not wait for the default one.
-    checkCuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
     return true;
   }
 

@@ -2,28 +2,43 @@
 
 namespace deformable_contact_monitor {
 
-bool DeviceMemory::grow(const CycleSizes& sizes) {
-  bool moved = false;
-  for (Array& array : arrays_) {
-    const std::uint32_t rows =
-        (array.size.rows == nullptr ? 0 : sizes.*array.size.rows) + array.size.more;
-    if (rows <= *array.rows) continue;
-    // While it is being replaced there is none.
-    *array.data = nullptr;
-    *array.rows = 0;
-    array.buffer = nullptr;
-    array.buffer = std::make_unique<DeviceBuffer<unsigned char>>(rows * array.row_bytes);
-    *array.data = array.buffer->data();
-    *array.rows = rows;
-    moved = true;
+// Behind what is in use of the memory, which has room for it and is zero there.
+void DeviceMemory::place(Array& array, std::uint32_t rows, cudaStream_t stream) {
+  unsigned char* const to = memory_.data() + used_;
+  if (*array.rows > 0) {
+    checkCuda(cudaMemcpyAsync(to, *array.data, *array.rows * array.row_bytes,
+                              cudaMemcpyDeviceToDevice, stream),
+              "cudaMemcpyAsync on the device");
   }
-  return moved;
+  *array.data = to;
+  *array.rows = rows;
+  used_ += bytesOf(array, rows);
 }
 
-std::uint64_t DeviceMemory::bytes() const {
-  std::uint64_t bytes = 0;
-  for (const Array& array : arrays_) bytes += array.buffer ? array.buffer->bytes() : 0;
-  return bytes;
+void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
+  std::size_t growing = 0, all = 0;
+  for (const Array& array : arrays_) {
+    const std::uint32_t rows = array.rowsFor(sizes);
+    all += bytesOf(array, rows);
+    if (rows > *array.rows) growing += bytesOf(array, rows);
+  }
+  if (growing == 0) return;
+  const bool moves = used_ + growing > memory_.size();
+  DeviceBuffer<unsigned char> other;
+  if (moves) {
+    // So that some arrays find room later on without another allocation; what grew once may do so
+    // again.
+    other.grow(all + all / (memory_.size() == 0 ? 8 : 2));
+    other.swap(memory_);
+    used_ = 0;
+    checkCuda(cudaMemsetAsync(memory_.data(), 0, memory_.size(), stream), "cudaMemsetAsync");
+  }
+  for (Array& array : arrays_) {
+    const std::uint32_t rows = array.rowsFor(sizes);
+    if (moves || rows > *array.rows) place(array, rows, stream);
+  }
+  // Before what the arrays were in is given back.
+  if (moves) checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
 }
 
 }  // namespace deformable_contact_monitor

@@ -2,9 +2,9 @@
 // and room, bytes and the kernels' view follow from that.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "core/index.h"
@@ -22,19 +22,20 @@ struct ArraySize {
   std::uint32_t more;
 };
 
-// Owns the memory of the arrays that were declared with it. One detector's; one thread at a time.
+// Owns the memory of the arrays that were declared with it: one piece for all of them, for to
+// allocate takes longer than a cycle. One detector's; one thread at a time.
 class DeviceMemory {
  public:
   DeviceMemory() = default;
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
-  // Every array to at least its size; one that grows is zeros afterwards, whatever it was. True if
-  // some array moved: then copies of the arrays are of no use any more. Not while the device works
-  // on them. Throws CudaError.
-  bool grow(const CycleSizes& sizes);
+  // Every array to at least its size; what is new of one that grows is zeros, the rest stays, in
+  // `stream`. Then arrays may have moved, and copies of them are of no use any more. Not while the
+  // device works on them. Throws CudaError; then all is as it was.
+  void grow(const CycleSizes& sizes, cudaStream_t stream);
 
-  std::uint64_t bytes() const;
+  std::uint64_t bytes() const { return memory_.bytes(); }
 
  private:
   friend class ArrayGroup;
@@ -44,10 +45,22 @@ class DeviceMemory {
     std::uint32_t* rows;
     std::size_t row_bytes;
     ArraySize size;
-    std::unique_ptr<DeviceBuffer<unsigned char>> buffer;
+
+    std::uint32_t rowsFor(const CycleSizes& sizes) const {
+      return std::max(*rows, (size.rows == nullptr ? 0 : sizes.*size.rows) + size.more);
+    }
   };
 
+  // What so many rows take, up to where the next array may begin [bytes].
+  static std::size_t bytesOf(const Array& array, std::uint32_t rows) {
+    constexpr std::size_t kAlignment = 256;
+    return (rows * array.row_bytes + kAlignment - 1) / kAlignment * kAlignment;
+  }
+  void place(Array& array, std::uint32_t rows, cudaStream_t stream);
+
   std::vector<Array> arrays_;
+  DeviceBuffer<unsigned char> memory_;
+  std::size_t used_ = 0;  // of it, places that arrays have left included [bytes]
 };
 
 // What arrays are declared in: a struct of them derives from this, and lives as long as the memory
@@ -61,7 +74,7 @@ class ArrayGroup {
   friend class DeviceArray;
 
   void enlist(void** data, std::uint32_t* rows, std::size_t row_bytes, const ArraySize& size) {
-    memory_->arrays_.push_back({data, rows, row_bytes, size, nullptr});
+    memory_->arrays_.push_back({data, rows, row_bytes, size});
   }
 
   DeviceMemory* memory_;  // of use on the host alone

@@ -3,9 +3,9 @@
 #include <string>
 
 #include "core/rules/margins.h"
-#include "core/vertex_fans.h"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/pinned_memory.cuh"
+#include "cuda/stages/fan_rings.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -30,11 +30,9 @@ void upload(const T* from, std::size_t count, void* to, cudaStream_t stream) {
             "cudaMemcpyAsync to the device");
 }
 
-// For what changes rarely: waits until `from` may go.
 template <class T>
-void put(const std::vector<T>& from, void* to, cudaStream_t stream) {
+void upload(const std::vector<T>& from, T* to, cudaStream_t stream) {
   upload(from.data(), from.size(), to, stream);
-  checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
 }
 
 // Vertices of a body whose first coordinate is `first` of all, by way of `staged` where they are
@@ -53,34 +51,77 @@ void send(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer
 
 }  // namespace
 
-std::vector<std::uint64_t> DeviceScene::topologyOf(const Scene& scene) const {
-  std::vector<std::uint64_t> topology;
-  topology.reserve(taking_part_.size());
-  for (const BodyId id : taking_part_) topology.push_back(scene.body(id).topology_revision);
-  return topology;
+std::vector<DeviceScene::LaidOutBody> DeviceScene::bodiesOf(const Scene& scene) const {
+  std::vector<LaidOutBody> bodies;
+  bodies.reserve(taking_part_.size());
+  for (const BodyId id : taking_part_) {
+    const Body& body = scene.body(id);
+    bodies.push_back(
+        {id, body.topology_revision, static_cast<std::uint32_t>(body.mesh.triangleCount())});
+  }
+  return bodies;
 }
 
 // Pairs that were switched off and on again are the same ones.
 bool DeviceScene::isLaidOut(const Scene& scene) const {
   if (!laid_out_) return false;
   if (pairs_revision_ != scene.pairsRevision() && pairs_ != scene.enabledPairs()) return false;
-  return topology_ == topologyOf(scene);
+  return laid_out_bodies_ == bodiesOf(scene);
 }
 
-bool DeviceScene::layOut(const Scene& scene, Motion motion, cudaStream_t stream) {
-  const bool anew = !isLaidOut(scene);
+DeviceScene::Change DeviceScene::layOut(const Scene& scene, Motion motion, bool fans) {
   sizes_.swept = motion == Motion::kSwept;
-  if (anew) {
-    laid_out_ = bodies_sent_ = false;  // until all of it is there
-    pairs_ = scene.enabledPairs();
-    layOutPairs(scene, stream);
-    layOutMeshes(scene, stream);
-    topology_ = topologyOf(scene);
-    laid_out_ = true;
-  }
-  growArrays();
+  Change change;
+  if (!isLaidOut(scene)) change = layOutAnew(scene);
   pairs_revision_ = scene.pairsRevision();
-  return anew;
+  if (fans && any_self_ && !has_fans_) sizeFans(scene);
+  sizes_.follow();
+  any_from_device_ = std::any_of(taking_part_.begin(), taking_part_.end(), [&](BodyId id) {
+    return scene.body(id).device_vertices.has_value();
+  });
+  return change;
+}
+
+// Both in the order of their bodies.
+std::uint64_t DeviceScene::moreTriangles(const std::vector<LaidOutBody>& before,
+                                         const std::vector<LaidOutBody>& now) {
+  std::uint64_t more = 0;
+  auto old = before.begin();
+  for (const LaidOutBody& body : now) {
+    while (old != before.end() && old->id < body.id) ++old;
+    const std::uint32_t had = old != before.end() && old->id == body.id ? old->triangles : 0;
+    more += body.triangles > had ? body.triangles - had : 0;
+  }
+  return more;
+}
+
+DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
+  const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
+  laid_out_ = has_fans_ = bodies_sent_ = false;  // until all of it is there
+  pairs_ = scene.enabledPairs();
+  pair_tables_ = tabulatePairs(scene);
+  laid_out_bodies_ = bodiesOf(scene);
+  const auto same =
+      std::mismatch(laid_out_bodies_.begin(), laid_out_bodies_.end(), before.begin(), before.end());
+  const auto first = static_cast<std::uint32_t>(same.first - laid_out_bodies_.begin());
+  countMeshes(scene);
+  numberMeshes(scene);
+  mesh_tables_ = tabulateMeshes(scene, first);
+  CycleSizes::raise(sizes_.bodies, body_.size());
+  CycleSizes::raise(sizes_.partners, pair_tables_.partners.size());
+  CycleSizes::raise(sizes_.pair_words, pair_tables_.pair_enabled.size());
+  CycleSizes::raise(sizes_.vertices, vertex_count_);
+  CycleSizes::raise(sizes_.triangles, arrays_.triangle_count);
+  CycleSizes::raise(sizes_.vertex_blocks, mesh_tables_.vertex_blocks.size());
+  CycleSizes::raise(sizes_.triangle_blocks, mesh_tables_.triangle_blocks.size());
+  sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
+  while (any_self_ && sizes_.identity_slots < 2 * vertex_count_) sizes_.identity_slots *= 2;
+  vertices_.resize(scene.bodyCount());
+  earlier_.resize(scene.bodyCount());
+  for (std::uint32_t i = first; i < taking_part_.size(); ++i) {
+    vertices_[taking_part_[i]] = earlier_[taking_part_[i]] = 0;  // no revision is 0
+  }
+  return {true, moreTriangles(before, laid_out_bodies_)};
 }
 
 void DeviceScene::addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row,
@@ -123,27 +164,35 @@ DeviceScene::PairTables DeviceScene::tabulatePairs(const Scene& scene) {
   return tables;
 }
 
-void DeviceScene::layOutPairs(const Scene& scene, cudaStream_t stream) {
-  const PairTables tables = tabulatePairs(scene);
-  sizes_.bodies = arrays_.body_count;
-  sizes_.partners = static_cast<std::uint32_t>(tables.partners.size());
-  sizes_.pair_words = static_cast<std::uint32_t>(tables.pair_enabled.size());
-  growArrays();
-  put(tables.partners, arrays_.partners.data(), stream);
-  put(tables.group_mask, arrays_.group_mask.data(), stream);
-  put(tables.pair_enabled, arrays_.pair_enabled.data(), stream);
+void DeviceScene::sendLayout(cudaStream_t stream) {
+  growArrays(stream);
+  if (laid_out_) return;
+  const MeshTables& meshes = mesh_tables_;
+  arrays_.vertex_block_count = static_cast<std::uint32_t>(meshes.vertex_blocks.size());
+  arrays_.triangle_block_count = static_cast<std::uint32_t>(meshes.triangle_blocks.size());
+  arrays_.identity_mask = arrays_.identity_table.size() - 1;
+  upload(pair_tables_.partners, arrays_.partners.data(), stream);
+  upload(pair_tables_.group_mask, arrays_.group_mask.data(), stream);
+  upload(pair_tables_.pair_enabled, arrays_.pair_enabled.data(), stream);
+  upload(listed_, arrays_.listed_bodies.data(), stream);
+  upload(meshes.vertex_blocks, arrays_.vertex_blocks.data(), stream);
+  upload(meshes.triangle_blocks, arrays_.triangle_blocks.data(), stream);
+  upload(meshes.corners.get(), meshes.corner_count,
+         arrays_.corners.data() + 3 * std::size_t{meshes.first_triangle}, stream);
+  checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
+  pair_tables_ = PairTables();
+  mesh_tables_ = MeshTables();
+  laid_out_ = true;
 }
 
-void DeviceScene::growArrays() {
-  sizes_.follow();
-  memory_.grow(sizes_);
-  staged_bodies_.grow(body_.size());
-  if (!sizes_.swept) return;
-  staged_earlier_bodies_.grow(body_.size());
-  earlier_.resize(vertices_.size());
+// What small things are sent through has room for as many as the device.
+void DeviceScene::growArrays(cudaStream_t stream) {
+  memory_.grow(sizes_, stream);
+  staged_bodies_.grow(sizes_.bodies);
+  if (sizes_.swept) staged_earlier_bodies_.grow(sizes_.bodies);
 }
 
-void DeviceScene::numberMeshes(const Scene& scene) {
+void DeviceScene::countMeshes(const Scene& scene) {
   std::uint64_t vertices = 0, triangles = 0;
   for (const BodyId id : taking_part_) {
     vertices += scene.body(id).mesh.vertexCount();
@@ -159,73 +208,62 @@ void DeviceScene::numberMeshes(const Scene& scene) {
   arrays_.triangle_count = static_cast<std::uint32_t>(triangles);
 }
 
-void DeviceScene::layOutMeshes(const Scene& scene, cudaStream_t stream) {
-  numberMeshes(scene);
-  std::vector<VertexIndex> corners;
-  corners.reserve(3 * std::size_t{arrays_.triangle_count});
-  std::vector<BodyBlock> vertex_blocks, triangle_blocks;
+void DeviceScene::numberMeshes(const Scene& scene) {
   listed_.clear();
   std::uint32_t first_vertex = 0, first_triangle = 0;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
-    addBlocks(vertex_blocks, BodyIndex(i), first_vertex, mesh.vertexCount());
-    addBlocks(triangle_blocks, BodyIndex(i), first_triangle, mesh.triangleCount());
-    for (const std::uint32_t corner : mesh.triangles) corners.emplace_back(first_vertex + corner);
     listed_.push_back({first_triangle, taking_part_[i]});
     body_[i].first_vertex = first_vertex;
     body_[i].vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
     first_vertex += body_[i].vertex_count;
     first_triangle += static_cast<std::uint32_t>(mesh.triangleCount());
   }
-  sizes_.vertices = vertex_count_;
-  sizes_.triangles = arrays_.triangle_count;
-  sizes_.vertex_blocks = static_cast<std::uint32_t>(vertex_blocks.size());
-  sizes_.triangle_blocks = static_cast<std::uint32_t>(triangle_blocks.size());
-  sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
-  while (any_self_ && sizes_.identity_slots < 2 * vertex_count_) sizes_.identity_slots *= 2;
-  growArrays();
-  arrays_.vertex_block_count = sizes_.vertex_blocks;
-  arrays_.triangle_block_count = sizes_.triangle_blocks;
-  arrays_.identity_mask = arrays_.identity_table.size() - 1;
-  put(listed_, arrays_.listed_bodies.data(), stream);
-  put(corners, arrays_.corners.data(), stream);
-  put(vertex_blocks, arrays_.vertex_blocks.data(), stream);
-  put(triangle_blocks, arrays_.triangle_blocks.data(), stream);
-  layOutFans(scene, stream);
-  vertices_.assign(scene.bodyCount(), 0);  // no revision is 0
-  earlier_.assign(scene.bodyCount(), 0);
+}
+
+DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
+                                                    std::uint32_t first_body) const {
+  MeshTables tables;
+  tables.first_triangle = first_body < taking_part_.size() ? listed_[first_body].first_triangle : 0;
+  const std::uint32_t changed =
+      first_body < taking_part_.size() ? arrays_.triangle_count - tables.first_triangle : 0;
+  tables.corner_count = 3 * std::size_t{changed};
+  tables.corners.reset(new VertexIndex[tables.corner_count]);
+  VertexIndex* corner = tables.corners.get();
+  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
+    const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
+    const std::uint32_t first_vertex = body_[i].first_vertex;
+    addBlocks(tables.vertex_blocks, BodyIndex(i), first_vertex, mesh.vertexCount());
+    addBlocks(tables.triangle_blocks, BodyIndex(i), listed_[i].first_triangle,
+              mesh.triangleCount());
+    if (i < first_body) continue;
+    for (const std::uint32_t local : mesh.triangles) *corner++ = VertexIndex(first_vertex + local);
+  }
+  return tables;
 }
 
 // Vertices of bodies without contacts with themselves have no ring.
-void DeviceScene::layOutFans(const Scene& scene, cudaStream_t stream) {
-  std::vector<Place> begin;
-  std::vector<VertexIndex> ring;
-  begin.reserve(std::size_t{vertex_count_} + 1);
+void DeviceScene::sizeFans(const Scene& scene) {
+  std::uint64_t places = 0;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const auto first = static_cast<std::uint32_t>(ring.size());
-    if (body_[i].has_self == 0) {
-      begin.insert(begin.end(), body_[i].vertex_count, Place(first));
-      continue;
-    }
-    const VertexFans fans = vertexFans(scene.body(taking_part_[i]).mesh);
-    for (std::uint32_t v = 0; v < body_[i].vertex_count; ++v) {
-      begin.emplace_back(first + fans.begin[v]);
-    }
-    for (const std::uint32_t v : fans.ring) ring.emplace_back(body_[i].first_vertex + v);
+    if (body_[i].has_self == 0) continue;
+    const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
+    places += mesh.vertexCount() + mesh.triangles.size();
   }
-  sizes_.fan_places = static_cast<std::uint32_t>(ring.size());
-  begin.emplace_back(sizes_.fan_places);
-  growArrays();
-  put(begin, arrays_.fan_begin.data(), stream);
-  put(ring, arrays_.fan_ring.data(), stream);
+  CycleSizes::raise(sizes_.fan_vertices, std::uint64_t{vertex_count_} + 1);
+  CycleSizes::raise(sizes_.fan_places, places);
+}
+
+void DeviceScene::findFans(cudaStream_t stream) {
+  if (has_fans_) return;
+  launchFanRings(arrays_, vertex_count_, fan_scratch_, stream);
+  has_fans_ = true;
 }
 
 void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t stream) {
-  any_from_device_ = false;
   for (const BodyId id : taking_part_) {
     const Body& from = scene.body(id);
     if (!from.device_vertices) continue;
-    any_from_device_ = true;
     if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
   }
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
@@ -236,7 +274,7 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     if (from.device_vertices) {
       copier_.copy(from, arrays_.received.data() + first, stream);
     } else {
-      send(from.mesh.vertices, first, 3 * std::size_t{vertex_count_}, staged_vertices_,
+      send(from.mesh.vertices, first, 3 * std::size_t{sizes_.vertices}, staged_vertices_,
            arrays_.received.data(), stream);
     }
     vertices_[id] = from.vertices_revision;
@@ -251,7 +289,7 @@ void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
     if (!from.earlier || from.earlier->vertices.empty()) continue;
     if (earlier_[id] == from.earlier_revision) continue;
     const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
-    send(from.earlier->vertices, first, 3 * std::size_t{vertex_count_}, staged_earlier_vertices_,
+    send(from.earlier->vertices, first, 3 * std::size_t{sizes_.vertices}, staged_earlier_vertices_,
          arrays_.earlier_received.data(), stream);
     earlier_[id] = from.earlier_revision;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -22,16 +23,30 @@ class DeviceScene {
   DeviceScene(int device, DeviceMemory& memory, CycleSizes& sizes, SceneArrays& arrays)
       : device_(device), memory_(memory), sizes_(sizes), arrays_(arrays) {}
 
+  // What laying the scene out changed.
+  struct Change {
+    bool any = false;
+    // Triangles that there were not before: of bodies that were not there, or have more of them.
+    std::uint64_t more_triangles = 0;
+  };
+
   // Lays the scene out anew if other pairs are enabled, or the topology of a body of theirs
-  // changed; true if so. Then arrays may have moved, as they may if the motion is another one than
-  // last time. Throws CudaError if it is too large.
-  bool layOut(const Scene& scene, Motion motion, cudaStream_t stream);
+  // changed; `fans`: certificates are asked for. The sizes grow, nothing comes to the device yet.
+  // Throws CudaError if it is too large.
+  Change layOut(const Scene& scene, Motion motion, bool fans);
+
+  // The arrays to their sizes; sends what was laid out, from the first body on that has changed.
+  void sendLayout(cudaStream_t stream);
+
+  // Once bodies are sent: what certificates need, where a layout with `fans` did not find it
+  // before.
+  void findFans(cudaStream_t stream);
 
   // Sends vertices that changed; those that are on the device are copied there. Throws
   // std::invalid_argument, naming the body, where they cannot be read.
   void sendVertices(const Scene& scene, Motion motion, cudaStream_t stream);
 
-  // Whether the scene that was sent has vertices on the device.
+  // Whether the scene that was laid out has vertices on the device.
   bool anyFromDevice() const { return any_from_device_; }
   // That scene, with all of them brought to the host: takes milliseconds.
   Scene onHost(const Scene& scene, cudaStream_t stream) const;
@@ -58,16 +73,38 @@ class DeviceScene {
     std::vector<BodyIndex> partners;
     std::vector<std::uint32_t> group_mask, pair_enabled;
   };
+  // And of the bodies' meshes: blocks of all, corners from the first body on that has changed.
+  struct MeshTables {
+    std::vector<BodyBlock> vertex_blocks, triangle_blocks;
+    std::unique_ptr<VertexIndex[]> corners;  // not zero first, as a vector would be
+    std::size_t corner_count = 0;
+    std::uint32_t first_triangle = 0;  // of the corners
+  };
 
+  // A body on the device, and what it was laid out for.
+  struct LaidOutBody {
+    BodyId id;
+    std::uint64_t topology_revision;
+    std::uint32_t triangles;
+
+    bool operator==(const LaidOutBody& o) const {
+      return id == o.id && topology_revision == o.topology_revision;
+    }
+    bool operator!=(const LaidOutBody& o) const { return !(*this == o); }
+  };
+
+  static std::uint64_t moreTriangles(const std::vector<LaidOutBody>& before,
+                                     const std::vector<LaidOutBody>& now);
+  std::vector<LaidOutBody> bodiesOf(const Scene& scene) const;
   bool isLaidOut(const Scene& scene) const;
-  std::vector<std::uint64_t> topologyOf(const Scene& scene) const;
+  Change layOutAnew(const Scene& scene);
   PairTables tabulatePairs(const Scene& scene);
   void addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row, PairTables& tables);
-  void layOutPairs(const Scene& scene, cudaStream_t stream);
+  void countMeshes(const Scene& scene);
   void numberMeshes(const Scene& scene);
-  void layOutMeshes(const Scene& scene, cudaStream_t stream);
-  void layOutFans(const Scene& scene, cudaStream_t stream);
-  void growArrays();
+  MeshTables tabulateMeshes(const Scene& scene, std::uint32_t first_body) const;
+  void sizeFans(const Scene& scene);
+  void growArrays(cudaStream_t stream);
   void sendEarlierVertices(const Scene& scene, cudaStream_t stream);
   void sendEarlierBodies(const Scene& scene, cudaStream_t stream);
 
@@ -76,20 +113,24 @@ class DeviceScene {
   CycleSizes& sizes_;
   SceneArrays& arrays_;
 
-  bool laid_out_ = false;             // what is below is on the device
+  bool laid_out_ = false;  // what is below is on the device, but for these tables
+  PairTables pair_tables_;
+  MeshTables mesh_tables_;
+  bool has_fans_ = false;             // so are the rings
   bool bodies_sent_ = false;          // so is what staged_bodies_ holds
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
   std::vector<std::pair<BodyId, BodyId>> pairs_;
-  std::vector<std::uint64_t> topology_;  // revisions, per body on the device
-  std::vector<std::uint64_t> vertices_;  // revisions on the device, per body of the scene
-  std::vector<std::uint64_t> earlier_;   // the same of Body::earlier; 0: none
-  std::vector<BodyId> taking_part_;      // bodies of the scene, per body on the device
-  std::vector<DeviceBody> body_;         // per body on the device
-  std::vector<ListedBody> listed_;       // per body on the device
+  std::vector<LaidOutBody> laid_out_bodies_;  // per body on the device
+  std::vector<std::uint64_t> vertices_;       // revisions on the device, per body of the scene
+  std::vector<std::uint64_t> earlier_;        // the same of Body::earlier; 0: none
+  std::vector<BodyId> taking_part_;           // bodies of the scene, per body on the device
+  std::vector<DeviceBody> body_;              // per body on the device
+  std::vector<ListedBody> listed_;            // per body on the device
   std::uint32_t vertex_count_ = 0, group_count_ = 0;
   bool any_self_ = false, any_from_device_ = false;
   BodyLengths any_{};
 
+  DeviceBuffer<unsigned char> fan_scratch_;
   DeviceVertexCopier copier_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;

@@ -99,9 +99,11 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<VertexIndex, VertexIndex> vertex_id{*this, &CycleSizes::vertices};
   // Zero but for vertices that others equal, and maybe for such of earlier cycles.
   DeviceArray<std::uint32_t, VertexIndex> repeated{*this, &CycleSizes::vertices};
-  // VertexFans of all bodies that have contacts with themselves.
-  DeviceArray<Place, VertexIndex> fan_begin{*this, &CycleSizes::vertices, 1};
+  // VertexFans of all bodies that have contacts with themselves, once certificates are asked for;
+  // and what counts the triangles around each vertex meanwhile.
+  DeviceArray<Place, VertexIndex> fan_begin{*this, &CycleSizes::fan_vertices};
   DeviceArray<VertexIndex, Place> fan_ring{*this, &CycleSizes::fan_places};
+  DeviceArray<std::uint32_t, VertexIndex> fan_count{*this, &CycleSizes::fan_vertices};
   // An open-addressing hash table of vertices' numbers + 1; its size is a power of two.
   DeviceArray<std::uint32_t, Place> identity_table{*this, &CycleSizes::identity_slots};
 };

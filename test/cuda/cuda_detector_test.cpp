@@ -207,6 +207,26 @@ TEST(CudaDetector, ScenesThatJumpGrowAndShrink) {
   }
 }
 
+// Bodies that come and go beside a cloth leave its clusters as they are.
+TEST(CudaDetector, ASmallChangeIsNoColdStart) {
+  const auto detector = makeOrSayWhy();
+  if (detector == nullptr) return;
+  Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
+  scene.addBody("small", clothGrid(8, 0.3F, 0.1F, 0));
+  scene.setPairEnabled(0, 1, true);
+  EXPECT_TRUE(detector->detect(scene, Options()).started_cold);
+  for (const int cells : {7, 8, 9, 0, 9}) {
+    scene.setMesh(1, cells > 0 ? clothGrid(cells, 0.3F, 0.1F, 0) : TriangleMesh());
+    const DetectionResult& result = detector->detect(scene, Options());
+    EXPECT_FALSE(result.started_cold) << cells;
+    EXPECT_TRUE(samePairs(makeCpuDetector()->detect(scene, Options()).contacts, result.contacts));
+  }
+  scene.setMesh(1, clothGrid(50, 0.3F, 0.1F, 0));
+  EXPECT_TRUE(detector->detect(scene, Options()).started_cold) << "much is new";
+  scene.setMesh(0, clothGrid(60, 100, 0, 0.3F));
+  EXPECT_TRUE(detector->detect(scene, Options()).started_cold) << "it is of another size";
+}
+
 // Lists of neighbours do not lead from piece to piece, nor from where it was to where it is.
 TEST(CudaDetector, TrianglesAreInFewClustersEvenAtFirst) {
   const auto detector = makeOrSayWhy();

@@ -47,6 +47,51 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   EXPECT_FALSE(sizes.growFor(counters, kAmple));
 }
 
+TEST(CycleSizes, WhatIsNearlyFullGrowsAheadOfNeed) {
+  CycleSizes sizes;
+  sizes.prepare(9000, 20, kAmple);
+  const CycleSizes before = sizes;
+  CycleCounters counters{};
+  counters.units = before.units / 2;
+  counters.contacts = before.contacts - before.contacts / 10;
+  sizes.growAhead(counters, kAmple);
+  EXPECT_EQ(sizes.units, before.units);
+  EXPECT_EQ(sizes.members, before.members);
+  EXPECT_EQ(sizes.contacts, 2 * counters.contacts);
+  const CycleSizes grown = sizes;
+  sizes.growAhead(counters, kAmple);
+  EXPECT_EQ(sizes.contacts, grown.contacts) << "once is enough";
+}
+
+TEST(CycleSizes, AheadOfNeedTooTheLimitHolds) {
+  constexpr std::uint64_t kLimit = 1 << 20;
+  CycleSizes sizes;
+  sizes.prepare(1000000, 2000, kLimit);
+  CycleCounters counters{};
+  counters.candidates = sizes.candidates;
+  counters.contacts = sizes.contacts;
+  const CycleSizes before = sizes;
+  sizes.growAhead(counters, kLimit);
+  EXPECT_EQ(sizes.candidates, before.candidates);
+  EXPECT_EQ(sizes.contacts, before.contacts);
+}
+
+// A scene that grows by a hundredth each time.
+TEST(CycleSizes, OfAGrowingSceneGrowRarely) {
+  CycleSizes sizes;
+  std::uint32_t changes = 0;
+  for (double n = 1000; n < 20000; n *= 1.01) {
+    const CycleSizes before = sizes;
+    const auto triangles = static_cast<std::uint32_t>(n);
+    CycleSizes::raise(sizes.triangles, triangles);
+    sizes.prepare(triangles, 20, kAmple);
+    EXPECT_GE(sizes.triangles, triangles);
+    EXPECT_GE(sizes.members, 2 * triangles);
+    changes += sizes.triangles != before.triangles || sizes.members != before.members;
+  }
+  EXPECT_LE(changes, 20U);
+}
+
 TEST(CycleSizes, CandidatesAndContactsStopAtTheLimit) {
   constexpr std::uint64_t kLimit = 1 << 20;
   CycleSizes sizes;

@@ -152,9 +152,11 @@ PartnerBoxes<BoxOf<Hull>> BodyBoxes::partnersOf(const Scene& scene, BodyId id) c
   return partners;
 }
 
-template void BodyBoxes::update<Triangle>(const Scene&, const CycleLimit&);
-template void BodyBoxes::update<MovingTriangle>(const Scene&, const CycleLimit&);
-template PartnerBoxes<Aabb> BodyBoxes::partnersOf<Triangle>(const Scene&, BodyId) const;
-template PartnerBoxes<MovingBox> BodyBoxes::partnersOf<MovingTriangle>(const Scene&, BodyId) const;
+// Exported here, for a template is not visible outside that has arguments which are not.
+template DCM_EXPORT void BodyBoxes::update<Triangle>(const Scene&, const CycleLimit&);
+template DCM_EXPORT void BodyBoxes::update<MovingTriangle>(const Scene&, const CycleLimit&);
+template DCM_EXPORT PartnerBoxes<Aabb> BodyBoxes::partnersOf<Triangle>(const Scene&, BodyId) const;
+template DCM_EXPORT PartnerBoxes<MovingBox> BodyBoxes::partnersOf<MovingTriangle>(const Scene&,
+                                                                                  BodyId) const;
 
 }  // namespace deformable_contact_monitor

@@ -6,6 +6,6 @@
 namespace deformable_contact_monitor {
 
 // commonMotion() of some vertices, evenly spread, of all bodies that take part [m].
-Vec3f commonMotionOf(const Scene& scene);
+DCM_EXPORT Vec3f commonMotionOf(const Scene& scene);
 
 }  // namespace deformable_contact_monitor

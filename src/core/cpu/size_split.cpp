@@ -83,7 +83,7 @@ void splitBySize(const WorkingSet& set, SizeSplit& split, const CycleLimit& limi
   if (set.size() == 0) return;
   const Usual usual = measure(set);
   constexpr std::size_t kBlock = 4096;
-  const std::size_t allowed = 64 + set.size() / 64;
+  const std::size_t allowed = split.spare + set.size() / 64;
   const std::size_t blocks = blockCount(set.size(), kBlock);
   std::vector<std::size_t> large_in(blocks);
   std::vector<double> reach_in(blocks);

@@ -1,6 +1,7 @@
 // The working set's very large triangles, and the scale of all the others.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/cpu/pose.h"
@@ -13,7 +14,8 @@
 namespace deformable_contact_monitor {
 
 struct SizeSplit {
-  std::vector<TriangleIndex> large;    // of the working set, ascending
+  std::size_t spare = 64;            // as many may be large whatever the scene's size; the caller's
+  std::vector<TriangleIndex> large;  // of the working set, ascending
   std::vector<TriangleIndex> regular;  // all others, ascending
   SizeRule rule;                       // that told them apart
   SceneScale scale;                    // brings the regular triangles into [-1, 1]
@@ -33,7 +35,7 @@ struct SizeSplit {
 };
 
 // Large: 32 times the median extent, or 64 times the median distance from the middle of the scene.
-// Where more than 64 and a 64th of the scene would be, the bounds are raised until it is not.
+// Where more than `spare` and a 64th of the scene would be, the bounds are raised until it is not.
 // Where the limit was over, the split is of no use.
 DCM_EXPORT void splitBySize(const WorkingSet& set, SizeSplit& split,
                             const CycleLimit& limit = noLimit());

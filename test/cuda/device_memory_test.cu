@@ -1,0 +1,94 @@
+// Arrays that share one piece of memory and grow.
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <vector>
+
+#include "cuda/device/stream.cuh"
+#include "cuda/memory/device_memory.cuh"
+#include "test_data.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+struct TwoArrays : ArrayGroup {
+  using ArrayGroup::ArrayGroup;
+
+  DeviceArray<std::uint32_t, Place> members{*this, &CycleSizes::members};
+  DeviceArray<std::uint64_t, Place, 3> units{*this, &CycleSizes::units, 1};
+};
+
+class DeviceMemoryTest : public testing::Test {
+ protected:
+  bool hasDevice() const {
+    int count = 0;
+    const bool has = cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
+    EXPECT_TRUE(has || !isCudaRequired());
+    return has;
+  }
+  // Numbers from `first` on.
+  template <class T>
+  void fill(T* to, std::size_t count, T first) {
+    std::vector<T> numbers(count);
+    std::iota(numbers.begin(), numbers.end(), first);
+    EXPECT_EQ(cudaMemcpy(to, numbers.data(), count * sizeof(T), cudaMemcpyHostToDevice),
+              cudaSuccess);
+  }
+  // `kept` numbers from `first` on, then zeros.
+  template <class T>
+  void expect(const T* from, std::size_t count, T first, std::size_t kept) {
+    std::vector<T> found(count), expected(count);
+    std::iota(expected.begin(), expected.begin() + static_cast<std::ptrdiff_t>(kept), first);
+    EXPECT_EQ(cudaMemcpy(found.data(), from, count * sizeof(T), cudaMemcpyDeviceToHost),
+              cudaSuccess);
+    EXPECT_EQ(found, expected);
+  }
+};
+
+TEST_F(DeviceMemoryTest, WhatGrowsKeepsItsElementsAndTheNewOnesAreZeros) {
+  if (!hasDevice()) return;
+  CudaStream stream;
+  DeviceMemory memory;
+  TwoArrays arrays(memory);
+  CycleSizes sizes;
+  sizes.members = 100;
+  sizes.units = 9;
+  memory.grow(sizes, stream.get());
+  EXPECT_EQ(arrays.members.size(), 100U);
+  EXPECT_EQ(arrays.units.size(), 10U);
+  stream.synchronise();
+  expect(arrays.members.data(), 100, 0U, 0);
+  fill(arrays.members.data(), 100, 1U);
+  fill(arrays.units.data(), 30, std::uint64_t{1000});
+  std::size_t kept = 100;
+  for (const std::uint32_t members : {101U, 130U, 131U, 5000U, 5001U, 200000U, 200001U, 200100U}) {
+    sizes.members = members;
+    memory.grow(sizes, stream.get());
+    stream.synchronise();
+    ASSERT_EQ(arrays.members.size(), members);
+    expect(arrays.members.data(), members, 1U, kept);
+    expect(arrays.units.data(), 30, std::uint64_t{1000}, 30);
+    fill(arrays.members.data(), members, 1U);
+    kept = members;
+    EXPECT_GE(memory.bytes(), members * sizeof(std::uint32_t) + 240);
+    EXPECT_LE(memory.bytes(), 2 * members * sizeof(std::uint32_t) + 2048);
+  }
+}
+
+TEST_F(DeviceMemoryTest, NothingShrinksOrMovesWithoutNeed) {
+  if (!hasDevice()) return;
+  CudaStream stream;
+  DeviceMemory memory;
+  TwoArrays arrays(memory);
+  CycleSizes sizes;
+  sizes.members = 100;
+  memory.grow(sizes, stream.get());
+  const auto* const before = arrays.members.data();
+  sizes.members = 50;
+  memory.grow(sizes, stream.get());
+  EXPECT_EQ(arrays.members.size(), 100U);
+  EXPECT_EQ(arrays.members.data(), before);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
