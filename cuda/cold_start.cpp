@@ -21,9 +21,22 @@ Vec3f seedAt(const SizeSplit& split, const MovingTriangle& t) {
   return meanOf<MovingTriangle>(points);
 }
 
+Aabb reachOf(const Triangle& t) { return boxOf(t); }
+Aabb reachOf(const MovingTriangle& t) { return shareBox(boxOf(t), 0); }
+
+// Without margins and pads: who is wrong by one or two loses nothing.
 template <class Hull>
-ColdStart measure(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                  const CycleLimit& limit) {
+void keepShare(const WorkingSet& set, const SceneShare& share, std::vector<TriangleIndex>& list) {
+  if (share.isWhole()) return;
+  const auto elsewhere = [&](TriangleIndex t) {
+    return !share.reaches(reachOf(set.posed<Hull>(t)));
+  };
+  list.erase(std::remove_if(list.begin(), list.end(), elsewhere), list.end());
+}
+
+template <class Hull>
+ColdStart measure(const Scene& scene, const SceneShare& share, const Options& options,
+                  const ClusterCountPolicy& policy, const CycleLimit& limit) {
   WorkingSet set;
   SizeSplit split;
   Counters counters;
@@ -31,6 +44,8 @@ ColdStart measure(const Scene& scene, const Options& options, const ClusterCount
   WorkingSetBuilder().build<Hull>(scene, set, counters, limit);
   if (!limit.wasOver()) splitBySize(set, split, limit);
   if (limit.wasOver()) return start;
+  keepShare<Hull>(set, share, split.regular);
+  keepShare<Hull>(set, share, split.large);
   start.scale = split.scale;
   start.size_rule = split.rule;
   start.regular = split.regular.size();
@@ -46,10 +61,11 @@ ColdStart measure(const Scene& scene, const Options& options, const ClusterCount
 
 }  // namespace
 
-ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                       const CycleLimit& limit) {
-  return options.motion == Motion::kSwept ? measure<MovingTriangle>(scene, options, policy, limit)
-                                          : measure<Triangle>(scene, options, policy, limit);
+ColdStart measureScene(const Scene& scene, const SceneShare& share, const Options& options,
+                       const ClusterCountPolicy& policy, const CycleLimit& limit) {
+  return options.motion == Motion::kSwept
+             ? measure<MovingTriangle>(scene, share, options, policy, limit)
+             : measure<Triangle>(scene, share, options, policy, limit);
 }
 
 }  // namespace deformable_contact_monitor

@@ -10,6 +10,7 @@
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
 #include "core/scene.h"
+#include "cuda/shares/scene_share.h"
 
 namespace deformable_contact_monitor {
 
@@ -22,8 +23,9 @@ struct ColdStart {
 };
 
 // Costs milliseconds (of no use where the limit was over): for first cycles and changes of the
-// scene's make-up. Seeds are centroids of triangles evenly spread over their order.
-ColdStart measureScene(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                       const CycleLimit& limit);
+// scene's make-up. Seeds are centroids of triangles evenly spread over their order. Scale and size
+// rule are the scene's, the rest is of what reaches into the share.
+ColdStart measureScene(const Scene& scene, const SceneShare& share, const Options& options,
+                       const ClusterCountPolicy& policy, const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor

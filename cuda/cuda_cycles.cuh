@@ -12,11 +12,12 @@
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_stop.cuh"
 #include "cuda/open_pairs.cuh"
+#include "cuda/shares/share_detector.h"
 #include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
 
-class CudaDetector : public Detector {
+class CudaDetector : public ShareDetector {
  public:
   explicit CudaDetector(const CudaSettings& settings)
       : settings_(settings),
@@ -29,6 +30,7 @@ class CudaDetector : public Detector {
   }
   std::string backend() const override { return "cuda"; }
   void reset() override { cold_ = true; }
+  void setShare(const SceneShare& share) override { share_ = share; }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
@@ -73,6 +75,7 @@ class CudaDetector : public Detector {
   bool all_decided_ = true;  // no limit was over before or while they were
   SceneScale scale_;
   SizeRule size_rule_;
+  SceneShare share_;
   bool cold_ = true;
   Motion motion_ = Motion::kInstant;  // of the last cycle
   int asked_clusters_ = 0;            // by the options of the last cold start

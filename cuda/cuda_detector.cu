@@ -4,6 +4,7 @@
 #include "cuda/cold_start.h"
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
+#include "cuda/shares/shared_detector.h"
 
 namespace deformable_contact_monitor {
 
@@ -81,6 +82,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].scale = scale_;
   params_[0].size = size_rule_;
   params_[0].limited = limit.isSet() ? 1 : 0;
+  params_[0].share = share_;
   if (starts) sizeBins(options);
   return true;
 }
@@ -90,7 +92,8 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
 bool CudaDetector::startCold(const Scene& scene, const Options& options, const CycleLimit& limit) {
   std::optional<Scene> on_host;
   if (scene_.anyFromDevice()) on_host = scene_.onHost(scene, stream_.get());
-  const ColdStart start = measureScene(on_host ? *on_host : scene, options, cluster_counts_, limit);
+  const ColdStart start =
+      measureScene(on_host ? *on_host : scene, share_, options, cluster_counts_, limit);
   if (limit.wasOver()) return false;
   asked_clusters_ = options.clusters;
   scale_ = start.scale;
@@ -203,9 +206,13 @@ bool CudaDetector::isOutgrown(const CycleCounters& counted, const Options& optio
   return more_large || other_count;
 }
 
-std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
+std::unique_ptr<ShareDetector> makeCudaShareDetector(const CudaSettings& settings) {
   requireUsable(settings.device);
   return std::make_unique<CudaDetector>(settings);
+}
+
+std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
+  return makeSharedDetector(settings, makeCudaShareDetector);
 }
 
 }  // namespace deformable_contact_monitor
