@@ -21,7 +21,7 @@ struct CudaSettings {
   // From so many triangles on, in bodies that take part. Measured.
   std::size_t shared_from_triangles = 200000;
   // Told of each of several devices that fails, from within detect() or while the detector is made;
-  // the others go on without it, and make that cycle again. May be empty.
+  // the others go on without it, and make that cycle again. May be empty; makeDetector() sets it.
   std::function<void(const BackendError&)> device_lost;
   // Upper bound of the device memory that the lists of candidates and contacts may take [bytes].
   // Beyond it a cycle takes several passes, and contacts are left out of the result's list. Where

@@ -66,6 +66,7 @@ class Worker {
 
 // A device with its share of a cycle.
 struct Sharer {
+  int device;
   std::unique_ptr<ShareDetector> detector;
   const DetectionResult* result = nullptr;
   std::exception_ptr failure;
@@ -94,14 +95,15 @@ bool anyOnDevice(const Scene& scene) {
 }
 
 // The failure of a device; any other goes to the caller.
-BackendError deviceFailure(const std::exception_ptr& failure) {
+BackendError failureOf(int device, const std::exception_ptr& failure) {
+  const std::string its = "CUDA device " + std::to_string(device) + ": ";
   try {
     std::rethrow_exception(failure);
   } catch (const BackendError& error) {
     if (error.fault() == BackendFault::kSceneTooLarge) throw;
-    return error;
+    return {error.fault(), its + error.what()};
   } catch (const std::runtime_error& error) {
-    return BackendError(BackendFault::kTransient, error.what());
+    return {BackendFault::kTransient, its + error.what()};
   }
 }
 
@@ -154,7 +156,8 @@ class SharedDetector : public Detector {
   bool dropFailed(std::size_t count) {
     std::vector<BackendError> failures;
     for (std::size_t s = 0; s < count; ++s) {
-      if (sharers_[s].failure) failures.push_back(deviceFailure(sharers_[s].failure));
+      const Sharer& sharer = sharers_[s];
+      if (sharer.failure) failures.push_back(failureOf(sharer.device, sharer.failure));
     }
     if (failures.empty()) return false;
     if (failures.size() == sharers_.size()) std::rethrow_exception(sharers_[0].failure);
@@ -209,10 +212,10 @@ std::unique_ptr<Detector> makeSharedDetector(
     its.device = device;
     its.devices.clear();
     try {
-      sharers.push_back({make(its), nullptr, nullptr});
+      sharers.push_back({device, make(its), nullptr, nullptr});
     } catch (const std::runtime_error&) {
       last = std::current_exception();
-      failures.push_back(deviceFailure(last));
+      failures.push_back(failureOf(device, last));
     }
   }
   if (sharers.empty()) std::rethrow_exception(last);

@@ -105,12 +105,12 @@ TEST_F(SharedDetector, TheRestMakeTheCycleAgain) {
   detect(*detector);
   plan_.fails = {1};
   EXPECT_EQ(detect(*detector), (Devices{0, 0, 1, 2, 2}));
-  EXPECT_EQ(told_, (Texts{"device 1 is lost"}));
+  EXPECT_EQ(told_, (Texts{"CUDA device 1: device 1 is lost"}));
   EXPECT_EQ(detect(*detector), (Devices{0, 2})) << "it is not asked again";
   plan_.fails = {0};
   EXPECT_EQ(detect(*detector), (Devices{0, 2, 2}));
   EXPECT_EQ(detect(*detector), (Devices{2}));
-  EXPECT_EQ(told_, (Texts{"device 1 is lost", "device 0 is lost"}));
+  EXPECT_EQ(told_, (Texts{"CUDA device 1: device 1 is lost", "CUDA device 0: device 0 is lost"}));
 }
 
 TEST_F(SharedDetector, ASmallSceneGoesToTheNext) {
@@ -138,7 +138,7 @@ TEST_F(SharedDetector, FailsWhenAllHave) {
 TEST_F(SharedDetector, WhatCannotBeMadeIsDoneWithout) {
   plan_.cannot_be_made = {7};
   const auto detector = make({7, 0, 1});
-  EXPECT_EQ(told_, (Texts{"no device 7"}));
+  EXPECT_EQ(told_, (Texts{"CUDA device 7: no device 7"}));
   EXPECT_EQ(detect(*detector), (Devices{0, 1}));
   EXPECT_EQ(detect(*make({7, 2})), (Devices{2}));
   EXPECT_THROW(make({7, 7}), CudaError);
@@ -186,7 +186,7 @@ TEST(ShareBounds, CutAcrossTheWidestAxisWhateverIsFarOff) {
 
 // A device takes as long as its share is wide, from 0 on four times as long.
 TEST(ShareBounds, BecomeEvenByWhatTheSharesTake) {
-  const Scene scene = selfScene(clothGrid(40, 1, 0, 0.1F));
+  const Scene scene = selfScene(clothGrid(200, 1, 0, 0.1F));
   ShareBounds bounds;
   const auto costUpTo = [](double x) { return x < 0.5 ? 4 * x : 2 + (x - 0.5); };
   double worst = 0;
