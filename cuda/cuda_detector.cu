@@ -11,6 +11,7 @@ namespace deformable_contact_monitor {
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
+  cudaGetLastError();  // of another device, by this thread
   const Stopwatch watch{};
   const CycleLimit limit(options.limits);
   result_.begin(scene, options, isGuaranteed(options));
