@@ -26,7 +26,7 @@ namespace {
 // What happens to devices, by their numbers.
 struct Plan {
   std::set<int> cannot_be_made, fails;
-  std::string too_large;  // what any of them says of the scene, if not empty
+  std::set<int> has_no_room;  // the scene is too crowded for it
   std::vector<int> ran;   // in detect(), from the caller's thread and others
   std::mutex mutex;
 };
@@ -41,7 +41,9 @@ class PlannedDevice : public ShareStandIn {
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     const std::lock_guard<std::mutex> lock(plan_.mutex);
     plan_.ran.push_back(device_);
-    if (!plan_.too_large.empty()) throw CudaError(BackendFault::kSceneTooLarge, plan_.too_large);
+    if (plan_.has_no_room.count(device_) != 0) {
+      throw CudaError(BackendFault::kSceneTooLarge, "too crowded");
+    }
     if (plan_.fails.count(device_) != 0) {
       throw CudaError(BackendFault::kSticky, "device " + std::to_string(device_) + " is lost");
     }
@@ -147,9 +149,9 @@ TEST_F(SharedDetector, WhatCannotBeMadeIsDoneWithout) {
 // Neither is a device's fault.
 TEST_F(SharedDetector, ASceneThatIsTooLargeAndBadOptionsGoToTheCaller) {
   const auto detector = make({0, 1});
-  plan_.too_large = "too large";
+  plan_.has_no_room = {1};
   EXPECT_THROW(detector->detect(scene_), BackendError);
-  plan_.too_large.clear();
+  plan_.has_no_room.clear();
   Options bad;
   bad.fuzzifier = 0;
   EXPECT_THROW(detector->detect(scene_, bad), std::invalid_argument);

@@ -31,7 +31,7 @@ constexpr std::size_t kMostShares = 5;
 
 const std::uint32_t kScenes = [] {
   const char* wanted = std::getenv("DCM_SHARED_SCENES");
-  return wanted != nullptr ? static_cast<std::uint32_t>(std::atoi(wanted)) : 150U;
+  return wanted != nullptr ? static_cast<std::uint32_t>(std::atoi(wanted)) : 60U;
 }();
 
 struct Maker {
