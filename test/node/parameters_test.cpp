@@ -240,7 +240,7 @@ TEST(Parameters, AllProblemsAreListedTogether) {
                            "~overlap is 1.5",
                            "~device is -1",
                            "~devices[1] is 1024",
-                           "~devices[2] is 'first'",
+                           "~devices[2] is first",
                            "~memory_limit_mib is 0",
                            "~max_mesh_mib is 4096",
                            "~iterations is 101",
