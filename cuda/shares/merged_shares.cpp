@@ -129,13 +129,13 @@ void addCounters(const Counters& share, Counters& whole) {
 
 void addTimes(const DetectionResult& share, DetectionResult& whole) {
   whole.detect_ms = std::max(whole.detect_ms, share.detect_ms);
-  for (const auto& [name, ms] : share.stages_ms) {
+  for (const auto& its : share.stages_ms) {
     const auto found = std::find_if(whole.stages_ms.begin(), whole.stages_ms.end(),
-                                    [&](const auto& stage) { return stage.first == name; });
+                                    [&](const auto& stage) { return stage.first == its.first; });
     if (found == whole.stages_ms.end()) {
-      whole.stages_ms.emplace_back(name, ms);
+      whole.stages_ms.push_back(its);
     } else {
-      found->second = std::max(found->second, ms);
+      found->second = std::max(found->second, its.second);
     }
   }
 }

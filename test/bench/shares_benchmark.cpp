@@ -40,8 +40,10 @@ struct Taken {
   std::vector<double> detect_ms, round_trip_ms;
   std::vector<TrianglePair> contacts;  // of state 0
   Counters counters;
+  int cold = 0;  // cycles that started so
 
   void note(int i, const DetectionResult& result, double detect) {
+    cold += result.started_cold ? 1 : 0;
     if (i % 2 == 1) return;
     detect_ms.push_back(detect);
     round_trip_ms.push_back(result.round_trip_ms);
@@ -71,14 +73,14 @@ void printRow(const Moving& moving, const Options& options, const Taken& one, co
               const std::string& more) {
   const bool equal = one.contacts == shared.contacts;
   all_equal = all_equal && equal;
-  std::printf("| %s | %s | %zu | %zu | %.3f | %.3f | %.2f | %.3f | %.3f | %.2f | %s | %s |\n",
-              moving.name.c_str(),
-              options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond_shared",
-              moving.scene.triangleCount(), one.contacts.size(), median(one.detect_ms),
-              median(shared.detect_ms), median(shared.detect_ms) / median(one.detect_ms),
-              median(one.round_trip_ms), median(shared.round_trip_ms),
-              median(shared.round_trip_ms) / median(one.round_trip_ms),
-              equal ? "equal" : "DIFFERENT", more.c_str());
+  std::printf(
+      "| %s | %s | %zu | %zu | %.3f | %.3f | %.2f | %.3f | %.3f | %.2f | %s | %s%d cold |\n",
+      moving.name.c_str(), options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond_shared",
+      moving.scene.triangleCount(), one.contacts.size(), median(one.detect_ms),
+      median(shared.detect_ms), median(shared.detect_ms) / median(one.detect_ms),
+      median(one.round_trip_ms), median(shared.round_trip_ms),
+      median(shared.round_trip_ms) / median(one.round_trip_ms), equal ? "equal" : "DIFFERENT",
+      more.c_str(), shared.cold);
   std::fflush(stdout);
 }
 
@@ -138,6 +140,7 @@ void oneAfterTheOther(Moving& moving, const Options& options, std::size_t count)
       const DetectionResult& result = detectors[s]->detect(moving.scene, options);
       took_ms.push_back(result.detect_ms);
       longest.round_trip_ms = std::max(longest.round_trip_ms, result.round_trip_ms);
+      longest.started_cold = longest.started_cold || result.started_cold;
       if (i >= first && i % 2 == first % 2) its_ms[s].push_back(result.detect_ms);
       if (i != first) continue;
       shared.contacts.insert(shared.contacts.end(), result.contacts.begin(), result.contacts.end());
@@ -156,7 +159,8 @@ void oneAfterTheOther(Moving& moving, const Options& options, std::size_t count)
   more << "ms; clustered x "
        << static_cast<double>(clustered) / static_cast<double>(one.counters.clustered)
        << ", overlaps x "
-       << static_cast<double>(overlaps) / static_cast<double>(one.counters.interval_overlaps);
+       << static_cast<double>(overlaps) / static_cast<double>(one.counters.interval_overlaps)
+       << "; ";
   printRow(moving, options, one, shared, more.str());
 }
 
@@ -198,7 +202,8 @@ int run(int argc, char** argv) {
     std::size_t triangles;
   };
   for (const Size& size : {Size{"10 M", 10000000U}, Size{"1 M", 1000000U}, Size{"ball92", 92230U},
-                           Size{"300 k", 300000U}, Size{"30 k", 30000U}, Size{"10 k", 10000U}}) {
+                           Size{"300 k", 300000U}, Size{"180 k", 180000U}, Size{"60 k", 60000U},
+                           Size{"30 k", 30000U}, Size{"10 k", 10000U}}) {
     if (!wanted(size.name)) continue;
     const TriangleMesh a = sizedTo(ball92, size.triangles), b = sizedTo(ball93, size.triangles);
     table(selfMoving(size.name, a, b), AdjacentPairs::kSkip);

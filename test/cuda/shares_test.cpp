@@ -1,5 +1,5 @@
-// Shares of several devices: by themselves and together, as sets; without devices on stand-ins, and
-// where there is a device, all shares on that one.
+// Shares of several devices: by themselves and together, as sets; on stand-ins, and on the devices
+// that there are, several shares on one where they are too few.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,6 +45,16 @@ std::unique_ptr<ShareDetector> makeStandIn(const CudaSettings& /*settings*/) {
   return std::make_unique<ShareStandIn>();
 }
 
+// How many there are; without any, stand-ins have one number as well as another.
+int deviceCount() {
+  CudaSettings settings;
+  try {
+    for (;; ++settings.device) makeCudaShareDetector(settings);
+  } catch (const CudaError&) {
+    return std::max(1, settings.device);
+  }
+}
+
 std::vector<Maker> makers() {
   std::vector<Maker> all = {{"stand_in", makeStandIn}};
   try {
@@ -84,8 +94,11 @@ std::vector<Maker> makers() {
 class Shares : public ::testing::TestWithParam<Maker> {
  protected:
   static std::unique_ptr<Detector> shared(std::size_t count) {
+    static const int kDevices = deviceCount();
     CudaSettings settings;
-    settings.devices.assign(count, 0);
+    for (std::size_t s = 0; s < count; ++s) {
+      settings.devices.push_back(static_cast<int>(s) % kDevices);
+    }
     settings.shared_from_triangles = 0;
     return makeSharedDetector(settings, GetParam().make);
   }
