@@ -32,8 +32,8 @@ struct Moving {
   std::vector<float> state[2];
 
   void step(int i) { scene.setVertices(0, state[i % 2].data(), state[i % 2].size() / 3); }
-  int warmUp() const { return scene.triangleCount() > 2000000 ? 33 : 80; }
-  int repeats() const { return scene.triangleCount() > 2000000 ? 16 : 60; }
+  int warmUp() const { return scene.triangleCount() > 2000000 ? 17 : 80; }
+  int repeats() const { return scene.triangleCount() > 2000000 ? 8 : 60; }
 };
 
 struct Taken {
