@@ -40,9 +40,11 @@ void forEachRun(const Shares& shares, const Part& part, const Take& take) {
     if (least == nullptr) return;
     const std::vector<TrianglePair>& contacts = shares[from]->contacts;
     const std::size_t first = at[from];
-    std::size_t last = first + 1;
-    if (next == nullptr) last = part.end[from];
-    while (last < part.end[from] && contacts[last] < *next) ++last;
+    std::size_t last = part.end[from];
+    if (next != nullptr) {
+      last = first + 1;
+      while (last < part.end[from] && contacts[last] < *next) ++last;
+    }
     take(from, first, last - first, to);
     to += last - first;
     at[from] = last;
