@@ -27,7 +27,7 @@ namespace {
 struct Plan {
   std::set<int> cannot_be_made, fails;
   std::set<int> has_no_room;  // the scene is too crowded for it
-  std::vector<int> ran;   // in detect(), from the caller's thread and others
+  std::vector<int> ran;       // in detect(), from the caller's thread and others
   std::mutex mutex;
 };
 
