@@ -193,7 +193,7 @@ TEST_P(Shares, OfSteps) {
   EXPECT_GT(found, 100U);
 }
 
-// In a plane, folded over itself: no filter decides.
+// In a plane, folded over itself.
 Scene foldedScene() {
   TriangleMesh folded = clothGrid(12, 1, 0, 0);
   for (std::size_t i = 0; i < folded.vertices.size(); i += 3) {
