@@ -127,9 +127,23 @@ std::size_t sampleSize(Look look, std::size_t triangles, std::size_t most_seeds)
                   look == Look::kGlance ? kGlance : std::max(kLeastSample, kEachSeed * most_seeds));
 }
 
+Aabb reachOf(const Triangle& t) { return boxOf(t); }
+Aabb reachOf(const MovingTriangle& t) { return shareBox(boxOf(t), 0); }
+
+// Without margins and pads: who is wrong by one or two loses nothing.
 template <class Hull>
-ColdStart measureAs(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                    Look look, BodyBoxes& boxes, const CycleLimit& limit) {
+void keepShare(const WorkingSet& set, const SceneShare& share, std::vector<TriangleIndex>& list) {
+  if (share.isWhole()) return;
+  const auto elsewhere = [&](TriangleIndex t) {
+    return !share.reaches(reachOf(set.posed<Hull>(t)));
+  };
+  list.erase(std::remove_if(list.begin(), list.end(), elsewhere), list.end());
+}
+
+template <class Hull>
+ColdStart measureAs(const Scene& scene, const SceneShare& share, const Options& options,
+                    const ClusterCountPolicy& policy, Look look, BodyBoxes& boxes,
+                    const CycleLimit& limit) {
   const std::size_t triangles = trianglesThatTakePart(scene);
   const std::size_t most_seeds = clusterCountFor(options.clusters, policy, triangles, 0);
   const Sample sample{sampleSize(look, triangles, most_seeds), triangles};
@@ -139,6 +153,8 @@ ColdStart measureAs(const Scene& scene, const Options& options, const ClusterCou
   if (sample.count > 0) split.spare = split.spare * sample.count / triangles;
   if (!limit.wasOver()) splitBySize(set, split, limit);
   if (limit.wasOver()) return start;
+  keepShare<Hull>(set, share, split.regular);
+  keepShare<Hull>(set, share, split.large);
   const auto ofAll = [&](std::size_t sampled) {
     return sample.count == 0 ? 0 : sampled * triangles / sample.count;
   };
@@ -150,7 +166,7 @@ ColdStart measureAs(const Scene& scene, const Options& options, const ClusterCou
       std::max<std::size_t>(1, clusterCountFor(options.clusters, policy, start.regular, 0)));
   if (look == Look::kSample && sample.count < triangles &&
       start.seeds.size() > split.regular.size()) {  // some would come twice
-    return measureAs<Hull>(scene, options, policy, Look::kAll, boxes, limit);
+    return measureAs<Hull>(scene, share, options, policy, Look::kAll, boxes, limit);
   }
   for (std::size_t g = 0; g < start.seeds.size() && !split.regular.empty(); ++g) {
     const TriangleIndex t = split.regular[seedOf(g, start.seeds.size(), split.regular.size())];
@@ -161,12 +177,12 @@ ColdStart measureAs(const Scene& scene, const Options& options, const ClusterCou
 
 }  // namespace
 
-ColdStart SceneMeasurer::measure(const Scene& scene, const Options& options,
-                                 const ClusterCountPolicy& policy, Look look,
-                                 const CycleLimit& limit) {
+ColdStart SceneMeasurer::measure(const Scene& scene, const SceneShare& share,
+                                 const Options& options, const ClusterCountPolicy& policy,
+                                 Look look, const CycleLimit& limit) {
   return options.motion == Motion::kSwept
-             ? measureAs<MovingTriangle>(scene, options, policy, look, boxes_, limit)
-             : measureAs<Triangle>(scene, options, policy, look, boxes_, limit);
+             ? measureAs<MovingTriangle>(scene, share, options, policy, look, boxes_, limit)
+             : measureAs<Triangle>(scene, share, options, policy, look, boxes_, limit);
 }
 
 }  // namespace deformable_contact_monitor

@@ -11,6 +11,7 @@
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
 #include "core/scene.h"
+#include "cuda/shares/scene_share.h"
 
 namespace deformable_contact_monitor {
 
@@ -32,10 +33,11 @@ enum class Look { kGlance, kSample, kAll };
 class SceneMeasurer {
  public:
   // From triangles that are evenly spread over their order, the same ones each time. Numbers of
-  // triangles are estimates unless all were looked at. Seeds are centroids of those that were. Of
-  // no use where the limit was over.
-  ColdStart measure(const Scene& scene, const Options& options, const ClusterCountPolicy& policy,
-                    Look look, const CycleLimit& limit);
+  // triangles are estimates unless all were looked at. Seeds are centroids of those that were.
+  // Scale and size rule are the scene's, the rest is of what reaches into the share. Of no use
+  // where the limit was over.
+  ColdStart measure(const Scene& scene, const SceneShare& share, const Options& options,
+                    const ClusterCountPolicy& policy, Look look, const CycleLimit& limit);
 
  private:
   BodyBoxes boxes_;

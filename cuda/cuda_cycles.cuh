@@ -14,11 +14,12 @@
 #include "cuda/memory/host_stop.cuh"
 #include "cuda/memory/pinned_memory.cuh"
 #include "cuda/open_pairs.cuh"
+#include "cuda/shares/share_detector.h"
 #include "cuda/stages/output.cuh"
 
 namespace deformable_contact_monitor {
 
-class CudaDetector : public Detector {
+class CudaDetector : public ShareDetector {
  public:
   explicit CudaDetector(const CudaSettings& settings)
       : settings_(settings),
@@ -36,6 +37,7 @@ class CudaDetector : public Detector {
   std::string backend() const override { return "cuda"; }
   void reset() override { cold_ = true; }
   std::pmr::memory_resource& vertexMemory() override { return lentMemory(); }
+  void setShare(const SceneShare& share) override { share_ = share; }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
@@ -89,6 +91,7 @@ class CudaDetector : public Detector {
   bool sample_misled_ = false;  // in the last cycle
   SceneScale scale_;
   SizeRule size_rule_;
+  SceneShare share_;
   bool cold_ = true;
   Motion motion_ = Motion::kInstant;  // of the last cycle
   int asked_clusters_ = 0;            // by the options of the last cold start

@@ -9,6 +9,7 @@
 
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
+#include "cuda/shares/shared_detector.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -24,6 +25,7 @@ bool asksForFans(const Options& options) {
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
+  cudaGetLastError();  // of another device, by this thread
   const Stopwatch watch{};
   const CycleLimit limit(options.limits);
   result_.begin(scene, options, isGuaranteed(options));
@@ -108,6 +110,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].scale = scale_;
   params_[0].size = size_rule_;
   params_[0].limited = limit.isSet() ? 1 : 0;
+  params_[0].share = share_;
   if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream);
   // Every vertex is its own where no body touches itself: once is enough then.
   if (result_.started_cold || change.more_triangles > 0) {
@@ -123,7 +126,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
 bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change,
                            const Options& options, const CycleLimit& limit, ColdStart& start) {
   const auto look = [&](Look how) {
-    start = measurer_.measure(scene, options, cluster_counts_, how, limit);
+    start = measurer_.measure(scene, share_, options, cluster_counts_, how, limit);
   };
   if (!result_.started_cold) {
     look(Look::kGlance);
@@ -289,10 +292,14 @@ void loadKernels(int device) {
 
 }  // namespace
 
-std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
+std::unique_ptr<ShareDetector> makeCudaShareDetector(const CudaSettings& settings) {
   requireUsable(settings.device);
   loadKernels(settings.device);
   return std::make_unique<CudaDetector>(settings);
+}
+
+std::unique_ptr<ShareDetector> makeCudaShareDetector(const CudaSettings& settings) {
+  return makeSharedDetector(settings, makeCudaShareDetector);
 }
 
 }  // namespace deformable_contact_monitor

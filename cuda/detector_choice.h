@@ -33,6 +33,7 @@ enum class WithoutCuda {
 // detection, by makeFallbackDetector()'s rules, which tell `changed`; so is kCuda unless with
 // kRefuse: that is CUDA alone and throws as makeCudaDetector() does. Only with kTryAgain is CUDA
 // tried again.
+// Where one of several devices is lost, `changed` is told of that too (BackendState::partly).
 // `changed` may be empty. Where the CPU takes over, detect() refuses vertices that are on a device
 // (Scene::setDeviceVertices).
 DCM_EXPORT std::unique_ptr<Detector> makeDetector(

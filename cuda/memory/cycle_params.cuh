@@ -7,6 +7,7 @@
 #include "core/options.h"
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
+#include "cuda/shares/scene_share.h"
 
 namespace deformable_contact_monitor {
 
@@ -38,6 +39,7 @@ struct CycleParams {
   std::uint32_t limited;       // the host may end the cycle early (stages/cut_off.cuh)
   std::uint32_t first_times;   // in swept motion: they are asked for
   std::uint32_t pads;          // in swept motion: some body that takes part has one
+  SceneShare share;            // of this device: pairs beside it are not looked for
 
   DCM_HD std::uint32_t bucketsOfGroup() const { return 1U << (kAxisBits - bucket_shift); }
 };

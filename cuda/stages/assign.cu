@@ -243,8 +243,10 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const bool finite = corners.isFinite();
   const Aabb box = inflated(corners.box(c), body.margin_m);
   const bool near = finite && (body.has_self != 0 || partners.meets(box));
-  const bool large = near && c.params().size.isLarge(box);
-  const bool regular = inside && near && !large;
+  const SceneShare& share = c.params().share;
+  const bool here = near && (share.isWhole() || corners.reachesInto(share, body.margin_m));
+  const bool large = here && c.params().size.isLarge(box);
+  const bool regular = inside && here && !large;
   warpCount(&c.counters().rejected, inside && !finite);
   countBlock(&c.counters().culled, inside && finite && !near);
   countBlock(&c.counters().clustered, regular);

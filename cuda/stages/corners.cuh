@@ -36,6 +36,11 @@ struct Corners {
     if (kStates == 1) return boxOf(posed());
     return sweptBox(MovingBox{boxOf(earlier()), boxOf(posed())}, c.scene.common_motion[Place(0)]);
   }
+  // Of all that it passes, for the shares; `grown`: by its body's margin or pad [m].
+  __device__ bool reachesInto(const SceneShare& share, float grown_m) const {
+    if (kStates == 1) return share.reaches(inflated(boxOf(posed()), grown_m));
+    return share.reaches(shareBox({boxOf(earlier()), boxOf(posed())}, grown_m));
+  }
 
  private:
   __device__ void set(int k, const float4& p) {

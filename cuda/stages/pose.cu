@@ -40,7 +40,10 @@ __global__ void __launch_bounds__(kThreads) poseKernel(CycleArrays c) {
     // Last cycle's nearest is the best guess, where there was one.
     std::uint32_t start = __float_as_uint(c.scene.posed[i].w) >> 1;
     if (start >= view.count) start = 0;
-    found = nearestListed(view, scaled, start, body.slack, nearest);
+    nearest.cluster = start;  // and tied, where this share has next to nothing to look for
+    if (c.params().share.has(v)) {
+      found = nearestListed(view, scaled, start, body.slack, nearest);
+    }
   }
   awaitKernelAhead();
   letNextStart();

@@ -40,7 +40,8 @@ __global__ void __launch_bounds__(kThreads) fanKernel(CycleArrays c) {
   const bool repeated = c.scene.repeated[i] != 0;
   if (repeated) c.scene.repeated[i] = 0;
   if (repeated || c.scene.vertex_id[i] != i) return;
-  if (!isFanCertified(posedAt(c.scene, i), RingOfVertex(c.scene, i))) return;
+  const Vec3f v = posedAt(c.scene, i);
+  if (!c.params().share.has(v) || !isFanCertified(v, RingOfVertex(c.scene, i))) return;
   c.scene.vertex_id[i] = VertexIndex(i.value | kFanCertified);
 }
 

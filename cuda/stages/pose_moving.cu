@@ -108,8 +108,12 @@ __global__ void __launch_bounds__(kThreads) poseMovingKernel(CycleArrays c) {
     to = nearestOfAll(view, scaled.to);
   } else if (wanted) {
     if (start >= view.count) start = 0;
-    found = nearestListed(view, scaled.to, start, body.slack, to);
-    found = nearestListed(view, scaled.from, to.cluster, body.slack, from) && found;
+    from.cluster = to.cluster = start;  // and tied, where this share has next to nothing to do
+    const SceneShare& share = c.params().share;
+    if (share.has(p.from) || share.has(p.to)) {
+      found = nearestListed(view, scaled.to, start, body.slack, to);
+      found = nearestListed(view, scaled.from, to.cluster, body.slack, from) && found;
+    }
   }
   if (body.partner_count > 0) {
     __shared__ BlockBox box;

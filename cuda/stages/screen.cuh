@@ -76,7 +76,8 @@ __device__ inline bool screenPair(const CycleArrays& c, ClusterIndex cluster, Me
   facts.margin_m = marginOf(c, a, b);
   if (!isCandidate(a.posed, b.posed, facts)) return false;
   candidate = {at_a, at_b, packFacts(facts)};
-  return intersects(memberBox(c, a), memberBox(c, b)) &&
+  const Aabb box_a = memberBox(c, a), box_b = memberBox(c, b);
+  return intersects(box_a, box_b) && c.params().share.owns(box_a, box_b) &&
          (cluster.value == kNone ||
           ownsPair(cluster.value, c.members.clustersOf(a), c.members.clustersOf(b)));
 }

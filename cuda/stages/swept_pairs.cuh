@@ -54,6 +54,11 @@ __device__ inline Aabb sweptMemberBox(const CycleArrays& c, MemberIndex at) {
   return sweptBox(movingBoxAt(c, at), c.scene.common_motion[Place(0)]);
 }
 
+// Of a member, for the shares: as Corners::reachesInto() has it.
+__device__ inline Aabb shareBoxAt(const CycleArrays& c, MemberIndex at) {
+  return shareBox(boxOf(movingAt(c, at)), c.scene.bodies[c.members.members[at].body()].margin_m);
+}
+
 // As screenPair, of two members whose boxes meet: whether they are a candidate. The stages that
 // look for pairs have quantised boxes alone; the judge begins with the moving ones.
 __device__ inline bool screenMovingPair(const CycleArrays& c, ClusterIndex cluster,
@@ -66,6 +71,8 @@ __device__ inline bool screenMovingPair(const CycleArrays& c, ClusterIndex clust
   candidate = a.triangle < b.triangle
                   ? DeviceCandidate{at_a, at_b, (shared_a | shared_b << 3) << kSharedShift}
                   : DeviceCandidate{at_b, at_a, (shared_b | shared_a << 3) << kSharedShift};
+  const SceneShare& share = c.params().share;
+  if (!share.isWhole() && !share.owns(shareBoxAt(c, at_a), shareBoxAt(c, at_b))) return false;
   if (cluster.value == kNone) return !areApart(movingBoxAt(c, at_a), movingBoxAt(c, at_b));
   return ownsPair(cluster.value, c.members.clustersOf(a), c.members.clustersOf(b));
 }

@@ -21,6 +21,7 @@ struct DCM_EXPORT BackendState {
   std::string problem;  // one line; empty: there is none
   BackendFault fault = BackendFault::kTransient;
   bool tried_again = false;  // it may come back by itself
+  bool partly = false;       // it goes on, but without a device of several, for that problem
 };
 
 // When a backend that failed is tried again: after `first_s`, then after twice as long each time

@@ -32,6 +32,12 @@ std::string adviceOf(const BackendState& state) {
 
 BackendStatus backendStatus(BackendChoice asked, const BackendState& state) {
   if (state.problem.empty()) return {DiagnosticStatus::OK, ""};
+  if (state.partly) {
+    return {DiagnosticStatus::WARN,
+            "contacts are found without one of the CUDA devices, until "
+            "this process starts again: " +
+                state.problem};
+  }
   return {levelOf(asked, state.fault), "contacts are found on the CPU, for CUDA cannot be used: " +
                                            state.problem + adviceOf(state)};
 }

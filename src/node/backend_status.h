@@ -15,8 +15,8 @@ struct BackendStatus {
 
 // ERROR if only a restart helps, and for whatever keeps CUDA from running where it was asked for by
 // name; WARN if CUDA is tried again by itself. A scene that is too large is a WARN, asked or not:
-// no device is at fault. OK, with a summary, where `auto` finds no CUDA at all: that is what it is
-// for.
+// no device is at fault; so is one of several devices that is done without. OK, with a summary,
+// where `auto` finds no CUDA at all: that is what it is for.
 BackendStatus backendStatus(BackendChoice asked, const BackendState& state);
 
 }  // namespace deformable_contact_monitor

@@ -54,17 +54,39 @@ bool ParameterReader::flag(const std::string& name, bool fallback) {
   return fallback;
 }
 
+bool ParameterReader::toInteger(const std::string& name, const XmlRpcValue& value, int low,
+                                int high, int* integer) {
+  if (value.getType() != XmlRpcValue::TypeInt) {
+    addProblem(name, "is " + shown(value) + ", must be a whole number");
+    return false;
+  }
+  *integer = static_cast<const int&>(value);
+  if (*integer >= low && *integer <= high) return true;
+  addProblem(name, "is " + shown(value) + ", " + range(low, high));
+  return false;
+}
+
 int ParameterReader::integer(const std::string& name, int fallback, int low, int high) {
   const XmlRpcValue* value = find(name);
-  if (value == nullptr) return fallback;
-  if (value->getType() != XmlRpcValue::TypeInt) {
-    addProblem(name, "is " + shown(*value) + ", must be a whole number");
-    return fallback;
+  int integer = fallback;
+  if (value == nullptr || !toInteger(name, *value, low, high, &integer)) return fallback;
+  return integer;
+}
+
+std::vector<int> ParameterReader::integers(const std::string& name, int low, int high) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return {};
+  if (value->getType() != XmlRpcValue::TypeArray) {
+    addProblem(name, "is " + shown(*value) + ", must be a list of whole numbers: [0, 1]");
+    return {};
   }
-  const int number = static_cast<const int&>(*value);
-  if (number >= low && number <= high) return number;
-  addProblem(name, "is " + shown(*value) + ", " + range(low, high));
-  return fallback;
+  std::vector<int> integers;
+  for (int i = 0; i < value->size(); ++i) {
+    const std::string item = name + "[" + std::to_string(i) + "]";
+    int integer = 0;
+    if (toInteger(item, (*value)[i], low, high, &integer)) integers.push_back(integer);
+  }
+  return integers;
 }
 
 bool ParameterReader::toNumber(const std::string& name, const XmlRpcValue& value, double low,

@@ -27,6 +27,7 @@ class ParameterReader {
   std::size_t choice(const std::string& name, const std::vector<std::string>& choices,
                      std::size_t fallback);
   std::vector<std::string> texts(const std::string& name);
+  std::vector<int> integers(const std::string& name, int low, int high);
   std::map<std::string, double> numbers(const std::string& name, double low, double high);
   // One reader for each struct of a list.
   std::vector<ParameterReader> structs(const std::string& name);
@@ -42,6 +43,8 @@ class ParameterReader {
  private:
   // The value if it is there; notes that the name is known.
   const XmlRpc::XmlRpcValue* find(const std::string& name);
+  bool toInteger(const std::string& name, const XmlRpc::XmlRpcValue& value, int low, int high,
+                 int* integer);
   bool toNumber(const std::string& name, const XmlRpc::XmlRpcValue& value, double low, double high,
                 double* number);
 

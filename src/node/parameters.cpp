@@ -136,7 +136,9 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   constexpr int kAny = 1 << 30;
   Options& o = p->detector;
   p->backend = static_cast<BackendChoice>(reader->choice("backend", {"auto", "cuda", "cpu"}, 0));
-  p->cuda.device = reader->integer("device", p->cuda.device, 0, 1023);
+  constexpr int kMostDevice = 1023;
+  p->cuda.device = reader->integer("device", p->cuda.device, 0, kMostDevice);
+  p->cuda.devices = reader->integers("devices", 0, kMostDevice);
   constexpr int kMebibyte = 1 << 20;
   const int limit_mib = reader->integer(
       "memory_limit_mib", static_cast<int>(p->cuda.memory_limit_bytes / kMebibyte), 1, kMebibyte);

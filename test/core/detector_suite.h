@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -27,12 +28,21 @@ inline std::ostream& operator<<(std::ostream& out, const Backend& backend) {
   return out << backend.name;
 }
 
+// Of CUDA; with $DCM_TEST_SHARES as so many devices, which are all the first one.
+inline std::unique_ptr<Detector> makeCudaOrShares() {
+  CudaSettings settings;
+  const char* shares = std::getenv("DCM_TEST_SHARES");
+  settings.devices.assign(shares == nullptr ? 0 : std::strtoul(shares, nullptr, 10), 0);
+  settings.shared_from_triangles = 0;
+  return makeCudaDetector(settings);
+}
+
 // What users get. The CUDA backend joins where there is a device for it.
 inline std::vector<Backend> productBackends() {
   std::vector<Backend> backends = {{"cpu", [] { return makeCpuDetector(); }}};
   try {
     makeCudaDetector();
-    backends.push_back({"cuda", [] { return makeCudaDetector(); }});
+    backends.push_back({"cuda", makeCudaOrShares});
   } catch (const CudaError&) {
     if (isCudaRequired()) throw;
   }

@@ -12,6 +12,7 @@
 #include "cuda/device/cuda_error.h"
 #include "pair_sets.h"
 #include "scenes.h"
+#include "test_data.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -75,6 +76,34 @@ TEST(DetectorChoice, AutoFallsBackAndSaysWhyOnce) {
     EXPECT_EQ(made.reasons, std::vector<std::string>{whyNotCuda()});
     EXPECT_EQ(made.faults, std::vector<BackendFault>{BackendFault::kUnavailable});
   }
+}
+
+TEST(DetectorChoice, OfSeveralDevicesThoseThatAreThereDo) {
+  std::vector<BackendState> told;
+  const auto note = [&told](const BackendState& state) { told.push_back(state); };
+  CudaSettings settings = noSuchDevice();
+  settings.devices = {1000000, 1000001};
+  const auto nowhere = makeDetector(BackendChoice::kCuda, WithoutCuda::kTryAgain, settings, note);
+  EXPECT_EQ(nowhere->backend(), "cpu");
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_FALSE(told[0].partly);
+
+  settings.devices = {1000000, 0};
+  told.clear();
+  const auto detector = makeDetector(BackendChoice::kCuda, WithoutCuda::kTryAgain, settings, note);
+  if (detector->backend() != "cuda") {
+    EXPECT_FALSE(isCudaRequired());
+    return;
+  }
+  Scene scene = pairScene(clothGrid(4, 1, 0, 0.2F), clothGrid(4, 1, 0.05F, 0));
+  for (int i = 0; i < 2; ++i) {  // the second set of pairs has detectors of its own
+    scene.setPairEnabled(0, 0, i == 1);
+    EXPECT_TRUE(
+        samePairs(makeCpuDetector()->detect(scene).contacts, detector->detect(scene).contacts));
+  }
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_TRUE(told[0].partly);
+  EXPECT_EQ(told[0].problem.find("CUDA device 1000000: "), 0U) << told[0].problem;
 }
 
 TEST(DetectorChoice, CudaFallsBackOnlyWhereThatIsAllowed) {

@@ -12,6 +12,7 @@
 #include "core/cpu/cpu_detector.h"
 #include "core/fallback_detector.h"
 #include "cuda/cuda_detector.h"
+#include "cuda/detector_choice.h"
 #include "cuda/device/check.cuh"
 #include "pair_sets.h"
 #include "scenes.h"
@@ -202,6 +203,69 @@ void killContextAndGoOn(bool by_address) {
   if (testing::Test::HasFailure()) problems += 32;
   monitored.detector.reset();  // may neither throw nor hang
   std::exit(problems);
+}
+
+bool hasTwoDevices() {
+  int count = 0;
+  return hasDevice() && cudaGetDeviceCount(&count) == cudaSuccess && count > 1;
+}
+
+// Two devices that share each cycle, with what is told of them.
+struct Pair {
+  std::vector<BackendState> told;
+  std::unique_ptr<Detector> detector;
+
+  Pair() {
+    CudaSettings settings;
+    settings.devices = {0, 1};
+    settings.shared_from_triangles = 0;
+    detector = makeDetector(BackendChoice::kCuda, WithoutCuda::kTryAgain, settings,
+                            [this](const BackendState& state) { told.push_back(state); });
+  }
+  bool finds(const Scene& scene) {
+    const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+    const bool found = samePairs(expected, detector->detect(scene, Options()).contacts);
+    return found && detector->backend() == "cuda";
+  }
+  bool lostOne(BackendFault fault) const {
+    return told.size() == 1 && told[0].partly && told[0].fault == fault &&
+           told[0].problem.find("CUDA device 1: ") == 0;
+  }
+};
+
+TEST(DeviceFailures, OfTwoDevicesOneGoesOnWhereTheOtherIsOutOfMemory) {
+  if (!hasTwoDevices()) return;
+  Pair pair;
+  EXPECT_TRUE(pair.finds(smallScene()));
+  cudaSetDevice(1);
+  const MemoryHog hog;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(pair.finds(wideScene()));
+  EXPECT_TRUE(pair.lostOne(BackendFault::kTransient));
+  cudaSetDevice(0);
+}
+
+void killOneOfTwoAndGoOn() {
+  Pair pair;
+  int problems = pair.finds(smallScene()) ? 0 : 1;
+  cudaSetDevice(1);
+  writeToNowhere<<<1, 1>>>(nullptr);
+  cudaDeviceSynchronize();
+  for (int i = 0; i < 3; ++i) {
+    if (!pair.finds(wideScene())) problems += 2;
+  }
+  if (!pair.lostOne(BackendFault::kSticky)) problems += 16;
+  for (const BackendState& state : pair.told) {
+    std::fprintf(stderr, "told: %s\n", state.problem.c_str());
+  }
+  if (testing::Test::HasFailure()) problems += 32;
+  pair.detector.reset();
+  std::exit(problems);
+}
+
+TEST(DeviceFailures, OfTwoDevicesOneGoesOnWhereTheOtherIsDead) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  if (!hasTwoDevices()) return;
+  EXPECT_EXIT(killOneOfTwoAndGoOn(), testing::ExitedWithCode(0), "told: ");
 }
 
 // In processes of their own, started afresh: a forked one cannot use CUDA.

@@ -40,6 +40,16 @@ TEST(BackendStatus, TheLevelGoesByTheCause) {
   EXPECT_EQ(levelOf(cuda, BackendFault::kSceneTooLarge), DiagnosticStatus::WARN);
 }
 
+TEST(BackendStatus, ADeviceOfSeveralIsAWarning) {
+  BackendState state{"CUDA device 1: out of memory", BackendFault::kSticky, false};
+  state.partly = true;
+  const BackendStatus status = backendStatus(BackendChoice::kCuda, state);
+  EXPECT_EQ(status.level, DiagnosticStatus::WARN);
+  EXPECT_EQ(status.summary,
+            "contacts are found without one of the CUDA devices, until this process starts again: "
+            "CUDA device 1: out of memory");
+}
+
 TEST(BackendStatus, TheSummarySaysWhyAndWhatHelps) {
   const std::string why = "contacts are found on the CPU, for CUDA cannot be used: out of memory";
   EXPECT_EQ(summaryOf(BackendFault::kTransient, true),

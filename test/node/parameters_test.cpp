@@ -84,6 +84,7 @@ TEST(Parameters, ValuesArrive) {
   tree["geometry"] = "visual";
   tree["backend"] = "cpu";
   tree["device"] = 2;
+  tree["devices"] = list(0, 3);
   tree["memory_limit_mib"] = 8192;
   tree["max_mesh_mib"] = 4095;
   tree["predicates"] = "fast";
@@ -111,6 +112,7 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_EQ(p.geometry.links, (std::vector<std::string>{"hand", "arm"}));
   EXPECT_EQ(p.backend, BackendChoice::kCpu);
   EXPECT_EQ(p.cuda.device, 2);
+  EXPECT_EQ(p.cuda.devices, (std::vector<int>{0, 3}));
   EXPECT_EQ(p.cuda.memory_limit_bytes, std::uint64_t{8192} << 20);
   EXPECT_EQ(p.max_mesh_bytes, std::size_t{4095} << 20);
   EXPECT_EQ(p.detector.predicates, Predicates::kFast);
@@ -218,6 +220,7 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   tree["max_mesh_age_s"] = std::numeric_limits<double>::infinity();
   tree["backend"] = "gpu";
   tree["device"] = -1;
+  tree["devices"] = list(0, 1024, "first");
   tree["memory_limit_mib"] = 0;
   tree["max_mesh_mib"] = 4096;
   tree["overlap"] = 1.5;
@@ -230,13 +233,26 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   tree["objects"] =
       list(object("cloth"), object("cloth"), object("*"), object("a b"), XmlRpcValue(3));
   const std::string all = refusalOf(tree);
-  for (const char* name :
-       {"~max_rate_hz is -1", "~tf_timeout_s is nan", "~max_mesh_age_s is inf",
-        "~backend is 'gpu', must be one of: auto, cuda, cpu", "~overlap is 1.5", "~device is -1",
-        "~memory_limit_mib is 0", "~max_mesh_mib is 4096", "~iterations is 101",
-        "~debounce_on_cycles is 0", "~strict_geometry", "~links", "~reference_frame is '/base'",
-        "robot_cloth", "~objects[1]/name is 'cloth'", "~objects[2]/name is '*'",
-        "~objects[3]/topic", "~objects[4]/ must be a map"}) {
+  for (const char* name : {"~max_rate_hz is -1",
+                           "~tf_timeout_s is nan",
+                           "~max_mesh_age_s is inf",
+                           "~backend is 'gpu', must be one of: auto, cuda, cpu",
+                           "~overlap is 1.5",
+                           "~device is -1",
+                           "~devices[1] is 1024",
+                           "~devices[2] is first",
+                           "~memory_limit_mib is 0",
+                           "~max_mesh_mib is 4096",
+                           "~iterations is 101",
+                           "~debounce_on_cycles is 0",
+                           "~strict_geometry",
+                           "~links",
+                           "~reference_frame is '/base'",
+                           "robot_cloth",
+                           "~objects[1]/name is 'cloth'",
+                           "~objects[2]/name is '*'",
+                           "~objects[3]/topic",
+                           "~objects[4]/ must be a map"}) {
     expectIn(name, all);
   }
 }

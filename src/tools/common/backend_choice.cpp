@@ -28,6 +28,7 @@ std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda w
   }
   const BackendChoice choice = toBackendChoice(backend);
   return makeDetector(choice, without_cuda, settings, [warn, choice](const BackendState& state) {
+    if (state.partly) return warn("one device less: " + state.problem);
     if (choice == BackendChoice::kAuto) return;
     warn("CUDA cannot be used, so on the CPU: " + state.problem);
   });

@@ -15,8 +15,9 @@ namespace deformable_contact_monitor {
 const std::vector<std::string>& backendNames();
 
 // "auto", "cuda" and "cpu" as makeDetector() has them; "auto" falls back without a word, and
-// "cuda" with one warn(why). Throws CudaError where kRefuse asks for it, and std::runtime_error,
-// one line with a way out, where a reference is not built.
+// "cuda" with one warn(why); either warns where it loses one of several devices. Throws CudaError
+// where kRefuse asks for it, and std::runtime_error, one line with a way out, where a reference is
+// not built.
 std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda without_cuda,
                                        const CudaSettings& settings,
                                        const std::function<void(const std::string&)>& warn);

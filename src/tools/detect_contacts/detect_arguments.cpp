@@ -38,6 +38,9 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->add("--backend", &arguments->backend, "What runs the detection", oneOf(backendNames()));
   line->add("--device", &arguments->cuda.device, "Of the CUDA devices, which one",
             inRange(0, 1023));
+  line->addList("--devices", &arguments->cuda.devices,
+                "CUDA devices that share the work on large scenes, in place of --device; each",
+                inRange(0, 1023));
   line->add("--overlap", &options.overlap,
             "Share of a triangle that decides its clusters, in [0, 1]; 1 finds every contact");
   line->add("--margin", &arguments->margin_m,
