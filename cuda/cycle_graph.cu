@@ -109,12 +109,13 @@ void CycleGraph::record(const CycleArrays& cycle, const CycleShape& shape, cudaS
   }
   cudaGraphDestroy(recorded);
   checkCuda(status, "cudaGraphInstantiateWithFlags");
+  graph_shape_ = shape_;
   is_recorded_ = true;
 }
 
 // Where the steps are the same, only their arguments have to be changed; false if they are not.
-bool CycleGraph::update(cudaGraph_t recorded) {
-  if (graph_ == nullptr) return false;
+bool CycleGraph::update(cudaGraph_t recorded) const {
+  if (graph_ == nullptr || !(graph_shape_ == shape_)) return false;
 #if CUDART_VERSION >= 12000
   cudaGraphExecUpdateResultInfo result{};
   const cudaError_t status = cudaGraphExecUpdate(graph_, recorded, &result);

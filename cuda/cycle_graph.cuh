@@ -35,7 +35,7 @@ class CycleGraph {
   // What came last, bit by bit: arrays that moved, or count otherwise, are others.
   bool isLast(const CycleArrays& cycle, const CycleShape& shape) const;
   void record(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
-  bool update(cudaGraph_t recorded);
+  bool update(cudaGraph_t recorded) const;
   void forget();
   // The steps, on `stream` and the branches.
   void enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
@@ -44,6 +44,7 @@ class CycleGraph {
   std::vector<unsigned char> arrays_;  // the bytes of the last cycle's
   bool is_recorded_ = false;           // the last cycle, in graph_
   cudaGraphExec_t graph_ = nullptr;
+  CycleShape graph_shape_;
   CudaStream branch_[kBranches];
   CudaEvent started_, done_[kSteps];  // done_: of each step
   CudaEvent mark_[kSteps + 1];        // before each step of a timed run, and behind the last

@@ -76,7 +76,7 @@ void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
     raise(wanted, needed);
     size = std::max(size, withinLimit(wanted, bytes, memory_limit_bytes));
   };
-  within(candidates, (swept ? 8 : 2) * n + 256, candidateBytes(swept));
+  within(candidates, (swept ? 8 : 3) * n + 256, candidateBytes(swept));
   within(contacts, n + n / 4 + 256, contactBytes(swept));
   if (swept) raise(open_pairs, n / 64 + 256);
   follow();

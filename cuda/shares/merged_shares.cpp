@@ -79,8 +79,8 @@ std::vector<Part> cutIntoParts(const Shares& shares) {
 }
 
 // Whether each contact of each share has an item in that list.
-template <class Item>
-bool isThere(const Shares& shares, std::vector<Item> DetectionResult::*list) {
+template <class List>
+bool isThere(const Shares& shares, List DetectionResult::*list) {
   return std::all_of(shares.begin(), shares.end(), [list](const DetectionResult* share) {
     return (share->*list).size() == share->contacts.size();
   });
@@ -93,8 +93,8 @@ class ListMerger {
     for (const DetectionResult* share : shares) total_ += share->contacts.size();
   }
 
-  template <class Item>
-  void merge(std::vector<Item> DetectionResult::*list) const {
+  template <class List>
+  void merge(List DetectionResult::*list) const {
     if (!isThere(shares_, list)) return;
     (whole_.*list).resize(total_);
     parallelBlocks(parts_.size(), 1, [&](std::size_t block, std::size_t, std::size_t) {
