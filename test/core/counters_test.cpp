@@ -118,6 +118,7 @@ TEST_P(CountersTest, ExactAndUndecidedAreAmongCandidatesAndContacts) {
   TriangleMesh folded = clothGrid(12, 1, 0, 0);
   for (std::size_t i = 0; i < folded.vertices.size(); i += 3) {
     folded.vertices[i] = std::fabs(folded.vertices[i] - 0.5F);
+    folded.vertices[i + 2] = 0.3F * folded.vertices[i] + 0.7F * folded.vertices[i + 1];
   }
   const Scene scene = selfScene(folded);
   const DetectionResult exact = detector_->detect(scene, Options());
