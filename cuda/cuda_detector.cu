@@ -161,7 +161,8 @@ CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refi
   const bool swept = options.motion == Motion::kSwept;
   const bool pads = swept && scene_.anyLengths().pads;
   const bool fans = identify && sharers && !swept && options.predicates == Predicates::kExact;
-  return {device_, identify, refinements, swept, swept && sharers, pads, fans};
+  return {device_,          identify, refinements, swept,
+          swept && sharers, pads,     fans,        params_[0].settles != 0};
 }
 
 void CudaDetector::runCycle(const Options& options) {

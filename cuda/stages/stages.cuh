@@ -18,10 +18,12 @@ struct CycleShape {
   bool sharers = false;   // in swept motion: triangles that share vertices may be contacts
   bool pads = false;      // in swept motion: some body has one
   bool fans = false;      // certified ones settle pairs of triangles that share vertices
+  bool settles = false;   // CycleParams::settles
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
-           swept == o.swept && sharers == o.sharers && pads == o.pads && fans == o.fans;
+           swept == o.swept && sharers == o.sharers && pads == o.pads && fans == o.fans &&
+           settles == o.settles;
   }
 };
 
@@ -65,8 +67,9 @@ void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream
 void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 
 // sweep: pairs of members whose intervals, packed boxes and boxes intersect, and which this cluster
-// owns, are filtered by planes; the rest are candidates. Reads the arrays of `sweep`; writes
-// contacts.candidates. Right behind launchSort where it is the next launch of the stream.
+// owns, are filtered by planes; the rest are contacts where float32 is certain of it, candidates
+// where it is not. Reads the arrays of `sweep`; writes contacts.candidates and contacts.contacts.
+// Right behind launchSort where it is the next launch of the stream.
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // large: the same for the pairs with a triangle of the large list. Reads members.members; writes

@@ -1,10 +1,12 @@
-// Stage sweep. Warps take work units; what their boxes leave goes through two short queues, so that
+// Stage sweep. Warps take work units; what their boxes leave goes through short queues, so that
 // every test runs on full warps.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
+#include "cuda/stages/report.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
+#include "cuda/stages/sweep_queues.cuh"
 #include "cuda/stages/swept_pairs.cuh"
 
 namespace deformable_contact_monitor {
@@ -14,30 +16,6 @@ constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
 constexpr unsigned kBlocksEach = 7;  // of a multiprocessor, as registers allow
 
-// Of one warp, in shared memory; `size` is the same in all lanes.
-template <class T, unsigned kCapacity>
-struct WarpQueue {
-  T* items;
-  unsigned size = 0;
-
-  // Takes an item from each lane that has one.
-  __device__ void push(bool has, const T& item) {
-    const unsigned mask = __ballot_sync(kFullWarp, has);
-    if (has) items[size + __popc(mask & ((1U << laneId()) - 1))] = item;
-    size += __popc(mask);
-    __syncwarp();
-  }
-  // Removes up to a warp of items; true in the lanes that got one.
-  __device__ bool pop(T& item) {
-    const unsigned taken = min(size, kWarp);
-    size -= taken;
-    const bool got = laneId() < taken;
-    if (got) item = items[size + laneId()];
-    __syncwarp();
-    return got;
-  }
-};
-
 // Two members whose boxes meet along the cluster's axes and in the scene frame.
 struct BoxPair {
   std::uint32_t a, b;  // members | shared vertices << kSharedBitsAt
@@ -46,12 +24,10 @@ struct BoxPair {
 constexpr unsigned kSharedBitsAt = 29;
 constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
-constexpr unsigned kAxisPairCapacity = kWarp * (kWarp + 1);
 constexpr unsigned kQueueCapacity = 2 * kWarp;
 
 struct WarpMemory {
-  // Pairs of a unit that meet along the cluster's axes: lane of the row | column in the unit << 5.
-  std::uint32_t axis_pairs[kAxisPairCapacity];
+  HitMemory hits;
   BoxPair box_pairs[kQueueCapacity];
   DeviceCandidate candidates[kQueueCapacity];
 };
@@ -62,73 +38,108 @@ struct WarpMemory {
 constexpr std::uint32_t kUnitsPerAsker = 256;
 constexpr std::uint32_t kGivenUp = 1U << 30;
 
+// The turns of a warp: which units of the pass it takes. The first ones are dealt out; the others
+// go to whoever is free.
+class Turns {
+ public:
+  __device__ explicit Turns(const CycleArrays& c) : c_(c) {
+    const CycleParams& params = c.params();
+    const std::uint32_t all = min(c.counters().units, c.sweep.units.size());
+    units_ = all > params.pass ? (all - params.pass - 1) / params.passes + 1 : 0;
+    next_ = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
+  }
+  // Asks for the next turn, which takes its time, unless that is done. Too early is worse than too
+  // late: who is long busy with another unit would keep it from those that are free.
+  __device__ void ask() {
+    if (asked_) return;
+    if (laneId() == 0) next_ = dealt() + atomicAdd(&c_.counters().units_taken, 1U);
+    asked_ = true;
+  }
+  // False if there is none left, or the cycle is cut off.
+  __device__ bool take(WorkUnit& unit) {
+    ask();
+    asked_ = false;
+    const std::uint32_t turn = __shfl_sync(kFullWarp, next_, 0);
+    if (turn >= units_) return false;
+    if (turn % kUnitsPerAsker == 0 && turn >= dealt() && warpIsCutOff(c_, true)) {
+      if (laneId() == 0) atomicMax(&c_.counters().units_taken, kGivenUp);
+      return false;
+    }
+    unit = c_.sweep.units[Place(turn * c_.params().passes + c_.params().pass)];
+    return true;
+  }
+
+ private:
+  __device__ static std::uint32_t dealt() { return gridDim.x * kWarps; }
+
+  const CycleArrays& c_;
+  std::uint32_t units_;  // of this pass
+  std::uint32_t next_;   // once asked for: of the first lane
+  bool asked_ = true;
+};
+
 // kStates == 2 in swept motion.
 template <int kStates>
 class Sweeper {
  public:
   __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
       : c_(c),
-        axis_pairs_{memory.axis_pairs},
+        turns_(c),
+        hits_(memory.hits),
         box_pairs_{memory.box_pairs},
         candidates_{memory.candidates} {}
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
-    const std::uint32_t warps = gridDim.x * kWarps;
-    // The first units are dealt out; the others go to whoever is free.
-    std::uint32_t turn = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
     bool more_units = true;
     while (true) {
       const bool swept = step_ >= longest_;
-      if (box_pairs_.size >= kWarp ||
-          (!more_units && axis_pairs_.size == 0 && box_pairs_.size > 0)) {
+      if (swept && more_units && hits_.size() < 2 * kWarp) turns_.ask();
+      const bool flush_hits = swept && hits_.size() > 0 && (hits_.hasOlder() || !more_units);
+      const bool no_hits = !more_units && hits_.size() == 0;
+      if (candidates_.size >= kWarp || (no_hits && box_pairs_.size == 0 && candidates_.size > 0)) {
+        settleCandidates();
+      } else if (box_pairs_.size >= kWarp || (no_hits && box_pairs_.size > 0)) {
         screenBoxPairs();
-      } else if (axis_pairs_.size >= kWarp || (swept && axis_pairs_.size > 0)) {
-        screenAxisPairs();
+      } else if (hits_.size() >= kWarp || flush_hits) {
+        screenHits();
       } else if (!swept) {
         sweepColumns();
       } else if (more_units) {
-        more_units = takeUnit(turn);
-        if (more_units && laneId() == 0) turn = warps + atomicAdd(&c_.counters().units_taken, 1U);
-        turn = __shfl_sync(kFullWarp, turn, 0);
+        more_units = takeUnit();
       } else {
         break;
       }
     }
-    emitCandidates();
   }
 
  private:
-  __device__ bool takeUnit(std::uint32_t turn) {
+  __device__ bool takeUnit() {
+    WorkUnit unit;
+    if (!turns_.take(unit)) return false;
     const CycleParams& params = c_.params();
-    const std::uint32_t index = turn * params.passes + params.pass;
-    if (turn >= kGivenUp || index >= min(c_.counters().units, c_.sweep.units.size())) return false;
-    if (turn % kUnitsPerAsker == 0 && turn >= gridDim.x * kWarps && warpIsCutOff(c_, true)) {
-      if (laneId() == 0) atomicMax(&c_.counters().units_taken, kGivenUp);
-      return false;
-    }
-    unit_ = c_.sweep.units[Place(index)];
-    const SortedIndex row = unit_.first_row + min(laneId(), unit_.rows() - 1);
+    const SortedIndex row = unit.first_row + min(laneId(), unit.rows() - 1);
     const ColumnRange range =
-        columnsOf(c_.sweep.bucket_begin.row(unit_.cluster), params.bucketsOfGroup(),
-                  unit_.rowGroup(), unit_.columnGroup(), row, c_.sweep.keys[row]);
-    begin_ = range.begin + unit_.first_column;
+        columnsOf(c_.sweep.bucket_begin.row(unit.cluster), params.bucketsOfGroup(), unit.rowGroup(),
+                  unit.columnGroup(), row, c_.sweep.keys[row]);
+    begin_ = range.begin + unit.first_column;
     end_ = range.end;
     length_ = 0;
-    if (laneId() < unit_.rows() && begin_ < end_) length_ = min(end_ - begin_, params.unit_columns);
+    if (laneId() < unit.rows() && begin_ < end_) length_ = min(end_ - begin_, params.unit_columns);
     box_ = c_.sweep.boxes[row];
     longest_ = warpMost(length_);
     step_ = 0;
+    hits_.begin(unit, begin_);
     return true;
   }
 
-  // Up to a warp of columns for each of the rows.
+  // Up to a step of columns for each of the rows.
   __device__ void sweepColumns() {
     // A row that is done reads on from its end; places beyond the last member are there.
     const PackedBox* columns = c_.sweep.boxes.data() + min(begin_ + step_, end_);
     unsigned mask = 0;
 #pragma unroll
-    for (unsigned first = 0; first < kWarp; first += kLeastUnitColumns) {
+    for (unsigned first = 0; first < kStep; first += kLeastUnitColumns) {
       if (first > 0 && step_ + first >= longest_) break;
 #pragma unroll
       for (unsigned k = first; k < first + kLeastUnitColumns; ++k) {
@@ -136,44 +147,37 @@ class Sweeper {
       }
     }
     const std::uint32_t left = length_ > step_ ? length_ - step_ : 0;
-    if (left < kWarp) mask &= (1U << left) - 1;
-    std::uint32_t total;
-    std::uint32_t place = axis_pairs_.size + warpPrefix(__popc(mask), total);
-    for (; mask != 0; mask &= mask - 1) {
-      const std::uint32_t k = __ffs(static_cast<int>(mask)) - 1;
-      axis_pairs_.items[place++] = laneId() | (step_ + k) << 5;
-    }
-    axis_pairs_.size += total;
-    step_ += kWarp;
-    __syncwarp();
+    if (left < kStep) mask &= (1U << left) - 1;
+    hits_.push(mask, step_);
+    step_ += kStep;
   }
 
-  // Boxes in the scene frame, and shared vertices.
-  __device__ void screenAxisPairs() {
-    std::uint32_t pair = 0;
-    bool kept = axis_pairs_.pop(pair);
-    const SortedIndex row = unit_.first_row + (pair & 31);
-    const SortedIndex column(__shfl_sync(kFullWarp, begin_, pair & 31) + (pair >> 5));
-    BoxPair box_pair;
-    if (kept) {
-      const uint4 a = c_.sweep.world_boxes[row], b = c_.sweep.world_boxes[column];
-      if (kStates == 1) {
-        kept = intersects(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &&
-               intersects(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
-      } else {
-        kept = mayMeet({{a.x, a.y}, {a.z, a.w}, c_.sweep.moving_z[row]},
-                       {{b.x, b.y}, {b.z, b.w}, c_.sweep.moving_z[column]});
-      }
+  // Boxes in the scene frame.
+  __device__ bool boxesMeet(SortedIndex row, SortedIndex column) const {
+    const uint4 a = c_.sweep.world_boxes[row], b = c_.sweep.world_boxes[column];
+    if (kStates == 1) {
+      return intersects(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &
+             intersects(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
     }
+    return mayMeet({{a.x, a.y}, {a.z, a.w}, c_.sweep.moving_z[row]},
+                   {{b.x, b.y}, {b.z, b.w}, c_.sweep.moving_z[column]});
+  }
+
+  // Boxes, and shared vertices. Both are fetched at once: one after the other would be waited for.
+  __device__ void screenHits() {
+    Hit hit{SortedIndex(0), SortedIndex(0), ClusterIndex(0)};
+    bool kept = hits_.pop(hit);
+    BoxPair pair;
     if (kept) {
-      const uint4 a = c_.sweep.ids[row], b = c_.sweep.ids[column];
+      const bool meet = boxesMeet(hit.row, hit.column);
+      const uint4 a = c_.sweep.ids[hit.row], b = c_.sweep.ids[hit.column];
       const std::uint32_t shared_a = sharedBits(a, b);
-      kept = shared_a == 0 ||
-             (c_.params().adjacent == AdjacentPairs::kBeyondShared && !isCertified(a, shared_a));
       const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(b, a);
-      box_pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, unit_.cluster};
+      kept = meet && (shared_a == 0 || (c_.params().adjacent == AdjacentPairs::kBeyondShared &&
+                                        !isCertified(a, shared_a)));
+      pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, hit.cluster};
     }
-    box_pairs_.push(kept, box_pair);
+    box_pairs_.push(kept, pair);
   }
 
   // Planes, full boxes and owners.
@@ -188,30 +192,45 @@ class Sweeper {
                     pair.b >> kSharedBitsAt, candidate);
     }
     candidates_.push(kept, candidate);
-    if (candidates_.size >= kWarp) emitCandidates();
   }
 
-  __device__ void emitCandidates() {
+  // Verdicts of which float32 is certain; the other candidates are for the judge.
+  __device__ void settleCandidates() {
     DeviceCandidate candidate;
-    const bool has = candidates_.pop(candidate);
-    const unsigned long long place = warpReserve(&c_.counters().candidates, has);
-    if (has && place < c_.contacts.candidates.size()) {
+    bool open = candidates_.pop(candidate);
+    if (kStates == 1 && c_.params().settles != 0) {
+      PartVerdict verdict = PartVerdict::kOpen;
+      TriangleIndex a(0), b(0);
+      if (open) {
+        const Member member_a = c_.members.members[candidate.a];
+        const Member member_b = c_.members.members[candidate.b];
+        a = member_a.triangle;
+        b = member_b.triangle;
+        verdict = certainVerdict(member_a.posed, member_b.posed, unpackFacts(candidate.facts));
+      }
+      const unsigned settled = __ballot_sync(kFullWarp, verdict != PartVerdict::kOpen);
+      if (laneId() == 0) atomicAdd(&c_.counters().settled, 1ULL * __popc(settled));
+      reportContacts(c_, verdict == PartVerdict::kMeet, a, b, 0);
+      open = open && verdict == PartVerdict::kOpen;
+    }
+    const unsigned long long place = warpReserve(&c_.counters().candidates, open);
+    if (open && place < c_.contacts.candidates.size()) {
       c_.contacts.candidates[Place(static_cast<std::uint32_t>(place))] = candidate;
     }
   }
 
   const CycleArrays& c_;
-  WarpQueue<std::uint32_t, kAxisPairCapacity> axis_pairs_;
+  Turns turns_;
+  HitQueue hits_;
   WarpQueue<BoxPair, kQueueCapacity> box_pairs_;
   WarpQueue<DeviceCandidate, kQueueCapacity> candidates_;
-  WorkUnit unit_{};
   PackedBox box_{};
   std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // of this lane's row's columns
   std::uint32_t step_ = 0, longest_ = 0;
 };
 
 // Warps for sweep.units: reads the arrays of `sweep` and members.members, adds to
-// contacts.candidates.
+// contacts.candidates and contacts.contacts.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
   awaitKernelAhead();
