@@ -6,7 +6,6 @@
 #include "cuda/stages/report.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
-#include "cuda/stages/sweep_queues.cuh"
 #include "cuda/stages/swept_pairs.cuh"
 
 namespace deformable_contact_monitor {
@@ -16,6 +15,34 @@ constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
 constexpr unsigned kBlocksEach = 7;  // of a multiprocessor, as registers allow
 
+// Of one warp, in shared memory; `size` is the same in all lanes.
+template <class T, unsigned kCapacity>
+struct WarpQueue {
+  T* items;
+  unsigned size = 0;
+
+  // Takes an item from each lane that has one.
+  __device__ void push(bool has, const T& item) {
+    const unsigned mask = __ballot_sync(kFullWarp, has);
+    if (has) items[size + __popc(mask & ((1U << laneId()) - 1))] = item;
+    size += __popc(mask);
+    __syncwarp();
+  }
+  // Removes up to a warp of items; true in the lanes that got one.
+  __device__ bool pop(T& item) {
+    const unsigned taken = min(size, kWarp);
+    size -= taken;
+    const bool got = laneId() < taken;
+    if (got) item = items[size + laneId()];
+    __syncwarp();
+    return got;
+  }
+};
+
+// A row and a column of a unit that meet along the cluster's axes: lane of the row | column << 5.
+using Hit = std::uint16_t;
+static_assert(kMostUnitColumns << 5 <= 1U << 16);
+
 // Two members whose boxes meet along the cluster's axes and in the scene frame.
 struct BoxPair {
   std::uint32_t a, b;  // members | shared vertices << kSharedBitsAt
@@ -24,10 +51,13 @@ struct BoxPair {
 constexpr unsigned kSharedBitsAt = 29;
 constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
+// How many columns of each row are swept at once.
+constexpr std::uint32_t kStep = 16;
+constexpr unsigned kHitCapacity = kWarp * (kStep + 1);
 constexpr unsigned kQueueCapacity = 2 * kWarp;
 
 struct WarpMemory {
-  HitMemory hits;
+  Hit hits[kHitCapacity];
   BoxPair box_pairs[kQueueCapacity];
   DeviceCandidate candidates[kQueueCapacity];
 };
@@ -38,70 +68,25 @@ struct WarpMemory {
 constexpr std::uint32_t kUnitsPerAsker = 256;
 constexpr std::uint32_t kGivenUp = 1U << 30;
 
-// The turns of a warp: which units of the pass it takes. The first ones are dealt out; the others
-// go to whoever is free.
-class Turns {
- public:
-  __device__ explicit Turns(const CycleArrays& c) : c_(c) {
-    const CycleParams& params = c.params();
-    const std::uint32_t all = min(c.counters().units, c.sweep.units.size());
-    units_ = all > params.pass ? (all - params.pass - 1) / params.passes + 1 : 0;
-    next_ = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
-  }
-  // Asks for the next turn, which takes its time, unless that is done. Too early is worse than too
-  // late: who is long busy with another unit would keep it from those that are free.
-  __device__ void ask() {
-    if (asked_) return;
-    if (laneId() == 0) next_ = dealt() + atomicAdd(&c_.counters().units_taken, 1U);
-    asked_ = true;
-  }
-  // False if there is none left, or the cycle is cut off.
-  __device__ bool take(WorkUnit& unit) {
-    ask();
-    asked_ = false;
-    const std::uint32_t turn = __shfl_sync(kFullWarp, next_, 0);
-    if (turn >= units_) return false;
-    if (turn % kUnitsPerAsker == 0 && turn >= dealt() && warpIsCutOff(c_, true)) {
-      if (laneId() == 0) atomicMax(&c_.counters().units_taken, kGivenUp);
-      return false;
-    }
-    unit = c_.sweep.units[Place(turn * c_.params().passes + c_.params().pass)];
-    return true;
-  }
-
- private:
-  __device__ static std::uint32_t dealt() { return gridDim.x * kWarps; }
-
-  const CycleArrays& c_;
-  std::uint32_t units_;  // of this pass
-  std::uint32_t next_;   // once asked for: of the first lane
-  bool asked_ = true;
-};
-
 // kStates == 2 in swept motion.
 template <int kStates>
 class Sweeper {
  public:
   __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
-      : c_(c),
-        turns_(c),
-        hits_(memory.hits),
-        box_pairs_{memory.box_pairs},
-        candidates_{memory.candidates} {}
+      : c_(c), hits_{memory.hits}, box_pairs_{memory.box_pairs}, candidates_{memory.candidates} {}
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
     bool more_units = true;
     while (true) {
       const bool swept = step_ >= longest_;
-      if (swept && more_units && hits_.size() < 2 * kWarp) turns_.ask();
-      const bool flush_hits = swept && hits_.size() > 0 && (hits_.hasOlder() || !more_units);
-      const bool no_hits = !more_units && hits_.size() == 0;
-      if (candidates_.size >= kWarp || (no_hits && box_pairs_.size == 0 && candidates_.size > 0)) {
+      const bool last_hits = !more_units && hits_.size == 0;
+      if (candidates_.size >= kWarp ||
+          (last_hits && box_pairs_.size == 0 && candidates_.size > 0)) {
         settleCandidates();
-      } else if (box_pairs_.size >= kWarp || (no_hits && box_pairs_.size > 0)) {
+      } else if (box_pairs_.size >= kWarp || (last_hits && box_pairs_.size > 0)) {
         screenBoxPairs();
-      } else if (hits_.size() >= kWarp || flush_hits) {
+      } else if (hits_.size >= kWarp || (swept && hits_.size > 0)) {
         screenHits();
       } else if (!swept) {
         sweepColumns();
@@ -114,22 +99,45 @@ class Sweeper {
   }
 
  private:
-  __device__ bool takeUnit() {
-    WorkUnit unit;
-    if (!turns_.take(unit)) return false;
+  // The first units are dealt out; the others go to whoever is free, and not before: who asked
+  // ahead would keep a unit from others that have nothing to do.
+  __device__ std::uint32_t nextTurn() {
+    const std::uint32_t dealt = gridDim.x * kWarps;
+    std::uint32_t turn = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
+    if (unit_.rows() > 0) {
+      if (laneId() == 0) turn = dealt + atomicAdd(&c_.counters().units_taken, 1U);
+      turn = __shfl_sync(kFullWarp, turn, 0);
+    }
+    return turn;
+  }
+  // Into unit_; false if there is none left, or the cycle is cut off.
+  __device__ bool fetchUnit() {
     const CycleParams& params = c_.params();
-    const SortedIndex row = unit.first_row + min(laneId(), unit.rows() - 1);
+    const std::uint32_t turn = nextTurn();
+    const std::uint32_t all = min(c_.counters().units, c_.sweep.units.size());
+    // The pass has as many as there are numbers turn * passes + pass below `all`.
+    if (all <= params.pass || turn > (all - params.pass - 1) / params.passes) return false;
+    if (turn % kUnitsPerAsker == 0 && turn >= gridDim.x * kWarps && warpIsCutOff(c_, true)) {
+      if (laneId() == 0) atomicMax(&c_.counters().units_taken, kGivenUp);
+      return false;
+    }
+    unit_ = c_.sweep.units[Place(turn * params.passes + params.pass)];
+    return true;
+  }
+  __device__ bool takeUnit() {
+    if (!fetchUnit()) return false;
+    const CycleParams& params = c_.params();
+    const SortedIndex row = unit_.first_row + min(laneId(), unit_.rows() - 1);
     const ColumnRange range =
-        columnsOf(c_.sweep.bucket_begin.row(unit.cluster), params.bucketsOfGroup(), unit.rowGroup(),
-                  unit.columnGroup(), row, c_.sweep.keys[row]);
-    begin_ = range.begin + unit.first_column;
+        columnsOf(c_.sweep.bucket_begin.row(unit_.cluster), params.bucketsOfGroup(),
+                  unit_.rowGroup(), unit_.columnGroup(), row, c_.sweep.keys[row]);
+    begin_ = range.begin + unit_.first_column;
     end_ = range.end;
     length_ = 0;
-    if (laneId() < unit.rows() && begin_ < end_) length_ = min(end_ - begin_, params.unit_columns);
+    if (laneId() < unit_.rows() && begin_ < end_) length_ = min(end_ - begin_, params.unit_columns);
     box_ = c_.sweep.boxes[row];
     longest_ = warpMost(length_);
     step_ = 0;
-    hits_.begin(unit, begin_);
     return true;
   }
 
@@ -148,8 +156,15 @@ class Sweeper {
     }
     const std::uint32_t left = length_ > step_ ? length_ - step_ : 0;
     if (left < kStep) mask &= (1U << left) - 1;
-    hits_.push(mask, step_);
+    std::uint32_t total;
+    std::uint32_t place = hits_.size + warpPrefix(__popc(mask), total);
+    for (; mask != 0; mask &= mask - 1) {
+      const std::uint32_t k = __ffs(static_cast<int>(mask)) - 1;
+      hits_.items[place++] = static_cast<Hit>(laneId() | (step_ + k) << 5);
+    }
+    hits_.size += total;
     step_ += kStep;
+    __syncwarp();
   }
 
   // Boxes in the scene frame.
@@ -165,17 +180,19 @@ class Sweeper {
 
   // Boxes, and shared vertices. Both are fetched at once: one after the other would be waited for.
   __device__ void screenHits() {
-    Hit hit{SortedIndex(0), SortedIndex(0), ClusterIndex(0)};
+    Hit hit = 0;
     bool kept = hits_.pop(hit);
+    const SortedIndex row = unit_.first_row + (hit & 31U);
+    const SortedIndex column(__shfl_sync(kFullWarp, begin_, hit & 31) + (hit >> 5));
     BoxPair pair;
     if (kept) {
-      const bool meet = boxesMeet(hit.row, hit.column);
-      const uint4 a = c_.sweep.ids[hit.row], b = c_.sweep.ids[hit.column];
+      const bool meet = boxesMeet(row, column);
+      const uint4 a = c_.sweep.ids[row], b = c_.sweep.ids[column];
       const std::uint32_t shared_a = sharedBits(a, b);
       const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(b, a);
       kept = meet && (shared_a == 0 || (c_.params().adjacent == AdjacentPairs::kBeyondShared &&
                                         !isCertified(a, shared_a)));
-      pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, hit.cluster};
+      pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, unit_.cluster};
     }
     box_pairs_.push(kept, pair);
   }
@@ -220,10 +237,10 @@ class Sweeper {
   }
 
   const CycleArrays& c_;
-  Turns turns_;
-  HitQueue hits_;
+  WarpQueue<Hit, kHitCapacity> hits_;
   WarpQueue<BoxPair, kQueueCapacity> box_pairs_;
   WarpQueue<DeviceCandidate, kQueueCapacity> candidates_;
+  WorkUnit unit_{};  // of no rows before the first
   PackedBox box_{};
   std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // of this lane's row's columns
   std::uint32_t step_ = 0, longest_ = 0;
