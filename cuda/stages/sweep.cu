@@ -80,11 +80,11 @@ class Sweeper {
     bool more_units = true;
     while (true) {
       const bool swept = step_ >= longest_;
-      const bool last_hits = !more_units && hits_.size == 0;
+      const bool no_more_hits = !more_units && hits_.size == 0;
       if (candidates_.size >= kWarp ||
-          (last_hits && box_pairs_.size == 0 && candidates_.size > 0)) {
+          (no_more_hits && box_pairs_.size == 0 && candidates_.size > 0)) {
         settleCandidates();
-      } else if (box_pairs_.size >= kWarp || (last_hits && box_pairs_.size > 0)) {
+      } else if (box_pairs_.size >= kWarp || (no_more_hits && box_pairs_.size > 0)) {
         screenBoxPairs();
       } else if (hits_.size >= kWarp || (swept && hits_.size > 0)) {
         screenHits();
