@@ -162,7 +162,7 @@ CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refi
   const bool pads = swept && scene_.anyLengths().pads;
   const bool fans = identify && sharers && !swept && options.predicates == Predicates::kExact;
   return {device_,          identify, refinements, swept,
-          swept && sharers, pads,     fans,        params_[0].settles != 0};
+          swept && sharers, pads,     fans,        params_[0].leaves_few != 0};
 }
 
 void CudaDetector::runCycle(const Options& options) {

@@ -33,6 +33,9 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   p.pads = any.pads && swept ? 1 : 0;
   // Elsewhere pairs that are apart may be near, or less than certainty is asked for.
   p.settles = !swept && !any.margins && options.predicates != Predicates::kFast ? 1 : 0;
+  const bool few_sharers =
+      options.adjacent == AdjacentPairs::kSkip || options.predicates == Predicates::kExact;
+  p.leaves_few = p.settles != 0 && few_sharers ? 1 : 0;
   p.first_times = options.first_times ? 1 : 0;
   p.group_count = std::min(groups, kMostGroups);
   p.groups_exact = groups <= kMostGroups ? 1 : 0;

@@ -1,5 +1,5 @@
-// Stage judge: verdicts on the candidates. Where the sweep has settled most pairs, in full on all
-// that it left; else first by filters alone, and in full on the few that these leave.
+// Stage judge: verdicts on the candidates. Where the sweep has left few, in full on all of them;
+// else first by filters alone, and in full on those that these leave.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
@@ -62,12 +62,12 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   }
 }
 
-// A thread for each of contacts.open, or of contacts.candidates where the sweep has settled most:
+// A thread for each of contacts.open, or of contacts.candidates where the sweep has left few:
 // the verdict in full. Filters that the other kernel has asked are not asked again, for most of
 // this code's time goes into fetching it.
 __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   awaitKernelAhead();
-  const bool first = c.params().settles != 0;
+  const bool first = c.params().leaves_few != 0;
   const std::uint32_t count = first ? candidatesThere(c) : c.counters().open;
   // Few pairs are spread over many warps, for their long paths differ.
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
@@ -122,7 +122,7 @@ void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream) {
 void launchJudge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (shape.swept) return launchJudgeMoving(cycle, shape, stream);
   const unsigned full_blocks = kFullBlocksEach * shape.device.multiprocessors;
-  if (shape.settles) {
+  if (shape.leaves_few) {
     fullKernel<<<full_blocks, kThreads, 0, stream>>>(cycle);
     return;
   }

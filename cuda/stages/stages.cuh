@@ -12,18 +12,18 @@ namespace deformable_contact_monitor {
 // What a cycle consists of; with the arrays, all that a recorded graph depends on.
 struct CycleShape {
   DeviceTraits device;
-  bool identify = false;  // some body has contacts with itself
-  int refinements = 0;    // of the prototypes, for the next cycle
-  bool swept = false;     // motion: each launch then works on both states
-  bool sharers = false;   // in swept motion: triangles that share vertices may be contacts
-  bool pads = false;      // in swept motion: some body has one
-  bool fans = false;      // certified ones settle pairs of triangles that share vertices
-  bool settles = false;   // CycleParams::settles
+  bool identify = false;    // some body has contacts with itself
+  int refinements = 0;      // of the prototypes, for the next cycle
+  bool swept = false;       // motion: each launch then works on both states
+  bool sharers = false;     // in swept motion: triangles that share vertices may be contacts
+  bool pads = false;        // in swept motion: some body has one
+  bool fans = false;        // certified ones settle pairs of triangles that share vertices
+  bool leaves_few = false;  // CycleParams::leaves_few
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
            swept == o.swept && sharers == o.sharers && pads == o.pads && fans == o.fans &&
-           settles == o.settles;
+           leaves_few == o.leaves_few;
   }
 };
 
