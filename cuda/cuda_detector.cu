@@ -225,7 +225,8 @@ CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refi
   const bool swept = options.motion == Motion::kSwept;
   const bool pads = swept && scene_.anyLengths().pads;
   const bool fans = identify && sharers && asksForFans(options);
-  return {device_, identify, refinements, swept, swept && sharers, pads, fans};
+  return {device_,          identify, refinements, swept,
+          swept && sharers, pads,     fans,        params_[0].leaves_few != 0};
 }
 
 void CudaDetector::runCycle(const Options& options) {

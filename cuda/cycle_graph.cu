@@ -39,7 +39,7 @@ constexpr Step kList[kStepCount] = {
     {Stage::kPose, launchPoseIdentities, kIdentityBranch, 0},
     {Stage::kPose, launchPose, kMain, 0},
     {Stage::kAssign, launchAssign, kMain, 0},
-    {Stage::kPose, launchPoseFans, kIdentityBranch, behind(kPose)},
+    {Stage::kPose, launchPoseFans, kIdentityBranch, 0},
     {Stage::kAssign, launchAssignBins, kAdaptBranch, behind(kAssign)},
     {Stage::kSort, launchSort, kMain, behind(kFans)},
     {Stage::kLarge, launchLarge, kLargeBranch, behind(kSort)},

@@ -16,7 +16,7 @@ std::uint32_t bucketShift(std::uint32_t groups) {
 std::uint32_t unitColumns(std::uint32_t triangles) {
   constexpr std::uint32_t kFewTriangles = 40000, kManyTriangles = 300000;
   if (triangles < kFewTriangles) return kLeastUnitColumns;
-  return (triangles < kManyTriangles ? 2 : 8) * kLeastUnitColumns;
+  return triangles < kManyTriangles ? 2 * kLeastUnitColumns : kMostUnitColumns;
 }
 
 }  // namespace
@@ -31,6 +31,11 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   const bool swept = options.motion == Motion::kSwept;
   p.margins = any.margins && !swept ? 1 : 0;
   p.pads = any.pads && swept ? 1 : 0;
+  // Elsewhere pairs that are apart may be near, or less than certainty is asked for.
+  p.settles = !swept && !any.margins && options.predicates != Predicates::kFast ? 1 : 0;
+  const bool few_sharers =
+      options.adjacent == AdjacentPairs::kSkip || options.predicates == Predicates::kExact;
+  p.leaves_few = p.settles != 0 && few_sharers ? 1 : 0;
   p.first_times = options.first_times ? 1 : 0;
   p.group_count = std::min(groups, kMostGroups);
   p.groups_exact = groups <= kMostGroups ? 1 : 0;
@@ -51,7 +56,7 @@ void tell(const CycleCounters& counted, std::uint32_t clusters, Counters& told) 
   told.cluster_entries = counted.members;
   told.largest_cluster = counted.largest_cluster;
   told.interval_overlaps = counted.interval_overlaps;
-  told.candidates = counted.judged;
+  told.candidates = counted.settled + counted.judged;
   told.exact = counted.exact;
   told.undecided = counted.undecided;
 }

@@ -17,8 +17,8 @@ constexpr std::uint32_t kMostGroups = 32;
 constexpr std::uint32_t kBuckets = 1024;
 // Positions along an axis have so many bits before they become buckets.
 constexpr std::uint32_t kAxisBits = 15;
-// What work units' columns are counted in.
-constexpr std::uint32_t kLeastUnitColumns = 8;
+// What work units' columns are counted in, and the most that one has.
+constexpr std::uint32_t kLeastUnitColumns = 8, kMostUnitColumns = 64;
 
 // Settings of a cycle; not part of a recorded graph.
 struct CycleParams {
@@ -40,6 +40,8 @@ struct CycleParams {
   std::uint32_t first_times;   // in swept motion: they are asked for
   std::uint32_t pads;          // in swept motion: some body that takes part has one
   SceneShare share;            // of this device: pairs beside it are not looked for
+  std::uint32_t settles;       // the sweep gives the verdicts of which float32 is certain
+  std::uint32_t leaves_few;  // and leaves few to the judge: most sharers are certified, or skipped
 
   DCM_HD std::uint32_t bucketsOfGroup() const { return 1U << (kAxisBits - bucket_shift); }
 };
@@ -69,6 +71,7 @@ struct alignas(kLine) CycleCounters {
   std::uint32_t cut_off;     // some work was given up, for the host wanted the cycle to end
   std::uint32_t open_pairs;  // in swept motion: left to the host
   unsigned long long interval_overlaps;
+  unsigned long long settled;   // pairs with a verdict from the sweep: never candidates
   unsigned long long judged;    // all passes' candidates
   unsigned long long unjudged;  // those that there was no room for: no verdict on them
   alignas(kLine) std::uint32_t far_vertices;

@@ -1,10 +1,11 @@
-// Stage judge: verdicts on the candidates. First by filters alone, then in full on the few pairs
-// that they leave.
+// Stage judge: verdicts on the candidates. Where the sweep has left few, in full on all of them;
+// else first by filters alone, and in full on those that these leave.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/judge_moving.cuh"
 #include "cuda/stages/leave_counters.cuh"
+#include "cuda/stages/report.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -27,23 +28,17 @@ __device__ PartVerdict quickVerdictOf(const CycleArrays& c, const DeviceCandidat
   return may_be_near ? PartVerdict::kOpen : verdict;
 }
 
-// By a whole warp, of which some lanes have a contact: adds to contacts.contacts.
-__device__ void reportContacts(const CycleArrays& c, bool contact, TriangleIndex a, TriangleIndex b,
-                               float separation_m) {
-  const unsigned long long at = warpReserve(&c.counters().contacts, contact);
-  if (!contact || at >= c.contacts.contacts.size()) return;
-  const Place place(static_cast<std::uint32_t>(at));
-  c.contacts.contacts[place] =
-      std::uint64_t{min(a.value, b.value)} << c.params().index_bits | max(a.value, b.value);
-  if (c.params().margins != 0) c.contacts.separations_m[place] = separation_m;
+// How many of contacts.candidates there are.
+__device__ std::uint32_t candidatesThere(const CycleArrays& c) {
+  return static_cast<std::uint32_t>(
+      min(c.counters().candidates, static_cast<unsigned long long>(c.contacts.candidates.size())));
 }
 
 // A thread for each of contacts.candidates: settles most of them, and puts the places of the others
 // into contacts.open.
 __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
-  const auto count = static_cast<std::uint32_t>(
-      min(c.counters().candidates, static_cast<unsigned long long>(c.contacts.candidates.size())));
+  const std::uint32_t count = candidatesThere(c);
   const std::uint32_t stride = gridDim.x * kThreads;
   const bool asks = blockIdx.x % kBlocksPerAsker == 0 && threadIdx.x < kWarp;
   for (std::uint32_t first = blockIdx.x * kThreads; first < count; first += stride) {
@@ -67,31 +62,37 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   }
 }
 
-// A thread for each of contacts.open: the verdict in full, without asking the filters again, for
-// most of this code's time goes into fetching it.
+// A thread for each of contacts.open, or of contacts.candidates where the sweep has left few:
+// the verdict in full. Filters that the other kernel has asked are not asked again, for most of
+// this code's time goes into fetching it.
 __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   awaitKernelAhead();
-  const std::uint32_t count = c.counters().open;
+  const bool first = c.params().leaves_few != 0;
+  const std::uint32_t count = first ? candidatesThere(c) : c.counters().open;
   // Few pairs are spread over many warps, for their long paths differ.
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
   const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
-  for (std::uint32_t first = warp * each; first < count; first += warps * each) {
-    if (first >= warps * each && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) break;
-    const std::uint32_t i = first + laneId();
+  for (std::uint32_t begin = warp * each; begin < count; begin += warps * each) {
+    if (begin >= warps * each && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) break;
+    const std::uint32_t i = begin + laneId();
     Verdict verdict;
     PredicateState state;
     state.mode = c.params().predicates;
     TriangleIndex a(0), b(0);
     if (laneId() < each && i < count) {
-      const DeviceCandidate candidate = c.contacts.candidates[c.contacts.open[Place(i)]];
+      const DeviceCandidate candidate =
+          c.contacts.candidates[first ? Place(i) : c.contacts.open[Place(i)]];
       const Member member_a = c.members.members[candidate.a];
       const Member member_b = c.members.members[candidate.b];
       a = member_a.triangle;
       b = member_b.triangle;
       PairFacts facts = unpackFacts(candidate.facts);
       facts.margin_m = marginOf(c, member_a, member_b);
-      verdict = fullVerdict(member_a.posed, member_b.posed, facts, state);
+      // Of others the full verdict begins with the same filters.
+      verdict = first && facts.shared.any
+                    ? candidateVerdict(member_a.posed, member_b.posed, facts, state)
+                    : fullVerdict(member_a.posed, member_b.posed, facts, state);
     }
     __syncwarp();
     warpCount(&c.counters().exact, state.exact > 0);
@@ -109,7 +110,7 @@ __global__ void restartKernel(CycleArrays c, bool first) {
   if (!first) return;
   counters.contacts = 0;
   counters.exact = counters.undecided = 0;
-  counters.judged = counters.unjudged = 0;
+  counters.judged = counters.unjudged = counters.settled = 0;
 }
 
 }  // namespace
@@ -120,10 +121,14 @@ void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream) {
 
 void launchJudge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (shape.swept) return launchJudgeMoving(cycle, shape, stream);
+  const unsigned full_blocks = kFullBlocksEach * shape.device.multiprocessors;
+  if (shape.leaves_few) {
+    fullKernel<<<full_blocks, kThreads, 0, stream>>>(cycle);
+    return;
+  }
   quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, shape.device), kThreads, 0, stream>>>(
       cycle);
-  launchEarly(fullKernel, kFullBlocksEach * shape.device.multiprocessors, kThreads, 0, shape.device,
-              stream, cycle);
+  launchEarly(fullKernel, full_blocks, kThreads, 0, shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -3,6 +3,7 @@
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
+#include "cuda/stages/report.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
 #include "cuda/stages/swept_pairs.cuh"
@@ -31,7 +32,7 @@ __device__ Aabb boxAt(const CycleArrays& c, MemberIndex at) {
   return kStates > 1 ? sweptMemberBox(c, at) : memberBox(c, c.members.members[at]);
 }
 
-// Two members whose boxes meet: adds to contacts.candidates if they are one.
+// Two members whose boxes meet: adds to contacts.contacts or contacts.candidates if they are one.
 template <int kStates>
 __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b) {
   const Member a = c.members.members[at_a], b = c.members.members[at_b];
@@ -46,6 +47,14 @@ __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberInde
   const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(ids_b, ids_a);
   const auto screen = kStates > 1 ? screenMovingPair : screenPair;
   if (!screen(c, ClusterIndex(kNone), at_a, at_b, shared_a, shared_b, candidate)) return;
+  if (kStates == 1 && c.params().settles != 0) {
+    const PartVerdict verdict = certainVerdict(a.posed, b.posed, unpackFacts(candidate.facts));
+    if (verdict != PartVerdict::kOpen) atomicAdd(&c.counters().settled, 1ULL);
+    if (verdict == PartVerdict::kMeet) {
+      putContact(c, atomicAdd(&c.counters().contacts, 1ULL), a.triangle, b.triangle, 0);
+    }
+    if (verdict != PartVerdict::kOpen) return;
+  }
   const unsigned long long place = atomicAdd(&c.counters().candidates, 1ULL);
   if (place < c.contacts.candidates.size()) {
     c.contacts.candidates[Place(static_cast<std::uint32_t>(place))] = candidate;

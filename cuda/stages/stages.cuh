@@ -12,16 +12,18 @@ namespace deformable_contact_monitor {
 // What a cycle consists of; with the arrays, all that a recorded graph depends on.
 struct CycleShape {
   DeviceTraits device;
-  bool identify = false;  // some body has contacts with itself
-  int refinements = 0;    // of the prototypes, for the next cycle
-  bool swept = false;     // motion: each launch then works on both states
-  bool sharers = false;   // in swept motion: triangles that share vertices may be contacts
-  bool pads = false;      // in swept motion: some body has one
-  bool fans = false;      // certified ones settle pairs of triangles that share vertices
+  bool identify = false;    // some body has contacts with itself
+  int refinements = 0;      // of the prototypes, for the next cycle
+  bool swept = false;       // motion: each launch then works on both states
+  bool sharers = false;     // in swept motion: triangles that share vertices may be contacts
+  bool pads = false;        // in swept motion: some body has one
+  bool fans = false;        // certified ones settle pairs of triangles that share vertices
+  bool leaves_few = false;  // CycleParams::leaves_few
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
-           swept == o.swept && sharers == o.sharers && pads == o.pads && fans == o.fans;
+           swept == o.swept && sharers == o.sharers && pads == o.pads && fans == o.fans &&
+           leaves_few == o.leaves_few;
   }
 };
 
@@ -65,8 +67,9 @@ void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream
 void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 
 // sweep: pairs of members whose intervals, packed boxes and boxes intersect, and which this cluster
-// owns, are filtered by planes; the rest are candidates. Reads the arrays of `sweep`; writes
-// contacts.candidates. Right behind launchSort where it is the next launch of the stream.
+// owns, are filtered by planes; the rest are contacts where float32 is certain of it, candidates
+// where it is not. Reads the arrays of `sweep`; writes contacts.candidates and contacts.contacts.
+// Right behind launchSort where it is the next launch of the stream.
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // large: the same for the pairs with a triangle of the large list. Reads members.members; writes

@@ -1,8 +1,9 @@
-// Stage sweep. Warps take work units; what their boxes leave goes through two short queues, so that
+// Stage sweep. Warps take work units; what their boxes leave goes through short queues, so that
 // every test runs on full warps.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
+#include "cuda/stages/report.cuh"
 #include "cuda/stages/screen.cuh"
 #include "cuda/stages/stages.cuh"
 #include "cuda/stages/swept_pairs.cuh"
@@ -38,6 +39,10 @@ struct WarpQueue {
   }
 };
 
+// A row and a column of a unit that meet along the cluster's axes: lane of the row | column << 5.
+using Hit = std::uint16_t;
+static_assert(kMostUnitColumns << 5 <= 1U << 16);
+
 // Two members whose boxes meet along the cluster's axes and in the scene frame.
 struct BoxPair {
   std::uint32_t a, b;  // members | shared vertices << kSharedBitsAt
@@ -46,12 +51,13 @@ struct BoxPair {
 constexpr unsigned kSharedBitsAt = 29;
 constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
-constexpr unsigned kAxisPairCapacity = kWarp * (kWarp + 1);
+// How many columns of each row are swept at once.
+constexpr std::uint32_t kStep = 16;
+constexpr unsigned kHitCapacity = kWarp * (kStep + 1);
 constexpr unsigned kQueueCapacity = 2 * kWarp;
 
 struct WarpMemory {
-  // Pairs of a unit that meet along the cluster's axes: lane of the row | column in the unit << 5.
-  std::uint32_t axis_pairs[kAxisPairCapacity];
+  Hit hits[kHitCapacity];
   BoxPair box_pairs[kQueueCapacity];
   DeviceCandidate candidates[kQueueCapacity];
 };
@@ -67,47 +73,60 @@ template <int kStates>
 class Sweeper {
  public:
   __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
-      : c_(c),
-        axis_pairs_{memory.axis_pairs},
-        box_pairs_{memory.box_pairs},
-        candidates_{memory.candidates} {}
+      : c_(c), hits_{memory.hits}, box_pairs_{memory.box_pairs}, candidates_{memory.candidates} {}
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
-    const std::uint32_t warps = gridDim.x * kWarps;
-    // The first units are dealt out; the others go to whoever is free.
-    std::uint32_t turn = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
     bool more_units = true;
     while (true) {
       const bool swept = step_ >= longest_;
-      if (box_pairs_.size >= kWarp ||
-          (!more_units && axis_pairs_.size == 0 && box_pairs_.size > 0)) {
+      const bool no_more_hits = !more_units && hits_.size == 0;
+      if (candidates_.size >= kWarp ||
+          (no_more_hits && box_pairs_.size == 0 && candidates_.size > 0)) {
+        settleCandidates();
+      } else if (box_pairs_.size >= kWarp || (no_more_hits && box_pairs_.size > 0)) {
         screenBoxPairs();
-      } else if (axis_pairs_.size >= kWarp || (swept && axis_pairs_.size > 0)) {
-        screenAxisPairs();
+      } else if (hits_.size >= kWarp || (swept && hits_.size > 0)) {
+        screenHits();
       } else if (!swept) {
         sweepColumns();
       } else if (more_units) {
-        more_units = takeUnit(turn);
-        if (more_units && laneId() == 0) turn = warps + atomicAdd(&c_.counters().units_taken, 1U);
-        turn = __shfl_sync(kFullWarp, turn, 0);
+        more_units = takeUnit();
       } else {
         break;
       }
     }
-    emitCandidates();
   }
 
  private:
-  __device__ bool takeUnit(std::uint32_t turn) {
+  // The first units are dealt out; the others go to whoever is free, and not before: who asked
+  // ahead would keep a unit from others that have nothing to do.
+  __device__ std::uint32_t nextTurn() {
+    const std::uint32_t dealt = gridDim.x * kWarps;
+    std::uint32_t turn = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
+    if (unit_.rows() > 0) {
+      if (laneId() == 0) turn = dealt + atomicAdd(&c_.counters().units_taken, 1U);
+      turn = __shfl_sync(kFullWarp, turn, 0);
+    }
+    return turn;
+  }
+  // Into unit_; false if there is none left, or the cycle is cut off.
+  __device__ bool fetchUnit() {
     const CycleParams& params = c_.params();
-    const std::uint32_t index = turn * params.passes + params.pass;
-    if (turn >= kGivenUp || index >= min(c_.counters().units, c_.sweep.units.size())) return false;
+    const std::uint32_t turn = nextTurn();
+    const std::uint32_t all = min(c_.counters().units, c_.sweep.units.size());
+    // The pass has as many as there are numbers turn * passes + pass below `all`.
+    if (all <= params.pass || turn > (all - params.pass - 1) / params.passes) return false;
     if (turn % kUnitsPerAsker == 0 && turn >= gridDim.x * kWarps && warpIsCutOff(c_, true)) {
       if (laneId() == 0) atomicMax(&c_.counters().units_taken, kGivenUp);
       return false;
     }
-    unit_ = c_.sweep.units[Place(index)];
+    unit_ = c_.sweep.units[Place(turn * params.passes + params.pass)];
+    return true;
+  }
+  __device__ bool takeUnit() {
+    if (!fetchUnit()) return false;
+    const CycleParams& params = c_.params();
     const SortedIndex row = unit_.first_row + min(laneId(), unit_.rows() - 1);
     const ColumnRange range =
         columnsOf(c_.sweep.bucket_begin.row(unit_.cluster), params.bucketsOfGroup(),
@@ -122,13 +141,13 @@ class Sweeper {
     return true;
   }
 
-  // Up to a warp of columns for each of the rows.
+  // Up to a step of columns for each of the rows.
   __device__ void sweepColumns() {
     // A row that is done reads on from its end; places beyond the last member are there.
     const PackedBox* columns = c_.sweep.boxes.data() + min(begin_ + step_, end_);
     unsigned mask = 0;
 #pragma unroll
-    for (unsigned first = 0; first < kWarp; first += kLeastUnitColumns) {
+    for (unsigned first = 0; first < kStep; first += kLeastUnitColumns) {
       if (first > 0 && step_ + first >= longest_) break;
 #pragma unroll
       for (unsigned k = first; k < first + kLeastUnitColumns; ++k) {
@@ -136,44 +155,46 @@ class Sweeper {
       }
     }
     const std::uint32_t left = length_ > step_ ? length_ - step_ : 0;
-    if (left < kWarp) mask &= (1U << left) - 1;
+    if (left < kStep) mask &= (1U << left) - 1;
     std::uint32_t total;
-    std::uint32_t place = axis_pairs_.size + warpPrefix(__popc(mask), total);
+    std::uint32_t place = hits_.size + warpPrefix(__popc(mask), total);
     for (; mask != 0; mask &= mask - 1) {
       const std::uint32_t k = __ffs(static_cast<int>(mask)) - 1;
-      axis_pairs_.items[place++] = laneId() | (step_ + k) << 5;
+      hits_.items[place++] = static_cast<Hit>(laneId() | (step_ + k) << 5);
     }
-    axis_pairs_.size += total;
-    step_ += kWarp;
+    hits_.size += total;
+    step_ += kStep;
     __syncwarp();
   }
 
-  // Boxes in the scene frame, and shared vertices.
-  __device__ void screenAxisPairs() {
-    std::uint32_t pair = 0;
-    bool kept = axis_pairs_.pop(pair);
-    const SortedIndex row = unit_.first_row + (pair & 31);
-    const SortedIndex column(__shfl_sync(kFullWarp, begin_, pair & 31) + (pair >> 5));
-    BoxPair box_pair;
-    if (kept) {
-      const uint4 a = c_.sweep.world_boxes[row], b = c_.sweep.world_boxes[column];
-      if (kStates == 1) {
-        kept = intersects(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &&
-               intersects(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
-      } else {
-        kept = mayMeet({{a.x, a.y}, {a.z, a.w}, c_.sweep.moving_z[row]},
-                       {{b.x, b.y}, {b.z, b.w}, c_.sweep.moving_z[column]});
-      }
+  // Boxes in the scene frame.
+  __device__ bool boxesMeet(SortedIndex row, SortedIndex column) const {
+    const uint4 a = c_.sweep.world_boxes[row], b = c_.sweep.world_boxes[column];
+    if (kStates == 1) {
+      return intersects(PackedBox{a.x, a.y}, PackedBox{b.x, b.y}) &
+             intersects(PackedBox{a.z, a.w}, PackedBox{b.z, b.w});
     }
+    return mayMeet({{a.x, a.y}, {a.z, a.w}, c_.sweep.moving_z[row]},
+                   {{b.x, b.y}, {b.z, b.w}, c_.sweep.moving_z[column]});
+  }
+
+  // Boxes, and shared vertices. Both are fetched at once: one after the other would be waited for.
+  __device__ void screenHits() {
+    Hit hit = 0;
+    bool kept = hits_.pop(hit);
+    const SortedIndex row = unit_.first_row + (hit & 31U);
+    const SortedIndex column(__shfl_sync(kFullWarp, begin_, hit & 31) + (hit >> 5));
+    BoxPair pair;
     if (kept) {
+      const bool meet = boxesMeet(row, column);
       const uint4 a = c_.sweep.ids[row], b = c_.sweep.ids[column];
       const std::uint32_t shared_a = sharedBits(a, b);
-      kept = shared_a == 0 ||
-             (c_.params().adjacent == AdjacentPairs::kBeyondShared && !isCertified(a, shared_a));
       const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(b, a);
-      box_pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, unit_.cluster};
+      kept = meet && (shared_a == 0 || (c_.params().adjacent == AdjacentPairs::kBeyondShared &&
+                                        !isCertified(a, shared_a)));
+      pair = {a.w | shared_a << kSharedBitsAt, b.w | shared_b << kSharedBitsAt, unit_.cluster};
     }
-    box_pairs_.push(kept, box_pair);
+    box_pairs_.push(kept, pair);
   }
 
   // Planes, full boxes and owners.
@@ -188,30 +209,45 @@ class Sweeper {
                     pair.b >> kSharedBitsAt, candidate);
     }
     candidates_.push(kept, candidate);
-    if (candidates_.size >= kWarp) emitCandidates();
   }
 
-  __device__ void emitCandidates() {
+  // Verdicts of which float32 is certain; the other candidates are for the judge.
+  __device__ void settleCandidates() {
     DeviceCandidate candidate;
-    const bool has = candidates_.pop(candidate);
-    const unsigned long long place = warpReserve(&c_.counters().candidates, has);
-    if (has && place < c_.contacts.candidates.size()) {
+    bool open = candidates_.pop(candidate);
+    if (kStates == 1 && c_.params().settles != 0) {
+      PartVerdict verdict = PartVerdict::kOpen;
+      TriangleIndex a(0), b(0);
+      if (open) {
+        const Member member_a = c_.members.members[candidate.a];
+        const Member member_b = c_.members.members[candidate.b];
+        a = member_a.triangle;
+        b = member_b.triangle;
+        verdict = certainVerdict(member_a.posed, member_b.posed, unpackFacts(candidate.facts));
+      }
+      const unsigned settled = __ballot_sync(kFullWarp, verdict != PartVerdict::kOpen);
+      if (laneId() == 0) atomicAdd(&c_.counters().settled, 1ULL * __popc(settled));
+      reportContacts(c_, verdict == PartVerdict::kMeet, a, b, 0);
+      open = open && verdict == PartVerdict::kOpen;
+    }
+    const unsigned long long place = warpReserve(&c_.counters().candidates, open);
+    if (open && place < c_.contacts.candidates.size()) {
       c_.contacts.candidates[Place(static_cast<std::uint32_t>(place))] = candidate;
     }
   }
 
   const CycleArrays& c_;
-  WarpQueue<std::uint32_t, kAxisPairCapacity> axis_pairs_;
+  WarpQueue<Hit, kHitCapacity> hits_;
   WarpQueue<BoxPair, kQueueCapacity> box_pairs_;
   WarpQueue<DeviceCandidate, kQueueCapacity> candidates_;
-  WorkUnit unit_{};
+  WorkUnit unit_{};  // of no rows before the first
   PackedBox box_{};
   std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // of this lane's row's columns
   std::uint32_t step_ = 0, longest_ = 0;
 };
 
 // Warps for sweep.units: reads the arrays of `sweep` and members.members, adds to
-// contacts.candidates.
+// contacts.candidates and contacts.contacts.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
   awaitKernelAhead();

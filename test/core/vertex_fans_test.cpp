@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -221,6 +222,28 @@ TEST_P(CrumpledCloths, CertificatesAreOfThisCycle) {
     EXPECT_TRUE(samePairs(reference->detect(scene, options).contacts, contacts(scene, options)))
         << i;
   }
+}
+
+// Far from the origin rounding folds fans that are flat in the body's own frame.
+TEST_P(CrumpledCloths, CertificatesAreOfPosedVertices) {
+  const auto reference = makeBruteForceDetector();
+  Scene scene = selfScene(clothGrid(16, 1, 0, 0.1F));
+  EXPECT_TRUE(contacts(scene, withAdjacent(AdjacentPairs::kBeyondShared)).empty());
+  std::size_t sharing = 0;
+  for (const double far : {1e4, 2e5, 5e5, 1e6}) {
+    RigidTransform pose;
+    const double rotation[9] = {0.8, -0.6, 0, 0.6, 0.8, 0, 0, 0, 1};
+    std::copy(rotation, rotation + 9, pose.rotation);
+    std::fill(pose.translation, pose.translation + 3, far);
+    scene.setPose(0, pose);
+    for (const AdjacentPairs adjacent : kBothAdjacent) {
+      const Options options = withAdjacent(adjacent);
+      const std::vector<TrianglePair> expected = reference->detect(scene, options).contacts;
+      EXPECT_TRUE(samePairs(expected, contacts(scene, options))) << far;
+      sharing += adjacent == AdjacentPairs::kBeyondShared ? expected.size() : -expected.size();
+    }
+  }
+  EXPECT_GT(sharing, 50U);
 }
 
 // Without certificates 18 565 pairs that share a vertex are candidates, where the cloth is flat.

@@ -162,6 +162,22 @@ struct PairFacts {
   float margin_m = 0;
 };
 
+// What float32 is certain of, of a pair that isCandidate(): whether two triangles that share no
+// vertex, and of which the plane filters told all sides, cross each other.
+DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
+                                         const PairFacts& facts) {
+  if (facts.shared.any || !detail::allStrict(facts.sides.a) || !detail::allStrict(facts.sides.b)) {
+    return PartVerdict::kOpen;
+  }
+  // The orientation is which side of the first three points' plane the fourth is on.
+  return detail::crossingVerdict(
+      a, facts.sides.a, b, facts.sides.b,
+      [](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
+        const int side = PlaneFilter(Triangle{{p, q, r}}).side(s);
+        return side == 0 ? kUncertain : side;
+      });
+}
+
 // The verdict on a candidate as far as the floating-point filters alone can tell; in fast mode
 // float32 decides. Of triangles that share vertices: whether they meet beyond them. kApart says
 // nothing about margins.

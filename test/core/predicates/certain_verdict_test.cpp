@@ -1,0 +1,129 @@
+// What float32 claims to be certain of, against exact arithmetic: sides of planes, and verdicts on
+// pairs of triangles of which an edge nearly meets an edge.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "cgal_oracle.h"
+#include "core/predicates/narrow_phase.h"
+#include "exact_points.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : random_(seed) {}
+  int within(int low, int high) {
+    return low + static_cast<int>(random_() % static_cast<unsigned>(high - low + 1));
+  }
+  float real() { return static_cast<float>(within(-(1 << 23), 1 << 23)) / (1 << 23); }
+  Vec3f point() { return {real(), real(), real()}; }
+  // A small vector, of any length down to what rounding takes away.
+  Vec3f nudge() { return point() * std::ldexp(1.0F, -within(0, 30)); }
+
+ private:
+  std::mt19937 random_;
+};
+
+Triangle scaledBy(const Triangle& t, float scale) {
+  return {{t.v[0] * scale, t.v[1] * scale, t.v[2] * scale}};
+}
+
+int exactSide(const Triangle& t, const Vec3f& p) {
+  using exact::toPoint;
+  return static_cast<int>(
+      CGAL::orientation(toPoint(t.v[0]), toPoint(t.v[1]), toPoint(t.v[2]), toPoint(p)));
+}
+
+// Near the plane, at scales from where products are denormal to where they overflow, and far from
+// triangles whose products are.
+TEST(PlaneFilter, TellsTrueSidesOnly) {
+  Dice dice(1);
+  constexpr int kPoints = 100000;
+  int told = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const Vec3f off = dice.point() * (i % 3 == 0 ? 64.0F : 0.0F);
+    Triangle t{{off + dice.point(), off + dice.point(), off + dice.point()}};
+    const float s = dice.real(), r = dice.real();
+    Vec3f p = (t.v[1] - t.v[0]) * s + (t.v[2] - t.v[0]) * r + dice.nudge();
+    const bool far = i % 4 == 1;
+    if (!far) p = p + t.v[0];
+    const float scale = std::ldexp(1.0F, i % 2 == 0 ? dice.within(-3, 3) : dice.within(-80, 110));
+    t = scaledBy(t, far ? std::ldexp(1.0F, dice.within(-78, -68)) : scale);
+    p = p * scale;
+    const int side = PlaneFilter(t).side(p);
+    if (side == 0) continue;
+    ++told;
+    ASSERT_EQ(side, exactSide(t, p)) << "point " << i;
+  }
+  EXPECT_GT(told, kPoints / 4);
+  EXPECT_LT(told, kPoints * 9 / 10);
+}
+
+// An edge of b passes an edge of a at a distance of any size; b's third vertex is beyond.
+void makeNearlyCrossing(Dice& dice, Triangle& a, Triangle& b) {
+  const Vec3f off = dice.point() * (dice.within(0, 2) == 0 ? 16.0F : 0.0F);
+  a = {{off + dice.point(), off + dice.point(), off + dice.point()}};
+  const float s = 0.5F + 0.5F * dice.real();
+  const Vec3f meeting = a.v[0] + (a.v[1] - a.v[0]) * s + dice.nudge();
+  const Vec3f along = dice.point();
+  const float back = -0.5F + 0.5F * dice.real(), ahead = 0.5F + 0.5F * dice.real();
+  b = {{meeting + along * back, meeting + along * ahead, off + dice.point() * 2.0F}};
+  const float scale = std::ldexp(1.0F, dice.within(-2, 2) * dice.within(0, 20));
+  a = scaledBy(a, scale);
+  b = scaledBy(b, scale);
+}
+
+TEST(CertainVerdict, IsTheOracles) {
+  Dice dice(2);
+  constexpr int kPairs = 60000;
+  int meet = 0, apart = 0, open = 0;
+  for (int i = 0; i < kPairs; ++i) {
+    Triangle a, b;
+    makeNearlyCrossing(dice, a, b);
+    PairFacts facts;
+    if (!isCandidate(a, b, facts)) continue;
+    const PartVerdict verdict = certainVerdict(a, b, facts);
+    PairFacts turned;
+    ASSERT_TRUE(isCandidate(b, a, turned)) << "pair " << i;
+    const PartVerdict other = certainVerdict(b, a, turned);
+    if (verdict == PartVerdict::kOpen && other == PartVerdict::kOpen) {
+      ++open;
+      continue;
+    }
+    const bool expected =
+        meetBeyondByPredicates({a.v[0], a.v[1], a.v[2]}, {b.v[0], b.v[1], b.v[2]}, {});
+    for (const PartVerdict told : {verdict, other}) {
+      if (told == PartVerdict::kOpen) continue;
+      ASSERT_EQ(expected, told == PartVerdict::kMeet) << "pair " << i;
+      (expected ? meet : apart) += 1;
+    }
+  }
+  EXPECT_GT(meet, kPairs / 10);
+  EXPECT_GT(apart, kPairs / 10);
+  EXPECT_GT(open, kPairs / 100);
+}
+
+TEST(CertainVerdict, LeavesOpenWhatTheFiltersLeave) {
+  const Triangle a{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}};
+  const Triangle crossing{{{1, 1, -1}, {1, 2, 1}, {2, 1, 1}}};
+  PairFacts facts;
+  ASSERT_TRUE(isCandidate(a, crossing, facts));
+  EXPECT_EQ(PartVerdict::kMeet, certainVerdict(a, crossing, facts));
+  facts.shared = sharedByBits(1, 1);
+  EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, crossing, facts)) << "sharing";
+  facts = {};
+  EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, crossing, facts)) << "sides not known";
+  const Triangle standing{{{1, 1, 0}, {1, 2, 1}, {2, 1, -1}}};
+  ASSERT_TRUE(isCandidate(a, standing, facts));
+  EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, standing, facts)) << "a vertex in the plane";
+  const Triangle at_an_edge{{{2, 0, -1}, {2, 0, 1}, {2, -1, 0.5F}}};
+  facts = {};
+  ASSERT_TRUE(isCandidate(a, at_an_edge, facts));
+  EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, at_an_edge, facts)) << "edges meet";
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
