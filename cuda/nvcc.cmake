@@ -16,7 +16,8 @@ if(dcm_cuda_version VERSION_LESS dcm_least_cuda)
   return()
 endif()
 
-# Code for what nvcc knows of these, and for all others PTX of the oldest that can be used.
+# Code for what nvcc knows of these, and for all others PTX: of the oldest that can be used, and of
+# 9.0, with which newer ones launch kernels early too (cuda/device/launch.cuh).
 if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
   execute_process(COMMAND ${CMAKE_CUDA_COMPILER} --list-gpu-code OUTPUT_VARIABLE dcm_nvcc_says)
   foreach(number 80 86 87 89 90 120)
@@ -25,6 +26,9 @@ if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
     endif()
   endforeach()
   list(APPEND CMAKE_CUDA_ARCHITECTURES 75-virtual)
+  if("90-real" IN_LIST CMAKE_CUDA_ARCHITECTURES)
+    list(APPEND CMAKE_CUDA_ARCHITECTURES 90-virtual)
+  endif()
 endif()
 string(REPLACE ";" " " dcm_architectures "${CMAKE_CUDA_ARCHITECTURES}")
 message(STATUS "CUDA ${dcm_cuda_version} for ${dcm_architectures}")

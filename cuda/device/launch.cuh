@@ -8,13 +8,20 @@
 #include "cuda/device/check.cuh"
 
 // Recorded graphs know of early launches from CUDA 12.3 on. Below, every launch is a plain one.
+constexpr int kEarlyLaunchesFrom = 12030;
 #define DCM_EARLY_LAUNCHES (CUDART_VERSION >= 12030)
 
 namespace deformable_contact_monitor {
 
 struct DeviceTraits {
   unsigned multiprocessors = 1;
-  bool overlaps_launches = false;  // programmatic dependent launch: compute capability 9.0
+  bool overlaps_launches = false;  // programmatic dependent launch
+
+  // Whether a driver of that version (as cudaDriverGetVersion() says it, which may be older than
+  // the runtime) records early launches for devices of that compute capability.
+  static bool overlapsLaunches(int driver_version, int capability_major) {
+    return DCM_EARLY_LAUNCHES && driver_version >= kEarlyLaunchesFrom && capability_major >= 9;
+  }
 
   // Of the device with that number; throws CudaError.
   static DeviceTraits of(int device) {
@@ -25,7 +32,9 @@ struct DeviceTraits {
     };
     DeviceTraits traits;
     traits.multiprocessors = static_cast<unsigned>(get(cudaDevAttrMultiProcessorCount));
-    traits.overlaps_launches = DCM_EARLY_LAUNCHES && get(cudaDevAttrComputeCapabilityMajor) >= 9;
+    int driver = 0;
+    checkCuda(cudaDriverGetVersion(&driver), "cudaDriverGetVersion");
+    traits.overlaps_launches = overlapsLaunches(driver, get(cudaDevAttrComputeCapabilityMajor));
     return traits;
   }
   bool operator==(const DeviceTraits& o) const {

@@ -68,9 +68,9 @@ class PacedLimit {
 
 // As to.resize(size), of elements that are about to be written, whatever they were; memory that is
 // new comes page by page. Gives up where the limit is over.
-template <class T>
-void resizeWithin(const CycleLimit& limit, std::size_t size, std::vector<T>& to) {
-  constexpr std::size_t kStep = (std::size_t{1} << 20) / sizeof(T) + 1;
+template <class List>
+void resizeWithin(const CycleLimit& limit, std::size_t size, List& to) {
+  constexpr std::size_t kStep = (std::size_t{1} << 20) / sizeof(typename List::value_type) + 1;
   if (to.capacity() < size) {
     to.clear();
     to.reserve(size + size / 8);  // a scene that grows a little does not allocate each time

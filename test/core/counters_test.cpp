@@ -1,7 +1,6 @@
 // Counters mean the same on every backend.
 #include <gtest/gtest.h>
 
-
 #include "core/rejected_triangles.h"
 #include "detector_suite.h"
 #include "scenes.h"

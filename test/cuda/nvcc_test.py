@@ -72,7 +72,8 @@ class Nvcc(unittest.TestCase):
             variables = configured(version, known, "-DAS_VERSION=3.18.0")[1]
             self.assertEqual(variables["DCM_CUDA_ENABLED"], "ON")
             self.assertEqual(variables["CMAKE_CUDA_ARCHITECTURES"],
-                             "".join("%d-real;" % n for n in numbers) + "75-virtual")
+                             "".join("%d-real;" % n for n in numbers) + "75-virtual"
+                             + (";90-virtual" if 90 in numbers else ""))
             self.assertEqual(variables["CMAKE_CUDA_STANDARD"], "17")
             self.assertEqual(variables["CMAKE_CUDA17_EXTENSION_COMPILE_OPTION"], "")
             self.assertEqual(variables["CMAKE_CUDA_FLAGS"], "")
