@@ -299,7 +299,7 @@ std::unique_ptr<ShareDetector> makeCudaShareDetector(const CudaSettings& setting
   return std::make_unique<CudaDetector>(settings);
 }
 
-std::unique_ptr<ShareDetector> makeCudaShareDetector(const CudaSettings& settings) {
+std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
   return makeSharedDetector(settings, makeCudaShareDetector);
 }
 
