@@ -18,8 +18,9 @@ struct CudaSettings {
   // Not empty: in place of `device`. Several share each cycle of scenes that are large enough;
   // others run on the first, as do those whose vertices are on a device. Results are the same.
   std::vector<int> devices;
-  // From so many triangles on, in bodies that take part. Measured.
-  std::size_t shared_from_triangles = 200000;
+  // From so many triangles on, in bodies that take part: below, two devices take longer until the
+  // contacts are on the host, though they find them sooner.
+  std::size_t shared_from_triangles = 1000000;
   // Told of each of several devices that fails, from within detect() or while the detector is made;
   // the others go on without it, and make that cycle again. May be empty; makeDetector() sets it.
   std::function<void(const BackendError&)> device_lost;

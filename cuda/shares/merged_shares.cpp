@@ -53,7 +53,7 @@ void forEachRun(const Shares& shares, const Part& part, const Take& take) {
 
 // Cuts the lists at the same contacts, so that the parts of the whole can be written at once.
 std::vector<Part> cutIntoParts(const Shares& shares) {
-  constexpr std::size_t kOfOnePart = 1 << 15;
+  constexpr std::size_t kOfOnePart = 1 << 13;
   const auto size = [](const DetectionResult* share) { return share->contacts.size(); };
   const DetectionResult& longest = **std::max_element(
       shares.begin(), shares.end(),
