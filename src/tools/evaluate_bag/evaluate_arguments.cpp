@@ -56,6 +56,9 @@ bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   line.addList("--predicates", &arguments->predicates, "Each",
                oneOf({"exact", "conservative", "fast"}));
   line.addList("--overlaps", &arguments->overlaps, "Each", inRange(0.0F, 1.0F));
+  line.add("--threads", &arguments->threads,
+           "Threads of the cpu backend, instead of the configuration's; 0: all cores",
+           inRange(0, 1024));
   line.addFlag("--pairs", &arguments->pairs, "Also write every triangle pair to pairs.csv");
   bool without_report = false;
   line.addFlag("--no-report", &without_report, "Draw no report.html");

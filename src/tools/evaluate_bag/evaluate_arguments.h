@@ -18,6 +18,7 @@ struct EvaluateArguments {
   // What to run, each with each; empty: as the configuration says.
   std::vector<std::string> backends, predicates;
   std::vector<float> overlaps;
+  std::optional<int> threads;       // of the cpu backend, in place of the configuration's
   bool pairs = false;               // also pairs.csv
   bool report = true;               // report.html
   SceneObject object;               // one that is not in the bags

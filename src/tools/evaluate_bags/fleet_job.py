@@ -6,13 +6,11 @@ import os
 import sys
 
 from fleet.evaluation import Crashed, Evaluation, Stopped
-from fleet.places import keep_to_cores
 
 
 def main():
     job = json.loads(sys.argv[1])
     try:
-        keep_to_cores()
         os.chdir(job["folder"])
         os.environ.update(job["environment"])
         print(json.dumps(Evaluation(job).run()))

@@ -50,6 +50,7 @@ class FleetCase(EvaluationCase):
         super().setUp()
         os.makedirs(self.path("bags/lab"))
         self.fleet_tool = FLEET_TOOL
+        self.environment = {}  # of its process, beside this one's
         self.config = self.text("config.yaml", CONFIG)
         self.expect = self.text("expect.yaml", EXPECTATIONS)
 
@@ -73,7 +74,7 @@ class FleetCase(EvaluationCase):
                    "--config", self.config, "--expect", self.expect, "--robot-description", URDF, *more]
         return {"args": command, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
                 "universal_newlines": True, "start_new_session": True,
-                "env": dict(os.environ, ROS_PACKAGE_PATH=str(robots))}
+                "env": dict(os.environ, ROS_PACKAGE_PATH=str(robots), **self.environment)}
 
     def fake_tool(self, case):
         """Another evaluate_bag, which does what a case of sh says, or else what ours does. Its

@@ -66,7 +66,7 @@ def _of_pairs(old, new):
     moved = [stamp for stamp in sorted(set(old) & set(new), key=float)
              if sorted(old[stamp]) != sorted(new[stamp])]
     if moved:
-        text = f"other triangles in {len(moved)} cycles, the first at {moved[0]}"
+        text = f"other triangles; cycles: {len(moved)}, the first at {moved[0]}"
         yield "moved", text, len(moved)
 
 

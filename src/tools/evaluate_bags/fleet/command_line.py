@@ -18,11 +18,12 @@ NO_FILES = ("none", "auto")  # words of --srdf
 NAMES_NO_FILE = "://"
 
 
-def _whole_number(text):
-    value = int(text)
-    if not 1 <= value <= 4096:
-        raise argparse.ArgumentTypeError(f"must be in [1, 4096], not {text}")
-    return value
+def _whole_number(least, most):
+    def read(text):
+        if not text.isdecimal() or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"must be a number in [{least}, {most}], not {text}")
+        return int(text)
+    return read
 
 
 def _minutes(text):
@@ -41,8 +42,11 @@ def _parser():
                         help="folder to write to, which all workers see")
     workers = parser.add_mutually_exclusive_group()
     workers.add_argument("--scheduler", metavar="tcp://HOST:8786", help="of a running Dask cluster")
-    workers.add_argument("--workers", type=_whole_number, metavar="N",
+    workers.add_argument("--workers", type=_whole_number(1, 4096), metavar="N",
                          help="local processes (default: one for each GPU, else for each core)")
+    parser.add_argument("--threads", type=_whole_number(0, 1024), metavar="N",
+                        help="of each evaluate_bag, for its cpu backend; 0: all cores (default: as "
+                        "the configuration says, else local workers share the cores)")
     parser.add_argument("--split-minutes", type=_minutes, default=10, metavar="N",
                         help="a bag that was recorded for longer is a job for each N minutes, and "
                         "one that joins them; the result is the same; 0: never (default: 10)")

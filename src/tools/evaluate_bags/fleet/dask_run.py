@@ -2,14 +2,11 @@
 modules nor our environment, and a bag that crashes its reader takes no worker along."""
 import collections
 import logging
-import os
 import subprocess
 import sys
 import time
 
 from distributed import Client, Nanny, Scheduler, SpecCluster, as_completed
-
-from fleet.places import environments, gpu_count
 
 RETRIES = 2
 GPU = "GPU"  # Dask's resource that a worker with a GPU has one of
@@ -18,24 +15,22 @@ CONNECT_S = 20
 GONE = "the scheduler is gone; what is done is kept, the same command goes on with another"
 
 
-def local_cluster(workers, folder):
-    """Worker processes on this machine's loopback address, each with one bag at a time, its share
-    of the cores, and a GPU of its own where there are any. `workers`: None for as many as GPUs,
-    else cores."""
-    gpus = gpu_count()
-    cores = sorted(os.sched_getaffinity(0))
-    count = workers or gpus or len(cores)
-    # Dask's own limit on memory is of the worker, which needs next to none.
-    options = {"nthreads": 1, "memory_limit": 0, "host": "127.0.0.1", "local_directory": folder,
-               "silence_logs": logging.CRITICAL}
-    if gpus:
-        options["resources"] = {GPU: 1}
-    specs = {i: {"cls": Nanny, "options": dict(options, env=environment)}
-             for i, environment in enumerate(environments(count, gpus, cores))}
-    # Dask 2.8 cannot do without the port of a dashboard, so it is any free one.
-    scheduler = {"cls": Scheduler, "options": {"host": "127.0.0.1", "port": 0,
-                                               "dashboard_address": "127.0.0.1:0",
-                                               "allowed_failures": RETRIES}}
+def local_cluster(workers, gpus, folder):
+    """Worker processes on this machine's loopback address, each with one bag at a time, and with
+    one of `gpus` (words for CUDA_VISIBLE_DEVICES) where there are any."""
+    # Without an address Dask shows its state to the whole network. Its own limit on memory is of
+    # the worker, which needs next to none.
+    address = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
+    options = {"nthreads": 1, "memory_limit": 0, "local_directory": folder,
+               "silence_logs": logging.CRITICAL, **address}
+    specs = {}
+    for i in range(workers):
+        specs[i] = {"cls": Nanny, "options": dict(options)}
+        if gpus:
+            specs[i]["options"].update(env={"CUDA_VISIBLE_DEVICES": gpus[i % len(gpus)]},
+                                       resources={GPU: 1})
+    scheduler = {"cls": Scheduler,
+                 "options": {"port": 0, "allowed_failures": RETRIES, **address}}
     return SpecCluster(workers=specs, scheduler=scheduler, silence_logs=logging.CRITICAL)
 
 

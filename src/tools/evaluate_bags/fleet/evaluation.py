@@ -149,6 +149,8 @@ class Evaluation:
         arguments = [*self.job["arguments"], *more]
         if "--pairs" not in arguments:
             arguments.append("--pairs")
+        if self.job["threads"] is not None:
+            arguments += ["--threads", str(self.job["threads"])]
         with tempfile.TemporaryFile() as errors:
             # A session of its own: what evaluate_bag starts ends with it.
             tool = subprocess.Popen([self.job["tool"], self.job["bag"], *arguments],

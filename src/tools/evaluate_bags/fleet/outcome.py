@@ -50,6 +50,11 @@ def fleet_of(run, arguments, records, rules, started):
     return fleet
 
 
+def _print_change(bag, change):
+    bodies = " / ".join(change["bodies"])
+    print(f'{bag}: {change["kind"]}: {bodies + ": " if bodies else ""}{change["text"]}')
+
+
 def print_fleet(fleet, out):
     for bag in fleet["bags"]:
         if bag["state"] != PASSED:
@@ -59,11 +64,10 @@ def print_fleet(fleet, out):
                 print(f'  FAILS: {e["text"]} ({e["failure"]})')
         for change in bag.get("changes", ()):
             if not change["allowed"]:
-                print(f'{bag["bag"]}: {change["kind"]}: {" / ".join(change["bodies"])} '
-                      f'{change["text"]}')
+                _print_change(bag["bag"], change)
     for change in fleet["bags_gone"]:
         if not change["allowed"]:
-            print(f'{change["bag"]}: {change["text"]}')
+            _print_change(change["bag"], change)
     print(fleet["verdict"])
     print(f'{fleet["times"]["elapsed_s"]:.1f} s, {fleet["were_there"]} bags were there; written to '
           f"{out}")

@@ -26,13 +26,13 @@ def count_of(path, minutes):
 class Splits:
     """Which jobs come after a job. What cannot be had in parts is evaluated in one."""
 
-    def __init__(self, minutes, make_job, progress):
+    def __init__(self, make_job, progress):
         """`make_job(name, bag, **fields)`: a job with more fields."""
-        self.minutes, self.make_job, self.progress = minutes, make_job, progress
+        self.make_job, self.progress = make_job, progress
         self.waiting = {}  # name: jobs of its parts that have not ended
 
-    def first(self, name, bag):
-        return self.make_job(name, bag, parts=count_of(bag, self.minutes))
+    def first(self, name, bag, parts):
+        return self.make_job(name, bag, parts=parts)
 
     def after(self, job, record):
         """Jobs that come next; None: `record` (None: the job failed) is the bag's own."""

@@ -8,11 +8,11 @@ import tempfile
 import time
 import uuid
 
-from fleet import dask_run
+from fleet import dask_run, machine
 from fleet.changes import read_summary
 from fleet.evaluation import REFUSED
 from fleet.identity import VARIABLES
-from fleet.parts import Splits
+from fleet.parts import Splits, count_of
 from fleet.progress import Progress
 from fleet.tables import CRASHED, TABLES
 
@@ -30,7 +30,7 @@ class Run:
         """`tools`: the folder with evaluate_bag and fleet_job.py."""
         self.out = os.path.abspath(arguments.out)
         self.passed = arguments.passed
-        self.split_minutes = arguments.split_minutes
+        self.threads = arguments.threads
         self.id = uuid.uuid4().hex[:12]
         self.attempts = os.path.join(self.out, "attempts")
         self.stop = os.path.join(self.attempts, self.id + ".stop")
@@ -80,17 +80,17 @@ class Run:
         environment = {key: os.environ[key] for key in VARIABLES if key in os.environ}
         text = json.dumps({
             "name": name, "bag": bag, "out": self.out, "attempts": self.attempts, "run": self.id,
-            "stop": self.stop, "tool": self.tool, "arguments": self.passed, "folder": os.getcwd(),
-            "environment": environment, **fields})
+            "stop": self.stop, "tool": self.tool, "arguments": self.passed,
+            "threads": self.threads, "folder": os.getcwd(), "environment": environment, **fields})
         return {"name": name, "bag": bag, "script": self.script,
                 "text": text, "fields": fields}
 
-    def evaluate(self, bags, address):
-        """{name: record}"""
+    def evaluate(self, bags, parts, address):
+        """{name: record}; `parts`: of each bag, their number."""
         sizes = {name: os.path.getsize(path) for name, path in bags.items()}
         progress = Progress(len(bags), sum(sizes.values()))
         records = {}
-        splits = Splits(self.split_minutes, self.job, progress)
+        splits = Splits(self.job, progress)
 
         def on_end(job, text, failure):
             name = job["name"]
@@ -109,7 +109,7 @@ class Run:
 
         client = dask_run.connect(address)
         try:
-            jobs = [splits.first(name, path) for name, path in bags.items()]
+            jobs = [splits.first(name, path, parts[name]) for name, path in bags.items()]
             dask_run.DaskRun(client).run(jobs, on_end, progress.show)
         finally:
             progress.clear()
@@ -118,13 +118,23 @@ class Run:
 
 
 def evaluate_on_workers(run, bags, arguments):
-    cluster = arguments.scheduler or dask_run.local_cluster(
-        arguments.workers, os.path.join(run.attempts, "dask"))
+    parts = {name: count_of(path, arguments.split_minutes) for name, path in bags.items()}
+    if arguments.scheduler:
+        return _evaluate(run, bags, parts, arguments.scheduler)
+    gpus = machine.gpu_names()
+    workers = machine.worker_count(arguments.workers, sum(parts.values()), len(gpus))
+    if run.threads is None:
+        run.threads = machine.threads_each(workers, (arguments.config or [None])[0])
+    cluster = dask_run.local_cluster(workers, gpus, os.path.join(run.attempts, "dask"))
     try:
-        return run.evaluate(bags, cluster)
+        return _evaluate(run, bags, parts, cluster)
+    finally:
+        cluster.close()
+
+
+def _evaluate(run, bags, parts, address):
+    try:
+        return run.evaluate(bags, parts, address)
     except BaseException:
         run.stop_jobs()
         raise
-    finally:
-        if not arguments.scheduler:
-            cluster.close()
