@@ -32,11 +32,12 @@ Raises OSError where the file cannot be opened; ValueError, "path: what" or "pat
 it is no mesh or holds no triangle.)";
 
 // (n, 3), without a copy.
-template <class T>
-py::array_t<T> toRowsOfThree(std::vector<T> values) {
-  auto* const owned = new std::vector<T>(std::move(values));
-  const py::capsule owner(owned, [](void* at) { delete static_cast<std::vector<T>*>(at); });
-  return py::array_t<T>({owned->size() / 3, std::size_t{3}}, owned->data(), owner);
+template <class List>
+py::array_t<typename List::value_type> toRowsOfThree(List values) {
+  auto* const owned = new List(std::move(values));
+  const py::capsule owner(owned, [](void* at) { delete static_cast<List*>(at); });
+  return py::array_t<typename List::value_type>({owned->size() / 3, std::size_t{3}}, owned->data(),
+                                                owner);
 }
 
 // Throws what Python's open() would.
