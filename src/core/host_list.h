@@ -18,6 +18,11 @@ class HostList : public std::pmr::vector<T> {
   using Vector::operator=;
 
   HostList() = default;
+  HostList(const HostList&) = default;
+  HostList(HostList&&) = default;
+  HostList& operator=(const HostList&) = default;
+  HostList& operator=(HostList&&) = default;
+  ~HostList() = default;
   HostList(const std::vector<T>& list) : Vector(list.begin(), list.end()) {}
   operator std::vector<T>() const { return {this->begin(), this->end()}; }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr ClusterCountPolicy kPolicy{500, 8192, 1600, 132};
 
 ColdStart measured(const Scene& scene, Look look, const Options& options = Options()) {
-  return SceneMeasurer().measure(scene, options, kPolicy, look, noLimit());
+  return SceneMeasurer().measure(scene, SceneShare(), options, kPolicy, look, noLimit());
 }
 
 float size(const Vec3f& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
