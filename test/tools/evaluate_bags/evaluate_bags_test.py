@@ -35,6 +35,10 @@ class EvaluateBags(FleetCase):
         self.assertIn("FAILS: panda_hand touches tshirt (not once", out)
         self.assert_like_single_runs("fleet", (FAR, *WHOLE))
         self.assertFalse(os.path.exists(self.path("fleet/bags/" + CUT)))
+        alone = self.run_tool(self.path("bags/" + CUT))
+        self.assertEqual(alone.returncode, 2)
+        self.assertEqual([bag["message"] for bag in fleet["bags"] if bag["bag"] == CUT],
+                         alone.stderr.splitlines()[-1:])
 
         before = self.records()
         self.assertEqual(len(before), 5)
@@ -120,6 +124,11 @@ class EvaluateBags(FleetCase):
         self.assert_usage("127.0.0.1:1", more=["--scheduler", "tcp://127.0.0.1:1"])
         self.assert_usage("needs --baseline", more=["--allow", self.text("allow.yaml", "[]")])
         self.assert_usage("no run of evaluate_bags", more=["--baseline", self.path("bags")])
+
+    def test_without_dask(self):
+        self.environment = {"PYTHONPATH": self.folder}
+        self.text("distributed.py", "raise ImportError('No module named distributed')")
+        self.assert_usage("install python3-distributed, ")
 
     def test_every_option_of_evaluate_bag_passes(self):
         texts = [subprocess.run([tool, "--help"], stdout=subprocess.PIPE, check=True,

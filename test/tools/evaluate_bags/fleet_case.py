@@ -71,7 +71,8 @@ class FleetCase(EvaluationCase):
 
     def options(self, out, *more, robots=DATA / "robots"):
         command = [self.fleet_tool, self.path("bags"), "--out", self.path(out),
-                   "--config", self.config, "--expect", self.expect, "--robot-description", URDF, *more]
+                   "--config", self.config, "--expect", self.expect,
+                   "--robot-description", URDF, *more]
         return {"args": command, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE,
                 "universal_newlines": True, "start_new_session": True,
                 "env": dict(os.environ, ROS_PACKAGE_PATH=str(robots), **self.environment)}
