@@ -58,8 +58,8 @@ std::vector<RunSettings> runSettings(const EvaluateArguments& arguments,
         }
         all.push_back({backend, parameters.detector});
         all.back().options.predicates = p;
-        if (arguments.threads) all.back().options.threads = *arguments.threads;
         all.back().options.overlap = overlap;
+        if (arguments.threads) all.back().options.threads = *arguments.threads;
       }
     }
   }

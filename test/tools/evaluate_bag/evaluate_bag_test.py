@@ -221,6 +221,7 @@ class EvaluateBag(EvaluationCase):
         self.assert_refused(["--config", config, bag], "out: cannot be made")
         os.remove(self.path("out"))
         self.assert_refused(["--config", config, bag, "--backends", "gpu"], "gpu")
+        self.assert_refused(["--config", config, bag, "--threads", "-1"], "--threads")
 
     def test_what_is_called_cuda_ran_with_cuda(self):
         done = self.run_tool("--config", self.text("config.yaml", CONFIG), self.bag(), "--backends",

@@ -10,6 +10,7 @@
 
 #include "reference/brute_force_detector.h"
 #include "scenes.h"
+#include "tools/evaluate_bag/evaluation_runs.h"
 #include "tools/evaluate_bag/evaluation_verdict.h"
 
 namespace deformable_contact_monitor {
@@ -131,6 +132,22 @@ TEST(UnknownReasons, AreCountedWithoutTheirNumbersAndTheCommonestIsFirst) {
   EXPECT_EQ(all[1].text, "hand: no mesh yet");
   EXPECT_EQ(all[2].text, "link_3: late: wanted 4.5, newest available 3.1");
   EXPECT_EQ(runs[0]->unknown.evaluatedCycles(), 1U);
+}
+
+TEST(RunSettings, ThreadsOfTheCommandLineGoBeforeTheConfigurations) {
+  EvaluateArguments arguments;
+  arguments.overlaps = {1, 0.5F};
+  MonitorParameters parameters;
+  parameters.detector.threads = 3;
+  for (const RunSettings& run : runSettings(arguments, parameters)) {
+    EXPECT_EQ(run.options.threads, 3);
+  }
+  for (const int threads : {0, 1}) {
+    arguments.threads = threads;
+    const std::vector<RunSettings> runs = runSettings(arguments, parameters);
+    ASSERT_EQ(runs.size(), 2U);
+    for (const RunSettings& run : runs) EXPECT_EQ(run.options.threads, threads);
+  }
 }
 
 TEST(EvaluationRun, CompleteMeansThatNothingCanBeMissing) {
