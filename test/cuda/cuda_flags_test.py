@@ -12,8 +12,9 @@ SOURCE_DIR = os.environ["DCM_SOURCE_DIR"]
 COMMANDS = sys.argv.pop(1)
 
 
-# In the others no number decides twice: sweep and large look at each pair once.
-MAY_CONTRACT = {"assign_bins.cu", "large.cu", "output.cu", "sweep.cu"}
+# In the others no number decides twice: sweep and large look at each pair once, fan_rings and rows
+# have whole numbers alone.
+MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "large.cu", "output.cu", "rows.cu", "sweep.cu"}
 
 
 def words_of(command):
