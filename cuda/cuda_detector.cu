@@ -3,7 +3,6 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <vector>
 

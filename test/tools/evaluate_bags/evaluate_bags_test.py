@@ -70,15 +70,7 @@ class EvaluateBags(FleetCase):
         asleep = self.path("asleep")
         self.fake_tool(f"*late.bag) echo here >{asleep}; tail -f {asleep};;")
         running = self.start_fleet("fleet", "--workers", "1")
-
-        def one_never_ends():
-            self.assertIsNone(running.poll(), "ended too early")
-            return os.path.exists(asleep)
-        self.wait_for(one_never_ends)
-        os.killpg(running.pid, signal.SIGINT)
-        out, err = running.communicate(timeout=20)
-        self.assertEqual(running.returncode, 130, out + err)
-        self.assertNotIn("Traceback", err)
+        self.assertNotIn("Traceback", self.stop_once(running, asleep))
         self.assertEqual(processes(self.folder), {})
         self.assertFalse(os.path.exists(self.path("fleet/attempts")))
         done = self.records()

@@ -105,6 +105,18 @@ class FleetCase(EvaluationCase):
         self.addCleanup(end)
         return running
 
+    def stop_once(self, running, path):
+        """By Ctrl-C once the file is there, which one that never ends writes; returns what stood on
+        standard error."""
+        def one_never_ends():
+            self.assertIsNone(running.poll(), "ended too early")
+            return os.path.exists(path)
+        self.wait_for(one_never_ends)
+        os.killpg(running.pid, signal.SIGINT)
+        out, err = running.communicate(timeout=20)
+        self.assertEqual(running.returncode, 130, out + err)
+        return err
+
     def run_fleet(self, out, *more, code, workers=("--workers", "2"), **options):
         done = subprocess.run(**self.options(out, *workers, *more, **options), timeout=500,
                               check=False)

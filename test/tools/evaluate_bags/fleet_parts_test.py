@@ -3,7 +3,6 @@
 done."""
 import glob
 import os
-import signal
 import subprocess
 
 from fleet_case import CUT, FAR, WHOLE, FleetCase, main
@@ -55,14 +54,7 @@ class FleetParts(FleetCase):
                        f"echo here >{asleep}; tail -f {asleep};; esac;;")
         running = self.start_fleet("fleet", "--workers", "1", "--no-report", "--pairs",
                                    "--split-minutes", str(MINUTES))
-
-        def one_never_ends():
-            self.assertIsNone(running.poll(), "ended too early")
-            return os.path.exists(asleep)
-        self.wait_for(one_never_ends)
-        os.killpg(running.pid, signal.SIGINT)
-        out, err = running.communicate(timeout=20)
-        self.assertEqual(running.returncode, 130, out + err)
+        self.stop_once(running, asleep)
         self.assertEqual(len(self.parts()), 2)
 
         os.remove(log)
