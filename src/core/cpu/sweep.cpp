@@ -100,7 +100,8 @@ std::size_t ClusterSweeper<Hull>::pairsOfBoxes() {
 template <class Hull>
 void ClusterSweeper<Hull>::judgeFound() {
   screened_.clear();
-  screen_.screen(sorted_.triangles, pairs_.data(), pairsOfBoxes(), screened_);
+  const std::size_t pairs = pairsOfBoxes();  // moves pairs_
+  screen_.screen(sorted_.triangles, pairs_.data(), pairs, screened_);
   rows_.clear();
   found_count_ = 0;
   output_.work.add(Stage::kSweep, watch_.lapMs());
