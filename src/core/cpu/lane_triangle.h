@@ -12,12 +12,13 @@ namespace deformable_contact_monitor {
 using FloatLanes = float __attribute__((vector_size(16)));
 using IntLanes = int __attribute__((vector_size(16)));
 
-// One bit per lane of a mask.
-inline int laneBits(const IntLanes& mask) {
+// One bit per lane, its sign: of a mask, whether it is set.
+inline int laneBits(const IntLanes& lanes) {
 #ifdef __SSE__
-  return __builtin_ia32_movmskps(reinterpret_cast<const FloatLanes&>(mask));
+  return __builtin_ia32_movmskps(reinterpret_cast<const FloatLanes&>(lanes));
 #else
-  return (mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8);
+  const IntLanes bits = (lanes < 0) & IntLanes{1, 2, 4, 8};
+  return bits[0] | bits[1] | bits[2] | bits[3];
 #endif
 }
 
