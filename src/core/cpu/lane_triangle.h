@@ -12,12 +12,12 @@ namespace deformable_contact_monitor {
 using FloatLanes = float __attribute__((vector_size(16)));
 using IntLanes = int __attribute__((vector_size(16)));
 
-// One bit per lane of a mask.
-inline int laneBits(const IntLanes& mask) {
+// One bit per lane: whether it is negative, as the lanes of a mask are that are set.
+inline int laneBits(const IntLanes& lanes) {
 #ifdef __SSE__
-  return __builtin_ia32_movmskps(reinterpret_cast<const FloatLanes&>(mask));
+  return __builtin_ia32_movmskps(reinterpret_cast<const FloatLanes&>(lanes));
 #else
-  return (mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8);
+  return (lanes[0] < 0) | (lanes[1] < 0) << 1 | (lanes[2] < 0) << 2 | (lanes[3] < 0) << 3;
 #endif
 }
 
