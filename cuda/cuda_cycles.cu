@@ -16,7 +16,7 @@ constexpr std::uint32_t kMostPasses = 4096;
 bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limit) {
   constexpr int kMostTries = 16;
   bool all = false;
-  decide_ms_ = 0;
+  decide_ms_ = earlier_ms_ = 0;
   all_decided_ = true;
   open_pairs_.clear();
   for (int tries = 1;; ++tries) {
@@ -29,6 +29,7 @@ bool CudaDetector::runUntilItFits(const Options& options, const CycleLimit& limi
     if (all) break;
     if (tries == kMostTries)
       throw CudaError(BackendFault::kTransient, "the sizes of a cycle do not settle");
+    earlier_ms_ += CudaEvent::between(cycle_start_, cycle_end_);
   }
   const bool too_many =
       counters_[0].candidates > sizes_.candidates || counters_[0].open_pairs > sizes_.open_pairs;

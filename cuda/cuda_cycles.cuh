@@ -86,6 +86,7 @@ class CudaDetector : public ShareDetector {
   ContactOutput output_{8 * device_.multiprocessors};
   OpenPairs open_pairs_;     // in swept motion
   double decide_ms_ = 0;     // what they took in this cycle
+  double earlier_ms_ = 0;    // of the device, for tries of this cycle that did not fit
   bool all_decided_ = true;  // no limit was over before or while they were
   SceneMeasurer measurer_;
   bool sample_misled_ = false;  // in the last cycle

@@ -55,7 +55,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   if (limit.wasOver() && !(all && listed && all_decided_)) result_.cutOff(limit.why());
   if (counted.unjudged > 0) result_.cutOff("memory_limit_mib");
   if (counted.list_words > sizes_.list_words) dropRepeated(result_);
-  result_.detect_ms = CudaEvent::between(cycle_start_, cycle_end_) + decide_ms_;
+  result_.detect_ms = earlier_ms_ + CudaEvent::between(cycle_start_, cycle_end_) + decide_ms_;
   result_.memory_bytes = memory_.bytes() + output_.bytes();
   result_.counters.posed = scene_.triangleCount();
   tell(counted, sizes_.clusters, result_.counters);

@@ -15,13 +15,29 @@ from deformable_contact_monitor.msg import ContactArray, ContactState, ContactSt
 from rosgraph_msgs.msg import Log
 
 
+def why_incomplete(message):
+    """Why a ContactArray is not complete, in one text: the first reason, how many more."""
+    reasons = list(message.skipped)
+    if message.timed_out:
+        reasons.append("out of time")
+    if message.truncated:
+        reasons.append("%d of %d pairs sent" % (len(message.pairs), message.pair_count))
+    if message.rejected_triangles:
+        reasons.append("%d triangles rejected" % message.rejected_triangles)
+    if message.overlap < 1 or message.predicates == "fast":
+        reasons.append("the settings may lose contacts")
+    if not reasons:
+        return "no memory or no detection, see /diagnostics"
+    return reasons[0] + (" and %d more" % (len(reasons) - 1) if reasons[1:] else "")
+
+
 class Second:
     """What arrived within one second."""
 
     def __init__(self):
         self.age_ms = []
         self.compute_ms = []
-        self.incomplete = 0
+        self.incomplete = []  # why, for each cycle that was not complete
         self.states = []
 
     def touching(self):
@@ -44,7 +60,8 @@ class Second:
         if self.unknown():
             text += " | UNKNOWN: " + ", ".join(self.unknown())
         elif self.incomplete:
-            text += " | %d cycles incomplete" % self.incomplete
+            text += " | %d cycles incomplete, the last: %s" % (
+                len(self.incomplete), self.incomplete[-1])
         return text
 
 
@@ -64,7 +81,8 @@ class Report:
         with self._lock:
             self._second.age_ms.append(1e3 * message.age.to_sec())
             self._second.compute_ms.append(1e3 * message.compute_time.to_sec())
-            self._second.incomplete += not message.complete
+            if not message.complete:
+                self._second.incomplete.append(why_incomplete(message))
 
     def _on_states(self, message):
         with self._lock:

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory_resource>
 #include <string>
 #include <utility>
@@ -51,6 +52,18 @@ struct FirstContact {
   float low, high;
 };
 
+// What is certain of the distance of two bodies, body_a < body_b [m], scene frame.
+struct DCM_EXPORT BodyDistance {
+  BodyId body_a = 0, body_b = 0;
+  float low_m = 0;  // no two points of their triangles are nearer; 0: nothing is known
+  // The distance of point_a and point_b, on the witness's triangles, rounded upwards; +inf: there
+  // is no witness, and what follows means nothing.
+  float high_m = std::numeric_limits<float>::infinity();
+  TrianglePair witness;
+  Vec3f point_a, point_b;
+  bool is_listed = false;  // all contacts of the pair are in DetectionResult::contacts
+};
+
 // Work done in one cycle [triangles or pairs]; the same on every backend, and 0 where one does not
 // do that work.
 struct DCM_EXPORT Counters {
@@ -86,6 +99,10 @@ struct DCM_EXPORT DetectionResult {
   std::vector<std::uint8_t> within_pad;
   // Bodies that take part in swept motion without an earlier state: they stood still.
   std::vector<BodyId> without_step;
+  // Of each enabled pair of two bodies, ascending, where a bounded detector looked at bounds
+  // (bounded_detector.h); else empty. Of a pair that is not listed, `contacts` holds what was seen
+  // to intersect on the way.
+  std::vector<BodyDistance> distances;
   // Contacts that were found and counted but are not in the list: the backend's memory limit was
   // reached, or no time was left to sort them. Which ones is arbitrary.
   std::uint64_t left_out = 0;

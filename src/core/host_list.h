@@ -19,12 +19,12 @@ class HostList : public std::pmr::vector<T> {
 
   HostList() = default;
   HostList(const HostList&) = default;
-  HostList(HostList&&) = default;
+  HostList(HostList&&) = default;  // NOLINT(performance-noexcept-*): the vector's say
   HostList& operator=(const HostList&) = default;
-  HostList& operator=(HostList&&) = default;
+  HostList& operator=(HostList&&) = default;  // NOLINT(performance-noexcept-*): the same
   ~HostList() = default;
-  HostList(const std::vector<T>& list) : Vector(list.begin(), list.end()) {}
-  operator std::vector<T>() const { return {this->begin(), this->end()}; }
+  HostList(const std::vector<T>& list) : Vector(list.begin(), list.end()) {}  // NOLINT(google-*)
+  operator std::vector<T>() const { return {this->begin(), this->end()}; }    // NOLINT(google-*)
 
   // From now on it lies there; `memory` outlives it.
   void moveTo(std::pmr::memory_resource& memory) {

@@ -32,6 +32,10 @@ struct Options {
   int refresh_period = 1;  // cycles between refreshes, >= 1
   int threads = 0;         // of the CPU backend; 0: all cores
 
+  // [m], finite and >= 0. Above 0, a bounded detector (bounded_detector.h) may decide by distances
+  // that are off by so much; every other detector is exact whatever it is.
+  float tolerance_m = 0;
+
   bool geometry = false;  // DetectionResult::geometry is asked for; instant only
 
   Limits limits;  // what ends a cycle early; none by default

@@ -95,7 +95,7 @@ void Scene::setPose(BodyId id, const RigidTransform& pose) {
   body.pose = pose;
 }
 
-void Scene::setEarlier(BodyId id, const RigidTransform& pose, std::vector<float> vertices) {
+void Scene::setEarlier(BodyId id, const RigidTransform& pose, HostList<float> vertices) {
   Body& body = vertices.empty() ? checkedBody(id) : checkedBody(id, vertices.size() / 3);
   requireFinite(body, pose);
   if (vertices.size() % 3 != 0) {

@@ -87,7 +87,7 @@ class DCM_EXPORT Scene {
 
   // Body::earlier. Refuses a pose with a non-finite number, and another number of vertices than the
   // mesh has (but for none: the present ones).
-  void setEarlier(BodyId id, const RigidTransform& pose, std::vector<float> vertices = {});
+  void setEarlier(BodyId id, const RigidTransform& pose, HostList<float> vertices = {});
   void clearEarlier(BodyId id);
 
   // Body::pad_m: [m], finite and >= 0.

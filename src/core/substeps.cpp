@@ -71,7 +71,7 @@ void setEnds(const std::vector<BodyPath>& paths, Scene* scene) {
   for (BodyId id = 0; id < paths.size(); ++id) {
     if (paths[id].empty()) continue;
     const std::optional<EarlierState>& earlier = scene->body(id).earlier;
-    std::vector<float> vertices = earlier ? earlier->vertices : HostList<float>();
+    HostList<float> vertices = earlier ? earlier->vertices : HostList<float>();
     scene->setEarlier(id, paths[id].front().pose, std::move(vertices));
     scene->setPose(id, paths[id].back().pose);
   }

@@ -135,7 +135,7 @@ void PythonScene::setEarlier(std::int64_t id, py::handle vertices, py::handle ro
   }
   const RigidTransform pose =
       rotation.is_none() ? scene_.body(checkedId(id)).pose : toPose(rotation, translation, name);
-  std::vector<float> earlier;
+  HostList<float> earlier;
   if (!vertices.is_none()) earlier = toVertices(vertices, name);
   if (!vertices.is_none() && earlier.empty() && scene_.body(checkedId(id)).mesh.vertexCount() > 0) {
     throw std::invalid_argument(name + ": vertices has none, must have as many as the body");

@@ -12,6 +12,7 @@
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/swept_exact.h"
 #include "core/stopwatch.h"
+#include "moving_features.h"
 #ifdef DCM_HAVE_TIGHT_INCLUSION
 #include "tight_inclusion.h"
 #endif
@@ -19,22 +20,12 @@
 namespace deformable_contact_monitor {
 namespace {
 
-bool meetAtStart(const Feature& feature) {
-  const MovingPoint* const x = feature.x;
-  PredicateState state;
-  if (feature.kind == FeatureKind::kEdgeEdge) {
-    return segmentsIntersect(x[0].from, x[1].from, x[2].from, x[3].from, state);
-  }
-  return segmentIntersectsTriangle(x[3].from, x[3].from,
-                                   Triangle{{x[0].from, x[1].from, x[2].from}}, state);
-}
-
 bool meets(const Feature& feature) {
   const Cubic<double> d = coplanarity<double>(feature);
   if (d.sign() != 0) return false;
   const FeatureVerdict verdict = halvedVerdict(feature, d, false, 1.0F);
   if (verdict.part != PartVerdict::kOpen) return verdict.part == PartVerdict::kMeet;
-  return meetAtStart(feature) || exactFeatureTime(feature, false).happens();
+  return meetsExactly(feature);
 }
 
 using Corners = std::vector<std::uint32_t>;
@@ -140,8 +131,8 @@ void compare(const char* name, const std::vector<Feature>& features) {
   // The definition, by the exact step alone.
   std::vector<bool> truth;
   for (const Feature& feature : features) {
-    truth.push_back(meetAtStart(feature) || (coplanarity<double>(feature).sign() == 0 &&
-                                             exactFeatureTime(feature, false).happens()));
+    truth.push_back(meetsAtStart(feature) || (coplanarity<double>(feature).sign() == 0 &&
+                                              exactFeatureTime(feature, false).happens()));
   }
   std::printf("| %s | queries | hits | false | missed | mean us | median us | worst us |\n", name);
   std::printf("|---|---|---|---|---|---|---|---|\n");

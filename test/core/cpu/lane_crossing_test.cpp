@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "cgal_oracle.h"
-#include "hard_pairs.h"
+#include "core/cpu/lane_product.h"
+#include "hard_orientations.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -105,6 +106,38 @@ TEST_P(HardCrossings, NeverContradictsTheOracle) {
 
 INSTANTIATE_TEST_SUITE_P(, HardCrossings, testing::ValuesIn(hardPairClasses()),
                          [](const auto& info) { return std::string(info.param.name); });
+
+TEST(LaneProduct, TellsThePlaneFiltersSides) {
+  const auto lanes = [](const Vec3f& v) {
+    return LanePoint{{v.x, v.x, v.x, v.x}, {v.y, v.y, v.y, v.y}, {v.z, v.z, v.z, v.z}};
+  };
+  int told = 0;
+  const auto check = [&](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
+    const int side = PlaneFilter(Triangle{{p, q, r}}).side(s);
+    const LaneSigns signs = LaneProduct(lanes(q - p), lanes(r - p)).signWith(lanes(s - p));
+    EXPECT_EQ(side == 1 ? 15 : 0, laneBits(signs.positive));
+    EXPECT_EQ(side == -1 ? 15 : 0, laneBits(signs.negative));
+    told += side != 0;
+  };
+  for (const HardOrientation& hard : hardOrientations(1, 200, FirstPoint::kAnywhere)) {
+    // From where it hardly tells a side to where it tells each.
+    for (int power = -26; power < 0; ++power) {
+      const Vec3f off = Vec3f{1, -1, 1} * std::ldexp(1.0F, power);
+      check(hard.p[0], hard.p[1], hard.p[2], hard.p[3] + off);
+    }
+  }
+  EXPECT_GT(told, 2000);
+  EXPECT_LT(told, 5000);
+}
+
+TEST(LaneCrossing, NeverContradictsTheOracleWhereRoundingTurnsEdges) {
+  Tally tally;
+  for (const TrianglesPair& pair : pairsOn(hardOrientations(1, 200, FirstPoint::kAnywhere), 50)) {
+    tally.add(pair);
+  }
+  tally.settle();
+  EXPECT_GT(tally.crossing - tally.meet - tally.apart, 500) << "they hang on it";
+}
 
 // Small ones in any place: what scenes are made of.
 TEST(LaneCrossing, SettlesNearlyAllInGeneralPosition) {

@@ -8,7 +8,10 @@
 #include <set>
 #include <vector>
 
+#include "core/cpu/lane_product.h"
+#include "core/predicates/orientation.h"
 #include "core/predicates/vertex_fan.h"
+#include "hard_orientations.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -86,6 +89,24 @@ TEST(LaneFan, CertifiesWhatTheRuleCertifies) {
   }
   EXPECT_GT(certified, 2000);
   EXPECT_GT(others, 2000);
+}
+
+// So far off that no bound may be a fifth as large.
+TEST(LaneFan, TellsNoTurnThatRoundingMade) {
+  const std::vector<HardOrientation> hard = hardOrientations(4, 200, FirstPoint::kAtOrigin);
+  EXPECT_GT(worstOf(hard), 1.5);
+  const auto lanes = [](const Vec3f& v) {
+    return LanePoint{{v.x, v.x, v.x, v.x}, {v.y, v.y, v.y, v.y}, {v.z, v.z, v.z, v.z}};
+  };
+  for (const HardOrientation& points : hard) {
+    const Vec3f &u = points.p[1], &w = points.p[2], &normal = points.p[3];
+    const int expected = orient3dExact({0, 0, 0}, u, w, normal);
+    const int turn = detail::EdgeProduct(u, w).turn(normal);
+    EXPECT_TRUE(turn == 0 || turn == expected) << points.off_by;
+    const LaneSigns signs = LaneProduct(lanes(u), lanes(w)).signWith(lanes(normal));
+    EXPECT_EQ(turn == 1 ? 15 : 0, laneBits(signs.positive));
+    EXPECT_EQ(turn == -1 ? 15 : 0, laneBits(signs.negative));
+  }
 }
 
 TEST(LaneFan, OfNoTrianglesThereIsNone) {

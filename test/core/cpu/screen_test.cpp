@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <random>
 #include <tuple>
@@ -14,6 +15,19 @@
 
 namespace deformable_contact_monitor {
 namespace {
+
+// Of identities too, whose sign is a mark; the same on every processor.
+TEST(LaneBits, AreSigns) {
+  constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();
+  EXPECT_EQ(0, laneBits(IntLanes{15, 15, 0, kMost}));
+  EXPECT_EQ(15, laneBits(IntLanes{-1, -1, -1, -1}));
+  EXPECT_EQ(15, laneBits(IntLanes{kLeast, -16, kLeast, -16}));
+  for (int i = 0; i < 4; ++i) {
+    IntLanes lanes = {15, 15, 15, 15};
+    lanes[i] = kLeast;
+    EXPECT_EQ(1 << i, laneBits(lanes));
+  }
+}
 
 // Few distinct corners, so that many pairs share some, and many vertices lie in another's plane.
 std::vector<Triangle> randomTriangles(unsigned seed) {

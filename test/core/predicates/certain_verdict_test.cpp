@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "cgal_oracle.h"
 #include "core/predicates/narrow_phase.h"
 #include "exact_points.h"
+#include "hard_orientations.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -62,6 +64,17 @@ TEST(PlaneFilter, TellsTrueSidesOnly) {
   EXPECT_LT(told, kPoints * 9 / 10);
 }
 
+// So far off that no bound may be a third as large.
+TEST(PlaneFilter, TellsNoSideThatRoundingMade) {
+  const std::vector<HardOrientation> hard = hardOrientations(1, 200, FirstPoint::kAnywhere);
+  EXPECT_GT(worstOf(hard), 2.5);
+  for (const HardOrientation& points : hard) {
+    const Triangle t{{points.p[0], points.p[1], points.p[2]}};
+    const int side = PlaneFilter(t).side(points.p[3]);
+    EXPECT_TRUE(side == 0 || side == exactSide(t, points.p[3])) << points.off_by;
+  }
+}
+
 // An edge of b passes an edge of a at a distance of any size; b's third vertex is beyond.
 void makeNearlyCrossing(Dice& dice, Triangle& a, Triangle& b) {
   const Vec3f off = dice.point() * (dice.within(0, 2) == 0 ? 16.0F : 0.0F);
@@ -76,34 +89,49 @@ void makeNearlyCrossing(Dice& dice, Triangle& a, Triangle& b) {
   b = scaledBy(b, scale);
 }
 
-TEST(CertainVerdict, IsTheOracles) {
-  Dice dice(2);
-  constexpr int kPairs = 60000;
+// What was told of pairs; never what the oracle denies.
+struct Told {
   int meet = 0, apart = 0, open = 0;
-  for (int i = 0; i < kPairs; ++i) {
-    Triangle a, b;
-    makeNearlyCrossing(dice, a, b);
-    PairFacts facts;
-    if (!isCandidate(a, b, facts)) continue;
-    const PartVerdict verdict = certainVerdict(a, b, facts);
-    PairFacts turned;
-    ASSERT_TRUE(isCandidate(b, a, turned)) << "pair " << i;
-    const PartVerdict other = certainVerdict(b, a, turned);
-    if (verdict == PartVerdict::kOpen && other == PartVerdict::kOpen) {
-      ++open;
-      continue;
-    }
+
+  void add(const Triangle& a, const Triangle& b) {
+    PairFacts facts, turned;
+    if (!isCandidate(a, b, facts)) return;
+    ASSERT_TRUE(isCandidate(b, a, turned));
     const bool expected =
         meetBeyondByPredicates({a.v[0], a.v[1], a.v[2]}, {b.v[0], b.v[1], b.v[2]}, {});
-    for (const PartVerdict told : {verdict, other}) {
-      if (told == PartVerdict::kOpen) continue;
-      ASSERT_EQ(expected, told == PartVerdict::kMeet) << "pair " << i;
+    for (const PartVerdict told : {certainVerdict(a, b, facts), certainVerdict(b, a, turned)}) {
+      if (told == PartVerdict::kOpen) {
+        ++open;
+        continue;
+      }
+      ASSERT_EQ(expected, told == PartVerdict::kMeet);
       (expected ? meet : apart) += 1;
     }
   }
-  EXPECT_GT(meet, kPairs / 10);
-  EXPECT_GT(apart, kPairs / 10);
-  EXPECT_GT(open, kPairs / 100);
+};
+
+TEST(CertainVerdict, IsTheOracles) {
+  Dice dice(2);
+  constexpr int kPairs = 60000;
+  Told told;
+  for (int i = 0; i < kPairs && !HasFatalFailure(); ++i) {
+    Triangle a, b;
+    makeNearlyCrossing(dice, a, b);
+    SCOPED_TRACE(i);
+    told.add(a, b);
+  }
+  EXPECT_GT(told.meet, kPairs / 10);
+  EXPECT_GT(told.apart, kPairs / 10);
+  EXPECT_GT(told.open, kPairs / 50);
+}
+
+TEST(CertainVerdict, IsTheOraclesWhereRoundingTurnsEdges) {
+  Told told;
+  for (const TrianglesPair& pair : pairsOn(hardOrientations(1, 200, FirstPoint::kAnywhere), 50)) {
+    told.add(pair.a, pair.b);
+    if (HasFatalFailure()) break;
+  }
+  EXPECT_GT(told.open, 500) << "they hang on it";
 }
 
 TEST(CertainVerdict, LeavesOpenWhatTheFiltersLeave) {

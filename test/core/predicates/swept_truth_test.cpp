@@ -11,22 +11,13 @@
 
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/swept_exact.h"
+#include "moving_features.h"
 #include "moving_meshes.h"
 #include "swept/swept_oracle.h"
 #include "test_data.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-bool meetAtStart(const Feature& feature) {
-  const MovingPoint* const x = feature.x;
-  PredicateState state;
-  if (feature.kind == FeatureKind::kEdgeEdge) {
-    return segmentsIntersect(x[0].from, x[1].from, x[2].from, x[3].from, state);
-  }
-  return segmentIntersectsTriangle(x[3].from, x[3].from,
-                                   Triangle{{x[0].from, x[1].from, x[2].from}}, state);
-}
 
 // Counts of what decides.
 struct Tally {
@@ -36,7 +27,7 @@ struct Tally {
 // By the filters, halving, and what they leave by integers.
 bool meets(const Feature& feature, Tally* tally) {
   if (areApart(feature)) return false;
-  if (meetAtStart(feature)) return true;
+  if (meetsAtStart(feature)) return true;
   const FeatureVerdict verdict = halvedVerdict(feature, coplanarity<double>(feature), false, 1.0F);
   if (verdict.part != PartVerdict::kOpen) {
     ++tally->halving;
@@ -44,10 +35,6 @@ bool meets(const Feature& feature, Tally* tally) {
   }
   ++tally->exact;
   return exactFeatureTime(feature, false).happens();
-}
-
-bool meetsExactly(const Feature& feature) {
-  return meetAtStart(feature) || exactFeatureTime(feature, false).happens();
 }
 
 nlohmann::json readJson(const std::string& name) {
