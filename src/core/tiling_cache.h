@@ -10,8 +10,8 @@
 
 namespace deformable_contact_monitor {
 
-// Keeps one by topology_revision. One thread at a time asks; its end waits for the thread, which
-// stops early.
+// Keeps one by topology_revision. One thread at a time asks. Its end waits for the thread, which
+// stops within some milliseconds.
 class DCM_EXPORT TilingCache {
  public:
   // So often a topology is asked for before its tiling is begun.
@@ -22,19 +22,17 @@ class DCM_EXPORT TilingCache {
   TilingCache(const TilingCache&) = delete;
   TilingCache& operator=(const TilingCache&) = delete;
 
-  // By surface, as the body's mesh is when that is begun; null while it is being made, and for good
-  // if that failed. To be asked once a cycle for each body: once three times as many calls as there
-  // are bodies did not ask for a topology, it is forgotten. Never throws.
+  // By surface, of the mesh as it is when that is begun; null while it is being made, and for good
+  // where memory or threads do not suffice. To be asked for each body in every cycle: what some
+  // cycles do not ask for is forgotten.
   std::shared_ptr<const Tiling> of(const Body& body) noexcept;
 
   // Waits until all that was begun is there: for tests and benchmarks.
   void wait();
 
  private:
-  class Worker;
-  class Memory;
-  std::unique_ptr<Worker> worker_;
-  std::unique_ptr<Memory> memory_;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace deformable_contact_monitor
