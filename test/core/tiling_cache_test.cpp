@@ -50,7 +50,7 @@ void settle(TilingCache& cache, const Scene& scene) {
 }
 
 TEST(TilingCaches, MakeOneOnceABodyHasSettled) {
-  const Scene scene = sceneOf({cloth(150)});
+  const Scene scene = sceneOf({cloth(300)});
   TilingCache cache;
   cache.wait();
   for (std::uint32_t i = 0; i + 1 < kSettled; ++i) {
@@ -58,6 +58,7 @@ TEST(TilingCaches, MakeOneOnceABodyHasSettled) {
     cache.wait();
   }
   EXPECT_EQ(nullptr, cache.of(scene.body(0)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));  // it is at work
   cache.wait();
   const std::shared_ptr<const Tiling> tiling = cache.of(scene.body(0));
   ASSERT_NE(nullptr, tiling);
