@@ -85,6 +85,7 @@ TEST(BoxSides, AreSeenCloseToTheBox) {
     }
     EXPECT_EQ(63, all);
   }
+  EXPECT_NE(0, BoxSides({{0, 0, 0}, {1, 1, 1}}, 0).of({-1e-30F, 0, 0}));
 }
 
 }  // namespace
