@@ -41,7 +41,7 @@ struct DCM_EXPORT Tiling {
 // last are full.
 DCM_EXPORT Tiling tilingByPosition(const TriangleMesh& mesh);
 
-// By what hangs together, and so good however the mesh deforms later; what hangs together in less
+// By what hangs together, and so still good when the mesh has unfolded; what hangs together in less
 // than a tile goes by position. Takes about a third of a millisecond for 1 000 triangles.
 DCM_EXPORT Tiling tilingBySurface(const TriangleMesh& mesh);
 
