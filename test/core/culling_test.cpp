@@ -1,6 +1,10 @@
 // Only what an enabled pair can need is posed, clustered and swept; results never change.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
 #include "cgal_oracle.h"
 #include "detector_suite.h"
 #include "scenes.h"
@@ -39,6 +43,27 @@ TEST_P(Culling, EveryPosedTriangleIsAccountedFor) {
   EXPECT_LE(c.candidates, c.interval_overlaps + c.large * c.posed);
   EXPECT_LE(detector_->detect(scene, Options()).contacts.size(), c.candidates);
   EXPECT_GT(c.culled, 1000U) << "the halves that stick out";
+}
+
+// Beside all partners too, where others are culled.
+TEST_P(Culling, TrianglesThatAreNotFiniteAreRejectedWhereverTheyAre) {
+  Scene scene = crossingCloths();
+  scene.setPose(1, shifted(0.5));
+  const auto expected = oracleContacts(scene, AdjacentPairs::kBeyondShared);
+  TriangleMesh mesh = scene.body(0).mesh;
+  const std::uint64_t whole = mesh.triangleCount();
+  for (const float x : {INFINITY, -INFINITY, NAN}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float corners[] = {-3, -3, -3, -4, -4, -4, -5, -5, -5};
+      for (std::size_t i = 0; i < 9; ++i) {
+        mesh.vertices.push_back(i == axis ? x : corners[i]);
+        if (i % 3 == 0) mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.vertexCount()));
+      }
+    }
+  }
+  scene.setMesh(0, mesh);
+  EXPECT_EQ(mesh.triangleCount() - whole, counters(scene).rejected);
+  EXPECT_TRUE(samePairs(expected, contacts(scene)));
 }
 
 TEST_P(Culling, FarBodiesDropOut) {

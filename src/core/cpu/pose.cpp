@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/cpu/box_sides.h"
 #include "core/cpu/common_motion.h"
 #include "core/parallel.h"
 #include "core/posed_body.h"
@@ -53,6 +54,25 @@ void place(const Body& body, BodyId id, std::uint32_t t, std::size_t i, WorkingS
   set.triangle[i] = t;
 }
 
+// Of each vertex from `first` on, beside the hull of the partners.
+template <class Hull>
+void findSides(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, std::size_t first,
+               const CycleLimit& limit, const WorkingSet& set, std::vector<std::uint8_t>& sides) {
+  const float growth_m = growthOf<Hull>(body);
+  sides.resize(body.mesh.vertexCount());
+  parallelBlocks(limit, sides.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    const Vec3f* const now = &set.vertices[first];
+    if constexpr (kIsMoving<Hull>) {  // on one side at both ends
+      const Vec3f* const earlier = &set.earlier[first];
+      const BoxSides from(partners.hull.from, growth_m), to(partners.hull.to, growth_m);
+      for (std::size_t i = begin; i < end; ++i) sides[i] = from.of(earlier[i]) & to.of(now[i]);
+    } else {
+      const BoxSides hull(partners.hull, growth_m);
+      for (std::size_t i = begin; i < end; ++i) sides[i] = hull.of(now[i]);
+    }
+  });
+}
+
 const Aabb& setBoxOf(const Aabb& box, const WorkingSet& /*set*/) { return box; }
 Aabb setBoxOf(const MovingBox& box, const WorkingSet& set) {
   return sweptBox(box, set.common_motion);
@@ -83,11 +103,13 @@ void WorkingSetBuilder::identifyVertices(const Body& body, bool self, bool movin
 
 // Fills blocks_ with the triangles that meet a partner's box.
 template <class Hull>
-void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
+void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32_t first,
                                         const PartnerBoxes<BoxOf<Hull>>& partners,
                                         const CycleLimit& limit, const WorkingSet& set) {
   const TriangleMesh& mesh = body.mesh;
   const float growth_m = growthOf<Hull>(body);
+  const bool has_sides = !partners.self && body_boxes_.allFinite(id);
+  if (has_sides) findSides<Hull>(body, partners, first, limit, set, sides_);
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
   const auto chooseBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
@@ -96,6 +118,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, std::uint32_t first,
     block.rejected = 0;
     for (std::size_t t = begin; t < end; ++t) {
       const std::uint32_t* corner = &mesh.triangles[3 * t];
+      if (has_sides && (sides_[corner[0]] & sides_[corner[1]] & sides_[corner[2]]) != 0) continue;
       const Hull posed = set.hullOf<Hull>(first + corner[0], first + corner[1], first + corner[2]);
       if (!isFinite(posed)) {
         ++block.rejected;
@@ -168,7 +191,7 @@ void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
   if (partners.self && body_boxes_.allFinite(id)) {
     addAllTriangles<Hull>(body, id, limit, set);
   } else {
-    chooseTriangles<Hull>(body, first, partners, limit, set);
+    chooseTriangles<Hull>(body, id, first, partners, limit, set);
     if (limit.wasOver()) return;
     rejected = addChosen(body, id, limit, set);
   }

@@ -90,7 +90,7 @@ class WorkingSetBuilder {
   template <class Hull>
   void addAllTriangles(const Body& body, BodyId id, const CycleLimit& limit, WorkingSet& set);
   template <class Hull>
-  void chooseTriangles(const Body& body, std::uint32_t first,
+  void chooseTriangles(const Body& body, BodyId id, std::uint32_t first,
                        const PartnerBoxes<BoxOf<Hull>>& partners, const CycleLimit& limit,
                        const WorkingSet& set);
   std::uint64_t addChosen(const Body& body, BodyId id, const CycleLimit& limit, WorkingSet& set);
@@ -98,6 +98,7 @@ class WorkingSetBuilder {
   BodyBoxes body_boxes_;
   VertexIdentity identity_;
   std::vector<std::uint32_t> least_equal_;
+  std::vector<std::uint8_t> sides_;  // of a body's vertices
   std::vector<Block> blocks_;
   // The set's, so far; its arrays are as long as they were in the cycle before, or longer.
   std::size_t vertex_count_ = 0, triangle_count_ = 0;
