@@ -33,8 +33,11 @@ struct DCM_EXPORT Tiling {
   std::size_t regionCount() const { return region_begin.empty() ? 0 : region_begin.size() - 1; }
 };
 
-// By position alone, along a space-filling curve: quick, and good for as long as the mesh keeps its
-// shape. Of a valid mesh; vertices may be non-finite.
+// Of valid meshes, whose vertices may be non-finite. Throws std::length_error for more than
+// 2^32 / 3 triangles.
+
+// By position alone: quick, and good for as long as the mesh keeps its shape. All tiles but the last
+// are full.
 DCM_EXPORT Tiling tilingByPosition(const TriangleMesh& mesh);
 
 // By what hangs together, and so good however the mesh deforms later; what hangs together in less
