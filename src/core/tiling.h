@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/export.h"
 #include "core/triangle_mesh.h"
 
@@ -41,7 +42,10 @@ struct DCM_EXPORT Tiling {
 DCM_EXPORT Tiling tilingByPosition(const TriangleMesh& mesh);
 
 // By what hangs together, and so good however the mesh deforms later; what hangs together in less
-// than a tile goes by position. Takes about a millisecond for 1 000 triangles.
+// than a tile goes by position. Takes about a third of a millisecond for 1 000 triangles.
 DCM_EXPORT Tiling tilingBySurface(const TriangleMesh& mesh);
+
+// The same within a limit; where that was over, of no use.
+Tiling tilingBySurface(const TriangleMesh& mesh, const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor
