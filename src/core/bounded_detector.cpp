@@ -87,7 +87,9 @@ void BoundedDetector::share(const Scene& scene) {
 template <class Work>
 void BoundedDetector::onThreads(const Options& options, const Work& work) {
   if (!arena_ || arena_threads_ != options.threads) {
-    arena_.emplace(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+    int threads = tbb::task_arena::automatic;
+    if (options.threads > 0) threads = options.threads;
+    arena_.emplace(threads);
     arena_threads_ = options.threads;
   }
   arena_->execute(work);
