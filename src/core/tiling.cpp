@@ -22,9 +22,11 @@ Tiling emptyTiling(const TriangleMesh& mesh) {
   return tiling;
 }
 
-std::vector<PlacedTriangle> allPlaced(const TriangleMesh& mesh) {
-  std::vector<PlacedTriangle> all(mesh.triangleCount());
-  for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = placed(mesh, t);
+std::vector<PlacedTriangle> allPlaced(const CycleLimit& limit, const TriangleMesh& mesh) {
+  std::vector<PlacedTriangle> all;
+  resizeWithin(limit, mesh.triangleCount(), all);
+  PacedLimit pace(limit, 1 << 14);
+  for (std::uint32_t t = 0; t < all.size() && !pace.over(); ++t) all[t] = placed(mesh, t);
   return all;
 }
 
@@ -48,7 +50,7 @@ void appendRegions(const CycleLimit& limit, const std::vector<PlacedTriangle>& t
 
 Tiling tilingByPosition(const TriangleMesh& mesh) {
   Tiling tiling = emptyTiling(mesh);
-  std::vector<PlacedTriangle> all = allPlaced(mesh);
+  std::vector<PlacedTriangle> all = allPlaced(noLimit(), mesh);
   appendHalved(noLimit(), all, &tiling);
   layOut(noLimit(), mesh, &tiling);
   return tiling;
@@ -61,10 +63,12 @@ Tiling tilingBySurface(const TriangleMesh& mesh, const CycleLimit& limit) {
   Tiling tiling = emptyTiling(mesh);
   std::vector<std::uint32_t> neighbours = edgeNeighbours(limit, mesh);
   if (limit.wasOver()) return {};
-  const std::vector<PlacedTriangle> all = allPlaced(mesh);
+  const std::vector<PlacedTriangle> all = allPlaced(limit, mesh);
+  if (limit.wasOver()) return {};
   const SurfaceRegions regions = surfaceRegions(limit, all, neighbours, kRegion);
   neighbours = {};  // before more memory is needed
   appendRegions(limit, all, regions, &tiling);
+  if (limit.wasOver()) return {};
   layOut(limit, mesh, &tiling);
   return tiling;
 }

@@ -28,11 +28,13 @@ std::vector<FiledEdge> filedEdges(const CycleLimit& limit, const TriangleMesh& m
                                   std::vector<std::uint32_t>* begin) {
   begin->assign(mesh.vertexCount() + 1, 0);
   const std::size_t count = mesh.triangles.size();
-  for (std::size_t i = 0; i < count; ++i) ++(*begin)[endsOf(mesh, i).first];
+  PacedLimit pace(limit, 1 << 16);
+  for (std::size_t i = 0; i < count && !pace.over(); ++i) ++(*begin)[endsOf(mesh, i).first];
   std::uint32_t total = 0;
   for (std::uint32_t& first : *begin) total += std::exchange(first, total);
-  std::vector<FiledEdge> edges(count);
-  PacedLimit pace(limit, 1 << 16);
+  std::vector<FiledEdge> edges;
+  resizeWithin(limit, count, edges);
+  if (limit.wasOver()) return edges;
   for (std::size_t i = 0; i < count && !pace.over(); ++i) {
     const auto [lesser, greater] = endsOf(mesh, i);
     edges[(*begin)[lesser]++] = {greater, static_cast<std::uint32_t>(i)};
@@ -58,9 +60,10 @@ void linkEqual(const FiledEdge* first, const FiledEdge* last,
 }  // namespace
 
 std::vector<std::uint32_t> edgeNeighbours(const CycleLimit& limit, const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> neighbours(mesh.triangles.size());
-  std::vector<std::uint32_t> begin;
+  std::vector<std::uint32_t> neighbours, begin;
   std::vector<FiledEdge> edges = filedEdges(limit, mesh, &begin);
+  resizeWithin(limit, mesh.triangles.size(), neighbours);
+  if (limit.wasOver()) return neighbours;
   PacedLimit pace(limit, 1 << 14);
   for (std::size_t v = 0; v + 1 < begin.size() && !pace.over(); ++v) {
     FiledEdge *const first = edges.data() + begin[v], *const last = edges.data() + begin[v + 1];
