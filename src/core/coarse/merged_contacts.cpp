@@ -25,6 +25,8 @@ void mergeBeside(const std::vector<bool>& from_second, const List& second, List&
 
 void mergeContacts(const Scene& scene, const Options& options,
                    const std::vector<ListedContact>& contacts, DetectionResult& result) {
+  // Of pairs without a margin, in a scene that has one.
+  if (scene.anyMargin()) result.separations_m.resize(result.contacts.size());
   if (contacts.empty()) return;
   const bool had_all_geometry = result.geometry.size() == result.contacts.size();
   DetectionResult added;
@@ -45,10 +47,7 @@ void mergeContacts(const Scene& scene, const Options& options,
     ++(is_second ? second : first);
   }
   mergeBeside(from_second, added.contacts, result.contacts);
-  if (scene.anyMargin()) {
-    result.separations_m.resize(from_second.size() - contacts.size());  // the rest had no margin
-    mergeBeside(from_second, added.separations_m, result.separations_m);
-  }
+  if (scene.anyMargin()) mergeBeside(from_second, added.separations_m, result.separations_m);
   if (options.geometry && had_all_geometry && added.geometry.size() == contacts.size()) {
     mergeBeside(from_second, added.geometry, result.geometry);
   } else {
