@@ -49,12 +49,13 @@ void PairSearch::advance(const CycleLimit& limit, SteadyTime until) {
 }
 
 void PairSearch::search(const CycleLimit& limit, SteadyTime until) {
+  constexpr std::size_t kLook = 16;
   const std::size_t region_count = bodies_.a->regions().size();
   while (next_region_ < region_count) {
     parts_.clear();
     settle(nearRegions(*bodies_.a, next_region_++, *bodies_.b, needed_m_, parts_));
     for (const NearParts& parts : parts_) push(parts, false);
-    if (isTime(limit, until)) return;
+    if (next_region_ % kLook == 0 && isTime(limit, until)) return;
   }
   while (!isDone()) {
     if (next_triangles_ < triangles_.size()) {
