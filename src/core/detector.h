@@ -52,16 +52,20 @@ struct FirstContact {
   float low, high;
 };
 
-// What is certain of the distance of two bodies, body_a < body_b [m], scene frame.
+// What is certain of the distance of two bodies, body_a < body_b [m], scene frame. Triangles that
+// were rejected take no part.
 struct DCM_EXPORT BodyDistance {
   BodyId body_a = 0, body_b = 0;
   float low_m = 0;  // no two points of their triangles are nearer; 0: nothing is known
-  // The distance of point_a and point_b, on the witness's triangles, rounded upwards; +inf: there
-  // is no witness, and what follows means nothing.
+  // Two points of the witness's triangles are at most so far apart; 0: these intersect, by the
+  // exact verdict. +inf: there is no witness, and what follows means nothing.
   float high_m = std::numeric_limits<float>::infinity();
-  TrianglePair witness;
+  TrianglePair witness{0, 0, 0, 0};
+  // Those two points, each within 2^-22 of its own largest coordinate [m]; where the triangles
+  // intersect, near what they have in common.
   Vec3f point_a, point_b;
-  bool is_listed = false;  // all contacts of the pair are in DetectionResult::contacts
+  bool is_listed = false;           // all contacts of the pair are in DetectionResult::contacts
+  std::uint32_t contact_count = 0;  // how many of the pair's are there
 };
 
 // Work done in one cycle [triangles or pairs]; the same on every backend, and 0 where one does not

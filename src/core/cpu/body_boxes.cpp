@@ -1,10 +1,10 @@
 #include "core/cpu/body_boxes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "core/parallel.h"
+#include "core/posed_box.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -66,29 +66,6 @@ Aabb boxOfFiniteVertices(const HostList<float>& xyz, const CycleLimit& limit) {
   return box;
 }
 
-// A box in the scene frame that holds every posed float32 vertex of a body with this received box;
-// finite only if all of them certainly are.
-Aabb posedBox(const Aabb& received, const RigidTransform& pose) {
-  if (received.empty() || pose.isIdentity()) return received;
-  const double lo[3] = {received.min.x, received.min.y, received.min.z};
-  const double hi[3] = {received.max.x, received.max.y, received.max.z};
-  float min[3], max[3];
-  for (int i = 0; i < 3; ++i) {
-    double centre = pose.translation[i], extent = 0, size = std::fabs(pose.translation[i]);
-    for (int j = 0; j < 3; ++j) {
-      const double r = pose.rotation[3 * i + j];
-      centre += r * (lo[j] + hi[j]) / 2;
-      extent += std::fabs(r) * (hi[j] - lo[j]) / 2;
-      size += std::fabs(r) * std::max(std::fabs(lo[j]), std::fabs(hi[j]));
-    }
-    // float32 rounding of the vertices (2^-24 of their size) and of the box itself.
-    const double reach = extent + size * 2.5e-7 + 1e-44;
-    min[i] = static_cast<float>(centre - reach);
-    max[i] = static_cast<float>(centre + reach);
-  }
-  return {{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
-}
-
 const Aabb& boxAs(const MovingBox& box, const Aabb& /*as*/) { return box.to; }
 const MovingBox& boxAs(const MovingBox& box, const MovingBox& /*as*/) { return box; }
 
@@ -115,7 +92,7 @@ void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
     if (!scene.takesPart(id)) continue;
     const Body& body = scene.body(id);
     const auto posed = [&](const ReceivedBox& received, const RigidTransform& pose) {
-      const Aabb box = posedBox(received.box, pose);
+      const Aabb box = posedBox(received.box, pose, pose.isIdentity());
       all_finite_[id] =
           all_finite_[id] && received.all_finite && isFinite(box.min) && isFinite(box.max);
       return box.empty() ? box : inflated(box, growthOf<Hull>(body));
