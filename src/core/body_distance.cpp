@@ -5,14 +5,15 @@
 namespace deformable_contact_monitor {
 
 PairDecision decide(const BodyDistance& distance, float margin_m, float tolerance_m) {
-  constexpr float kRounding = 0x1p-20F;  // between a distance rounded upwards and downwards
+  // Between a distance rounded upwards and downwards: in parts, and four of the least float32.
+  constexpr float kRounding = 0x1p-20F, kLeastRounding = 6e-45F;
   if (distance.low_m > margin_m) return PairDecision::kNone;
   if (distance.high_m <= tolerance_m) return PairDecision::kContact;
   // By nearVerdict() (predicates/narrow_phase.h).
   if (distance.is_listed) {
     return distance.contact_count > 0 ? PairDecision::kNear : PairDecision::kNone;
   }
-  const float slack = std::max(tolerance_m, distance.high_m * kRounding);
+  const float slack = std::max({tolerance_m, distance.high_m * kRounding, kLeastRounding});
   if (distance.low_m > 0 && distance.high_m - slack <= margin_m &&
       distance.high_m - distance.low_m <= slack) {
     return PairDecision::kNear;

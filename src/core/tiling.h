@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/export.h"
 #include "core/triangle_mesh.h"
 
@@ -22,8 +23,8 @@ struct DCM_EXPORT Tiling {
   std::vector<std::uint32_t> region_begin;  // per region: its first tile; one more
 
   // Of each tile: its vertices, each once, ascending.
-  std::vector<std::uint32_t> vertex;        // of the mesh, tile after tile
-  std::vector<std::uint32_t> vertex_begin;  // per tile: where its own begin; one more
+  std::vector<std::uint32_t> vertex;                 // of the mesh, tile after tile
+  std::vector<std::uint32_t> vertex_begin;           // per tile: where its own begin; one more
   std::vector<std::array<std::uint8_t, 3>> corners;  // per slot: places among its tile's vertices
   // Per slot: a bit for each triangle of its tile, by place there, that shares a vertex by index
   // with it; itself included.
@@ -36,12 +37,15 @@ struct DCM_EXPORT Tiling {
 // Of valid meshes, whose vertices may be non-finite. Throws std::length_error for more than
 // 2^32 / 3 triangles.
 
-// By position alone: quick, and good for as long as the mesh keeps its shape. All tiles but the last
-// are full.
+// By position alone: quick, and good for as long as the mesh keeps its shape. All tiles but the
+// last are full.
 DCM_EXPORT Tiling tilingByPosition(const TriangleMesh& mesh);
 
 // By what hangs together, and so good however the mesh deforms later; what hangs together in less
-// than a tile goes by position. Takes about a millisecond for 1 000 triangles.
+// than a tile goes by position. Takes about a third of a millisecond for 1 000 triangles.
 DCM_EXPORT Tiling tilingBySurface(const TriangleMesh& mesh);
+
+// The same within a limit; where that was over, of no use.
+Tiling tilingBySurface(const TriangleMesh& mesh, const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor

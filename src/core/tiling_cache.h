@@ -10,25 +10,29 @@
 
 namespace deformable_contact_monitor {
 
-// Keeps one by topology_revision. One thread at a time asks; its end waits for the thread, which
-// stops early.
+// Keeps one by topology_revision. One thread at a time asks. Its end waits for the thread, which
+// stops within some milliseconds.
 class DCM_EXPORT TilingCache {
  public:
+  // So often a topology is asked for before its tiling is begun.
+  static constexpr std::uint32_t kSettledAfter = 4;
+
   TilingCache();
   ~TilingCache();
   TilingCache(const TilingCache&) = delete;
   TilingCache& operator=(const TilingCache&) = delete;
 
-  // By surface; null while it is being made, which this begins once the body had the same topology
-  // for `settled_after` calls. What no body of later calls has is forgotten.
-  std::shared_ptr<const Tiling> of(const Body& body);
+  // By surface, of the mesh as it is when that is begun; null while it is being made, and for good
+  // where memory or threads do not suffice. To be asked for each body in every cycle: what some
+  // cycles do not ask for is forgotten.
+  std::shared_ptr<const Tiling> of(const Body& body) noexcept;
 
-  // Waits until all that was asked for is there: for tests and benchmarks.
+  // Waits until all that was begun is there: for tests and benchmarks.
   void wait();
 
  private:
-  class Worker;
-  std::unique_ptr<Worker> worker_;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace deformable_contact_monitor

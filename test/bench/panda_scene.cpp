@@ -65,13 +65,13 @@ void addLink(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose, S
 
 }  // namespace
 
-Scene pandaAndCloth() {
+Scene pandaAndCloth(int squares) {
   std::ifstream file(testDataFile("robots/panda_description/urdf/panda.urdf"));
   std::stringstream text;
   text << file.rdbuf();
   const auto model = urdf::parseURDF(text.str());
   Scene scene;
-  scene.addBody("cloth", clothGrid(87, 1.2F, 0.7F, 0.12F));
+  scene.addBody("cloth", clothGrid(squares, 1.2F, 0.7F, 0.12F));
   addLink(model->getRoot(), RigidTransform(), &scene);
   RigidTransform pose;
   pose.translation[0] = pose.translation[1] = -0.6;

@@ -34,6 +34,8 @@ class BodyTiles {
   // Made when it is first asked for in a cycle.
   const PosedTile& tile(std::size_t tile) const;
 
+  Triangle posedTriangle(std::uint32_t t) const { return PosedBody(*body_).triangle(t); }
+
   // Whether certainly no triangle was rejected.
   bool allFinite() const { return all_finite_; }
 

@@ -8,6 +8,7 @@
 #include "core/coarse/distance_rounding.h"
 #include "core/predicates/triangle_distance.h"
 #include "core/predicates/triangle_intersection.h"
+#include "core/rules/geometry_of_pair.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -42,25 +43,34 @@ PairSearch::Doubt PairSearch::pop() {
 }
 
 void PairSearch::advance(const CycleLimit& limit, SteadyTime until) {
+  const float before_m = high_m_;
+  search(limit, until);
+  if (high_m_ < before_m) findPoints();
+}
+
+void PairSearch::search(const CycleLimit& limit, SteadyTime until) {
   const std::size_t region_count = bodies_.a->regions().size();
-  for (; next_region_ < region_count; ++next_region_) {
+  while (next_region_ < region_count) {
     parts_.clear();
-    settle(nearRegions(*bodies_.a, next_region_, *bodies_.b, needed_m_, parts_));
+    settle(nearRegions(*bodies_.a, next_region_++, *bodies_.b, needed_m_, parts_));
     for (const NearParts& parts : parts_) push(parts, false);
-    if (isTime(limit, until)) {
-      ++next_region_;
-      return;
-    }
+    if (isTime(limit, until)) return;
   }
-  while (!doubts_.empty() && decision() == PairDecision::kOpen) {
-    const Doubt doubt = pop();
-    if (doubt.are_tiles) {
-      lookAtTiles(doubt, limit, until);
+  while (!isDone()) {
+    if (next_triangles_ < triangles_.size()) {
+      lookAtTriangles(limit, until);
     } else {
-      lookAtRegions(doubt);
+      const Doubt doubt = pop();
+      doubt.are_tiles ? openTiles(doubt) : lookAtRegions(doubt);
     }
     if (isTime(limit, until)) return;
   }
+}
+
+bool PairSearch::isDone() const {
+  const bool all = next_region_ == bodies_.a->regions().size() && doubts_.empty() &&
+                   next_triangles_ == triangles_.size();
+  return all || decision() != PairDecision::kOpen;
 }
 
 PairDecision PairSearch::decision() const {
@@ -71,14 +81,22 @@ BodyDistance PairSearch::distance() const {
   BodyDistance distance;
   distance.body_a = bodies_.a_id;
   distance.body_b = bodies_.b_id;
-  if (next_region_ == bodies_.a->regions().size()) {
-    const double low_m =
-        doubts_.empty() ? settled_m_ : least(settled_m_, doubts_.front().low_m);
-    distance.low_m = roundedDown(low_m);
-  }
+  if (next_region_ == bodies_.a->regions().size()) distance.low_m = roundedDown(restLow());
   distance.high_m = high_m_;
   distance.witness = witness_;
+  distance.point_a = points_[0];
+  distance.point_b = points_[1];
   return distance;
+}
+
+// Of all triangles.
+double PairSearch::restLow() const {
+  double low_m = settled_m_;
+  if (!doubts_.empty()) low_m = least(low_m, doubts_.front().low_m);
+  if (next_triangles_ < triangles_.size()) {
+    low_m = least(low_m, most(open_.low_m, triangles_[next_triangles_].low_m));
+  }
+  return low_m;
 }
 
 void PairSearch::lookAtRegions(const Doubt& doubt) {
@@ -86,28 +104,38 @@ void PairSearch::lookAtRegions(const Doubt& doubt) {
   for (const NearParts& parts : parts_) push({most(parts.low_m, doubt.low_m), parts.a, parts.b}, true);
 }
 
-void PairSearch::lookAtTiles(const Doubt& doubt, const CycleLimit& limit, SteadyTime until) {
-  constexpr std::size_t kLook = 8;  // some 10 us
-  const PosedTile &a = bodies_.a->tile(doubt.a), &b = bodies_.b->tile(doubt.b);
-  double left_out_m = nearTriangles(a, b, needed_m_, triangles_);
-  for (std::size_t i = 0; i < triangles_.size(); ++i) {
-    const double low_m = most(triangles_[i].low_m, doubt.low_m);
-    if (low_m >= high_m_) {  // and so are all others
-      settle(low_m);
-      break;
-    }
-    lookAtTriangles(a, b, triangles_[i]);
-    if (high_m_ <= tolerance_m_ || ((i + 1) % kLook == 0 && isTime(limit, until))) {
-      // All others wait.
-      push({doubt.low_m, doubt.a, doubt.b}, true);
-      return;
-    }
-  }
-  settle(left_out_m);
+void PairSearch::findPoints() {
+  const PairGeometry geometry =
+      geometryOf(bodies_.a->posedTriangle(witness_.triangle_a),
+                 bodies_.b->posedTriangle(witness_.triangle_b), high_m_);
+  points_[0] = geometry.point_a;
+  points_[1] = high_m_ > 0 ? geometry.point_b : geometry.point_a;
 }
 
-void PairSearch::lookAtTriangles(const PosedTile& a, const PosedTile& b,
-                                 const NearTriangles& pair) {
+void PairSearch::openTiles(const Doubt& doubt) {
+  open_ = doubt;
+  next_triangles_ = 0;
+  settle(nearTriangles(bodies_.a->tile(doubt.a), bodies_.b->tile(doubt.b), needed_m_, triangles_));
+}
+
+void PairSearch::lookAtTriangles(const CycleLimit& limit, SteadyTime until) {
+  constexpr std::size_t kLook = 8;  // some 10 us
+  const PosedTile &a = bodies_.a->tile(open_.a), &b = bodies_.b->tile(open_.b);
+  while (next_triangles_ < triangles_.size()) {
+    const NearTriangles& pair = triangles_[next_triangles_++];
+    const double low_m = most(pair.low_m, open_.low_m);
+    if (low_m >= high_m_) {  // and so are all others
+      settle(low_m);
+      next_triangles_ = triangles_.size();
+      return;
+    }
+    look(a, b, pair);
+    if (high_m_ <= tolerance_m_) return;
+    if (next_triangles_ % kLook == 0 && isTime(limit, until)) return;
+  }
+}
+
+void PairSearch::look(const PosedTile& a, const PosedTile& b, const NearTriangles& pair) {
   const Triangle hull_a = a.posed(pair.a), hull_b = b.posed(pair.b);
   const TrianglePair ids{bodies_.a_id, a.triangle[pair.a], bodies_.b_id, b.triangle[pair.b]};
   // What is farther apart is no witness, and does not matter to what is certain.

@@ -32,9 +32,10 @@ class PairSearch {
   // few tens of microseconds. Does at least a little.
   void advance(const CycleLimit& limit, SteadyTime until);
 
+  // Nothing more can be found.
+  bool isDone() const;
   PairDecision decision() const;
 
-  // Its witness is there, but not its points.
   BodyDistance distance() const;
 
   // Triangles that were seen to intersect, in any order, each once; at least the witness if it does.
@@ -52,9 +53,13 @@ class PairSearch {
   void push(const NearParts& parts, bool are_tiles);
   Doubt pop();
   void settle(double low_m) { settled_m_ = least(settled_m_, low_m); }
+  void search(const CycleLimit& limit, SteadyTime until);
+  double restLow() const;
   void lookAtRegions(const Doubt& doubt);
-  void lookAtTiles(const Doubt& doubt, const CycleLimit& limit, SteadyTime until);
-  void lookAtTriangles(const PosedTile& a, const PosedTile& b, const NearTriangles& pair);
+  void openTiles(const Doubt& doubt);
+  void lookAtTriangles(const CycleLimit& limit, SteadyTime until);
+  void findPoints();
+  void look(const PosedTile& a, const PosedTile& b, const NearTriangles& pair);
 
   BodyPair bodies_;
   float tolerance_m_;
@@ -64,9 +69,13 @@ class PairSearch {
   double settled_m_ = std::numeric_limits<double>::infinity();  // certain of all that is no doubt
   float high_m_ = std::numeric_limits<float>::infinity();
   TrianglePair witness_{0, 0, 0, 0};
+  Vec3f points_[2];  // the witness's
   std::vector<TrianglePair> contacts_;
-  std::vector<NearParts> parts_;  // scratch
+  // The tiles that are being looked at, and of their triangles those that are still to be.
+  Doubt open_{0, 0, 0, true};
   std::vector<NearTriangles> triangles_;
+  std::size_t next_triangles_ = 0;
+  std::vector<NearParts> parts_;  // scratch
 };
 
 }  // namespace deformable_contact_monitor

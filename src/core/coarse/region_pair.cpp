@@ -43,6 +43,8 @@ double nearRegions(const BodyTiles& a, std::size_t region_a, const BodyTiles& b,
                    std::vector<NearParts>& near) {
   double least_m = INFINITY;
   const Aabb& box = a.regions()[region_a];
+  const double of_all_m = lowerGap(box, b.box());
+  if (of_all_m >= needed_m) return of_all_m;
   for (std::size_t r = 0; r < b.regions().size(); ++r) {
     const double low_m = lowerGap(box, b.regions()[r]);
     if (low_m >= needed_m) {

@@ -73,8 +73,9 @@ class TileWriter {
 void layOut(const CycleLimit& limit, const TriangleMesh& mesh, Tiling* tiling) {
   constexpr std::uint64_t kPace = 1024;
   TileWriter writer(mesh, tiling);
-  tiling->corners.resize(tiling->triangle.size());
-  tiling->neighbours.resize(tiling->triangle.size());
+  resizeWithin(limit, tiling->triangle.size(), tiling->corners);
+  resizeWithin(limit, tiling->triangle.size(), tiling->neighbours);
+  if (limit.wasOver()) return;
   tiling->vertex.reserve(tiling->triangle.size());
   tiling->vertex_begin.assign(1, 0);
   PacedLimit pace(limit, kPace);

@@ -1,0 +1,170 @@
+#include "core/tiling_cache.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "core/cycle_limit.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// A tiling that is to be made, or was.
+struct Order {
+  TriangleMesh mesh;                     // the thread's, until it is done
+  std::atomic<bool> stop{false};         // nobody wants it any more
+  std::shared_ptr<const Tiling> tiling;  // null: not there yet, or never
+};
+
+// Null if it was stopped, or there is no memory for it.
+std::shared_ptr<const Tiling> tilingOf(const Order& order) {
+  Limits limits;
+  limits.stop = &order.stop;
+  const CycleLimit limit(limits);
+  try {
+    auto tiling = std::make_shared<const Tiling>(tilingBySurface(order.mesh, limit));
+    if (!limit.wasOver()) return tiling;
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch)
+  }
+  return nullptr;
+}
+
+// The thread, which makes what is ordered, the newest first. Others call from one thread.
+class Worker {
+ public:
+  ~Worker() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ends_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  // An order of which nobody else is left is not begun.
+  void take(const std::shared_ptr<Order>& order) {
+    if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      orders_.push_back(order);
+    }
+    changed_.notify_all();
+  }
+
+  std::shared_ptr<const Tiling> resultOf(const Order& order) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return order.tiling;
+  }
+
+  void wait() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return orders_.empty() && !works_; });
+  }
+
+ private:
+  void run() {
+    while (const std::shared_ptr<Order> order = next()) {
+      std::shared_ptr<const Tiling> tiling = tilingOf(*order);
+      order->mesh = {};
+      const std::lock_guard<std::mutex> lock(mutex_);
+      order->tiling.swap(tiling);
+    }
+  }
+
+  // Null at the end.
+  std::shared_ptr<Order> next() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    works_ = false;
+    while (true) {
+      if (orders_.empty()) changed_.notify_all();
+      changed_.wait(lock, [this] { return ends_ || !orders_.empty(); });
+      if (ends_) return nullptr;
+      std::shared_ptr<Order> order = orders_.back().lock();
+      orders_.pop_back();
+      works_ = order != nullptr;
+      if (works_) return order;
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::weak_ptr<Order>> orders_;
+  bool works_ = false, ends_ = false;
+  std::thread thread_;  // the last: it uses the others
+};
+
+}  // namespace
+
+class TilingCache::State {
+ public:
+  ~State() {
+    for (auto& [topology, known] : known_) stop(known);
+  }
+
+  std::shared_ptr<const Tiling> of(const Body& body) {
+    Known& known = known_[body.topology_revision];
+    if (known.round == round_ || ++calls_ > kMostCalls) {
+      known.round = ++round_;
+      calls_ = 0;
+      forget();
+    }
+    known.round = round_;
+    if (known.order != nullptr) return worker_.resultOf(*known.order);
+    if (++known.calls < kSettledAfter) return nullptr;
+    known.order = std::make_shared<Order>();
+    known.order->mesh = body.mesh;
+    worker_.take(known.order);
+    return nullptr;
+  }
+
+  void wait() { worker_.wait(); }
+
+ private:
+  // Topologies that are never asked for again end a round too.
+  static constexpr std::size_t kMostCalls = 1 << 16;
+
+  struct Known {
+    std::uint64_t round = 0;  // the last that asked for it
+    std::uint32_t calls = 0;
+    std::shared_ptr<Order> order;
+  };
+
+  static void stop(const Known& known) {
+    if (known.order != nullptr) known.order->stop = true;
+  }
+
+  // What three rounds did not ask for. A round ends where something is asked for again.
+  void forget() {
+    for (auto i = known_.begin(); i != known_.end();) {
+      const bool is_old = i->second.round + 3 < round_;
+      if (is_old) stop(i->second);
+      i = is_old ? known_.erase(i) : std::next(i);
+    }
+  }
+
+  std::unordered_map<std::uint64_t, Known> known_;  // by topology_revision
+  std::uint64_t round_ = 1;
+  std::size_t calls_ = 0;  // in this round
+  Worker worker_;          // the last: its end waits for orders that are stopped
+};
+
+TilingCache::TilingCache() : state_(std::make_unique<State>()) {}
+TilingCache::~TilingCache() = default;
+
+std::shared_ptr<const Tiling> TilingCache::of(const Body& body) noexcept {
+  try {
+    return state_->of(body);
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+
+void TilingCache::wait() { state_->wait(); }
+
+}  // namespace deformable_contact_monitor
