@@ -1,7 +1,6 @@
 // How far apart the bodies of a pair are, where a bounded detection says it.
 #pragma once
 
-#include <cmath>
 #include <optional>
 
 #include "core/body_distance.h"
@@ -20,7 +19,6 @@ struct PairDistance {
   bool isApart() const {
     return decision == PairDecision::kNone || decision == PairDecision::kNear;
   }
-  bool hasWitness() const { return std::isfinite(bounds->high_m); }
   // Middle between the witness's points [m]. Only where there is a witness.
   Vec3d centroid() const;
   // Unit vector from the witness's point on a to that on b; zero where they are one, but for

@@ -89,20 +89,17 @@ ContactState PairFinding::state() const {
   return state;
 }
 
-// Where it is, and which way b is from a. Of contacts that are not all known, one that is.
+// Where it is, and which way b is from a.
 void PairFinding::setPlace(ContactState* state) const {
-  const bool by_list = isListed() && (summary_.touches() || state->state == ContactState::NEAR);
-  const bool by_witness =
-      !by_list && distance_ && distance_->hasWitness() && (distance_->touches() || !inside_.any());
-  if (by_witness) {
-    const Vec3d normal = distance_->normal();
-    state->centroid = toPoint32(distance_->centroid());
-    state->mean_normal = toPoint32(dot(normal, normal) > 0 ? normal : summary_.meanNormal());
-  } else if (inside_.any() && !summary_.touches()) {
+  const bool is_within = inside_.any() && !summary_.touches() && !(distance_ && distance_->touches());
+  if (is_within) {
     state->centroid = toPoint32(inside_.centroid);
-  } else {
+  } else if (summary_.count > 0 || !distance_) {
     state->centroid = toPoint32(summary_.centroid());
     state->mean_normal = toPoint32(summary_.meanNormal());
+  } else {
+    state->centroid = toPoint32(distance_->centroid());
+    state->mean_normal = toPoint32(distance_->normal());
   }
 }
 

@@ -128,7 +128,9 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   // What has passed touched since the pair's last cycle, but not at this one's stamp.
   const bool touched = known && (state->state == ContactState::CONTACT ||
                                  (state->state == ContactState::PASSED && !always));
-  const bool touching = touched && state->pair_count >= e.min_pairs;
+  // Of a contact within a tolerance, pairs are those that were seen: one is enough for any contact.
+  const bool counts = e.min_pairs > 1 || states.tolerance == 0;
+  const bool touching = touched && (!counts || state->pair_count >= e.min_pairs);
   ++record->cycles;
   record->touching += touching;
   record->unknown += !known;
