@@ -96,9 +96,10 @@ void BoundedDetector::onThreads(const Options& options, const Work& work) {
 }
 
 const DetectionResult& BoundedDetector::runExact(const Scene& scene, Options options) {
+  const SteadyTime begin = std::chrono::steady_clock::now();
   options.limits.deadline = late_.earlier(options.limits.deadline);
   const DetectionResult& result = exact_->detect(scene, options);
-  late_.ended(options.limits.deadline);
+  late_.ended(begin);
   return result;
 }
 
@@ -154,7 +155,7 @@ void BoundedDetector::takeRest(const Scene& scene, const DetectionResult& rest) 
 
 void BoundedDetector::addRestDistances(const Scene& scene, const DetectionResult& rest) {
   std::map<IdPair, BodyDistance> distances;
-  const bool all_listed = !rest.cut_off && rest.left_out == 0;
+  const bool all_listed = rest.guaranteed && !rest.cut_off && rest.left_out == 0;
   for (const IdPair& pair : rest_pairs_) {
     if (pair.first == pair.second) continue;
     BodyDistance& distance = distances[pair];
@@ -187,17 +188,19 @@ void BoundedDetector::addRestDistances(const Scene& scene, const DetectionResult
     const float margin_m =
         pairMargin(scene.body(pair.first).margin_m, scene.body(pair.second).margin_m);
     // nearVerdict() lists what is as near as the margin, to the nearest float32.
-    distance.low_m = distance.contact_count == 0 ? margin_m : roundedDown(distance.high_m * (1 - 1e-6));
+    distance.low_m =
+        distance.contact_count == 0 ? margin_m : roundedDown(distance.high_m * (1 - 1e-6));
     result_.distances.push_back(distance);
   }
 }
 
 void BoundedDetector::finish(const Scene& scene, const Options& options, const CycleLimit& limit) {
   for (const BodyDistance& distance : rounds_.distances()) {
-    const float margin_m = pairMargin(scene.body(distance.body_a).margin_m,
-                                      scene.body(distance.body_b).margin_m);
+    const float margin_m =
+        pairMargin(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m);
     const PairDecision decision = decide(distance, margin_m, options.tolerance_m);
-    const bool is_done = options.tolerance_m > 0 ? decision != PairDecision::kOpen : distance.is_listed;
+    const bool is_done =
+        options.tolerance_m > 0 ? decision != PairDecision::kOpen : distance.is_listed;
     if (!is_done) result_.cutOff(limit.wasOver() ? limit.why() : kNoTime);
     result_.distances.push_back(distance);
   }
@@ -220,9 +223,8 @@ void BoundedDetector::finish(const Scene& scene, const Options& options, const C
 // Of bodies that exact_ did not look at.
 void BoundedDetector::countRejected(const Scene& scene) {
   const auto is_in = [](const std::vector<IdPair>& pairs, BodyId id) {
-    return std::any_of(pairs.begin(), pairs.end(), [id](const IdPair& pair) {
-      return pair.first == id || pair.second == id;
-    });
+    return std::any_of(pairs.begin(), pairs.end(),
+                       [id](const IdPair& pair) { return pair.first == id || pair.second == id; });
   };
   std::vector<BodyId> unknown;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {

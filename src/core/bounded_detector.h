@@ -18,9 +18,11 @@ namespace deformable_contact_monitor {
 //   what is certain by then.
 // Else, and in swept motion, `exact` does all of it. A body with itself, and pairs of bodies whose
 // tiling is not made yet or whose vertices are on a device, go to `exact` always; it has what time
-// the other pairs leave, and a part that it needs to end in.
-// Between bodies verdicts are exact, whatever options.predicates and overlap; without a deadline
-// the result is the same for any number of threads. `tilings`: null: its own; one thread at a time.
+// the other pairs leave, and a part that it needs to end in; of its pairs of two bodies
+// `distances` say what its list says.
+// Bounds and verdicts are exact, whatever options.predicates and overlap, which are for `exact`;
+// without a deadline the result is the same for any number of threads. `tilings`: null: its own;
+// one thread at a time.
 DCM_EXPORT std::unique_ptr<Detector> makeBoundedDetector(
     std::unique_ptr<Detector> exact, std::shared_ptr<TilingCache> tilings = nullptr);
 

@@ -9,8 +9,8 @@
 
 namespace deformable_contact_monitor {
 
-// A box in the scene frame that holds every posed float32 vertex whose received one is in `received`;
-// finite only if all of them certainly are. Empty if that is.
+// A box in the scene frame that holds every posed float32 vertex whose received one is in
+// `received`; finite only if all of them certainly are. Empty if that is.
 inline Aabb posedBox(const Aabb& received, const RigidTransform& pose, bool is_identity) {
   if (received.empty() || is_identity) return received;
   const double lo[3] = {received.min.x, received.min.y, received.min.z};

@@ -6,10 +6,14 @@
 #include "core/tiles/edge_neighbours.h"
 #include "core/tiles/halving.h"
 #include "core/tiles/layout.h"
-#include "core/tiles/surface_regions.h"
+#include "core/tiles/surface_pieces.h"
 
 namespace deformable_contact_monitor {
 namespace {
+
+// Grown to more than a region: tiles fit each other better within a piece than across its rim. To
+// much more: far parts of a surface that lie together now share tiles, and may move apart.
+constexpr std::size_t kPiece = 2 * Tiling::kRegionTiles * Tiling::kTileTriangles;
 
 Tiling emptyTiling(const TriangleMesh& mesh) {
   if (mesh.triangles.size() > ~std::uint32_t{0}) {
@@ -30,18 +34,18 @@ std::vector<PlacedTriangle> allPlaced(const CycleLimit& limit, const TriangleMes
   return all;
 }
 
-// Large regions are halved each for itself; what is less than a tile goes together.
-void appendRegions(const CycleLimit& limit, const std::vector<PlacedTriangle>& triangles,
-                   const SurfaceRegions& regions, Tiling* tiling) {
-  std::vector<PlacedTriangle> region, small;
-  for (std::size_t i = 0; i < regions.count() && !limit.wasOver(); ++i) {
-    const std::uint32_t begin = regions.begin[i], end = regions.begin[i + 1];
+// Each is halved for itself; those of less than a tile go together.
+void appendPieces(const CycleLimit& limit, const std::vector<PlacedTriangle>& triangles,
+                  const SurfacePieces& pieces, Tiling* tiling) {
+  std::vector<PlacedTriangle> large, small;
+  for (std::size_t i = 0; i < pieces.count() && !limit.wasOver(); ++i) {
+    const std::uint32_t begin = pieces.begin[i], end = pieces.begin[i + 1];
     const bool is_small = end - begin < Tiling::kTileTriangles;
-    std::vector<PlacedTriangle>& to = is_small ? small : region;
-    for (std::uint32_t t = begin; t < end; ++t) to.push_back(triangles[regions.triangle[t]]);
+    std::vector<PlacedTriangle>& to = is_small ? small : large;
+    for (std::uint32_t t = begin; t < end; ++t) to.push_back(triangles[pieces.triangle[t]]);
     if (is_small) continue;
-    appendHalved(limit, region, tiling);
-    region.clear();
+    appendHalved(limit, large, tiling);
+    large.clear();
   }
   appendHalved(limit, small, tiling);
 }
@@ -59,16 +63,14 @@ Tiling tilingByPosition(const TriangleMesh& mesh) {
 Tiling tilingBySurface(const TriangleMesh& mesh) { return tilingBySurface(mesh, noLimit()); }
 
 Tiling tilingBySurface(const TriangleMesh& mesh, const CycleLimit& limit) {
-  constexpr std::size_t kRegion = Tiling::kRegionTiles * Tiling::kTileTriangles;
   Tiling tiling = emptyTiling(mesh);
   std::vector<std::uint32_t> neighbours = edgeNeighbours(limit, mesh);
   if (limit.wasOver()) return {};
   const std::vector<PlacedTriangle> all = allPlaced(limit, mesh);
   if (limit.wasOver()) return {};
-  const SurfaceRegions regions = surfaceRegions(limit, all, neighbours, kRegion);
+  const SurfacePieces pieces = surfacePieces(limit, all, neighbours, kPiece);
   neighbours = {};  // before more memory is needed
-  appendRegions(limit, all, regions, &tiling);
-  if (limit.wasOver()) return {};
+  appendPieces(limit, all, pieces, &tiling);
   layOut(limit, mesh, &tiling);
   return tiling;
 }

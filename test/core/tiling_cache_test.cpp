@@ -50,7 +50,7 @@ void settle(TilingCache& cache, const Scene& scene) {
 }
 
 TEST(TilingCaches, MakeOneOnceABodyHasSettled) {
-  const Scene scene = sceneOf({cloth(10)});
+  const Scene scene = sceneOf({cloth(300)});
   TilingCache cache;
   cache.wait();
   for (std::uint32_t i = 0; i + 1 < kSettled; ++i) {
@@ -58,6 +58,7 @@ TEST(TilingCaches, MakeOneOnceABodyHasSettled) {
     cache.wait();
   }
   EXPECT_EQ(nullptr, cache.of(scene.body(0)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));  // it is at work
   cache.wait();
   const std::shared_ptr<const Tiling> tiling = cache.of(scene.body(0));
   ASSERT_NE(nullptr, tiling);
@@ -140,13 +141,12 @@ TEST(TilingCaches, AreOfAMeshThatChangesMeanwhile) {
   cache.wait();
 }
 
-// Made whole, all these would take minutes.
 TEST(TilingCaches, EndInTheMidstOfTheirWork) {
   const Scene scene = sceneOf({cloth(700)});
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 60; ++i) {
     TilingCache cache;
     for (std::uint32_t call = 0; call < kSettled; ++call) cache.of(scene.body(0));
-    if (i % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(i / 10));
+    if (i % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(i / 2));
   }
 }
 
@@ -154,7 +154,7 @@ TEST(TilingCaches, EndInTheMidstOfTheirWork) {
 TEST(TilingCaches, DropWorkThatNobodyAsksFor) {
   TilingCache cache;
   const Scene small = sceneOf({cloth(2)});
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 60; ++i) {
     const Scene large = sceneOf({cloth(300)});
     for (std::uint32_t call = 0; call < 2 * kSettled; ++call) cache.of(large.body(0));
   }

@@ -17,11 +17,11 @@ WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror"
 KNOWN_PAIRS = "0 0 1 0\n0 1 1 0\n"
 PUBLIC_HEADERS = {
     "core": {
-        "backend_error.h", "cpu/cpu_detector.h", "detector.h", "export.h", "fallback_detector.h",
-        "host_list.h", "limits.h", "mesh_files/mesh_file.h", "options.h", "pair_geometry.h",
-        "predicates/host_device.h", "predicates/pair_settings.h", "predicates/vector3.h",
-        "rules/rigid_transform.h", "scene.h", "steady_time.h", "substeps.h",
-        "triangle_mesh.h"},
+        "backend_error.h", "body_distance.h", "bounded_detector.h", "cpu/cpu_detector.h",
+        "detector.h", "export.h", "fallback_detector.h", "host_list.h", "limits.h",
+        "mesh_files/mesh_file.h", "options.h", "pair_geometry.h", "predicates/host_device.h",
+        "predicates/pair_settings.h", "predicates/vector3.h", "rules/rigid_transform.h", "scene.h",
+        "steady_time.h", "substeps.h", "tiling.h", "tiling_cache.h", "triangle_mesh.h"},
     "cuda": {"cuda_detector.h", "detector_choice.h"},
 }
 

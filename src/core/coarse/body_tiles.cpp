@@ -65,7 +65,10 @@ bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
     if (!region_boxes_[r].empty()) box_.include(region_boxes_[r]);
   }
   const Aabb whole = box_;
-  all_finite_ = received_finite_ && (box_.empty() || (whole.min.x > -FLT_MAX && whole.min.y > -FLT_MAX && whole.min.z > -FLT_MAX && whole.max.x < FLT_MAX && whole.max.y < FLT_MAX && whole.max.z < FLT_MAX));
+  all_finite_ = received_finite_ &&
+                (box_.empty() ||
+                 (whole.min.x > -FLT_MAX && whole.min.y > -FLT_MAX && whole.min.z > -FLT_MAX &&
+                  whole.max.x < FLT_MAX && whole.max.y < FLT_MAX && whole.max.z < FLT_MAX));
   return true;
 }
 
@@ -80,8 +83,8 @@ bool BodyTiles::receive(const CycleLimit& limit) {
                    for (std::size_t r = begin; r < end; ++r) receiveRegion(r);
                  });
   if (limit.wasOver()) return false;
-  received_finite_ = std::find(finite_regions_.begin(), finite_regions_.end(), 0) ==
-                     finite_regions_.end();
+  received_finite_ =
+      std::find(finite_regions_.begin(), finite_regions_.end(), 0) == finite_regions_.end();
   vertices_revision_ = body_->vertices_revision;
   return true;
 }

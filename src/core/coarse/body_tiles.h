@@ -53,7 +53,7 @@ class BodyTiles {
 
   const Body* body_ = nullptr;
   std::shared_ptr<const Tiling> tiling_;
-  std::uint64_t vertices_revision_ = 0;  // of what was received; 0: none
+  std::uint64_t vertices_revision_ = 0;                  // of what was received; 0: none
   std::vector<Aabb> received_tiles_, received_regions_;  // body frame [m]
   std::vector<std::uint8_t> finite_regions_;
   bool received_finite_ = true;

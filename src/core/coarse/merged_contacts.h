@@ -10,7 +10,8 @@
 namespace deformable_contact_monitor {
 
 // Adds contacts, sorted, to those of `result`: pairs of bodies that it has none of. Their geometry,
-// if it is asked for, is made here. The scene's vertices are on the host, of bodies that they are of.
+// if it is asked for, is made here. The scene's vertices are on the host, of bodies that they are
+// of.
 void mergeContacts(const Scene& scene, const Options& options,
                    const std::vector<ListedContact>& contacts, DetectionResult& result);
 

@@ -11,13 +11,13 @@ namespace {
 // times what the rounding can be, and far below what matters.
 //
 // Axes. A normalised vector is as long as 1 within 3 u. Projecting the first axis out twice leaves
-// at most 4 u of it, since no vector is taken that is shorter than kFlat of what it was. The third is
-// the product of two such. So all nine products are right within kAxisError.
+// at most 4 u of it, since no vector is taken that is shorter than kFlat of what it was. The third
+// is the product of two such. So all nine products are right within kAxisError.
 constexpr double kFlat = 1e-6;
 
-// Halves. w = p - c, rounded to u |w|; its product with an axis is off by at most 5 u |w|. With axes
-// that are orthogonal but for e = kAxisError, the coordinates of w differ from its products with
-// them by at most 4 e |w|. Moving the centre is off by 4 u (|c| + |w|).
+// Halves. w = p - c, rounded to u |w|; its product with an axis is off by at most 5 u |w|. With
+// axes that are orthogonal but for e = kAxisError, the coordinates of w differ from its products
+// with them by at most 4 e |w|. Moving the centre is off by 4 u (|c| + |w|).
 constexpr double kBoxSlack = 1e-12;
 
 // Gaps. The sums below are off by at most 30 u times all lengths in them, and b's box reaches e
@@ -77,7 +77,8 @@ Extent extentAlong(const Vec3d& axis, const Vec3d& from, const float* x, const f
   std::fill_n(low, kLanes, INFINITY);
   std::fill_n(high, kLanes, -INFINITY);
   const auto add = [&](std::size_t i, std::size_t k) {
-    const double at = axis.x * (x[i] - from.x) + axis.y * (y[i] - from.y) + axis.z * (z[i] - from.z);
+    const double at =
+        axis.x * (x[i] - from.x) + axis.y * (y[i] - from.y) + axis.z * (z[i] - from.z);
     low[k] = least(low[k], at);
     high[k] = most(high[k], at);
   };
@@ -133,8 +134,8 @@ double lowerGap(const OrientedBox& a, const OrientedBox& b) {
   const Vec3d offset = b.centre - a.centre;
   const double slack = kGapSlack * (sizeOf(a.centre) + sizeOf(b.centre) + a.half[0] + a.half[1] +
                                     a.half[2] + b.half[0] + b.half[1] + b.half[2]);
-  const double squared = most(squaredGapAlong(a, b, offset, slack),
-                              squaredGapAlong(b, a, offset, slack));
+  const double squared =
+      most(squaredGapAlong(a, b, offset, slack), squaredGapAlong(b, a, offset, slack));
   // Along orthogonal axes: a vector is no shorter than the root of the squares of its parts.
   return std::sqrt(squared) * (1 - 1e-12);
 }

@@ -10,15 +10,15 @@ namespace deformable_contact_monitor {
 // All centre + sum of s_k axis_k with |s_k| <= half_k, in real numbers. The axes are unit vectors,
 // orthogonal to one another, each but for kAxisError.
 struct OrientedBox {
-  Vec3d centre;   // [m], scene frame
-  Vec3d axis[3];  // the first is about the normal of what is flat
+  Vec3d centre;                // [m], scene frame
+  Vec3d axis[3];               // the first is about the normal of what is flat
   double half[3] = {0, 0, 0};  // [m]
 };
 
 constexpr double kAxisError = 1e-13;
 
-// Of `count` >= 1 finite points. `normal`: the direction in which it is to be thin, of any length; 0:
-// any.
+// Of `count` >= 1 finite points. `normal`: the direction in which it is to be thin, of any length;
+// 0: any.
 OrientedBox orientedBoxOf(const float* x, const float* y, const float* z, std::size_t count,
                           const Vec3d& normal);
 

@@ -10,8 +10,8 @@
 namespace deformable_contact_monitor {
 
 void PairRounds::begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
-                       const std::vector<std::shared_ptr<const Tiling>>& tilings,
-                       float tolerance_m, const CycleLimit& limit) {
+                       const std::vector<std::shared_ptr<const Tiling>>& tilings, float tolerance_m,
+                       const CycleLimit& limit) {
   tolerance_m_ = tolerance_m;
   tiles_.resize(scene.bodyCount());
   ready_.assign(scene.bodyCount(), false);
@@ -92,11 +92,10 @@ std::vector<ListedContact> PairRounds::contacts() const {
   }
   std::sort(contacts.begin(), contacts.end(),
             [](const ListedContact& x, const ListedContact& y) { return x.pair < y.pair; });
-  contacts.erase(std::unique(contacts.begin(), contacts.end(),
-                             [](const ListedContact& x, const ListedContact& y) {
-                               return x.pair == y.pair;
-                             }),
-                 contacts.end());
+  contacts.erase(
+      std::unique(contacts.begin(), contacts.end(),
+                  [](const ListedContact& x, const ListedContact& y) { return x.pair == y.pair; }),
+      contacts.end());
   return contacts;
 }
 

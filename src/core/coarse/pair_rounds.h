@@ -20,8 +20,8 @@ namespace deformable_contact_monitor {
 // arena that it is called in.
 class PairRounds {
  public:
-  // Begins a cycle with these pairs, ascending, of two different bodies each. `tilings`: per body of
-  // the scene, of those in pairs. The scene must live, unchanged, until the cycle ends.
+  // Begins a cycle with these pairs, ascending, of two different bodies each. `tilings`: per body
+  // of the scene, of those in pairs. The scene must live, unchanged, until the cycle ends.
   void begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
              const std::vector<std::shared_ptr<const Tiling>>& tilings, float tolerance_m,
              const CycleLimit& limit);
@@ -38,8 +38,8 @@ class PairRounds {
   // What was found, sorted, each once.
   std::vector<ListedContact> contacts() const;
 
-  // Whether triangles of a body, one of some pair, may have been rejected. False too where there was
-  // no time to look.
+  // Whether triangles of a body, one of some pair, may have been rejected. False too where there
+  // was no time to look.
   bool mayReject(BodyId id) const { return ready_[id] && !tiles_[id]->allFinite(); }
 
  private:

@@ -1,8 +1,8 @@
 #include "core/coarse/pair_search.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 
 #include "core/coarse/distance_rounding.h"
@@ -49,12 +49,13 @@ void PairSearch::advance(const CycleLimit& limit, SteadyTime until) {
 }
 
 void PairSearch::search(const CycleLimit& limit, SteadyTime until) {
+  constexpr std::size_t kLook = 16;
   const std::size_t region_count = bodies_.a->regions().size();
   while (next_region_ < region_count) {
     parts_.clear();
     settle(nearRegions(*bodies_.a, next_region_++, *bodies_.b, needed_m_, parts_));
     for (const NearParts& parts : parts_) push(parts, false);
-    if (isTime(limit, until)) return;
+    if (next_region_ % kLook == 0 && isTime(limit, until)) return;
   }
   while (!isDone()) {
     if (next_triangles_ < triangles_.size()) {
@@ -101,13 +102,13 @@ double PairSearch::restLow() const {
 
 void PairSearch::lookAtRegions(const Doubt& doubt) {
   settle(nearTiles(*bodies_.a, doubt.a, *bodies_.b, doubt.b, needed_m_, parts_));
-  for (const NearParts& parts : parts_) push({most(parts.low_m, doubt.low_m), parts.a, parts.b}, true);
+  for (const NearParts& parts : parts_)
+    push({most(parts.low_m, doubt.low_m), parts.a, parts.b}, true);
 }
 
 void PairSearch::findPoints() {
-  const PairGeometry geometry =
-      geometryOf(bodies_.a->posedTriangle(witness_.triangle_a),
-                 bodies_.b->posedTriangle(witness_.triangle_b), high_m_);
+  const PairGeometry geometry = geometryOf(bodies_.a->posedTriangle(witness_.triangle_a),
+                                           bodies_.b->posedTriangle(witness_.triangle_b), high_m_);
   points_[0] = geometry.point_a;
   points_[1] = high_m_ > 0 ? geometry.point_b : geometry.point_a;
 }

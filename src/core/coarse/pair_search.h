@@ -38,7 +38,8 @@ class PairSearch {
 
   BodyDistance distance() const;
 
-  // Triangles that were seen to intersect, in any order, each once; at least the witness if it does.
+  // Triangles that were seen to intersect, in any order, each once; at least the witness if it
+  // does.
   const std::vector<TrianglePair>& contacts() const { return contacts_; }
 
  private:
@@ -63,7 +64,7 @@ class PairSearch {
 
   BodyPair bodies_;
   float tolerance_m_;
-  double needed_m_;  // what is farther apart is so by more than the margin
+  double needed_m_;              // what is farther apart is so by more than the margin
   std::size_t next_region_ = 0;  // of a: those before have been taken up
   std::vector<Doubt> doubts_;    // a heap
   double settled_m_ = std::numeric_limits<double>::infinity();  // certain of all that is no doubt

@@ -36,7 +36,7 @@ void PosedTile::takeFinite(const Tiling& tiling, std::size_t tile) {
   constexpr std::uint8_t kUnused = 255;
   std::array<std::uint8_t, 3 * kTriangles> place;
   place.fill(kUnused);
-  const std::array<float, 3 * kTriangles> all_x = x, all_y = y, all_z = z;
+  const std::array<float, 3 *kTriangles> all_x = x, all_y = y, all_z = z;
   count = vertex_count = 0;
   for (std::uint32_t slot = tiling.tile_begin[tile]; slot < tiling.tile_begin[tile + 1]; ++slot) {
     const std::array<std::uint8_t, 3> corner = tiling.corners[slot];
@@ -74,8 +74,7 @@ void PosedTile::findBoxes() {
     normal = normal + cross(toDouble(hull.v[1]) - o, toDouble(hull.v[2]) - o);
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    std::fill(low[k].begin() + static_cast<std::ptrdiff_t>(count), low[k].end(),
-              low[k][count - 1]);
+    std::fill(low[k].begin() + static_cast<std::ptrdiff_t>(count), low[k].end(), low[k][count - 1]);
     std::fill(high[k].begin() + static_cast<std::ptrdiff_t>(count), high[k].end(),
               high[k][count - 1]);
   }

@@ -17,13 +17,13 @@ namespace deformable_contact_monitor {
 struct PosedTile {
   static constexpr std::size_t kTriangles = Tiling::kTileTriangles;
 
-  std::size_t count = 0;                             // of triangles; 0: the rest is of no use
-  std::array<std::uint32_t, kTriangles> triangle;    // which of the body's
+  std::size_t count = 0;                           // of triangles; 0: the rest is of no use
+  std::array<std::uint32_t, kTriangles> triangle;  // which of the body's
   std::array<std::array<std::uint8_t, 3>, kTriangles> corners;  // places among the vertices
-  std::size_t vertex_count = 0;                      // all of some triangle
-  std::array<float, 3 * kTriangles> x, y, z;         // scene frame [m]
-  Aabb box;                                          // of them
-  OrientedBox oriented;                              // the same
+  std::size_t vertex_count = 0;                                 // all of some triangle
+  std::array<float, 3 * kTriangles> x, y, z;                    // scene frame [m]
+  Aabb box;                                                     // of them
+  OrientedBox oriented;                                         // the same
   // Of each triangle, by axis; beyond `count` as the last one's.
   std::array<std::array<float, kTriangles>, 3> low, high;
 

@@ -22,8 +22,8 @@ struct TileBox {
 };
 
 // The tiles of a region that may be nearer than needed_m to a box; `least_m` is that of the others.
-std::size_t tilesNear(const BodyTiles& body, std::size_t region, const Aabb& other,
-                      double needed_m, TileBox* near, double& least_m) {
+std::size_t tilesNear(const BodyTiles& body, std::size_t region, const Aabb& other, double needed_m,
+                      TileBox* near, double& least_m) {
   std::size_t count = 0;
   for (std::size_t tile = body.tileBegin(region); tile < body.tileEnd(region); ++tile) {
     const Aabb box = body.tileBox(tile);
@@ -56,8 +56,8 @@ double nearRegions(const BodyTiles& a, std::size_t region_a, const BodyTiles& b,
   return least_m;
 }
 
-double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b,
-                 std::size_t region_b, double needed_m, std::vector<NearParts>& near) {
+double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, std::size_t region_b,
+                 double needed_m, std::vector<NearParts>& near) {
   near.clear();
   double least_m = INFINITY;
   TileBox of_a[Tiling::kRegionTiles], of_b[Tiling::kRegionTiles];
@@ -69,7 +69,8 @@ double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b,
   for (std::size_t i = 0; i < a_count; ++i) {
     for (std::size_t j = 0; j < b_count; ++j) {
       double low_m = lowerGap(of_a[i].box, of_b[j].box);
-      if (low_m < needed_m) low_m = most(low_m, lowerGap(a.tile(of_a[i].tile), b.tile(of_b[j].tile)));
+      if (low_m < needed_m)
+        low_m = most(low_m, lowerGap(a.tile(of_a[i].tile), b.tile(of_b[j].tile)));
       if (low_m >= needed_m) {
         least_m = least(least_m, low_m);
       } else {

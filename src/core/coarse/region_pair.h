@@ -22,7 +22,7 @@ double nearRegions(const BodyTiles& a, std::size_t region_a, const BodyTiles& b,
                    std::vector<NearParts>& near);
 
 // Fills `near` with such pairs of tiles of two regions, in their order.
-double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b,
-                 std::size_t region_b, double needed_m, std::vector<NearParts>& near);
+double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, std::size_t region_b,
+                 double needed_m, std::vector<NearParts>& near);
 
 }  // namespace deformable_contact_monitor

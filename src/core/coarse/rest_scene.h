@@ -11,8 +11,8 @@
 namespace deformable_contact_monitor {
 
 // Bodies keep their ids, those without a pair are empty. Kept from cycle to cycle: what did not
-// change is not copied, and pairs that stay the same keep their revision. For one moment: bodies have
-// no earlier states.
+// change is not copied, and pairs that stay the same keep their revision. For one moment: bodies
+// have no earlier states.
 class RestScene {
  public:
   // `memory`: where vertices lie.

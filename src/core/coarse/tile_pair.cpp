@@ -35,8 +35,9 @@ std::size_t trianglesNear(const PosedTile& tile, const OrientedBox& box, double 
   double at[3][3 * kTriangles];
   const double size = std::fabs(box.centre.x) + std::fabs(box.centre.y) + std::fabs(box.centre.z) +
                       box.half[0] + box.half[1] + box.half[2];
-  const double far = most(most(most(-tile.box.min.x, tile.box.max.x), most(-tile.box.min.y, tile.box.max.y)),
-                          most(-tile.box.min.z, tile.box.max.z));
+  const double far =
+      most(most(most(-tile.box.min.x, tile.box.max.x), most(-tile.box.min.y, tile.box.max.y)),
+           most(-tile.box.min.z, tile.box.max.z));
   const double slack = 1e-12 * (size + 3 * most(far, 0.0));  // as in oriented_box.cpp
   for (std::size_t i = 0; i < tile.vertex_count; ++i) {
     const Vec3d w = toDouble(tile.vertex(i)) - box.centre;

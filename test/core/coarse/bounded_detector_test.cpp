@@ -13,6 +13,7 @@
 #include "core/mesh_files/mesh_file.h"
 #include "pair_sets.h"
 #include "random_scenes.h"
+#include "scene_walk.h"
 #include "scenes.h"
 #include "test_data.h"
 
@@ -102,7 +103,8 @@ TEST_F(BoundedTest, SaysNothingFalseAndLeavesNothingOpenOnRandomScenes) {
       }
     }
   }
-  for (const PairDecision each : {PairDecision::kNone, PairDecision::kNear, PairDecision::kContact}) {
+  for (const PairDecision each :
+       {PairDecision::kNone, PairDecision::kNear, PairDecision::kContact}) {
     EXPECT_GT(decided[static_cast<int>(each)], 100U) << static_cast<int>(each);
   }
 }
@@ -128,6 +130,7 @@ TEST_F(BoundedTest, IsTheSameOnAnyNumberOfThreads) {
   for (std::uint32_t seed = 0; seed < 3; ++seed) {
     Scene scene = largeRandomScene(seed);
     scene.setMargin(0, 0.001F);
+    for (BodyId id = 0; id < scene.bodyCount(); ++id) scene.setPairEnabled(id, id, false);
     settle(scene);
     Options options;
     options.tolerance_m = 1e-3F;
@@ -144,6 +147,29 @@ TEST_F(BoundedTest, IsTheSameOnAnyNumberOfThreads) {
       }
     }
   }
+}
+
+// Bodies that come, move, change their triangles and are switched off and on.
+TEST_F(BoundedTest, KeepsNothingThatChanged) {
+  std::size_t looked_at = 0;
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    SceneWalk walk(seed);
+    for (int step = 0; step < 120; ++step) {
+      SCOPED_TRACE(::testing::Message()
+                   << "seed " << seed << ", step " << step << ": " << walk.step());
+      if (walk.scene().triangleCount() > 1500) continue;
+      Options options = walk.options();
+      options.predicates = Predicates::kExact;
+      options.overlap = 1;
+      options.tolerance_m = 1e-3F;
+      tilings_->wait();
+      const DetectionResult& result = detector_->detect(walk.scene(), options);
+      if (result.distances.empty()) continue;
+      expectAllTrue(walk.scene(), result, options.tolerance_m, trueDistances(walk.scene()));
+      looked_at += result.distances.size();
+    }
+  }
+  EXPECT_GT(looked_at, 200U);
 }
 
 // By a margin of 5 cm the exact detector tells the distances of all pairs that are nearer.
@@ -179,7 +205,8 @@ TEST_F(BoundedTest, RobotLinksAndATShirtAtManyTolerancesAndMargins) {
       RigidTransform pose;
       const double rotation[9] = {c, -s, 0, s, c, 0, 0, 0, 1};
       std::copy(std::begin(rotation), std::end(rotation), pose.rotation);
-      for (int axis = 0; axis < 3; ++axis) pose.translation[axis] = 0.2 * std::sin(step + 2 * axis + id);
+      for (int axis = 0; axis < 3; ++axis)
+        pose.translation[axis] = 0.2 * std::sin(step + 2 * axis + id);
       scene.setPose(id, pose);
     }
     const std::map<IdPair, double> truth = distancesBelow(*exact_, scene, kKnownTo);
@@ -229,8 +256,8 @@ TEST_F(BoundedTest, IsExactWithoutToleranceAndDeadlineAndBetweenStates) {
   swept.motion = Motion::kSwept;
   swept.tolerance_m = 0.01F;
   scene.setEarlier(0, RigidTransform());
-  EXPECT_TRUE(samePairs(exact_->detect(scene, swept).contacts,
-                        detector_->detect(scene, swept).contacts));
+  EXPECT_TRUE(
+      samePairs(exact_->detect(scene, swept).contacts, detector_->detect(scene, swept).contacts));
 }
 
 TEST_F(BoundedTest, IsExactUntilTilingsAreThere) {

@@ -23,7 +23,8 @@ class BoundedTest : public ::testing::Test {
   void settle(const Scene& scene) {
     Options options;
     options.tolerance_m = 1;
-    for (std::uint32_t i = 0; i <= TilingCache::kSettledAfter; ++i) detector_->detect(scene, options);
+    for (std::uint32_t i = 0; i <= TilingCache::kSettledAfter; ++i)
+      detector_->detect(scene, options);
     tilings_->wait();
   }
 
@@ -36,14 +37,14 @@ inline float marginOf(const Scene& scene, const BodyDistance& distance) {
   return pairMargin(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m);
 }
 
-// That all it claims is true. `truth`: the bodies' distance, right to a part in 2^27, +inf where one
-// has no triangle; or any number above `known_to`, if it is more than that.
+// That all it claims is true. `truth`: the bodies' distance, right to a part in 2^27, +inf where
+// one has no triangle; or any number above `known_to`, if it is more than that.
 inline void expectTrue(const Scene& scene, const BodyDistance& distance, float tolerance_m,
                        double truth, double known_to = INFINITY) {
   constexpr double kTruth = 1 + 0x1p-26;
-  SCOPED_TRACE(::testing::Message() << "bodies " << distance.body_a << " and " << distance.body_b
-                                    << ", distance " << truth << ", low " << distance.low_m
-                                    << ", high " << distance.high_m);
+  SCOPED_TRACE(::testing::Message()
+               << "bodies " << distance.body_a << " and " << distance.body_b << ", distance "
+               << truth << ", low " << distance.low_m << ", high " << distance.high_m);
   const float margin_m = marginOf(scene, distance);
   if (truth <= known_to) {
     EXPECT_LE(distance.low_m, truth * kTruth);
@@ -64,7 +65,8 @@ inline void expectTrue(const Scene& scene, const BodyDistance& distance, float t
       break;
     case PairDecision::kNear:
       EXPECT_GT(truth, 0);
-      EXPECT_LE(std::min(truth, known_to), (static_cast<double>(margin_m) + tolerance_m) * (1 + 1e-6));
+      EXPECT_LE(std::min(truth, known_to),
+                (static_cast<double>(margin_m) + tolerance_m) * (1 + 1e-6));
       break;
     case PairDecision::kContact:
       EXPECT_LE(std::min(truth, known_to), tolerance_m * kTruth);

@@ -135,8 +135,8 @@ TEST_F(BoundedTest, WhateverTheDeadlineWhatIsSaidIsTrue) {
     Options options = withDeadline(std::chrono::microseconds(3 << (i % 20)));
     options.tolerance_m = i % 3 == 0 ? 1e-3F : 0;
     const DetectionResult& result = detector_->detect(scene, options);
-    EXPECT_TRUE(std::includes(exact.contacts.begin(), exact.contacts.end(),
-                              result.contacts.begin(), result.contacts.end()));
+    EXPECT_TRUE(std::includes(exact.contacts.begin(), exact.contacts.end(), result.contacts.begin(),
+                              result.contacts.end()));
     (result.cut_off ? cut_off : complete) += 1;
     for (const BodyDistance& distance : result.distances) {
       expectTrue(scene, distance, options.tolerance_m,

@@ -120,9 +120,15 @@ RigidTransform randomPose(Random& random) {
   RigidTransform pose;
   if (random.isOneOf(4)) return pose;
   const double a = 3 * random.either(), b = 3 * random.either();
-  const double turn[9] = {std::cos(a), -std::sin(a) * std::cos(b), std::sin(a) * std::sin(b),
-                          std::sin(a), std::cos(a) * std::cos(b),  -std::cos(a) * std::sin(b),
-                          0,           std::sin(b),                std::cos(b)};
+  const double turn[9] = {std::cos(a),
+                          -std::sin(a) * std::cos(b),
+                          std::sin(a) * std::sin(b),
+                          std::sin(a),
+                          std::cos(a) * std::cos(b),
+                          -std::cos(a) * std::sin(b),
+                          0,
+                          std::sin(b),
+                          std::cos(b)};
   const double scale = random.isOneOf(8) ? std::pow(10.0, 40 * random.either()) : 1;
   for (int i = 0; i < 9; ++i) pose.rotation[i] = scale * turn[i];
   for (double& t : pose.translation) t = 2 * random.either();
@@ -251,8 +257,8 @@ TEST(TileBounds, AreNeverMoreThanTheDistanceOnAnyState) {
               seen.tight);
 }
 
-// Patches that face each other, turned in any way: their distance is the gap itself, so that a bound
-// which takes anything off a box is too large.
+// Patches that face each other, turned in any way: their distance is the gap itself, so that a
+// bound which takes anything off a box is too large.
 TEST(TileBounds, AreAttainedByPatchesThatFaceEachOther) {
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
@@ -260,8 +266,8 @@ TEST(TileBounds, AreAttainedByPatchesThatFaceEachOther) {
     TriangleMesh low = clothGrid(squares, 0.05F, 0, 0);
     TriangleMesh high = clothGrid(squares, 0.05F, 0.001F + 0.05F * random.unit(), 0);
     const RigidTransform pose = randomPose(random);
-    const double scale = std::abs(std::sqrt(pose.rotation[0] * pose.rotation[0] +
-                                            pose.rotation[3] * pose.rotation[3]));
+    const double scale = std::abs(
+        std::sqrt(pose.rotation[0] * pose.rotation[0] + pose.rotation[3] * pose.rotation[3]));
     if (scale > 2 || scale < 0.5) continue;
     Scene scene = pairScene(low, high);
     scene.setPose(0, pose);

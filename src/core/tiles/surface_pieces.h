@@ -10,9 +10,9 @@
 
 namespace deformable_contact_monitor {
 
-struct SurfaceRegions {
-  std::vector<std::uint32_t> triangle;  // region by region
-  std::vector<std::uint32_t> begin;     // of each region; one more
+struct SurfacePieces {
+  std::vector<std::uint32_t> triangle;  // piece by piece
+  std::vector<std::uint32_t> begin;     // of each piece; one more
 
   std::size_t count() const { return begin.size() - 1; }
 };
@@ -20,7 +20,7 @@ struct SurfaceRegions {
 // Each triangle in one of them. Each is grown over edges (edgeNeighbours()) from one triangle up to
 // `most`, compact rather than long. Takes n log(most) steps. `triangles`: all, in order. Where the
 // limit is over, not all of them are in one.
-SurfaceRegions surfaceRegions(const CycleLimit& limit, const std::vector<PlacedTriangle>& triangles,
-                              const std::vector<std::uint32_t>& neighbours, std::size_t most);
+SurfacePieces surfacePieces(const CycleLimit& limit, const std::vector<PlacedTriangle>& triangles,
+                            const std::vector<std::uint32_t>& neighbours, std::size_t most);
 
 }  // namespace deformable_contact_monitor
