@@ -36,7 +36,8 @@ class ContactStateTracker {
   //   stamp, what is known of the pair stays: the partner has cycles too.
   // - else CONTACT, also where a part of one is within the other (inside), or NEAR when every
   // triangle pair is apart (within the margin), or NONE. What is known of a later stamp stays.
-  // - where the result has the pair's distance, by decide() (core/body_distance.h) instead; UNKNOWN,
+  // - where the result has the pair's distance, by decide() (core/body_distance.h) instead;
+  // UNKNOWN,
   //   with distance_low, where that is open.
   // - in swept motion PASSED, in place of NEAR and NONE, where the pair touched in its step;
   // UNKNOWN

@@ -11,8 +11,8 @@ SteadyTime CycleBudget::deadline(SteadyTime arrival) const {
   if (budget_s_ == 0) return SteadyTime::max();
   // All but the longest: one hiccup is not what publishing takes.
   std::vector<double> longest(2);
-  std::partial_sort_copy(publishing_s_.begin(), publishing_s_.end(), longest.begin(),
-                         longest.end(), std::greater<>());
+  std::partial_sort_copy(publishing_s_.begin(), publishing_s_.end(), longest.begin(), longest.end(),
+                         std::greater<>());
   const double reserve_s = publishing_s_.size() < 2 ? longest.front() : longest.back();
   return arrival + fromSeconds(budget_s_ - std::min(reserve_s, budget_s_ / 2));
 }

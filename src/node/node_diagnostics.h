@@ -25,8 +25,8 @@
 
 namespace deformable_contact_monitor {
 
-// Kinds of status: status, mesh:<object>, tf, timing, output, allowed; in swept motion, motion; with
-// a tolerance or a budget, trade. Threads may call every function at any time.
+// Kinds of status: status, mesh:<object>, tf, timing, output, allowed; in swept motion, motion;
+// with a tolerance or a budget, trade. Threads may call every function at any time.
 class NodeDiagnostics {
  public:
   // All arguments but the handles must outlive this.

@@ -29,11 +29,10 @@ std::optional<PairDistance> distanceOf(const CycleReport& report, const Monitore
                                        float tolerance_m) {
   if (report.result == nullptr) return std::nullopt;
   const std::vector<BodyDistance>& all = report.result->distances;
-  const auto found = std::lower_bound(all.begin(), all.end(), pair,
-                                      [](const BodyDistance& one, const MonitoredPair& of) {
-                                        return std::tie(one.body_a, one.body_b) <
-                                               std::tie(of.a, of.b);
-                                      });
+  const auto found = std::lower_bound(
+      all.begin(), all.end(), pair, [](const BodyDistance& one, const MonitoredPair& of) {
+        return std::tie(one.body_a, one.body_b) < std::tie(of.a, of.b);
+      });
   if (found == all.end() || found->body_a != pair.a || found->body_b != pair.b) {
     return std::nullopt;
   }

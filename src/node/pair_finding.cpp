@@ -91,7 +91,8 @@ ContactState PairFinding::state() const {
 
 // Where it is, and which way b is from a.
 void PairFinding::setPlace(ContactState* state) const {
-  const bool is_within = inside_.any() && !summary_.touches() && !(distance_ && distance_->touches());
+  const bool is_within =
+      inside_.any() && !summary_.touches() && !(distance_ && distance_->touches());
   if (is_within) {
     state->centroid = toPoint32(inside_.centroid);
   } else if (summary_.count > 0 || !distance_) {

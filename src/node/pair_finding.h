@@ -27,8 +27,8 @@ class PairFinding {
   // NONE, NEAR or CONTACT. Only where there is no problem.
   ContactState state() const;
 
-  // Certain of the pair's distance, also where the problem is that it is not decided [m]; 0: nothing
-  // is.
+  // Certain of the pair's distance, also where the problem is that it is not decided [m]; 0:
+  // nothing is.
   float distanceLowM() const;
 
  private:

@@ -62,8 +62,9 @@ void TradeWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status) c
                  is_late ? "states come later than budget_ms" : "in force");
   status.add("tolerance [m]", tolerance_m_);
   status.add("budget [ms]", 1e3 * budget_s_);
-  status.addf("pairs of bodies decided", "%.2f %%",
-              pairs == 0 ? 100.0 : 100.0 * static_cast<double>(decided) / static_cast<double>(pairs));
+  status.addf(
+      "pairs of bodies decided", "%.2f %%",
+      pairs == 0 ? 100.0 : 100.0 * static_cast<double>(decided) / static_cast<double>(pairs));
   status.addf("arrival to states [ms]", "median %.3f, p99 %.3f, max %.3f", answerMs(50),
               answerMs(99), answerMs(100));
   if (budget_s_ > 0) status.addf("p99 over budget", "%.2f", answerMs(99) / (1e3 * budget_s_));

@@ -14,7 +14,8 @@ namespace deformable_contact_monitor {
 class TradeWatch {
  public:
   // 0: none.
-  TradeWatch(double tolerance_m, double budget_s) : tolerance_m_(tolerance_m), budget_s_(budget_s) {}
+  TradeWatch(double tolerance_m, double budget_s)
+      : tolerance_m_(tolerance_m), budget_s_(budget_s) {}
 
   // A cycle. `answer_s`: from the arrival of its mesh until its states were out.
   void record(const CycleReport& report, double answer_s);

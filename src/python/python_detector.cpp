@@ -97,14 +97,11 @@ SteadyTime deadlineIn(std::optional<double> max_time_s) {
                                                 std::chrono::duration<double>(*max_time_s));
 }
 
-std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, std::int64_t device,
-                                                   std::int64_t memory_limit_mib,
-                                                   const std::string& adjacent_pairs,
-                                                   const std::string& predicates, float overlap,
-                                                   int clusters, float fuzzifier, int iterations,
-                                                   int refresh_period, int threads, bool geometry,
-                                                   const std::string& motion, bool first_times,
-                                                   float tolerance_m) {
+std::unique_ptr<PythonDetector> makePythonDetector(
+    const std::string& backend, std::int64_t device, std::int64_t memory_limit_mib,
+    const std::string& adjacent_pairs, const std::string& predicates, float overlap, int clusters,
+    float fuzzifier, int iterations, int refresh_period, int threads, bool geometry,
+    const std::string& motion, bool first_times, float tolerance_m) {
   Options options;
   options.adjacent = toAdjacentPairs(adjacent_pairs);
   options.predicates = toPredicates(predicates);

@@ -101,7 +101,8 @@ bounds (Detector(tolerance_m=...), on the CPU); else empty, and pairs say all.)"
 
 constexpr const char* kDistanceText = R"(What is certain of the distance of two bodies [m].)";
 
-constexpr const char* kStateText = R"('none': farther apart than the margin; 'near': apart, and within
+constexpr const char* kStateText =
+    R"('none': farther apart than the margin; 'near': apart, and within
 margin and tolerance; 'contact': two points are at most tolerance_m apart; 'unknown': not decided
 in time. All but the last are certain.)";
 

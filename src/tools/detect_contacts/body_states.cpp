@@ -87,15 +87,15 @@ Json bodyStatesJson(const std::vector<BodyState>& states) {
   for (const BodyState& state : states) {
     const BodyDistance& d = state.distance;
     const bool has_witness = !std::isinf(d.high_m);
-    json.push_back({{"bodies", {d.body_a, d.body_b}},
-                    {"state", nameOf(state.decision)},
-                    {"distance_low", d.low_m},
-                    {"distance_high", has_witness ? Json(d.high_m) : Json()},
-                    {"witness", has_witness ? Json{d.witness.triangle_a, d.witness.triangle_b}
-                                            : Json()},
-                    {"points", has_witness ? Json{point(d.point_a), point(d.point_b)} : Json()},
-                    {"listed", d.is_listed},
-                    {"contacts", d.contact_count}});
+    json.push_back(
+        {{"bodies", {d.body_a, d.body_b}},
+         {"state", nameOf(state.decision)},
+         {"distance_low", d.low_m},
+         {"distance_high", has_witness ? Json(d.high_m) : Json()},
+         {"witness", has_witness ? Json{d.witness.triangle_a, d.witness.triangle_b} : Json()},
+         {"points", has_witness ? Json{point(d.point_a), point(d.point_b)} : Json()},
+         {"listed", d.is_listed},
+         {"contacts", d.contact_count}});
   }
   return json;
 }

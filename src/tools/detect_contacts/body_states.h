@@ -23,7 +23,8 @@ std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& res
 // A line for each, of the first 20.
 std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& states);
 
-// [{bodies, state, distance_low, distance_high, witness, points, listed, contacts}]; null: not known.
+// [{bodies, state, distance_low, distance_high, witness, points, listed, contacts}]; null: not
+// known.
 nlohmann::json bodyStatesJson(const std::vector<BodyState>& states);
 
 }  // namespace deformable_contact_monitor

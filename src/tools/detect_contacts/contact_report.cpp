@@ -240,7 +240,8 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   return jsonText(json);
 }
 
-std::string summary(const DetectArguments& arguments, const Scene& scene, const std::string& backend, const DetectionResult& last,
+std::string summary(const DetectArguments& arguments, const Scene& scene,
+                    const std::string& backend, const DetectionResult& last,
                     const DetectionTimes& times) {
   std::string states;
   if (arguments.bounded()) {

@@ -109,9 +109,10 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
                  result.cut_off_because.c_str());
   }
   if (!result.distances.empty() && arguments.options.tolerance_m > 0) {
-    std::fputs("detect_contacts: note: with --tolerance-m the list has the contacts seen on the "
-               "way, not all\n",
-               stderr);
+    std::fputs(
+        "detect_contacts: note: with --tolerance-m the list has the contacts seen on the "
+        "way, not all\n",
+        stderr);
   }
   if (arguments.meshes.size() == (arguments.swept() ? 2 : 1) && !arguments.self) {
     std::fputs("detect_contacts: note: one body and no --self, so there is nothing to test\n",

@@ -8,8 +8,7 @@
 namespace deformable_contact_monitor {
 
 DetectedContacts::DetectedContacts(std::unique_ptr<Detector> detector, bool looks_within,
-                                   double swept_tolerance_m,
-                                   std::shared_ptr<TilingCache> tilings)
+                                   double swept_tolerance_m, std::shared_ptr<TilingCache> tilings)
     : detector_(std::move(detector)),
       looks_within_(looks_within),
       swept_tolerance_m_(swept_tolerance_m),

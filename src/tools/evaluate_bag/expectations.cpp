@@ -120,10 +120,9 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   record->is_monitored |= state != nullptr;
   // The cycle did not look at the pair.
   if (state != nullptr && state->stamp != states.header.stamp) return;
-  bool known =
-      state != nullptr &&
-      (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
-       state->state == ContactState::CONTACT || state->state == ContactState::PASSED);
+  bool known = state != nullptr &&
+               (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
+                state->state == ContactState::CONTACT || state->state == ContactState::PASSED);
   const bool always = e.touches == Expectation::Touches::kAlways;
   // What has passed touched since the pair's last cycle, but not at this one's stamp.
   const bool touched = known && (state->state == ContactState::CONTACT ||

@@ -40,8 +40,8 @@ class Counting {
   void add(const DetectionResult& result) {
     if (result.distances.empty()) return addExact(result);
     for (const BodyDistance& distance : result.distances) {
-      const float margin_m = std::max(scene_.body(distance.body_a).margin_m,
-                                      scene_.body(distance.body_b).margin_m);
+      const float margin_m =
+          std::max(scene_.body(distance.body_a).margin_m, scene_.body(distance.body_b).margin_m);
       const PairDecision decision = decide(distance, margin_m, sum_->setting.tolerance_m);
       add({distance.body_a, distance.body_b}, decision);
       if (decision == PairDecision::kContact) addClaim(distance.witness);
@@ -54,7 +54,7 @@ class Counting {
     for (const BodyPair& bodies : scene_.enabledPairs()) {
       if (bodies.first == bodies.second) continue;
       const bool is_found = found.count(bodies) > 0;
-      add(bodies, is_found          ? PairDecision::kContact
+      add(bodies, is_found         ? PairDecision::kContact
                   : result.cut_off ? PairDecision::kOpen
                                    : PairDecision::kNone);
     }
@@ -69,8 +69,8 @@ class Counting {
     sum_->common += claimed && is_true;
     if (!is_true || claimed || decision == PairDecision::kOpen) return;
     ++sum_->missed;
-    fail("says that " + scene_.body(bodies.first).name + " and " +
-         scene_.body(bodies.second).name + ", which intersect, do not");
+    fail("says that " + scene_.body(bodies.first).name + " and " + scene_.body(bodies.second).name +
+         ", which intersect, do not");
   }
 
   void addClaim(const TrianglePair& witness) {
@@ -81,8 +81,8 @@ class Counting {
     double largest = 0;
     for (const Triangle& t : {a, b}) {
       for (const Vec3f& v : t.v) {
-        largest = std::max({largest, std::abs(double{v.x}), std::abs(double{v.y}),
-                            std::abs(double{v.z})});
+        largest = std::max(
+            {largest, std::abs(double{v.x}), std::abs(double{v.y}), std::abs(double{v.z})});
       }
     }
     constexpr double kRounding = 1e-12;

@@ -1,4 +1,5 @@
-// What measure_trade --tolerance writes: a table, JSON, the node's parameters, a few lines for people.
+// What measure_trade --tolerance writes: a table, JSON, the node's parameters, a few lines for
+// people.
 #include "tools/measure_trade/bound_report.h"
 
 #include <algorithm>
@@ -114,8 +115,9 @@ std::string boundsText(const TradeArguments& arguments, const std::vector<BoundM
   const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
   const std::string budget =
       arguments.budget_ms ? " within " + numberText(*arguments.budget_ms) + " ms" : "";
-  return text + (chosen ? "Chosen" + budget + ": " + describe(all[*chosen].setting)
-                        : "No setting decides all pairs" + budget) +
+  return text +
+         (chosen ? "Chosen" + budget + ": " + describe(all[*chosen].setting)
+                 : "No setting decides all pairs" + budget) +
          "\n";
 }
 

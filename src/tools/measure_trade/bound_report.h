@@ -1,4 +1,5 @@
-// What measure_trade --tolerance writes: a table, JSON, the node's parameters, a few lines for people.
+// What measure_trade --tolerance writes: a table, JSON, the node's parameters, a few lines for
+// people.
 #pragma once
 
 #include <cstddef>

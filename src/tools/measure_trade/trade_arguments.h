@@ -29,7 +29,7 @@ struct TradeArguments {
   bool bounds = false;      // tolerances and budgets, in place of the grid
   std::vector<float> tolerances_m = {0, 0.001F, 0.005F, 0.02F};
   std::vector<double> budgets_ms = {0, 5, 20};  // 0: none
-  std::string command;      // all of it, to be typed again
+  std::string command;                          // all of it, to be typed again
 };
 
 // False if there is nothing to do, because --help or --version was asked for and is printed.
