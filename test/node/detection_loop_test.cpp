@@ -335,6 +335,10 @@ TEST_F(MeshesTest, WhatIsWithinIsLookedForIfAskedFor) {
   giveBoth(50.1);
   stepAfter(100);
   EXPECT_EQ(said_.looks_within, 1);
+  detector_.distances.resize(1);  // but what is apart is known
+  giveBoth(50.2);
+  stepAfter(100);
+  EXPECT_EQ(said_.looks_within, 2);
 }
 
 TEST_F(MeshesTest, WhatIsWithinIsNotLookedForOtherwise) {

@@ -21,6 +21,7 @@ struct FakeDetector : Detector {
   struct Script {
     std::string failure;  // detect() throws it; empty: it finds nothing
     bool out_of_time = false;
+    std::vector<BodyDistance> distances;  // what it knows then all the same
     std::string step_failure;  // as failure, in swept motion
     bool step_out_of_time = false;
     std::chrono::steady_clock::time_point deadline;  // of the last detection
@@ -39,6 +40,7 @@ struct FakeDetector : Detector {
     result.begin(scene, options, true);
     const bool is_step = options.motion == Motion::kSwept;
     if (is_step ? script->step_out_of_time : script->out_of_time) result.cutOff("no time");
+    result.distances = script->distances;
     const std::string& failure = is_step ? script->step_failure : script->failure;
     if (!failure.empty()) throw std::runtime_error(failure);
     return result;
