@@ -71,7 +71,7 @@ void writeFloor(const std::filesystem::path& file) {
            RigidTransform());
 }
 
-// States of the T-shirt, 0.7 m long, that sink onto the Panda.
+// States of the T-shirt, 0.7 m long, that sink onto the Panda's hand and elbow.
 void writeShirts(const std::filesystem::path& folder) {
   constexpr float kLengthM = 0.7F;
   const RigidTransform pose = pandaAndCloth(1).body(0).pose;
@@ -91,7 +91,7 @@ void writeShirts(const std::filesystem::path& folder) {
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       const std::size_t axis = v % 3;
       mesh.vertices[v] = (mesh.vertices[v] - (least[axis] + most[axis]) / 2) * (kLengthM / size);
-      if (axis == 2) mesh.vertices[v] += 1.2F - 0.03F * static_cast<float>(i);
+      mesh.vertices[v] += axis == 2 ? 1.2F - 0.03F * static_cast<float>(i) : 0.65F;
     }
     std::snprintf(name, sizeof name, "shirt_%02d.off", i);
     writeOff(folder / name, mesh, pose);
@@ -119,10 +119,11 @@ TriangleMesh slivers(int along, int layers, int in_layer, float gap) {
 }
 
 void writeSoups(const std::filesystem::path& folder) {
-  constexpr int kLayers = 100, kInLayer = 200;
+  constexpr int kLayers = 25, kInLayer = 160;
   for (const int along : {0, 1}) {
     const TriangleMesh soup = slivers(along, kLayers, kInLayer, 1e-4F);
-    writeOff(folder / (along == 0 ? "soup_x.off" : "soup_y.off"), soup, RigidTransform());
+    const char* const name = along == 0 ? "soup_x.off" : "soup_y.off";
+    writeOff(folder / name, soup, RigidTransform());
   }
 }
 
