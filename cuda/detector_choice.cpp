@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/bounded_detector.h"
 #include "core/cpu/cpu_detector.h"
 #include "core/pair_set_detector.h"
 
@@ -62,12 +63,14 @@ BackendChoice toBackendChoice(const std::string& name) {
 
 std::unique_ptr<Detector> makeDetector(BackendChoice choice, WithoutCuda without_cuda,
                                        const CudaSettings& settings,
-                                       const std::function<void(const BackendState&)>& changed) {
+                                       const std::function<void(const BackendState&)>& changed,
+                                       const std::shared_ptr<TilingCache>& tilings) {
   PairSetLimits limits;
   limits.memory_bytes = settings.memory_limit_bytes;
-  const DetectorMaker on_cpu = [settings, limits] {
+  const DetectorMaker on_cpu = [settings, limits, tilings] {
     const CpuSettings cpu{settings.memory_limit_bytes};
-    return makePairSetDetector([cpu] { return makeCpuDetector(cpu); }, limits);
+    auto exact = makePairSetDetector([cpu] { return makeCpuDetector(cpu); }, limits);
+    return tilings == nullptr ? std::move(exact) : makeBoundedDetector(std::move(exact), tilings);
   };
   CudaSettings cuda = settings;
   std::function<void(const BackendState&)> tell;

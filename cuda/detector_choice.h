@@ -8,6 +8,7 @@
 #include "core/detector.h"
 #include "core/export.h"
 #include "core/fallback_detector.h"
+#include "core/tiling_cache.h"
 #include "cuda/cuda_detector.h"
 
 namespace deformable_contact_monitor {
@@ -36,9 +37,12 @@ enum class WithoutCuda {
 // Where one of several devices is lost, `changed` is told of that too (BackendState::partly).
 // `changed` may be empty. Where the CPU takes over, detect() refuses vertices that are on a device
 // (Scene::setDeviceVertices).
+// `tilings`: null: exact. Else what runs on the CPU is bounded by these (makeBoundedDetector); CUDA
+// is exact whatever the tolerance.
 DCM_EXPORT std::unique_ptr<Detector> makeDetector(
     BackendChoice choice = BackendChoice::kAuto, WithoutCuda without_cuda = WithoutCuda::kRefuse,
     const CudaSettings& settings = CudaSettings(),
-    const std::function<void(const BackendState&)>& changed = nullptr);
+    const std::function<void(const BackendState&)>& changed = nullptr,
+    const std::shared_ptr<TilingCache>& tilings = nullptr);
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,6 @@
 #include "core/options.h"
 
+#include <cmath>
 #include <stdexcept>
 
 namespace deformable_contact_monitor {
@@ -26,6 +27,8 @@ std::vector<std::string> problems(const Options& options) {
           "refresh_period is " + std::to_string(options.refresh_period) + ", must be >= 1");
   require(options.threads >= 0 && options.threads <= 1024,
           "threads is " + std::to_string(options.threads) + ", must be in [0, 1024] (0: all)");
+  require(std::isfinite(options.tolerance_m) && options.tolerance_m >= 0,
+          "tolerance_m is " + std::to_string(options.tolerance_m) + ", must be finite and >= 0");
   const bool swept = options.motion == Motion::kSwept;
   require(!(options.geometry && swept), "geometry is of one moment, motion is swept");
   require(!options.first_times || swept, "first_times is of a step, motion is instant");

@@ -103,6 +103,7 @@ ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts,
   message.backend = report.backend;
   message.predicates = toString(report.options.predicates);
   message.overlap = report.options.overlap;
+  message.tolerance = report.options.tolerance_m;
   message.age = toDuration(secondsBetween(report.now, report.header.stamp));
   if (report.result != nullptr) {
     const DetectionResult& result = *report.result;

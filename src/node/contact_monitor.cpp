@@ -150,8 +150,10 @@ std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
       parameters_,
       LoopSources{mailbox_, mesh_mailboxes_, buffer_, [this] { return robot_source_.newest(); }},
       LoopTime{std::chrono::steady_clock::now, ros::Time::now},
-      makeDetector(parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda,
-                   [this](const BackendState& state) { noteBackend(state); }),
+      makeDetector(
+          parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda,
+          [this](const BackendState& state) { noteBackend(state); },
+          tradesAccuracy(parameters_) ? std::make_shared<TilingCache>() : nullptr),
       std::make_unique<MonitorSink>(std::move(publisher), diagnostics_));
 }
 

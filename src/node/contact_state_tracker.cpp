@@ -34,28 +34,6 @@ bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
   return (!lacks(pair.a) || is_partner(pair.a)) && (!lacks(pair.b) || is_partner(pair.b));
 }
 
-ContactState describe(const CycleReport& report, const MonitoredPair& pair,
-                      const PairSummary& summary, const InsideParts& inside) {
-  ContactState state;
-  state.body_a = report.bodies.at(pair.a).name;
-  state.body_b = report.bodies.at(pair.b).name;
-  state.stamp = report.header.stamp;
-  state.pair_count = saturated(summary.count);
-  state.min_separation = static_cast<float>(summary.min_separation_m);
-  state.inside = inside.which;
-  if (inside.any() && !summary.touches()) {
-    state.state = ContactState::CONTACT;
-    state.min_separation = 0;
-    state.centroid = toPoint32(inside.centroid);
-    return state;
-  }
-  if (summary.count == 0) return state;  // NONE
-  state.state = summary.touches() ? ContactState::CONTACT : ContactState::NEAR;
-  state.centroid = toPoint32(summary.centroid());
-  state.mean_normal = toPoint32(summary.meanNormal());
-  return state;
-}
-
 bool isApart(const ContactState& state) {
   return state.state == ContactState::NONE || state.state == ContactState::NEAR;
 }
@@ -125,34 +103,6 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
   }
 }
 
-// Why the pair is not known although both bodies are; empty if it is.
-std::string ContactStateTracker::resultProblem(const CycleReport& report, const MonitoredPair& pair,
-                                               const PairSummary& summary,
-                                               const InsideParts& inside) const {
-  if (report.result == nullptr) return "no detection ran";
-  if (summary.touches() || inside.any()) return "";
-  // The pair's contacts may be among those that are not listed, that were not looked at, or of
-  // triangles that took no part.
-  if (report.result->cut_off) return report.result->cut_off_because;
-  if (report.containment != nullptr && pair.a != pair.b &&
-      !report.containment->cut_off_because.empty()) {
-    return report.containment->cut_off_because;
-  }
-  if (secondsBetween(report.now, report.header.stamp) > rules_.max_age_s) {
-    return "the cycle ended later than max_mesh_age_s after its stamp";
-  }
-  if (report.result->left_out > 0) return "contacts were left out: memory_limit_mib";
-  for (const BodyId id : {pair.a, pair.b}) {
-    const BodyStatus& body = report.bodies.at(id);
-    const auto count = static_cast<double>(report.scene->body(id).mesh.triangleCount());
-    if (static_cast<double>(body.rejected) <= rules_.tolerated_rejects * count) continue;
-    return body.name + ": " + std::to_string(body.rejected) + " of " +
-           std::to_string(report.scene->body(id).mesh.triangleCount()) +
-           " triangles have a vertex that is not finite (tolerated_rejects)";
-  }
-  return "";
-}
-
 void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& pair,
                                const PairSummary& summary, const StepVerdicts& steps,
                                Track* track) {
@@ -169,10 +119,15 @@ void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& p
   if (track->isKnown() && report.header.stamp < track->state.stamp) {
     return lookBack(report, step, track);
   }
-  const InsideParts inside = insidePartsOf(report, pair);
-  if (problem.empty()) problem = resultProblem(report, pair, summary, inside);
   if (!problem.empty()) return interrupt(ContactState::UNKNOWN, problem, report.now, track);
-  ContactState state = describe(report, pair, summary, inside);
+  const PairFinding finding(report, pair, summary, rules_);
+  problem = finding.problem();
+  if (!problem.empty()) {
+    interrupt(ContactState::UNKNOWN, problem, report.now, track);
+    track->state.distance_low = finding.distanceLowM();
+    return;
+  }
+  ContactState state = finding.state();
   if (!lookAtStep(report, step, &state, track)) return;
   const bool goes_on = resumes(state, report.now, *track);
   const std::uint8_t before = track->state.state;
@@ -270,6 +225,7 @@ ContactStates ContactStateTracker::states(const ros::Time& stamp, const ros::Tim
   message.header.frame_id = frame_;
   message.cycle = cycle_;
   message.complete = true;
+  message.tolerance = rules_.tolerance_m;
   ros::Time oldest = now;
   message.states.reserve(tracks_.size());
   for (const Track& track : tracks_) {

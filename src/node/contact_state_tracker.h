@@ -13,22 +13,12 @@
 #include <vector>
 
 #include "node/cycle_report.h"
-#include "node/inside_parts.h"
+#include "node/pair_finding.h"
 #include "node/pair_summary.h"
+#include "node/state_rules.h"
 #include "node/step_verdicts.h"
 
 namespace deformable_contact_monitor {
-
-struct StateRules {
-  int debounce_on_cycles = 1;   // a contact begins after so many cycles of CONTACT in a row, >= 1
-  int debounce_off_cycles = 1;  // and ends after so many without, >= 1
-  double max_age_s = 0.5;       // a state that is older is not known any more
-  // The share of a body's triangles that may be rejected (for a non-finite vertex) while NONE and
-  // NEAR are claimed of it, [0, 1].
-  double tolerated_rejects = 0;
-  // A state that comes back after less than this of UNKNOWN goes on, as `since` counts, >= 0.
-  double since_survives_s = 0;
-};
 
 // Threads may call every function at any time: states grow old while a cycle runs.
 class ContactStateTracker {
@@ -46,6 +36,9 @@ class ContactStateTracker {
   //   stamp, what is known of the pair stays: the partner has cycles too.
   // - else CONTACT, also where a part of one is within the other (inside), or NEAR when every
   // triangle pair is apart (within the margin), or NONE. What is known of a later stamp stays.
+  // - where the result has the pair's distance, by decide() (core/body_distance.h) instead;
+  // UNKNOWN,
+  //   with distance_low, where that is open.
   // - in swept motion PASSED, in place of NEAR and NONE, where the pair touched in its step;
   // UNKNOWN
   //   where the step may have missed that, or where there is no step and the pair was known before:
@@ -88,8 +81,6 @@ class ContactStateTracker {
   };
 
   void listPairs(const CycleReport& report);
-  std::string resultProblem(const CycleReport& report, const MonitoredPair& pair,
-                            const PairSummary& summary, const InsideParts& inside) const;
   void look(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
             const StepVerdicts& steps, Track* track);
   bool lookAtStep(const CycleReport& report, const StepVerdict& step, ContactState* state,

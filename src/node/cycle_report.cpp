@@ -25,8 +25,10 @@ void noteRejected(CycleReport* report) {
 
 void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report) {
   report->containment = nullptr;
-  if (report->result->cut_off || report->result->left_out > 0) return;
-  report->containment = &finder->find(*report->scene, *report->result, limit);
+  const DetectionResult& result = *report->result;
+  const bool knows_apart = !result.cut_off || !result.distances.empty();
+  if (!knows_apart || result.left_out > 0) return;
+  report->containment = &finder->find(*report->scene, result, limit);
 }
 
 std::string stepProblem(const CycleReport& report) {

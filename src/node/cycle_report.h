@@ -100,7 +100,8 @@ bool hasGeometry(const CycleReport& report);
 void noteRejected(CycleReport* report);
 
 // After the detection, what is within what: not where contacts are missing, since who touches a
-// surface is not known there.
+// surface is not known there. Where the result has distances, a part said to be within a body that
+// is not apart from it by those may touch it as well.
 void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report);
 
 // Why the detection of a step failed; empty: none did.

@@ -28,8 +28,9 @@ class CycleSink {
   // A cycle begins, which may take long.
   virtual void recordStart() = 0;
   // A cycle: its work began at `start`, the mesh that asked for it came at `mesh_arrival`. The
-  // report has no result if detection failed. Sets the report's `now`.
-  virtual void sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) = 0;
+  // report has no result if detection failed. Sets the report's `now`. Returns when the states were
+  // out.
+  virtual SteadyTime sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) = 0;
   // A report without detection, so that silence is not mistaken for "no contact". Sets its `now`.
   virtual void sendHeartbeat(CycleReport* report) = 0;
   // The pairs that there are, or which of them are allowed, changed.

@@ -23,6 +23,7 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       detector_(std::move(detector)),
       sink_(std::move(sink)),
       clock_(parameters.max_mesh_age_s, time_.steady()),
+      budget_(parameters.budget_ms / 1e3),
       turns_(maxRatesHz(live_, parameters.objects.size())),
       inputs_(makeMeshInputs(parameters)),
       scene_(parameters, detector_->vertexMemory()),
@@ -200,11 +201,11 @@ void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
     waited_s = std::max(waited_s, toSeconds(now - taken));
   }
   turns_.start(who);
-  turns_.finish(who, !detect(stamp, trigger, budgetS(who), waited_s, arrival));
+  turns_.finish(who, !detect(stamp, trigger, mostS(who), waited_s, arrival));
 }
 
 // [s]. Who ran out of time has less of it, so that others do not grow old meanwhile.
-double DetectionLoop::budgetS(const std::vector<std::size_t>& who) const {
+double DetectionLoop::mostS(const std::vector<std::size_t>& who) const {
   constexpr double kShareAfterOverrun = 0.25;
   const bool has_others = inputs_.size() > 1 || live_.pair_classes.robot_self;
   const bool overran =
@@ -212,8 +213,8 @@ double DetectionLoop::budgetS(const std::vector<std::size_t>& who) const {
   return parameters_.max_cycle_s * (has_others && overran ? kShareAfterOverrun : 1);
 }
 
-// Whether it ended in time.
-bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s,
+// Whether it took no longer than it may. That its budget is over is no fault of who triggered it.
+bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, double most_s,
                            double waited_s, SteadyTime mesh_arrival) {
   const SteadyTime start = time_.steady();
   clock_.startCycle(start);
@@ -224,8 +225,10 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   sink_->recordTransforms(transforms);
   CycleReport report = makeReport(t);
   planner_.plan(trigger, scene_, lookup_, &report);
+  const SteadyTime budget_end = budget_.deadline(mesh_arrival);
+  const SteadyTime deadline = std::min(budget_end, start + fromSeconds(most_s));
   try {
-    const Limits limits{start + fromSeconds(budget_s), &sources_.requests.stopped()};
+    const Limits limits{deadline, &sources_.requests.stopped()};
     report.result = &runDetector(limits);
     report.backend = detector_->backend();  // it may have fallen back
     report.scene = &scene_.scene();
@@ -241,8 +244,9 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
     sink_->recordDetectorError(error.what());
     report.result = nullptr;
   }
-  const bool in_time = !isOutOfTime(report);
-  sink_->sendCycle(&report, start, mesh_arrival);
+  const bool in_time = !isOutOfTime(report) || deadline == budget_end;
+  const SteadyTime detected = time_.steady();
+  budget_.record(deadline, detected, sink_->sendCycle(&report, start, mesh_arrival));
   return in_time;
 }
 

@@ -14,6 +14,7 @@
 #include "core/containment.h"
 #include "core/detector.h"
 #include "core/steady_time.h"
+#include "node/cycle_budget.h"
 #include "node/cycle_clock.h"
 #include "node/cycle_sink.h"
 #include "node/cycle_turns.h"
@@ -75,8 +76,8 @@ class DetectionLoop {
   void lookAtRobotsTime();
   std::optional<ros::Time> robotsStamp() const;
   void takeTurn(const std::vector<std::size_t>& who);
-  double budgetS(const std::vector<std::size_t>& who) const;
-  bool detect(const ros::Time& t, const CycleTrigger& trigger, double budget_s, double waited_s,
+  double mostS(const std::vector<std::size_t>& who) const;
+  bool detect(const ros::Time& t, const CycleTrigger& trigger, double most_s, double waited_s,
               SteadyTime mesh_arrival);
   const DetectionResult& runDetector(const Limits& limits);
 
@@ -95,6 +96,7 @@ class DetectionLoop {
   const std::unique_ptr<Detector> detector_;
   const std::unique_ptr<CycleSink> sink_;
   CycleClock clock_;
+  CycleBudget budget_;
   CycleTurns turns_;  // of the objects, in their order, and of the robot
   MeshInputs inputs_;
   MonitorScene scene_;

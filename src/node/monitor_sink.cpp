@@ -4,10 +4,12 @@
 #include <ros/console.h>
 
 namespace deformable_contact_monitor {
+
 void MonitorSink::recordStart() { diagnostics_.recordStart(); }
 
-void MonitorSink::sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) {
+SteadyTime MonitorSink::sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) {
   const boost::shared_ptr<const ContactArray> sent = publisher_->publish(report);
+  const SteadyTime published = std::chrono::steady_clock::now();
   publisher_->publishPatches(*report);
   const double latency_s = secondsSince(mesh_arrival);  // markers are for people and can wait
   publisher_->publishMarkers(*report);
@@ -15,6 +17,8 @@ void MonitorSink::sendCycle(CycleReport* report, SteadyTime start, SteadyTime me
     diagnostics_.recordOddity(object, oddity);
   }
   diagnostics_.recordCycle(*report, *sent, secondsSince(start), latency_s);
+  diagnostics_.recordTrade(*report, toSeconds(published - mesh_arrival));
+  return published;
 }
 
 void MonitorSink::recordContainment(const CycleReport& report) {

@@ -22,7 +22,7 @@ class MonitorSink : public CycleSink {
 
   bool wantsGeometry() const override { return publisher_->wantsGeometry(); }
   void recordStart() override;
-  void sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) override;
+  SteadyTime sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) override;
   void sendHeartbeat(CycleReport* report) override;
   void listPairs(CycleReport* report) override { publisher_->publishStates(report); }
   void forgetStates(const std::string& body, const std::string& reason) override {

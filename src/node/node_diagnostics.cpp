@@ -16,7 +16,8 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
       mailboxes_(mailboxes),
       robot_(robot),
       updater_(node, private_node, private_node.getNamespace()),
-      watches_(mailboxes.size()) {
+      watches_(mailboxes.size()),
+      trade_(parameters.detector.tolerance_m, parameters.budget_ms / 1e3) {
   updater_.setHardwareID("none");
   updater_.add("status", this, &NodeDiagnostics::describeStatus);
   for (std::size_t i = 0; i < mailboxes_.size(); ++i) {
@@ -30,6 +31,7 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
   if (parameters_.motion == Motion::kSwept) {
     updater_.add("motion", this, &NodeDiagnostics::describeMotion);
   }
+  if (tradesAccuracy(parameters_)) updater_.add("trade", this, &NodeDiagnostics::describeTrade);
 }
 
 void NodeDiagnostics::recordStart() {
@@ -60,6 +62,14 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
   output_.rejected_triangles = sent.rejected_triangles;
   output_.skipped = sent.skipped;
   output_.age = sent.age;
+  output_.timed_out = sent.timed_out;
+  output_.guaranteed = sent.guaranteed || (sent.tolerance > 0 && isGuaranteed(report.options));
+}
+
+void NodeDiagnostics::recordTrade(const CycleReport& report, double answer_s) {
+  if (!tradesAccuracy(parameters_)) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  trade_.record(report, answer_s);
 }
 
 void NodeDiagnostics::recordMesh(std::size_t object, const MeshCounters& counters) {
@@ -217,14 +227,22 @@ void NodeDiagnostics::describeMotion(Status& status) {
   motion_.describe(status);
 }
 
+void NodeDiagnostics::describeTrade(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  trade_.describe(status);
+}
+
 void NodeDiagnostics::describeOutput(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (cycles_ == 0) {
     status.summary(DiagnosticStatus::WARN, "nothing published yet");
     return;
   }
-  status.summary(DiagnosticStatus::OK, "complete");
-  if (!output_.complete) status.summary(DiagnosticStatus::WARN, "not complete");
+  // A tolerance was asked for, and that it leaves pairs of triangles out is no fault.
+  const bool is_whole = output_.guaranteed && output_.skipped.empty() && !output_.truncated &&
+                        !output_.timed_out && output_.rejected_triangles == 0;
+  status.summary(DiagnosticStatus::OK, output_.complete ? "complete" : "within tolerance_m");
+  if (!output_.complete && !is_whole) status.summary(DiagnosticStatus::WARN, "not complete");
   for (const std::string& skipped : output_.skipped) status.add("skipped", skipped);
   status.add("pairs", output_.pair_count);
   status.add("truncated", output_.truncated);

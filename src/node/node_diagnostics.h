@@ -20,13 +20,13 @@
 #include "node/robot_source.h"
 #include "node/rules_in_force.h"
 #include "node/timing_watch.h"
+#include "node/trade_watch.h"
 #include "node/transform_watch.h"
 
 namespace deformable_contact_monitor {
 
-// Kinds of status: status, mesh:<object>, tf, timing, output, allowed; in swept motion, motion.
-// Threads may call every
-// function at any time.
+// Kinds of status: status, mesh:<object>, tf, timing, output, allowed; in swept motion, motion;
+// with a tolerance or a budget, trade. Threads may call every function at any time.
 class NodeDiagnostics {
  public:
   // All arguments but the handles must outlive this.
@@ -40,6 +40,8 @@ class NodeDiagnostics {
   // the mesh that asked for the cycle until all but the markers is published.
   void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s,
                    double latency_s);
+  // Of such a cycle: `answer_s` from the arrival of that mesh until its states were out.
+  void recordTrade(const CycleReport& report, double answer_s);
   // The last mesh of this object was looked at: what is counted since the start.
   void recordMesh(std::size_t object, const MeshCounters& counters);
   // What is odd about the size or place of this object; empty: nothing.
@@ -80,6 +82,7 @@ class NodeDiagnostics {
   void describeOutput(Status& status);
   void describeAllowed(Status& status);
   void describeMotion(Status& status);
+  void describeTrade(Status& status);
 
   struct MeshWatch {
     MeshCounters counters;
@@ -104,6 +107,7 @@ class NodeDiagnostics {
   TimingWatch timing_{Clock::now()};
   TransformWatch transforms_;
   MotionWatch motion_;
+  TradeWatch trade_;
   RulesInForce rules_;
   ContactArray output_;  // of the latest cycle, without the pairs
 };

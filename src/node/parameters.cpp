@@ -13,6 +13,8 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr double kMaxMarginM = 10;
+constexpr double kMaxToleranceM = 1;
+constexpr double kMaxBudgetMs = 60000;
 
 void warnOfUnknown(const ParameterReader& reader, std::vector<std::string>* warnings) {
   for (const std::string& name : reader.unknown()) {
@@ -154,6 +156,11 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   o.refresh_period = reader->integer("refresh_period", o.refresh_period, -kAny, kAny);
   o.threads = reader->integer("threads", o.threads, -kAny, kAny);
   p->motion = static_cast<Motion>(reader->choice("motion", {"instant", "swept"}, 0));
+  o.tolerance_m =
+      static_cast<float>(reader->number("tolerance_m", o.tolerance_m, 0, kMaxToleranceM));
+  if (o.tolerance_m > 0 && p->motion == Motion::kSwept) {
+    reader->addProblem("tolerance_m", "is above 0, which motion: swept does not know");
+  }
   p->swept_tolerance_m = reader->number("swept_tolerance_m", p->swept_tolerance_m, 0, 1);
   o.geometry = reader->flag("contact_geometry", o.geometry);
   p->containment = reader->flag("containment", p->containment);
@@ -165,6 +172,7 @@ void readOutput(ParameterReader* reader, MonitorParameters* p) {
   p->max_rate_hz = reader->number("max_rate_hz", p->max_rate_hz, 0, 10000);
   p->robot_rate_hz = reader->number("robot_rate_hz", p->robot_rate_hz, 0.1, 1000);
   p->max_cycle_s = reader->number("max_cycle_s", p->max_cycle_s, 0.001, 3600);
+  p->budget_ms = reader->number("budget_ms", p->budget_ms, 0, kMaxBudgetMs);
   p->tf_timeout_s = reader->number("tf_timeout_s", p->tf_timeout_s, 0, 1);
   p->max_mesh_age_s = reader->number("max_mesh_age_s", p->max_mesh_age_s, 0, 60);
   p->tolerated_rejects = reader->number("tolerated_rejects", p->tolerated_rejects, 0, 1);
@@ -186,6 +194,10 @@ void readInput(ParameterReader* reader, MonitorParameters* p) {
 }
 
 }  // namespace
+
+bool tradesAccuracy(const MonitorParameters& parameters) {
+  return parameters.detector.tolerance_m > 0 || parameters.budget_ms > 0;
+}
 
 double linkMarginM(const MonitorParameters& parameters, const std::string& link) {
   const auto own = parameters.link_margin_m.find(link);

@@ -66,6 +66,7 @@ struct MonitorParameters {
   double max_rate_hz = 100;   // of an object's cycles; 0: every mesh
   double robot_rate_hz = 30;  // of the robot's own cycles (robot_self)
   double max_cycle_s = 1;     // a cycle that takes longer ends early, and says so
+  double budget_ms = 0;       // from the arrival of a mesh to its states; 0: none
   double tf_timeout_s = 0.05;
   double max_mesh_age_s = 0.5;
   double tolerated_rejects = 0;  // share of a body's triangles
@@ -84,6 +85,9 @@ struct MonitorParameters {
   // Of one mesh, and of all that are kept of one object.
   std::size_t max_mesh_bytes = std::size_t{512} << 20U;
 };
+
+// Whether less than the exact contacts is asked for.
+bool tradesAccuracy(const MonitorParameters& parameters);
 
 // Of the link of that name [m].
 double linkMarginM(const MonitorParameters& parameters, const std::string& link);

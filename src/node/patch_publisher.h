@@ -21,7 +21,7 @@ class PatchPublisher {
 
   // ~contact_patches while somebody listens, also without a patch. Not where no detection ran, nor
   // where its contacts have no geometry, because it was asked for too late: that would look like no
-  // contact.
+  // contact. With a tolerance, none of pairs of bodies whose contacts are not all listed.
   void publish(const CycleReport& report);
 
   // Of the last report; null where none were made of it.

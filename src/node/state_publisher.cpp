@@ -15,6 +15,7 @@ StateRules stateRules(const MonitorParameters& parameters) {
   rules.max_age_s = parameters.max_mesh_age_s;
   rules.tolerated_rejects = parameters.tolerated_rejects;
   rules.since_survives_s = parameters.since_survives_s;
+  rules.tolerance_m = parameters.detector.tolerance_m;
   return rules;
 }
 

@@ -36,6 +36,9 @@ clusters (0: from the scene), fuzzifier [1.05, 4], iterations [0, 100], refresh_
     speed alone while overlap is 1 and predicates are exact.
 threads: of the CPU backend; 0: all cores.
 geometry: whether results have the geometry of each contact; instant only.
+tolerance_m: how far off the distance of two bodies may be [m]; 0: exact. Above, the CPU decides
+    pairs of two bodies by bounds (Result.distances), sooner, and lists the contacts that it saw on
+    the way alone; from the fifth cycle of a topology on. CUDA is exact all the same. Instant only.
 
 Raises ValueError that lists every value out of range; RuntimeError, with the reason, where
 backend='cuda' cannot be used.)";
@@ -94,13 +97,11 @@ SteadyTime deadlineIn(std::optional<double> max_time_s) {
                                                 std::chrono::duration<double>(*max_time_s));
 }
 
-std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, std::int64_t device,
-                                                   std::int64_t memory_limit_mib,
-                                                   const std::string& adjacent_pairs,
-                                                   const std::string& predicates, float overlap,
-                                                   int clusters, float fuzzifier, int iterations,
-                                                   int refresh_period, int threads, bool geometry,
-                                                   const std::string& motion, bool first_times) {
+std::unique_ptr<PythonDetector> makePythonDetector(
+    const std::string& backend, std::int64_t device, std::int64_t memory_limit_mib,
+    const std::string& adjacent_pairs, const std::string& predicates, float overlap, int clusters,
+    float fuzzifier, int iterations, int refresh_period, int threads, bool geometry,
+    const std::string& motion, bool first_times, float tolerance_m) {
   Options options;
   options.adjacent = toAdjacentPairs(adjacent_pairs);
   options.predicates = toPredicates(predicates);
@@ -113,6 +114,10 @@ std::unique_ptr<PythonDetector> makePythonDetector(const std::string& backend, s
   options.geometry = geometry;
   options.motion = toMotion(motion);
   options.first_times = first_times;
+  options.tolerance_m = tolerance_m;
+  if (tolerance_m > 0 && options.motion == Motion::kSwept) {
+    throw std::invalid_argument("tolerance_m is above 0, which motion 'swept' does not know");
+  }
   return std::make_unique<PythonDetector>(toBackendChoice(backend),
                                           toSettings(device, memory_limit_mib), options);
 }
@@ -129,8 +134,9 @@ PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& setting
   requireValid(options_);
   const auto without_cuda =
       choice == BackendChoice::kCuda ? WithoutCuda::kRefuse : WithoutCuda::kTryAgain;
-  detector_ = makeDetector(choice, without_cuda, settings,
-                           [this](const BackendState& state) { state_ = state; });
+  detector_ = makeDetector(
+      choice, without_cuda, settings, [this](const BackendState& state) { state_ = state; },
+      options_.tolerance_m > 0 ? std::make_shared<TilingCache>() : nullptr);
   update();
 }
 
@@ -187,7 +193,8 @@ void bindDetector(py::module& module) {
            py::arg("fuzzifier") = options.fuzzifier, py::arg("iterations") = options.iterations,
            py::arg("refresh_period") = options.refresh_period, py::arg("threads") = options.threads,
            py::arg("geometry") = options.geometry, py::arg("motion") = toString(options.motion),
-           py::arg("first_times") = options.first_times, kInitText)
+           py::arg("first_times") = options.first_times,
+           py::arg("tolerance_m") = options.tolerance_m, kInitText)
       .def("detect", &Self::detect, py::arg("scene").none(false),
            py::arg("max_time_s") = py::none(), kDetectText)
       .def("reset", &Self::reset,

@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/body_distance.h"
+
 namespace deformable_contact_monitor {
 namespace py = pybind11;
 namespace {
@@ -77,6 +79,33 @@ std::string describe(const PythonResult& result) {
          (result.complete ? "complete" : "not complete") + ">";
 }
 
+std::string nameOf(PairDecision decision) {
+  switch (decision) {
+    case PairDecision::kNone:
+      return "none";
+    case PairDecision::kNear:
+      return "near";
+    case PairDecision::kContact:
+      return "contact";
+    default:
+      return "unknown";
+  }
+}
+
+py::tuple toTuple(const Vec3f& v) { return py::make_tuple(v.x, v.y, v.z); }
+
+constexpr const char* kDistancesText = R"(What is certain of the distance of pairs of two bodies.
+
+A list of BodyDistance, ascending, of each enabled pair of two bodies, where the detection looked at
+bounds (Detector(tolerance_m=...), on the CPU); else empty, and pairs say all.)";
+
+constexpr const char* kDistanceText = R"(What is certain of the distance of two bodies [m].)";
+
+constexpr const char* kStateText =
+    R"('none': farther apart than the margin; 'near': apart, and within
+margin and tolerance; 'contact': two points are at most tolerance_m apart; 'unknown': not decided
+in time. All but the last are certain.)";
+
 constexpr const char* kPairsText =
     R"(The contacts: (k, 4) uint32, body_a triangle_a body_b triangle_b.
 
@@ -136,6 +165,14 @@ floating point), undecided (of the contacts: assumed to be some, by conservative
 
 }  // namespace
 
+PythonDistance::PythonDistance(const BodyDistance& in_distance, const Scene& scene,
+                               float tolerance_m)
+    : distance(in_distance) {
+  const float margin_m =
+      std::max(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m);
+  state = nameOf(decide(distance, margin_m, tolerance_m));
+}
+
 PythonResult::PythonResult(const DetectionResult& result, const std::string& in_backend,
                            const Scene& scene, const Options& options)
     : pairs(pairTable(result.contacts)),
@@ -164,11 +201,51 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
   if (options.first_times) first_times = timeTable(result.first_times);
   if (swept && scene.anyPad()) within_pad = flagList(result.within_pad);
   for (const BodyId body : result.without_step) without_step.append(body);
+  for (const BodyDistance& distance : result.distances) {
+    distances.append(PythonDistance(distance, scene, options.tolerance_m));
+  }
   for (const auto& [stage, ms] : result.stages_ms) stages_ms[py::str(stage)] = ms;
 }
 
+namespace {
+
+void bindDistance(py::module& module) {
+  using Self = PythonDistance;
+  const auto field = [](auto member) {
+    return [member](const PythonDistance& self) { return self.distance.*member; };
+  };
+  py::class_<Self>(module, "BodyDistance", kDistanceText)
+      .def_property_readonly("body_a", field(&BodyDistance::body_a), "The lower id.")
+      .def_property_readonly("body_b", field(&BodyDistance::body_b), "The other id.")
+      .def_readonly("state", &Self::state, kStateText)
+      .def_property_readonly("low_m", field(&BodyDistance::low_m),
+                             "No two points are nearer; 0: nothing is known.")
+      .def_property_readonly("high_m", field(&BodyDistance::high_m),
+                             "point_a and point_b are at most so far apart; inf: there are none.")
+      .def_property_readonly(
+          "triangles",
+          [](const Self& self) {
+            return py::make_tuple(self.distance.witness.triangle_a,
+                                  self.distance.witness.triangle_b);
+          },
+          "Of the two points.")
+      .def_property_readonly(
+          "point_a", [](const Self& self) { return toTuple(self.distance.point_a); },
+          "On body_a, in the scene frame [m].")
+      .def_property_readonly(
+          "point_b", [](const Self& self) { return toTuple(self.distance.point_b); },
+          "On body_b, in the scene frame [m].")
+      .def_property_readonly("is_listed", field(&BodyDistance::is_listed),
+                             "Whether Result.pairs has all contacts of the two.")
+      .def_property_readonly("contact_count", field(&BodyDistance::contact_count),
+                             "How many it has of them.");
+}
+
+}  // namespace
+
 void bindResult(py::module& module) {
   using Self = PythonResult;
+  bindDistance(module);
   py::class_<Self>(module, "Result", "What one detect() found. Its arrays are its own.")
       .def_readonly("pairs", &Self::pairs, kPairsText)
       .def_readonly("separations_m", &Self::separations, kSeparationsText)
@@ -176,6 +253,7 @@ void bindResult(py::module& module) {
       .def_readonly("first_times", &Self::first_times, kFirstTimesText)
       .def_readonly("within_pad", &Self::within_pad, kWithinPadText)
       .def_readonly("without_step", &Self::without_step, kWithoutStepText)
+      .def_readonly("distances", &Self::distances, kDistancesText)
       .def_readonly("complete", &Self::complete, kCompleteText)
       .def_readonly("guaranteed", &Self::guaranteed,
                     "Whether the settings in force cannot lose a contact.")

@@ -10,6 +10,14 @@
 
 namespace deformable_contact_monitor {
 
+// What is certain of the distance of two bodies.
+struct PythonDistance {
+  PythonDistance(const BodyDistance& in_distance, const Scene& scene, float tolerance_m);
+
+  BodyDistance distance;
+  std::string state;  // "none", "near", "contact", "unknown"
+};
+
 // A copy of a result, as Python's own objects: it outlives detector and scene.
 struct PythonResult {
   // What scene and options give is there, however few the contacts are: separations, geometry,
@@ -23,6 +31,7 @@ struct PythonResult {
   pybind11::object first_times;  // (k, 2) float32, or None
   pybind11::object within_pad;   // (k,) bool, or None
   pybind11::list without_step;   // ids
+  pybind11::list distances;      // PythonDistance
   bool complete, guaranteed, cut_off, started_cold;
   std::string cut_off_because, backend;
   std::uint64_t left_out, memory_bytes;

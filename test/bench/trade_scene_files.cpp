@@ -1,12 +1,16 @@
 // Writes the scenes that measure_trade's figures are of, as far as they are no files already, into
-// a folder: the Panda's links, posed; states of a cloth that sinks onto them; a huge floor
-// triangle.
+// a folder: the Panda's links, posed; states of a cloth that sinks onto them, of one of a million
+// triangles, of a T-shirt; a huge floor triangle; two soups that all but touch everywhere; what the
+// cloth simulations' files hold, its largest part and the rest.
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "core/mesh_components.h"
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/triangle.h"
 #include "core/rules/posed_vertex.h"
@@ -67,6 +71,90 @@ void writeFloor(const std::filesystem::path& file) {
            RigidTransform());
 }
 
+// States of the T-shirt, 0.7 m long, that sink onto the Panda's hand and elbow.
+void writeShirts(const std::filesystem::path& folder) {
+  constexpr float kLengthM = 0.7F;
+  const RigidTransform pose = pandaAndCloth(1).body(0).pose;
+  std::array<float, 3> least, most;
+  for (int i = 0; i < kStates; ++i) {
+    char name[40];
+    std::snprintf(name, sizeof name, "tshirt/%03d.obj", i);
+    TriangleMesh mesh = readMeshFile(testDataFile(name));
+    for (int axis = 0; axis < 3 && i == 0; ++axis) {
+      least[axis] = most[axis] = mesh.vertices[axis];
+      for (std::size_t v = axis; v < mesh.vertices.size(); v += 3) {
+        least[axis] = std::min(least[axis], mesh.vertices[v]);
+        most[axis] = std::max(most[axis], mesh.vertices[v]);
+      }
+    }
+    const float size = std::max({most[0] - least[0], most[1] - least[1], most[2] - least[2]});
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      const std::size_t axis = v % 3;
+      mesh.vertices[v] = (mesh.vertices[v] - (least[axis] + most[axis]) / 2) * (kLengthM / size);
+      mesh.vertices[v] += axis == 2 ? 1.2F - 0.03F * static_cast<float>(i) : 0.65F;
+    }
+    std::snprintf(name, sizeof name, "shirt_%02d.off", i);
+    writeOff(folder / name, mesh, pose);
+  }
+}
+
+// Slivers of 1 m along one axis, in as many layers, each from the other soup's next by `gap`: all
+// boxes of groups overlap, and none of its triangles touches one of the other.
+TriangleMesh slivers(int along, int layers, int in_layer, float gap) {
+  TriangleMesh mesh;
+  for (int layer = 0; layer < layers; ++layer) {
+    for (int i = 0; i < in_layer; ++i) {
+      const float z = gap * static_cast<float>(2 * layer + along);
+      const float side = static_cast<float>(i) / static_cast<float>(in_layer);
+      const float step = 0.5F / static_cast<float>(in_layer);
+      const float corners[3][2] = {{0, side}, {1, side}, {0.5F, side + step}};
+      for (const auto& [far, across] : corners) {
+        mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.vertexCount()));
+        const float x = along == 0 ? far : across, y = along == 0 ? across : far;
+        mesh.vertices.insert(mesh.vertices.end(), {x, y, z});
+      }
+    }
+  }
+  return mesh;
+}
+
+void writeSoups(const std::filesystem::path& folder) {
+  constexpr int kLayers = 25, kInLayer = 160;
+  for (const int along : {0, 1}) {
+    const TriangleMesh soup = slivers(along, kLayers, kInLayer, 1e-4F);
+    const char* const name = along == 0 ? "soup_x.off" : "soup_y.off";
+    writeOff(folder / name, soup, RigidTransform());
+  }
+}
+
+// The largest part of each state; what else the first holds stands still.
+void writeParts(const std::filesystem::path& folder, const std::string& name,
+                const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    Scene scene;
+    scene.addBody(file, readMeshFile(testDataFile(file)));
+    BodyComponents parts;
+    parts.update(scene.body(0), noLimit());
+    const MeshComponents& of = parts.get();
+    std::uint32_t largest = 0;
+    for (std::uint32_t c = 0; c < of.count(); ++c) {
+      if (of.first[c + 1] - of.first[c] > of.first[largest + 1] - of.first[largest]) largest = c;
+    }
+    TriangleMesh cloth = scene.body(0).mesh, rest = cloth;
+    cloth.triangles.clear();
+    rest.triangles.clear();
+    for (std::size_t t = 0; t < of.of_triangle.size(); ++t) {
+      const auto* const corners = &scene.body(0).mesh.triangles[3 * t];
+      auto& part = of.of_triangle[t] == largest ? cloth.triangles : rest.triangles;
+      part.insert(part.end(), corners, corners + 3);
+    }
+    const std::string stem = std::filesystem::path(file).stem().string();
+    writeOff(folder / (name + "_cloth_" + stem + ".off"), cloth, RigidTransform());
+    if (file != files.front() || rest.triangles.empty()) continue;
+    writeOff(folder / (name + "_rest.off"), rest, RigidTransform());
+  }
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor
 
@@ -81,6 +169,12 @@ int main(int argc, char** argv) {
     std::filesystem::create_directories(folder / "panda");
     dcm::writePanda(folder / "panda");
     dcm::writeFloor(folder / "floor.off");
+    dcm::writeOff(folder / "million.off", dcm::clothGrid(707, 1.2F, 0.75F, 0.12F),
+                  dcm::pandaAndCloth(1).body(0).pose);
+    dcm::writeShirts(folder / "panda");
+    dcm::writeSoups(folder);
+    dcm::writeParts(folder, "ball", {"cloth-ball/cloth_ball92.ply", "cloth-ball/cloth_ball93.ply"});
+    dcm::writeParts(folder, "funnel", {"cloth-funnel/227.ply", "cloth-funnel/228.ply"});
     return 0;
   });
 }

@@ -46,6 +46,7 @@ TEST(ContactArrayTest, carriesTheWholeReport) {
   EXPECT_EQ(message.backend, "cpu");
   EXPECT_EQ(message.predicates, "exact");
   EXPECT_EQ(message.overlap, 1);
+  EXPECT_EQ(message.tolerance, 0);
   EXPECT_NEAR(message.compute_time.toSec(), 2.5e-3, 1e-9);
   EXPECT_NEAR(message.age.toSec(), 0.25, 1e-9);
 }
@@ -193,12 +194,14 @@ TEST(ContactArrayTest, whateverIsMissingMakesItIncomplete) {
   lossy.result.counters.undecided = 2;
   lossy.report.options.predicates = Predicates::kConservative;
   lossy.report.options.overlap = 0.5F;
+  lossy.report.options.tolerance_m = 0.25F;
   const ContactArray message = toContactArray(lossy.report, 0);
   EXPECT_FALSE(message.complete);
   EXPECT_FALSE(message.guaranteed);
   EXPECT_EQ(message.undecided, 2U);
   EXPECT_EQ(message.predicates, "conservative");
   EXPECT_EQ(message.overlap, 0.5F);
+  EXPECT_EQ(message.tolerance, 0.25F);
 }
 
 TEST(ContactArrayTest, withoutADetectionNothingIsClaimed) {

@@ -236,6 +236,47 @@ TEST_F(MeshesTest, WhoRunsOutOfTimeHasLessOfItAndSharesNoCycle) {
   EXPECT_EQ(budgetMs(), 500);
 }
 
+TEST_F(MeshesTest, ABudgetRunsFromTheMeshsArrivalAndKeepsTimeForPublishing) {
+  steady_time_ = std::chrono::steady_clock::now();  // as arrivals are
+  parameters_.budget_ms = 20;
+  give(0, 50);
+  step();
+  const auto ms = [](int count) { return std::chrono::milliseconds(count); };
+  EXPECT_EQ(detector_.deadline, said_.arrival + ms(20));
+  said_.published = steady_time_ + ms(3);
+  give(0, 50.25);
+  step();
+  EXPECT_LE(detector_.deadline, said_.arrival + ms(20));
+  give(0, 50.5);
+  step();
+  EXPECT_EQ(detector_.deadline, said_.arrival + ms(20)) << "one hiccup does not count";
+  give(0, 50.75);
+  step();
+  EXPECT_EQ(detector_.deadline, said_.arrival + ms(17));
+}
+
+// It is what the user asked for, and no reason to give the next cycle less time.
+TEST_F(MeshesTest, ABudgetThatEndsCostsNobodyTime) {
+  steady_time_ = std::chrono::steady_clock::now();
+  parameters_.budget_ms = 20;
+  detector_.out_of_time = true;
+  for (const double stamp : {50.0, 50.25}) {
+    give(0, stamp);
+    give(1, stamp);
+    EXPECT_EQ(step().size(), 1U) << "they share a cycle";
+  }
+  parameters_.budget_ms = 0;
+}
+
+TEST_F(MeshesTest, TheEarlierOfBudgetAndLongestCycleHolds) {
+  steady_time_ = std::chrono::steady_clock::now();
+  parameters_.budget_ms = 20000;
+  parameters_.max_cycle_s = 2;
+  give(0, 50);
+  step();
+  EXPECT_EQ(detector_.deadline, steady_time_ + std::chrono::seconds(2));
+}
+
 TEST_F(MeshesTest, WithoutOthersNobodyIsShortOfTime) {
   parameters_.objects.pop_back();
   meshes_.pop_back();
@@ -294,6 +335,10 @@ TEST_F(MeshesTest, WhatIsWithinIsLookedForIfAskedFor) {
   giveBoth(50.1);
   stepAfter(100);
   EXPECT_EQ(said_.looks_within, 1);
+  detector_.distances.resize(1);  // but what is apart is known
+  giveBoth(50.2);
+  stepAfter(100);
+  EXPECT_EQ(said_.looks_within, 2);
 }
 
 TEST_F(MeshesTest, WhatIsWithinIsNotLookedForOtherwise) {

@@ -21,6 +21,7 @@ struct FakeDetector : Detector {
   struct Script {
     std::string failure;  // detect() throws it; empty: it finds nothing
     bool out_of_time = false;
+    std::vector<BodyDistance> distances;  // what it knows then all the same
     std::string step_failure;  // as failure, in swept motion
     bool step_out_of_time = false;
     std::chrono::steady_clock::time_point deadline;  // of the last detection
@@ -39,6 +40,7 @@ struct FakeDetector : Detector {
     result.begin(scene, options, true);
     const bool is_step = options.motion == Motion::kSwept;
     if (is_step ? script->step_out_of_time : script->out_of_time) result.cutOff("no time");
+    result.distances = script->distances;
     const std::string& failure = is_step ? script->step_failure : script->failure;
     if (!failure.empty()) throw std::runtime_error(failure);
     return result;
@@ -60,6 +62,8 @@ struct FakeSink : CycleSink {
     RulesInForce rules;
     std::function<void(const CycleReport&)> at_result;  // called with each cycle
     bool wants_geometry = false;                        // what the loop is told
+    SteadyTime published;                               // when states are out: what it is told
+    SteadyTime arrival;                                 // of the latest cycle's mesh
     std::vector<InsidePart> inside;                     // of the latest cycle that looked for them
     int looks_within = 0;                               // such cycles
     std::vector<SweepReport> sweeps;                 // of the latest cycle; their results are gone
@@ -83,11 +87,13 @@ struct FakeSink : CycleSink {
   void recordStart() override {
     if (*at_start) std::exchange(*at_start, nullptr)();
   }
-  void sendCycle(CycleReport* report, SteadyTime /*start*/, SteadyTime /*mesh_arrival*/) override {
+  SteadyTime sendCycle(CycleReport* report, SteadyTime /*start*/, SteadyTime arrival) override {
     addReport(report->result != nullptr ? "cycle" : "no result", *report);
     log->sweeps = report->sweeps;
     if (report->scene != nullptr) log->enabled = report->scene->enabledPairs();
     if (log->at_result) log->at_result(*report);
+    log->arrival = arrival;
+    return log->published;
   }
   void sendHeartbeat(CycleReport* report) override { addReport("heartbeat", *report); }
   void listPairs(CycleReport* report) override { log->pairs = report->pairs; }

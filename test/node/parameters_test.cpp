@@ -66,6 +66,30 @@ TEST(Parameters, NothingSetGivesTheDefaults) {
   EXPECT_TRUE(p.objects.empty());
 }
 
+TEST(Parameters, ToleranceAndBudget) {
+  EXPECT_FALSE(tradesAccuracy(parse(XmlRpcValue())));
+  XmlRpcValue tree;
+  tree["tolerance_m"] = 0.005;
+  MonitorParameters p = parse(tree);
+  EXPECT_EQ(p.detector.tolerance_m, 0.005F);
+  EXPECT_EQ(p.budget_ms, 0);
+  EXPECT_TRUE(tradesAccuracy(p));
+  tree["tolerance_m"] = 0.0;
+  tree["budget_ms"] = 20;
+  p = parse(tree);
+  EXPECT_EQ(p.budget_ms, 20);
+  EXPECT_TRUE(tradesAccuracy(p));
+  tree["tolerance_m"] = 1.5;
+  tree["budget_ms"] = -1;
+  const std::string problems = refusalOf(tree);
+  expectIn("~tolerance_m is 1.5, must be in [0, 1]", problems);
+  expectIn("~budget_ms is -1, must be in [0, 60000]", problems);
+  XmlRpcValue swept;
+  swept["motion"] = "swept";
+  swept["tolerance_m"] = 0.005;
+  expectIn("~tolerance_m is above 0, which motion: swept does not know", refusalOf(swept));
+}
+
 TEST(Parameters, ValuesArrive) {
   XmlRpcValue tree, cable = object("cable"), rule, margins;
   cable["topic"] = "/camera/cable";

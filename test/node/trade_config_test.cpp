@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "node/parameters.h"
+#include "tools/measure_trade/bound_report.h"
 #include "tools/measure_trade/trade_report.h"
 
 namespace deformable_contact_monitor {
@@ -91,6 +92,35 @@ TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
     }
   }
   EXPECT_EQ(read, 72U);
+}
+
+// The first setting is exact, and takes as long as the others.
+std::string boundsOf(const std::vector<BoundSetting>& settings, double budget_ms, double takes_ms) {
+  std::vector<BoundMeasurement> all;
+  for (const BoundSetting& setting : settings) {
+    all.emplace_back();
+    all.back().setting = setting;
+    all.back().ms = {takes_ms};
+  }
+  TradeArguments arguments;
+  arguments.base.threads = 2;
+  arguments.budget_ms = budget_ms;
+  return boundsYaml(arguments, all, NoFrames());
+}
+
+TEST(TradeConfig, TheNodesParserReadsTolerancesAndBudgetsBack) {
+  const std::vector<BoundSetting> settings = {{0, 0}, {0.001F, 0}, {0.3F, 0}};
+  for (const bool keeps : {true, false}) {
+    std::vector<std::string> warnings;
+    const std::string yaml = boundsOf(settings, 2.5, keeps ? 2 : 3);
+    const MonitorParameters p = parseParameters(parameterTree(yaml), &warnings);
+    EXPECT_TRUE(warnings.empty()) << warnings.front();
+    EXPECT_EQ(p.detector.tolerance_m, keeps ? 0 : 0.3F) << "the least that keeps it";
+    EXPECT_EQ(p.budget_ms, 2.5);
+    EXPECT_EQ(p.detector.threads, 2);
+    EXPECT_EQ(p.backend, BackendChoice::kCpu);
+    EXPECT_TRUE(p.pair_classes.deformable_self);
+  }
 }
 
 TEST(TradeConfig, WithoutAChoiceThereIsACommentAlone) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The contacts that the Python package finds, as sets, against the oracle and brute force."""
+import time
 import unittest
 
 import deformable_contact
@@ -33,6 +34,55 @@ def crossing_walls(count):
     b = numpy.stack([-3 * one, at, zero, 3 * one, at, -3 * one, 3 * one, at, 3 * one], axis=1)
     triangles = numpy.arange(3 * count, dtype=numpy.uint32).reshape(-1, 3)
     return [(a.reshape(-1, 3), triangles), (b.reshape(-1, 3), triangles)]
+
+
+def sheet(height, quads=20):
+    """A square of 1 m."""
+    at = numpy.arange(quads + 1) / quads
+    x, y = numpy.meshgrid(at, at)
+    vertices = numpy.stack([x.ravel(), y.ravel(), numpy.full(x.size, height)], axis=1)
+    corner = (numpy.arange(quads)[:, None] * (quads + 1) + numpy.arange(quads)).ravel()
+    above = corner + quads + 1
+    triangles = numpy.concatenate([numpy.stack([corner, corner + 1, above], axis=1),
+                                   numpy.stack([above, corner + 1, above + 1], axis=1)])
+    return vertices.astype(numpy.float32), triangles.astype(numpy.uint32)
+
+
+class Tolerance(unittest.TestCase):
+
+    def distance(self, height):
+        """Of two sheets, with a margin of 20 mm."""
+        scene = scene_of([sheet(0), sheet(height)], [(0, 1)])
+        scene.set_margin(1, .02)
+        detector = Detector("cpu", tolerance_m=.005)
+        for _ in range(1000):  # until triangles are grouped
+            result = detector.detect(scene)
+            if result.distances:
+                break
+            time.sleep(.01)
+        self.assertEqual(len(result.distances), 1)
+        self.assertFalse(result.guaranteed)
+        return result.distances[0]
+
+    def test_states(self):
+        for height, state in ((0, "contact"), (.004, "contact"), (.012, "near"), (.03, "none")):
+            distance = self.distance(height)
+            self.assertEqual((distance.body_a, distance.body_b), (0, 1))
+            self.assertEqual(distance.state, state)
+            self.assertLessEqual(distance.low_m, height)
+            self.assertGreaterEqual(distance.high_m, numpy.float32(height) - 1e-7)
+        self.assertGreater(distance.low_m, .02)
+
+    def test_points(self):
+        distance = self.distance(.004)
+        self.assertAlmostEqual(distance.point_a[2], 0)
+        self.assertAlmostEqual(distance.point_b[2], .004)
+        self.assertEqual(distance.point_a[:2], distance.point_b[:2])
+        self.assertEqual(len(distance.triangles), 2)
+
+    def test_exact_detection_has_none(self):
+        scene = scene_of([sheet(0), sheet(0)], [(0, 1)])
+        self.assertEqual(Detector("cpu").detect(scene).distances, [])
 
 
 class Geometry(unittest.TestCase):

@@ -1,6 +1,7 @@
 // Which backends this build has.
 #include "tools/common/backend_choice.h"
 
+#include <cstdint>
 #include <stdexcept>
 
 #include "reference/brute_force_detector.h"
@@ -17,7 +18,8 @@ const std::vector<std::string>& backendNames() {
 
 std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda without_cuda,
                                        const CudaSettings& settings,
-                                       const std::function<void(const std::string&)>& warn) {
+                                       const std::function<void(const std::string&)>& warn,
+                                       const std::shared_ptr<TilingCache>& tilings) {
   if (backend == "brute_force") return makeBruteForceDetector();
   if (backend == "fcl") {
 #ifdef DCM_HAVE_FCL
@@ -27,11 +29,19 @@ std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda w
 #endif
   }
   const BackendChoice choice = toBackendChoice(backend);
-  return makeDetector(choice, without_cuda, settings, [warn, choice](const BackendState& state) {
+  const auto tell = [warn, choice](const BackendState& state) {
     if (state.partly) return warn("one device less: " + state.problem);
     if (choice == BackendChoice::kAuto) return;
     warn("CUDA cannot be used, so on the CPU: " + state.problem);
-  });
+  };
+  return makeDetector(choice, without_cuda, settings, tell, tilings);
+}
+
+void makeTilings(const Scene& scene, TilingCache* tilings) {
+  for (std::uint32_t time = 0; time <= TilingCache::kSettledAfter; ++time) {
+    for (const Body& body : scene.bodies()) tilings->of(body);
+  }
+  tilings->wait();
 }
 
 bool supportsMargins(const Detector& detector) { return detector.backend() != "fcl"; }

@@ -10,7 +10,9 @@
 
 #include "tools/common/completeness.h"
 #include "tools/common/json_text.h"
+#include "tools/common/option_value.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/detect_contacts/body_states.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -57,6 +59,8 @@ Json optionsJson(const DetectArguments& arguments) {
   json["predicates"] = toString(options.predicates);
   json["overlap"] = options.overlap;
   json["margin"] = arguments.margin_m;
+  json["tolerance_m"] = options.tolerance_m;
+  json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
   json["clusters"] = options.clusters == 0 ? Json("auto") : Json(options.clusters);
   json["fuzzifier"] = options.fuzzifier;
   json["iterations"] = options.iterations;
@@ -122,7 +126,10 @@ std::string bodyPairs(const Scene& scene, const TrianglePairs& contacts) {
 
 std::string completeness(const DetectionResult& result) {
   std::string text = isComplete(result) ? "complete: yes" : "complete: no";
-  if (!result.guaranteed) text += "; these settings or this backend may err";
+  if (!result.guaranteed) {
+    text += result.distances.empty() ? "; these settings or this backend may err"
+                                     : "; of pairs of bodies it is certain, of triangles not";
+  }
   if (result.cut_off) text += "; cut off: " + result.cut_off_because;
   if (result.counters.rejected > 0) {
     text += "; " + std::to_string(result.counters.rejected) +
@@ -222,6 +229,9 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["undecided"] = counters.undecided;
   if (arguments.options.first_times) json["at_start"] = countAtStart(last.first_times);
   if (arguments.options.geometry) json["geometry"] = geometryJson(last.geometry);
+  if (arguments.bounded()) {
+    json["body_states"] = bodyStatesJson(bodyStates(scene, last, arguments.options.tolerance_m));
+  }
   json["memory_bytes"] = last.memory_bytes;
   json["repeat"] = arguments.repeat;
   json["detect_ms"] = timesJson(times.detect);
@@ -230,10 +240,16 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   return jsonText(json);
 }
 
-std::string summary(const Scene& scene, const std::string& backend, const DetectionResult& last,
+std::string summary(const DetectArguments& arguments, const Scene& scene,
+                    const std::string& backend, const DetectionResult& last,
                     const DetectionTimes& times) {
+  std::string states;
+  if (arguments.bounded()) {
+    states = "pairs of bodies, within " + toText(arguments.options.tolerance_m) + ":\n" +
+             bodyStateLines(scene, bodyStates(scene, last, arguments.options.tolerance_m));
+  }
   return std::to_string(last.contacts.size()) + " contacts\n" + bodyPairs(scene, last.contacts) +
-         completeness(last) + std::to_string(scene.bodyCount()) + " bodies, " +
+         states + completeness(last) + std::to_string(scene.bodyCount()) + " bodies, " +
          std::to_string(last.counters.triangles) + " triangles, " +
          std::to_string(last.counters.clusters) + " clusters, " +
          std::to_string(last.counters.candidates) + " candidate pairs, backend " + backend + "\n" +

@@ -34,8 +34,10 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
                        const std::string& backend, const DetectionResult& last,
                        const DetectionTimes& times);
 
-// A few lines; which bodies touch and in how many pairs.
-std::string summary(const Scene& scene, const std::string& backend, const DetectionResult& last,
+// A few lines; which bodies touch and in how many pairs. With a tolerance or a budget, how each
+// pair of bodies stands, too.
+std::string summary(const DetectArguments& arguments, const Scene& scene,
+                    const std::string& backend, const DetectionResult& last,
                     const DetectionTimes& times);
 
 }  // namespace deformable_contact_monitor

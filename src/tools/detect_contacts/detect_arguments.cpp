@@ -45,6 +45,15 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
             "Share of a triangle that decides its clusters, in [0, 1]; 1 finds every contact");
   line->add("--margin", &arguments->margin_m,
             "Report triangles at this distance or less, in the meshes' unit");
+  line->add(
+      "--tolerance-m", &options.tolerance_m,
+      "Say of each pair of bodies whether it is in contact, off by at most this distance, and "
+      "list the contacts seen on the way alone; 0: exact");
+  line->add("--budget-ms", &arguments->budget_ms,
+            "End each detection after so long; what is not decided is unknown", isPositive());
+  for (const char* option : {"--tolerance-m", "--budget-ms"}) {
+    line->refuseTogether("--swept", option);
+  }
   line->add("--repeat", &arguments->repeat, "Detect this often, for the times",
             inRange(1, 1000000000));
   line->add("--threads", &options.threads, "Threads of the cpu backend; 0: all cores");

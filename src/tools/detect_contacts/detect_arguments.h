@@ -1,6 +1,7 @@
 // The command line of detect_contacts.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,13 @@ struct DetectArguments {
   CudaSettings cuda;
   Options options;
   float margin_m = 0;
+  std::optional<double> budget_ms;  // of each detection
   int repeat = 1;
   // Empty: not wanted; "-": standard output.
   std::string pairs_file, times_file, geometry_file, json_file;
 
+  // Whether less than all contacts is asked for: then states of bodies are.
+  bool bounded() const { return options.tolerance_m > 0 || budget_ms; }
   bool swept() const { return options.motion == Motion::kSwept; }
 };
 

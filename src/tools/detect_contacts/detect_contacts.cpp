@@ -1,4 +1,5 @@
 // detect_contacts: every contact between the triangles of mesh files. Needs no ROS.
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <list>
@@ -54,7 +55,12 @@ const DetectionResult& detect(const DetectArguments& arguments, const Scene& sce
   const DetectionResult* result = nullptr;
   for (int cycle = 1; cycle <= arguments.repeat; ++cycle) {
     progress->set("detecting, cycle " + std::to_string(cycle) + of_all);
-    result = &detector->detect(scene, arguments.options);
+    Options options = arguments.options;
+    if (arguments.budget_ms) {
+      options.limits.deadline =
+          std::chrono::steady_clock::now() + fromSeconds(*arguments.budget_ms / 1e3);
+    }
+    result = &detector->detect(scene, options);
     times->add(*result);
   }
   return *result;
@@ -102,6 +108,12 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
                  "(%s)\n",
                  result.cut_off_because.c_str());
   }
+  if (!result.distances.empty() && arguments.options.tolerance_m > 0) {
+    std::fputs(
+        "detect_contacts: note: with --tolerance-m the list has the contacts seen on the "
+        "way, not all\n",
+        stderr);
+  }
   if (arguments.meshes.size() == (arguments.swept() ? 2 : 1) && !arguments.self) {
     std::fputs("detect_contacts: note: one body and no --self, so there is nothing to test\n",
                stderr);
@@ -115,10 +127,13 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
 }
 
 void run(const DetectArguments& arguments) {
+  const auto tilings = arguments.bounded() ? std::make_shared<TilingCache>() : nullptr;
   const std::unique_ptr<Detector> detector = makeDetector(
-      arguments.backend, WithoutCuda::kFallBack, arguments.cuda, [](const std::string& why) {
+      arguments.backend, WithoutCuda::kFallBack, arguments.cuda,
+      [](const std::string& why) {
         std::fprintf(stderr, "detect_contacts: warning: %s\n", why.c_str());
-      });
+      },
+      tilings);
   if (arguments.margin_m != 0 && !supportsMargins(*detector)) {
     throw std::invalid_argument("--margin: backend " + detector->backend() +
                                 " has no margins; use --backend auto");
@@ -133,6 +148,10 @@ void run(const DetectArguments& arguments) {
   {
     Progress progress("starting");
     const Scene scene = readScene(arguments, &progress);
+    if (tilings != nullptr) {
+      progress.set("grouping triangles");
+      makeTilings(scene, tilings.get());
+    }
     Report* const pairs = open(arguments.pairs_file);
     Report* const times_of_pairs = open(arguments.times_file);
     Report* const geometry = open(arguments.geometry_file);
@@ -144,7 +163,7 @@ void run(const DetectArguments& arguments) {
     if (times_of_pairs != nullptr) times_of_pairs->text = timeLines(*last);
     if (geometry != nullptr) geometry->text = geometryLines(*last);
     if (json != nullptr) json->text = jsonReport(arguments, scene, backend, *last, times);
-    text = summary(scene, backend, *last, times);
+    text = summary(arguments, scene, backend, *last, times);
   }
   warn(arguments, *last);
   writeReports(text, &reports);

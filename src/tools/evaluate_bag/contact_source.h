@@ -6,6 +6,7 @@
 
 #include "core/containment.h"
 #include "core/detector.h"
+#include "core/tiling_cache.h"
 #include "node/cycle_report.h"
 #include "node/step_runner.h"
 
@@ -31,9 +32,10 @@ class ContactSource {
 class DetectedContacts : public ContactSource {
  public:
   // looks_within: for what is within what. swept_tolerance_m: of links' ways, as StepRunner takes
-  // it.
+  // it. tilings: those that the detector is bounded by, made before each cycle; null: it is exact.
   explicit DetectedContacts(std::unique_ptr<Detector> detector, bool looks_within = false,
-                            double swept_tolerance_m = 0);
+                            double swept_tolerance_m = 0,
+                            std::shared_ptr<TilingCache> tilings = nullptr);
 
   std::string backend() const override { return detector_->backend(); }
   void find(Scene* scene, CycleReport* cycle) override;
@@ -42,6 +44,7 @@ class DetectedContacts : public ContactSource {
   const std::unique_ptr<Detector> detector_;
   const bool looks_within_;
   const double swept_tolerance_m_;
+  const std::shared_ptr<TilingCache> tilings_;
   ContainmentFinder containment_;
   StepRunner steps_;
 };

@@ -2,6 +2,7 @@
 #include "tools/evaluate_bag/cycle_records.h"
 
 #include <boost/crc.hpp>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -10,6 +11,19 @@ namespace deformable_contact_monitor {
 namespace {
 
 using Json = nlohmann::json;
+
+// No number, which JSON has not: there is no witness.
+Json toJson(const BodyDistance& d) {
+  const TrianglePair& w = d.witness;
+  const Vec3f &a = d.point_a, &b = d.point_b;
+  return {{"bodies", {d.body_a, d.body_b}},
+          {"low_m", d.low_m},
+          {"high_m", std::isfinite(d.high_m) ? Json(d.high_m) : Json()},
+          {"triangles", {w.triangle_a, w.triangle_b}},
+          {"points", {a.x, a.y, a.z, b.x, b.y, b.z}},
+          {"is_listed", d.is_listed},
+          {"contacts", d.contact_count}};
+}
 
 Json toJson(const DetectionResult& result) {
   Json json;
@@ -26,6 +40,8 @@ Json toJson(const DetectionResult& result) {
   }
   json["separations_m"] = result.separations_m;
   json["within_pad"] = result.within_pad;
+  Json& distances = json["distances"] = Json::array();
+  for (const BodyDistance& distance : result.distances) distances.push_back(toJson(distance));
   json["left_out"] = result.left_out;
   json["cut_off"] = result.cut_off;
   json["cut_off_because"] = result.cut_off_because;
@@ -64,6 +80,25 @@ void requireAsMany(const std::vector<T>& list, const DetectionResult& result) {
   throw std::runtime_error("not as many numbers as contacts");
 }
 
+BodyDistance toDistance(const Json& json, const CycleReport& cycle) {
+  BodyDistance d;
+  d.body_a = json.at("bodies").at(0);
+  d.body_b = json.at("bodies").at(1);
+  if (d.body_a >= d.body_b || d.body_b >= cycle.scene->bodyCount()) {
+    throw std::runtime_error("a distance of bodies that are not there");
+  }
+  json.at("low_m").get_to(d.low_m);
+  if (!json.at("high_m").is_null()) json.at("high_m").get_to(d.high_m);
+  const Json& triangles = json.at("triangles");
+  d.witness = {d.body_a, triangles.at(0), d.body_b, triangles.at(1)};
+  const std::vector<float> points = json.at("points");
+  d.point_a = {points.at(0), points.at(1), points.at(2)};
+  d.point_b = {points.at(3), points.at(4), points.at(5)};
+  json.at("is_listed").get_to(d.is_listed);
+  json.at("contacts").get_to(d.contact_count);
+  return d;
+}
+
 DetectionResult toResult(const Json& json, const CycleReport& cycle) {
   DetectionResult result;
   result.contacts = toContacts(json.at("contacts"), cycle);
@@ -76,6 +111,9 @@ DetectionResult toResult(const Json& json, const CycleReport& cycle) {
   requireAsMany(result.first_times, result);
   requireAsMany(result.separations_m, result);
   requireAsMany(result.within_pad, result);
+  for (const Json& distance : json.at("distances")) {
+    result.distances.push_back(toDistance(distance, cycle));
+  }
   json.at("left_out").get_to(result.left_out);
   json.at("cut_off").get_to(result.cut_off);
   json.at("cut_off_because").get_to(result.cut_off_because);

@@ -80,12 +80,13 @@ std::string runName(const std::string& asked, const Options& options) {
   if (asked == "fcl") return text.str();  // it has predicates of its own
   text << " " << toString(options.predicates);
   if (options.overlap != 1) text << ", overlap " << options.overlap;
+  if (options.tolerance_m > 0) text << ", tolerance " << options.tolerance_m << " m";
   return text.str();
 }
 
 bool isExact(const EvaluationRun& run) {
   return run.asked != "fcl" && run.options.predicates == Predicates::kExact &&
-         run.options.overlap == 1;
+         run.options.overlap == 1 && run.options.tolerance_m == 0;
 }
 
 bool isComplete(const CycleReport& cycle, const DetectionResult& result) {

@@ -13,9 +13,10 @@ namespace {
 
 // Unlike the node: what is called cuda ran with CUDA.
 std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSettings& settings,
-                                      const std::function<void(const std::string&)>& warn) {
+                                      const std::function<void(const std::string&)>& warn,
+                                      const std::shared_ptr<TilingCache>& tilings) {
   try {
-    return makeDetector(backend, WithoutCuda::kRefuse, settings, warn);
+    return makeDetector(backend, WithoutCuda::kRefuse, settings, warn, tilings);
   } catch (const CudaError& error) {
     throw std::runtime_error(std::string(error.what()) + "; --backends cpu needs no GPU");
   }
@@ -33,6 +34,7 @@ StateRules stateRules(const MonitorParameters& parameters) {
   rules.max_age_s = parameters.max_mesh_age_s;
   rules.tolerated_rejects = parameters.tolerated_rejects;
   rules.since_survives_s = parameters.since_survives_s;
+  rules.tolerance_m = parameters.detector.tolerance_m;
   rules.debounce_on_cycles = parameters.debounce_on_cycles;
   rules.debounce_off_cycles = parameters.debounce_off_cycles;
   return rules;
@@ -83,12 +85,13 @@ std::vector<std::unique_ptr<ContactSource>> makeDetected(
     const std::function<void(const std::string&)>& warn) {
   std::vector<std::unique_ptr<ContactSource>> sources;
   for (const RunSettings& of : settings) {
-    std::unique_ptr<Detector> detector = makeBackend(of.backend, parameters.cuda, warn);
+    const auto tilings = of.options.tolerance_m > 0 ? std::make_shared<TilingCache>() : nullptr;
+    std::unique_ptr<Detector> detector = makeBackend(of.backend, parameters.cuda, warn, tilings);
     if (hasMargins(parameters) && !supportsMargins(*detector)) {
       throw std::invalid_argument("backend " + of.backend + " has no margins; set margin_m to 0");
     }
     sources.push_back(std::make_unique<DetectedContacts>(
-        std::move(detector), parameters.containment, parameters.swept_tolerance_m));
+        std::move(detector), parameters.containment, parameters.swept_tolerance_m, tilings));
   }
   return sources;
 }

@@ -65,6 +65,7 @@ Json runJson(const EvaluationRun& run) {
           {"backend", run.source->backend()},
           {"predicates", toString(run.options.predicates)},
           {"overlap", run.options.overlap},
+          {"tolerance_m", run.options.tolerance_m},
           {"cycles", run.cycles},
           {"evaluated_cycles", run.unknown.evaluatedCycles()},
           {"whole_cycles", run.whole},

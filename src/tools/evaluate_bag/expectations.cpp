@@ -120,15 +120,19 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   record->is_monitored |= state != nullptr;
   // The cycle did not look at the pair.
   if (state != nullptr && state->stamp != states.header.stamp) return;
-  const bool known =
-      state != nullptr &&
-      (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
-       state->state == ContactState::CONTACT || state->state == ContactState::PASSED);
+  bool known = state != nullptr &&
+               (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
+                state->state == ContactState::CONTACT || state->state == ContactState::PASSED);
   const bool always = e.touches == Expectation::Touches::kAlways;
   // What has passed touched since the pair's last cycle, but not at this one's stamp.
   const bool touched = known && (state->state == ContactState::CONTACT ||
                                  (state->state == ContactState::PASSED && !always));
-  const bool touching = touched && state->pair_count >= e.min_pairs;
+  bool touching = touched && state->pair_count >= e.min_pairs;
+  if (touched && !touching && states.tolerance > 0) {
+    // Pairs are those that were seen. A contact is one without them; how many it has, is not known.
+    touching = e.min_pairs == 1;
+    known = touching;
+  }
   ++record->cycles;
   record->touching += touching;
   record->unknown += !known;

@@ -34,7 +34,8 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
 // Judges one run's cycles. A cycle in which the pair is UNKNOWN, ALLOWED or not monitored is no
 // proof of anything: `always` and `never` fail by it. So do expectations without a single cycle in
 // their time. In swept motion a pair that has passed breaks `never` and is enough for `sometime`;
-// for `always` it is no touch.
+// for `always` it is no touch. With a tolerance a contact may have more pairs than were seen, so
+// that fewer than min_pairs (above 1) are no proof either.
 class ExpectationJudge {
  public:
   explicit ExpectationJudge(std::vector<Expectation> expectations);

@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* kFormat = "evaluate_bag_records";
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;
 constexpr const char* kEnd = "end";
 constexpr std::streamoff kLongestEnd = 4096;  // [bytes] of the line
 

@@ -11,6 +11,8 @@
 #include "tools/common/run_tool.h"
 #include "tools/common/script.h"
 #include "tools/measure_trade/bag_frames.h"
+#include "tools/measure_trade/bound_measurement.h"
+#include "tools/measure_trade/bound_report.h"
 #include "tools/measure_trade/mesh_frames.h"
 #include "tools/measure_trade/motion_report.h"
 #include "tools/measure_trade/motion_steps.h"
@@ -125,6 +127,64 @@ int runSwept(const TradeArguments& arguments) {
   return 0;
 }
 
+// Exact first, then each tolerance with each budget.
+std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, FrameSource* frames,
+                                               Progress* progress) {
+  std::vector<BoundMeasurement> all(1);
+  for (const float tolerance_m : arguments.tolerances_m) {
+    for (const double budget_ms : arguments.budgets_ms) {
+      BoundMeasurement m;
+      m.setting = {tolerance_m, budget_ms};
+      if (!m.setting.isExact()) all.push_back(m);
+    }
+  }
+  const TouchingBodies truth =
+      touchingBodies(frames, makeBackend("cpu").get(), arguments.base,
+                     [&](const std::string& what) { progress->set(what); });
+  const int frame_count = static_cast<int>(truth.size());
+  const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
+  for (BoundMeasurement& m : all) {
+    progress->set(describe(m.setting));
+    const auto tilings = m.setting.isExact() ? nullptr : std::make_shared<TilingCache>();
+    const std::unique_ptr<Detector> detector =
+        makeDetector("cpu", WithoutCuda::kRefuse, CudaSettings(), note, tilings);
+    measureBounds(frames, truth, cycles, arguments.base, detector.get(), tilings.get(), &m);
+  }
+  return all;
+}
+
+// The exit code.
+int runBounds(const TradeArguments& arguments) {
+  std::string text;
+  bool holds = true;
+  {
+    Progress progress("starting");
+    const std::unique_ptr<FrameSource> frames =
+        openFrames(arguments, [&](const std::string& what) { progress.set(what); });
+    makeFolder(arguments.out_folder);
+    OutputFile table(arguments.out_folder + "/bounds.csv");
+    OutputFile summary(arguments.out_folder + "/summary.json");
+    std::optional<OutputFile> config;
+    if (!arguments.config_file.empty()) config.emplace(arguments.config_file);
+    const std::vector<BoundMeasurement> all = measureAllBounds(arguments, frames.get(), &progress);
+    progress.set("writing");
+    table.write(boundsCsv(arguments, all));
+    summary.write(boundsJson(arguments, all, *frames));
+    if (config) config->write(boundsYaml(arguments, all, *frames));
+    progress.set("drawing");
+    runScriptBeside("plot_bounds.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
+    text = boundsText(arguments, all);
+    for (const BoundMeasurement& m : all) {
+      if (m.broken.empty()) continue;
+      std::fprintf(stderr, "measure_trade: BROKEN PROMISE, please report it: %s\n",
+                   m.broken.c_str());
+      holds = false;
+    }
+  }
+  if (arguments.config_file != "-") OutputFile("-").write(text);
+  return holds ? 0 : 1;
+}
+
 // What a reader of the tables alone would not see.
 void warn(const TradeResults& results) {
   if (results.exact.bodies.empty()) {
@@ -179,6 +239,7 @@ int main(int argc, char** argv) {
   return dcm::runTool("measure_trade", [argc, argv] {
     dcm::TradeArguments arguments;
     if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
+    if (arguments.bounds) return dcm::runBounds(arguments);
     return arguments.swept ? dcm::runSwept(arguments) : dcm::run(arguments);
   });
 }

@@ -102,6 +102,24 @@ void addSwept(CommandLine* line, TradeArguments* arguments) {
   for (const char* option : kGridOptions) line->refuseTogether("--swept", option);
 }
 
+void addBounds(CommandLine* line, TradeArguments* arguments) {
+  line->addFlag("--tolerance", &arguments->bounds,
+                "Measure instead what tolerances and budgets cost on the CPU, and what they say of "
+                "pairs of two bodies; writes bounds.csv, summary.json and a plot");
+  line->addList("--tolerances-m", &arguments->tolerances_m,
+                "With --tolerance: how far off distances may be, each", inRange(0.F, 1.F));
+  line->addList("--budgets-ms", &arguments->budgets_ms,
+                "With --tolerance: after how long a detection ends; 0: never; each",
+                inRange(0.0, 60000.0));
+  for (const char* option : {"--tolerances-m", "--budgets-ms"}) {
+    line->requireFor(option, "--tolerance");
+  }
+  for (const char* option : {"--swept", "--backends", "--overlaps", "--predicates", "--clusters",
+                             "--fuzzifiers", "--iterations", "--refresh-periods", "--repeats"}) {
+    line->refuseTogether("--tolerance", option);
+  }
+}
+
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   std::vector<Predicates> all;
   all.reserve(names.size());
@@ -143,6 +161,7 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   addGrid(&line, &grid, &predicates);
   addRun(&line, arguments);
   addSwept(&line, arguments);
+  addBounds(&line, arguments);
   if (!line.parse(argc, argv)) return false;
   grid.predicates = predicatesFrom(predicates);
   for (int i = 0; i < argc; ++i) {

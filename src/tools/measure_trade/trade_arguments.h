@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/options.h"
 #include "tools/bags/bag_files.h"
@@ -25,7 +26,10 @@ struct TradeArguments {
   bool force = false;       // replace config_file
   bool swept = false;       // what instant motion loses, in place of the grid
   int every = 10;           // swept: frames that are kept, each so-many-th
-  std::string command;      // all of it, to be typed again
+  bool bounds = false;      // tolerances and budgets, in place of the grid
+  std::vector<float> tolerances_m = {0, 0.001F, 0.005F, 0.02F};
+  std::vector<double> budgets_ms = {0, 5, 20};  // 0: none
+  std::string command;                          // all of it, to be typed again
 };
 
 // False if there is nothing to do, because --help or --version was asked for and is printed.

@@ -48,6 +48,66 @@ class DetectContacts(Case):
         self.assertEqual(self.pairs("--margin", "1.99", floor, above), "")
         self.assertEqual(self.pairs("--margin", "2", floor, above), "0 0 1 0\n")
 
+    def states(self, *arguments):
+        done = self.works("--json", "-", *arguments)
+        report = json.loads(done.stdout)
+        return {tuple(s["bodies"]): s for s in report["body_states"]}, report, done.stderr
+
+    def test_tolerance(self):
+        """Floor at z 0; ABOVE 2 m over it; a slab pierces it."""
+        meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING),
+                  self.mesh("above.obj", ABOVE)]
+        states, report, note = self.states("--backend", "cpu", "--tolerance-m", ".5", *meshes)
+        self.assertEqual([states[pair]["state"] for pair in ((0, 1), (0, 2))],
+                         ["contact", "none"])
+        self.assertEqual(states[0, 1]["distance_high"], 0)
+        self.assertEqual(states[0, 1]["witness"], [0, 1])
+        self.assertTrue(0 < states[0, 2]["distance_low"] <= 2)
+        self.assertFalse(report["complete"] or report["guaranteed"])
+        self.assertEqual(report["options"]["tolerance_m"], .5)
+        self.assertIn("seen on the way, not all\n", note)
+        states, _, _ = self.states("--backend", "cpu", "--tolerance-m", "2.5", "--margin", "3",
+                                   meshes[0], meshes[2])
+        self.assertEqual(states[0, 1]["state"], "contact")
+        self.assertAlmostEqual(states[0, 1]["distance_high"], 2, 5)
+        self.assertEqual([point[2] for point in states[0, 1]["points"]], [0, 2])
+        states, _, _ = self.states("--backend", "cpu", "--tolerance-m", ".5", "--margin", "3",
+                                   meshes[0], meshes[2])
+        self.assertEqual(states[0, 1]["state"], "near")
+
+    def test_backends_without_bounds_are_exact(self):
+        meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING),
+                  self.mesh("above.obj", ABOVE)]
+        states, report, note = self.states("--backend", "brute_force", "--tolerance-m", "3",
+                                           *meshes)
+        self.assertEqual([states[pair]["state"] for pair in ((0, 1), (0, 2))],
+                         ["contact", "none"])
+        self.assertIsNone(states[0, 2]["witness"])
+        self.assertTrue(report["complete"])
+        self.assertEqual(note, "")
+
+    def test_budget(self):
+        meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING)]
+        states, report, _ = self.states("--backend", "cpu", "--budget-ms", "1e-6", *meshes)
+        self.assertEqual(states[0, 1]["state"], "unknown")
+        self.assertEqual(report["cut_off_because"], "no time")
+        states, report, _ = self.states("--backend", "cpu", "--budget-ms", "1e5", *meshes)
+        self.assertEqual(states[0, 1]["state"], "contact")
+        self.assertTrue(report["complete"] and states[0, 1]["listed"])
+
+    def test_states_are_in_the_summary(self):
+        meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING)]
+        done = self.works("--backend", "cpu", "--tolerance-m", ".5", *meshes)
+        self.assertRegex(done.stdout, r"pairs of bodies, within 0.5:\n  \S+ with \S+: contact, 0 to 0 "
+                                      r"apart, by triangles 0 and 1\n")
+
+    def test_tolerance_and_budget_are_refused_by_name(self):
+        floor = self.mesh("floor.obj", FLOOR)
+        for option, value in (("--tolerance-m", "-1"), ("--budget-ms", "0"), ("--budget-ms", "x")):
+            self.assert_refused([option, value, floor, floor], option.strip("-").split("-")[0])
+        for option in ("--tolerance-m", "--budget-ms"):
+            self.assert_refused(["--swept", option, "1", floor, floor], option, "--swept")
+
     def test_speed_options_do_not_change_pairs(self):
         meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING)]
         for options in (["--clusters", "7"], ["--threads", "1"], ["--fuzzifier", "2"],

@@ -22,6 +22,15 @@ class CycleRecords : public testing::Test {
   CycleRecords() : scene_(pairScene(clothGrid(4, 1, 0, 0), clothGrid(4, 1, 0, 0))) {
     found_ = result(5);
     found_.separations_m = {0, 1e-9F, 0.1F, 1.F / 3, std::numeric_limits<float>::denorm_min()};
+    found_.distances.resize(2);
+    found_.distances[0].body_b = found_.distances[1].body_b = 1;
+    found_.distances[0].low_m = 1.F / 3;
+    found_.distances[1].high_m = 1e-9F;
+    found_.distances[1].witness = {0, 3, 1, 4};
+    found_.distances[1].point_a = {0.1F, 0.2F, 0.3F};
+    found_.distances[1].point_b = {1e-30F, -1, 7};
+    found_.distances[1].is_listed = true;
+    found_.distances[1].contact_count = 5;
     containment_.parts = {{0, 1, 7, Vec3d()}, {1, 0, 3, Vec3d()}};
     containment_.cut_off_because = "stopped";
     step_.detection = result(3);
@@ -75,6 +84,20 @@ class CycleRecords : public testing::Test {
     for (std::size_t i = 0; i < a.first_times.size(); ++i) {
       EXPECT_EQ(a.first_times[i].low, b.first_times[i].low);
       EXPECT_EQ(a.first_times[i].high, b.first_times[i].high);
+    }
+    ASSERT_EQ(a.distances.size(), b.distances.size());
+    for (std::size_t i = 0; i < a.distances.size(); ++i) {
+      const BodyDistance &x = a.distances[i], &y = b.distances[i];
+      EXPECT_EQ(x.body_a, y.body_a);
+      EXPECT_EQ(x.body_b, y.body_b);
+      EXPECT_EQ(x.low_m, y.low_m);
+      EXPECT_EQ(x.high_m, y.high_m);
+      EXPECT_EQ(x.witness.triangle_a, y.witness.triangle_a);
+      EXPECT_EQ(x.witness.triangle_b, y.witness.triangle_b);
+      EXPECT_EQ(x.point_a, y.point_a);
+      EXPECT_EQ(x.point_b, y.point_b);
+      EXPECT_EQ(x.is_listed, y.is_listed);
+      EXPECT_EQ(x.contact_count, y.contact_count);
     }
     EXPECT_EQ(a.left_out, b.left_out);
     EXPECT_EQ(a.cut_off, b.cut_off);
@@ -145,7 +168,7 @@ TEST_F(CycleRecords, RefuseNonsense) {
     CycleReport read = report();
     EXPECT_THROW(recorded.read(bad, &read), std::exception) << what;
   };
-  for (const char* path : {"/result", "/steps/0/result"}) {
+  for (const char* path : {"/result", "/result/distances/1", "/steps/0/result"}) {
     for (const auto& entry : good.at(Json::json_pointer(path)).items()) {
       Json bad = good;
       bad.at(Json::json_pointer(path)).erase(entry.key());
@@ -159,6 +182,9 @@ TEST_F(CycleRecords, RefuseNonsense) {
                                                  {"/result/contacts", {0, 1, 2, 1}},
                                                  {"/result/contacts", {0, 1, 1, 1000000}},
                                                  {"/result/separations_m", {0.5}},
+                                                 {"/result/distances/0/bodies", {0, 2}},
+                                                 {"/result/distances/0/bodies", {1, 0}},
+                                                 {"/result/distances/0/points", {1, 2, 3}},
                                                  {"/steps/0/result/first_times", {0.5, 0.5}},
                                                  {"/steps/0/result/first_times", Json::array()},
                                                  {"/steps/0/result/within_pad", {1}},

@@ -68,6 +68,60 @@ TEST(RunComparison, OnlyExactRunsMustAgree) {
   }
 }
 
+TEST(RunComparison, WithinATolerancePairsMayDiffer) {
+  Runs runs;
+  addRun("cpu", Predicates::kExact, 1, &runs);
+  Options options;
+  options.tolerance_m = 0.25F;
+  runs.push_back(std::make_unique<EvaluationRun>(
+      "cpu", std::make_unique<DetectedContacts>(makeBruteForceDetector()), options, StateRules(),
+      std::vector<Expectation>()));
+  EXPECT_FALSE(comparisons(runs).at(0).must_agree);
+  EXPECT_EQ(runs[1]->name(), "cpu exact, tolerance 0.25 m");
+}
+
+// By the state, for pairs are those that were seen.
+std::string failureOf(Expectation::Touches touches, std::uint32_t min_pairs, std::uint8_t state,
+                      std::uint32_t pair_count, float tolerance) {
+  Expectation expectation;
+  expectation.link = "hand";
+  expectation.object = "cloth";
+  expectation.touches = touches;
+  expectation.min_pairs = min_pairs;
+  ExpectationJudge judge({expectation});
+  ContactStates states;
+  states.header.stamp = ros::Time(1);
+  states.tolerance = tolerance;
+  states.states.resize(1);
+  states.states[0].stamp = ros::Time(1);
+  states.states[0].body_a = "hand";
+  states.states[0].body_b = "cloth";
+  states.states[0].state = state;
+  states.states[0].pair_count = pair_count;
+  judge.look(states);
+  return judge.verdicts().at(0).failure;
+}
+
+TEST(ExpectationJudge, WithinAToleranceGoesByStates) {
+  using Touches = Expectation::Touches;
+  constexpr float kTolerance = 0.01F;
+  const auto contact = [&](Touches touches, std::uint32_t min_pairs, std::uint32_t seen) {
+    return failureOf(touches, min_pairs, ContactState::CONTACT, seen, kTolerance);
+  };
+  EXPECT_EQ(contact(Touches::kSometime, 1, 0), "");
+  EXPECT_EQ(contact(Touches::kAlways, 1, 0), "");
+  EXPECT_NE(contact(Touches::kNever, 1, 0), "");
+  EXPECT_NE(contact(Touches::kNever, 5, 2), "") << "there may be five";
+  EXPECT_NE(contact(Touches::kAlways, 5, 2), "");
+  EXPECT_NE(contact(Touches::kSometime, 5, 2), "");
+  EXPECT_EQ(contact(Touches::kAlways, 5, 5), "");
+  EXPECT_EQ(failureOf(Touches::kNever, 5, ContactState::CONTACT, 2, 0), "") << "exact";
+  EXPECT_EQ(failureOf(Touches::kNever, 1, ContactState::NONE, 0, kTolerance), "");
+  for (const Touches touches : {Touches::kNever, Touches::kAlways, Touches::kSometime}) {
+    EXPECT_NE(failureOf(touches, 1, ContactState::UNKNOWN, 0, kTolerance), "");
+  }
+}
+
 // One cycle in which the pair of a link and a cloth is UNKNOWN for `reason`, or nothing is wrong.
 void look(const std::string& reason, EvaluationRun* run) {
   CycleReport cycle;

@@ -1,0 +1,142 @@
+// What measure_trade --tolerance writes: a table, JSON, the node's parameters, a few lines for
+// people.
+#include "tools/measure_trade/bound_report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "tools/common/json_text.h"
+#include "tools/common/machine.h"
+#include "tools/common/option_value.h"
+#include "tools/common/sample_statistics.h"
+#include "tools/measure_trade/trade_grid.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Json = nlohmann::json;
+
+// In the order of the columns.
+std::vector<std::pair<std::string, double>> row(const BoundMeasurement& m,
+                                                const BoundMeasurement& exact) {
+  return {{"tolerance_m", m.setting.tolerance_m},
+          {"budget_ms", m.setting.budget_ms},
+          {"cycles", m.ms.size()},
+          {"median_ms", median(m.ms)},
+          {"p95_ms", percentile(m.ms, 0.95)},
+          {"p99_ms", percentile(m.ms, 0.99)},
+          {"time_of_exact", median(m.ms) / median(exact.ms)},
+          {"pairs", m.pairs},
+          {"decided_share", m.decidedShare()},
+          {"contacts", m.contacts},
+          {"recall", m.recall()},
+          {"precision", m.precision()},
+          {"missed", m.missed},
+          {"largest_claim_m", m.largest_claim_m},
+          {"p99_over_budget", m.p99OverBudget()}};
+}
+
+std::string line(const BoundMeasurement& m, const BoundMeasurement& exact) {
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "  %-34s median %8.3f ms (%.2f of exact), p99 %8.3f ms, %6.2f %% decided, recall "
+                "%.4g %%, precision %.4g %%, contacts up to %.3g m apart\n",
+                describe(m.setting).c_str(), median(m.ms), median(m.ms) / median(exact.ms),
+                percentile(m.ms, 0.99), 100 * m.decidedShare(), 100 * m.recall(),
+                100 * m.precision(), m.largest_claim_m);
+  return text;
+}
+
+}  // namespace
+
+std::string boundsCsv(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all) {
+  std::string title = "threads", lines;
+  for (const auto& [name, value] : row(all.front(), all.front())) title += "," + name;
+  for (const BoundMeasurement& m : all) {
+    lines += std::to_string(arguments.base.threads);
+    for (const auto& [name, value] : row(m, all.front())) {
+      lines += ",";
+      lines += name == "tolerance_m" ? numberText(m.setting.tolerance_m) : numberText(value);
+    }
+    lines += "\n";
+  }
+  return title + "\n" + lines;
+}
+
+std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
+                       const FrameSource& frames) {
+  Json json;
+  json["version"] = DCM_VERSION;
+  json["command"] = arguments.command;
+  json["machine"] = machineJson();
+  json["bodies"] = Json::array();
+  for (const Body& body : frames.scene().bodies()) {
+    json["bodies"].push_back({{"name", body.name}, {"triangles", body.mesh.triangleCount()}});
+  }
+  json["backend"] = "cpu";
+  json["threads"] = arguments.base.threads;
+  json["adjacent"] = toString(arguments.base.adjacent);
+  json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
+  json["broken_promises"] = Json::array();
+  json["settings"] = Json::array();
+  for (const BoundMeasurement& m : all) {
+    if (!m.broken.empty()) json["broken_promises"].push_back(m.broken);
+    Json of_setting;
+    for (const auto& [name, value] : row(m, all.front())) of_setting[name] = value;
+    json["settings"].push_back(of_setting);
+  }
+  const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
+  json["chosen"] = chosen ? Json(describe(all[*chosen].setting)) : Json();
+  return jsonText(json);
+}
+
+std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
+                                        const std::vector<BoundMeasurement>& all) {
+  std::optional<std::size_t> best;
+  const auto rank = [&](const BoundMeasurement& m) {
+    return std::make_pair(arguments.budget_ms ? m.setting.tolerance_m : 0.F, median(m.ms));
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const BoundMeasurement& m = all[i];
+    if (!m.broken.empty() || m.decided < m.pairs) continue;
+    if (arguments.budget_ms && percentile(m.ms, 0.95) > *arguments.budget_ms) continue;
+    if (!best || rank(m) < rank(all[*best])) best = i;
+  }
+  return best;
+}
+
+std::string boundsText(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all) {
+  std::string text = "Of pairs of two bodies, on " + std::to_string(arguments.base.threads) +
+                     (arguments.base.threads == 1 ? " thread:\n" : " threads (0: all):\n");
+  for (const BoundMeasurement& m : all) text += line(m, all.front());
+  const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
+  const std::string budget =
+      arguments.budget_ms ? " within " + numberText(*arguments.budget_ms) + " ms" : "";
+  return text +
+         (chosen ? "Chosen" + budget + ": " + describe(all[*chosen].setting)
+                 : "No setting decides all pairs" + budget) +
+         "\n";
+}
+
+std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
+                       const FrameSource& frames) {
+  const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
+  const auto larger = [](const BoundMeasurement& a, const BoundMeasurement& b) {
+    return a.setting.tolerance_m < b.setting.tolerance_m;
+  };
+  const BoundMeasurement& m =
+      chosen ? all[*chosen] : *std::max_element(all.begin(), all.end(), larger);
+  std::string text = "# Written by " + arguments.command + "\n# on " + thisMachine().cpu + ":\n";
+  std::istringstream lines(boundsText(arguments, all));
+  for (std::string words; std::getline(lines, words);) text += "# " + words + "\n";
+  text += "backend: cpu\nthreads: " + std::to_string(arguments.base.threads) +
+          "\ntolerance_m: " + numberText(m.setting.tolerance_m) +
+          "\nbudget_ms: " + numberText(arguments.budget_ms.value_or(0)) + "\npair_classes: [" +
+          joined(frames.pairClasses(), ", ") + "]\n";
+  return text;
+}
+
+}  // namespace deformable_contact_monitor
