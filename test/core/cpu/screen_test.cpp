@@ -135,19 +135,6 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
   }
 }
 
-TEST(LaneTriangle, BitsAreSigns) {
-  std::mt19937 random(1);
-  for (int i = 0; i < 1000; ++i) {
-    IntLanes lanes;
-    int signs = 0;
-    for (int k = 0; k < 4; ++k) {
-      lanes[k] = static_cast<int>(random());
-      signs |= static_cast<int>(lanes[k] < 0) << k;
-    }
-    ASSERT_EQ(laneBits(lanes), signs);
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(, ScreenTest,
                          testing::Combine(testing::Values(AdjacentPairs::kSkip,
                                                           AdjacentPairs::kBeyondShared),
