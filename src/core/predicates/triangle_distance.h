@@ -49,9 +49,12 @@ DCM_HD inline Vec3d crossOf(const Vec3f& a, const Vec3f& b, const Vec3f& c, cons
   const double m1 = u.y * v.z, m2 = u.z * v.y, m3 = u.z * v.x;
   const double m4 = u.x * v.z, m5 = u.x * v.y, m6 = u.y * v.x;
   const Vec3d n{m1 - m2, m3 - m4, m5 - m6};
-  const double size = most(fabs(n.x), most(fabs(n.y), fabs(n.z)));
-  const double terms = most(fabs(m1) + fabs(m2), most(fabs(m3) + fabs(m4), fabs(m5) + fabs(m6)));
-  return size >= kEnough * terms ? n : exactCross(a, b, c, d);
+  // Each component by itself: beside a needle's long edge the one that tells a side may be far less
+  // than the others.
+  const bool enough = fabs(n.x) >= kEnough * (fabs(m1) + fabs(m2)) &&
+                      fabs(n.y) >= kEnough * (fabs(m3) + fabs(m4)) &&
+                      fabs(n.z) >= kEnough * (fabs(m5) + fabs(m6));
+  return enough ? n : exactCross(a, b, c, d);
 }
 
 DCM_HD DCM_RARE inline double exactVolume(const Vec3f& a, const Vec3f& b, const Vec3f& c,

@@ -171,6 +171,19 @@ TEST(TriangleDistance, IsThatOfExactRationals) {
   });
 }
 
+// Beyond the sharp corner of a needle that ends very far away: which side of the long edge a vertex
+// is on is told by the least component of an area.
+TEST(TriangleDistance, OfAVertexBeyondTheCornerOfALongNeedle) {
+  const float third = 0x1.555556p-2F, sixth = 0x1.555556p-3F;
+  const Triangle a{
+      {{third, 0, -0x1.17c0e6p-5F}, {0.5F, 0, -0x1.9d255ap-7F}, {0.5F, sixth, -0x1.d398b6p-11F}}};
+  for (const float far : {3e38F, 1e30F, 1e20F, 1e10F, 1e6F}) {
+    const Triangle b{{{-far, 0, 0}, {sixth, sixth, 0}, {0, sixth, 0}}};
+    const double exact = exactDistance(a, b);
+    EXPECT_NEAR(exact, separation(a, b), exact * 0x1p-28) << far;
+  }
+}
+
 TEST(TriangleDistance, IsTheSameForBothOrders) {
   forEachPair(20000, [](const Pair& pair, const std::string& name) {
     EXPECT_EQ(separation(pair.a, pair.b), separation(pair.b, pair.a)) << name;
