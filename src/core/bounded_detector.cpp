@@ -14,6 +14,7 @@
 #include "core/coarse/merged_contacts.h"
 #include "core/coarse/pair_rounds.h"
 #include "core/coarse/rest_scene.h"
+#include "core/coarse/usual_time.h"
 #include "core/rejected_triangles.h"
 #include "core/rules/margins.h"
 #include "core/stopwatch.h"
@@ -54,6 +55,7 @@ class BoundedDetector : public Detector {
   std::shared_ptr<TilingCache> tilings_;
   RestScene rest_;
   LateEnds late_;                         // of exact_
+  UsualTime tail_;                        // what is to be done when all is found
   std::optional<tbb::task_arena> arena_;  // of so many threads, as of Options::threads
   int arena_threads_ = 0;
   std::vector<std::shared_ptr<const Tiling>> tiling_;  // per body; null: there is none
@@ -112,7 +114,8 @@ const DetectionResult& BoundedDetector::detect(const Scene& scene, const Options
   Stopwatch watch;
   const CycleLimit limit(options.limits);
   result_.begin(scene, options, options.tolerance_m == 0 && isGuaranteed(options));
-  const SteadyTime end = options.limits.deadline, now = std::chrono::steady_clock::now();
+  const SteadyTime now = std::chrono::steady_clock::now();
+  const SteadyTime end = tail_.earlier(options.limits.deadline);
   SteadyTime turn = end;  // the rest's part is what is left then
   if (end != SteadyTime::max() && !rest_pairs_.empty()) turn = now + (end - now) / 2;
   onThreads(options, [&] {
@@ -121,7 +124,11 @@ const DetectionResult& BoundedDetector::detect(const Scene& scene, const Options
   });
   double bounds_ms = watch.lapMs();
   const DetectionResult* rest = nullptr;
-  if (!rest_pairs_.empty()) rest = &runExact(rest_.update(scene, rest_pairs_), options);
+  if (!rest_pairs_.empty()) {
+    Options rest_options = options;
+    rest_options.limits.deadline = end;
+    rest = &runExact(rest_.update(scene, rest_pairs_), rest_options);
+  }
   watch.lapMs();
   onThreads(options, [&] { rounds_.decide(limit, end); });
   bounds_ms += watch.lapMs();
@@ -131,8 +138,10 @@ const DetectionResult& BoundedDetector::detect(const Scene& scene, const Options
     result_.stages_ms.emplace_back("list", watch.lapMs());
   }
   result_.detect_ms = cycle.elapsedMs();
+  const SteadyTime tail_begin = std::chrono::steady_clock::now();
   if (rest != nullptr) takeRest(scene, *rest);
   finish(scene, options, limit);
+  tail_.took(std::chrono::steady_clock::now() - tail_begin);
   result_.round_trip_ms = cycle.elapsedMs();
   return result_;
 }

@@ -180,6 +180,11 @@ int run(const std::string& only, int repeats) {
       [] {
         return moving("soups of 1 m",
                       pairScene(randomTriangles(1, 10000, 1), randomTriangles(2, 10000, 1)));
+      },
+      [] {
+        Scene scene = pairScene(randomTriangles(1, 10000, 1), randomTriangles(2, 10000, 1));
+        scene.setPairEnabled(0, 0, true);
+        return moving("the same, one of them with itself", std::move(scene));
       }};
   for (const auto& make : scenes) {
     Moving scene = make();

@@ -45,6 +45,11 @@ Aabb receivedBox(const float* xyz, std::size_t vertex_count, const std::uint32_t
 float atLeastFinite(float low) { return low >= -FLT_MAX ? least(low, FLT_MAX) : -FLT_MAX; }
 float atMostFinite(float high) { return high <= FLT_MAX ? most(high, -FLT_MAX) : FLT_MAX; }
 
+bool isWithinFloats(const Aabb& box) {
+  return least(least(box.min.x, box.min.y), box.min.z) > -FLT_MAX &&
+         most(most(box.max.x, box.max.y), box.max.z) < FLT_MAX;
+}
+
 }  // namespace
 
 bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
@@ -64,11 +69,7 @@ bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
     region_boxes_[r] = posed(received_regions_[r]);
     if (!region_boxes_[r].empty()) box_.include(region_boxes_[r]);
   }
-  const Aabb whole = box_;
-  all_finite_ = received_finite_ &&
-                (box_.empty() ||
-                 (whole.min.x > -FLT_MAX && whole.min.y > -FLT_MAX && whole.min.z > -FLT_MAX &&
-                  whole.max.x < FLT_MAX && whole.max.y < FLT_MAX && whole.max.z < FLT_MAX));
+  all_finite_ = received_finite_ && (box_.empty() || isWithinFloats(box_));
   return true;
 }
 

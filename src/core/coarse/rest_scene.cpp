@@ -6,7 +6,10 @@ namespace deformable_contact_monitor {
 
 const Scene& RestScene::update(const Scene& scene,
                                const std::vector<std::pair<BodyId, BodyId>>& pairs) {
-  if (copied_.size() != scene.bodyCount()) {
+  const bool same_bodies = std::equal(
+      scene.bodies().begin(), scene.bodies().end(), rest_.bodies().begin(), rest_.bodies().end(),
+      [](const Body& a, const Body& b) { return a.name == b.name; });
+  if (!same_bodies) {
     rest_ = Scene();
     rest_.useMemory(*memory_);
     copied_.assign(scene.bodyCount(), Copied());
