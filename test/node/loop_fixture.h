@@ -22,7 +22,7 @@ struct FakeDetector : Detector {
     std::string failure;  // detect() throws it; empty: it finds nothing
     bool out_of_time = false;
     std::vector<BodyDistance> distances;  // what it knows then all the same
-    std::string step_failure;  // as failure, in swept motion
+    std::string step_failure;             // as failure, in swept motion
     bool step_out_of_time = false;
     std::chrono::steady_clock::time_point deadline;  // of the last detection
     Options options;                                 // of it

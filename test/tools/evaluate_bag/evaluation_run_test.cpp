@@ -88,7 +88,7 @@ std::string failureOf(Expectation::Touches touches, std::uint32_t min_pairs, std
   expectation.object = "cloth";
   expectation.touches = touches;
   expectation.min_pairs = min_pairs;
-  ExpectationJudge judge({expectation});
+  ExpectationJudge judge(std::vector<Expectation>{expectation});
   ContactStates states;
   states.header.stamp = ros::Time(1);
   states.tolerance = tolerance;
