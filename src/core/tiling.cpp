@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <stdexcept>
 
+#include "core/cycle_limit.h"
 #include "core/tiles/edge_neighbours.h"
 #include "core/tiles/halving.h"
 #include "core/tiles/layout.h"

@@ -7,11 +7,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cycle_limit.h"
 #include "core/export.h"
 #include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {
+
+class CycleLimit;
 
 // Tiles of triangles, and regions of tiles. Every triangle has one slot, tile after tile.
 struct DCM_EXPORT Tiling {
@@ -45,7 +46,7 @@ DCM_EXPORT Tiling tilingByPosition(const TriangleMesh& mesh);
 // than a tile goes by position. Takes about a third of a millisecond for 1 000 triangles.
 DCM_EXPORT Tiling tilingBySurface(const TriangleMesh& mesh);
 
-// The same within a limit; where that was over, of no use.
+// The same within a limit, for the library's own use; where that was over, of no use.
 Tiling tilingBySurface(const TriangleMesh& mesh, const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "core/cycle_limit.h"
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/aabb.h"
 #include "scenes.h"
