@@ -45,11 +45,11 @@ class ContainmentFinder {
   ~ContainmentFinder();
 
   // Looks at the enabled pairs of different bodies. `result`: all contacts of the scene, neither
-  // cut off nor with some left out; of a pair whose contacts are not all there, parts that touch may
-  // be listed, too. Exact where its settings are; a contact that they lost is none
-  // here. Bodies with a vertex that their pose makes infinite are within nothing and hold nothing.
-  // The answer is valid until the next call or the finder's end. Throws std::invalid_argument where
-  // the vertices of a body that takes part are on a device.
+  // cut off nor with some left out; of a pair whose contacts are not all there, parts that touch
+  // may be listed, too. Exact where its settings are; a contact that they lost is none here. Bodies
+  // with a vertex that their pose makes infinite are within nothing and hold nothing. The answer is
+  // valid until the next call or the finder's end. Throws std::invalid_argument where the vertices
+  // of a body that takes part are on a device.
   const Containment& find(const Scene& scene, const DetectionResult& result,
                           const CycleLimit& limit);
 
