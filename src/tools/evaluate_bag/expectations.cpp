@@ -127,7 +127,8 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   // What has passed touched since the pair's last cycle, but not at this one's stamp.
   const bool touched = known && (state->state == ContactState::CONTACT ||
                                  (state->state == ContactState::PASSED && !always));
-  bool touching = touched && state->pair_count >= e.min_pairs;
+  // What lies within the other has no pairs.
+  bool touching = touched && (state->inside != 0 || state->pair_count >= e.min_pairs);
   if (touched && !touching && states.tolerance > 0) {
     // Pairs are those that were seen. A contact is one without them; how many it has, is not known.
     touching = e.min_pairs == 1;

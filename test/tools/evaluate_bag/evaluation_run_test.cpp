@@ -82,7 +82,7 @@ TEST(RunComparison, WithinATolerancePairsMayDiffer) {
 
 // By the state, for pairs are those that were seen.
 std::string failureOf(Expectation::Touches touches, std::uint32_t min_pairs, std::uint8_t state,
-                      std::uint32_t pair_count, float tolerance) {
+                      std::uint32_t pair_count, float tolerance, std::uint8_t inside = 0) {
   Expectation expectation;
   expectation.link = "hand";
   expectation.object = "cloth";
@@ -98,6 +98,7 @@ std::string failureOf(Expectation::Touches touches, std::uint32_t min_pairs, std
   states.states[0].body_b = "cloth";
   states.states[0].state = state;
   states.states[0].pair_count = pair_count;
+  states.states[0].inside = inside;
   judge.look(states);
   return judge.verdicts().at(0).failure;
 }
@@ -119,6 +120,18 @@ TEST(ExpectationJudge, WithinAToleranceGoesByStates) {
   EXPECT_EQ(failureOf(Touches::kNever, 1, ContactState::NONE, 0, kTolerance), "");
   for (const Touches touches : {Touches::kNever, Touches::kAlways, Touches::kSometime}) {
     EXPECT_NE(failureOf(touches, 1, ContactState::UNKNOWN, 0, kTolerance), "");
+  }
+}
+
+TEST(ExpectationJudge, WhatIsInsideTouchesWithoutPairs) {
+  using Touches = Expectation::Touches;
+  for (const float tolerance : {0.F, 0.01F}) {
+    const auto inside = [&](Touches touches) {
+      return failureOf(touches, 3, ContactState::CONTACT, 0, tolerance, 1);
+    };
+    EXPECT_NE(inside(Touches::kNever), "");
+    EXPECT_EQ(inside(Touches::kSometime), "");
+    EXPECT_EQ(inside(Touches::kAlways), "");
   }
 }
 
