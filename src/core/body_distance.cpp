@@ -21,4 +21,17 @@ PairDecision decide(const BodyDistance& distance, float margin_m, float toleranc
   return PairDecision::kOpen;
 }
 
+const char* toString(PairDecision decision) {
+  switch (decision) {
+    case PairDecision::kNone:
+      return "none";
+    case PairDecision::kNear:
+      return "near";
+    case PairDecision::kContact:
+      return "contact";
+    default:
+      return "unknown";
+  }
+}
+
 }  // namespace deformable_contact_monitor

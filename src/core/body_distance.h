@@ -13,9 +13,12 @@ enum class PairDecision {
   kOpen,     // none of these is certain
 };
 
-// By the rule of DESIGN's contacts within a tolerance. margin_m: of the pair. A pair that was
+// By the rules beside PairDecision's values. margin_m: of the pair. A pair that was
 // looked at down to its triangles is never open: where high_m and low_m differ by rounding alone,
 // they count as equal.
 DCM_EXPORT PairDecision decide(const BodyDistance& distance, float margin_m, float tolerance_m);
+
+// "none", "near", "contact", "unknown".
+DCM_EXPORT const char* toString(PairDecision decision);
 
 }  // namespace deformable_contact_monitor

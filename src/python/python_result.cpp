@@ -79,19 +79,6 @@ std::string describe(const PythonResult& result) {
          (result.complete ? "complete" : "not complete") + ">";
 }
 
-std::string nameOf(PairDecision decision) {
-  switch (decision) {
-    case PairDecision::kNone:
-      return "none";
-    case PairDecision::kNear:
-      return "near";
-    case PairDecision::kContact:
-      return "contact";
-    default:
-      return "unknown";
-  }
-}
-
 py::tuple toTuple(const Vec3f& v) { return py::make_tuple(v.x, v.y, v.z); }
 
 constexpr const char* kDistancesText = R"(What is certain of the distance of pairs of two bodies.
@@ -170,7 +157,7 @@ PythonDistance::PythonDistance(const BodyDistance& in_distance, const Scene& sce
     : distance(in_distance) {
   const float margin_m =
       std::max(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m);
-  state = nameOf(decide(distance, margin_m, tolerance_m));
+  state = toString(decide(distance, margin_m, tolerance_m));
 }
 
 PythonResult::PythonResult(const DetectionResult& result, const std::string& in_backend,

@@ -11,19 +11,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const char* nameOf(PairDecision decision) {
-  switch (decision) {
-    case PairDecision::kNone:
-      return "none";
-    case PairDecision::kNear:
-      return "near";
-    case PairDecision::kContact:
-      return "contact";
-    default:
-      return "unknown";
-  }
-}
-
 // What the list of contacts says of a pair.
 BodyDistance listedDistance(const DetectionResult& result, BodyId a, BodyId b) {
   BodyDistance distance;
@@ -76,7 +63,7 @@ std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& sta
                     d.high_m, d.witness.triangle_a, d.witness.triangle_b);
     }
     text += "  " + scene.body(d.body_a).name + " with " + scene.body(d.body_b).name + ": " +
-            nameOf(states[i].decision) + ", " + range + "\n";
+            toString(states[i].decision) + ", " + range + "\n";
   }
   if (states.size() <= kShown) return text;
   return text + "  and " + std::to_string(states.size() - kShown) + " more pairs of bodies\n";
@@ -89,7 +76,7 @@ Json bodyStatesJson(const std::vector<BodyState>& states) {
     const bool has_witness = !std::isinf(d.high_m);
     json.push_back(
         {{"bodies", {d.body_a, d.body_b}},
-         {"state", nameOf(state.decision)},
+         {"state", toString(state.decision)},
          {"distance_low", d.low_m},
          {"distance_high", has_witness ? Json(d.high_m) : Json()},
          {"witness", has_witness ? Json{d.witness.triangle_a, d.witness.triangle_b} : Json()},
