@@ -11,7 +11,7 @@
 #include "core/cpu/cpu_detector.h"
 #include "core/mesh_files/mesh_file.h"
 #include "core/stopwatch.h"
-#include "panda_scene.h"
+#include "robot_scenes.h"
 #include "reference/fcl_detector.h"
 #include "rivals.h"
 #include "run_benchmark.h"

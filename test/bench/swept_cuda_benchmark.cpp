@@ -12,7 +12,7 @@
 #include "core/cpu/cpu_detector.h"
 #include "core/mesh_files/mesh_file.h"
 #include "cuda/cuda_detector.h"
-#include "panda_scene.h"
+#include "robot_scenes.h"
 #include "run_benchmark.h"
 #include "scenes.h"
 #include "test_data.h"

@@ -18,7 +18,7 @@
 #include "core/cpu/cpu_detector.h"
 #include "core/mesh_files/mesh_file.h"
 #include "core/stopwatch.h"
-#include "panda_scene.h"
+#include "robot_scenes.h"
 #include "run_benchmark.h"
 #include "scenes.h"
 #include "test_data.h"
@@ -121,6 +121,7 @@ void print(const Moving& moving, const Run& run) {
 
 bool measure(Moving& moving, int repeats) {
   constexpr int kWarmUp = TilingCache::kSettledAfter + 1, kMore = 4;
+  constexpr double kMostMs = 3000;  // of a row without a budget
   std::vector<Run> runs;
   for (const float tolerance_mm : {0.0F, 1.0F, 2.0F, 5.0F, 10.0F}) {
     runs.emplace_back();
@@ -135,13 +136,13 @@ bool measure(Moving& moving, int repeats) {
                                                            touchingPairs(moving, 1)};
   for (Run& run : runs) {
     run.options.threads = 1;
-    const bool is_slow = moving.scene.triangleCount() > 500000 && run.options.tolerance_m == 0;
-    const int steps = run.budget_ms > 0 ? 8 * repeats : is_slow ? repeats / 4 + 1 : repeats;
+    const int steps = run.budget_ms > 0 ? 8 * repeats : repeats;
     for (int i = 0; i < kWarmUp; ++i) run.step(moving, i, touching[i % 2]);
     run.tilings->wait();
     for (int i = 0; i < kMore; ++i) run.step(moving, i, touching[i % 2]);
     run.forget();
-    for (int i = 0; i < steps; ++i) {
+    const Stopwatch watch;
+    for (int i = 0; i < steps && (run.budget_ms > 0 || watch.elapsedMs() < kMostMs); ++i) {
       run.step(moving, i, touching[i % 2]);
       // A deadline is for cycles with pauses between; and a thread that always runs is stopped some
       // time by the system.
