@@ -127,30 +127,10 @@ void writeShirts(const std::filesystem::path& folder) {
   }
 }
 
-// Slivers of 1 m along one axis, in as many layers, each from the other soup's next by `gap`: all
-// boxes of groups overlap, and none of its triangles touches one of the other.
-TriangleMesh slivers(int along, int layers, int in_layer, float gap) {
-  TriangleMesh mesh;
-  for (int layer = 0; layer < layers; ++layer) {
-    for (int i = 0; i < in_layer; ++i) {
-      const float z = gap * static_cast<float>(2 * layer + along);
-      const float side = static_cast<float>(i) / static_cast<float>(in_layer);
-      const float step = 0.5F / static_cast<float>(in_layer);
-      const float corners[3][2] = {{0, side}, {1, side}, {0.5F, side + step}};
-      for (const auto& [far, across] : corners) {
-        mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.vertexCount()));
-        const float x = along == 0 ? far : across, y = along == 0 ? across : far;
-        mesh.vertices.insert(mesh.vertices.end(), {x, y, z});
-      }
-    }
-  }
-  return mesh;
-}
-
 void writeSoups(const std::filesystem::path& folder) {
   constexpr int kLayers = 25, kInLayer = 160;
   for (const int along : {0, 1}) {
-    const TriangleMesh soup = slivers(along, kLayers, kInLayer, 1e-4F);
+    const TriangleMesh soup = sliverSoup(along, kLayers, kInLayer, 1e-4F);
     const char* const name = along == 0 ? "soup_x.off" : "soup_y.off";
     writeOff(folder / name, soup, RigidTransform());
   }
