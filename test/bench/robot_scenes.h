@@ -13,8 +13,8 @@ Scene pandaAndCloth(int squares = 87);
 // ripples.
 Scene movingPandaAndCloth();
 
-// The PR2's collision meshes, all joints at zero: arms stretched out forwards. As body 0 a blanket of
-// 45 000 triangles at this height, 0.95 m being just above the arms; links against blanket.
+// The PR2's collision meshes, all joints at zero: arms stretched out forwards. As body 0 a blanket
+// of 45 000 triangles at this height, 0.95 m being just above the arms; links against blanket.
 Scene pr2AndBlanket(float height_m);
 
 }  // namespace deformable_contact_monitor

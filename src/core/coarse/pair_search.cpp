@@ -121,8 +121,8 @@ void PairSearch::openTiles(const Doubt& doubt) {
   settle(nearTriangles(bodies_.a->tile(doubt.a), bodies_.b->tile(doubt.b), needed_m_, triangles_));
 }
 
-// Among the open tiles' triangles that are apart, but within the tolerance: it decides the pair where
-// many tiles overlap and none of their triangles touch.
+// Among the open tiles' triangles that are apart, but within the tolerance: it decides the pair
+// where many tiles overlap and none of their triangles touch.
 bool PairSearch::findWitness() {
   constexpr std::size_t kMost = 8;
   const PosedTile &a = bodies_.a->tile(open_.a), &b = bodies_.b->tile(open_.b);

@@ -77,7 +77,7 @@ class PairSearch {
   Doubt open_{0, 0, 0, true};
   std::vector<NearTriangles> triangles_;
   std::size_t next_triangles_ = 0;
-  std::uint32_t opened_ = 0;           // pairs of tiles
+  std::uint32_t opened_ = 0;      // pairs of tiles
   std::vector<NearParts> parts_;  // scratch
 };
 

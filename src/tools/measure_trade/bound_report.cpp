@@ -12,6 +12,7 @@
 #include "tools/common/machine.h"
 #include "tools/common/option_value.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/measure_trade/summary_head.h"
 #include "tools/measure_trade/trade_grid.h"
 
 namespace deformable_contact_monitor {
@@ -69,16 +70,7 @@ std::string boundsCsv(const TradeArguments& arguments, const std::vector<BoundMe
 
 std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames) {
-  Json json;
-  json["version"] = DCM_VERSION;
-  json["command"] = arguments.command;
-  json["machine"] = machineJson();
-  json["bodies"] = Json::array();
-  for (const Body& body : frames.scene().bodies()) {
-    json["bodies"].push_back({{"name", body.name}, {"triangles", body.mesh.triangleCount()}});
-  }
-  json["threads"] = arguments.base.threads;
-  json["adjacent"] = toString(arguments.base.adjacent);
+  Json json = summaryHead(arguments, frames);
   json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
   json["broken_promises"] = Json::array();
   json["settings"] = Json::array();

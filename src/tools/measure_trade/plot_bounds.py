@@ -6,14 +6,12 @@ detection; recall and precision of pairs of bodies against time, of tolerances a
 largest distance at a claimed contact against the tolerance, which is the line; the share of pairs
 of bodies that were decided, and their p99, against the budget, a line a tolerance.
 """
-import argparse
 import csv
-import pathlib
 import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import BACKENDS, legend, log_axis, panels, pyplot, write_whole
+from plot_trade import BACKENDS, draw, legend, log_axis, panels
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#cc79a7")
 
@@ -105,22 +103,5 @@ def plot(scenes):
     return figure
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="+", type=pathlib.Path,
-                        help="what measure_trade --tolerance wrote; the scene is called as the "
-                             "folder")
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("."),
-                        help="folder for the picture (default: the current one)")
-    arguments = parser.parse_args()
-    figure = plot([Scene(folder) for folder in arguments.folder])
-    write_whole(arguments.out / "bounds.png", figure)
-    pyplot.close(figure)
-
-
 if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, KeyError, ValueError) as error:
-        sys.exit(f"plot_bounds.py: {error}")
+    draw(__doc__, "measure_trade --tolerance", Scene, {"bounds": plot})

@@ -115,8 +115,8 @@ void addBounds(CommandLine* line, TradeArguments* arguments) {
   for (const char* option : {"--tolerances-m", "--budgets-ms"}) {
     line->requireFor(option, "--tolerance");
   }
-  for (const char* option : {"--swept", "--predicates", "--clusters", "--fuzzifiers", "--iterations",
-                             "--refresh-periods", "--repeats"}) {
+  for (const char* option : {"--swept", "--predicates", "--clusters", "--fuzzifiers",
+                             "--iterations", "--refresh-periods", "--repeats"}) {
     line->refuseTogether("--tolerance", option);
   }
 }
