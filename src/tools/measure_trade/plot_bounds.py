@@ -11,7 +11,7 @@ import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import BACKENDS, draw, legend, log_axis, panels
+from plot_trade import BACKENDS, draw, legend, log_axis, panels, percent_axis
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#cc79a7")
 
@@ -56,6 +56,8 @@ def plot_rates(axis, scene):
     kinds = (("tolerance", scene.without_budget, "black"),
              ("overlap", scene.overlaps, "#d55e00"),
              ("exact", scene.exact[:1], BACKENDS["cpu"]))
+    rates = [row[rate] for _, rows, _ in kinds for row in rows for rate in ("recall", "precision")]
+    percent_axis(axis, rates)
     for name, rows, color in kinds:
         for rate, marker in (("recall", "o"), ("precision", "x")):
             axis.plot(numbers(rows, "median_ms"), numbers(rows, rate, 100), marker, color=color,
