@@ -80,17 +80,21 @@ class Bounds(Case):
         self.assertIn("\nChosen: exact\n", done.stdout)
 
     def test_what_is_not_decided_in_time(self):
-        self.works("--tolerance", "--tolerances-m", "0.001", "--budgets-ms", "0.000001",
-                   "--overlaps", "1", "--cycles", "4", *self.scene())
+        done = self.works("--tolerance", "--tolerances-m", "0.001", "--budgets-ms", "0.000001",
+                          "--overlaps", "1", "--cycles", "4", *self.scene())
         row = {name: float(value) for name, value in self.table("bounds.csv")[1].items()
                if name != "backend"}
         self.assertEqual((row["decided_share"], row["recall"], row["missed"]), (0, 0, 0), row)
         self.assertGreater(row["p99_over_budget"], 1)
+        self.assertIn("\nChosen: exact\n", done.stdout)
 
     def test_choice(self):
         done = self.works(*self.OPTIONS, *self.scene(), "--budget-ms", "100000",
                           "--write-config", "chosen.yaml")
         self.assertRegex(done.stdout, r"\nChosen within 100000 ms: [^\n]+\n\Z")
+        for tolerance, budget in BOUNDED:
+            end = f", budget {budget} ms" if budget != "0" else ""
+            self.assertRegex(done.stdout, f"\n  tolerance {tolerance} m{end} +median")
         with open(self.path("chosen.yaml")) as file:
             chosen = yaml.safe_load(file)
         self.assertEqual(chosen["tolerance_m"], 0, "the least that keeps it")
