@@ -105,16 +105,16 @@ void print(const MovingScene& moving, const Run& run) {
 }
 
 bool measure(MovingScene& moving, int repeats) {
-  constexpr int kWarmUp = TilingCache::kSettledAfter + 1, kMore = 4;
+  constexpr int kWarmUp = TilingCache::kSettledAfter + 1, kMore = 4;  // until ends are met
   constexpr double kMostMs = 3000;  // of a row without a budget
   std::vector<Run> runs;
-  for (const float tolerance_mm : {0.0F, 1.0F, 2.0F, 5.0F, 10.0F}) {
-    runs.emplace_back();
-    runs.back().options.tolerance_m = tolerance_mm / 1000;
-  }
   for (const double budget_ms : {2.0, 5.0, 10.0, 33.0}) {
     runs.emplace_back();
     runs.back().budget_ms = budget_ms;
+  }
+  for (const float tolerance_mm : {0.0F, 1.0F, 2.0F, 5.0F, 10.0F}) {
+    runs.emplace_back();
+    runs.back().options.tolerance_m = tolerance_mm / 1000;
   }
   std::size_t missed = 0;
   const std::set<std::pair<BodyId, BodyId>> touching[2] = {touchingPairs(moving, 0),
@@ -124,7 +124,7 @@ bool measure(MovingScene& moving, int repeats) {
     const int steps = run.budget_ms > 0 ? 8 * repeats : repeats;
     for (int i = 0; i < kWarmUp; ++i) run.step(moving, i, touching[i % 2]);
     run.tilings->wait();
-    for (int i = 0; i < kMore; ++i) run.step(moving, i, touching[i % 2]);
+    for (int i = 0; i < kMore && run.budget_ms > 0; ++i) run.step(moving, i, touching[i % 2]);
     run.forget();
     const Stopwatch watch;
     for (int i = 0; i < steps && (run.budget_ms > 0 || watch.elapsedMs() < kMostMs); ++i) {
