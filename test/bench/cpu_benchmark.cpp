@@ -6,28 +6,22 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/cpu/cpu_detector.h"
 #include "core/mesh_files/mesh_file.h"
-#include "panda_scene.h"
+#include "moving_scene.h"
+#include "robot_scenes.h"
 #include "run_benchmark.h"
 #include "scenes.h"
+#include "stage_times.h"
 #include "test_data.h"
 #include "tools/common/sample_statistics.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-// A scene of which body 0 moves between two states.
-struct Moving {
-  std::string name;
-  Scene scene;
-  std::vector<float> state[2];
-};
 
 // FNV-1a over the list in its order.
 std::uint64_t hashOf(const std::vector<TrianglePair>& contacts) {
@@ -45,14 +39,12 @@ struct Run {
   std::unique_ptr<Detector> detector = makeCpuDetector();
   Options options;
   std::vector<double> detect, round_trip;
-  std::vector<std::string> names;
-  std::map<std::string, std::vector<double>> stages;
+  StageTimes stages;
   std::uint64_t hash[2] = {0, 0};
   Counters counters;
 
-  void step(Moving& moving, int i, bool record) {
-    const std::vector<float>& state = moving.state[i % 2];
-    moving.scene.setVertices(0, state.data(), state.size() / 3);
+  void step(MovingScene& moving, int i, bool record) {
+    moving.show(i);
     const DetectionResult& result = detector->detect(moving.scene, options);
     if (!record) {
       hash[i % 2] = hashOf(result.contacts);
@@ -62,11 +54,7 @@ struct Run {
     detect.push_back(result.detect_ms);
     round_trip.push_back(result.round_trip_ms);
     counters = result.counters;
-    names.clear();
-    for (const auto& [name, ms] : result.stages_ms) {
-      names.push_back(name);
-      stages[name].push_back(ms);
-    }
+    stages.add(result);
   }
 };
 
@@ -74,7 +62,7 @@ double least(const std::vector<double>& values) {
   return *std::min_element(values.begin(), values.end());
 }
 
-void print(const Moving& moving, const Run& run, bool equal) {
+void print(const MovingScene& moving, const Run& run, bool equal) {
   std::printf("| %s | %s | %d | %.3f | %.3f | %.3f | %llu | %016llx %016llx | %s |",
               moving.name.c_str(),
               run.options.adjacent == AdjacentPairs::kSkip ? "skip" : "beyond shared",
@@ -82,9 +70,9 @@ void print(const Moving& moving, const Run& run, bool equal) {
               static_cast<unsigned long long>(run.counters.candidates),
               static_cast<unsigned long long>(run.hash[0]),
               static_cast<unsigned long long>(run.hash[1]), equal ? "equal" : "DIFFERENT");
-  for (const std::string& name : run.names) {
-    std::printf(" %s %.2f (%.2f)", name.c_str(), median(run.stages.at(name)),
-                least(run.stages.at(name)));
+  for (const std::string& name : run.stages.names) {
+    const std::vector<double>& ms = run.stages.ms.at(name);
+    std::printf(" %s %.2f (%.2f)", name.c_str(), median(ms), least(ms));
   }
   std::printf(" |\n");
   std::fflush(stdout);
@@ -92,7 +80,7 @@ void print(const Moving& moving, const Run& run, bool equal) {
 
 // Both modes in turn, so that what else the machine does is the same for them. False if the lists
 // differ between numbers of threads.
-bool measure(Moving& moving, const std::vector<int>& threads, int repeats) {
+bool measure(MovingScene& moving, const std::vector<int>& threads, int repeats) {
   constexpr int kWarmUp = 6, kTurn = 4;
   std::uint64_t expected[2][2] = {};
   bool all_equal = true;
@@ -124,15 +112,8 @@ bool measure(Moving& moving, const std::vector<int>& threads, int repeats) {
 
 TriangleMesh readMesh(const char* file) { return readMeshFile(testDataFile(file)); }
 
-Moving selfMoving(const std::string& name, const TriangleMesh& a, const TriangleMesh& b) {
+MovingScene selfMoving(const std::string& name, const TriangleMesh& a, const TriangleMesh& b) {
   return {name, selfScene(a), {a.vertices, b.vertices}};
-}
-
-Moving panda() {
-  Moving moving{"Panda and a cloth", pandaAndCloth(), {}};
-  moving.state[0] = moving.state[1] = moving.scene.body(0).mesh.vertices;
-  for (std::size_t i = 2; i < moving.state[1].size(); i += 3) moving.state[1][i] += 0.002F;
-  return moving;
 }
 
 // Those whose names hold `only`; `threads`: the numbers of threads.
@@ -143,7 +124,7 @@ int run(const std::string& only, const std::vector<int>& threads, int repeats) {
       "| scene | adjacent | threads | detect ms | least | round trip ms | candidates | contacts of "
       "both states | lists | stages: median (least) ms |\n|---|---|---|---|---|---|---|---|---|---|"
       "\n");
-  const std::vector<std::function<Moving()>> scenes = {
+  const std::vector<std::function<MovingScene()>> scenes = {
       [&] { return selfMoving("cloth_ball92", ball92, ball93); },
       [&] { return selfMoving("cloth_ball93", ball93, ball92); },
       [] {
@@ -154,10 +135,10 @@ int run(const std::string& only, const std::vector<int>& threads, int repeats) {
         return selfMoving("cloth_ball92 split 3 x 3", splitThreeByThree(ball92),
                           splitThreeByThree(ball93));
       },
-      panda};
+      [] { return movedUp("Panda and a cloth", pandaAndCloth()); }};
   bool all_equal = true;
   for (const auto& make : scenes) {
-    Moving moving = make();
+    MovingScene moving = make();
     if (moving.name.find(only) == std::string::npos) continue;
     const bool large = moving.scene.triangleCount() > 500000;
     all_equal = measure(moving, threads, large ? std::max(repeats / 4, 1) : repeats) && all_equal;

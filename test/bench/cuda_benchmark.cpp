@@ -3,16 +3,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "core/cpu/cpu_detector.h"
 #include "core/mesh_files/mesh_file.h"
 #include "cuda/cuda_detector.h"
-#include "panda_scene.h"
+#include "moving_scene.h"
+#include "robot_scenes.h"
 #include "run_benchmark.h"
 #include "scenes.h"
+#include "stage_times.h"
 #include "test_data.h"
 #include "tools/common/sample_statistics.h"
 
@@ -25,11 +26,7 @@ constexpr std::size_t kManyTriangles = 500000;  // from here on a tenth of the r
 bool all_equal = true;  // sets that were compared
 bool only_growth = false;
 
-// A scene of which body 0 moves between two states.
-struct Moving {
-  std::string name;
-  Scene scene;
-  std::vector<float> state[2];
+struct Moving : MovingScene {
   double at_most_ms = 0;  // the figure to reach; 0: none
 };
 
@@ -38,8 +35,7 @@ int repeatsFor(const Moving& moving) {
 }
 
 const DetectionResult& step(Moving& moving, int i, Detector& detector, const Options& options) {
-  const std::vector<float>& state = moving.state[i % 2];
-  moving.scene.setVertices(0, state.data(), state.size() / 3);
+  moving.show(i);
   return detector.detect(moving.scene, options);
 }
 
@@ -103,30 +99,17 @@ void stages(Moving& moving, const Options& options) {
   settings.time_stages = true;
   const auto detector = makeCudaDetector(settings);
   moving.scene.useMemory(detector->vertexMemory());
-  std::vector<std::string> names;
-  std::map<std::string, std::vector<double>> times;
+  StageTimes times;
   for (int i = 0; i < kWarmUp + 2 * repeatsFor(moving); ++i) {
     const DetectionResult& result = step(moving, i, *detector, options);
-    if (i < kWarmUp || i % 2 == 1) continue;
-    names.clear();
-    for (const auto& [name, ms] : result.stages_ms) {
-      names.push_back(name);
-      times[name].push_back(ms);
-    }
+    if (i >= kWarmUp && i % 2 == 0) times.add(result);
   }
-  std::printf("| %s |", moving.name.c_str());
-  for (const std::string& name : names) {
-    std::printf(" %s %.1f (%.1f) |", name.c_str(), 1e3 * median(times[name]),
-                1e3 * percentile(times[name], 0.95));
-  }
-  std::printf("\n");
-  std::fflush(stdout);
+  times.print(moving.name);
 }
 
 Moving selfMoving(const std::string& name, const TriangleMesh& a, const TriangleMesh& b,
                   double at_most_ms) {
-  Moving moving{name, selfScene(a), {a.vertices, b.vertices}, at_most_ms};
-  return moving;
+  return {{name, selfScene(a), {a.vertices, b.vertices}}, at_most_ms};
 }
 
 // The cloth with what must cost next to nothing.
@@ -179,12 +162,7 @@ std::vector<MakeMoving> namedScenes(const TriangleMesh& ball92, const TriangleMe
                               splitThreeByThree(ball93), 0.75);
           },
           [] {
-            Moving moving{"Panda and a cloth", pandaAndCloth(), {}, 0.08};
-            moving.state[0] = moving.state[1] = moving.scene.body(0).mesh.vertices;
-            for (std::size_t i = 2; i < moving.state[1].size(); i += 3) {
-              moving.state[1][i] += 0.002F;
-            }
-            return moving;
+            return Moving{movedUp("Panda and a cloth", pandaAndCloth()), 0.08};
           }};
 }
 

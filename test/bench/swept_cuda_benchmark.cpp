@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,9 +11,10 @@
 #include "core/cpu/cpu_detector.h"
 #include "core/mesh_files/mesh_file.h"
 #include "cuda/cuda_detector.h"
-#include "panda_scene.h"
+#include "robot_scenes.h"
 #include "run_benchmark.h"
 #include "scenes.h"
+#include "stage_times.h"
 #include "test_data.h"
 #include "tools/common/sample_statistics.h"
 
@@ -111,24 +111,12 @@ void stages(Stepping& scene, const Options& options) {
   CudaSettings settings;
   settings.time_stages = true;
   const auto detector = makeCudaDetector(settings);
-  std::vector<std::string> names;
-  std::map<std::string, std::vector<double>> times;
+  StageTimes times;
   for (int i = 0; i < kWarmUp + 2 * repeats; ++i) {
     const DetectionResult& result = step(scene, i, *detector, options);
-    if (i < kWarmUp || i % 2 == 1) continue;
-    names.clear();
-    for (const auto& [name, ms] : result.stages_ms) {
-      names.push_back(name);
-      times[name].push_back(ms);
-    }
+    if (i >= kWarmUp && i % 2 == 0) times.add(result);
   }
-  std::printf("| %s |", scene.name.c_str());
-  for (const std::string& name : names) {
-    std::printf(" %s %.1f (%.1f) |", name.c_str(), 1e3 * median(times[name]),
-                1e3 * percentile(times[name], 0.95));
-  }
-  std::printf("\n");
-  std::fflush(stdout);
+  times.print(scene.name);
 }
 
 Stepping selfStepping(const std::string& name, const char* from, const char* to,

@@ -1,7 +1,8 @@
 // Writes the scenes that measure_trade's figures are of, as far as they are no files already, into
 // a folder: the Panda's links, posed; states of a cloth that sinks onto them, of one of a million
-// triangles, of a T-shirt; a huge floor triangle; two soups that all but touch everywhere; what the
-// cloth simulations' files hold, its largest part and the rest.
+// triangles, of a T-shirt; the PR2's links and a blanket that sinks onto its arms; a huge floor
+// triangle; two soups that all but touch everywhere; what the cloth simulations' files hold, its
+// largest part and the rest.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -14,7 +15,7 @@
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/triangle.h"
 #include "core/rules/posed_vertex.h"
-#include "panda_scene.h"
+#include "robot_scenes.h"
 #include "scenes.h"
 #include "test_data.h"
 #include "tools/common/output_file.h"
@@ -45,17 +46,46 @@ void writeOff(const std::filesystem::path& file, const TriangleMesh& mesh,
   OutputFile(file.string()).write(text);
 }
 
-void writePanda(const std::filesystem::path& folder) {
-  const Scene scene = pandaAndCloth();
+// A file of one of several states.
+std::filesystem::path numbered(const std::filesystem::path& folder, const char* name, int number) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%s_%02d.off", name, number);
+  return folder / text;
+}
+
+// All but body 0.
+void writeRobot(const std::filesystem::path& folder, const Scene& scene) {
+  std::filesystem::create_directories(folder);
   for (BodyId id = 1; id < scene.bodyCount(); ++id) {
     const Body& link = scene.body(id);
     writeOff(folder / (link.name + ".off"), link.mesh, link.pose);
   }
+}
+
+void writePanda(const std::filesystem::path& folder) {
+  const Scene scene = pandaAndCloth();
+  writeRobot(folder, scene);
   for (int i = 0; i < kStates; ++i) {
-    char name[40];
-    std::snprintf(name, sizeof name, "cloth_%02d.off", i);
     const float height = 1.2F - 0.03F * static_cast<float>(i);  // above all links to the elbow
-    writeOff(folder / name, clothGrid(87, 1.2F, height, 0.12F), scene.body(0).pose);
+    writeOff(numbered(folder, "cloth", i), clothGrid(87, 1.2F, height, 0.12F), scene.body(0).pose);
+  }
+}
+
+void writePr2(const std::filesystem::path& folder) {
+  for (int i = 0; i < kStates; ++i) {
+    const Scene scene = pr2AndBlanket(0.95F - 0.015F * static_cast<float>(i));
+    if (i == 0) writeRobot(folder, scene);
+    const Body& blanket = scene.body(0);
+    writeOff(numbered(folder, "blanket", i), blanket.mesh, blanket.pose);
+  }
+}
+
+// 999 698 triangles.
+void writeMillion(const std::filesystem::path& folder) {
+  const RigidTransform pose = pandaAndCloth(1).body(0).pose;
+  for (int i = 0; i < 4; ++i) {
+    const float height = 0.95F - 0.1F * static_cast<float>(i);
+    writeOff(numbered(folder, "million", i), clothGrid(707, 1.2F, height, 0.12F), pose);
   }
 }
 
@@ -93,35 +123,14 @@ void writeShirts(const std::filesystem::path& folder) {
       mesh.vertices[v] = (mesh.vertices[v] - (least[axis] + most[axis]) / 2) * (kLengthM / size);
       mesh.vertices[v] += axis == 2 ? 1.2F - 0.03F * static_cast<float>(i) : 0.65F;
     }
-    std::snprintf(name, sizeof name, "shirt_%02d.off", i);
-    writeOff(folder / name, mesh, pose);
+    writeOff(numbered(folder, "shirt", i), mesh, pose);
   }
-}
-
-// Slivers of 1 m along one axis, in as many layers, each from the other soup's next by `gap`: all
-// boxes of groups overlap, and none of its triangles touches one of the other.
-TriangleMesh slivers(int along, int layers, int in_layer, float gap) {
-  TriangleMesh mesh;
-  for (int layer = 0; layer < layers; ++layer) {
-    for (int i = 0; i < in_layer; ++i) {
-      const float z = gap * static_cast<float>(2 * layer + along);
-      const float side = static_cast<float>(i) / static_cast<float>(in_layer);
-      const float step = 0.5F / static_cast<float>(in_layer);
-      const float corners[3][2] = {{0, side}, {1, side}, {0.5F, side + step}};
-      for (const auto& [far, across] : corners) {
-        mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.vertexCount()));
-        const float x = along == 0 ? far : across, y = along == 0 ? across : far;
-        mesh.vertices.insert(mesh.vertices.end(), {x, y, z});
-      }
-    }
-  }
-  return mesh;
 }
 
 void writeSoups(const std::filesystem::path& folder) {
   constexpr int kLayers = 25, kInLayer = 160;
   for (const int along : {0, 1}) {
-    const TriangleMesh soup = slivers(along, kLayers, kInLayer, 1e-4F);
+    const TriangleMesh soup = sliverSoup(along, kLayers, kInLayer, 1e-4F);
     const char* const name = along == 0 ? "soup_x.off" : "soup_y.off";
     writeOff(folder / name, soup, RigidTransform());
   }
@@ -166,11 +175,10 @@ int main(int argc, char** argv) {
   }
   return dcm::runTool("trade_scene_files", [argv] {
     const std::filesystem::path folder = argv[1];
-    std::filesystem::create_directories(folder / "panda");
     dcm::writePanda(folder / "panda");
+    dcm::writePr2(folder / "pr2");
     dcm::writeFloor(folder / "floor.off");
-    dcm::writeOff(folder / "million.off", dcm::clothGrid(707, 1.2F, 0.75F, 0.12F),
-                  dcm::pandaAndCloth(1).body(0).pose);
+    dcm::writeMillion(folder);
     dcm::writeShirts(folder / "panda");
     dcm::writeSoups(folder);
     dcm::writeParts(folder, "ball", {"cloth-ball/cloth_ball92.ply", "cloth-ball/cloth_ball93.ply"});

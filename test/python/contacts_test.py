@@ -50,10 +50,11 @@ def sheet(height, quads=20):
 
 class Tolerance(unittest.TestCase):
 
-    def distance(self, height):
-        """Of two sheets, with a margin of 20 mm."""
-        scene = scene_of([sheet(0), sheet(height)], [(0, 1)])
-        scene.set_margin(1, .02)
+    def detect(self, lower, upper, margins=(0, .02)):
+        """Two sheets, by a tolerance of 5 mm."""
+        scene = scene_of([lower, upper], [(0, 1)])
+        for body, margin_m in enumerate(margins):
+            scene.set_margin(body, margin_m)
         detector = Detector("cpu", tolerance_m=.005)
         for _ in range(1000):  # until triangles are grouped
             result = detector.detect(scene)
@@ -62,23 +63,60 @@ class Tolerance(unittest.TestCase):
             time.sleep(.01)
         self.assertEqual(len(result.distances), 1)
         self.assertFalse(result.guaranteed)
-        return result.distances[0]
+        return result
 
     def test_states(self):
-        for height, state in ((0, "contact"), (.004, "contact"), (.012, "near"), (.03, "none")):
-            distance = self.distance(height)
-            self.assertEqual((distance.body_a, distance.body_b), (0, 1))
-            self.assertEqual(distance.state, state)
-            self.assertLessEqual(distance.low_m, height)
-            self.assertGreaterEqual(distance.high_m, numpy.float32(height) - 1e-7)
-        self.assertGreater(distance.low_m, .02)
+        cases = ((0, "contact"), (.004, "contact"), (.012, "near"), (.03, "none"))
+        for margins in ((0, .02), (.02, .001)):
+            for height, state in cases:
+                result = self.detect(sheet(0), sheet(height), margins)
+                distance, = result.distances
+                self.assertEqual((distance.body_a, distance.body_b), (0, 1))
+                self.assertEqual(distance.state, state)
+                self.assertLessEqual(distance.low_m, height)
+                self.assertGreaterEqual(distance.high_m, numpy.float32(height) - 1e-7)
+                if state != "none":
+                    self.assertLessEqual(distance.high_m, height + .005)
+                self.assertEqual(distance.is_listed, state == "none")
+                self.assertEqual(distance.contact_count, len(result.pairs))
+                if height == 0:
+                    self.assertGreater(distance.contact_count, 0)
+            self.assertGreater(distance.low_m, .02)
 
-    def test_points(self):
-        distance = self.distance(.004)
+    def test_points_are_of_the_triangles(self):
+        lower, upper = sheet(0), sheet(.004, quads=7)
+        distance, = self.detect(lower, upper).distances
         self.assertAlmostEqual(distance.point_a[2], 0)
         self.assertAlmostEqual(distance.point_b[2], .004)
         self.assertEqual(distance.point_a[:2], distance.point_b[:2])
-        self.assertEqual(len(distance.triangles), 2)
+        for (vertices, triangles), point, triangle in zip(
+                (lower, upper), (distance.point_a, distance.point_b), distance.triangles):
+            corners = vertices[triangles[triangle]]
+            self.assertTrue((corners.min(axis=0) - 1e-6 <= point).all(), (corners, point))
+            self.assertTrue((point <= corners.max(axis=0) + 1e-6).all(), (corners, point))
+
+    def test_bounds_are_two(self):
+        """Waves 3 mm over waves, whose boxes overlap: only what is seen is known."""
+        (lower, triangles), (upper, _) = sheet(0), sheet(.003)
+        for vertices in (lower, upper):
+            vertices[:, 2] += .1 * numpy.sin(9 * vertices[:, 0] + 4 * vertices[:, 1])
+        distance, = self.detect((lower, triangles), (upper, triangles), (0, 0)).distances
+        self.assertEqual(distance.state, "contact")
+        self.assertTrue(.001 < distance.high_m <= .005, distance.high_m)
+        self.assertTrue(0 <= distance.low_m <= .003, distance.low_m)
+
+    def test_those_of_several_pairs_ascend(self):
+        scene = scene_of([sheet(0), sheet(.5), sheet(.501)], [(1, 2), (0, 1), (0, 2)])
+        detector = Detector("cpu", tolerance_m=.005)
+        for _ in range(1000):
+            distances = detector.detect(scene).distances
+            if distances:
+                break
+            time.sleep(.01)
+        self.assertEqual([(d.body_a, d.body_b) for d in distances], [(0, 1), (0, 2), (1, 2)])
+        for distance, height in zip(distances, (.5, .501, .001)):
+            self.assertLessEqual(distance.low_m, height)
+            self.assertGreaterEqual(distance.high_m, height - 1e-7)
 
     def test_exact_detection_has_none(self):
         scene = scene_of([sheet(0), sheet(0)], [(0, 1)])

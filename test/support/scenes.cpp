@@ -117,6 +117,24 @@ TriangleMesh sizedTo(const TriangleMesh& mesh, std::size_t triangles) {
   return out;
 }
 
+TriangleMesh sliverSoup(int along, int layers, int in_layer, float gap_m) {
+  TriangleMesh mesh;
+  for (int layer = 0; layer < layers; ++layer) {
+    for (int i = 0; i < in_layer; ++i) {
+      const float z = gap_m * static_cast<float>(2 * layer + along);
+      const float side = static_cast<float>(i) / static_cast<float>(in_layer);
+      const float step = 0.5F / static_cast<float>(in_layer);
+      const float corners[3][2] = {{0, side}, {1, side}, {0.5F, side + step}};
+      for (const auto& [far, across] : corners) {
+        mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.vertexCount()));
+        const float x = along == 0 ? far : across, y = along == 0 ? across : far;
+        mesh.vertices.insert(mesh.vertices.end(), {x, y, z});
+      }
+    }
+  }
+  return mesh;
+}
+
 Scene selfScene(TriangleMesh mesh) {
   Scene scene;
   const BodyId id = scene.addBody("self", std::move(mesh));

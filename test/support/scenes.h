@@ -27,6 +27,10 @@ TriangleMesh splitThreeByThree(const TriangleMesh& mesh);
 // first `triangles` of it.
 TriangleMesh sizedTo(const TriangleMesh& mesh, std::size_t triangles);
 
+// Slivers of 1 m along x or y (0, 1), so many in each layer; layers of the two soups lie in turn,
+// the given gap apart. All boxes of groups of them overlap, and none touches one of the other soup.
+TriangleMesh sliverSoup(int along, int layers, int in_layer, float gap_m);
+
 // One body, looked at for contacts with itself.
 Scene selfScene(TriangleMesh mesh);
 

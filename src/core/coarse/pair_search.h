@@ -58,6 +58,7 @@ class PairSearch {
   double restLow() const;
   void lookAtRegions(const Doubt& doubt);
   void openTiles(const Doubt& doubt);
+  bool findWitness();
   void lookAtTriangles(const CycleLimit& limit, SteadyTime until);
   void findPoints();
   void look(const PosedTile& a, const PosedTile& b, const NearTriangles& pair);
@@ -76,6 +77,7 @@ class PairSearch {
   Doubt open_{0, 0, 0, true};
   std::vector<NearTriangles> triangles_;
   std::size_t next_triangles_ = 0;
+  std::uint32_t opened_ = 0;      // pairs of tiles
   std::vector<NearParts> parts_;  // scratch
 };
 

@@ -69,6 +69,7 @@ class Counting {
     sum_->common += claimed && is_true;
     if (!is_true || claimed || decision == PairDecision::kOpen) return;
     ++sum_->missed;
+    if (sum_->setting.overlap < 1) return;
     fail("says that " + scene_.body(bodies.first).name + " and " + scene_.body(bodies.second).name +
          ", which intersect, do not");
   }
@@ -103,7 +104,8 @@ class Counting {
 }  // namespace
 
 std::string describe(const BoundSetting& setting) {
-  if (setting.isExact()) return "exact";
+  if (setting.overlap < 1) return "overlap " + numberText(setting.overlap);
+  if (!setting.isBounded()) return setting.backend == "cpu" ? "exact" : "exact, " + setting.backend;
   std::string text = "tolerance " + numberText(setting.tolerance_m) + " m";
   if (setting.budget_ms > 0) text += ", budget " + numberText(setting.budget_ms) + " ms";
   return text;
@@ -132,6 +134,7 @@ void measureBounds(FrameSource* frames, const TouchingBodies& truth, const Cycle
                    BoundMeasurement* sum) {
   Options bounded = options;
   bounded.tolerance_m = sum->setting.tolerance_m;
+  bounded.overlap = sum->setting.overlap;
   int warm_up = cycles.warm_up;
   for (int pass = 0; pass < cycles.passes || warm_up > 0;) {
     frames->rewind();

@@ -18,11 +18,13 @@ namespace deformable_contact_monitor {
 struct BoundSetting {
   float tolerance_m = 0;
   double budget_ms = 0;  // of each detection; 0: none
+  std::string backend = "cpu";
+  float overlap = 1;  // below, contacts may be missed
 
-  bool isExact() const { return tolerance_m == 0 && budget_ms == 0; }
+  bool isBounded() const { return tolerance_m > 0 || budget_ms > 0; }
 };
 
-// "exact", "tolerance 0.005 m", "tolerance 0 m, budget 5 ms".
+// "exact", "tolerance 0.005 m", "tolerance 0 m, budget 5 ms", "exact, cuda", "overlap 0.5".
 std::string describe(const BoundSetting& setting);
 
 // Over all cycles; pairs are those of two bodies.
@@ -34,7 +36,7 @@ struct BoundMeasurement {
   std::uint64_t contacts = 0;  // that intersect
   std::uint64_t claimed = 0;   // that are said to be in contact
   std::uint64_t common = 0;    // claimed contacts that intersect
-  std::uint64_t missed = 0;    // contacts that are said to be none: a defect
+  std::uint64_t missed = 0;    // contacts that are said to be none: a defect while overlap is 1
   double largest_claim_m = 0;  // distance at a claimed contact, by triangleGapM()
   std::string broken;          // what is not as promised, the first; empty: nothing
 
@@ -53,8 +55,8 @@ TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Option
                               const SayProgress& progress);
 
 // Runs the setting over the frames, after some that do not count, and adds to `sum`. `tilings`:
-// those of the detector, made before each detection; null: it is exact. options: all but tolerance
-// and deadline.
+// those of the detector, made before each detection; null: it has none. options: all that the
+// setting does not say.
 void measureBounds(FrameSource* frames, const TouchingBodies& truth, const CycleCounts& cycles,
                    const Options& options, Detector* detector, TilingCache* tilings,
                    BoundMeasurement* sum);

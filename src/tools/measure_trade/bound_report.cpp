@@ -12,6 +12,7 @@
 #include "tools/common/machine.h"
 #include "tools/common/option_value.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/measure_trade/summary_head.h"
 #include "tools/measure_trade/trade_grid.h"
 
 namespace deformable_contact_monitor {
@@ -22,7 +23,8 @@ using Json = nlohmann::json;
 // In the order of the columns.
 std::vector<std::pair<std::string, double>> row(const BoundMeasurement& m,
                                                 const BoundMeasurement& exact) {
-  return {{"tolerance_m", m.setting.tolerance_m},
+  return {{"overlap", m.setting.overlap},
+          {"tolerance_m", m.setting.tolerance_m},
           {"budget_ms", m.setting.budget_ms},
           {"cycles", m.ms.size()},
           {"median_ms", median(m.ms)},
@@ -53,10 +55,10 @@ std::string line(const BoundMeasurement& m, const BoundMeasurement& exact) {
 }  // namespace
 
 std::string boundsCsv(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all) {
-  std::string title = "threads", lines;
+  std::string title = "backend,threads", lines;
   for (const auto& [name, value] : row(all.front(), all.front())) title += "," + name;
   for (const BoundMeasurement& m : all) {
-    lines += std::to_string(arguments.base.threads);
+    lines += m.setting.backend + "," + std::to_string(arguments.base.threads);
     for (const auto& [name, value] : row(m, all.front())) {
       lines += ",";
       lines += name == "tolerance_m" ? numberText(m.setting.tolerance_m) : numberText(value);
@@ -68,23 +70,13 @@ std::string boundsCsv(const TradeArguments& arguments, const std::vector<BoundMe
 
 std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames) {
-  Json json;
-  json["version"] = DCM_VERSION;
-  json["command"] = arguments.command;
-  json["machine"] = machineJson();
-  json["bodies"] = Json::array();
-  for (const Body& body : frames.scene().bodies()) {
-    json["bodies"].push_back({{"name", body.name}, {"triangles", body.mesh.triangleCount()}});
-  }
-  json["backend"] = "cpu";
-  json["threads"] = arguments.base.threads;
-  json["adjacent"] = toString(arguments.base.adjacent);
+  Json json = summaryHead(arguments, frames);
   json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
   json["broken_promises"] = Json::array();
   json["settings"] = Json::array();
   for (const BoundMeasurement& m : all) {
     if (!m.broken.empty()) json["broken_promises"].push_back(m.broken);
-    Json of_setting;
+    Json of_setting = {{"backend", m.setting.backend}};
     for (const auto& [name, value] : row(m, all.front())) of_setting[name] = value;
     json["settings"].push_back(of_setting);
   }
@@ -101,7 +93,7 @@ std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
     const BoundMeasurement& m = all[i];
-    if (!m.broken.empty() || m.decided < m.pairs) continue;
+    if (!m.broken.empty() || m.setting.overlap < 1 || m.decided < m.pairs) continue;
     if (arguments.budget_ms && percentile(m.ms, 0.95) > *arguments.budget_ms) continue;
     if (!best || rank(m) < rank(all[*best])) best = i;
   }
@@ -132,7 +124,7 @@ std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundM
   std::string text = "# Written by " + arguments.command + "\n# on " + thisMachine().cpu + ":\n";
   std::istringstream lines(boundsText(arguments, all));
   for (std::string words; std::getline(lines, words);) text += "# " + words + "\n";
-  text += "backend: cpu\nthreads: " + std::to_string(arguments.base.threads) +
+  text += "backend: " + m.setting.backend + "\nthreads: " + std::to_string(arguments.base.threads) +
           "\ntolerance_m: " + numberText(m.setting.tolerance_m) +
           "\nbudget_ms: " + numberText(arguments.budget_ms.value_or(0)) + "\npair_classes: [" +
           joined(frames.pairClasses(), ", ") + "]\n";

@@ -127,16 +127,31 @@ int runSwept(const TradeArguments& arguments) {
   return 0;
 }
 
-// Exact first, then each tolerance with each budget.
-std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, FrameSource* frames,
-                                               Progress* progress) {
-  std::vector<BoundMeasurement> all(1);
+// Exact on the CPU first, then what is beside, then each tolerance with each budget.
+std::vector<BoundSetting> boundSettings(const TradeArguments& arguments) {
+  std::vector<BoundSetting> settings = {BoundSetting()};
+  for (const std::string& backend : arguments.grid.backends) {
+    if (backend != "cpu") settings.push_back({0, 0, backend, 1});
+  }
+  for (const float overlap : arguments.grid.overlaps) {
+    if (overlap < 1) settings.push_back({0, 0, "cpu", overlap});
+  }
   for (const float tolerance_m : arguments.tolerances_m) {
     for (const double budget_ms : arguments.budgets_ms) {
-      BoundMeasurement m;
-      m.setting = {tolerance_m, budget_ms};
-      if (!m.setting.isExact()) all.push_back(m);
+      const BoundSetting setting{tolerance_m, budget_ms, "cpu", 1};
+      if (setting.isBounded()) settings.push_back(setting);
     }
+  }
+  return settings;
+}
+
+std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, FrameSource* frames,
+                                               Progress* progress) {
+  std::vector<BoundMeasurement> all;
+  for (const BoundSetting& setting : boundSettings(arguments)) {
+    all.emplace_back();
+    all.back().setting = setting;
+    makeBackend(setting.backend);  // or fail now
   }
   const TouchingBodies truth =
       touchingBodies(frames, makeBackend("cpu").get(), arguments.base,
@@ -145,9 +160,9 @@ std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, 
   const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
   for (BoundMeasurement& m : all) {
     progress->set(describe(m.setting));
-    const auto tilings = m.setting.isExact() ? nullptr : std::make_shared<TilingCache>();
+    const auto tilings = m.setting.isBounded() ? std::make_shared<TilingCache>() : nullptr;
     const std::unique_ptr<Detector> detector =
-        makeDetector("cpu", WithoutCuda::kRefuse, CudaSettings(), note, tilings);
+        makeDetector(m.setting.backend, WithoutCuda::kRefuse, CudaSettings(), note, tilings);
     measureBounds(frames, truth, cycles, arguments.base, detector.get(), tilings.get(), &m);
   }
   return all;

@@ -5,8 +5,8 @@
 
 #include "tools/common/csv_field.h"
 #include "tools/common/json_text.h"
-#include "tools/common/machine.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/measure_trade/summary_head.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -135,19 +135,10 @@ std::string onsetsCsv(const MotionResults& found, const std::vector<MotionCounts
 
 std::string motionJson(const TradeArguments& arguments, const MotionResults& found,
                        const std::vector<MotionCounts>& levels, const FrameSource& frames) {
-  Json json;
-  json["version"] = DCM_VERSION;
-  json["command"] = arguments.command;
-  json["machine"] = machineJson();
-  json["bodies"] = Json::array();
-  for (const Body& body : frames.scene().bodies()) {
-    json["bodies"].push_back({{"name", body.name}, {"triangles", body.mesh.triangleCount()}});
-  }
+  Json json = summaryHead(arguments, frames);
   json["frames"] = found.labels;
   json["every"] = found.every;
-  json["adjacent"] = toString(arguments.base.adjacent);
   json["backend"] = arguments.grid.backends.front();
-  json["threads"] = arguments.base.threads;
   json["pairs_without_step"] = found.pairs_without_step;
   json["rejected_triangles"] = found.rejected;
   std::vector<double> ms;

@@ -1,17 +1,17 @@
 #!/usr/bin/python3
 """Draws what measure_trade --tolerance measured, all scenes in one picture, bounds.png.
 
-Above: median time against the tolerance, without a budget; the line is exact detection.
-Below: the share of pairs of bodies that were decided, against the budget, a line a tolerance.
+A column a scene; from above: median time against the tolerance, without a budget, beside exact
+detection; recall and precision of pairs of bodies against time, of tolerances and of overlaps; the
+largest distance at a claimed contact against the tolerance, which is the line; the share of pairs
+of bodies that were decided, and their p99, against the budget, a line a tolerance.
 """
-import argparse
 import csv
-import pathlib
 import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import legend, panels, pyplot, write_whole
+from plot_trade import BACKENDS, draw, legend, log_axis, panels, percent_axis
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#cc79a7")
 
@@ -22,59 +22,88 @@ class Scene:
     def __init__(self, folder):
         self.name = folder.resolve().name
         with open(folder / "bounds.csv", newline="", encoding="utf-8") as file:
-            rows = [{name: float(value) for name, value in row.items()}
-                    for row in csv.DictReader(file)]
+            rows = [{name: value if name == "backend" else float(value)
+                     for name, value in row.items()} for row in csv.DictReader(file)]
         if not rows:
             raise ValueError(f"{folder / 'bounds.csv'}: has no row")
-        self.exact, self.rows = rows[0], rows[1:]
+        self.exact = [row for row in rows if is_exact(row)]
+        self.overlaps = [row for row in rows if row["overlap"] < 1]
+        bounded = [row for row in rows if row["tolerance_m"] > 0 or row["budget_ms"] > 0]
+        self.without_budget = [row for row in bounded if row["budget_ms"] == 0]
+        self.with_budget = [row for row in bounded if row["budget_ms"] > 0]
 
-    def line(self, of, value, along):
-        """Rows whose `of` is so, in the order of `along`."""
-        return sorted((row for row in self.rows if row[of] == value), key=lambda row: row[along])
+
+def is_exact(row):
+    return row["overlap"] == 1 and row["tolerance_m"] == 0 and row["budget_ms"] == 0
+
+
+def numbers(rows, key, factor=1):
+    return [factor * row[key] for row in rows]
+
+
+def plot_times(axis, scene):
+    axis.plot(numbers(scene.without_budget, "tolerance_m", 1e3),
+              numbers(scene.without_budget, "median_ms"), "o-", color="black", label="tolerance")
+    for row in scene.exact:
+        axis.axhline(row["median_ms"], color=BACKENDS[row["backend"]], linestyle="--",
+                     label=f"exact, {row['backend']}")
+    axis.set_yscale("log")
+    log_axis(axis.yaxis)
+    axis.set_xlabel("tolerance [mm]", fontsize=9)
+
+
+def plot_rates(axis, scene):
+    kinds = (("tolerance", scene.without_budget, "black"),
+             ("overlap", scene.overlaps, "#d55e00"),
+             ("exact", scene.exact[:1], BACKENDS["cpu"]))
+    rates = [row[rate] for _, rows, _ in kinds for row in rows for rate in ("recall", "precision")]
+    percent_axis(axis, rates)
+    for name, rows, color in kinds:
+        for rate, marker in (("recall", "o"), ("precision", "x")):
+            axis.plot(numbers(rows, "median_ms"), numbers(rows, rate, 100), marker, color=color,
+                      fillstyle="none", label=f"{name}: {rate}" if rows else None)
+    axis.set_xscale("log")
+    log_axis(axis.xaxis)
+    axis.set_xlabel("median time [ms]", fontsize=9)
+
+
+def plot_claims(axis, scene):
+    tolerances = numbers(scene.without_budget, "tolerance_m", 1e3)
+    axis.plot(tolerances, tolerances, "--", color="grey", label="tolerance itself")
+    axis.plot(tolerances, numbers(scene.without_budget, "largest_claim_m", 1e3), "o",
+              color="black", label="largest at a claimed contact")
+    axis.set_xlabel("tolerance [mm]", fontsize=9)
+
+
+def plot_budgets(decided, times, scene):
+    for color, tolerance in zip(COLORS, sorted({row["tolerance_m"] for row in scene.with_budget})):
+        rows = [row for row in scene.with_budget if row["tolerance_m"] == tolerance]
+        rows.sort(key=lambda row: row["budget_ms"])
+        budgets, label = numbers(rows, "budget_ms"), f"{1e3 * tolerance:g} mm"
+        decided.plot(budgets, numbers(rows, "decided_share", 100), "o-", color=color, label=label)
+        times.plot(budgets, numbers(rows, "p99_ms"), "o-", color=color, label=label)
+    budgets = sorted({row["budget_ms"] for row in scene.with_budget})
+    times.plot(budgets, budgets, "--", color="grey", label="budget itself")
+    decided.set_ylim(0, 105)
+    for axis in (decided, times):
+        axis.set_xlabel("budget [ms]", fontsize=9)
 
 
 def plot(scenes):
-    figure, axes = panels(2, len(scenes))
+    figure, axes = panels(5, len(scenes))
     for column, scene in enumerate(scenes):
-        times, shares = axes[:, column]
+        times, rates, claims, decided, late = axes[:, column]
         times.set_title(scene.name, fontsize=10)
-        rows = scene.line("budget_ms", 0, "tolerance_m")
-        times.plot([1e3 * row["tolerance_m"] for row in rows],
-                   [row["median_ms"] for row in rows], "o-", color="black")
-        times.axhline(scene.exact["median_ms"], color="grey", linestyle="--")
-        times.set_ylim(bottom=0)
-        times.set_xlabel("tolerance [mm]", fontsize=9)
-        tolerances = sorted({row["tolerance_m"] for row in scene.rows})
-        for color, tolerance in zip(COLORS, tolerances):
-            rows = [row for row in scene.line("tolerance_m", tolerance, "budget_ms")
-                    if row["budget_ms"] > 0]
-            shares.plot([row["budget_ms"] for row in rows],
-                        [100 * row["decided_share"] for row in rows], "o-", color=color,
-                        label=f"{1e3 * tolerance:g} mm")
-        shares.set_ylim(0, 105)
-        shares.set_xlabel("budget [ms]", fontsize=9)
-    axes[0, 0].set_ylabel("median time [ms]\n(dashed: exact)", fontsize=9)
-    axes[1, 0].set_ylabel("pairs of bodies decided [%]", fontsize=9)
-    legend(figure, axes[1:])
+        plot_times(times, scene)
+        plot_rates(rates, scene)
+        plot_claims(claims, scene)
+        plot_budgets(decided, late, scene)
+    for axis, label in zip(axes[:, 0], ("median time [ms]", "pairs of bodies [%]",
+                                        "distance [mm]", "pairs decided [%]", "p99 [ms]")):
+        axis.set_ylabel(label, fontsize=9)
+    legend(figure, axes)
     return figure
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="+", type=pathlib.Path,
-                        help="what measure_trade --tolerance wrote; the scene is called as the "
-                             "folder")
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("."),
-                        help="folder for the picture (default: the current one)")
-    arguments = parser.parse_args()
-    figure = plot([Scene(folder) for folder in arguments.folder])
-    write_whole(arguments.out / "bounds.png", figure)
-    pyplot.close(figure)
-
-
 if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, KeyError, ValueError) as error:
-        sys.exit(f"plot_bounds.py: {error}")
+    draw(__doc__, "measure_trade --tolerance", Scene, {"bounds": plot})

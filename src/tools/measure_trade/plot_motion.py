@@ -4,15 +4,13 @@
 lost.png    the share of contacts and of onsets that each way to look loses, of pairs of triangles
 onsets.png  onsets found so far, of pairs of triangles, over the frames
 """
-import argparse
 import csv
 import json
-import pathlib
 import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import legend, panels, pyplot, scene_panels, write_whole
+from plot_trade import draw, legend, panels, scene_panels
 
 TRUTH = "swept, all frames"
 COLORS = {"instant": "#d55e00", "instant_kept": "#e69f00", "swept_kept": "#0072b2"}
@@ -88,23 +86,5 @@ def plot_onsets(scenes):
     return figure
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="+", type=pathlib.Path,
-                        help="what measure_trade --swept wrote; the scene is called as the folder")
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("."),
-                        help="folder for the pictures (default: the current one)")
-    arguments = parser.parse_args()
-    scenes = [Scene(folder) for folder in arguments.folder]
-    for name, plot in (("lost", plot_lost), ("onsets", plot_onsets)):
-        figure = plot(scenes)
-        write_whole(arguments.out / f"{name}.png", figure)
-        pyplot.close(figure)
-
-
 if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, KeyError, ValueError) as error:
-        sys.exit(f"plot_motion.py: {error}")
+    draw(__doc__, "measure_trade --swept", Scene, {"lost": plot_lost, "onsets": plot_onsets})

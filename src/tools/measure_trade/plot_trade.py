@@ -214,24 +214,25 @@ def write_whole(path, figure):
         raise
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__,
+def draw(doc, wrote, scene_of, plots):
+    """main() of the programs that draw: each plot of all folders' scenes, by its name."""
+    parser = argparse.ArgumentParser(description=doc,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="+", type=pathlib.Path,
-                        help="what measure_trade wrote; the scene is called as the folder")
+                        help=f"what {wrote} wrote; the scene is called as the folder")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("."),
                         help="folder for the pictures (default: the current one)")
     arguments = parser.parse_args()
-    scenes = [Scene(folder) for folder in arguments.folder]
-    for name, plot in (("accuracy", plot_accuracy), ("work", plot_work),
-                       ("clusters", plot_clusters), ("exact", plot_exact)):
-        figure = plot(scenes)
-        write_whole(arguments.out / f"{name}.png", figure)
-        pyplot.close(figure)
+    try:
+        scenes = [scene_of(folder) for folder in arguments.folder]
+        for name, plot in plots.items():
+            figure = plot(scenes)
+            write_whole(arguments.out / f"{name}.png", figure)
+            pyplot.close(figure)
+    except (OSError, KeyError, ValueError) as error:
+        sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {error}")
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, KeyError, ValueError) as error:
-        sys.exit(f"plot_trade.py: {error}")
+    draw(__doc__, "measure_trade", Scene, {"accuracy": plot_accuracy, "work": plot_work,
+                                           "clusters": plot_clusters, "exact": plot_exact})

@@ -105,7 +105,8 @@ void addSwept(CommandLine* line, TradeArguments* arguments) {
 void addBounds(CommandLine* line, TradeArguments* arguments) {
   line->addFlag("--tolerance", &arguments->bounds,
                 "Measure instead what tolerances and budgets cost on the CPU, and what they say of "
-                "pairs of two bodies; writes bounds.csv, summary.json and a plot");
+                "pairs of two bodies, beside exact --backends and --overlaps below 1; writes "
+                "bounds.csv, summary.json and a plot");
   line->addList("--tolerances-m", &arguments->tolerances_m,
                 "With --tolerance: how far off distances may be, each", inRange(0.F, 1.F));
   line->addList("--budgets-ms", &arguments->budgets_ms,
@@ -114,8 +115,8 @@ void addBounds(CommandLine* line, TradeArguments* arguments) {
   for (const char* option : {"--tolerances-m", "--budgets-ms"}) {
     line->requireFor(option, "--tolerance");
   }
-  for (const char* option : {"--swept", "--backends", "--overlaps", "--predicates", "--clusters",
-                             "--fuzzifiers", "--iterations", "--refresh-periods", "--repeats"}) {
+  for (const char* option : {"--swept", "--predicates", "--clusters", "--fuzzifiers",
+                             "--iterations", "--refresh-periods", "--repeats"}) {
     line->refuseTogether("--tolerance", option);
   }
 }

@@ -10,6 +10,7 @@
 #include "tools/common/machine.h"
 #include "tools/common/option_value.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/measure_trade/summary_head.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -79,17 +80,6 @@ std::string otherChoices(const TradeArguments& arguments, const TradeResults& re
 
 std::string budgetText(double budget_ms) { return "a budget of " + numberText(budget_ms) + " ms"; }
 
-Json bodiesJson(const FrameSource& frames) {
-  Json json = Json::array();
-  const Scene& scene = frames.scene();
-  for (BodyId body = 0; body < scene.bodyCount(); ++body) {
-    json.push_back({{"name", scene.body(body).name},
-                    {"triangles", scene.body(body).mesh.triangleCount()},
-                    {"deformable", frames.isDeformable(body)}});
-  }
-  return json;
-}
-
 Json settingJson(const Measurement& m) {
   const Options& options = m.setting.options;
   const Worth worth = m.worth();
@@ -123,14 +113,8 @@ Json contactsJson(const ExactResults& exact) {
 
 std::string summaryJson(const TradeArguments& arguments, const TradeResults& results,
                         const FrameSource& frames) {
-  Json json;
-  json["version"] = DCM_VERSION;
-  json["command"] = arguments.command;
-  json["machine"] = machineJson();
-  json["bodies"] = bodiesJson(frames);
+  Json json = summaryHead(arguments, frames);
   json["frames"] = contactsJson(results.exact);
-  json["adjacent"] = toString(arguments.base.adjacent);
-  json["threads"] = arguments.base.threads;
   json["warm_up"] = arguments.warm_up;
   json["repeats"] = results.measurements.front().repeats.size();
   json["cycles"] = results.measurements.front().round_trip_ms.size();

@@ -129,6 +129,32 @@ TEST_F(BoundedTest, DecidesCloseClothsAtAnyTolerance) {
   }
 }
 
+// Tiles overlap everywhere, and only a look at what is apart can end it early.
+TEST_F(BoundedTest, DecidesSoupsByWhatTheToleranceAllows) {
+  constexpr float kGapM = 1e-3F;
+  for (int layers = 4; layers <= 24; ++layers) {  // of some 16 to 576 pairs of tiles
+    SCOPED_TRACE(layers);
+    Scene scene = pairScene(sliverSoup(0, layers, 32, kGapM), sliverSoup(1, layers, 32, kGapM));
+    const std::map<IdPair, double> truth = trueDistances(scene);
+    settle(scene);
+    for (const float margin_m : {0.0F, 5e-4F, 2e-3F}) {
+      scene.setMargin(0, margin_m);
+      for (const float tolerance_m : {1e-6F, 9e-4F, 1.1e-3F, 5e-3F, 0.1F}) {
+        Options options;
+        options.tolerance_m = tolerance_m;
+        const DetectionResult& result = detector_->detect(scene, options);
+        expectAllTrue(scene, result, tolerance_m, truth);
+        if (layers < 12) continue;
+        EXPECT_EQ(decide(result.distances.front(), margin_m, tolerance_m),
+                  tolerance_m > kGapM ? PairDecision::kContact
+                  : margin_m > kGapM  ? PairDecision::kNear
+                                      : PairDecision::kNone)
+            << margin_m << " " << tolerance_m;
+      }
+    }
+  }
+}
+
 TEST_F(BoundedTest, IsTheSameOnAnyNumberOfThreads) {
   for (std::uint32_t seed = 0; seed < 3; ++seed) {
     Scene scene = largeRandomScene(seed);

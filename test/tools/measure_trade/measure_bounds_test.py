@@ -1,60 +1,123 @@
 #!/usr/bin/env python3
 """measure_trade --tolerance as its users see it: table, plot, choice and messages. The tool is
 $MEASURE_TRADE."""
+import math
 import os
 import unittest
 
 import yaml
-from trade_case import ABOVE, Case, FLOOR, POST
+from trade_case import ABOVE, Case, FLOOR, cloth
+
+
+BOUNDED = [("0", "1000"), ("0.001", "0"), ("0.001", "1000"), ("0.2", "0"), ("0.2", "1000")]
 
 
 class Bounds(Case):
     """A cloth of four states: one above all, one on the post, two on the floor as well."""
 
-    OPTIONS = ("--tolerance", "--tolerances-m", "0,0.001,0.2", "--budgets-ms", "0,1000", "--cycles",
-               "8", "--warm-up", "1")
+    OPTIONS = ("--tolerance", "--tolerances-m", "0,0.001,0.2", "--budgets-ms", "0,1000",
+               "--overlaps", "0,1", "--cycles", "8", "--warm-up", "1")
 
     def rows(self, *arguments):
         self.works(*self.OPTIONS, *self.scene(), *arguments)
-        return {(row["tolerance_m"], row["budget_ms"]): {name: float(value)
-                                                         for name, value in row.items()}
-                for row in self.table("bounds.csv")}
+        rows = self.table("bounds.csv")
+        for name in ("backend", "threads"):
+            self.assertEqual({row.pop(name) for row in rows},
+                             {{"backend": "cpu", "threads": "1"}[name]})
+        return {(row["overlap"], row["tolerance_m"], row["budget_ms"]):
+                {name: float(value) for name, value in row.items()} for row in rows}
 
     def test_table(self):
         rows = self.rows()
-        self.assertEqual(list(rows), [("0", "0"), ("0", "1000"), ("0.001", "0"), ("0.001", "1000"),
-                                      ("0.2", "0"), ("0.2", "1000")])
-        for (tolerance, budget), row in rows.items():
-            self.assertEqual((row["cycles"], row["pairs"], row["contacts"]), (8, 24, 10), row)
-            self.assertEqual((row["decided_share"], row["recall"], row["missed"]), (1, 1, 0), row)
+        exact, lossy = ("1", "0", "0"), ("0", "0", "0")
+        self.assertEqual(list(rows), [exact, lossy, *[("1", *setting) for setting in BOUNDED]])
+        for (overlap, tolerance, budget), row in rows.items():
+            self.assertEqual((row["cycles"], row["pairs"]), (8, 24), row)
+            self.assertEqual((row["contacts"], row["decided_share"]), (10, 1), row)
+            self.assertTrue(0 < row["median_ms"] <= row["p95_ms"] <= row["p99_ms"], row)
+            self.assertAlmostEqual(row["time_of_exact"],
+                                   row["median_ms"] / rows[exact]["median_ms"], places=5)
+            self.assertAlmostEqual(row["p99_over_budget"],
+                                   row["p99_ms"] / float(budget) if budget != "0" else 0, places=5)
             self.assertLessEqual(row["largest_claim_m"], float(tolerance) + 1e-9)
-            self.assertGreater(row["median_ms"], 0)
-            self.assertEqual(row["p99_over_budget"] > 0, budget != "0")
-            self.assertEqual(row["threads"], 1)
-        self.assertEqual(rows["0", "0"]["time_of_exact"], 1)
-        self.assertEqual(rows["0", "1000"]["precision"], 1)
+            if overlap == "1":
+                self.assertEqual((row["recall"], row["missed"]), (1, 0), row)
+        self.assertEqual(rows["1", "0", "1000"]["precision"], 1)
         self.assertTrue(os.path.getsize(self.path("trade", "bounds.png")) > 1000)
 
+    def test_a_claim_within_the_tolerance_is_no_contact(self):
+        """Waves 1 cm below waves: their boxes overlap."""
+        self.works("--tolerance", "--tolerances-m", "0.001,0.1", "--budgets-ms", "0", "--overlaps",
+                   "1", "--cycles", "4", self.mesh("cloth.obj", cloth(0.4)), "--against",
+                   self.mesh("below.obj", cloth(0.39)), self.mesh("far.obj", ABOVE))
+        _, less, more = self.table("bounds.csv")
+        self.assertEqual((less["contacts"], less["recall"], less["precision"]), ("0", "1", "1"))
+        self.assertEqual((more["contacts"], more["recall"], more["precision"]), ("0", "1", "0"))
+        self.assertEqual(less["largest_claim_m"], "0")
+        self.assertTrue(0.005 < float(more["largest_claim_m"]) <= 0.01, more)
+        self.assertEqual(more["decided_share"], "1")
+
+    def test_overlap_loses_touches_of_single_pairs(self):
+        """Pins through waves, each to the side into another cluster."""
+        pins = []
+        for i in range(25):
+            x, y, far = 0.2 + 0.15 * (i % 5), 0.2 + 0.15 * (i // 5), 0.5 * (-1) ** i
+            z = 0.1 * math.sin(9 * x + 4 * y)
+            pins.append(self.mesh(f"pin_{i}.obj", f"v {x} {y} {z + 0.01}\nv {x + far} {y} "
+                                  f"{z - 0.3}\nv {x + far} {y + 0.02} {z - 0.3}\nf 1 2 3\n"))
+        scene = [self.mesh("waves.obj", cloth(0, 60)), "--against", *pins]
+        self.works("--tolerance", "--tolerances-m", "0.001", "--budgets-ms", "0", "--cycles", "1",
+                   "--overlaps", "0", *scene)
+        exact, lossy, bounded = ({name: float(value) for name, value in row.items()
+                                  if name != "backend"} for row in self.table("bounds.csv"))
+        self.assertGreater(lossy["missed"], 0, "and that is no broken promise")
+        self.assertAlmostEqual(lossy["recall"], 1 - lossy["missed"] / lossy["contacts"])
+        for row in (exact, bounded):
+            self.assertEqual((row["contacts"], row["recall"]), (lossy["contacts"], 1))
+        many = ",".join(str(i / 20) for i in range(20))  # one of them is the fastest
+        done = self.works("--tolerance", "--tolerances-m", "0", "--budgets-ms", "0", "--overlaps",
+                          many, *scene)
+        self.assertIn("\nChosen: exact\n", done.stdout)
+
     def test_what_is_not_decided_in_time(self):
-        self.works("--tolerance", "--tolerances-m", "0.001", "--budgets-ms", "0.000001",
-                   "--cycles", "4", *self.scene())
-        row = self.table("bounds.csv")[1]
-        self.assertLess(float(row["decided_share"]), 1)
-        self.assertEqual(float(row["missed"]), 0)
+        done = self.works("--tolerance", "--tolerances-m", "0.001", "--budgets-ms", "0.000001",
+                          "--overlaps", "1", "--cycles", "4", *self.scene())
+        row = {name: float(value) for name, value in self.table("bounds.csv")[1].items()
+               if name != "backend"}
+        self.assertEqual((row["decided_share"], row["recall"], row["missed"]), (0, 0, 0), row)
+        self.assertGreater(row["p99_over_budget"], 1)
+        self.assertIn("\nChosen: exact\n", done.stdout)
 
     def test_choice(self):
         done = self.works(*self.OPTIONS, *self.scene(), "--budget-ms", "100000",
                           "--write-config", "chosen.yaml")
         self.assertRegex(done.stdout, r"\nChosen within 100000 ms: [^\n]+\n\Z")
+        for tolerance, budget in BOUNDED:
+            end = f", budget {budget} ms" if budget != "0" else ""
+            self.assertRegex(done.stdout, f"\n  tolerance {tolerance} m{end} +median")
         with open(self.path("chosen.yaml")) as file:
             chosen = yaml.safe_load(file)
         self.assertEqual(chosen["tolerance_m"], 0, "the least that keeps it")
         self.assertEqual((chosen["budget_ms"], chosen["backend"]), (100000, "cpu"))
-        self.assertEqual(self.summary()["broken_promises"], [])
+        self.assertEqual(chosen["pair_classes"], ["robot_deformable"])
+        summary = self.summary()
+        self.assertEqual(summary["broken_promises"], [])
+        self.assertEqual(summary["chosen"], done.stdout.splitlines()[-1].partition(": ")[2])
+        self.assertEqual([body["name"] for body in summary["bodies"]],
+                         ["cloth_0", "floor", "post", "far"])
+        self.assertEqual(len(summary["settings"]), 7)
         self.works("--tolerance", "--tolerances-m", "0.001,0.2", *self.scene(), "--budget-ms",
                    "0.000001", "--cycles", "4", "--write-config", "other.yaml")
         with open(self.path("other.yaml")) as file:
             self.assertEqual(yaml.safe_load(file)["tolerance_m"], 0.2, "none keeps it")
+
+    def test_cuda_is_refused_or_beside(self):
+        done = self.run_tool(*self.OPTIONS, *self.scene(), "--backends", "cpu,cuda")
+        if done.returncode == 0:
+            self.assertEqual([row["backend"] for row in self.table("bounds.csv")],
+                             ["cpu", "cuda"] + ["cpu"] * 6)
+        else:
+            self.assertRegex(done.stderr, r"\Ameasure_trade: [^\n]*CUDA[^\n]*\n\Z")
 
     def test_refusals(self):
         scene = self.scene()
@@ -62,7 +125,7 @@ class Bounds(Case):
                               ("--budgets-ms", "-1")):
             self.assert_refused(["--tolerance", option, value, *scene], option)
         self.assert_refused(["--tolerances-m", "0.1", *scene], "--tolerances-m", "--tolerance")
-        for option in (["--swept"], ["--overlaps", "1"], ["--predicates", "exact"]):
+        for option in (["--swept"], ["--repeats", "1"], ["--predicates", "exact"]):
             self.assert_refused(["--tolerance", *option, *scene], "--tolerance", option[0])
 
 

@@ -1,4 +1,4 @@
-#include "panda_scene.h"
+#include "robot_scenes.h"
 
 #include <urdf_parser/urdf_parser.h>
 
@@ -46,13 +46,17 @@ RigidTransform toTransform(const urdf::Pose& pose) {
   return out;
 }
 
+// package://moveit_resources_panda_description/meshes/...: robots/panda_description/meshes/...
+std::string dataOf(const std::string& url) {
+  const std::string package = "package://", of_moveit = package + "moveit_resources_";
+  return "robots/" + url.substr((url.find(of_moveit) == 0 ? of_moveit : package).size());
+}
+
+// Of collision shapes meshes alone.
 void addLink(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose, Scene* scene) {
   if (link->collision != nullptr && link->collision->geometry->type == urdf::Geometry::MESH) {
     const auto& mesh = static_cast<const urdf::Mesh&>(*link->collision->geometry);
-    const std::string file = mesh.filename.substr(mesh.filename.rfind('/') + 1);
-    const BodyId id = scene->addBody(
-        link->name,
-        readMeshFile(testDataFile("robots/panda_description/meshes/collision/" + file)));
+    const BodyId id = scene->addBody(link->name, readMeshFile(testDataFile(dataOf(mesh.filename))));
     scene->setPose(id, composed(pose, toTransform(link->collision->origin)));
     scene->setPairEnabled(0, id, true);
   }
@@ -63,16 +67,20 @@ void addLink(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose, S
   }
 }
 
+// After body 0.
+void addRobot(const std::string& urdf_file, Scene* scene) {
+  std::ifstream file(testDataFile(urdf_file));
+  std::stringstream text;
+  text << file.rdbuf();
+  addLink(urdf::parseURDF(text.str())->getRoot(), RigidTransform(), scene);
+}
+
 }  // namespace
 
 Scene pandaAndCloth(int squares) {
-  std::ifstream file(testDataFile("robots/panda_description/urdf/panda.urdf"));
-  std::stringstream text;
-  text << file.rdbuf();
-  const auto model = urdf::parseURDF(text.str());
   Scene scene;
   scene.addBody("cloth", clothGrid(squares, 1.2F, 0.7F, 0.12F));
-  addLink(model->getRoot(), RigidTransform(), &scene);
+  addRobot("robots/panda_description/urdf/panda.urdf", &scene);
   RigidTransform pose;
   pose.translation[0] = pose.translation[1] = -0.6;
   scene.setPose(0, pose);
@@ -94,6 +102,17 @@ Scene movingPandaAndCloth() {
     vertices[i + 2] += 0.003F + 0.001F * std::sin(40 * (vertices[i] + vertices[i + 1]));
   }
   scene.setEarlier(0, scene.body(0).pose, vertices);
+  return scene;
+}
+
+Scene pr2AndBlanket(float height_m) {
+  Scene scene;
+  scene.addBody("blanket", clothGrid(150, 1.4F, height_m, 0.06F));
+  addRobot("bags/pr2.urdf", &scene);
+  RigidTransform pose;
+  pose.translation[0] = 0.2;
+  pose.translation[1] = -0.7;
+  scene.setPose(0, pose);
   return scene;
 }
 

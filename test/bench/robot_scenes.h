@@ -1,4 +1,4 @@
-// A robot against a cloth, for the benchmarks.
+// Robots against cloths, for the benchmarks.
 #pragma once
 
 #include "core/scene.h"
@@ -12,5 +12,9 @@ Scene pandaAndCloth(int squares = 87);
 // The same with a step: links turn by 0.02 rad about the robot's axis, the cloth falls by 3 mm and
 // ripples.
 Scene movingPandaAndCloth();
+
+// The PR2's collision meshes, all joints at zero: arms stretched out forwards. As body 0 a blanket
+// of 45 000 triangles at this height, 0.95 m being just above the arms; links against blanket.
+Scene pr2AndBlanket(float height_m);
 
 }  // namespace deformable_contact_monitor
