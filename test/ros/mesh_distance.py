@@ -25,7 +25,8 @@ def line_line(p, u, q, v):
     with np.errstate(divide="ignore", invalid="ignore"):
         s, t = (uv * vw - vv * uw) / area, (uu * vw - uv * uw) / area
     is_within = (area > 0) & (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)
-    nearest = way + np.where(is_within, s, 0)[..., None] * u - np.where(is_within, t, 0)[..., None] * v
+    s, t = np.where(is_within, s, 0), np.where(is_within, t, 0)
+    nearest = way + s[..., None] * u - t[..., None] * v
     return np.where(is_within, dot(nearest, nearest), np.inf)
 
 
