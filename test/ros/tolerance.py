@@ -9,6 +9,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from visualization_msgs.msg import Marker, MarkerArray
 
 import boxes_scene
@@ -209,6 +210,31 @@ class Tolerance(unittest.TestCase):
                                       for c in "xyz")), 0.005)
         self.assertLess(abs(on_finger.x - boxes_scene.FINGER_AT[0]), 0.026)
         show(sheet(0.1), Marker.DELETE)
+
+    def test_diagnostics_say_what_was_decided_and_when(self):
+        self.settle_cloth()
+        self.look("cloth", sheet(3.0))
+        diagnostics, found = Log("/diagnostics", DiagnosticArray), {}
+        for monitor in ("exact", "tolerant", "over"):
+            array = diagnostics.wait(f"those of {monitor}", lambda array, monitor=monitor: any(
+                monitor in status.name and status.name.endswith("output")
+                for status in array.status))
+            found[monitor] = {status.name.split(": ")[-1]: status for status in array.status}
+        self.assertNotIn("trade", found["exact"])
+        output = found["tolerant"]["output"]
+        self.assertEqual(output.message, "within tolerance_m" if self.on_cpu else "complete")
+        self.assertEqual(output.level, DiagnosticStatus.OK)
+        self.assertEqual(found["over"]["output"].level, DiagnosticStatus.WARN)
+
+        trade = {monitor: {value.key: value.value for value in found[monitor]["trade"].values}
+                 for monitor in ("tolerant", "over")}
+        self.assertEqual(found["tolerant"]["trade"].level, DiagnosticStatus.OK)
+        self.assertEqual(trade["tolerant"]["tolerance [m]"], "0.005")
+        self.assertEqual(trade["tolerant"]["pairs of bodies decided"], "100.00 %")
+        self.assertEqual(found["over"]["trade"].level, DiagnosticStatus.WARN)
+        self.assertEqual(found["over"]["trade"].message, "states come later than budget_ms")
+        self.assertLess(float(trade["over"]["pairs of bodies decided"].split()[0]), 50)
+        self.assertGreater(float(trade["over"]["p99 over budget"]), 1.1)
 
     def test_an_adversarial_soup_has_an_answer_that_is_true(self):
         touching_soup, near_soup = adversarial_soup(-0.05), adversarial_soup(0.06)
