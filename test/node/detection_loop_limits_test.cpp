@@ -1,6 +1,7 @@
 // How long a cycle may take: the longest cycle, and the budget.
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include "loop_fixture.h"
 
@@ -50,6 +51,23 @@ TEST_F(LimitsTest, ABudgetRunsFromTheMeshsArrivalAndKeepsTimeForPublishing) {
   EXPECT_NEAR(deadlineMs(50.25), 20, 1e-3);
   EXPECT_NEAR(deadlineMs(50.5), 20, 1e-3) << "one hiccup does not count";
   EXPECT_NEAR(deadlineMs(50.75), 17, 1e-3);
+}
+
+// In a queue, or behind other cycles. Of meshes that share a cycle the first counts.
+TEST_F(LimitsTest, WhatAMeshWaitedIsOffItsBudget) {
+  parameters_.budget_ms = 20;
+  parameters_.max_cycle_s = 600;
+  double stamp_s = 50;
+  for (const auto& [cloth_s, cable_s] : {std::pair(0.012, 0.005), std::pair(0.005, 0.012)}) {
+    const SteadyTime before = std::chrono::steady_clock::now();
+    give(0, stamp_s, "base", 0, 3, cloth_s);
+    give(1, stamp_s, "base", 0, 3, cable_s);
+    steady_time_ = std::chrono::steady_clock::now();
+    EXPECT_EQ(step().size(), 1U);
+    EXPECT_GE(detector_.deadline, before + std::chrono::milliseconds(8));
+    EXPECT_LE(detector_.deadline, steady_time_ + std::chrono::milliseconds(8));
+    stamp_s += 0.25;
+  }
 }
 
 // It is what the user asked for, and no reason to give the next cycle less time.
