@@ -18,7 +18,8 @@ namespace {
 
 constexpr char kOfHand[] = "witness: arm/hand/cloth";
 
-// Hand and cloth 2 mm apart, with a margin of 20 mm at 5 mm tolerance, and base and cloth far apart; no contact is listed.
+// Hand and cloth 2 mm apart, with a margin of 20 mm at 5 mm tolerance, and base and cloth far
+// apart; no contact is listed.
 class WitnessMarkersTest : public ::testing::Test {
  protected:
   WitnessMarkersTest() {
