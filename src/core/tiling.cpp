@@ -7,6 +7,7 @@
 #include "core/tiles/edge_neighbours.h"
 #include "core/tiles/halving.h"
 #include "core/tiles/layout.h"
+#include "core/tiles/limited_tiling.h"
 #include "core/tiles/surface_pieces.h"
 
 namespace deformable_contact_monitor {

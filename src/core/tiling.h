@@ -12,8 +12,6 @@
 
 namespace deformable_contact_monitor {
 
-class CycleLimit;
-
 // Tiles of triangles, and regions of tiles. Every triangle has one slot, tile after tile.
 struct DCM_EXPORT Tiling {
   static constexpr std::size_t kTileTriangles = 32;  // at most
@@ -45,8 +43,5 @@ DCM_EXPORT Tiling tilingByPosition(const TriangleMesh& mesh);
 // By what hangs together, and so still good when the mesh has unfolded; what hangs together in less
 // than a tile goes by position. Takes about a third of a millisecond for 1 000 triangles.
 DCM_EXPORT Tiling tilingBySurface(const TriangleMesh& mesh);
-
-// The same within a limit, for the library's own use; where that was over, of no use.
-Tiling tilingBySurface(const TriangleMesh& mesh, const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor

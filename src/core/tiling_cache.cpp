@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/cycle_limit.h"
+#include "core/tiles/limited_tiling.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "node/line_markers.h"
+#include "node/witness_markers.h"
 
 namespace deformable_contact_monitor {
 
@@ -31,6 +32,7 @@ visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) 
   std::vector<Marker> markers;
   triangles_.add(report, &markers);
   addLines(report, options_, &markers);
+  addWitnesses(report, options_, &markers);
   for (const Marker& marker : markers) {
     gone.erase({marker.ns, marker.id});
     drawn_.insert({marker.ns, marker.id});
@@ -52,7 +54,7 @@ std::set<MarkerKey> ContactMarkers::drawnOfCycle(const CycleReport& report) cons
   };
   for (const MonitoredPair& pair : report.pairs) {
     if (!isOfCycle(report.bodies, pair)) continue;
-    for (const char* const kind : {"", kSegments, kNormals, kPassed}) {
+    for (const char* const kind : {"", kSegments, kNormals, kPassed, kWitness}) {
       note(pairKey(report, pair.a, pair.b, kind));
     }
   }

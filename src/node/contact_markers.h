@@ -30,7 +30,8 @@ class ContactMarkers {
   // empty: one that was drawn and has nothing to show any more is deleted. Over max_triangles,
   // contacts come first, then what is near, an equal share for each pair of bodies, and a surface
   // is decimated without holes. Non-finite triangles are left out: rviz refuses them. With the
-  // contacts' geometry, lines as in line_markers.h, too.
+  // contacts' geometry, lines as in line_markers.h, too; where bodies are in contact without a pair
+  // of triangles, what witness_markers.h says.
   visualization_msgs::MarkerArray make(const CycleReport& report);
 
  private:

@@ -38,6 +38,10 @@ std_msgs::ColorRGBA makeColor(float r, float g, float b, float alpha) {
   return c;
 }
 
+std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {
+  return kind == BodyKind::kLink ? makeColor(1, 0.1F, 0.1F, alpha) : makeColor(1, 0.8F, 0, alpha);
+}
+
 geometry_msgs::Point toPoint(const Vec3f& v) {
   geometry_msgs::Point point;
   point.x = v.x;

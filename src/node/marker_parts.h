@@ -38,6 +38,8 @@ visualization_msgs::Marker makeMarker(const CycleReport& report, const MarkerOpt
                                       MarkerKey key, std::int32_t type);
 
 std_msgs::ColorRGBA makeColor(float r, float g, float b, float alpha);
+// Of what touches: links red, objects yellow.
+std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha);
 geometry_msgs::Point toPoint(const Vec3f& v);
 
 // Whether a contact touches, rather than being near.

@@ -22,6 +22,7 @@ struct ReceivedMesh {
   DeformableMesh::ConstPtr message;  // never null; of a refused one, its stamp alone
   std::string refusal{};             // why it is no mesh; empty: it is one
   bool stamped_on_receipt = false;   // the message had no stamp of its own
+  double waited_s = 0;               // from its receipt: in a queue, and while it was read
 };
 
 // An adapter serves one topic, in the order of its messages, one thread at a time. Its meshes have

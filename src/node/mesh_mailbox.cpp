@@ -21,7 +21,7 @@ void MeshMailbox::store(const ReceivedMesh& mesh) {
   if (waiting_.message) ++counters_.dropped;
   waiting_.message = message;
   waiting_.refusal = mesh.refusal;
-  waiting_.arrival = std::chrono::steady_clock::now();
+  waiting_.arrival = std::chrono::steady_clock::now() - fromSeconds(mesh.waited_s);
   if (!message->triangles.empty() && isMeshOf(object_, *message)) waiting_.keyframe = message;
 }
 

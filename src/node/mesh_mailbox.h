@@ -21,7 +21,7 @@ struct ArrivedMesh {
   DeformableMesh::ConstPtr message;
   // The newest message with triangles that came since a mesh was last taken; null: none.
   DeformableMesh::ConstPtr keyframe;
-  SteadyTime arrival;     // of `message`
+  SteadyTime arrival;     // of `message`, at its receipt
   std::string refusal{};  // why it is no mesh, and only has a stamp; empty: it is one
 };
 

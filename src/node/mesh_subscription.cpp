@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "node/mesh_bytes.h"
+#include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -78,6 +79,16 @@ ReceivedMesh received(const ros::MessageEvent<const M>& event, std::size_t max_b
   return {refused, why};
 }
 
+// From the receipt of a message until now [s]. It is known by the clock of the wall alone, which
+// somebody may set: more than a message ever waits, or less than nothing, is none.
+double waitedS(const ros::Time& receipt) {
+  constexpr double kMostS = 10;
+  if (ros::Time::isSimTime()) return 0;
+  const ros::WallTime now = ros::WallTime::now();
+  const double waited_s = secondsBetween(ros::Time(now.sec, now.nsec), receipt);
+  return waited_s > 0 && waited_s < kMostS ? waited_s : 0;
+}
+
 template <typename M>
 ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_bytes,
                                    const MeshReceiver& receive, const Adapt<M>& adapt) {
@@ -86,7 +97,9 @@ ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_byt
                                 ros::message_traits::datatype<M>());
   options.helper = boost::make_shared<CheckingHelper<M>>(
       max_bytes, [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
-        receive(received(event, max_bytes, adapt));
+        ReceivedMesh mesh = received(event, max_bytes, adapt);
+        mesh.waited_s = waitedS(event.getReceiptTime());
+        receive(mesh);
       });
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   return options;

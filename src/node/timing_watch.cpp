@@ -17,13 +17,14 @@ constexpr std::size_t kTimedCycles = 200;
 constexpr double kBusyShare = 0.9;
 constexpr double kLongCycleS = 0.5;
 
-std::string meanP95Max(const std::deque<double>& times_ms) {
+std::string describeTimes(const std::deque<double>& times_ms) {
   std::vector<double> sorted(times_ms.begin(), times_ms.end());
   std::sort(sorted.begin(), sorted.end());
   const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / sorted.size();
-  char text[96];
-  std::snprintf(text, sizeof text, "mean %.3f, p95 %.3f, max %.3f", mean,
-                sorted[(sorted.size() - 1) * 95 / 100], sorted.back());
+  char text[128];
+  std::snprintf(text, sizeof text, "mean %.3f, median %.3f, p95 %.3f, max %.3f", mean,
+                sorted[(sorted.size() - 1) / 2], sorted[(sorted.size() - 1) * 95 / 100],
+                sorted.back());
   return text;
 }
 
@@ -43,6 +44,7 @@ void TimingWatch::end(const CycleReport& report, double cycle_s, double latency_
   add("latency [ms]", 1e3 * latency_s);
   add("cycle [ms]", 1e3 * cycle_s);
   add("detection [ms]", result->round_trip_ms);
+  add("latency without detection [ms]", 1e3 * latency_s - result->round_trip_ms);
   for (const auto& [stage, ms] : result->stages_ms) add("stage " + stage + " [ms]", ms);
   if (report.motion == Motion::kInstant) return;
   double steps_s = 0;
@@ -69,7 +71,7 @@ void TimingWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status, 
   }
   status.add("busy share", busy);
   status.add("cold starts", cold_starts_);
-  for (const auto& [what, times_ms] : times_ms_) status.add(what, meanP95Max(times_ms));
+  for (const auto& [what, times_ms] : times_ms_) status.add(what, describeTimes(times_ms));
 }
 
 }  // namespace deformable_contact_monitor

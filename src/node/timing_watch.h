@@ -30,9 +30,9 @@ class TimingWatch {
   double runsFor(SteadyTime now) const;
 
   // A warning if cycles took more than nine tenths of the time since the last description, or one
-  // has been running for more than half a second; then mean, p95 and most of the last 200 cycles'
-  // latency, work, detection and stages; in swept motion of the steps, too, and of the latency
-  // without them, which is what instant motion has.
+  // has been running for more than half a second; then mean, median, p95 and most of the last 200
+  // cycles' latency, with and without the detection, work, detection and stages; in swept motion of
+  // the steps, too, and of the latency without them, which is what instant motion has.
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now);
 
  private:

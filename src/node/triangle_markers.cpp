@@ -13,10 +13,6 @@ namespace {
 
 using visualization_msgs::Marker;
 
-std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {
-  return kind == BodyKind::kLink ? makeColor(1, 0.1F, 0.1F, alpha) : makeColor(1, 0.8F, 0, alpha);
-}
-
 std_msgs::ColorRGBA nearColor(BodyKind kind, float alpha) {
   return kind == BodyKind::kLink ? makeColor(1, 0.7F, 0.7F, alpha)
                                  : makeColor(1, 0.95F, 0.7F, alpha);

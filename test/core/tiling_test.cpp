@@ -20,6 +20,7 @@
 #include "core/cycle_limit.h"
 #include "core/mesh_files/mesh_file.h"
 #include "core/predicates/aabb.h"
+#include "core/tiles/limited_tiling.h"
 #include "scenes.h"
 #include "test_data.h"
 

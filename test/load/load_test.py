@@ -45,6 +45,17 @@ class Load(unittest.TestCase):
         figures = self.run_scenario("deaf")
         self.assertGreater(figures["deaf_still_connected"], 0)
 
+    def test_how_a_budget_is_kept_is_measured(self):
+        done = subprocess.run(
+            [sys.executable, os.path.join(HERE, "budget"), "--rounds", "1", "--budgets", "33",
+             "--scenes", "1"], timeout=4 * WAIT_S, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, universal_newlines=True)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        row = done.stdout.splitlines()[-1].split("|")
+        self.assertEqual(float(row[2]), 33, done.stdout)
+        self.assertGreater(float(row[4]), 0, done.stdout)
+        self.assertGreater(float(row[6].split()[0]), 0, done.stdout)
+
     def test_sigint_at_any_moment(self):
         done = subprocess.run(
             [sys.executable, os.path.join(HERE, "interrupt"), "--times", str(TIMES), "--within",

@@ -9,12 +9,17 @@ from process_figures import ProcessFigures, has_grown
 
 LONGEST_SILENCE_S = 1.5  # states come once a second at least
 
+# Of the diagnostics, from the arrival of a mesh to what is published of it.
+TIMES = ("latency [ms]", "detection [ms]", "latency without detection [ms]")
+
 # links, objects and parameters of the monitor; how the client loads it.
 Scenario = collections.namedtuple("Scenario", "links objects parameters client deaf")
 SCENARIOS = {
     # 215^2 x 2 = 92 450 triangles each
     "heavy": Scenario(10, 10, {"pair_classes": ["robot_deformable", "deformable_self"]},
                       {"rate": 30, "cells": 215}, 0),
+    "one": Scenario(1, 1, {"pair_classes": ["robot_deformable", "deformable_self"]},
+                    {"rate": 30, "cells": 215}, 0),
     "fast": Scenario(1, 1, {"max_rate_hz": 0}, {"rate": 500, "cells": 10}, 0),
     "many": Scenario(100, 100, {}, {"rate": 10, "cells": 10}, 0),
     "deaf": Scenario(4, 4, {}, {"rate": 30, "cells": 50}, 4),
@@ -106,6 +111,7 @@ def watch(monitor, client, diagnostics, seconds, say):
             "received": diagnostics.total("received"), "dropped": diagnostics.total("dropped"),
             "refused": diagnostics.total("refused"), "cycles_hz": round(cycles_hz, 1),
             "cpu_share": round(cpu, 2), "memory_mib": process.memory(),
+            "timing": diagnostics.values.get("timing", {}),
             "unknown_mean": sum(unknown.values()) / max(1, len(unknown)),
             "unknown_worst": max(unknown.values(), default=1.0)}
 

@@ -15,43 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "marker_checks.h"
 #include "node/line_markers.h"
 #include "sample_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-using visualization_msgs::Marker;
-using visualization_msgs::MarkerArray;
-
-bool isDrawable(const std_msgs::ColorRGBA& c) {
-  return std::isfinite(c.r + c.g + c.b) && c.a > 0 && c.a <= 1;
-}
-
-// rviz's checkMarkerMsg and checkMarkerArrayMsg for what this package draws.
-void expectValid(const MarkerArray& array) {
-  std::set<std::pair<std::string, int>> ids;
-  for (std::size_t i = 0; i < array.markers.size(); ++i) {
-    const Marker& m = array.markers[i];
-    SCOPED_TRACE("marker " + std::to_string(i) + " " + m.ns);
-    EXPECT_TRUE(m.action != Marker::DELETEALL || i == 0);
-    EXPECT_FALSE(m.header.frame_id.empty());
-    EXPECT_EQ(m.pose.orientation.w, 1);
-    EXPECT_EQ(m.pose.orientation.x, 0);
-    EXPECT_TRUE(ids.insert({m.ns, m.id}).second);
-    if (m.action != Marker::ADD) continue;
-    const bool is_lines = m.type == Marker::LINE_LIST;
-    EXPECT_TRUE(is_lines || m.type == Marker::TRIANGLE_LIST);
-    EXPECT_GT(m.scale.x * m.scale.y * m.scale.z, 0);
-    EXPECT_GT(m.lifetime.toSec(), 0);
-    EXPECT_FALSE(m.points.empty());
-    EXPECT_EQ(m.points.size() % (is_lines ? 2 : 3), 0U);
-    EXPECT_TRUE(m.colors.empty() || m.colors.size() == m.points.size());
-    EXPECT_TRUE(isDrawable(m.color));
-    for (const auto& c : m.colors) EXPECT_TRUE(isDrawable(c));
-    for (const auto& p : m.points) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
-  }
-}
 
 // Drawn triangles by namespace.
 std::map<std::string, std::size_t> triangles(const MarkerArray& array) {
@@ -96,19 +65,6 @@ TEST(ContactMarkersTest, idsStayWhileTheBodiesDo) {
   EXPECT_EQ(array.markers[1].ns, "arm/hand/cloth");
   EXPECT_EQ(array.markers[1].id, id);
 }
-
-// "<namespace>" drawn, "-<namespace>" deleted, "all" for DELETEALL.
-std::vector<std::string> actions(const MarkerArray& array) {
-  std::vector<std::string> lines;
-  for (const Marker& m : array.markers) {
-    lines.push_back(m.action == Marker::ADD      ? m.ns
-                    : m.action == Marker::DELETE ? "-" + m.ns
-                                                 : "all");
-  }
-  return lines;
-}
-
-using Actions = std::vector<std::string>;
 
 TEST(ContactMarkersTest, whatHasNothingToShowAnyMoreIsDeleted) {
   SampleReport sample;

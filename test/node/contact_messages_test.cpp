@@ -189,6 +189,11 @@ TEST(ContactArrayTest, whateverIsMissingMakesItIncomplete) {
   EXPECT_FALSE(toContactArray(cut_off.report, 0).complete);
   EXPECT_TRUE(toContactArray(cut_off.report, 0).timed_out);
 
+  SampleReport stopped;
+  stopped.result.cutOff("memory_limit_mib");
+  EXPECT_FALSE(toContactArray(stopped.report, 0).complete);
+  EXPECT_FALSE(toContactArray(stopped.report, 0).timed_out);
+
   SampleReport lossy;
   lossy.result.guaranteed = false;
   lossy.result.counters.undecided = 2;

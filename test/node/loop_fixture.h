@@ -155,16 +155,16 @@ class LoopTest : public ::testing::Test {
     for (const ObjectParameters& object : parameters_.objects) meshes_.emplace_back(object.name);
   }
 
-  // A mesh of one triangle arrives, at that height [m].
+  // A mesh of one triangle arrives, at that height [m], after it waited so long.
   void give(std::size_t object, double stamp_s, const std::string& frame = "base", float z = 0,
-            std::uint32_t topology_id = 3) {
+            std::uint32_t topology_id = 3, double waited_s = 0) {
     auto message = boost::make_shared<DeformableMesh>();
     message->header.stamp = ros::Time(stamp_s);
     message->header.frame_id = frame;
     message->topology_id = topology_id;
     message->vertices = {0, 0, z, 1, 0, z, 0, 1, z};
     message->triangles = {0, 1, 2};
-    meshes_[object].store(message);
+    meshes_[object].store(ReceivedMesh{message, "", false, waited_s});
   }
 
   // One step, the first one with the parameters as they are then. Returns what was said in it.

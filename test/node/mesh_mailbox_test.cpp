@@ -46,6 +46,17 @@ TEST_F(MeshMailboxTest, AMeshIsTakenOnce) {
   EXPECT_FALSE(mailbox_.take());
 }
 
+TEST_F(MeshMailboxTest, ItArrivedWhenItWasReceivedNotWhenItWasRead) {
+  ReceivedMesh received{mesh(50)};
+  received.waited_s = 0.25;
+  const auto before = std::chrono::steady_clock::now();
+  mailbox_.store(received);
+  const auto after = std::chrono::steady_clock::now();
+  const auto arrival = mailbox_.take()->arrival;
+  EXPECT_GE(arrival, before - std::chrono::milliseconds(250));
+  EXPECT_LE(arrival, after - std::chrono::milliseconds(250));
+}
+
 TEST_F(MeshMailboxTest, TheNewestWaitsOlderOnesAreDroppedAndCounted) {
   for (const double stamp_s : {50.0, 50.1, 50.2}) mailbox_.store(mesh(stamp_s));
   EXPECT_FALSE(mailbox_.isEmpty());

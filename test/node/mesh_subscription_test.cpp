@@ -56,7 +56,7 @@ class MeshSubscriptionTest : public ::testing::Test {
     received_ = ReceivedMesh();
     ros::SubscriptionCallbackHelperCallParams params;
     params.event =
-        ros::MessageEvent<void const>(message, boost::make_shared<ros::M_string>(), kReceipt, false,
+        ros::MessageEvent<void const>(message, boost::make_shared<ros::M_string>(), receipt_, false,
                                       ros::MessageEvent<void const>::CreateFunction());
     options_.helper->call(params);
     return received_;
@@ -67,6 +67,7 @@ class MeshSubscriptionTest : public ::testing::Test {
                             [this](const ReceivedMesh& mesh) { received_ = mesh; });
   }
 
+  ros::Time receipt_ = kReceipt;
   ReceivedMesh received_;
   ros::SubscribeOptions options_ = subscribe(ObjectParameters());
 };
@@ -75,6 +76,23 @@ TEST_F(MeshSubscriptionTest, AMeshArrivesAsItWasSent) {
   const ReceivedMesh received = arrive(serialized(sample()));
   EXPECT_EQ(received.refusal, "");
   EXPECT_EQ(serialized(*received.message), serialized(sample()));
+}
+
+// A budget counts that time.
+TEST_F(MeshSubscriptionTest, HowLongAMessageWaitedIsKnownByARealClockAlone) {
+  const ros::WallTime now = ros::WallTime::now();
+  const auto waitedS = [&](double s) {
+    receipt_ = ros::Time(now.sec, now.nsec) - ros::Duration(s);
+    return arrive(serialized(sample())).waited_s;
+  };
+  ros::Time::init();
+  EXPECT_GE(waitedS(0.25), 0.25);
+  EXPECT_LT(waitedS(0.25), 9);
+  EXPECT_EQ(waitedS(-60), 0) << "the clock was set back";
+  EXPECT_EQ(waitedS(60), 0) << "or forward";
+  ros::Time::setNow(ros::Time(now.sec, now.nsec));  // a simulated clock
+  EXPECT_EQ(waitedS(0.25), 0);
+  ros::Time::shutdown();
 }
 
 TEST_F(MeshSubscriptionTest, OneOfTheSameProcessComesWithoutACopy) {

@@ -54,6 +54,43 @@ TEST_F(TradeWatchTest, CountsThePairsThatWereDecided) {
   EXPECT_EQ(value("tolerance [m]"), "0.005");
 }
 
+TEST_F(TradeWatchTest, WhatIsOnlyNearIsUndecidedWhereTimeWasOver) {
+  sample_.result.cutOff(kNoTime);
+  sample_.result.separations_m = {0.1F, 0.1F, 0.1F};
+  watch_.record(sample_.report, 0.01);
+  EXPECT_EQ(value("pairs of bodies decided"), "0.00 %");
+  sample_.result.separations_m = {0.1F, 0.1F, 0};
+  watch_.record(sample_.report, 0.01);
+  EXPECT_EQ(value("pairs of bodies decided"), "25.00 %");
+}
+
+TEST_F(TradeWatchTest, NearAndContactAreDecidedAsNoneIs) {
+  sample_.scene.setMargin(2, 0.02F);
+  sample_.result.cutOff(kNoTime);
+  sample_.result.contacts.clear();
+  sample_.result.distances.resize(2);
+  BodyDistance &hand = sample_.result.distances[0], &base = sample_.result.distances[1];
+  hand.body_b = base.body_b = 2;
+  base.body_a = 1;
+  hand.low_m = 0.001F;
+  hand.high_m = 0.004F;
+  watch_.record(sample_.report, 0.01);
+  EXPECT_EQ(value("pairs of bodies decided"), "50.00 %") << "a contact, and an open one";
+  base.low_m = 0.008F;
+  base.high_m = 0.012F;
+  watch_.record(sample_.report, 0.01);
+  EXPECT_EQ(value("pairs of bodies decided"), "75.00 %") << "and one that is near";
+}
+
+TEST_F(TradeWatchTest, TheLatestTwoHundredCyclesCount) {
+  for (int i = 0; i < 200; ++i) watch_.record(sample_.report, 0.03);
+  EXPECT_EQ(describe().level, DiagnosticStatus::WARN);
+  for (int i = 0; i < 199; ++i) watch_.record(sample_.report, 0.01);
+  EXPECT_EQ(value("arrival to states [ms]"), "median 10.000, p99 10.000, max 30.000");
+  watch_.record(sample_.report, 0.01);
+  EXPECT_EQ(value("arrival to states [ms]"), "median 10.000, p99 10.000, max 10.000");
+}
+
 TEST_F(TradeWatchTest, ALateAnswerInAHundredIsAWarning) {
   for (int i = 0; i < 99; ++i) watch_.record(sample_.report, 0.01);
   watch_.record(sample_.report, 0.03);
