@@ -39,21 +39,22 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
   swept_publisher_ = private_node.advertise<SweptContacts>("swept_contacts", kStepsInACycle);
 }
 
-boost::shared_ptr<const ContactArray> CyclePublisher::publish(CycleReport* report) {
-  boost::shared_ptr<const ContactArray> contacts;
+CyclePublisher::Published CyclePublisher::publish(CycleReport* report) {
+  Published out;
   report->now = ros::Time::now();
   parallelBoth(
       [&] {
-        contacts = boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
-        contacts_publisher_.publish(contacts);
+        out.contacts =
+            boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
+        contacts_publisher_.publish(out.contacts);
         for (const SweepReport& sweep : report->sweeps) {
           swept_publisher_.publish(boost::make_shared<const SweptContacts>(
               toSweptContacts(*report, sweep, max_contacts_)));
         }
       },
-      [&] { states_.publish(*report); });
-  latest_.set(contacts);
-  return contacts;
+      [&] { out.states_out = states_.publish(*report); });
+  latest_.set(out.contacts);
+  return out;
 }
 
 void CyclePublisher::publishStates(CycleReport* report) {

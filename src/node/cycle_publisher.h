@@ -24,9 +24,14 @@ class CyclePublisher {
   CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node,
                  StatePublisher& states, LatestContacts& latest);
 
+  struct Published {
+    boost::shared_ptr<const ContactArray> contacts;
+    SteadyTime states_out;  // the contacts may still have been on their way
+  };
+
   // ~contact_states, ~contacts, ~contact_events, and ~swept_contacts for each step. Sets the
-  // report's `now`. Returns the contacts that went out, and leaves them in the latest ones.
-  boost::shared_ptr<const ContactArray> publish(CycleReport* report);
+  // report's `now`. Leaves the contacts in the latest ones.
+  Published publish(CycleReport* report);
 
   // ~contact_states alone. Sets the report's `now`.
   void publishStates(CycleReport* report);

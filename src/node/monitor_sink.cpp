@@ -8,17 +8,19 @@ namespace deformable_contact_monitor {
 void MonitorSink::recordStart() { diagnostics_.recordStart(); }
 
 SteadyTime MonitorSink::sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) {
-  const boost::shared_ptr<const ContactArray> sent = publisher_->publish(report);
-  const SteadyTime published = std::chrono::steady_clock::now();
+  const CyclePublisher::Published sent = publisher_->publish(report);
+  CycleTimes times;
+  times.states_s = toSeconds(sent.states_out - mesh_arrival);
   publisher_->publishPatches(*report);
-  const double latency_s = secondsSince(mesh_arrival);  // markers are for people and can wait
+  times.latency_s = secondsSince(mesh_arrival);  // markers are for people and can wait
   publisher_->publishMarkers(*report);
   for (const auto& [object, oddity] : size_check_.look(*report, std::chrono::steady_clock::now())) {
     diagnostics_.recordOddity(object, oddity);
   }
-  diagnostics_.recordCycle(*report, *sent, secondsSince(start), latency_s);
-  diagnostics_.recordTrade(*report, toSeconds(published - mesh_arrival));
-  return published;
+  times.work_s = secondsSince(start);
+  diagnostics_.recordCycle(*report, *sent.contacts, times);
+  diagnostics_.recordTrade(*report, times.states_s);
+  return sent.states_out;
 }
 
 void MonitorSink::recordContainment(const CycleReport& report) {
@@ -27,8 +29,7 @@ void MonitorSink::recordContainment(const CycleReport& report) {
 }
 
 void MonitorSink::sendHeartbeat(CycleReport* report) {
-  const boost::shared_ptr<const ContactArray> sent = publisher_->publish(report);
-  diagnostics_.recordCycle(*report, *sent, 0, 0);
+  diagnostics_.recordCycle(*report, *publisher_->publish(report).contacts, CycleTimes());
 }
 
 }  // namespace deformable_contact_monitor

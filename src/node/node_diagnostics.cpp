@@ -48,10 +48,10 @@ std::string NodeDiagnostics::whySilent() const {
 }
 
 void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray& sent,
-                                  double cycle_s, double latency_s) {
+                                  const CycleTimes& times) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++cycles_;
-  timing_.end(report, cycle_s, latency_s);
+  timing_.end(report, times);
   motion_.record(report);
   backend_ = report.backend;
   output_ = ContactArray();

@@ -36,10 +36,8 @@ class NodeDiagnostics {
 
   // A cycle begins.
   void recordStart();
-  // `cycle_s`: the work, from taking transforms to the markers; `latency_s`: from the arrival of
-  // the mesh that asked for the cycle until all but the markers is published.
-  void recordCycle(const CycleReport& report, const ContactArray& sent, double cycle_s,
-                   double latency_s);
+  // A cycle ended.
+  void recordCycle(const CycleReport& report, const ContactArray& sent, const CycleTimes& times);
   // Of such a cycle: `answer_s` from the arrival of that mesh until its states were out.
   void recordTrade(const CycleReport& report, double answer_s);
   // The last mesh of this object was looked at: what is counted since the start.

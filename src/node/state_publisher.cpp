@@ -26,10 +26,11 @@ StatePublisher::StatePublisher(const MonitorParameters& parameters, ros::NodeHan
       states_publisher_(private_node.advertise<ContactStates>("contact_states", 2)),
       events_publisher_(private_node.advertise<ContactEvent>("contact_events", 100)) {}
 
-void StatePublisher::publish(const CycleReport& report) {
+SteadyTime StatePublisher::publish(const CycleReport& report) {
   tracker_.update(report);
   const std::lock_guard<std::mutex> lock(mutex_);
   publishLocked(report.header.stamp, report.now);
+  return std::chrono::steady_clock::now();
 }
 
 void StatePublisher::forget(const std::string& body, const std::string& reason) {

@@ -18,8 +18,9 @@ class StatePublisher {
  public:
   StatePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node);
 
-  // ~contact_states and ~contact_events after a report; waits for no other thread's report.
-  void publish(const CycleReport& report);
+  // ~contact_states and ~contact_events after a report; waits for no other thread's report. Returns
+  // when they were out.
+  SteadyTime publish(const CycleReport& report);
 
   // What is known of the pairs of `body`, or of all if it is empty, is forgotten.
   void forget(const std::string& body, const std::string& reason);

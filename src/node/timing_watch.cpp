@@ -30,10 +30,10 @@ std::string describeTimes(const std::deque<double>& times_ms) {
 
 }  // namespace
 
-void TimingWatch::end(const CycleReport& report, double cycle_s, double latency_s) {
+void TimingWatch::end(const CycleReport& report, const CycleTimes& cycle) {
   const DetectionResult* const result = report.result;
   running_since_.reset();
-  busy_s_ += cycle_s;
+  busy_s_ += cycle.work_s;
   if (result == nullptr) return;
   if (result->started_cold) ++cold_starts_;
   const auto add = [this](const std::string& what, double ms) {
@@ -41,16 +41,17 @@ void TimingWatch::end(const CycleReport& report, double cycle_s, double latency_
     times.push_back(ms);
     if (times.size() > kTimedCycles) times.pop_front();
   };
-  add("latency [ms]", 1e3 * latency_s);
-  add("cycle [ms]", 1e3 * cycle_s);
+  add("latency [ms]", 1e3 * cycle.latency_s);
+  add("latency of states [ms]", 1e3 * cycle.states_s);
+  add("cycle [ms]", 1e3 * cycle.work_s);
   add("detection [ms]", result->round_trip_ms);
-  add("latency without detection [ms]", 1e3 * latency_s - result->round_trip_ms);
+  add("latency of states without detection [ms]", 1e3 * cycle.states_s - result->round_trip_ms);
   for (const auto& [stage, ms] : result->stages_ms) add("stage " + stage + " [ms]", ms);
   if (report.motion == Motion::kInstant) return;
   double steps_s = 0;
   for (const SweepReport& sweep : report.sweeps) steps_s += sweep.compute_s;
   add("steps [ms]", 1e3 * steps_s);
-  add("latency without steps [ms]", 1e3 * (latency_s - steps_s));
+  add("latency without steps [ms]", 1e3 * (cycle.latency_s - steps_s));
 }
 
 double TimingWatch::runsFor(SteadyTime now) const {

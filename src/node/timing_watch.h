@@ -14,6 +14,14 @@
 
 namespace deformable_contact_monitor {
 
+// What a cycle took [s].
+struct CycleTimes {
+  double work_s = 0;  // from taking transforms to the markers
+  // From the arrival of the mesh that asked for it until its states were out, and until all but the
+  // markers was.
+  double states_s = 0, latency_s = 0;
+};
+
 // One thread at a time. Reads no clock.
 class TimingWatch {
  public:
@@ -22,17 +30,17 @@ class TimingWatch {
   // A cycle begins.
   void start(SteadyTime now) { running_since_ = now; }
 
-  // It has ended. `cycle_s`: the work, from taking transforms to the markers; `latency_s`: from the
-  // arrival of the mesh that asked for it until all but the markers is published.
-  void end(const CycleReport& report, double cycle_s, double latency_s);
+  // It has ended.
+  void end(const CycleReport& report, const CycleTimes& times);
 
   // Of the cycle that has not ended [s]; 0 if there is none.
   double runsFor(SteadyTime now) const;
 
   // A warning if cycles took more than nine tenths of the time since the last description, or one
   // has been running for more than half a second; then mean, median, p95 and most of the last 200
-  // cycles' latency, with and without the detection, work, detection and stages; in swept motion of
-  // the steps, too, and of the latency without them, which is what instant motion has.
+  // cycles' latency, that of their states, with and without the detection, work, detection and
+  // stages; in swept motion of the steps, too, and of the latency without them, which is what
+  // instant motion has.
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now);
 
  private:

@@ -10,7 +10,8 @@ from process_figures import ProcessFigures, has_grown
 LONGEST_SILENCE_S = 1.5  # states come once a second at least
 
 # Of the diagnostics, from the arrival of a mesh to what is published of it.
-TIMES = ("latency [ms]", "detection [ms]", "latency without detection [ms]")
+TIMES = ("latency [ms]", "latency of states [ms]", "detection [ms]",
+         "latency of states without detection [ms]")
 
 # links, objects and parameters of the monitor; how the client loads it.
 Scenario = collections.namedtuple("Scenario", "links objects parameters client deaf")

@@ -25,7 +25,7 @@ class TimingWatchTest : public ::testing::Test {
     watch_.start(now_);
     now_ += fromSeconds(cycle_s);
     report_.result = result;
-    watch_.end(report_, cycle_s, 2 * cycle_s);
+    watch_.end(report_, {cycle_s, 1.5 * cycle_s, 2 * cycle_s});
   }
 
   static std::string value(const DiagnosticStatus& status, const std::string& key) {
@@ -63,7 +63,7 @@ TEST_F(TimingWatchTest, ACycleThatDoesNotEndIsSaid) {
   EXPECT_EQ(watch_.runsFor(now_), 0.75);
   EXPECT_EQ(describe().level, DiagnosticStatus::WARN);
   EXPECT_EQ(describe().message, "busy: a cycle runs for 0.750000 s");
-  watch_.end(CycleReport(), 0.75, 0.75);
+  watch_.end(CycleReport(), {0.75, 0.75, 0.75});
   EXPECT_EQ(watch_.runsFor(now_), 0);
   now_ += fromSeconds(1);
   EXPECT_EQ(describe().message, "in time");
@@ -86,8 +86,10 @@ TEST_F(TimingWatchTest, TimesAreOfTheLastTwoHundredCycles) {
   const DiagnosticStatus status = describe();
   EXPECT_EQ(value(status, "cycle [ms]"), "mean 250.000, median 250.000, p95 250.000, max 250.000");
   EXPECT_EQ(value(status, "detection [ms]"), "mean 30.000, median 30.000, p95 30.000, max 30.000");
-  EXPECT_EQ(value(status, "latency without detection [ms]"),
-            "mean 470.000, median 470.000, p95 470.000, max 470.000");
+  EXPECT_EQ(value(status, "latency of states [ms]"),
+            "mean 375.000, median 375.000, p95 375.000, max 375.000");
+  EXPECT_EQ(value(status, "latency of states without detection [ms]"),
+            "mean 345.000, median 345.000, p95 345.000, max 345.000");
   EXPECT_EQ(value(status, "stage sweep [ms]"),
             "mean 20.000, median 20.000, p95 20.000, max 20.000");
   EXPECT_EQ(value(status, "cold starts"), "1");
