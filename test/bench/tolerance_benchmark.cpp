@@ -106,7 +106,7 @@ void print(const MovingScene& moving, const Run& run) {
 
 bool measure(MovingScene& moving, int repeats) {
   constexpr int kWarmUp = TilingCache::kSettledAfter + 1, kMore = 4;  // until ends are met
-  constexpr double kMostMs = 3000;  // of a row without a budget
+  constexpr double kMostMs = 3000;                                    // of a row without a budget
   std::vector<Run> runs;
   for (const double budget_ms : {2.0, 5.0, 10.0, 33.0}) {
     runs.emplace_back();
