@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstddef>
+#include <functional>
 
 #include "core/steady_time.h"
 
@@ -13,12 +16,17 @@ class UsualTime {
  public:
   // When to begin with it, so that it is done by `deadline`; max() stays.
   SteadyTime earlier(SteadyTime deadline) const {
-    return deadline == SteadyTime::max() ? deadline : deadline - std::min(last_[0], last_[1]);
+    if (deadline == SteadyTime::max()) return deadline;
+    // The longest alone may be the machine's.
+    std::array<SteadyTime::duration, 2> longest;
+    std::partial_sort_copy(last_.begin(), last_.end(), longest.begin(), longest.end(),
+                           std::greater<>());
+    return deadline - longest[1];
   }
 
   void took(SteadyTime::duration time) {
-    last_[0] = last_[1];
-    last_[1] = time;
+    last_[next_] = time;
+    next_ = (next_ + 1) % last_.size();
   }
 
   void forget(double share) {
@@ -28,8 +36,8 @@ class UsualTime {
   }
 
  private:
-  // The less counts: one alone may be the machine's.
-  SteadyTime::duration last_[2] = {SteadyTime::duration(0), SteadyTime::duration(0)};
+  std::array<SteadyTime::duration, 100> last_{};
+  std::size_t next_ = 0;
 };
 
 }  // namespace deformable_contact_monitor
