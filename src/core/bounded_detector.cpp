@@ -115,7 +115,9 @@ const DetectionResult& BoundedDetector::detect(const Scene& scene, const Options
   const CycleLimit limit(options.limits);
   result_.begin(scene, options, options.tolerance_m == 0 && isGuaranteed(options));
   const SteadyTime now = std::chrono::steady_clock::now();
-  const SteadyTime end = tail_.earlier(options.limits.deadline);
+  const SteadyTime deadline = options.limits.deadline;
+  // Half of the time at least is for deciding, whatever held the machine up lately.
+  const SteadyTime end = std::max(tail_.earlier(deadline), now + (deadline - now) / 2);
   SteadyTime turn = end;  // the rest's part is what is left then
   if (end != SteadyTime::max() && !rest_pairs_.empty()) turn = now + (end - now) / 2;
   onThreads(options, [&] {
