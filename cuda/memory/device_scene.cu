@@ -114,6 +114,8 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   CycleSizes::raise(sizes_.triangles, arrays_.triangle_count);
   CycleSizes::raise(sizes_.vertex_blocks, mesh_tables_.vertex_blocks.size());
   CycleSizes::raise(sizes_.triangle_blocks, mesh_tables_.triangle_blocks.size());
+  CycleSizes::raise(sizes_.tiles, mesh_tables_.tile_body.size());
+  sizes_.slots = static_cast<std::uint32_t>(Tiling::kTileTriangles * sizes_.tiles);
   sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
   while (any_self_ && sizes_.identity_slots < 2 * vertex_count_) sizes_.identity_slots *= 2;
   vertices_.resize(scene.bodyCount());
@@ -170,6 +172,7 @@ void DeviceScene::sendLayout(cudaStream_t stream) {
   const MeshTables& meshes = mesh_tables_;
   arrays_.vertex_block_count = static_cast<std::uint32_t>(meshes.vertex_blocks.size());
   arrays_.triangle_block_count = static_cast<std::uint32_t>(meshes.triangle_blocks.size());
+  arrays_.tile_count = static_cast<std::uint32_t>(meshes.tile_body.size());
   arrays_.identity_mask = arrays_.identity_table.size() - 1;
   upload(pair_tables_.partners, arrays_.partners.data(), stream);
   upload(pair_tables_.group_mask, arrays_.group_mask.data(), stream);
@@ -177,6 +180,8 @@ void DeviceScene::sendLayout(cudaStream_t stream) {
   upload(listed_, arrays_.listed_bodies.data(), stream);
   upload(meshes.vertex_blocks, arrays_.vertex_blocks.data(), stream);
   upload(meshes.triangle_blocks, arrays_.triangle_blocks.data(), stream);
+  upload(meshes.tile_body, arrays_.tile_body.data(), stream);
+  upload(meshes.slot_triangle, arrays_.slot_triangle.data(), stream);
   upload(meshes.corners.get(), meshes.corner_count,
          arrays_.corners.data() + 3 * std::size_t{meshes.first_triangle}, stream);
   checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
@@ -221,6 +226,18 @@ void DeviceScene::numberMeshes(const Scene& scene) {
   }
 }
 
+void DeviceScene::addTiles(const Tiling& tiling, BodyIndex body, std::uint32_t first_triangle,
+                           MeshTables& tables) {
+  for (std::size_t tile = 0; tile < tiling.tileCount(); ++tile) {
+    tables.tile_body.push_back(body);
+    for (std::uint32_t s = tiling.tile_begin[tile]; s < tiling.tile_begin[tile + 1]; ++s) {
+      tables.slot_triangle.emplace_back(first_triangle + tiling.triangle[s]);
+    }
+    tables.slot_triangle.resize(tables.tile_body.size() * Tiling::kTileTriangles,
+                                TriangleIndex(kNone));
+  }
+}
+
 DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
                                                     std::uint32_t first_body) const {
   MeshTables tables;
@@ -236,6 +253,7 @@ DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
     addBlocks(tables.vertex_blocks, BodyIndex(i), first_vertex, mesh.vertexCount());
     addBlocks(tables.triangle_blocks, BodyIndex(i), listed_[i].first_triangle,
               mesh.triangleCount());
+    addTiles(tilingByPosition(mesh), BodyIndex(i), listed_[i].first_triangle, tables);
     if (i < first_body) continue;
     for (const std::uint32_t local : mesh.triangles) *corner++ = VertexIndex(first_vertex + local);
   }

@@ -8,6 +8,7 @@
 
 #include "core/body_groups.h"
 #include "core/detector.h"
+#include "core/tiling.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_vertices.cuh"
@@ -73,9 +74,12 @@ class DeviceScene {
     std::vector<BodyIndex> partners;
     std::vector<std::uint32_t> group_mask, pair_enabled;
   };
-  // And of the bodies' meshes: blocks of all, corners from the first body on that has changed.
+  // And of the bodies' meshes: blocks and tiles of all, corners from the first body on that has
+  // changed.
   struct MeshTables {
     std::vector<BodyBlock> vertex_blocks, triangle_blocks;
+    std::vector<BodyIndex> tile_body;
+    std::vector<TriangleIndex> slot_triangle;
     std::unique_ptr<VertexIndex[]> corners;  // not zero first, as a vector would be
     std::size_t corner_count = 0;
     std::uint32_t first_triangle = 0;  // of the corners
@@ -103,6 +107,8 @@ class DeviceScene {
   void countMeshes(const Scene& scene);
   void numberMeshes(const Scene& scene);
   MeshTables tabulateMeshes(const Scene& scene, std::uint32_t first_body) const;
+  static void addTiles(const Tiling& tiling, BodyIndex body, std::uint32_t first_triangle,
+                       MeshTables& tables);
   void sizeFans(const Scene& scene);
   void growArrays(cudaStream_t stream);
   void sendEarlierVertices(const Scene& scene, cudaStream_t stream);

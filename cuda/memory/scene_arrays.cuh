@@ -69,6 +69,7 @@ struct SceneArrays : ArrayGroup {
   // How much of the arrays is in use.
   std::uint32_t body_count = 0, pair_row = 0;
   std::uint32_t vertex_block_count = 0, triangle_block_count = 0, triangle_count = 0;
+  std::uint32_t tile_count = 0;
   std::uint32_t identity_mask = 0;
 
   DeviceArray<DeviceBody, BodyIndex> bodies{*this, &CycleSizes::bodies};
@@ -80,6 +81,9 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<std::uint32_t, Place> pair_enabled{*this, &CycleSizes::pair_words};
   DeviceArray<BodyBlock, Place> vertex_blocks{*this, &CycleSizes::vertex_blocks};
   DeviceArray<BodyBlock, Place> triangle_blocks{*this, &CycleSizes::triangle_blocks};
+  // The bodies' triangles by tiles; kNone in slots without one.
+  DeviceArray<BodyIndex, TileIndex> tile_body{*this, &CycleSizes::tiles};
+  DeviceArray<TriangleIndex, MemberIndex> slot_triangle{*this, &CycleSizes::slots};
   // x y z in the body's frame [m].
   DeviceArray<float, VertexIndex, 3> received{*this, &CycleSizes::vertices};
   DeviceArray<VertexIndex, TriangleIndex, 3> corners{*this, &CycleSizes::triangles};

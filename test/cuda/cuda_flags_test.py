@@ -14,7 +14,8 @@ COMMANDS = sys.argv.pop(1)
 
 # In the others no number decides twice: sweep and large look at each pair once, fan_rings and rows
 # have whole numbers alone.
-MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "large.cu", "output.cu", "rows.cu", "sweep.cu"}
+MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "large.cu", "output.cu", "pairs.cu", "rows.cu",
+                "sweep.cu"}
 
 
 def words_of(command):
