@@ -71,7 +71,7 @@ struct ContactArrays : ArrayGroup {
   // The contacts with those of one lower triangle together, and where they stand in `contacts`.
   DeviceArray<std::uint64_t, Place> rows{*this, &CycleSizes::contacts};
   DeviceArray<Place, Place> row_from{*this, &CycleSizes::contacts};
-  DeviceArray<std::uint32_t, Place> row_too_long{*this, 1U};  // not 0: some row is
+  DeviceArray<std::uint32_t, Place> row_too_long{*this, 1U};  // not 0: no order was made
 
   // In swept motion: what the candidates' stations are, as places of candidates.
   DeviceArray<SweptState, Place> states{*this, &CycleSizes::swept_candidates};

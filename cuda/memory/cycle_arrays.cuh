@@ -30,6 +30,11 @@ struct CycleArrays : ArrayGroup {
 
   __device__ const CycleParams& params() const { return *the_params.data(); }
   __device__ CycleCounters& counters() const { return *the_counters.data(); }
+  // How many of the contacts found have a place on the list.
+  __device__ std::uint32_t listedContacts() const {
+    return static_cast<std::uint32_t>(
+        min(counters().contacts, static_cast<unsigned long long>(contacts.contacts.size())));
+  }
 
   DeviceArray<CycleParams, Place> the_params{*this, 1U};
   DeviceArray<CycleCounters, Place> the_counters{*this, 1U};

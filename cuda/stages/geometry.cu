@@ -21,7 +21,9 @@ __device__ Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triang
 __global__ void __launch_bounds__(kThreads)
     geometryKernel(CycleArrays c, SortedContacts sorted, PairGeometry* geometry) {
   const std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  if (i >= sorted.most || i >= c.counters().contacts) return;
+  // Where some row is too long, nothing has been written to the keys.
+  if (c.contacts.row_too_long[Place(0)] != 0) return;
+  if (i >= sorted.most || i >= c.listedContacts()) return;
   const unsigned bits = c.params().index_bits;
   const std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
   const TriangleIndex a(static_cast<std::uint32_t>(sorted.keys[i] >> bits));

@@ -21,7 +21,9 @@ void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts) {
   if (fields_.times()) times_.grow(room_);
   if (!fields_.geometry) return;
   geometry_.grow(room_);
-  geometry_on_device_.grow(room_);
+  if (geometry_on_device_.grow(room_)) {  // more of it goes to the host than there are contacts
+    checkCuda(cudaMemset(geometry_on_device_.data(), 0, geometry_on_device_.bytes()), "cudaMemset");
+  }
   keys_.grow(room_);
   if (fields_.separations) sorted_separations_.grow(room_);
 }

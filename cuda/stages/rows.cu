@@ -10,17 +10,13 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 256;
-__device__ std::uint32_t listed(const CycleArrays& c) {
-  return static_cast<std::uint32_t>(
-      min(c.counters().contacts, static_cast<unsigned long long>(c.contacts.contacts.size())));
-}
 
 __device__ TriangleIndex lowerOf(const CycleArrays& c, std::uint64_t key) {
   return TriangleIndex(static_cast<std::uint32_t>(key >> c.params().index_bits));
 }
 
 __global__ void __launch_bounds__(kThreads) countKernel(CycleArrays c) {
-  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads;
+  const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
   std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
   if (i == 0) c.contacts.row_too_long[Place(0)] = 0;
   for (; i < count; i += stride) {
@@ -30,7 +26,7 @@ __global__ void __launch_bounds__(kThreads) countKernel(CycleArrays c) {
 
 // Counts the rows down again, so that the next cycle finds zeros.
 __global__ void __launch_bounds__(kThreads) scatterKernel(CycleArrays c) {
-  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads;
+  const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
   for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
     const std::uint64_t key = c.contacts.contacts[Place(i)];
     const TriangleIndex a = lowerOf(c, key);
@@ -68,7 +64,7 @@ __device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place f
 // A contact that stands there twice has two places.
 __global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOutput out) {
   const bool too_long = c.contacts.row_too_long[Place(0)] != 0;
-  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads;
+  const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
   std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
   if (i == 0) *out.too_long = too_long ? 1 : 0;
   if (too_long) return;
@@ -88,8 +84,10 @@ __global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOu
 
 // A warp for each contact: all of them are one row.
 __global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, OrderedOutput out) {
-  const std::uint32_t count = listed(c), stride = gridDim.x * kThreads / kWarp;
-  if (blockIdx.x == 0 && threadIdx.x == 0) *out.too_long = count > kLongestRow ? 1 : 0;
+  const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads / kWarp;
+  if (blockIdx.x == 0 && threadIdx.x == 0) {
+    *out.too_long = c.contacts.row_too_long[Place(0)] = count > kLongestRow ? 1 : 0;
+  }
   if (count > kLongestRow) return;
   for (std::uint32_t i = (blockIdx.x * kThreads + threadIdx.x) / kWarp; i < count; i += stride) {
     const std::uint64_t key = c.contacts.contacts[Place(i)];
@@ -113,7 +111,9 @@ __global__ void __launch_bounds__(kThreads) numberKernel(Place* places, std::uin
 __global__ void __launch_bounds__(kThreads)
     writeSortedKernel(CycleArrays c, OrderedOutput out, std::uint32_t count) {
   const std::uint32_t stride = gridDim.x * kThreads;
-  for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
+  std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i == 0) c.contacts.row_too_long[Place(0)] = 0;
+  for (; i < count; i += stride) {
     writeOne(c, out, c.contacts.row_from[Place(i)], c.contacts.rows[Place(i)], i);
   }
 }

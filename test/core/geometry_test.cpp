@@ -131,6 +131,26 @@ TEST_P(Geometry, OfExactContactsNeverSaysApart) {
   }
 }
 
+// More contacts than a backend may bring into their order by counting: first all at once, then once
+// it expects so many.
+TEST_P(Geometry, IsThatOfAllContactsOfOneTriangle) {
+  constexpr std::uint32_t kNeedles = 2500;
+  std::vector<Triangle> needles;
+  for (std::uint32_t i = 0; i < kNeedles; ++i) {
+    const float x = 0.01F + 0.0003F * static_cast<float>(i % 50);
+    const float y = 0.01F + 0.0003F * static_cast<float>(i / 50);
+    needles.push_back({{{x, y, -0.1F}, {x + 0.0001F, y, 0.1F}, {x, y + 0.0001F, 0.2F}}});
+  }
+  const Triangle floor{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  Scene scene = pairScene(meshOf({floor}), meshOf(needles));
+  for (const float margin_m : {0.0F, 0.0F, 0.0F, 0.001F}) {
+    scene.setMargin(0, margin_m);
+    const DetectionResult& result = detector_->detect(scene, withGeometry());
+    EXPECT_EQ(result.contacts.size(), kNeedles);
+    expectRulesGeometry(scene, result);
+  }
+}
+
 TEST_P(Geometry, WithoutContactsThereIsNone) {
   const Triangle here{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
   const Triangle there{{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}}};
