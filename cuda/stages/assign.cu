@@ -243,7 +243,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const bool finite = there && corners.isFinite();
   const Aabb box = finite ? inflated(corners.box(c), body.margin_m) : Aabb();
   bool near = finite;
-  if (body.has_self == 0) near = near && meetsPartner(c.scene, b, box, warpBox(box));
+  if (body.has_self == 0) near = meetsPartner(c.scene, b, box, warpBox(box)) && finite;
   const SceneShare& share = c.params().share;
   const bool here = near && (share.isWhole() || corners.reachesInto(share, body.margin_m));
   const bool large = here && c.params().size.isLarge(box);
