@@ -211,6 +211,7 @@ void CudaDetector::sizeBins(const Options& options) {
   const cudaStream_t stream = stream_.get();
   sendParams();
   launchPoseIdentities(arrays_, shape, stream);
+  if (arrays_.together()) return;
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);

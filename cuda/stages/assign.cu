@@ -260,7 +260,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
   const std::uint32_t list =
-      live == 0 ? kNone : assignTile(c, tile, live, corners, body.slack, found[warp]);
+      live == 0 || c.together() ? kNone : assignTile(c, tile, live, corners, body.slack, found[warp]);
   if (laneId() == 0) c.members.tiles[tile] = {all, live, list};
 }
 

@@ -43,6 +43,7 @@ __global__ void __launch_bounds__(kScanThreads) binsKernel(CycleArrays c) {
 }  // namespace
 
 void launchAssignBins(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
+  if (cycle.together()) return;
   binsKernel<<<1, kScanThreads, 0, stream>>>(cycle);
 }
 

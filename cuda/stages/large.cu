@@ -4,6 +4,7 @@
 
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/corners.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/report.cuh"
 #include "cuda/stages/screen.cuh"
@@ -23,18 +24,12 @@ __device__ bool groupsMeet(const SceneArrays& scene, const Member& a, const Memb
   return (scene.group_mask[Place(x)] >> y & 1) != 0;
 }
 
-__device__ uint4 idsOf(const SceneArrays& scene, const Member& m) {
-  const VertexIndex* vertices = scene.corners.row(m.triangle);
-  return make_uint4(scene.vertex_id[vertices[0]].value, scene.vertex_id[vertices[1]].value,
-                    scene.vertex_id[vertices[2]].value, 0);
-}
-
 // Two members whose boxes meet: adds to contacts.contacts or contacts.candidates if they are one.
 template <int kStates>
 __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b) {
   const Member a = c.members.members[at_a], b = c.members.members[at_b];
   if (!groupsMeet(c.scene, a, b)) return;
-  const uint4 ids_a = idsOf(c.scene, a), ids_b = idsOf(c.scene, b);
+  const uint4 ids_a = idsOf(c.scene, a.triangle), ids_b = idsOf(c.scene, b.triangle);
   const std::uint32_t shared_a = sharedBits(ids_a, ids_b);
   if (shared_a != 0 &&
       (c.params().adjacent == AdjacentPairs::kSkip || isCertified(ids_a, shared_a))) {

@@ -3,6 +3,7 @@
 #include "core/rules/margins.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/corners.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
@@ -72,10 +73,7 @@ __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& pa
   if (live) sums.moments.add(scaled.mean() - frame.centre);
   sums.triangles += __popc(alive);
   if (live && entry.isHome()) {
-    const VertexIndex* vertices = c.scene.corners.row(c.members.members[slot].triangle);
-    c.members.ids[slot] =
-        make_uint4(c.scene.vertex_id[vertices[0]].value, c.scene.vertex_id[vertices[1]].value,
-                   c.scene.vertex_id[vertices[2]].value, 0);
+    c.members.ids[slot] = idsOf(c.scene, c.members.members[slot].triangle);
   }
   PackedInterval along[3];
   for (int k = 0; k < 3; ++k) {
@@ -261,11 +259,13 @@ __global__ void __launch_bounds__(kWarp) frameKernel(CycleArrays c) {
 }  // namespace
 
 void launchSort(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  if (cycle.together()) return;
   const auto kernel = shape.swept ? sortKernel<2> : sortKernel<1>;
   kernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
 }
 
 void launchSortFrames(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
+  if (cycle.together()) return;
   frameKernel<<<(cycle.clusters.count + kWarp - 1) / kWarp, kWarp, 0, stream>>>(cycle);
 }
 

@@ -71,6 +71,10 @@ void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 // owns. Reads the arrays of `sweep`; writes sweep.tile_pairs. Right behind launchSort.
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
+// The same in place of launchSort and launchSweep where CycleArrays::together(): every tile against
+// every other.
+void launchTogether(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
 // sweep: pairs of triangles of these tiles, and of tiles of bodies that have contacts with
 // themselves, whose boxes intersect are filtered by planes; the rest are contacts where float32 is
 // certain of it, candidates where it is not. Reads sweep.tile_pairs and members.members; writes

@@ -152,6 +152,7 @@ __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays
 }  // namespace
 
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  if (cycle.together()) return launchTogether(cycle, shape, stream);
   launchEarly(sweepKernel, blocksInOneWave(sweepKernel, kThreads, 0, shape.device), kThreads, 0,
               shape.device, stream, cycle);
 }
