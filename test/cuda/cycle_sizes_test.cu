@@ -14,9 +14,9 @@ TEST(CycleSizes, WhatFitsDoesNotGrow) {
   sizes.triangles = 10000;
   sizes.prepare(9000, 20, kAmple);
   EXPECT_EQ(sizes.samples, 1024U);
-  EXPECT_GE(sizes.members, 18000U);
+  EXPECT_GE(sizes.entries, 18000U);
   CycleCounters counters{};
-  counters.bins_wanted = sizes.members;
+  counters.bins_wanted = sizes.entries;
   counters.list_words = sizes.list_words;
   counters.units = sizes.units;
   counters.candidates = sizes.candidates;
@@ -33,7 +33,7 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   counters.units = before.units + 1;
   EXPECT_TRUE(sizes.growFor(counters, kAmple));
   EXPECT_GT(sizes.units, before.units);
-  EXPECT_EQ(sizes.members, before.members);
+  EXPECT_EQ(sizes.entries, before.members);
   EXPECT_EQ(sizes.candidates, before.candidates);
   counters.candidates = 3000000;
   counters.contacts = 5 * before.contacts;
@@ -43,7 +43,7 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   EXPECT_GE(sizes.candidates, 3000000U);
   EXPECT_GE(sizes.contacts, 5 * before.contacts);
   EXPECT_GE(sizes.list_words, 4000U);
-  EXPECT_GE(sizes.members, 100000U);
+  EXPECT_GE(sizes.entries, 100000U);
   EXPECT_FALSE(sizes.growFor(counters, kAmple));
 }
 
@@ -56,7 +56,7 @@ TEST(CycleSizes, WhatIsNearlyFullGrowsAheadOfNeed) {
   counters.contacts = before.contacts - before.contacts / 10;
   sizes.growAhead(counters, kAmple);
   EXPECT_EQ(sizes.units, before.units);
-  EXPECT_EQ(sizes.members, before.members);
+  EXPECT_EQ(sizes.entries, before.members);
   EXPECT_EQ(sizes.contacts, 2 * counters.contacts);
   const CycleSizes grown = sizes;
   sizes.growAhead(counters, kAmple);
@@ -86,8 +86,8 @@ TEST(CycleSizes, OfAGrowingSceneGrowRarely) {
     CycleSizes::raise(sizes.triangles, triangles);
     sizes.prepare(triangles, 20, kAmple);
     EXPECT_GE(sizes.triangles, triangles);
-    EXPECT_GE(sizes.members, 2 * triangles);
-    changes += sizes.triangles != before.triangles || sizes.members != before.members;
+    EXPECT_GE(sizes.entries, 2 * triangles);
+    changes += sizes.triangles != before.triangles || sizes.entries != before.members;
   }
   EXPECT_LE(changes, 20U);
 }
