@@ -111,6 +111,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].limited = limit.isSet() ? 1 : 0;
   params_[0].share = share_;
   params_[0].any_self = scene_.anySelf() ? 1 : 0;
+  scene_.group(stream);
   if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream);
   // Every vertex is its own where no body touches itself: once is enough then.
   if (result_.started_cold || change.more_triangles > 0) {

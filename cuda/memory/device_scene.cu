@@ -6,6 +6,7 @@
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/pinned_memory.cuh"
 #include "cuda/stages/fan_rings.cuh"
+#include "cuda/stages/group.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -97,7 +98,7 @@ std::uint64_t DeviceScene::moreTriangles(const std::vector<LaidOutBody>& before,
 
 DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
-  laid_out_ = has_fans_ = bodies_sent_ = false;  // until all of it is there
+  laid_out_ = grouped_ = has_fans_ = bodies_sent_ = false;  // until all of it is there
   pairs_ = scene.enabledPairs();
   pair_tables_ = tabulatePairs(scene);
   laid_out_bodies_ = bodiesOf(scene);
@@ -114,8 +115,8 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   CycleSizes::raise(sizes_.triangles, arrays_.triangle_count);
   CycleSizes::raise(sizes_.vertex_blocks, mesh_tables_.vertex_blocks.size());
   CycleSizes::raise(sizes_.triangle_blocks, mesh_tables_.triangle_blocks.size());
-  CycleSizes::raise(sizes_.tiles, mesh_tables_.tile_body.size());
-  sizes_.slots = static_cast<std::uint32_t>(Tiling::kTileTriangles * sizes_.tiles);
+  CycleSizes::raise(sizes_.tiles, arrays_.tile_count);
+  sizes_.slots = kWarp * sizes_.tiles;
   sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
   while (any_self_ && sizes_.identity_slots < 2 * vertex_count_) sizes_.identity_slots *= 2;
   vertices_.resize(scene.bodyCount());
@@ -172,7 +173,6 @@ void DeviceScene::sendLayout(cudaStream_t stream) {
   const MeshTables& meshes = mesh_tables_;
   arrays_.vertex_block_count = static_cast<std::uint32_t>(meshes.vertex_blocks.size());
   arrays_.triangle_block_count = static_cast<std::uint32_t>(meshes.triangle_blocks.size());
-  arrays_.tile_count = static_cast<std::uint32_t>(meshes.tile_body.size());
   arrays_.identity_mask = arrays_.identity_table.size() - 1;
   upload(pair_tables_.partners, arrays_.partners.data(), stream);
   upload(pair_tables_.group_mask, arrays_.group_mask.data(), stream);
@@ -180,8 +180,6 @@ void DeviceScene::sendLayout(cudaStream_t stream) {
   upload(listed_, arrays_.listed_bodies.data(), stream);
   upload(meshes.vertex_blocks, arrays_.vertex_blocks.data(), stream);
   upload(meshes.triangle_blocks, arrays_.triangle_blocks.data(), stream);
-  upload(meshes.tile_body, arrays_.tile_body.data(), stream);
-  upload(meshes.slot_triangle, arrays_.slot_triangle.data(), stream);
   upload(meshes.corners.get(), meshes.corner_count,
          arrays_.corners.data() + 3 * std::size_t{meshes.first_triangle}, stream);
   checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
@@ -215,27 +213,21 @@ void DeviceScene::countMeshes(const Scene& scene) {
 
 void DeviceScene::numberMeshes(const Scene& scene) {
   listed_.clear();
-  std::uint32_t first_vertex = 0, first_triangle = 0;
+  std::uint32_t first_vertex = 0, first_triangle = 0, first_tile = 0;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
     listed_.push_back({first_triangle, taking_part_[i]});
-    body_[i].first_vertex = first_vertex;
-    body_[i].vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
-    first_vertex += body_[i].vertex_count;
-    first_triangle += static_cast<std::uint32_t>(mesh.triangleCount());
+    DeviceBody& body = body_[i];
+    body.first_vertex = first_vertex;
+    body.vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
+    body.first_triangle = first_triangle;
+    body.triangle_count = static_cast<std::uint32_t>(mesh.triangleCount());
+    body.first_tile = first_tile;
+    first_vertex += body.vertex_count;
+    first_triangle += body.triangle_count;
+    first_tile += (body.triangle_count + kWarp - 1) / kWarp;
   }
-}
-
-void DeviceScene::addTiles(const Tiling& tiling, BodyIndex body, std::uint32_t first_triangle,
-                           MeshTables& tables) {
-  for (std::size_t tile = 0; tile < tiling.tileCount(); ++tile) {
-    tables.tile_body.push_back(body);
-    for (std::uint32_t s = tiling.tile_begin[tile]; s < tiling.tile_begin[tile + 1]; ++s) {
-      tables.slot_triangle.emplace_back(first_triangle + tiling.triangle[s]);
-    }
-    tables.slot_triangle.resize(tables.tile_body.size() * Tiling::kTileTriangles,
-                                TriangleIndex(kNone));
-  }
+  arrays_.tile_count = first_tile;
 }
 
 DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
@@ -253,11 +245,16 @@ DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
     addBlocks(tables.vertex_blocks, BodyIndex(i), first_vertex, mesh.vertexCount());
     addBlocks(tables.triangle_blocks, BodyIndex(i), listed_[i].first_triangle,
               mesh.triangleCount());
-    addTiles(tilingByPosition(mesh), BodyIndex(i), listed_[i].first_triangle, tables);
     if (i < first_body) continue;
     for (const std::uint32_t local : mesh.triangles) *corner++ = VertexIndex(first_vertex + local);
   }
   return tables;
+}
+
+void DeviceScene::group(cudaStream_t stream) {
+  if (grouped_) return;
+  launchGroup(arrays_, scratch_, stream);
+  grouped_ = true;
 }
 
 // Vertices of bodies without contacts with themselves have no ring.
@@ -274,7 +271,7 @@ void DeviceScene::sizeFans(const Scene& scene) {
 
 void DeviceScene::findFans(cudaStream_t stream) {
   if (has_fans_) return;
-  launchFanRings(arrays_, vertex_count_, fan_scratch_, stream);
+  launchFanRings(arrays_, vertex_count_, scratch_, stream);
   has_fans_ = true;
 }
 

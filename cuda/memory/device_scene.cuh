@@ -8,7 +8,6 @@
 
 #include "core/body_groups.h"
 #include "core/detector.h"
-#include "core/tiling.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_vertices.cuh"
@@ -38,6 +37,9 @@ class DeviceScene {
 
   // The arrays to their sizes; sends what was laid out, from the first body on that has changed.
   void sendLayout(cudaStream_t stream);
+
+  // Once bodies are sent: the triangles by tiles, where a layout has changed.
+  void group(cudaStream_t stream);
 
   // Once bodies are sent: what certificates need, where a layout with `fans` did not find it
   // before.
@@ -74,12 +76,9 @@ class DeviceScene {
     std::vector<BodyIndex> partners;
     std::vector<std::uint32_t> group_mask, pair_enabled;
   };
-  // And of the bodies' meshes: blocks and tiles of all, corners from the first body on that has
-  // changed.
+  // And of the bodies' meshes: blocks of all, corners from the first body on that has changed.
   struct MeshTables {
     std::vector<BodyBlock> vertex_blocks, triangle_blocks;
-    std::vector<BodyIndex> tile_body;
-    std::vector<TriangleIndex> slot_triangle;
     std::unique_ptr<VertexIndex[]> corners;  // not zero first, as a vector would be
     std::size_t corner_count = 0;
     std::uint32_t first_triangle = 0;  // of the corners
@@ -107,8 +106,6 @@ class DeviceScene {
   void countMeshes(const Scene& scene);
   void numberMeshes(const Scene& scene);
   MeshTables tabulateMeshes(const Scene& scene, std::uint32_t first_body) const;
-  static void addTiles(const Tiling& tiling, BodyIndex body, std::uint32_t first_triangle,
-                       MeshTables& tables);
   void sizeFans(const Scene& scene);
   void growArrays(cudaStream_t stream);
   void sendEarlierVertices(const Scene& scene, cudaStream_t stream);
@@ -122,6 +119,7 @@ class DeviceScene {
   bool laid_out_ = false;  // what is below is on the device, but for these tables
   PairTables pair_tables_;
   MeshTables mesh_tables_;
+  bool grouped_ = false;              // so are the tiles
   bool has_fans_ = false;             // so are the rings
   bool bodies_sent_ = false;          // so is what staged_bodies_ holds
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
@@ -136,7 +134,7 @@ class DeviceScene {
   bool any_self_ = false, any_from_device_ = false;
   BodyLengths any_{};
 
-  DeviceBuffer<unsigned char> fan_scratch_;
+  DeviceBuffer<unsigned char> scratch_;
   DeviceVertexCopier copier_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;

@@ -1,0 +1,136 @@
+// Which triangles share a tile: found on the device when a scene was laid out, and now and then
+// anew, for bodies deform. Along a curve first, which brings together some thousands that lie
+// together; those are halved, for tiles cut from the curve overlap each other more.
+#include <cub/device/device_radix_sort.cuh>
+
+#include "core/rules/space_curve.h"
+#include "cuda/device/boxes.cuh"
+#include "cuda/stages/group.cuh"
+#include "cuda/stages/tile_halving.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr unsigned kThreads = 128;
+
+// A key: the triangle's number in the lowest bits; above, its place on the curve through its body,
+// in so many steps for each triangle, behind all of the bodies ahead.
+constexpr int kTriangleBits = 27, kStepBits = 10;
+
+__device__ TriangleIndex triangleOf(std::uint64_t key) {
+  return TriangleIndex(static_cast<std::uint32_t>(key) & ((1U << kTriangleBits) - 1));
+}
+
+__device__ Vec3f receivedAt(const SceneArrays& scene, VertexIndex i) {
+  const float* const v = scene.received.row(i);
+  return {v[0], v[1], v[2]};
+}
+
+// As received; non-finite where a vertex is.
+__device__ Vec3f centroidOf(const SceneArrays& scene, TriangleIndex t) {
+  const VertexIndex* const corner = scene.corners.row(t);
+  constexpr float kThird = 1 / 3.0F;  // of each: their sum may have no float32
+  return receivedAt(scene, corner[0]) * kThird + receivedAt(scene, corner[1]) * kThird +
+         receivedAt(scene, corner[2]) * kThird;
+}
+
+// A thread for each vertex, a block for each of scene.vertex_blocks: adds to scene.body_boxes.
+__global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene) {
+  const BodyBlock block = scene.vertex_blocks[Place(blockIdx.x)];
+  __shared__ BlockBox box;
+  box.clear();
+  Aabb own;
+  if (threadIdx.x < block.count) {
+    const Vec3f v = receivedAt(scene, VertexIndex(block.first + threadIdx.x));
+    if (isFinite(v)) own = {v, v};
+  }
+  box.include(own);
+  box.addTo(scene.body_boxes.row(block.body));
+}
+
+// A thread for each triangle, a block for each of scene.triangle_blocks: writes scene.curve_keys.
+__global__ void __launch_bounds__(kThreads) keyKernel(SceneArrays scene) {
+  const BodyBlock block = scene.triangle_blocks[Place(blockIdx.x)];
+  if (threadIdx.x >= block.count) return;
+  const TriangleIndex t(block.first + threadIdx.x);
+  const CurveCells cells(boxOf(scene.body_boxes.row(block.body)));
+  const std::uint64_t on_curve = cells.placeOf(centroidOf(scene, t));
+  const DeviceBody& body = scene.bodies[block.body];
+  const std::uint64_t step = on_curve * body.triangle_count >> (3 * kCurveBits - kStepBits);
+  const std::uint64_t place = (std::uint64_t{body.first_triangle} << kStepBits) + step;
+  scene.curve_keys[Place(t.value)] = place << kTriangleBits | t.value;
+}
+
+// Up to so many tiles of a body are made together; its chunks have numbers of their own.
+constexpr unsigned kChunkTiles = TileHalving::kMost / kWarp;
+
+__device__ std::uint32_t firstChunk(const SceneArrays& scene, std::uint32_t body) {
+  return scene.bodies[BodyIndex(body)].first_tile / kChunkTiles + body;
+}
+std::uint32_t mostChunks(const SceneArrays& scene) {
+  return scene.tile_count / kChunkTiles + scene.body_count;
+}
+__device__ BodyIndex bodyOfChunk(const SceneArrays& scene, std::uint32_t chunk) {
+  std::uint32_t first = 0;
+  for (std::uint32_t count = scene.body_count; count > 1;) {
+    const std::uint32_t half = count / 2;
+    if (firstChunk(scene, first + half) <= chunk) first += half;
+    count -= half;
+  }
+  return BodyIndex(first);
+}
+
+// A block for each chunk: from the sorted keys to scene.tile_body and scene.slot_triangle.
+__global__ void __launch_bounds__(TileHalving::kThreads)
+    tileKernel(SceneArrays scene, const std::uint64_t* sorted) {
+  __shared__ TileHalving halving;
+  const BodyIndex b = bodyOfChunk(scene, blockIdx.x);
+  const DeviceBody& body = scene.bodies[b];
+  const std::uint32_t chunk = blockIdx.x - firstChunk(scene, b.value);
+  const std::uint32_t first = chunk * TileHalving::kMost;  // of the body's, along the curve
+  if (first >= body.triangle_count) return;
+  const std::uint32_t count = min(body.triangle_count - first, TileHalving::kMost);
+  const auto triangleAt = [&](std::uint32_t i) {
+    return triangleOf(sorted[body.first_triangle + first + i]);
+  };
+  for (std::uint32_t i = threadIdx.x; i < count; i += TileHalving::kThreads) {
+    halving.put(i, centroidOf(scene, triangleAt(i)));
+  }
+  halving.halve(count);
+  const std::uint32_t first_tile = body.first_tile + chunk * kChunkTiles;
+  const std::uint32_t slots = (count + kWarp - 1) / kWarp * kWarp;
+  for (std::uint32_t slot = threadIdx.x; slot < slots; slot += TileHalving::kThreads) {
+    const std::uint32_t i = halving.triangleAt(slot);
+    const TriangleIndex triangle = i < count ? triangleAt(i) : TriangleIndex(kNone);
+    scene.slot_triangle[MemberIndex(first_tile * kWarp + slot)] = triangle;
+    if (slot % kWarp == 0) scene.tile_body[TileIndex(first_tile + slot / kWarp)] = b;
+  }
+}
+
+}  // namespace
+
+void launchGroup(const SceneArrays& scene, DeviceBuffer<unsigned char>& scratch,
+                 cudaStream_t stream) {
+  const std::uint32_t count = scene.triangle_count;
+  checkCuda(cudaMemsetAsync(scene.body_boxes.data(), 0,
+                            scene.body_count * kSides * sizeof(std::uint32_t), stream),
+            "cudaMemsetAsync");
+  boxKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(scene);
+  keyKernel<<<scene.triangle_block_count, kThreads, 0, stream>>>(scene);
+  int bits = kTriangleBits + kStepBits;
+  while (count >> (bits - kTriangleBits - kStepBits) != 0) ++bits;
+  cub::DoubleBuffer<std::uint64_t> keys(scene.curve_keys.data(), scene.sorted_keys.data());
+  const auto sort = [&](void* memory, std::size_t& bytes) {
+    checkCuda(cub::DeviceRadixSort::SortKeys(memory, bytes, keys, static_cast<int>(count),
+                                             kTriangleBits, bits, stream),
+              "cub::DeviceRadixSort");
+  };
+  std::size_t bytes = 0;
+  sort(nullptr, bytes);
+  if (bytes > scratch.size()) scratch.grow(2 * bytes);
+  sort(scratch.data(), bytes);
+  tileKernel<<<mostChunks(scene), TileHalving::kThreads, 0, stream>>>(scene, keys.Current());
+  checkCuda(cudaGetLastError(), "a kernel of the tiles");
+}
+
+}  // namespace deformable_contact_monitor

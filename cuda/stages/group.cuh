@@ -1,0 +1,18 @@
+// The triangles of a scene by tiles, for stage assign.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include "cuda/memory/device_buffer.cuh"
+#include "cuda/memory/scene_arrays.cuh"
+
+namespace deformable_contact_monitor {
+
+// Any grouping is right; this is by where the bodies' triangles are by now, along a curve. Reads
+// scene.bodies, scene.corners, scene.received and the blocks; writes scene.tile_body and
+// scene.slot_triangle, and scene.body_boxes and scene.curve_keys on the way. `scratch`: grows
+// as is needed. Throws CudaError.
+void launchGroup(const SceneArrays& scene, DeviceBuffer<unsigned char>& scratch,
+                 cudaStream_t stream);
+
+}  // namespace deformable_contact_monitor
