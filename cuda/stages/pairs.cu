@@ -24,13 +24,13 @@ constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
 constexpr unsigned kQueueCapacity = 2 * kWarp;
 
-// Of a triangle; and low.w has the bits of its place in its tile.
-struct LaneBox {
-  float4 low, high;
+// Of triangles; and low.w has the bits of their places in their tile.
+struct LaneBoxes {
+  float4 low[kWarp], high[kWarp];
 };
 
 struct WarpMemory {
-  LaneBox rows[kWarp], columns[kWarp];  // of the two tiles
+  LaneBoxes rows, columns;  // of the two tiles
   MemberPair met[kQueueCapacity];
   MemberPair screened[kQueueCapacity];
   DeviceCandidate candidates[kQueueCapacity];
@@ -86,16 +86,12 @@ class PairScreener {
   }
 
  private:
-  // The pass's pair of tiles whose number is turn_, or a tile against itself; false if there is
-  // none left.
+  // The next pair of tiles, or a tile against itself; false if there is none left.
   __device__ bool fetchPair() {
-    const CycleParams& params = c_.params();
-    const std::uint64_t at = std::uint64_t{turn_} * params.passes + params.pass;
-    if (at >= end_) return false;
+    if (turn_ >= end_) return false;
+    next_ = turn_ < tiles_ ? TilePair{TileIndex(turn_), TileIndex(turn_)}
+                           : c_.sweep.tile_pairs[Place(turn_ - tiles_)];
     turn_ += gridDim.x * kWarps;
-    const auto i = static_cast<std::uint32_t>(at);
-    next_ =
-        i < tiles_ ? TilePair{TileIndex(i), TileIndex(i)} : c_.sweep.tile_pairs[Place(i - tiles_)];
     return true;
   }
 
@@ -107,6 +103,7 @@ class PairScreener {
     if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, turn_ % kWarpsPerAsker == 0)) {
       return more_ = false;
     }
+    item_ = turn_;
     more_ = fetchPair();
     const bool same = pair.a == pair.b;
     if (!same || c_.scene.bodies[c_.scene.tile_body[pair.a]].has_self != 0) layOut(pair, same);
@@ -134,14 +131,20 @@ class PairScreener {
     per_column_ = 1.0F / static_cast<float>(columns_);
     if (laneId() == 0) overlaps_ += pairs_;
   }
-  __device__ static std::uint32_t closeUp(LaneBox* to, bool in, const Aabb& box) {
+  __device__ static std::uint32_t closeUp(LaneBoxes& to, bool in, const Aabb& box) {
     const unsigned mask = __ballot_sync(kFullWarp, in);
     if (in) {
-      LaneBox& mine = to[__popc(mask & ((1U << laneId()) - 1))];
-      mine.low = make_float4(box.min.x, box.min.y, box.min.z, __uint_as_float(laneId()));
-      mine.high = make_float4(box.max.x, box.max.y, box.max.z, 0);
+      const unsigned mine = __popc(mask & ((1U << laneId()) - 1));
+      to.low[mine] = make_float4(box.min.x, box.min.y, box.min.z, __uint_as_float(laneId()));
+      to.high[mine] = make_float4(box.max.x, box.max.y, box.max.z, 0);
     }
     return __popc(mask);
+  }
+
+  // A pass has every so many a step of every pair of tiles.
+  __device__ bool isOfPass() const {
+    const CycleParams& params = c_.params();
+    return params.passes == 1 || (item_ + looked_at_ / kWarp) % params.passes == params.pass;
   }
 
   // A pair of triangles for each lane. Those within a tile are each with the next one, then each
@@ -149,7 +152,7 @@ class PairScreener {
   __device__ void lookAtPairs() {
     const std::uint32_t p = looked_at_ + laneId();
     looked_at_ += kWarp;
-    bool meet = p < pairs_;
+    bool meet = p < pairs_ && isOfPass();
     MemberPair pair{};
     if (meet) {
       // Of so small numbers the rounded quotient is right.
@@ -160,9 +163,9 @@ class PairScreener {
         other = column + row + 1;
         if (other >= columns_) other -= columns_;
       }
-      const LaneBox& a = memory_.rows[other];
-      const LaneBox& b = same_ ? memory_.rows[column] : memory_.columns[column];
-      const float4 low_a = a.low, high_a = a.high, low_b = b.low, high_b = b.high;
+      const LaneBoxes& columns = same_ ? memory_.rows : memory_.columns;
+      const float4 low_a = memory_.rows.low[other], high_a = memory_.rows.high[other];
+      const float4 low_b = columns.low[column], high_b = columns.high[column];
       meet = intersects(Aabb{{low_a.x, low_a.y, low_a.z}, {high_a.x, high_a.y, high_a.z}},
                         Aabb{{low_b.x, low_b.y, low_b.z}, {high_b.x, high_b.y, high_b.z}});
       pair = {first_a_ + __float_as_uint(low_a.w), first_b_ + __float_as_uint(low_b.w)};
@@ -227,7 +230,8 @@ class PairScreener {
   WarpMemory& memory_;
   WarpQueue<MemberPair> met_, screened_;
   WarpQueue<DeviceCandidate> candidates_;
-  std::uint32_t turn_, taken_ = 0;  // of the pass
+  std::uint32_t turn_, taken_ = 0;
+  std::uint32_t item_ = 0;  // this pair's number, but for a constant
   std::uint32_t tiles_, end_;
   TilePair next_{};
   bool more_;  // there is a next one

@@ -47,7 +47,8 @@ __device__ PackedInterval tileAlong(const Quantiser& quantiser, const Vec3f& axi
   const Interval along = project<kPoints>(axis, v, margin);
   const std::uint32_t lo = live ? quantiser(along.lo) : 0xffffU;
   const std::uint32_t hi = live ? quantiser(along.hi) : 0;
-  return {0xffffU - warpMost(0xffffU - lo), warpMost(hi)};
+  const std::uint32_t most = warpMost(hi);
+  return {min(0xffffU - warpMost(0xffffU - lo), most), most};  // zeros where none is live
 }
 
 // What a warp finds of the tiles of a cluster.
