@@ -281,7 +281,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   warpCount(&c.counters().clustered, regular);
   if (there) {
     takeSample(c, t, regular, corners);
-    c.members.members[slot] = {corners.posed(), t, b};
+    c.members.members[slot] = {corners.posed(), t, b, body.group};
     if (kStates > 1) c.members.earlier[slot].posed = corners.earlier();
   }
   if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
