@@ -32,7 +32,7 @@ struct CycleParams {
   std::uint32_t group_count;   // <= kMostGroups
   std::uint32_t bucket_shift;  // from kAxisBits along the first axis to a bucket of a group
   std::uint32_t groups_exact;  // no two groups of bodies share a number
-  std::uint32_t pass, passes;  // this pass looks into the pairs of tiles, and the blocks of the
+  std::uint32_t pass, passes;  // this pass makes the steps of stage pairs, and the blocks of the
                                // large list, whose number % passes == pass
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number in a contact's key

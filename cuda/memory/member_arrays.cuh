@@ -16,7 +16,10 @@ struct alignas(16) Member {
   Triangle posed;  // scene frame [m]
   TriangleIndex triangle;
   BodyIndex body;
+  std::uint32_t group;  // the body's
 };
+// With padding it would be moved byte by byte.
+static_assert(sizeof(Member) == sizeof(Triangle) + 3 * sizeof(std::uint32_t));
 
 // Where the triangle of a member was at the beginning of the step [m].
 struct alignas(16) EarlierMember {

@@ -85,9 +85,7 @@ struct SceneArrays : ArrayGroup {
   // The bodies' triangles by tiles (stages/group.cuh); kNone in slots without one.
   DeviceArray<BodyIndex, TileIndex> tile_body{*this, &CycleSizes::tiles};
   DeviceArray<TriangleIndex, MemberIndex> slot_triangle{*this, &CycleSizes::slots};
-  // What that goes by: boxes of the bodies' finite vertices as received, see cuda/device/boxes.cuh;
-  // the triangles' keys, and where they are sorted.
-  DeviceArray<std::uint32_t, BodyIndex, kSides> received_boxes{*this, &CycleSizes::bodies};
+  // What that goes by: the triangles' keys, and where they are sorted.
   DeviceArray<std::uint64_t, Place> curve_keys{*this, &CycleSizes::triangles};
   DeviceArray<std::uint64_t, Place> sorted_keys{*this, &CycleSizes::triangles};
   // x y z in the body's frame [m].
@@ -103,6 +101,7 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<float4, VertexIndex> earlier_posed{*this, &CycleSizes::swept_vertices};
   DeviceArray<Vec3f, Place> common_motion{*this, 1U};
   // Of the bodies' finite vertices, see cuda/device/boxes.cuh; zero at the start of a cycle.
+  // Outside of one, as received.
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
   // Equal iff of one body and equal as received: the number of one of those vertices; with
   // kFanCertified where that is so.

@@ -69,15 +69,17 @@ __device__ void takeSample(const CycleArrays& c, TriangleIndex t, bool regular,
   c.clusters.samples[Place(sampling.sampleOf(t.value))] = sample;
 }
 
-__device__ void putEntry(const CycleArrays& c, std::uint32_t cluster, TileIndex tile, bool home) {
+// False if that was its home and had no room.
+__device__ bool putEntry(const CycleArrays& c, std::uint32_t cluster, TileIndex tile, bool home) {
   const ClusterIndex g(cluster);
   const Bin bin = c.members.bins[g];
   const std::uint32_t place = atomicAdd(&c.members.count(g), 1U);
   if (place < bin.capacity) {
     c.members.entries[EntryIndex(bin.begin + place)] = {tile.value << 1 | (home ? 1U : 0U)};
-  } else {
-    c.counters().bin_overflow = 1;
+    return true;
   }
+  c.counters().bin_overflow = 1;
+  return !home;
 }
 
 // The clusters of a tile that may be in several: those that the rule admits one of its live
@@ -92,8 +94,15 @@ class BorderTile {
   __device__ BorderTile(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule, bool live,
                         std::uint32_t near, std::uint32_t* found)
       : view_(view), rule_(rule), live_(live), near_(near), found_(found) {
-    const float radius = live ? rule.searchRadius(view.prototypes[near]) : 0.0F;
-    radius_ = __uint_as_float(warpMost(__float_as_uint(radius)));  // NaN is the most of all
+    radius_ = mostOf(__float_as_uint(live ? rule.searchRadius(view.prototypes[near]) : 0.0F));
+    std::uint32_t reach2 = 0;
+    Aabb box;
+    for (int k = 0; live && k < kPoints; ++k) {
+      box.include(rule.v[k]);
+      reach2 = max(reach2, __float_as_uint(rule.reach2[0][k]));
+    }
+    box_ = warpBox(box);
+    reach2_ = mostOf(reach2);
   }
 
   // Whether the list of `near` has all clusters of the tile.
@@ -111,10 +120,10 @@ class BorderTile {
     for (std::uint32_t first = 0; first < kMostNeighbours; first += kWarp) {
       const Neighbour n = view_.neighbours[begin + first + laneId()];
       const std::uint32_t cluster = view_.neighbour_cluster[begin + first + laneId()];
-      const unsigned within = __ballot_sync(kFullWarp, n.distance <= radius_);
-      forEachAdmitted(n.prototype, within,
+      const bool within = n.distance <= radius_;
+      forEachAdmitted(n.prototype, __ballot_sync(kFullWarp, within && mayAdmit(n.prototype)),
                       [&](int lane) { add(__shfl_sync(kFullWarp, cluster, lane)); });
-      if (within != kFullWarp) break;
+      if (__all_sync(kFullWarp, within) == 0) break;
     }
     __syncwarp();
     return count;
@@ -126,15 +135,25 @@ class BorderTile {
     for (std::uint32_t first = 0; first < view_.count; first += kWarp) {
       const std::uint32_t g = first + laneId();
       const Vec3f prototype = view_.prototypes[min(g, view_.count - 1)];
-      const bool far =
-          squaredDistance(prototype, view_.prototypes[near_]) > radius_ * radius_ * (1 + 1e-5F);
-      const unsigned within = __ballot_sync(kFullWarp, g < view_.count && !far);
+      const unsigned within = __ballot_sync(kFullWarp, g < view_.count && mayAdmit(prototype));
       forEachAdmitted(prototype, within,
                       [&](int lane) { visit(first + static_cast<std::uint32_t>(lane)); });
     }
   }
 
  private:
+  // Of all lanes' numbers, as bits, the most; none is negative, and NaN is more than any.
+  __device__ static float mostOf(std::uint32_t bits) { return __uint_as_float(warpMost(bits)); }
+
+  // False only where the rule admits none of the triangles: their points lie in the box, so none is
+  // nearer to the prototype, as roundings are monotone; and farther than any of them reaches their
+  // first competitors keep them out.
+  __device__ bool mayAdmit(const Vec3f& prototype) const {
+    const Vec3f nearest{least(most(prototype.x, box_.min.x), box_.max.x),
+                        least(most(prototype.y, box_.min.y), box_.max.y),
+                        least(most(prototype.z, box_.min.z), box_.max.z)};
+    return !(squaredDistance(nearest, prototype) > reach2_);
+  }
   __device__ bool admits(const Vec3f& prototype) const {
     return __any_sync(kFullWarp, live_ && rule_.admits(prototype)) != 0;
   }
@@ -154,6 +173,8 @@ class BorderTile {
   const std::uint32_t near_;
   std::uint32_t* const found_;
   float radius_;
+  Aabb box_;      // of the live triangles, as the rule has them [scaled]
+  float reach2_;  // the most of their points
 };
 
 // By a whole warp: room for a list of `length` clusters; kNone if there is none.
@@ -167,10 +188,12 @@ __device__ std::uint32_t reserveList(const CycleArrays& c, std::uint32_t length)
   return __shfl_sync(kFullWarp, place, 0);
 }
 
-// By a whole warp: the tile into all its clusters; returns where their list is.
+// By a whole warp: the tile into all its clusters; returns where their list is. `at_home` becomes
+// whether it is in the lowest.
 template <int kPoints>
 __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
-                                      const BorderTile<kPoints>& border, std::uint32_t* found) {
+                                      const BorderTile<kPoints>& border, std::uint32_t* found,
+                                      bool& at_home) {
   if (border.isListed()) {
     const std::uint32_t length = border.findListed();
     const std::uint32_t list = length > 1 ? reserveList(c, length) : kNone;
@@ -179,12 +202,13 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
       std::uint32_t rank = 0;
       for (std::uint32_t k = 0; k < length; ++k) rank += found[k] < g ? 1 : 0;
       if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
-      putEntry(c, g, tile, rank == 0);
+      at_home = putEntry(c, g, tile, rank == 0) && at_home;
     }
-    __syncwarp();
+    at_home = __all_sync(kFullWarp, at_home) != 0;
     return list;
   }
-  if (warpIsCutOff(c, tile.value % kWarpsPerAsker == 0)) return kNone;
+  at_home = !warpIsCutOff(c, tile.value % kWarpsPerAsker == 0);
+  if (!at_home) return kNone;
   std::uint32_t length = 0;
   border.forEachOfAll([&](std::uint32_t) { ++length; });
   const std::uint32_t list = reserveList(c, length);
@@ -192,10 +216,11 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
   border.forEachOfAll([&](std::uint32_t g) {
     if (laneId() == 0) {
       if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
-      putEntry(c, g, tile, rank == 0);
+      at_home = putEntry(c, g, tile, rank == 0) && at_home;
     }
     ++rank;
   });
+  at_home = __all_sync(kFullWarp, at_home) != 0;
   return list;
 }
 
@@ -204,14 +229,15 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
 template <int kStates>
 __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsigned live,
                                     const Corners<kStates>& corners, float slack,
-                                    std::uint32_t* found) {
+                                    std::uint32_t* found, bool& at_home) {
   const bool mine = (live >> laneId() & 1) != 0;
   const int some = __ffs(static_cast<int>(live)) - 1;
   const std::uint32_t near = __shfl_sync(kFullWarp, corners.nearest[0].cluster, some);
   const bool inside =
       isInterior<3 * kStates>(corners.nearest) && corners.nearest[0].cluster == near;
   if (__all_sync(kFullWarp, inside || !mine) != 0) {
-    if (laneId() == 0) putEntry(c, near, tile, true);
+    if (laneId() == 0) at_home = putEntry(c, near, tile, true);
+    at_home = __all_sync(kFullWarp, at_home) != 0;
     return kNone;
   }
   const PrototypesView view = c.clusters.view();
@@ -219,7 +245,8 @@ __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsign
   std::uint32_t first;
   const auto rule =
       ruleFor<3 * kStates>(view, scaled.v, corners.nearest, c.params().overlap, slack, first);
-  return assignBorder(c, tile, BorderTile<3 * kStates>(view, rule, mine, near, found), found);
+  return assignBorder(c, tile, BorderTile<3 * kStates>(view, rule, mine, near, found), found,
+                      at_home);
 }
 
 // A warp for each tile: reads scene.corners, scene.posed, scene.body_boxes; writes members.members
@@ -254,14 +281,18 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   warpCount(&c.counters().clustered, regular);
   if (there) {
     takeSample(c, t, regular, corners);
-    c.members.members[slot] = {corners.posed(), t, b};
+    c.members.members[slot] = {corners.posed(), t, b, body.group};
     if (kStates > 1) c.members.earlier[slot].posed = corners.earlier();
   }
   if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
+  bool at_home = true;
   const std::uint32_t list =
-      live == 0 || c.together() ? kNone : assignTile(c, tile, live, corners, body.slack, found[warp]);
-  if (laneId() == 0) c.members.tiles[tile] = {all, live, list};
+      live == 0 || c.together()
+          ? kNone
+          : assignTile(c, tile, live, corners, body.slack, found[warp], at_home);
+  // One without a home has no ids in this cycle, which is to be made again or cut off.
+  if (laneId() == 0) c.members.tiles[tile] = {all, at_home ? live : 0, list};
 }
 
 }  // namespace

@@ -1,27 +1,40 @@
 // Which triangles share a tile: found on the device when a scene was laid out, and now and then
-// anew, for bodies deform.
+// anew, for bodies deform. Along a curve first, which brings together some thousands that lie
+// together; those are halved, for tiles cut from the curve overlap each other more.
 #include <cub/device/device_radix_sort.cuh>
 
 #include "core/rules/space_curve.h"
 #include "cuda/device/boxes.cuh"
 #include "cuda/stages/group.cuh"
+#include "cuda/stages/tile_halving.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-constexpr unsigned kWarps = kThreads / kWarp;
 
 // A key: the triangle's number in the lowest bits; above, its place on the curve through its body,
 // in so many steps for each triangle, behind all of the bodies ahead.
 constexpr int kTriangleBits = 27, kStepBits = 10;
+
+__device__ TriangleIndex triangleOf(std::uint64_t key) {
+  return TriangleIndex(static_cast<std::uint32_t>(key) & ((1U << kTriangleBits) - 1));
+}
 
 __device__ Vec3f receivedAt(const SceneArrays& scene, VertexIndex i) {
   const float* const v = scene.received.row(i);
   return {v[0], v[1], v[2]};
 }
 
-// A thread for each vertex, a block for each of scene.vertex_blocks: adds to scene.received_boxes.
+// As received; non-finite where a vertex is.
+__device__ Vec3f centroidOf(const SceneArrays& scene, TriangleIndex t) {
+  const VertexIndex* const corner = scene.corners.row(t);
+  constexpr float kThird = 1 / 3.0F;  // of each: their sum may have no float32
+  return receivedAt(scene, corner[0]) * kThird + receivedAt(scene, corner[1]) * kThird +
+         receivedAt(scene, corner[2]) * kThird;
+}
+
+// A thread for each vertex, a block for each of scene.vertex_blocks: adds to scene.body_boxes.
 __global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene) {
   const BodyBlock block = scene.vertex_blocks[Place(blockIdx.x)];
   __shared__ BlockBox box;
@@ -32,7 +45,7 @@ __global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene) {
     if (isFinite(v)) own = {v, v};
   }
   box.include(own);
-  box.addTo(scene.received_boxes.row(block.body));
+  box.addTo(scene.body_boxes.row(block.body));
 }
 
 // A thread for each triangle, a block for each of scene.triangle_blocks: writes scene.curve_keys.
@@ -40,44 +53,58 @@ __global__ void __launch_bounds__(kThreads) keyKernel(SceneArrays scene) {
   const BodyBlock block = scene.triangle_blocks[Place(blockIdx.x)];
   if (threadIdx.x >= block.count) return;
   const TriangleIndex t(block.first + threadIdx.x);
-  const VertexIndex* const corner = scene.corners.row(t);
-  const Vec3f centroid = receivedAt(scene, corner[0]) * (1 / 3.0F) +
-                         receivedAt(scene, corner[1]) * (1 / 3.0F) +
-                         receivedAt(scene, corner[2]) * (1 / 3.0F);
-  const CurveCells cells(boxOf(scene.received_boxes.row(block.body)));
-  const std::uint64_t on_curve = cells.placeOf(centroid);
+  const CurveCells cells(boxOf(scene.body_boxes.row(block.body)));
+  const std::uint64_t on_curve = cells.placeOf(centroidOf(scene, t));
   const DeviceBody& body = scene.bodies[block.body];
   const std::uint64_t step = on_curve * body.triangle_count >> (3 * kCurveBits - kStepBits);
   const std::uint64_t place = (std::uint64_t{body.first_triangle} << kStepBits) + step;
   scene.curve_keys[Place(t.value)] = place << kTriangleBits | t.value;
 }
 
-// Of the bodies, whose tiles are numbered through: the one that a tile is of.
-__device__ BodyIndex bodyOfTile(const SceneArrays& scene, std::uint32_t tile) {
+// Up to so many tiles of a body are made together; its chunks have numbers of their own.
+constexpr unsigned kChunkTiles = TileHalving::kMost / kWarp;
+
+__device__ std::uint32_t firstChunk(const SceneArrays& scene, std::uint32_t body) {
+  return scene.bodies[BodyIndex(body)].first_tile / kChunkTiles + body;
+}
+std::uint32_t mostChunks(const SceneArrays& scene) {
+  return scene.tile_count / kChunkTiles + scene.body_count;
+}
+__device__ BodyIndex bodyOfChunk(const SceneArrays& scene, std::uint32_t chunk) {
   std::uint32_t first = 0;
   for (std::uint32_t count = scene.body_count; count > 1;) {
     const std::uint32_t half = count / 2;
-    if (scene.bodies[BodyIndex(first + half)].first_tile <= tile) first += half;
+    if (firstChunk(scene, first + half) <= chunk) first += half;
     count -= half;
   }
   return BodyIndex(first);
 }
 
-// A warp for each tile: from the sorted keys to scene.tile_body and scene.slot_triangle.
-__global__ void __launch_bounds__(kThreads)
-    fileKernel(SceneArrays scene, const std::uint64_t* sorted) {
-  const std::uint32_t tile = blockIdx.x * kWarps + threadIdx.x / kWarp;
-  if (tile >= scene.tile_count) return;
-  const BodyIndex b = bodyOfTile(scene, tile);
+// A block for each chunk: from the sorted keys to scene.tile_body and scene.slot_triangle.
+__global__ void __launch_bounds__(TileHalving::kThreads)
+    tileKernel(SceneArrays scene, const std::uint64_t* sorted) {
+  __shared__ TileHalving halving;
+  const BodyIndex b = bodyOfChunk(scene, blockIdx.x);
   const DeviceBody& body = scene.bodies[b];
-  const std::uint32_t i = (tile - body.first_tile) * kWarp + laneId();
-  TriangleIndex triangle(kNone);
-  if (i < body.triangle_count) {
-    constexpr std::uint64_t kTriangles = (std::uint64_t{1} << kTriangleBits) - 1;
-    triangle.value = static_cast<std::uint32_t>(sorted[body.first_triangle + i] & kTriangles);
+  const std::uint32_t chunk = blockIdx.x - firstChunk(scene, b.value);
+  const std::uint32_t first = chunk * TileHalving::kMost;  // of the body's, along the curve
+  if (first >= body.triangle_count) return;
+  const std::uint32_t count = min(body.triangle_count - first, TileHalving::kMost);
+  const auto triangleAt = [&](std::uint32_t i) {
+    return triangleOf(sorted[body.first_triangle + first + i]);
+  };
+  for (std::uint32_t i = threadIdx.x; i < count; i += TileHalving::kThreads) {
+    halving.put(i, centroidOf(scene, triangleAt(i)));
   }
-  scene.slot_triangle[MemberIndex(tile * kWarp + laneId())] = triangle;
-  if (laneId() == 0) scene.tile_body[TileIndex(tile)] = b;
+  halving.halve(count);
+  const std::uint32_t first_tile = body.first_tile + chunk * kChunkTiles;
+  const std::uint32_t slots = (count + kWarp - 1) / kWarp * kWarp;
+  for (std::uint32_t slot = threadIdx.x; slot < slots; slot += TileHalving::kThreads) {
+    const std::uint32_t i = halving.triangleAt(slot);
+    const TriangleIndex triangle = i < count ? triangleAt(i) : TriangleIndex(kNone);
+    scene.slot_triangle[MemberIndex(first_tile * kWarp + slot)] = triangle;
+    if (slot % kWarp == 0) scene.tile_body[TileIndex(first_tile + slot / kWarp)] = b;
+  }
 }
 
 }  // namespace
@@ -85,7 +112,7 @@ __global__ void __launch_bounds__(kThreads)
 void launchGroup(const SceneArrays& scene, DeviceBuffer<unsigned char>& scratch,
                  cudaStream_t stream) {
   const std::uint32_t count = scene.triangle_count;
-  checkCuda(cudaMemsetAsync(scene.received_boxes.data(), 0,
+  checkCuda(cudaMemsetAsync(scene.body_boxes.data(), 0,
                             scene.body_count * kSides * sizeof(std::uint32_t), stream),
             "cudaMemsetAsync");
   boxKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(scene);
@@ -102,8 +129,7 @@ void launchGroup(const SceneArrays& scene, DeviceBuffer<unsigned char>& scratch,
   sort(nullptr, bytes);
   if (bytes > scratch.size()) scratch.grow(2 * bytes);
   sort(scratch.data(), bytes);
-  fileKernel<<<(scene.tile_count + kWarps - 1) / kWarps, kThreads, 0, stream>>>(scene,
-                                                                                keys.Current());
+  tileKernel<<<mostChunks(scene), TileHalving::kThreads, 0, stream>>>(scene, keys.Current());
   checkCuda(cudaGetLastError(), "a kernel of the tiles");
 }
 

@@ -20,8 +20,7 @@ constexpr unsigned kTilesEach = kThreads / kWarp;  // that a block works on at a
 constexpr std::uint32_t kBlocksAmong = 64, kMostTileBlocks = 1024;
 
 __device__ bool groupsMeet(const SceneArrays& scene, const Member& a, const Member& b) {
-  const std::uint32_t x = scene.bodies[a.body].group, y = scene.bodies[b.body].group;
-  return (scene.group_mask[Place(x)] >> y & 1) != 0;
+  return (scene.group_mask[Place(a.group)] >> b.group & 1) != 0;
 }
 
 // Two members whose boxes meet: adds to contacts.contacts or contacts.candidates if they are one.

@@ -24,8 +24,13 @@ constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
 constexpr unsigned kQueueCapacity = 2 * kWarp;
 
+// Of triangles; and low.w has the bits of their places in their tile.
+struct LaneBoxes {
+  float4 low[kWarp], high[kWarp];
+};
+
 struct WarpMemory {
-  float4 low[kWarp], high[kWarp];  // boxes of the second tile's triangles
+  LaneBoxes rows, columns;  // of the two tiles
   MemberPair met[kQueueCapacity];
   MemberPair screened[kQueueCapacity];
   DeviceCandidate candidates[kQueueCapacity];
@@ -49,29 +54,31 @@ class PairScreener {
     const CycleParams& params = c.params();
     tiles_ = params.any_self != 0 ? c.scene.tile_count : 0;
     end_ = tiles_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
+    more_ = fetchPair();
   }
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
     bool more = true;
     while (true) {
-      const bool no_more_met = !more && met_.size == 0 && !anyPartner();
-      const bool last = no_more_met && screened_.size == 0;
-      if (candidates_.size >= kWarp || (last && candidates_.size > 0)) {
+      const bool looked = looked_at_ >= pairs_;
+      const bool last_met = !more && looked;
+      const bool last_screened = last_met && met_.size == 0;
+      if (candidates_.size >= kWarp ||
+          (last_screened && screened_.size == 0 && candidates_.size > 0)) {
         settleCandidates();
-      } else if (screened_.size >= kWarp || (no_more_met && screened_.size > 0)) {
+      } else if (screened_.size >= kWarp || (last_screened && screened_.size > 0)) {
         screenPlanes();
-      } else if (met_.size >= kWarp || (!more && !anyPartner() && met_.size > 0)) {
+      } else if (met_.size >= kWarp || (last_met && met_.size > 0)) {
         screenSharers();
-      } else if (anyPartner()) {
-        nextPartners();
+      } else if (!looked) {
+        lookAtPairs();
       } else if (more) {
         more = takePair();
       } else {
         break;
       }
     }
-    overlaps_ = warpSum(overlaps_);
     // Passes over the same pairs again are the same work to who reads the counters.
     if (laneId() == 0 && overlaps_ != 0 && c_.params().passes == 1) {
       atomicAdd(&c_.counters().interval_overlaps, overlaps_);
@@ -79,70 +86,91 @@ class PairScreener {
   }
 
  private:
-  __device__ bool anyPartner() const { return __any_sync(kFullWarp, partners_ != 0) != 0; }
-
-  // Tiles against themselves, then pairs of tiles; false if there is none left, or the cycle is cut
-  // off.
-  __device__ bool takePair() {
-    const CycleParams& params = c_.params();
-    const std::uint64_t at = std::uint64_t{turn_} * params.passes + params.pass;
-    if (at >= end_) return false;
-    const std::uint32_t warps = gridDim.x * kWarps;
-    if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, turn_ % kWarpsPerAsker == 0)) {
-      return false;
-    }
-    turn_ += warps;
-    const auto i = static_cast<std::uint32_t>(at);
-    if (i >= tiles_) {
-      const TilePair pair = c_.sweep.tile_pairs[Place(i - tiles_)];
-      findPartners(pair.a, pair.b);
-      return true;
-    }
-    const TileIndex tile(i);
-    if (c_.scene.bodies[c_.scene.tile_body[tile]].has_self != 0) findPartners(tile, tile);
+  // The next pair of tiles, or a tile against itself; false if there is none left.
+  __device__ bool fetchPair() {
+    if (turn_ >= end_) return false;
+    next_ = turn_ < tiles_ ? TilePair{TileIndex(turn_), TileIndex(turn_)}
+                           : c_.sweep.tile_pairs[Place(turn_ - tiles_)];
+    turn_ += gridDim.x * kWarps;
     return true;
   }
 
-  // The second tile's triangles whose boxes meet that of this lane's triangle of the first tile.
-  __device__ void findPartners(TileIndex tile_a, TileIndex tile_b) {
-    const TileState a = c_.members.tiles[tile_a], b = c_.members.tiles[tile_b];
-    first_a_ = tile_a.value * kWarp;
-    first_b_ = tile_b.value * kWarp;
-    const bool same = tile_a == tile_b;
-    Aabb box_a, box_b;
-    if ((a.live >> laneId() & 1) != 0) box_a = boxAt<kStates>(c_, MemberIndex(first_a_ + laneId()));
-    if (!same && (b.live >> laneId() & 1) != 0) {
-      box_b = boxAt<kStates>(c_, MemberIndex(first_b_ + laneId()));
+  // To the next pair of tiles, which was fetched while there was other work to do; false if there
+  // is none, or the cycle is cut off.
+  __device__ bool takePair() {
+    if (!more_) return false;
+    const TilePair pair = next_;
+    if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, turn_ % kWarpsPerAsker == 0)) {
+      return more_ = false;
     }
-    if (same) box_b = box_a;
-    const bool in_a = intersects(box_a, b.box), in_b = intersects(box_b, a.box);
-    const unsigned rows = __ballot_sync(kFullWarp, in_a);
-    unsigned columns = __ballot_sync(kFullWarp, in_b);
-    if (laneId() == 0) {
-      overlaps_ += same ? __popc(rows) * (__popc(rows) - 1) / 2 : __popc(rows) * __popc(columns);
-    }
-    if (rows == 0) return;
-    memory_.low[laneId()] = make_float4(box_b.min.x, box_b.min.y, box_b.min.z, 0);
-    memory_.high[laneId()] = make_float4(box_b.max.x, box_b.max.y, box_b.max.z, 0);
-    __syncwarp();
-    unsigned partners = 0;
-    for (; columns != 0; columns &= columns - 1) {
-      const int column = __ffs(static_cast<int>(columns)) - 1;
-      const float4 low = memory_.low[column], high = memory_.high[column];
-      const Aabb box{{low.x, low.y, low.z}, {high.x, high.y, high.z}};
-      if (intersects(box_a, box)) partners |= 1U << column;
-    }
-    __syncwarp();
-    // Of a tile with itself each pair once.
-    partners_ = same ? partners & ~((2U << laneId()) - 1) : partners;
+    item_ = turn_;
+    more_ = fetchPair();
+    const bool same = pair.a == pair.b;
+    if (!same || c_.scene.bodies[c_.scene.tile_body[pair.a]].has_self != 0) layOut(pair, same);
+    return true;
   }
 
-  // One partner of each lane that has some.
-  __device__ void nextPartners() {
-    const bool has = partners_ != 0;
-    const auto column = static_cast<std::uint32_t>(__ffs(static_cast<int>(partners_)) - 1);
-    partners_ &= partners_ - 1;
-    met_.push(has, {first_a_ + laneId(), first_b_ + column});
+  // The boxes of the triangles of each tile that meet the other tile's box, closed up; pairs of
+  // them are then looked at one after the other.
+  __device__ void layOut(const TilePair& pair, bool same) {
+    const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
+    first_a_ = pair.a.value * kWarp;
+    first_b_ = pair.b.value * kWarp;
+    const Aabb box_a = boxAt<kStates>(c_, MemberIndex(first_a_ + laneId()));
+    const Aabb box_b = same ? box_a : boxAt<kStates>(c_, MemberIndex(first_b_ + laneId()));
+    rows_ = closeUp(memory_.rows, (a.live >> laneId() & 1) != 0 && intersects(box_a, b.box), box_a);
+    columns_ = rows_;
+    if (!same) {
+      const bool in = (b.live >> laneId() & 1) != 0 && intersects(box_b, a.box);
+      columns_ = closeUp(memory_.columns, in, box_b);
+    }
+    __syncwarp();
+    same_ = same;
+    looked_at_ = 0;
+    pairs_ = same ? rows_ * (rows_ - 1) / 2 : rows_ * columns_;
+    per_column_ = 1.0F / static_cast<float>(columns_);
+    if (laneId() == 0) overlaps_ += pairs_;
+  }
+  __device__ static std::uint32_t closeUp(LaneBoxes& to, bool in, const Aabb& box) {
+    const unsigned mask = __ballot_sync(kFullWarp, in);
+    if (in) {
+      const unsigned mine = __popc(mask & ((1U << laneId()) - 1));
+      to.low[mine] = make_float4(box.min.x, box.min.y, box.min.z, __uint_as_float(laneId()));
+      to.high[mine] = make_float4(box.max.x, box.max.y, box.max.z, 0);
+    }
+    return __popc(mask);
+  }
+
+  // A pass has every so many a step of every pair of tiles.
+  __device__ bool isOfPass() const {
+    const CycleParams& params = c_.params();
+    return params.passes == 1 || (item_ + looked_at_ / kWarp) % params.passes == params.pass;
+  }
+
+  // A pair of triangles for each lane. Those within a tile are each with the next one, then each
+  // with the one after that, and so on round.
+  __device__ void lookAtPairs() {
+    const std::uint32_t p = looked_at_ + laneId();
+    looked_at_ += kWarp;
+    bool meet = p < pairs_ && isOfPass();
+    MemberPair pair{};
+    if (meet) {
+      // Of so small numbers the rounded quotient is right.
+      const auto row = static_cast<std::uint32_t>((static_cast<float>(p) + 0.5F) * per_column_);
+      const std::uint32_t column = p - row * columns_;
+      std::uint32_t other = row;
+      if (same_) {
+        other = column + row + 1;
+        if (other >= columns_) other -= columns_;
+      }
+      const LaneBoxes& columns = same_ ? memory_.rows : memory_.columns;
+      const float4 low_a = memory_.rows.low[other], high_a = memory_.rows.high[other];
+      const float4 low_b = columns.low[column], high_b = columns.high[column];
+      meet = intersects(Aabb{{low_a.x, low_a.y, low_a.z}, {high_a.x, high_a.y, high_a.z}},
+                        Aabb{{low_b.x, low_b.y, low_b.z}, {high_b.x, high_b.y, high_b.z}});
+      pair = {first_a_ + __float_as_uint(low_a.w), first_b_ + __float_as_uint(low_b.w)};
+    }
+    met_.push(meet, pair);
   }
 
   // Shared vertices.
@@ -202,10 +230,17 @@ class PairScreener {
   WarpMemory& memory_;
   WarpQueue<MemberPair> met_, screened_;
   WarpQueue<DeviceCandidate> candidates_;
-  std::uint32_t turn_, taken_ = 0;  // of the pass
+  std::uint32_t turn_, taken_ = 0;
+  std::uint32_t item_ = 0;  // this pair's number, but for a constant
   std::uint32_t tiles_, end_;
-  std::uint32_t first_a_ = 0, first_b_ = 0;  // slots of the tiles
-  unsigned partners_ = 0;  // of this lane's triangle: those in the second tile that are left
+  TilePair next_{};
+  bool more_;  // there is a next one
+  // Of this pair of tiles: their first slots, how many triangles of each there are to be looked at,
+  // and how many pairs of them.
+  std::uint32_t first_a_ = 0, first_b_ = 0;
+  std::uint32_t rows_ = 0, columns_ = 0, pairs_ = 0, looked_at_ = 0;
+  bool same_ = false;
+  float per_column_ = 0;
   unsigned long long overlaps_ = 0;
 };
 

@@ -78,8 +78,8 @@ void launchTogether(const CycleArrays& cycle, const CycleShape& shape, cudaStrea
 // sweep: pairs of triangles of these tiles, and of tiles of bodies that have contacts with
 // themselves, whose boxes intersect are filtered by planes; the rest are contacts where float32 is
 // certain of it, candidates where it is not. Reads sweep.tile_pairs and members.members; writes
-// contacts.candidates and contacts.contacts. In several passes each pair of tiles has its turn in
-// one. Right behind another kernel of the stream.
+// contacts.candidates and contacts.contacts. In several passes each 32 pairs of triangles have
+// their turn in one. Right behind another kernel of the stream.
 void launchPairs(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // large: the same for the pairs with a triangle of the large list. Reads members.members; writes

@@ -10,13 +10,12 @@
 
 namespace deformable_contact_monitor {
 
-constexpr int kCurveBits = 10;  // of each coordinate
-
-// Where the cell with these coordinates, less than 2^kCurveBits each, has its turn: less than
-// 2^(3 kCurveBits). After J. Skilling, Programming the Hilbert curve (2004).
+// Where the cell with these coordinates, less than 2^kBits each, has its turn: less than
+// 2^(3 kBits). After J. Skilling, Programming the Hilbert curve (2004).
+template <int kBits>
 DCM_HD inline std::uint32_t placeOnCurve(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint32_t at[3] = {x, y, z};
-  constexpr std::uint32_t kTop = 1U << (kCurveBits - 1);
+  constexpr std::uint32_t kTop = 1U << (kBits - 1);
   for (std::uint32_t bit = kTop; bit > 1; bit >>= 1) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t swapped = (at[k] & bit) != 0 ? 0 : (at[0] ^ at[k]) & (bit - 1);
@@ -31,11 +30,13 @@ DCM_HD inline std::uint32_t placeOnCurve(std::uint32_t x, std::uint32_t y, std::
     if ((at[2] & bit) != 0) turned ^= bit - 1;
   }
   std::uint32_t place = 0;
-  for (int b = kCurveBits - 1; b >= 0; --b) {
+  for (int b = kBits - 1; b >= 0; --b) {
     for (const std::uint32_t coordinate : at) place = place << 1 | ((coordinate ^ turned) >> b & 1);
   }
   return place;
 }
+
+constexpr int kCurveBits = 10;  // of each coordinate
 
 // The cells of a box, all of them cubes.
 class CurveCells {
@@ -48,7 +49,7 @@ class CurveCells {
   // Of any point whatever, non-finite ones included.
   DCM_HD std::uint32_t placeOf(const Vec3f& p) const {
     const Vec3f from_least = p * 0.5F - least_;
-    return placeOnCurve(cell(from_least.x), cell(from_least.y), cell(from_least.z));
+    return placeOnCurve<kCurveBits>(cell(from_least.x), cell(from_least.y), cell(from_least.z));
   }
 
  private:

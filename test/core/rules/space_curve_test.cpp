@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
@@ -34,6 +35,21 @@ TEST(SpaceCurve, StepsFromACellToOneBesideItThroughAllCells) {
     }
     ASSERT_EQ(steps, 1) << place;
   }
+}
+
+// Corners of the box are at the curve's ends, and there is a place for anything.
+TEST(SpaceCurve, HasAPlaceForAnyPointOfAnyBox) {
+  constexpr std::uint32_t kPlaces = 1U << (3 * kCurveBits);
+  const CurveCells unit({{0, 0, 0}, {1, 1, 1}});
+  EXPECT_EQ(unit.placeOf({0, 0, 0}), 0U);
+  EXPECT_EQ(unit.placeOf({1, 0, 0}), kPlaces - 1);
+  for (const float most : {0.0F, 1e-45F, 1.0F, 3.4e38F, INFINITY}) {
+    const CurveCells cells({{-most, -most, -most}, {most, most, most}});
+    for (const float x : {0.0F, 1e-45F, 1.0F, -3.4e38F, INFINITY, -INFINITY, NAN}) {
+      EXPECT_LT(cells.placeOf({x, 0, -x}), kPlaces) << x << " of " << most;
+    }
+  }
+  EXPECT_LT(CurveCells(Aabb()).placeOf({0, 0, 0}), kPlaces);
 }
 
 }  // namespace
