@@ -43,6 +43,7 @@ class OnDevice {
     device_scene_.sendVertices(scene, Motion::kInstant, stream_.get());
     device_scene_.sendBodies(scene, Motion::kInstant, SceneScale(), stream_.get());
     device_scene_.group(stream_.get());
+    device_scene_.groupAgain(stream_.get());
     slots_ = fetch(arrays_.scene.slot_triangle.data(), std::size_t{kWarp} * tileCount());
     bodies_ = fetch(arrays_.scene.tile_body.data(), tileCount());
   }
@@ -211,6 +212,36 @@ TEST_F(TileSlots, AreNotMuchWorseThanTheHosts) {
     const std::size_t each = 6 * (mesh.triangleCount() / kWarp + 1);  // around a vertex of a grid
     EXPECT_LE(meetingTiles(mesh, slotsOf(mesh)), 1.3 * static_cast<double>(on_host + each)) << side;
   }
+}
+
+// A strip that winds itself up: what lay side by side lies in layers then.
+TEST_F(TileSlots, AreMadeAnewWhenABodyHasBeenDeformedForAWhile) {
+  if (!hasDevice()) return;
+  TriangleMesh mesh = clothGrid(60, 1, 0, 0);
+  Scene scene;
+  add(&scene, mesh);
+  OnDevice found;
+  found.send(scene);
+  const std::vector<TriangleIndex> before = found.slots();
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    float* const v = &mesh.vertices[i];
+    const float angle = 40 * v[0], radius = 0.1F + 0.02F * angle;
+    v[0] = radius * std::cos(angle);
+    v[2] = radius * std::sin(angle);
+  }
+  for (std::uint32_t cycle = 1; cycle < DeviceScene::kGroupedFor; ++cycle) {
+    scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
+    found.send(scene);
+    ASSERT_EQ(found.slots(), before) << cycle;
+    found.send(scene);  // as it is: no cycle more
+  }
+  scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
+  found.send(scene);
+  expectWhole(scene, found);
+  std::vector<std::uint32_t> then, now;
+  for (const TriangleIndex t : before) then.push_back(t.value);
+  for (const TriangleIndex t : found.slots()) now.push_back(t.value);
+  EXPECT_LT(meetingTiles(mesh, now), meetingTiles(mesh, then));
 }
 
 }  // namespace
