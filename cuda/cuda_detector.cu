@@ -35,6 +35,7 @@ const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& o
     findContacts(scene, options, limit, watch);
   }
   result_.round_trip_ms = watch.elapsedMs();
+  if (!cold_) scene_.groupAgain(stream_.get());
   return result_;
 }
 

@@ -255,6 +255,12 @@ void DeviceScene::group(cudaStream_t stream) {
   if (grouped_) return;
   launchGroup(arrays_, scratch_, stream);
   grouped_ = true;
+  deformed_ = 0;
+}
+
+void DeviceScene::groupAgain(cudaStream_t stream) {
+  grouped_ = grouped_ && deformed_ < kGroupedFor;
+  group(stream);
 }
 
 // Vertices of bodies without contacts with themselves have no ring.
@@ -281,10 +287,12 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     if (!from.device_vertices) continue;
     if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
   }
+  bool any = false;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const BodyId id = taking_part_[i];
     const Body& from = scene.body(id);
     if (vertices_[id] == from.vertices_revision) continue;
+    any = true;
     const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
     if (from.device_vertices) {
       copier_.copy(from, arrays_.received.data() + first, stream);
@@ -294,6 +302,7 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     }
     vertices_[id] = from.vertices_revision;
   }
+  deformed_ += any ? 1 : 0;
   if (motion == Motion::kSwept) sendEarlierVertices(scene, stream);
 }
 

@@ -40,6 +40,10 @@ class DeviceScene {
 
   // Once bodies are sent: the triangles by tiles, where a layout has changed.
   void group(cudaStream_t stream);
+  // Behind a cycle, where nobody waits for it: the same where bodies may have another shape by now,
+  // that is, vertices were sent in so many cycles since.
+  static constexpr std::uint32_t kGroupedFor = 64;
+  void groupAgain(cudaStream_t stream);
 
   // Once bodies are sent: what certificates need, where a layout with `fans` did not find it
   // before.
@@ -120,6 +124,7 @@ class DeviceScene {
   PairTables pair_tables_;
   MeshTables mesh_tables_;
   bool grouped_ = false;              // so are the tiles
+  std::uint32_t deformed_ = 0;        // cycles since then that sent vertices
   bool has_fans_ = false;             // so are the rings
   bool bodies_sent_ = false;          // so is what staged_bodies_ holds
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs

@@ -85,7 +85,9 @@ struct SceneArrays : ArrayGroup {
   // The bodies' triangles by tiles (stages/group.cuh); kNone in slots without one.
   DeviceArray<BodyIndex, TileIndex> tile_body{*this, &CycleSizes::tiles};
   DeviceArray<TriangleIndex, MemberIndex> slot_triangle{*this, &CycleSizes::slots};
-  // What that goes by: the triangles' keys, and where they are sorted.
+  // What that goes by: where most of a body's vertices are, in its frame [m]; the triangles' keys,
+  // and where they are sorted.
+  DeviceArray<Aabb, BodyIndex> body_ranges{*this, &CycleSizes::bodies};
   DeviceArray<std::uint64_t, Place> curve_keys{*this, &CycleSizes::triangles};
   DeviceArray<std::uint64_t, Place> sorted_keys{*this, &CycleSizes::triangles};
   // x y z in the body's frame [m].

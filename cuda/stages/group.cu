@@ -4,6 +4,7 @@
 #include <cub/device/device_radix_sort.cuh>
 
 #include "core/rules/space_curve.h"
+#include "cuda/device/bitonic_sort.cuh"
 #include "cuda/device/boxes.cuh"
 #include "cuda/stages/group.cuh"
 #include "cuda/stages/tile_halving.cuh"
@@ -34,15 +35,63 @@ __device__ Vec3f centroidOf(const SceneArrays& scene, TriangleIndex t) {
          receivedAt(scene, corner[2]) * kThird;
 }
 
+struct Stretch {
+  float low, high;
+};
+
+constexpr unsigned kRangeThreads = 512, kMostLooked = 2 * kRangeThreads;
+
+// By a block, with such keys: where seven of eight of a body's vertices are along an axis; of some
+// of them.
+__device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& body, int axis,
+                                 std::uint64_t* key) {
+  const std::uint32_t every = body.vertex_count / kMostLooked + 1;
+  unsigned finite = 0;
+  for (unsigned place = threadIdx.x; place < kMostLooked; place += kRangeThreads) {
+    const std::uint32_t i = place * every;
+    const bool there = i < body.vertex_count;
+    const float x = there ? receivedAt(scene, VertexIndex(body.first_vertex + i))[axis] : INFINITY;
+    const bool counts = fabsf(x) < INFINITY;
+    key[place] = counts ? orderedBits(x) : ~std::uint32_t{0};
+    finite += static_cast<unsigned>(__syncthreads_count(counts ? 1 : 0));
+  }
+  bitonicSort(key, kMostLooked, kMostLooked);
+  Stretch most{0, 0};
+  if (finite > 0) {
+    const unsigned few = finite / 16;
+    most.low = fromOrderedBits(static_cast<std::uint32_t>(key[few]));
+    most.high = fromOrderedBits(static_cast<std::uint32_t>(key[finite - 1 - few]));
+  }
+  __syncthreads();
+  return most;
+}
+
+// A block for each body: writes scene.body_ranges, beyond which vertices are far off; one of those
+// would leave the others few cells of the curve.
+__global__ void __launch_bounds__(kRangeThreads) rangeKernel(SceneArrays scene) {
+  __shared__ std::uint64_t key[kMostLooked];
+  const BodyIndex b(blockIdx.x);
+  const DeviceBody& body = scene.bodies[b];
+  if (body.triangle_count <= TileHalving::kMost) return;  // it needs no curve
+  const Stretch x = stretchOfMost(scene, body, 0, key);
+  const Stretch y = stretchOfMost(scene, body, 1, key);
+  const Stretch z = stretchOfMost(scene, body, 2, key);
+  const float more = fmaxf(x.high - x.low, fmaxf(y.high - y.low, z.high - z.low));
+  if (threadIdx.x != 0) return;
+  scene.body_ranges[b] = {{x.low - more, y.low - more, z.low - more},
+                          {x.high + more, y.high + more, z.high + more}};
+}
+
 // A thread for each vertex, a block for each of scene.vertex_blocks: adds to scene.body_boxes.
 __global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene) {
   const BodyBlock block = scene.vertex_blocks[Place(blockIdx.x)];
+  if (scene.bodies[block.body].triangle_count <= TileHalving::kMost) return;
   __shared__ BlockBox box;
   box.clear();
   Aabb own;
   if (threadIdx.x < block.count) {
     const Vec3f v = receivedAt(scene, VertexIndex(block.first + threadIdx.x));
-    if (isFinite(v)) own = {v, v};
+    if (intersects({v, v}, scene.body_ranges[block.body])) own = {v, v};
   }
   box.include(own);
   box.addTo(scene.body_boxes.row(block.body));
@@ -115,6 +164,7 @@ void launchGroup(const SceneArrays& scene, DeviceBuffer<unsigned char>& scratch,
   checkCuda(cudaMemsetAsync(scene.body_boxes.data(), 0,
                             scene.body_count * kSides * sizeof(std::uint32_t), stream),
             "cudaMemsetAsync");
+  rangeKernel<<<scene.body_count, kRangeThreads, 0, stream>>>(scene);
   boxKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(scene);
   keyKernel<<<scene.triangle_block_count, kThreads, 0, stream>>>(scene);
   int bits = kTriangleBits + kStepBits;

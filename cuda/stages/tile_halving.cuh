@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/predicates/vector3.h"
+#include "cuda/device/bitonic_sort.cuh"
 #include "cuda/device/boxes.cuh"
 
 namespace deformable_contact_monitor {
@@ -37,7 +38,7 @@ struct TileHalving {
     for (unsigned part = whole; part > kWarp; part /= 2) {
       __syncthreads();
       rank(count, whole, part);
-      sort(whole, part);
+      bitonicSort(key, whole, part);
     }
     __syncthreads();
   }
@@ -66,30 +67,6 @@ struct TileHalving {
       const std::uint32_t t = triangleAt(i);
       const std::uint64_t rank = t < count ? orderedBits(at[k][t]) : ~std::uint32_t{0};
       key[i] = rank << 32 | t;
-    }
-    __syncthreads();
-  }
-
-  // Each part by its keys, as K. Batcher's bitonic sort does.
-  __device__ void sort(unsigned whole, unsigned part) {
-    for (unsigned run = 2; run <= part; run *= 2) {
-      for (unsigned apart = run / 2; apart > 0; apart /= 2) {
-        const unsigned i = 2 * threadIdx.x - (threadIdx.x & (apart - 1));
-        if (i < whole) {
-          const bool ascends = run == part || (i & run) == 0;
-          const std::uint64_t a = key[i], b = key[i + apart];
-          if ((a > b) == ascends) {
-            key[i] = b;
-            key[i + apart] = a;
-          }
-        }
-        // Up to there, a warp has its 64 places to itself.
-        if (apart > kWarp || (apart == 1 && run >= 2 * kWarp)) {
-          __syncthreads();
-        } else {
-          __syncwarp();
-        }
-      }
     }
   }
 };
