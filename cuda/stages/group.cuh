@@ -10,8 +10,8 @@ namespace deformable_contact_monitor {
 
 // Any grouping is right; this is by where the bodies' triangles are by now, along a curve. Reads
 // scene.bodies, scene.corners, scene.received and the blocks; writes scene.tile_body and
-// scene.slot_triangle, and scene.body_ranges, scene.body_boxes and the keys on the way. `scratch`: grows
-// as is needed. Throws CudaError.
+// scene.slot_triangle, and scene.body_ranges, scene.body_boxes and the keys on the way. `scratch`:
+// grows as is needed. Throws CudaError.
 void launchGroup(const SceneArrays& scene, DeviceBuffer<unsigned char>& scratch,
                  cudaStream_t stream);
 

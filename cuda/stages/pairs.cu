@@ -22,7 +22,7 @@ struct alignas(8) MemberPair {
 constexpr unsigned kSharedBitsAt = 29;
 constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
-constexpr unsigned kQueueCapacity = 2 * kWarp;
+constexpr unsigned kQueueCapacity = 2 * kWarp, kMetCapacity = 5 * kWarp;
 
 // Of triangles; and low.w has the bits of their places in their tile.
 struct LaneBoxes {
@@ -31,7 +31,7 @@ struct LaneBoxes {
 
 struct WarpMemory {
   LaneBoxes rows, columns;  // of the two tiles
-  MemberPair met[kQueueCapacity];
+  MemberPair met[kMetCapacity];
   MemberPair screened[kQueueCapacity];
   DeviceCandidate candidates[kQueueCapacity];
 };
@@ -61,8 +61,7 @@ class PairScreener {
   __device__ void run() {
     bool more = true;
     while (true) {
-      const bool looked = looked_at_ >= pairs_;
-      const bool last_met = !more && looked;
+      const bool last_met = !more && !any_partner_;
       const bool last_screened = last_met && met_.size == 0;
       if (candidates_.size >= kWarp ||
           (last_screened && screened_.size == 0 && candidates_.size > 0)) {
@@ -71,8 +70,8 @@ class PairScreener {
         screenPlanes();
       } else if (met_.size >= kWarp || (last_met && met_.size > 0)) {
         screenSharers();
-      } else if (!looked) {
-        lookAtPairs();
+      } else if (any_partner_) {
+        takePartners();
       } else if (more) {
         more = takePair();
       } else {
@@ -110,26 +109,22 @@ class PairScreener {
     return true;
   }
 
-  // The boxes of the triangles of each tile that meet the other tile's box, closed up; pairs of
-  // them are then looked at one after the other.
+  // The boxes of the triangles of each tile that meet the other tile's box, closed up: rows of the
+  // first tile, columns of the second.
   __device__ void layOut(const TilePair& pair, bool same) {
     const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
     first_a_ = pair.a.value * kWarp;
     first_b_ = pair.b.value * kWarp;
     const Aabb box_a = boxAt<kStates>(c_, MemberIndex(first_a_ + laneId()));
     const Aabb box_b = same ? box_a : boxAt<kStates>(c_, MemberIndex(first_b_ + laneId()));
-    rows_ = closeUp(memory_.rows, (a.live >> laneId() & 1) != 0 && intersects(box_a, b.box), box_a);
-    columns_ = rows_;
-    if (!same) {
-      const bool in = (b.live >> laneId() & 1) != 0 && intersects(box_b, a.box);
-      columns_ = closeUp(memory_.columns, in, box_b);
-    }
+    const bool in_a = (a.live >> laneId() & 1) != 0 && intersects(box_a, b.box);
+    const bool in_b = (b.live >> laneId() & 1) != 0 && intersects(box_b, a.box);
+    const std::uint32_t rows = closeUp(memory_.rows, in_a, box_a);
+    const std::uint32_t columns = closeUp(memory_.columns, in_b, box_b);
     __syncwarp();
-    same_ = same;
-    looked_at_ = 0;
-    pairs_ = same ? rows_ * (rows_ - 1) / 2 : rows_ * columns_;
-    per_column_ = 1.0F / static_cast<float>(columns_);
-    if (laneId() == 0) overlaps_ += pairs_;
+    if (laneId() == 0) overlaps_ += same ? rows * (rows - 1) / 2 : rows * columns;
+    if (rows != 0 && columns != 0) findPartners(rows, columns, same);
+    __syncwarp();
   }
   __device__ static std::uint32_t closeUp(LaneBoxes& to, bool in, const Aabb& box) {
     const unsigned mask = __ballot_sync(kFullWarp, in);
@@ -141,36 +136,49 @@ class PairScreener {
     return __popc(mask);
   }
 
+  // Each row is looked at by as many lanes as there are for it, each of which takes every so many a
+  // column.
+  __device__ void findPartners(std::uint32_t rows, std::uint32_t columns, bool same) {
+    const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
+    const std::uint32_t row = laneId() & ((1U << shift) - 1);
+    stride_ = kWarp >> shift;
+    first_column_ = laneId() >> shift;
+    const float4 low_a = memory_.rows.low[row], high_a = memory_.rows.high[row];
+    const Aabb box{{low_a.x, low_a.y, low_a.z}, {high_a.x, high_a.y, high_a.z}};
+    // Of a tile with itself each pair once.
+    const std::uint32_t from = row >= rows ? kWarp : same ? row + 1 : 0;
+    row_ = first_a_ + (__float_as_uint(low_a.w) & (kWarp - 1));
+    partners_ = 0;
+    const std::uint32_t steps = (columns + stride_ - 1) / stride_;
+    for (std::uint32_t step = 0; step < steps; ++step) {
+      const std::uint32_t column = first_column_ + step * stride_;
+      if (column < from || column >= columns || !isOfPass(step)) continue;
+      const float4 low = memory_.columns.low[column], high = memory_.columns.high[column];
+      const Aabb other{{low.x, low.y, low.z}, {high.x, high.y, high.z}};
+      if (intersects(box, other)) partners_ |= 1U << step;
+    }
+    any_partner_ = __any_sync(kFullWarp, partners_ != 0) != 0;
+  }
   // A pass has every so many a step of every pair of tiles.
-  __device__ bool isOfPass() const {
+  __device__ bool isOfPass(std::uint32_t step) const {
     const CycleParams& params = c_.params();
-    return params.passes == 1 || (item_ + looked_at_ / kWarp) % params.passes == params.pass;
+    return params.passes == 1 || (item_ + step) % params.passes == params.pass;
   }
 
-  // A pair of triangles for each lane. Those within a tile are each with the next one, then each
-  // with the one after that, and so on round.
-  __device__ void lookAtPairs() {
-    const std::uint32_t p = looked_at_ + laneId();
-    looked_at_ += kWarp;
-    bool meet = p < pairs_ && isOfPass();
-    MemberPair pair{};
-    if (meet) {
-      // Of so small numbers the rounded quotient is right.
-      const auto row = static_cast<std::uint32_t>((static_cast<float>(p) + 0.5F) * per_column_);
-      const std::uint32_t column = p - row * columns_;
-      std::uint32_t other = row;
-      if (same_) {
-        other = column + row + 1;
-        if (other >= columns_) other -= columns_;
+  // Partners of all lanes, one by one, while there is room.
+  __device__ void takePartners() {
+    while (any_partner_ && met_.size <= kMetCapacity - kWarp) {
+      const bool has = partners_ != 0;
+      MemberPair pair{};
+      if (has) {
+        const auto step = static_cast<std::uint32_t>(__ffs(static_cast<int>(partners_)) - 1);
+        partners_ &= partners_ - 1;
+        const float lane = memory_.columns.low[first_column_ + step * stride_].w;
+        pair = {row_, first_b_ + __float_as_uint(lane)};
       }
-      const LaneBoxes& columns = same_ ? memory_.rows : memory_.columns;
-      const float4 low_a = memory_.rows.low[other], high_a = memory_.rows.high[other];
-      const float4 low_b = columns.low[column], high_b = columns.high[column];
-      meet = intersects(Aabb{{low_a.x, low_a.y, low_a.z}, {high_a.x, high_a.y, high_a.z}},
-                        Aabb{{low_b.x, low_b.y, low_b.z}, {high_b.x, high_b.y, high_b.z}});
-      pair = {first_a_ + __float_as_uint(low_a.w), first_b_ + __float_as_uint(low_b.w)};
+      met_.push(has, pair);
+      any_partner_ = __any_sync(kFullWarp, partners_ != 0) != 0;
     }
-    met_.push(meet, pair);
   }
 
   // Shared vertices.
@@ -235,12 +243,12 @@ class PairScreener {
   std::uint32_t tiles_, end_;
   TilePair next_{};
   bool more_;  // there is a next one
-  // Of this pair of tiles: their first slots, how many triangles of each there are to be looked at,
-  // and how many pairs of them.
+  // Of this pair of tiles: their first slots, and of this lane its row's slot, and which columns it
+  // takes; of them, by steps, those that are still to be taken.
   std::uint32_t first_a_ = 0, first_b_ = 0;
-  std::uint32_t rows_ = 0, columns_ = 0, pairs_ = 0, looked_at_ = 0;
-  bool same_ = false;
-  float per_column_ = 0;
+  std::uint32_t row_ = 0, first_column_ = 0, stride_ = 1;
+  unsigned partners_ = 0;
+  bool any_partner_ = false;  // some lane has one
   unsigned long long overlaps_ = 0;
 };
 
