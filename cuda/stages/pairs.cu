@@ -54,7 +54,6 @@ class PairScreener {
     const CycleParams& params = c.params();
     tiles_ = params.any_self != 0 ? c.scene.tile_count : 0;
     end_ = tiles_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
-    more_ = fetchPair();
   }
 
   // Each part has one place in this loop: the code must fit the instruction cache.
@@ -85,27 +84,27 @@ class PairScreener {
   }
 
  private:
-  // The next pair of tiles, or a tile against itself; false if there is none left.
-  __device__ bool fetchPair() {
-    if (turn_ >= end_) return false;
-    next_ = turn_ < tiles_ ? TilePair{TileIndex(turn_), TileIndex(turn_)}
-                           : c_.sweep.tile_pairs[Place(turn_ - tiles_)];
-    turn_ += gridDim.x * kWarps;
-    return true;
+  // The first pairs are dealt out, the others go to whoever is free: some have hundreds of
+  // triangles that meet, most have few. Asked for when the last one's have been taken: until it is
+  // wanted there is other work to do.
+  __device__ void askForNext() {
+    if (laneId() == 0) turn_ = gridDim.x * kWarps + atomicAdd(&c_.counters().pairs_taken, 1U);
   }
 
-  // To the next pair of tiles, which was fetched while there was other work to do; false if there
-  // is none, or the cycle is cut off.
+  // To the next pair of tiles, or a tile against itself; false if there is none, or the cycle is
+  // cut off.
   __device__ bool takePair() {
-    if (!more_) return false;
-    const TilePair pair = next_;
-    if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, turn_ % kWarpsPerAsker == 0)) {
-      return more_ = false;
+    item_ = __shfl_sync(kFullWarp, turn_, 0);
+    if (item_ >= end_) return false;
+    if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, item_ % kWarpsPerAsker == 0)) {
+      return false;
     }
-    item_ = turn_;
-    more_ = fetchPair();
-    const bool same = pair.a == pair.b;
-    if (!same || c_.scene.bodies[c_.scene.tile_body[pair.a]].has_self != 0) layOut(pair, same);
+    if (item_ >= tiles_) {
+      layOut(c_.sweep.tile_pairs[Place(item_ - tiles_)], false);
+    } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
+      layOut({TileIndex(item_), TileIndex(item_)}, true);
+    }
+    if (!any_partner_) askForNext();
     return true;
   }
 
@@ -178,6 +177,7 @@ class PairScreener {
       }
       met_.push(has, pair);
       any_partner_ = __any_sync(kFullWarp, partners_ != 0) != 0;
+      if (!any_partner_) askForNext();
     }
   }
 
@@ -238,11 +238,9 @@ class PairScreener {
   WarpMemory& memory_;
   WarpQueue<MemberPair> met_, screened_;
   WarpQueue<DeviceCandidate> candidates_;
-  std::uint32_t turn_, taken_ = 0;
-  std::uint32_t item_ = 0;  // this pair's number, but for a constant
+  std::uint32_t turn_;  // in the first lane: the next pair's number
+  std::uint32_t item_ = 0, taken_ = 0;
   std::uint32_t tiles_, end_;
-  TilePair next_{};
-  bool more_;  // there is a next one
   // Of this pair of tiles: their first slots, and of this lane its row's slot, and which columns it
   // takes; of them, by steps, those that are still to be taken.
   std::uint32_t first_a_ = 0, first_b_ = 0;
