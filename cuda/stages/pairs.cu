@@ -22,7 +22,7 @@ struct alignas(8) MemberPair {
 constexpr unsigned kSharedBitsAt = 29;
 constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
-constexpr unsigned kQueueCapacity = 2 * kWarp;
+constexpr unsigned kQueueCapacity = 2 * kWarp, kMetCapacity = 5 * kWarp;
 
 // Of triangles; and low.w has the bits of their places in their tile.
 struct LaneBoxes {
@@ -31,7 +31,7 @@ struct LaneBoxes {
 
 struct WarpMemory {
   LaneBoxes rows, columns;  // of the two tiles
-  MemberPair met[kQueueCapacity];
+  MemberPair met[kMetCapacity];
   MemberPair screened[kQueueCapacity];
   DeviceCandidate candidates[kQueueCapacity];
 };
@@ -54,15 +54,13 @@ class PairScreener {
     const CycleParams& params = c.params();
     tiles_ = params.any_self != 0 ? c.scene.tile_count : 0;
     end_ = tiles_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
-    more_ = fetchPair();
   }
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
     bool more = true;
     while (true) {
-      const bool looked = looked_at_ >= pairs_;
-      const bool last_met = !more && looked;
+      const bool last_met = !more && !any_partner_;
       const bool last_screened = last_met && met_.size == 0;
       if (candidates_.size >= kWarp ||
           (last_screened && screened_.size == 0 && candidates_.size > 0)) {
@@ -71,8 +69,8 @@ class PairScreener {
         screenPlanes();
       } else if (met_.size >= kWarp || (last_met && met_.size > 0)) {
         screenSharers();
-      } else if (!looked) {
-        lookAtPairs();
+      } else if (any_partner_) {
+        takePartners();
       } else if (more) {
         more = takePair();
       } else {
@@ -86,50 +84,46 @@ class PairScreener {
   }
 
  private:
-  // The next pair of tiles, or a tile against itself; false if there is none left.
-  __device__ bool fetchPair() {
-    if (turn_ >= end_) return false;
-    next_ = turn_ < tiles_ ? TilePair{TileIndex(turn_), TileIndex(turn_)}
-                           : c_.sweep.tile_pairs[Place(turn_ - tiles_)];
-    turn_ += gridDim.x * kWarps;
-    return true;
+  // The first pairs are dealt out, the others go to whoever is free: some have hundreds of
+  // triangles that meet, most have few. Asked for when the last one's have been taken: until it is
+  // wanted there is other work to do.
+  __device__ void askForNext() {
+    if (laneId() == 0) turn_ = gridDim.x * kWarps + atomicAdd(&c_.counters().pairs_taken, 1U);
   }
 
-  // To the next pair of tiles, which was fetched while there was other work to do; false if there
-  // is none, or the cycle is cut off.
+  // To the next pair of tiles, or a tile against itself; false if there is none, or the cycle is
+  // cut off.
   __device__ bool takePair() {
-    if (!more_) return false;
-    const TilePair pair = next_;
-    if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, turn_ % kWarpsPerAsker == 0)) {
-      return more_ = false;
+    item_ = __shfl_sync(kFullWarp, turn_, 0);
+    if (item_ >= end_) return false;
+    if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, item_ % kWarpsPerAsker == 0)) {
+      return false;
     }
-    item_ = turn_;
-    more_ = fetchPair();
-    const bool same = pair.a == pair.b;
-    if (!same || c_.scene.bodies[c_.scene.tile_body[pair.a]].has_self != 0) layOut(pair, same);
+    if (item_ >= tiles_) {
+      layOut(c_.sweep.tile_pairs[Place(item_ - tiles_)], false);
+    } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
+      layOut({TileIndex(item_), TileIndex(item_)}, true);
+    }
+    if (!any_partner_) askForNext();
     return true;
   }
 
-  // The boxes of the triangles of each tile that meet the other tile's box, closed up; pairs of
-  // them are then looked at one after the other.
+  // The boxes of the triangles of each tile that meet the other tile's box, closed up: rows of the
+  // first tile, columns of the second.
   __device__ void layOut(const TilePair& pair, bool same) {
     const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
     first_a_ = pair.a.value * kWarp;
     first_b_ = pair.b.value * kWarp;
     const Aabb box_a = boxAt<kStates>(c_, MemberIndex(first_a_ + laneId()));
     const Aabb box_b = same ? box_a : boxAt<kStates>(c_, MemberIndex(first_b_ + laneId()));
-    rows_ = closeUp(memory_.rows, (a.live >> laneId() & 1) != 0 && intersects(box_a, b.box), box_a);
-    columns_ = rows_;
-    if (!same) {
-      const bool in = (b.live >> laneId() & 1) != 0 && intersects(box_b, a.box);
-      columns_ = closeUp(memory_.columns, in, box_b);
-    }
+    const bool in_a = (a.live >> laneId() & 1) != 0 && intersects(box_a, b.box);
+    const bool in_b = (b.live >> laneId() & 1) != 0 && intersects(box_b, a.box);
+    const std::uint32_t rows = closeUp(memory_.rows, in_a, box_a);
+    const std::uint32_t columns = closeUp(memory_.columns, in_b, box_b);
     __syncwarp();
-    same_ = same;
-    looked_at_ = 0;
-    pairs_ = same ? rows_ * (rows_ - 1) / 2 : rows_ * columns_;
-    per_column_ = 1.0F / static_cast<float>(columns_);
-    if (laneId() == 0) overlaps_ += pairs_;
+    if (laneId() == 0) overlaps_ += same ? rows * (rows - 1) / 2 : rows * columns;
+    if (rows != 0 && columns != 0) findPartners(rows, columns, same);
+    __syncwarp();
   }
   __device__ static std::uint32_t closeUp(LaneBoxes& to, bool in, const Aabb& box) {
     const unsigned mask = __ballot_sync(kFullWarp, in);
@@ -141,36 +135,50 @@ class PairScreener {
     return __popc(mask);
   }
 
+  // Each row is looked at by as many lanes as there are for it, each of which takes every so many a
+  // column.
+  __device__ void findPartners(std::uint32_t rows, std::uint32_t columns, bool same) {
+    const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
+    const std::uint32_t row = laneId() & ((1U << shift) - 1);
+    stride_ = kWarp >> shift;
+    first_column_ = laneId() >> shift;
+    const float4 low_a = memory_.rows.low[row], high_a = memory_.rows.high[row];
+    const Aabb box{{low_a.x, low_a.y, low_a.z}, {high_a.x, high_a.y, high_a.z}};
+    // Of a tile with itself each pair once.
+    const std::uint32_t from = row >= rows ? kWarp : same ? row + 1 : 0;
+    row_ = first_a_ + (__float_as_uint(low_a.w) & (kWarp - 1));
+    partners_ = 0;
+    const std::uint32_t steps = (columns + stride_ - 1) / stride_;
+    for (std::uint32_t step = 0; step < steps; ++step) {
+      const std::uint32_t column = first_column_ + step * stride_;
+      if (column < from || column >= columns || !isOfPass(step)) continue;
+      const float4 low = memory_.columns.low[column], high = memory_.columns.high[column];
+      const Aabb other{{low.x, low.y, low.z}, {high.x, high.y, high.z}};
+      if (intersects(box, other)) partners_ |= 1U << step;
+    }
+    any_partner_ = __any_sync(kFullWarp, partners_ != 0) != 0;
+  }
   // A pass has every so many a step of every pair of tiles.
-  __device__ bool isOfPass() const {
+  __device__ bool isOfPass(std::uint32_t step) const {
     const CycleParams& params = c_.params();
-    return params.passes == 1 || (item_ + looked_at_ / kWarp) % params.passes == params.pass;
+    return params.passes == 1 || (item_ + step) % params.passes == params.pass;
   }
 
-  // A pair of triangles for each lane. Those within a tile are each with the next one, then each
-  // with the one after that, and so on round.
-  __device__ void lookAtPairs() {
-    const std::uint32_t p = looked_at_ + laneId();
-    looked_at_ += kWarp;
-    bool meet = p < pairs_ && isOfPass();
-    MemberPair pair{};
-    if (meet) {
-      // Of so small numbers the rounded quotient is right.
-      const auto row = static_cast<std::uint32_t>((static_cast<float>(p) + 0.5F) * per_column_);
-      const std::uint32_t column = p - row * columns_;
-      std::uint32_t other = row;
-      if (same_) {
-        other = column + row + 1;
-        if (other >= columns_) other -= columns_;
+  // Partners of all lanes, one by one, while there is room.
+  __device__ void takePartners() {
+    while (any_partner_ && met_.size <= kMetCapacity - kWarp) {
+      const bool has = partners_ != 0;
+      MemberPair pair{};
+      if (has) {
+        const auto step = static_cast<std::uint32_t>(__ffs(static_cast<int>(partners_)) - 1);
+        partners_ &= partners_ - 1;
+        const float lane = memory_.columns.low[first_column_ + step * stride_].w;
+        pair = {row_, first_b_ + __float_as_uint(lane)};
       }
-      const LaneBoxes& columns = same_ ? memory_.rows : memory_.columns;
-      const float4 low_a = memory_.rows.low[other], high_a = memory_.rows.high[other];
-      const float4 low_b = columns.low[column], high_b = columns.high[column];
-      meet = intersects(Aabb{{low_a.x, low_a.y, low_a.z}, {high_a.x, high_a.y, high_a.z}},
-                        Aabb{{low_b.x, low_b.y, low_b.z}, {high_b.x, high_b.y, high_b.z}});
-      pair = {first_a_ + __float_as_uint(low_a.w), first_b_ + __float_as_uint(low_b.w)};
+      met_.push(has, pair);
+      any_partner_ = __any_sync(kFullWarp, partners_ != 0) != 0;
+      if (!any_partner_) askForNext();
     }
-    met_.push(meet, pair);
   }
 
   // Shared vertices.
@@ -230,17 +238,15 @@ class PairScreener {
   WarpMemory& memory_;
   WarpQueue<MemberPair> met_, screened_;
   WarpQueue<DeviceCandidate> candidates_;
-  std::uint32_t turn_, taken_ = 0;
-  std::uint32_t item_ = 0;  // this pair's number, but for a constant
+  std::uint32_t turn_;  // in the first lane: the next pair's number
+  std::uint32_t item_ = 0, taken_ = 0;
   std::uint32_t tiles_, end_;
-  TilePair next_{};
-  bool more_;  // there is a next one
-  // Of this pair of tiles: their first slots, how many triangles of each there are to be looked at,
-  // and how many pairs of them.
+  // Of this pair of tiles: their first slots, and of this lane its row's slot, and which columns it
+  // takes; of them, by steps, those that are still to be taken.
   std::uint32_t first_a_ = 0, first_b_ = 0;
-  std::uint32_t rows_ = 0, columns_ = 0, pairs_ = 0, looked_at_ = 0;
-  bool same_ = false;
-  float per_column_ = 0;
+  std::uint32_t row_ = 0, first_column_ = 0, stride_ = 1;
+  unsigned partners_ = 0;
+  bool any_partner_ = false;  // some lane has one
   unsigned long long overlaps_ = 0;
 };
 

@@ -11,8 +11,10 @@ namespace deformable_contact_monitor {
 
 // One bit per vertex of `a` that is also one of `b`; x, y, z are vertices' identities.
 __device__ inline std::uint32_t sharedBits(const uint4& a, const uint4& b) {
-  const std::uint32_t ids_a[3] = {a.x, a.y, a.z}, ids_b[3] = {b.x, b.y, b.z};
-  return sharedBits(ids_a, ids_b);
+  const auto inB = [&b](std::uint32_t id) {
+    return static_cast<std::uint32_t>((id == b.x) | (id == b.y) | (id == b.z));
+  };
+  return inB(a.x) | inB(a.y) << 1 | inB(a.z) << 2;
 }
 
 // Whether one of these vertices of `a` has a certified fan: then triangles that share it meet in

@@ -8,7 +8,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr unsigned kThreads = 1024;
+constexpr unsigned kThreads = 512;
 constexpr unsigned kWarps = kThreads / kWarp;
 static_assert(kBuckets % kThreads == 0);
 
@@ -200,7 +200,7 @@ __device__ void projectTiles(const CycleArrays& c, const CycleParams& params, Cl
 // A block for each cluster: reads its entries; writes its part of the arrays of `sweep`, by a
 // counting sort into buckets, and adds to sweep.units. In swept motion (kStates == 2) both states.
 template <int kStates>
-__global__ void __launch_bounds__(kThreads) sortKernel(CycleArrays c) {
+__global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   // While tiles are put into their buckets, each bucket's place moves on to where the next begins.
   __shared__ std::uint32_t bucket_begin[kBuckets + 1];
