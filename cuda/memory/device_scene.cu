@@ -98,13 +98,14 @@ std::uint64_t DeviceScene::moreTriangles(const std::vector<LaidOutBody>& before,
 
 DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
-  laid_out_ = grouped_ = has_fans_ = bodies_sent_ = false;  // until all of it is there
+  laid_out_ = has_fans_ = bodies_sent_ = false;  // until all of it is there
   pairs_ = scene.enabledPairs();
   pair_tables_ = tabulatePairs(scene);
   laid_out_bodies_ = bodiesOf(scene);
   const auto same =
       std::mismatch(laid_out_bodies_.begin(), laid_out_bodies_.end(), before.begin(), before.end());
   const auto first = static_cast<std::uint32_t>(same.first - laid_out_bodies_.begin());
+  grouped_ = std::min(grouped_, first);
   countMeshes(scene);
   numberMeshes(scene);
   mesh_tables_ = tabulateMeshes(scene, first);
@@ -252,14 +253,20 @@ DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
 }
 
 void DeviceScene::group(cudaStream_t stream) {
-  if (grouped_) return;
-  launchGroup(arrays_, scratch_, stream);
-  grouped_ = true;
-  deformed_ = 0;
+  if (grouped_ >= body_.size()) return;
+  const DeviceBody& first = body_[grouped_];
+  UngroupedBodies bodies{BodyIndex(grouped_), first.first_triangle, first.first_tile, 0};
+  for (std::size_t i = grouped_; i < body_.size(); ++i) {
+    bodies.most_triangles = std::max(bodies.most_triangles, body_[i].triangle_count);
+  }
+  launchGroup(arrays_, bodies, scratch_, stream);
+  if (grouped_ == 0) deformed_ = 0;
+  grouped_ = arrays_.body_count;
 }
 
 void DeviceScene::groupAgain(cudaStream_t stream) {
-  grouped_ = grouped_ && deformed_ < kGroupedFor;
+  if (deformed_ < kGroupedFor) return;
+  grouped_ = 0;
   group(stream);
 }
 

@@ -123,7 +123,7 @@ class DeviceScene {
   bool laid_out_ = false;  // what is below is on the device, but for these tables
   PairTables pair_tables_;
   MeshTables mesh_tables_;
-  bool grouped_ = false;              // so are the tiles
+  std::uint32_t grouped_ = 0;         // so are the tiles of so many bodies
   std::uint32_t deformed_ = 0;        // cycles since then that sent vertices
   bool has_fans_ = false;             // so are the rings
   bool bodies_sent_ = false;          // so is what staged_bodies_ holds

@@ -66,11 +66,11 @@ __device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& bod
   return most;
 }
 
-// A block for each body: writes scene.body_ranges, beyond which vertices are far off; one of those
-// would leave the others few cells of the curve.
-__global__ void __launch_bounds__(kRangeThreads) rangeKernel(SceneArrays scene) {
+// A block for each body from `first` on: writes scene.body_ranges, beyond which vertices are far
+// off; one of those would leave the others few cells of the curve.
+__global__ void __launch_bounds__(kRangeThreads) rangeKernel(SceneArrays scene, BodyIndex first) {
   __shared__ std::uint64_t key[kMostLooked];
-  const BodyIndex b(blockIdx.x);
+  const BodyIndex b(first.value + blockIdx.x);
   const DeviceBody& body = scene.bodies[b];
   if (body.triangle_count <= TileHalving::kMost) return;  // it needs no curve
   const Stretch x = stretchOfMost(scene, body, 0, key);
@@ -83,8 +83,9 @@ __global__ void __launch_bounds__(kRangeThreads) rangeKernel(SceneArrays scene) 
 }
 
 // A thread for each vertex, a block for each of scene.vertex_blocks: adds to scene.body_boxes.
-__global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene) {
+__global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene, BodyIndex first) {
   const BodyBlock block = scene.vertex_blocks[Place(blockIdx.x)];
+  if (block.body < first) return;
   if (scene.bodies[block.body].triangle_count <= TileHalving::kMost) return;
   __shared__ BlockBox box;
   box.clear();
@@ -98,9 +99,9 @@ __global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene) {
 }
 
 // A thread for each triangle, a block for each of scene.triangle_blocks: writes scene.curve_keys.
-__global__ void __launch_bounds__(kThreads) keyKernel(SceneArrays scene) {
+__global__ void __launch_bounds__(kThreads) keyKernel(SceneArrays scene, BodyIndex first) {
   const BodyBlock block = scene.triangle_blocks[Place(blockIdx.x)];
-  if (threadIdx.x >= block.count) return;
+  if (block.body < first || threadIdx.x >= block.count) return;
   const TriangleIndex t(block.first + threadIdx.x);
   const CurveCells cells(boxOf(scene.body_boxes.row(block.body)));
   const std::uint64_t on_curve = cells.placeOf(centroidOf(scene, t));
@@ -116,9 +117,6 @@ constexpr unsigned kChunkTiles = TileHalving::kMost / kWarp;
 __device__ std::uint32_t firstChunk(const SceneArrays& scene, std::uint32_t body) {
   return scene.bodies[BodyIndex(body)].first_tile / kChunkTiles + body;
 }
-std::uint32_t mostChunks(const SceneArrays& scene) {
-  return scene.tile_count / kChunkTiles + scene.body_count;
-}
 __device__ BodyIndex bodyOfChunk(const SceneArrays& scene, std::uint32_t chunk) {
   std::uint32_t first = 0;
   for (std::uint32_t count = scene.body_count; count > 1;) {
@@ -129,18 +127,22 @@ __device__ BodyIndex bodyOfChunk(const SceneArrays& scene, std::uint32_t chunk) 
   return BodyIndex(first);
 }
 
-// A block for each chunk: from the sorted keys to scene.tile_body and scene.slot_triangle.
+// A block for each chunk from that one on: writes scene.tile_body and scene.slot_triangle.
+// `sorted`: the keys, from that triangle on; null: bodies are of one chunk each.
 __global__ void __launch_bounds__(TileHalving::kThreads)
-    tileKernel(SceneArrays scene, const std::uint64_t* sorted) {
+    tileKernel(SceneArrays scene, std::uint32_t first_chunk, const std::uint64_t* sorted,
+               std::uint32_t first_triangle) {
   __shared__ TileHalving halving;
-  const BodyIndex b = bodyOfChunk(scene, blockIdx.x);
+  const std::uint32_t number = first_chunk + blockIdx.x;
+  const BodyIndex b = bodyOfChunk(scene, number);
   const DeviceBody& body = scene.bodies[b];
-  const std::uint32_t chunk = blockIdx.x - firstChunk(scene, b.value);
+  const std::uint32_t chunk = number - firstChunk(scene, b.value);
   const std::uint32_t first = chunk * TileHalving::kMost;  // of the body's, along the curve
   if (first >= body.triangle_count) return;
   const std::uint32_t count = min(body.triangle_count - first, TileHalving::kMost);
   const auto triangleAt = [&](std::uint32_t i) {
-    return triangleOf(sorted[body.first_triangle + first + i]);
+    const std::uint32_t place = body.first_triangle + first + i;
+    return sorted == nullptr ? TriangleIndex(place) : triangleOf(sorted[place - first_triangle]);
   };
   for (std::uint32_t i = threadIdx.x; i < count; i += TileHalving::kThreads) {
     halving.put(i, centroidOf(scene, triangleAt(i)));
@@ -156,30 +158,46 @@ __global__ void __launch_bounds__(TileHalving::kThreads)
   }
 }
 
-}  // namespace
-
-void launchGroup(const SceneArrays& scene, DeviceBuffer<unsigned char>& scratch,
-                 cudaStream_t stream) {
-  const std::uint32_t count = scene.triangle_count;
+// The keys of those bodies, sorted, in one of the two arrays.
+const std::uint64_t* sortAlongCurves(const SceneArrays& scene, const UngroupedBodies& bodies,
+                                     DeviceBuffer<unsigned char>& scratch, cudaStream_t stream) {
   checkCuda(cudaMemsetAsync(scene.body_boxes.data(), 0,
                             scene.body_count * kSides * sizeof(std::uint32_t), stream),
             "cudaMemsetAsync");
-  rangeKernel<<<scene.body_count, kRangeThreads, 0, stream>>>(scene);
-  boxKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(scene);
-  keyKernel<<<scene.triangle_block_count, kThreads, 0, stream>>>(scene);
+  const BodyIndex first = bodies.first;
+  rangeKernel<<<scene.body_count - first.value, kRangeThreads, 0, stream>>>(scene, first);
+  boxKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(scene, first);
+  keyKernel<<<scene.triangle_block_count, kThreads, 0, stream>>>(scene, first);
   int bits = kTriangleBits + kStepBits;
-  while (count >> (bits - kTriangleBits - kStepBits) != 0) ++bits;
-  cub::DoubleBuffer<std::uint64_t> keys(scene.curve_keys.data(), scene.sorted_keys.data());
+  while (scene.triangle_count >> (bits - kTriangleBits - kStepBits) != 0) ++bits;
+  cub::DoubleBuffer<std::uint64_t> keys(scene.curve_keys.data() + bodies.first_triangle,
+                                        scene.sorted_keys.data() + bodies.first_triangle);
+  const auto count = static_cast<int>(scene.triangle_count - bodies.first_triangle);
   const auto sort = [&](void* memory, std::size_t& bytes) {
-    checkCuda(cub::DeviceRadixSort::SortKeys(memory, bytes, keys, static_cast<int>(count),
-                                             kTriangleBits, bits, stream),
-              "cub::DeviceRadixSort");
+    checkCuda(
+        cub::DeviceRadixSort::SortKeys(memory, bytes, keys, count, kTriangleBits, bits, stream),
+        "cub::DeviceRadixSort");
   };
   std::size_t bytes = 0;
   sort(nullptr, bytes);
   if (bytes > scratch.size()) scratch.grow(2 * bytes);
   sort(scratch.data(), bytes);
-  tileKernel<<<mostChunks(scene), TileHalving::kThreads, 0, stream>>>(scene, keys.Current());
+  return keys.Current();
+}
+
+}  // namespace
+
+void launchGroup(const SceneArrays& scene, const UngroupedBodies& bodies,
+                 DeviceBuffer<unsigned char>& scratch, cudaStream_t stream) {
+  if (bodies.first_triangle == scene.triangle_count) return;
+  const std::uint64_t* sorted = nullptr;
+  if (bodies.most_triangles > TileHalving::kMost) {
+    sorted = sortAlongCurves(scene, bodies, scratch, stream);
+  }
+  const std::uint32_t first_chunk = bodies.first_tile / kChunkTiles + bodies.first.value;
+  const std::uint32_t chunks = scene.tile_count / kChunkTiles + scene.body_count;
+  tileKernel<<<chunks - first_chunk, TileHalving::kThreads, 0, stream>>>(scene, first_chunk, sorted,
+                                                                         bodies.first_triangle);
   checkCuda(cudaGetLastError(), "a kernel of the tiles");
 }
 
