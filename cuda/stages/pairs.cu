@@ -102,7 +102,7 @@ class PairScreener {
     if (item_ >= tiles_) {
       layOut(c_.sweep.tile_pairs[Place(item_ - tiles_)], false);
     } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
-      layOut({TileIndex(item_), TileIndex(item_)}, true);
+      layOut({TileIndex(item_), TileIndex(item_), 0, 1}, true);
     }
     if (!any_partner_) askForNext();
     return true;
@@ -110,7 +110,7 @@ class PairScreener {
 
   // The boxes of the triangles of each tile that meet the other tile's box, closed up: rows of the
   // first tile, columns of the second.
-  __device__ void layOut(const TilePair& pair, bool same) {
+  __device__ void layOut(const TilePairPart& pair, bool same) {
     const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
     first_a_ = pair.a.value * kWarp;
     first_b_ = pair.b.value * kWarp;
@@ -121,8 +121,8 @@ class PairScreener {
     const std::uint32_t rows = closeUp(memory_.rows, in_a, box_a);
     const std::uint32_t columns = closeUp(memory_.columns, in_b, box_b);
     __syncwarp();
-    if (laneId() == 0) overlaps_ += same ? rows * (rows - 1) / 2 : rows * columns;
-    if (rows != 0 && columns != 0) findPartners(rows, columns, same);
+    if (laneId() == 0 && pair.part == 0) overlaps_ += same ? rows * (rows - 1) / 2 : rows * columns;
+    if (rows != 0 && columns != 0) findPartners(rows, columns, pair, same);
     __syncwarp();
   }
   __device__ static std::uint32_t closeUp(LaneBoxes& to, bool in, const Aabb& box) {
@@ -137,7 +137,8 @@ class PairScreener {
 
   // Each row is looked at by as many lanes as there are for it, each of which takes every so many a
   // column.
-  __device__ void findPartners(std::uint32_t rows, std::uint32_t columns, bool same) {
+  __device__ void findPartners(std::uint32_t rows, std::uint32_t columns, const TilePairPart& pair,
+                               bool same) {
     const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
     const std::uint32_t row = laneId() & ((1U << shift) - 1);
     stride_ = kWarp >> shift;
@@ -149,7 +150,7 @@ class PairScreener {
     row_ = first_a_ + (__float_as_uint(low_a.w) & (kWarp - 1));
     partners_ = 0;
     const std::uint32_t steps = (columns + stride_ - 1) / stride_;
-    for (std::uint32_t step = 0; step < steps; ++step) {
+    for (std::uint32_t step = pair.part; step < steps; step += pair.parts) {
       const std::uint32_t column = first_column_ + step * stride_;
       if (column < from || column >= columns || !isOfPass(step)) continue;
       const float4 low = memory_.columns.low[column], high = memory_.columns.high[column];

@@ -5,6 +5,7 @@
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/stages.cuh"
+#include "cuda/stages/tile_pairs.cuh"
 #include "cuda/stages/warp_queue.cuh"
 
 namespace deformable_contact_monitor {
@@ -129,8 +130,7 @@ class Sweeper {
       kept = intersects(a.box, b.box) &&
              ownsPair(unit_.cluster.value, c_.members.clustersOf(a), c_.members.clustersOf(b));
     }
-    const Place place(warpReserve(&c_.counters().tile_pairs, kept));
-    if (kept && place.value < c_.sweep.tile_pairs.size()) c_.sweep.tile_pairs[place] = pair;
+    putTilePair(c_, kept, pair);
   }
 
   const CycleArrays& c_;

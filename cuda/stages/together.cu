@@ -5,6 +5,7 @@
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/corners.cuh"
 #include "cuda/stages/stages.cuh"
+#include "cuda/stages/tile_pairs.cuh"
 #include "cuda/stages/warp_queue.cuh"
 
 namespace deformable_contact_monitor {
@@ -30,8 +31,7 @@ __device__ std::uint32_t groupOf(const SceneArrays& scene, TileIndex tile) {
 __device__ void leavePairs(const CycleArrays& c, WarpQueue<TilePair>& met) {
   TilePair pair{};
   const bool got = met.pop(pair);
-  const Place place(warpReserve(&c.counters().tile_pairs, got));
-  if (got && place.value < c.sweep.tile_pairs.size()) c.sweep.tile_pairs[place] = pair;
+  putTilePair(c, got, pair);
 }
 
 // Some tiles that follow each other. Each is looked at with those that follow it in a ring of all,
