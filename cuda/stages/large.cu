@@ -90,6 +90,7 @@ __device__ bool sweepTiles(const CycleArrays& c, std::uint32_t large_count, std:
   const Aabb all = shared_box.get();
   PacedCutOff pace(c, threadIdx.x == 0);
   for (std::uint32_t from = 0; from < large_count; from += kThreads) {
+    __syncthreads();  // who still reads those before
     if (threadIdx.x == 0) near_count = 0;
     __syncthreads();
     if (from + threadIdx.x < large_count) {
