@@ -1,0 +1,1 @@
+#include <cub/emu_cub.h>
