@@ -64,7 +64,7 @@ using Adapt = std::function<ReceivedMesh(const boost::shared_ptr<const M>& messa
 template <typename M>
 ReceivedMesh received(const ros::MessageEvent<const M>& event, std::size_t max_bytes,
                       const Adapt<M>& adapt) {
-  const boost::shared_ptr<const M> message = event.getConstMessage();
+  const boost::shared_ptr<const M>& message = event.getConstMessage();
   std::string why;
   try {
     const Refusal* const refusal = boost::get_deleter<Refusal>(message);
