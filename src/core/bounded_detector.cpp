@@ -14,10 +14,10 @@
 #include "core/coarse/merged_contacts.h"
 #include "core/coarse/pair_rounds.h"
 #include "core/coarse/rest_scene.h"
-#include "core/coarse/usual_time.h"
 #include "core/rejected_triangles.h"
 #include "core/rules/margins.h"
 #include "core/stopwatch.h"
+#include "core/usual_time.h"
 
 namespace deformable_contact_monitor {
 namespace {

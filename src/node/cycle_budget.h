@@ -1,9 +1,8 @@
 // By when a cycle's detection must end, so that its states go out within a budget.
 #pragma once
 
-#include <deque>
-
 #include "core/steady_time.h"
+#include "core/usual_time.h"
 
 namespace deformable_contact_monitor {
 
@@ -23,7 +22,7 @@ class CycleBudget {
 
  private:
   double budget_s_;
-  std::deque<double> publishing_s_;  // of the latest cycles
+  UsualTime publishing_;
 };
 
 }  // namespace deformable_contact_monitor

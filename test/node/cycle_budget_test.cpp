@@ -33,21 +33,22 @@ TEST(CycleBudgetTest, WhatPublishingTakesIsKeptFree) {
   CycleBudget budget(0.02);
   EXPECT_DOUBLE_EQ(deadlineMs(budget), 20);
   cycle(5, 8, &budget);
-  EXPECT_NEAR(deadlineMs(budget), 17, 1e-3);
+  EXPECT_NEAR(deadlineMs(budget), 20, 1e-3) << "the longest does not count";
   cycle(5, 6, &budget);
+  EXPECT_NEAR(deadlineMs(budget), 19, 1e-3);
   cycle(5, 7, &budget);
-  EXPECT_NEAR(deadlineMs(budget), 18, 1e-3) << "the longest of several does not count";
+  EXPECT_NEAR(deadlineMs(budget), 18, 1e-3);
 }
 
 TEST(CycleBudgetTest, WhatDetectionTakesBeyondItsDeadlineIsKeptFreeToo) {
   CycleBudget budget(0.02);
-  cycle(22, 23, &budget);
+  for (int i = 0; i < 2; ++i) cycle(22, 23, &budget);
   EXPECT_NEAR(deadlineMs(budget), 17, 1e-3);
 }
 
 TEST(CycleBudgetTest, HalfOfItIsTheDetections) {
   CycleBudget budget(0.02);
-  cycle(1, 500, &budget);
+  for (int i = 0; i < 2; ++i) cycle(1, 500, &budget);
   EXPECT_NEAR(deadlineMs(budget), 10, 1e-3);
 }
 

@@ -3,8 +3,8 @@
 
 #include <chrono>
 
-#include "core/coarse/usual_time.h"
 #include "core/steady_time.h"
+#include "core/usual_time.h"
 
 namespace deformable_contact_monitor {
 

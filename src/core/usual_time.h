@@ -11,7 +11,7 @@
 
 namespace deformable_contact_monitor {
 
-// One thread at a time.
+// By the last hundred times. One thread at a time.
 class UsualTime {
  public:
   // When to begin with it, so that it is done by `deadline`; max() stays.
