@@ -2,6 +2,7 @@
 
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/cuda_error.h"
+#include "cuda/device/warp.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -94,13 +95,15 @@ bool CudaDetector::runInPasses(const Options& options, const CycleLimit& limit) 
   return false;
 }
 
-// More candidates than memory: judges them in several passes over the work units and blocks. Those
+// More candidates than memory: judges them in several passes over the pairs of tiles and
+// blocks. Those
 // that no pass has room for are counted, not judged. False if the limit was over before the last.
 bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
   const CycleShape shape = shapeOf(options, false, 0);
-  const std::uint32_t most =
-      std::min(kMostPasses, std::max(counters_[0].units, largeBlocks(arrays_)));
+  const std::uint32_t most = std::min(
+      kMostPasses,
+      std::max(kWarp * (arrays_.scene.tile_count + counters_[0].tile_pairs), largeBlocks(arrays_)));
   const std::uint64_t found = counters_[0].judged + counters_[0].unjudged;
   auto passes =
       static_cast<std::uint32_t>(std::min<std::uint64_t>(most, found / sizes_.candidates + 2));
@@ -112,7 +115,7 @@ bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit
       params_[0].passes = passes;
       sendParams();
       launchRestart(arrays_, pass == 0, stream);
-      launchSweep(arrays_, shape, stream);
+      launchPairs(arrays_, shape, stream);
       launchLarge(arrays_, shape, stream);
       launchJudge(arrays_, shape, stream);
       checkCuda(cudaGetLastError(), "a launch");

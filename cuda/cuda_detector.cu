@@ -35,6 +35,7 @@ const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& o
     findContacts(scene, options, limit, watch);
   }
   result_.round_trip_ms = watch.elapsedMs();
+  if (!cold_) scene_.groupAgain(stream_.get());
   return result_;
 }
 
@@ -110,6 +111,8 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].size = size_rule_;
   params_[0].limited = limit.isSet() ? 1 : 0;
   params_[0].share = share_;
+  params_[0].any_self = scene_.anySelf() ? 1 : 0;
+  scene_.group(stream);
   if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream);
   // Every vertex is its own where no body touches itself: once is enough then.
   if (result_.started_cold || change.more_triangles > 0) {
@@ -164,7 +167,7 @@ void CudaDetector::startCold(const ColdStart& start, const Options& options) {
   for (ClusterFrame& frame : frames) {
     for (int k = 0; k < 3; ++k) {
       frame.axes.axis[k] = {k == 0 ? 1.0F : 0.0F, k == 1 ? 1.0F : 0.0F, k == 2 ? 1.0F : 0.0F};
-      frame.along[k] = frame.world[k] = frame.world[3] = Quantiser(-1, 1);
+      frame.along[k] = Quantiser(-1, 1);
     }
   }
   const cudaStream_t stream = stream_.get();
@@ -179,7 +182,7 @@ void CudaDetector::startCold(const ColdStart& start, const Options& options) {
   put(arrays_.clusters.prototypes.data(), start.seeds);
   put(arrays_.sweep.frames.data(), frames);
   clear(arrays_.clusters.list_reach.data(), frames.size() * sizeof(float));
-  clear(arrays_.members.next_bins.data(), (frames.size() + 1) * sizeof(Bin));
+  clear(arrays_.members.next_bins.data(), frames.size() * sizeof(Bin));
   launchClusterLists(arrays_, stream);
   stream_.synchronise();  // the host's arrays go
   cycles_since_refresh_ = 0;
@@ -209,6 +212,7 @@ void CudaDetector::sizeBins(const Options& options) {
   const cudaStream_t stream = stream_.get();
   sendParams();
   launchPoseIdentities(arrays_, shape, stream);
+  if (arrays_.together()) return;
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);

@@ -16,6 +16,7 @@ enum StepNumber {
   kCluster,
   kFrames,
   kSweep,
+  kPairs,
   kJudge,
   kStepCount
 };
@@ -33,8 +34,8 @@ struct Step {
 };
 
 // A cycle, in an order in which the steps may also run one after the other. launchAssign stands
-// right behind launchPose on the main stream, and launchSweep behind launchSort, for they start
-// early.
+// right behind launchPose on the main stream, launchSweep behind launchSort and launchPairs
+// behind launchSweep, for they start early.
 constexpr Step kList[kStepCount] = {
     {Stage::kPose, launchPoseIdentities, kIdentityBranch, 0},
     {Stage::kPose, launchPose, kMain, 0},
@@ -46,6 +47,7 @@ constexpr Step kList[kStepCount] = {
     {Stage::kCluster, launchCluster, kAdaptBranch, 0},
     {Stage::kSort, launchSortFrames, kAdaptBranch, behind(kSort)},
     {Stage::kSweep, launchSweep, kMain, 0},
+    {Stage::kSweep, launchPairs, kMain, 0},
     {Stage::kJudge, launchJudge, kMain, behind(kLarge) | behind(kBins)},
 };
 

@@ -30,7 +30,7 @@ class CycleGraph {
  private:
   // Beside the stream itself.
   static constexpr int kBranches = 3;
-  static constexpr int kSteps = 11;
+  static constexpr int kSteps = 12;
 
   // What came last, bit by bit: arrays that moved, or count otherwise, are others.
   bool isLast(const CycleArrays& cycle, const CycleShape& shape) const;

@@ -30,6 +30,12 @@ struct CycleArrays : ArrayGroup {
 
   __device__ const CycleParams& params() const { return *the_params.data(); }
   __device__ CycleCounters& counters() const { return *the_counters.data(); }
+  // One cluster of few tiles: then nothing is made of clusters, for each tile is looked at with
+  // each other.
+  __host__ __device__ bool together() const {
+    constexpr std::uint32_t kMostTiles = 4096;
+    return clusters.count == 1 && scene.tile_count <= kMostTiles;
+  }
   // How many of the contacts found have a place on the list.
   __device__ std::uint32_t listedContacts() const {
     return static_cast<std::uint32_t>(

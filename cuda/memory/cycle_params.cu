@@ -14,7 +14,7 @@ std::uint32_t bucketShift(std::uint32_t groups) {
 
 // The fewer units a scene has, the smaller they must be to share them out evenly.
 std::uint32_t unitColumns(std::uint32_t triangles) {
-  constexpr std::uint32_t kFewTriangles = 40000, kManyTriangles = 300000;
+  constexpr std::uint32_t kFewTriangles = 1000000, kManyTriangles = 10000000;
   if (triangles < kFewTriangles) return kLeastUnitColumns;
   return triangles < kManyTriangles ? 2 * kLeastUnitColumns : kMostUnitColumns;
 }

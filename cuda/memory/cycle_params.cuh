@@ -32,10 +32,11 @@ struct CycleParams {
   std::uint32_t group_count;   // <= kMostGroups
   std::uint32_t bucket_shift;  // from kAxisBits along the first axis to a bucket of a group
   std::uint32_t groups_exact;  // no two groups of bodies share a number
-  std::uint32_t pass, passes;  // this pass sweeps the work units, and the blocks of the large
-                               // list, whose number % passes == pass
+  std::uint32_t pass, passes;  // this pass makes the steps of stage pairs, and the blocks of the
+                               // large list, whose number % passes == pass
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number in a contact's key
+  std::uint32_t any_self;      // some body has contacts with itself
   std::uint32_t limited;       // the host may end the cycle early (stages/cut_off.cuh)
   std::uint32_t first_times;   // in swept motion: they are asked for
   std::uint32_t pads;          // in swept motion: some body that takes part has one
@@ -63,22 +64,24 @@ constexpr unsigned kLine = 128;
 // capacities, so they say what is needed.
 struct alignas(kLine) CycleCounters {
   std::uint32_t rejected, culled, clustered, large;
-  std::uint32_t members, largest_cluster;  // of the clusters
-  std::uint32_t bin_overflow;              // members did not fit into some bin
-  std::uint32_t bins_wanted;               // members that next cycle's bins want room for
+  std::uint32_t largest_cluster;  // its triangles
+  std::uint32_t bin_overflow;     // entries did not fit into some bin
+  std::uint32_t bins_wanted;      // entries that next cycle's bins want room for
   std::uint32_t exact, undecided;
   std::uint32_t blocks_done;
-  std::uint32_t cut_off;     // some work was given up, for the host wanted the cycle to end
-  std::uint32_t open_pairs;  // in swept motion: left to the host
+  std::uint32_t cut_off;       // some work was given up, for the host wanted the cycle to end
+  std::uint32_t open_pairs;    // in swept motion: left to the host
+  unsigned long long members;  // of the clusters: triangles
   unsigned long long interval_overlaps;
   unsigned long long settled;   // pairs with a verdict from the sweep: never candidates
   unsigned long long judged;    // all passes' candidates
   unsigned long long unjudged;  // those that there was no room for: no verdict on them
   alignas(kLine) std::uint32_t far_vertices;
-  alignas(kLine) std::uint32_t wide;
   alignas(kLine) std::uint32_t list_words;
   alignas(kLine) std::uint32_t units;
   alignas(kLine) std::uint32_t units_taken;
+  alignas(kLine) std::uint32_t tile_pairs;
+  alignas(kLine) std::uint32_t pairs_taken;
   alignas(kLine) unsigned long long candidates;
   alignas(kLine) std::uint32_t open;
   alignas(kLine) unsigned long long contacts;

@@ -24,7 +24,7 @@ std::uint32_t withinLimit(std::uint64_t wanted, std::uint64_t bytes_each, std::u
   return static_cast<std::uint32_t>(std::min(wanted, most));
 }
 
-constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 29;  // the sweep packs members' places
+constexpr std::uint64_t kMostPlaces = std::uint64_t{1} << 29;  // members' places are packed
 
 // A list that counters count, and the most places that it may have.
 struct List {
@@ -32,13 +32,14 @@ struct List {
   std::uint64_t needed, most;
 };
 
-std::array<List, 6> listsOf(const CycleCounters& c, bool swept, std::uint64_t limit) {
+std::array<List, 7> listsOf(const CycleCounters& c, bool swept, std::uint64_t limit) {
   const auto most = [limit](std::uint64_t bytes) {
     return withinLimit(~std::uint64_t{0}, bytes, limit);
   };
-  return {{{&CycleSizes::members, c.bins_wanted, kMostPlaces},
+  return {{{&CycleSizes::entries, c.bins_wanted, kMostPlaces},
            {&CycleSizes::list_words, c.list_words, kMostPlaces},
            {&CycleSizes::units, c.units, kMostPlaces},
+           {&CycleSizes::tile_pairs, c.tile_pairs, kMostPlaces},
            {&CycleSizes::candidates, c.candidates, most(candidateBytes(swept))},
            {&CycleSizes::contacts, c.contacts, most(contactBytes(swept))},
            {&CycleSizes::open_pairs, c.open_pairs, most(sizeof(OpenPair))}}};
@@ -63,14 +64,13 @@ void CycleSizes::raise(std::uint32_t& size, std::uint64_t needed) {
 void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                          std::uint64_t memory_limit_bytes) {
   constexpr std::uint32_t kLeastSamples = 1024, kSamplesEach = 8;
-  constexpr std::uint32_t kFewTriangles = 40000, kManyTriangles = 300000;  // as unitColumns()
   clusters = cluster_count;
   const std::uint64_t n = clustered;
   raise(samples, std::max(kLeastSamples, kSamplesEach * cluster_count));
-  raise(members, n * 2 + 48 * cluster_count + 256);
-  raise(list_words, n + 256);
-  const std::uint64_t quarters = n < kFewTriangles ? 4 : n < kManyTriangles ? 3 : 1;
-  raise(units, n * quarters / 4 + 4 * cluster_count + 256);
+  raise(entries, 4 * std::uint64_t{tiles} + 48 * cluster_count + 256);
+  raise(list_words, 8 * std::uint64_t{tiles} + 256);
+  raise(units, 4 * std::uint64_t{tiles} + 4 * cluster_count + 256);
+  raise(tile_pairs, 24 * std::uint64_t{tiles} + 256);
   const auto within = [&](std::uint32_t& size, std::uint64_t needed, std::uint64_t bytes) {
     std::uint32_t wanted = size;
     raise(wanted, needed);
@@ -86,22 +86,25 @@ void CycleSizes::follow() {
   if (!swept) return;
   swept_bodies = bodies;
   swept_vertices = vertices;
-  swept_members = members;
+  swept_slots = slots;
   swept_candidates = candidates;
   swept_contacts = contacts;
 }
 
 bool CycleSizes::hold(const CycleCounters& c) const {
-  return c.bins_wanted <= members && c.list_words <= list_words && c.units <= units &&
-         c.candidates <= candidates && c.contacts <= contacts && c.open_pairs <= open_pairs;
+  return c.bins_wanted <= entries && c.list_words <= list_words && c.units <= units &&
+         c.tile_pairs <= tile_pairs && c.candidates <= candidates && c.contacts <= contacts &&
+         c.open_pairs <= open_pairs;
 }
 
 bool CycleSizes::growFor(const CycleCounters& c, std::uint64_t memory_limit_bytes) {
-  if (c.bins_wanted >= kMostPlaces || c.list_words >= kMostPlaces || c.units >= kMostPlaces) {
+  if (c.bins_wanted >= kMostPlaces || c.list_words >= kMostPlaces || c.units >= kMostPlaces ||
+      c.tile_pairs >= kMostPlaces) {
     throw CudaError(
         BackendFault::kSceneTooLarge,
         "the scene is too crowded for the CUDA backend: " + std::to_string(c.bins_wanted) +
-            " places in clusters, " + std::to_string(c.units) + " work units");
+            " places in clusters, " + std::to_string(c.units) + " work units, " +
+            std::to_string(c.tile_pairs) + " pairs of tiles");
   }
   bool grown = false;
   for (const List& list : listsOf(c, swept, memory_limit_bytes)) {

@@ -6,6 +6,7 @@
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/pinned_memory.cuh"
 #include "cuda/stages/fan_rings.cuh"
+#include "cuda/stages/group.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -104,6 +105,7 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const auto same =
       std::mismatch(laid_out_bodies_.begin(), laid_out_bodies_.end(), before.begin(), before.end());
   const auto first = static_cast<std::uint32_t>(same.first - laid_out_bodies_.begin());
+  grouped_ = std::min(grouped_, first);
   countMeshes(scene);
   numberMeshes(scene);
   mesh_tables_ = tabulateMeshes(scene, first);
@@ -114,6 +116,8 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   CycleSizes::raise(sizes_.triangles, arrays_.triangle_count);
   CycleSizes::raise(sizes_.vertex_blocks, mesh_tables_.vertex_blocks.size());
   CycleSizes::raise(sizes_.triangle_blocks, mesh_tables_.triangle_blocks.size());
+  CycleSizes::raise(sizes_.tiles, arrays_.tile_count);
+  sizes_.slots = kWarp * sizes_.tiles;
   sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
   while (any_self_ && sizes_.identity_slots < 2 * vertex_count_) sizes_.identity_slots *= 2;
   vertices_.resize(scene.bodyCount());
@@ -210,15 +214,21 @@ void DeviceScene::countMeshes(const Scene& scene) {
 
 void DeviceScene::numberMeshes(const Scene& scene) {
   listed_.clear();
-  std::uint32_t first_vertex = 0, first_triangle = 0;
+  std::uint32_t first_vertex = 0, first_triangle = 0, first_tile = 0;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
     listed_.push_back({first_triangle, taking_part_[i]});
-    body_[i].first_vertex = first_vertex;
-    body_[i].vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
-    first_vertex += body_[i].vertex_count;
-    first_triangle += static_cast<std::uint32_t>(mesh.triangleCount());
+    DeviceBody& body = body_[i];
+    body.first_vertex = first_vertex;
+    body.vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
+    body.first_triangle = first_triangle;
+    body.triangle_count = static_cast<std::uint32_t>(mesh.triangleCount());
+    body.first_tile = first_tile;
+    first_vertex += body.vertex_count;
+    first_triangle += body.triangle_count;
+    first_tile += (body.triangle_count + kWarp - 1) / kWarp;
   }
+  arrays_.tile_count = first_tile;
 }
 
 DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
@@ -242,6 +252,24 @@ DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
   return tables;
 }
 
+void DeviceScene::group(cudaStream_t stream) {
+  if (grouped_ >= body_.size()) return;
+  const DeviceBody& first = body_[grouped_];
+  UngroupedBodies bodies{BodyIndex(grouped_), first.first_triangle, first.first_tile, 0};
+  for (std::size_t i = grouped_; i < body_.size(); ++i) {
+    bodies.most_triangles = std::max(bodies.most_triangles, body_[i].triangle_count);
+  }
+  launchGroup(arrays_, bodies, scratch_, stream);
+  if (grouped_ == 0) deformed_ = 0;
+  grouped_ = arrays_.body_count;
+}
+
+void DeviceScene::groupAgain(cudaStream_t stream) {
+  if (deformed_ < kGroupedFor) return;
+  grouped_ = 0;
+  group(stream);
+}
+
 // Vertices of bodies without contacts with themselves have no ring.
 void DeviceScene::sizeFans(const Scene& scene) {
   std::uint64_t places = 0;
@@ -256,7 +284,7 @@ void DeviceScene::sizeFans(const Scene& scene) {
 
 void DeviceScene::findFans(cudaStream_t stream) {
   if (has_fans_) return;
-  launchFanRings(arrays_, vertex_count_, fan_scratch_, stream);
+  launchFanRings(arrays_, vertex_count_, scratch_, stream);
   has_fans_ = true;
 }
 
@@ -266,10 +294,12 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     if (!from.device_vertices) continue;
     if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
   }
+  bool any = false;
   for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
     const BodyId id = taking_part_[i];
     const Body& from = scene.body(id);
     if (vertices_[id] == from.vertices_revision) continue;
+    any = true;
     const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
     if (from.device_vertices) {
       copier_.copy(from, arrays_.received.data() + first, stream);
@@ -279,6 +309,7 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     }
     vertices_[id] = from.vertices_revision;
   }
+  deformed_ += any ? 1 : 0;
   if (motion == Motion::kSwept) sendEarlierVertices(scene, stream);
 }
 

@@ -38,6 +38,13 @@ class DeviceScene {
   // The arrays to their sizes; sends what was laid out, from the first body on that has changed.
   void sendLayout(cudaStream_t stream);
 
+  // Once bodies are sent: the triangles by tiles, where a layout has changed.
+  void group(cudaStream_t stream);
+  // Behind a cycle, where nobody waits for it: the same where bodies may have another shape by now,
+  // that is, vertices were sent in so many cycles since.
+  static constexpr std::uint32_t kGroupedFor = 64;
+  void groupAgain(cudaStream_t stream);
+
   // Once bodies are sent: what certificates need, where a layout with `fans` did not find it
   // before.
   void findFans(cudaStream_t stream);
@@ -116,6 +123,8 @@ class DeviceScene {
   bool laid_out_ = false;  // what is below is on the device, but for these tables
   PairTables pair_tables_;
   MeshTables mesh_tables_;
+  std::uint32_t grouped_ = 0;         // so are the tiles of so many bodies
+  std::uint32_t deformed_ = 0;        // cycles since then that sent vertices
   bool has_fans_ = false;             // so are the rings
   bool bodies_sent_ = false;          // so is what staged_bodies_ holds
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
@@ -130,7 +139,7 @@ class DeviceScene {
   bool any_self_ = false, any_from_device_ = false;
   BodyLengths any_{};
 
-  DeviceBuffer<unsigned char> fan_scratch_;
+  DeviceBuffer<unsigned char> scratch_;
   DeviceVertexCopier copier_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;

@@ -1,62 +1,78 @@
-// Which triangles are in which clusters (stage assign).
+// The triangles by tiles, and which tiles are in which clusters (stage assign).
 #pragma once
+
+#include <cuda_runtime.h>
 
 #include <cstdint>
 
+#include "core/predicates/aabb.h"
 #include "core/predicates/triangle.h"
 #include "cuda/memory/device_memory.cuh"
 
 namespace deformable_contact_monitor {
 
-// One triangle in one cluster, or on the large list.
+// One triangle in its tile's slot.
 struct alignas(16) Member {
   Triangle posed;  // scene frame [m]
   TriangleIndex triangle;
-  // Where its clusters are in MemberArrays::lists: their number, then they, ascending. kNone: it is
-  // in this cluster alone.
-  std::uint32_t list;
-  std::uint32_t body_and_home;  // body * 2 + 1 in its lowest cluster, body * 2 elsewhere
-
-  __device__ BodyIndex body() const { return BodyIndex(body_and_home >> 1); }
-  __device__ bool isHome() const { return (body_and_home & 1) != 0; }
+  BodyIndex body;
+  std::uint32_t group;  // the body's
 };
+// With padding it would be moved byte by byte.
+static_assert(sizeof(Member) == sizeof(Triangle) + 3 * sizeof(std::uint32_t));
 
 // Where the triangle of a member was at the beginning of the step [m].
 struct alignas(16) EarlierMember {
   Triangle posed;
 };
 
-// A cluster's part of the array of members, and of the sorted arrays.
-struct Bin {
-  std::uint32_t begin, capacity;
+// What the stage assign leaves of a tile: of its live triangles, that is, those that are neither
+// dropped nor large.
+struct alignas(16) TileState {
+  Aabb box;            // all that they pass, with the body's margin [m]
+  std::uint32_t live;  // a bit for each slot
+  // Where the tile's clusters are in MemberArrays::lists: their number, then they, ascending.
+  // kNone: it is in one alone.
+  std::uint32_t list;
 };
 
-// A triangle in more clusters than a short list holds.
-struct alignas(8) WideTriangle {
-  TriangleIndex triangle;
-  BodyIndex body;
+// A tile in a cluster.
+struct TileEntry {
+  std::uint32_t tile_and_home;  // tile * 2 + 1 in its lowest cluster, tile * 2 elsewhere
+
+  __device__ TileIndex tile() const { return TileIndex(tile_and_home >> 1); }
+  __device__ bool isHome() const { return (tile_and_home & 1) != 0; }
+};
+
+// A cluster's part of the array of entries, and of the sorted arrays.
+struct Bin {
+  std::uint32_t begin, capacity;
 };
 
 struct MemberArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
-  // Of the clusters, then of the large list; this cycle's, and the next one's.
-  DeviceArray<Bin, ClusterIndex> bins{*this, &CycleSizes::clusters, 1};
-  DeviceArray<Bin, ClusterIndex> next_bins{*this, &CycleSizes::clusters, 1};
-  // How many members came to each bin, whether they fit or not, in the first of 8 places, which
+  // Of the clusters; this cycle's, and the next one's.
+  DeviceArray<Bin, ClusterIndex> bins{*this, &CycleSizes::clusters};
+  DeviceArray<Bin, ClusterIndex> next_bins{*this, &CycleSizes::clusters};
+  // How many entries came to each bin, whether they fit or not, in the first of 8 places, which
   // keeps the counters of different clusters in different sectors; zero at the start of a cycle.
-  DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, &CycleSizes::clusters, 1};
-  DeviceArray<Member, MemberIndex> members{*this, &CycleSizes::members};
-  DeviceArray<EarlierMember, MemberIndex> earlier{*this, &CycleSizes::swept_members};  // of each
-  DeviceArray<WideTriangle, Place> wide{*this, &CycleSizes::triangles};
+  DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, &CycleSizes::clusters};
+  DeviceArray<TileEntry, EntryIndex> entries{*this, &CycleSizes::entries};
+  DeviceArray<Member, MemberIndex> members{*this, &CycleSizes::slots};
+  DeviceArray<EarlierMember, MemberIndex> earlier{*this, &CycleSizes::swept_slots};  // of each
+  // Of each that is live, its vertices' ids.
+  DeviceArray<uint4, MemberIndex> ids{*this, &CycleSizes::slots};
+  DeviceArray<TileState, TileIndex> tiles{*this, &CycleSizes::tiles};
+  DeviceArray<MemberIndex, Place> large{*this, &CycleSizes::slots};
   DeviceArray<std::uint32_t, Place> lists{*this, &CycleSizes::list_words};
 
   __device__ std::uint32_t& count(ClusterIndex g) const { return *counts.row(g); }
-  // Of the members of a cluster those that are there.
+  // Of the entries of a cluster those that are there.
   __device__ std::uint32_t present(ClusterIndex g) const { return min(count(g), bins[g].capacity); }
-  // The member's ascending list of clusters; null: it is in one alone.
-  __device__ const std::uint32_t* clustersOf(const Member& m) const {
-    return m.list == kNone ? nullptr : lists.data() + m.list + 1;
+  // The tile's ascending list of clusters; null: it is in one alone.
+  __device__ const std::uint32_t* clustersOf(const TileState& tile) const {
+    return tile.list == kNone ? nullptr : lists.data() + tile.list + 1;
   }
 };
 

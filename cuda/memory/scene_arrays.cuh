@@ -20,6 +20,7 @@ struct DeviceBody {
   std::uint32_t identity_pose;
   std::uint32_t has_self;  // contacts with itself are enabled
   std::uint32_t first_vertex, vertex_count;
+  std::uint32_t first_triangle, triangle_count, first_tile;
   std::uint32_t group;
   std::uint32_t partner_begin, partner_count;  // other bodies: in SceneArrays::partners
 };
@@ -69,6 +70,7 @@ struct SceneArrays : ArrayGroup {
   // How much of the arrays is in use.
   std::uint32_t body_count = 0, pair_row = 0;
   std::uint32_t vertex_block_count = 0, triangle_block_count = 0, triangle_count = 0;
+  std::uint32_t tile_count = 0;
   std::uint32_t identity_mask = 0;
 
   DeviceArray<DeviceBody, BodyIndex> bodies{*this, &CycleSizes::bodies};
@@ -80,6 +82,14 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<std::uint32_t, Place> pair_enabled{*this, &CycleSizes::pair_words};
   DeviceArray<BodyBlock, Place> vertex_blocks{*this, &CycleSizes::vertex_blocks};
   DeviceArray<BodyBlock, Place> triangle_blocks{*this, &CycleSizes::triangle_blocks};
+  // The bodies' triangles by tiles (stages/group.cuh); kNone in slots without one.
+  DeviceArray<BodyIndex, TileIndex> tile_body{*this, &CycleSizes::tiles};
+  DeviceArray<TriangleIndex, MemberIndex> slot_triangle{*this, &CycleSizes::slots};
+  // What that goes by: where most of a body's vertices are, in its frame [m]; the triangles' keys,
+  // and where they are sorted.
+  DeviceArray<Aabb, BodyIndex> body_ranges{*this, &CycleSizes::bodies};
+  DeviceArray<std::uint64_t, Place> curve_keys{*this, &CycleSizes::triangles};
+  DeviceArray<std::uint64_t, Place> sorted_keys{*this, &CycleSizes::triangles};
   // x y z in the body's frame [m].
   DeviceArray<float, VertexIndex, 3> received{*this, &CycleSizes::vertices};
   DeviceArray<VertexIndex, TriangleIndex, 3> corners{*this, &CycleSizes::triangles};
@@ -93,6 +103,7 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<float4, VertexIndex> earlier_posed{*this, &CycleSizes::swept_vertices};
   DeviceArray<Vec3f, Place> common_motion{*this, 1U};
   // Of the bodies' finite vertices, see cuda/device/boxes.cuh; zero at the start of a cycle.
+  // Outside of one, as received.
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
   // Equal iff of one body and equal as received: the number of one of those vertices; with
   // kFanCertified where that is so.

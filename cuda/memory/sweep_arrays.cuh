@@ -1,4 +1,5 @@
-// The members in the order of the sweep, and the sweep's work (stages sort and sweep).
+// The tiles of each cluster in the order of the sweep, and the sweep's work (stages sort and
+// sweep).
 #pragma once
 
 #include <cuda_runtime.h>
@@ -16,10 +17,9 @@ struct ClusterFrame {
   Vec3f centre;
   PrincipalAxes axes;
   Quantiser along[3];  // the principal axes
-  Quantiser world[4];  // x, y, z, z
 };
 
-// Up to 32 sorted members against up to CycleParams::unit_columns of the partners of each.
+// Up to 32 sorted entries against up to CycleParams::unit_columns of the partners of each.
 struct WorkUnit {
   ClusterIndex cluster;
   SortedIndex first_row;
@@ -31,30 +31,38 @@ struct WorkUnit {
   __device__ std::uint32_t columnGroup() const { return rows_and_groups >> 16; }
 };
 
+struct alignas(8) TilePair {
+  TileIndex a, b;
+};
+
+// Every so many a step of what there is to do for a pair of tiles: `part` of `parts`.
+struct alignas(16) TilePairPart {
+  TileIndex a, b;
+  std::uint32_t part, parts;
+};
+
 struct SweepArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
   DeviceArray<ClusterFrame, ClusterIndex> frames{*this, &CycleSizes::clusters};
-  // Of the members' centroids about the frames' centres.
+  // Of the triangles' centroids about the frames' centres.
   DeviceArray<Moments, ClusterIndex> moments{*this, &CycleSizes::clusters};
-  // Of each member, in the bins' order by group and bucket.
+  // Of each entry, as the bins have them: its key and box, as below, and its tile.
+  DeviceArray<uint4, EntryIndex> projected{*this, &CycleSizes::entries};
+  // Of each entry, in the bins' order by group and bucket.
   // Second and third axis; a sweep reads up to 64 places on.
-  DeviceArray<PackedBox, SortedIndex> boxes{*this, &CycleSizes::members, 64};
+  DeviceArray<PackedBox, SortedIndex> boxes{*this, &CycleSizes::entries, 64};
   // Bucket of the beginning, bucket of the end << 16; within the group.
-  DeviceArray<std::uint32_t, SortedIndex> keys{*this, &CycleSizes::members};
-  // x and y, lo and hi; z, lo and hi.
-  DeviceArray<uint4, SortedIndex> world_boxes{*this, &CycleSizes::members};
-  // In swept motion world_boxes has x and y, lo and hi, of the present state, then of the earlier
-  // one; and this lo and hi of z in both.
-  DeviceArray<PackedBox, SortedIndex> moving_z{*this, &CycleSizes::swept_members};
-  // Three vertex ids, the member.
-  DeviceArray<uint4, SortedIndex> ids{*this, &CycleSizes::members};
-  // Where the members of each bucket begin, and behind the last one where they end.
+  DeviceArray<std::uint32_t, SortedIndex> keys{*this, &CycleSizes::entries};
+  DeviceArray<TileIndex, SortedIndex> tiles{*this, &CycleSizes::entries};
+  // Where the entries of each bucket begin, and behind the last one where they end.
   DeviceArray<std::uint32_t, ClusterIndex, kBuckets + 1> bucket_begin{*this, &CycleSizes::clusters};
   DeviceArray<WorkUnit, Place> units{*this, &CycleSizes::units};
+  // What the sweep leaves: pairs of different tiles whose boxes meet, each part once.
+  DeviceArray<TilePairPart, Place> tile_pairs{*this, &CycleSizes::tile_pairs};
 };
 
-// The places of a row's partners among the sorted members: those of group `columns` that begin
+// The places of a row's partners among the sorted entries: those of group `columns` that begin
 // within the row's interval. Of two that begin in one bucket, the one of the later group, or the
 // later one, is the partner; so each pair is met once.
 struct ColumnRange {

@@ -1,4 +1,5 @@
-// Stage assign: every triangle into each cluster that it may share a contact in.
+// Stage assign: every tile into each cluster that one of its triangles may share a contact in. A
+// warp for each tile, a lane for each of its triangles.
 #include "core/rules/sampling.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
@@ -11,82 +12,46 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-// Bodies with more partners near them than this are not culled triangle by triangle.
-constexpr unsigned kMostPartnerBoxes = 32;
-// Triangles in more clusters than this are done by a warp each.
-constexpr unsigned kShortList = 12;
+constexpr unsigned kWarps = kThreads / kWarp;
 
-// The boxes of a body's partners that meet its own, in shared memory for all triangles of a block.
-struct PartnerBoxes {
-  unsigned count;
-  float low[kMostPartnerBoxes][3], high[kMostPartnerBoxes][3];
+__device__ float lowest(float x) { return fromOrderedBits(~warpMost(~orderedBits(x))); }
+__device__ float highest(float x) { return fromOrderedBits(warpMost(orderedBits(x))); }
 
-  __device__ void collect(const SceneArrays& scene, BodyIndex b) {
-    const DeviceBody& body = scene.bodies[b];
-    if (threadIdx.x == 0) count = 0;
-    __syncthreads();
-    const Aabb own = bodyBox(scene, b);
-    for (unsigned p = threadIdx.x; p < body.partner_count; p += kThreads) {
-      const Aabb partner = bodyBox(scene, scene.partners[Place(body.partner_begin + p)]);
-      if (!intersects(own, partner)) continue;
-      const unsigned place = atomicAdd(&count, 1U);
-      if (place >= kMostPartnerBoxes) continue;
-      for (int k = 0; k < 3; ++k) {
-        low[place][k] = partner.min[k];
-        high[place][k] = partner.max[k];
-      }
+// By a whole warp: the box of all lanes' boxes, which may be empty.
+__device__ Aabb warpBox(const Aabb& box) {
+  Aabb all;
+  all.min = {lowest(box.min.x), lowest(box.min.y), lowest(box.min.z)};
+  all.max = {highest(box.max.x), highest(box.max.y), highest(box.max.z)};
+  return all;
+}
+
+// By a whole warp: what `v` is in that lane.
+__device__ Vec3f laneVector(const Vec3f& v, int lane) {
+  return {__shfl_sync(kFullWarp, v.x, lane), __shfl_sync(kFullWarp, v.y, lane),
+          __shfl_sync(kFullWarp, v.z, lane)};
+}
+
+// By a whole warp: whether this lane's box meets that of one of the body's partners that meets the
+// body's own; `all`: the box of all lanes' boxes.
+__device__ bool meetsPartner(const SceneArrays& scene, BodyIndex b, const Aabb& box,
+                             const Aabb& all) {
+  const DeviceBody& body = scene.bodies[b];
+  const Aabb own = bodyBox(scene, b);
+  bool meets = false;
+  for (std::uint32_t first = 0; first < body.partner_count; first += kWarp) {
+    const std::uint32_t p = first + laneId();
+    Aabb partner;
+    if (p < body.partner_count) {
+      partner = bodyBox(scene, scene.partners[Place(body.partner_begin + p)]);
     }
-    __syncthreads();
-  }
-  __device__ bool meets(const Aabb& triangle) const {
-    if (count > kMostPartnerBoxes) return true;
-    for (unsigned p = 0; p < count; ++p) {
-      const Aabb box{{low[p][0], low[p][1], low[p][2]}, {high[p][0], high[p][1], high[p][2]}};
-      if (intersects(triangle, box)) return true;
+    unsigned near = __ballot_sync(kFullWarp, intersects(own, partner) && intersects(all, partner));
+    for (; near != 0; near &= near - 1) {
+      const int lane = __ffs(static_cast<int>(near)) - 1;
+      const Aabb other{laneVector(partner.min, lane), laneVector(partner.max, lane)};
+      meets = meets || intersects(box, other);
     }
-    return false;
   }
-};
-
-// By a whole block.
-__device__ void countBlock(std::uint32_t* counter, bool counted) {
-  const int count = __syncthreads_count(counted ? 1 : 0);
-  if (threadIdx.x == 0 && count > 0) atomicAdd(counter, static_cast<std::uint32_t>(count));
-}
-
-template <int kStates>
-__device__ void putMember(const CycleArrays& c, ClusterIndex bin, std::uint32_t place,
-                          const Member& member, const Corners<kStates>& corners) {
-  const Bin b = c.members.bins[bin];
-  if (place < b.capacity) {
-    const MemberIndex at(b.begin + place);
-    c.members.members[at] = member;
-    if (kStates > 1) c.members.earlier[at].posed = corners.earlier();
-  } else {
-    c.counters().bin_overflow = 1;
-  }
-}
-
-// Lanes of a warp that put members into the same bin share an atomic.
-template <int kStates>
-__device__ void putTogether(const CycleArrays& c, ClusterIndex bin, const Member& member,
-                            const Corners<kStates>& corners) {
-  const unsigned peers = __match_any_sync(__activemask(), bin.value);
-  const int leader = __ffs(static_cast<int>(peers)) - 1;
-  std::uint32_t base = 0;
-  if (laneId() == static_cast<unsigned>(leader)) {
-    base = atomicAdd(&c.members.count(bin), __popc(peers));
-  }
-  base = __shfl_sync(peers, base, leader);
-  putMember(c, bin, base + __popc(peers & ((1U << laneId()) - 1)), member, corners);
-}
-
-template <int kStates>
-__device__ HalfSpaceRuleOf<3 * kStates> ruleOf(const CycleArrays& c, const PrototypesView& view,
-                                               const Corners<kStates>& corners, float slack,
-                                               std::uint32_t& first) {
-  const ScaledCorners<kStates> scaled(c, corners);
-  return ruleFor<3 * kStates>(view, scaled.v, corners.nearest, c.params().overlap, slack, first);
+  return meets;
 }
 
 template <int kStates>
@@ -104,221 +69,238 @@ __device__ void takeSample(const CycleArrays& c, TriangleIndex t, bool regular,
   c.clusters.samples[Place(sampling.sampleOf(t.value))] = sample;
 }
 
-// Which of the prototypes near a triangle admit it, as bits of their places on a list of
-// neighbours.
-class AdmittedNeighbours {
- public:
-  // All clusters of the triangle are those of the list, if true; else the list does not reach far
-  // enough.
-  template <int kStates>
-  __device__ bool find(const CycleArrays& c, const PrototypesView& view,
-                       const Corners<kStates>& corners, float slack) {
-    static_assert(kMostNeighbours == 128);
-    float radius;
-    const auto rule = ruleOf(c, view, corners, slack, first_);
-    if (!listSuffices(view, rule, first_, radius)) return false;
-    in_first_ = rule.admits(view.prototypes[first_]);
-    forEachListed(view, rule, first_, radius, [this](std::uint32_t place) {
-      places_[place < 64 ? 0 : 1] |= std::uint64_t{1} << place % 64;
-    });
+// False if that was its home and had no room.
+__device__ bool putEntry(const CycleArrays& c, std::uint32_t cluster, TileIndex tile, bool home) {
+  const ClusterIndex g(cluster);
+  const Bin bin = c.members.bins[g];
+  const std::uint32_t place = atomicAdd(&c.members.count(g), 1U);
+  if (place < bin.capacity) {
+    c.members.entries[EntryIndex(bin.begin + place)] = {tile.value << 1 | (home ? 1U : 0U)};
     return true;
   }
-  __device__ std::uint32_t count() const {
-    return __popcll(places_[0]) + __popcll(places_[1]) + (in_first_ ? 1 : 0);
+  c.counters().bin_overflow = 1;
+  return !home;
+}
+
+// The clusters of a tile that may be in several: those that the rule admits one of its live
+// triangles to, by a whole warp. `kPoints`: of each triangle.
+template <int kPoints>
+class BorderTile {
+ public:
+  // Of the clusters near a prototype and itself, which many tiles have no more of.
+  static constexpr unsigned kMostFound = kMostNeighbours + 1;
+
+  // The rule of this lane's triangle, which is live or not; `found`: of the warp, in shared memory.
+  __device__ BorderTile(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule, bool live,
+                        std::uint32_t near, std::uint32_t* found)
+      : view_(view), rule_(rule), live_(live), near_(near), found_(found) {
+    radius_ = mostOf(__float_as_uint(live ? rule.searchRadius(view.prototypes[near]) : 0.0F));
+    std::uint32_t reach2 = 0;
+    Aabb box;
+    for (int k = 0; live && k < kPoints; ++k) {
+      box.include(rule.v[k]);
+      reach2 = max(reach2, __float_as_uint(rule.reach2[0][k]));
+    }
+    box_ = warpBox(box);
+    reach2_ = mostOf(reach2);
   }
-  // visit(cluster) for each, in no particular order.
+
+  // Whether the list of `near` has all clusters of the tile.
+  __device__ bool isListed() const { return view_.list_reach[near_] > radius_; }
+
+  // The clusters on that list, and `near`, into `found`; returns how many they are.
+  __device__ std::uint32_t findListed() const {
+    std::uint32_t count = 0;
+    const auto add = [&](std::uint32_t g) {
+      if (laneId() == 0) found_[count] = g;
+      ++count;
+    };
+    if (admits(view_.prototypes[near_])) add(near_);
+    const std::size_t begin = view_.listBegin(near_);
+    for (std::uint32_t first = 0; first < kMostNeighbours; first += kWarp) {
+      const Neighbour n = view_.neighbours[begin + first + laneId()];
+      const std::uint32_t cluster = view_.neighbour_cluster[begin + first + laneId()];
+      const bool within = n.distance <= radius_;
+      forEachAdmitted(n.prototype, __ballot_sync(kFullWarp, within && mayAdmit(n.prototype)),
+                      [&](int lane) { add(__shfl_sync(kFullWarp, cluster, lane)); });
+      if (__all_sync(kFullWarp, within) == 0) break;
+    }
+    __syncwarp();
+    return count;
+  }
+
+  // visit(cluster) for each of all clusters, ascending, in all lanes.
   template <class Visit>
-  __device__ void forEach(const PrototypesView& view, const Visit& visit) const {
-    const std::uint32_t* cluster_at = view.neighbour_cluster + view.listBegin(first_);
-    if (in_first_) visit(first_);
-    for (int half = 0; half < 2; ++half) {
-      for (std::uint64_t rest = places_[half]; rest != 0; rest &= rest - 1) {
-        visit(cluster_at[64 * half + __ffsll(static_cast<long long>(rest)) - 1]);
-      }
+  __device__ void forEachOfAll(const Visit& visit) const {
+    for (std::uint32_t first = 0; first < view_.count; first += kWarp) {
+      const std::uint32_t g = first + laneId();
+      const Vec3f prototype = view_.prototypes[min(g, view_.count - 1)];
+      const unsigned within = __ballot_sync(kFullWarp, g < view_.count && mayAdmit(prototype));
+      forEachAdmitted(prototype, within,
+                      [&](int lane) { visit(first + static_cast<std::uint32_t>(lane)); });
     }
   }
 
  private:
-  std::uint32_t first_ = 0;  // the first competitor, whose list it is
-  bool in_first_ = false;
-  std::uint64_t places_[2] = {0, 0};
-};
+  // Of all lanes' numbers, as bits, the most; none is negative, and NaN is more than any.
+  __device__ static float mostOf(std::uint32_t bits) { return __uint_as_float(warpMost(bits)); }
 
-// A member that is to be put into a cluster; of one warp, in shared memory.
-struct PendingMember {
-  TriangleIndex triangle;
-  std::uint32_t list;              // see Member
-  std::uint32_t cluster_and_home;  // cluster * 2 + 1 if it is the triangle's lowest
-};
-constexpr unsigned kMostPending = kWarp * kShortList;
-
-// By a whole warp: writes the ascending list of each lane's clusters and hands out its members.
-// Lanes without a triangle have none admitted. Returns how many are pending in the warp.
-__device__ std::uint32_t listMembers(const CycleArrays& c, TriangleIndex t, std::uint32_t length,
-                                     const AdmittedNeighbours& admitted, PendingMember* pending) {
-  const PrototypesView view = c.clusters.view();
-  const std::uint32_t words = length > 1 ? length + 1 : 0;
-  const std::uint32_t place = warpReserve(&c.counters().list_words, words);
-  const bool listed = words > 0 && place + words <= c.members.lists.size();
-  if (listed) c.members.lists[Place(place)] = length;
-  std::uint32_t total, next = warpPrefix(length, total);
-  if (length > 0) {
-    // Ranks by counting: lists are short, and need no array then.
-    admitted.forEach(view, [&](std::uint32_t g) {
-      std::uint32_t rank = 0;
-      admitted.forEach(view, [&](std::uint32_t other) { rank += other < g ? 1 : 0; });
-      if (listed) c.members.lists[Place(place + 1 + rank)] = g;
-      pending[next++] = {t, listed ? place : kNone, g << 1 | (rank == 0 ? 1U : 0U)};
-    });
+  // False only where the rule admits none of the triangles: their points lie in the box, so none is
+  // nearer to the prototype, as roundings are monotone; and farther than any of them reaches their
+  // first competitors keep them out.
+  __device__ bool mayAdmit(const Vec3f& prototype) const {
+    const Vec3f nearest{least(most(prototype.x, box_.min.x), box_.max.x),
+                        least(most(prototype.y, box_.min.y), box_.max.y),
+                        least(most(prototype.z, box_.min.z), box_.max.z)};
+    return !(squaredDistance(nearest, prototype) > reach2_);
   }
-  __syncwarp();
-  return total;
-}
-
-// By a whole warp, a lane for each: triangles that may be in several clusters. Those in too many
-// become wide ones.
-template <int kStates>
-__device__ void assignBorder(const CycleArrays& c, BodyIndex body, TriangleIndex t, bool wanted,
-                             PendingMember* pending) {
-  AdmittedNeighbours admitted;
-  std::uint32_t length = 0;
-  if (wanted) {
-    const bool all = admitted.find(c, c.clusters.view(), Corners<kStates>(c.scene, t),
-                                   c.scene.bodies[body].slack);
-    length = admitted.count();
-    if (!all || length > kShortList) {
-      c.members.wide[Place(atomicAdd(&c.counters().wide, 1U))] = {t, body};
-      length = 0;
+  __device__ bool admits(const Vec3f& prototype) const {
+    return __any_sync(kFullWarp, live_ && rule_.admits(prototype)) != 0;
+  }
+  // visit(lane) for each of the lanes `within` whose prototype the rule admits.
+  template <class Visit>
+  __device__ void forEachAdmitted(const Vec3f& prototype, unsigned within,
+                                  const Visit& visit) const {
+    for (; within != 0; within &= within - 1) {
+      const int lane = __ffs(static_cast<int>(within)) - 1;
+      if (admits(laneVector(prototype, lane))) visit(lane);
     }
   }
-  const std::uint32_t total = listMembers(c, t, length, admitted, pending);
-  for (std::uint32_t m = laneId(); m < total; m += kWarp) {
-    const PendingMember member = pending[m];
-    const Corners<kStates> corners(c.scene, member.triangle);
-    putTogether(c, ClusterIndex(member.cluster_and_home >> 1),
-                {corners.posed(), member.triangle, member.list,
-                 body.value << 1 | (member.cluster_and_home & 1)},
-                corners);
+
+  const PrototypesView& view_;
+  const HalfSpaceRuleOf<kPoints>& rule_;
+  const bool live_;
+  const std::uint32_t near_;
+  std::uint32_t* const found_;
+  float radius_;
+  Aabb box_;      // of the live triangles, as the rule has them [scaled]
+  float reach2_;  // the most of their points
+};
+
+// By a whole warp: room for a list of `length` clusters; kNone if there is none.
+__device__ std::uint32_t reserveList(const CycleArrays& c, std::uint32_t length) {
+  std::uint32_t place = 0;
+  if (laneId() == 0) {
+    place = atomicAdd(&c.counters().list_words, length + 1);
+    if (place + length + 1 > c.members.lists.size()) place = kNone;
+    if (place != kNone) c.members.lists[Place(place)] = length;
   }
-  __syncwarp();  // before the next ones
+  return __shfl_sync(kFullWarp, place, 0);
 }
 
-// By a whole block: those of its triangles that are not in the interior of a cell, closed up.
+// By a whole warp: the tile into all its clusters; returns where their list is. `at_home` becomes
+// whether it is in the lowest.
+template <int kPoints>
+__device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
+                                      const BorderTile<kPoints>& border, std::uint32_t* found,
+                                      bool& at_home) {
+  if (border.isListed()) {
+    const std::uint32_t length = border.findListed();
+    const std::uint32_t list = length > 1 ? reserveList(c, length) : kNone;
+    for (std::uint32_t i = laneId(); i < length; i += kWarp) {
+      const std::uint32_t g = found[i];
+      std::uint32_t rank = 0;
+      for (std::uint32_t k = 0; k < length; ++k) rank += found[k] < g ? 1 : 0;
+      if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
+      at_home = putEntry(c, g, tile, rank == 0) && at_home;
+    }
+    at_home = __all_sync(kFullWarp, at_home) != 0;
+    return list;
+  }
+  at_home = !warpIsCutOff(c, tile.value % kWarpsPerAsker == 0);
+  if (!at_home) return kNone;
+  std::uint32_t length = 0;
+  border.forEachOfAll([&](std::uint32_t) { ++length; });
+  const std::uint32_t list = reserveList(c, length);
+  std::uint32_t rank = 0;
+  border.forEachOfAll([&](std::uint32_t g) {
+    if (laneId() == 0) {
+      if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
+      at_home = putEntry(c, g, tile, rank == 0) && at_home;
+    }
+    ++rank;
+  });
+  at_home = __all_sync(kFullWarp, at_home) != 0;
+  return list;
+}
+
+// By a whole warp: a tile of which some triangle is live; returns where the list of its clusters
+// is.
 template <int kStates>
-__device__ void assignBorders(const CycleArrays& c, const BodyBlock& block, TriangleIndex t,
-                              bool border) {
-  __shared__ TriangleIndex borders[kThreads];
-  __shared__ std::uint32_t count;
-  __shared__ PendingMember pending[kThreads / kWarp][kMostPending];
-  if (threadIdx.x == 0) count = 0;
-  __syncthreads();
-  const std::uint32_t at = warpReserve(&count, border);
-  if (border) borders[at] = t;
-  __syncthreads();
-  const std::uint32_t warp = threadIdx.x / kWarp;
-  for (std::uint32_t first = warp * kWarp; first < count; first += kThreads) {
-    const std::uint32_t mine = first + laneId();
-    const bool there = mine < count;
-    assignBorder<kStates>(c, block.body, there ? borders[mine] : TriangleIndex(block.first), there,
-                          pending[warp]);
+__device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsigned live,
+                                    const Corners<kStates>& corners, float slack,
+                                    std::uint32_t* found, bool& at_home) {
+  const bool mine = (live >> laneId() & 1) != 0;
+  const int some = __ffs(static_cast<int>(live)) - 1;
+  const std::uint32_t near = __shfl_sync(kFullWarp, corners.nearest[0].cluster, some);
+  const bool inside =
+      isInterior<3 * kStates>(corners.nearest) && corners.nearest[0].cluster == near;
+  if (__all_sync(kFullWarp, inside || !mine) != 0) {
+    if (laneId() == 0) at_home = putEntry(c, near, tile, true);
+    at_home = __all_sync(kFullWarp, at_home) != 0;
+    return kNone;
   }
+  const PrototypesView view = c.clusters.view();
+  const ScaledCorners<kStates> scaled(c, corners);
+  std::uint32_t first;
+  const auto rule =
+      ruleFor<3 * kStates>(view, scaled.v, corners.nearest, c.params().overlap, slack, first);
+  return assignBorder(c, tile, BorderTile<3 * kStates>(view, rule, mine, near, found), found,
+                      at_home);
 }
 
-// A thread for each triangle, a block for each of scene.triangle_blocks: reads scene.corners,
-// scene.posed, scene.body_boxes; adds to members.members, members.lists and members.wide. In swept
-// motion (kStates == 2) the earlier states too, to members.earlier.
+// A warp for each tile: reads scene.corners, scene.posed, scene.body_boxes; writes members.members
+// and members.tiles; adds to members.entries, members.lists and members.large. In swept motion
+// (kStates == 2) the earlier states too, to members.earlier.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   awaitKernelAhead();
   letNextStart();
-  __shared__ PartnerBoxes partners;
-  const BodyBlock block = c.scene.triangle_blocks[Place(blockIdx.x)];
-  const DeviceBody& body = c.scene.bodies[block.body];
-  if (body.has_self == 0) partners.collect(c.scene, block.body);
-
-  const bool inside = threadIdx.x < block.count;
-  const TriangleIndex t(block.first + (inside ? threadIdx.x : 0));
+  __shared__ std::uint32_t found[kWarps][BorderTile<3 * kStates>::kMostFound];
+  const std::uint32_t warp = threadIdx.x / kWarp;
+  const TileIndex tile(blockIdx.x * kWarps + warp);
+  if (tile.value >= c.scene.tile_count) return;
+  const BodyIndex b = c.scene.tile_body[tile];
+  const DeviceBody& body = c.scene.bodies[b];
+  const MemberIndex slot(tile.value * kWarp + laneId());
+  const TriangleIndex named = c.scene.slot_triangle[slot];
+  const bool there = named.value != kNone;
+  const TriangleIndex t(there ? named.value : 0);
   const Corners<kStates> corners(c.scene, t);
-  const Member member{corners.posed(), t, kNone, block.body.value << 1 | 1};
-  const bool finite = corners.isFinite();
-  const Aabb box = inflated(corners.box(c), body.margin_m);
-  const bool near = finite && (body.has_self != 0 || partners.meets(box));
+  const bool finite = there && corners.isFinite();
+  const Aabb box = finite ? inflated(corners.box(c), body.margin_m) : Aabb();
+  bool near = finite;
+  if (body.has_self == 0) near = meetsPartner(c.scene, b, box, warpBox(box)) && finite;
   const SceneShare& share = c.params().share;
   const bool here = near && (share.isWhole() || corners.reachesInto(share, body.margin_m));
   const bool large = here && c.params().size.isLarge(box);
-  const bool regular = inside && here && !large;
-  warpCount(&c.counters().rejected, inside && !finite);
-  countBlock(&c.counters().culled, inside && finite && !near);
-  countBlock(&c.counters().clustered, regular);
-  if (inside) takeSample(c, t, regular, corners);
-  if (inside && large) {
-    putMember(c, ClusterIndex(c.clusters.count), atomicAdd(&c.counters().large, 1U), member,
-              corners);
+  const bool regular = here && !large;
+  const unsigned live = __ballot_sync(kFullWarp, regular);
+  warpCount(&c.counters().rejected, there && !finite);
+  warpCount(&c.counters().culled, finite && !near);
+  warpCount(&c.counters().clustered, regular);
+  if (there) {
+    takeSample(c, t, regular, corners);
+    c.members.members[slot] = {corners.posed(), t, b, body.group};
+    if (kStates > 1) c.members.earlier[slot].posed = corners.earlier();
   }
-  const bool interior = isInterior<3 * kStates>(corners.nearest);
-  if (regular && interior) {
-    putTogether(c, ClusterIndex(corners.nearest[0].cluster), member, corners);
-  }
-  assignBorders<kStates>(c, block, t, regular && !interior);
-}
-
-// A warp for each of members.wide, over all prototypes in ascending order: adds to members.members
-// and members.lists.
-template <int kStates>
-__global__ void __launch_bounds__(kThreads) assignWideKernel(CycleArrays c) {
-  awaitKernelAhead();
-  const PrototypesView view = c.clusters.view();
-  const std::uint32_t count = c.counters().wide;
-  const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
-  const std::uint32_t rounded = (view.count + kWarp - 1) / kWarp * kWarp;
-  const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
-  for (std::uint32_t i = warp; i < count; i += warps) {
-    if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) return;
-    const WideTriangle wide = c.members.wide[Place(i)];
-    const Corners<kStates> corners(c.scene, wide.triangle);
-    std::uint32_t first;
-    const auto rule = ruleOf(c, view, corners, c.scene.bodies[wide.body].slack, first);
-    const auto admitted = [&](std::uint32_t g) {
-      return g < view.count && rule.admits(view.prototypes[g]);
-    };
-    std::uint32_t length = 0;
-    for (std::uint32_t g = laneId(); g < rounded; g += kWarp) {
-      length += __popc(__ballot_sync(kFullWarp, admitted(g)));
-    }
-    std::uint32_t place = 0;
-    if (laneId() == 0) place = atomicAdd(&c.counters().list_words, length + 1);
-    place = __shfl_sync(kFullWarp, place, 0);
-    const bool fits = place + length + 1 <= c.members.lists.size();
-    if (fits && laneId() == 0) c.members.lists[Place(place)] = length;
-    Member member{corners.posed(), wide.triangle, fits ? place : kNone, 0};
-    std::uint32_t before = 0;
-    for (std::uint32_t g = laneId(); g < rounded; g += kWarp) {
-      const bool in = admitted(g);
-      const unsigned mask = __ballot_sync(kFullWarp, in);
-      const std::uint32_t k = before + __popc(mask & ((1U << laneId()) - 1));
-      before += __popc(mask);
-      if (!in) continue;
-      if (fits) c.members.lists[Place(place + 1 + k)] = g;
-      member.body_and_home = wide.body.value << 1 | (k == 0 ? 1 : 0);
-      const ClusterIndex bin(g);
-      putMember(c, bin, atomicAdd(&c.members.count(bin), 1U), member, corners);
-    }
-  }
-}
-
-template <int kStates>
-void launch(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  launchEarly(assignKernel<kStates>, cycle.scene.triangle_block_count, kThreads, 0, shape.device,
-              stream, cycle);
-  launchEarly(assignWideKernel<kStates>,
-              blocksInOneWave(assignWideKernel<kStates>, kThreads, 0, shape.device), kThreads, 0,
-              shape.device, stream, cycle);
+  if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
+  const Aabb all = warpBox(regular ? box : Aabb());
+  bool at_home = true;
+  const std::uint32_t list =
+      live == 0 || c.together()
+          ? kNone
+          : assignTile(c, tile, live, corners, body.slack, found[warp], at_home);
+  // One without a home has no ids in this cycle, which is to be made again or cut off.
+  if (laneId() == 0) c.members.tiles[tile] = {all, at_home ? live : 0, list};
 }
 
 }  // namespace
 
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  shape.swept ? launch<2>(cycle, shape, stream) : launch<1>(cycle, shape, stream);
+  const auto kernel = shape.swept ? assignKernel<2> : assignKernel<1>;
+  launchEarly(kernel, (cycle.scene.tile_count + kWarps - 1) / kWarps, kThreads, 0, shape.device,
+              stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

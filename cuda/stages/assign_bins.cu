@@ -1,4 +1,4 @@
-// Stage assign, for the next cycle: how much room the members of each cluster are to have.
+// Stage assign, for the next cycle: how much room the tiles of each cluster are to have.
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -6,22 +6,19 @@ namespace deformable_contact_monitor {
 namespace {
 
 __device__ std::uint32_t wantedCapacity(const CycleArrays& c, ClusterIndex bin) {
-  const bool large = bin.value == c.clusters.count;
-  const std::uint32_t count = large ? c.counters().large : c.members.count(bin);
+  const std::uint32_t count = c.members.count(bin);
   constexpr std::uint32_t kSpare = 32;
   // Remembers peaks for a while, so that a scene that swings to and fro fits.
   const std::uint32_t before = c.members.bins[bin].capacity;
   return max(count + count / 4 + kSpare, before - before / 32);
 }
 
-// One block, which goes through the clusters and the large list: reads members.counts, and writes
+// One block, which goes through the clusters: reads members.counts, and writes
 // members.next_bins by an exclusive sum of the capacities.
 constexpr unsigned kScanThreads = 1024;
 __global__ void __launch_bounds__(kScanThreads) binsKernel(CycleArrays c) {
   __shared__ std::uint32_t warp_total[kScanThreads / kWarp];
-  __shared__ std::uint32_t members, largest;
-  if (threadIdx.x == 0) members = largest = 0;
-  const std::uint32_t bins = c.clusters.count + 1, room = c.members.members.size();
+  const std::uint32_t bins = c.clusters.count, room = c.members.entries.size();
   std::uint32_t begin = 0;
   for (std::uint32_t first = 0; first < bins; first += kScanThreads) {
     const ClusterIndex g(first + threadIdx.x);
@@ -29,9 +26,6 @@ __global__ void __launch_bounds__(kScanThreads) binsKernel(CycleArrays c) {
     std::uint32_t total, before = warpPrefix(capacity, total);
     __syncthreads();
     if (laneId() == 0) warp_total[threadIdx.x / kWarp] = total;
-    const std::uint32_t count = g.value < c.clusters.count ? c.members.count(g) : 0;
-    atomicAdd(&members, count);
-    atomicMax(&largest, count);
     __syncthreads();
     std::uint32_t sum = 0;
     for (unsigned w = 0; w < kScanThreads / kWarp; ++w) {
@@ -43,17 +37,13 @@ __global__ void __launch_bounds__(kScanThreads) binsKernel(CycleArrays c) {
     if (g.value < bins) c.members.next_bins[g] = {place, min(capacity, room - place)};
     begin += sum;
   }
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    c.counters().bins_wanted = begin;
-    c.counters().members = members;
-    c.counters().largest_cluster = largest;
-  }
+  if (threadIdx.x == 0) c.counters().bins_wanted = begin;
 }
 
 }  // namespace
 
 void launchAssignBins(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
+  if (cycle.together()) return;
   binsKernel<<<1, kScanThreads, 0, stream>>>(cycle);
 }
 

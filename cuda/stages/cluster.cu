@@ -181,6 +181,7 @@ void movePrototypes(const CycleArrays& cycle, cudaStream_t stream) {
 }  // namespace
 
 void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  if (cycle.together()) return;
   for (int i = 0; i < shape.refinements; ++i) {
     movePrototypes(cycle, stream);
     launchClusterLists(cycle, stream);

@@ -50,6 +50,13 @@ struct Corners {
   }
 };
 
+// The ids of a triangle's vertices.
+__device__ inline uint4 idsOf(const SceneArrays& scene, TriangleIndex t) {
+  const VertexIndex* vertices = scene.corners.row(t);
+  return make_uint4(scene.vertex_id[vertices[0]].value, scene.vertex_id[vertices[1]].value,
+                    scene.vertex_id[vertices[2]].value, 0);
+}
+
 // The vertices for the clusters [scaled].
 template <int kStates>
 struct ScaledCorners {

@@ -105,7 +105,7 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
 __global__ void restartKernel(CycleArrays c, bool first) {
   CycleCounters& counters = c.counters();
   counters.candidates = 0;
-  counters.open = counters.blocks_done = counters.units_taken = counters.open_pairs = 0;
+  counters.open = counters.blocks_done = counters.pairs_taken = counters.open_pairs = 0;
   if (c.contacts.swept_counters.size() > 0) *c.contacts.swept_counters.data() = SweptCounters{};
   if (!first) return;
   counters.contacts = 0;

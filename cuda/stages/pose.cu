@@ -133,6 +133,8 @@ void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t 
   if (shape.swept) return launchPoseMoving(cycle, shape, stream);
   clearKernel<<<(placesToClear(cycle) + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle);
   launchEarly(poseKernel, cycle.scene.vertex_block_count, kThreads, 0, shape.device, stream, cycle);
+  if (cycle.clusters.count <= kFewPrototypes) return;  // none is far
+
   constexpr unsigned kFarBlocksEach = 4;  // of a multiprocessor
   launchEarly(farKernel, kFarBlocksEach * shape.device.multiprocessors, kThreads, 0, shape.device,
               stream, cycle);

@@ -205,6 +205,8 @@ void launchPoseMoving(const CycleArrays& cycle, const CycleShape& shape, cudaStr
   clearMovingKernel<<<(to_clear + kThreads - 1) / kThreads + 1, kThreads, 0, stream>>>(cycle);
   launchEarly(poseMovingKernel, cycle.scene.vertex_block_count, kThreads, 0, shape.device, stream,
               cycle);
+  if (cycle.clusters.count <= kFewPrototypes) return;  // none is far
+
   constexpr unsigned kFarBlocksEach = 4;  // of a multiprocessor
   launchEarly(farMovingKernel, kFarBlocksEach * shape.device.multiprocessors, kThreads, 0,
               shape.device, stream, cycle);

@@ -25,11 +25,11 @@ __device__ inline void putPosed(const SceneArrays& scene, VertexIndex i, const V
 
 // The one place where what the cycle adds to becomes zero; `thread` of placesToClear().
 inline unsigned placesToClear(const CycleArrays& c) {
-  return std::max(c.clusters.count + 1, kSides * c.scene.body_count);
+  return std::max(c.clusters.count, kSides * c.scene.body_count);
 }
 __device__ inline void clearCycle(const CycleArrays& c, std::uint32_t thread) {
   if (thread == 0) c.counters() = CycleCounters{};
-  if (thread <= c.clusters.count) {
+  if (thread < c.clusters.count) {
     const ClusterIndex bin(thread);
     c.members.bins[bin] = c.members.next_bins[bin];
     c.members.count(bin) = 0;

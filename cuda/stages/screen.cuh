@@ -5,15 +5,16 @@
 #include "core/predicates/narrow_phase.h"
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/margins.h"
-#include "core/rules/ownership.h"
 #include "cuda/memory/cycle_arrays.cuh"
 
 namespace deformable_contact_monitor {
 
 // One bit per vertex of `a` that is also one of `b`; x, y, z are vertices' identities.
 __device__ inline std::uint32_t sharedBits(const uint4& a, const uint4& b) {
-  const std::uint32_t ids_a[3] = {a.x, a.y, a.z}, ids_b[3] = {b.x, b.y, b.z};
-  return sharedBits(ids_a, ids_b);
+  const auto inB = [&b](std::uint32_t id) {
+    return static_cast<std::uint32_t>((id == b.x) | (id == b.y) | (id == b.z));
+  };
+  return inB(a.x) | inB(a.y) << 1 | inB(a.z) << 2;
 }
 
 // Whether one of these vertices of `a` has a certified fan: then triangles that share it meet in
@@ -51,11 +52,11 @@ __device__ inline PairFacts unpackFacts(std::uint32_t packed) {
 // The margin of two members' bodies [m].
 __device__ inline float marginOf(const CycleArrays& c, const Member& a, const Member& b) {
   if (c.params().margins == 0) return 0;
-  return pairMargin(c.scene.bodies[a.body()].margin_m, c.scene.bodies[b.body()].margin_m);
+  return pairMargin(c.scene.bodies[a.body].margin_m, c.scene.bodies[b.body].margin_m);
 }
 
 __device__ inline Aabb memberBox(const CycleArrays& c, const Member& m) {
-  return inflated(boxOf(m.posed), c.params().margins == 0 ? 0 : c.scene.bodies[m.body()].margin_m);
+  return inflated(boxOf(m.posed), c.params().margins == 0 ? 0 : c.scene.bodies[m.body].margin_m);
 }
 
 // Whether the pair of these bodies is enabled, where groups of bodies share a number.
@@ -64,22 +65,20 @@ __device__ inline bool pairEnabled(const SceneArrays& scene, BodyIndex a, BodyIn
   return (scene.pair_enabled[word] >> (b.value % 32) & 1) != 0;
 }
 
-// Whether two members are a candidate; `shared_a` and `shared_b` are the bits of their shared
-// vertices. `cluster`: where they met; kNone: they could meet nowhere else.
-__device__ inline bool screenPair(const CycleArrays& c, ClusterIndex cluster, MemberIndex at_a,
-                                  MemberIndex at_b, std::uint32_t shared_a, std::uint32_t shared_b,
+// Whether two members whose boxes meet are a candidate; `shared_a` and `shared_b` are the bits of
+// their shared vertices.
+__device__ inline bool screenPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b,
+                                  std::uint32_t shared_a, std::uint32_t shared_b,
                                   DeviceCandidate& candidate) {
   const Member a = c.members.members[at_a], b = c.members.members[at_b];
-  if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body(), b.body())) return false;
+  if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body, b.body)) return false;
   PairFacts facts;
   facts.shared = sharedByBits(shared_a, shared_b);
   facts.margin_m = marginOf(c, a, b);
   if (!isCandidate(a.posed, b.posed, facts)) return false;
   candidate = {at_a, at_b, packFacts(facts)};
-  const Aabb box_a = memberBox(c, a), box_b = memberBox(c, b);
-  return intersects(box_a, box_b) && c.params().share.owns(box_a, box_b) &&
-         (cluster.value == kNone ||
-          ownsPair(cluster.value, c.members.clustersOf(a), c.members.clustersOf(b)));
+  const SceneShare& share = c.params().share;
+  return share.isWhole() || share.owns(memberBox(c, a), memberBox(c, b));
 }
 
 }  // namespace deformable_contact_monitor

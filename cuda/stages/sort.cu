@@ -1,8 +1,9 @@
-// Stage sort: each cluster's members along its principal axes, sorted by where they begin.
+// Stage sort: each cluster's tiles along its principal axes, sorted by where they begin.
 #include "core/rules/common_motion.h"
 #include "core/rules/margins.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
+#include "cuda/stages/corners.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
@@ -12,32 +13,22 @@ constexpr unsigned kThreads = 512;
 constexpr unsigned kWarps = kThreads / kWarp;
 static_assert(kBuckets % kThreads == 0);
 
-// With kStates == 2 in swept motion: where it was at the beginning of the step comes first, and the
-// common motion is taken off.
+// A live triangle's points [scaled]. With kStates == 2 in swept motion: where it was at the
+// beginning of the step comes first, and the common motion is taken off.
 template <int kStates>
 struct ScaledMember {
   static constexpr int kPoints = 3 * kStates, kPresent = kPoints - 3;
   Vec3f v[kPoints];
-  float margin;
-  std::uint32_t group;
 
-  __device__ ScaledMember(const CycleArrays& c, const SceneScale& scale, MemberIndex at,
-                          const Member& member) {
-    const DeviceBody& body = c.scene.bodies[member.body()];
+  __device__ ScaledMember(const CycleArrays& c, const SceneScale& scale, MemberIndex at) {
+    const Triangle posed = c.members.members[at].posed;
     if (kStates > 1) {
       const Triangle earlier = c.members.earlier[at].posed;
       for (int k = 0; k < 3; ++k) v[k] = scale.apply(earlier.v[k]);
     }
     const SceneScale present =
         kStates > 1 ? withoutMotion(scale, c.scene.common_motion[Place(0)]) : scale;
-    for (int k = 0; k < 3; ++k) v[kPresent + k] = present.apply(member.posed.v[k]);
-    margin = body.slack / 2;
-    group = body.group;
-  }
-  __device__ Interval along(const Vec3f& axis) const { return project<kPoints>(axis, v, margin); }
-  // Of one state.
-  __device__ Interval alongAt(int first, const Vec3f& axis) const {
-    return project<3>(axis, v + first, margin);
+    for (int k = 0; k < 3; ++k) v[kPresent + k] = present.apply(posed.v[k]);
   }
   __device__ Vec3f mean() const {
     if (kStates == 1) return centroidOf(v);
@@ -45,19 +36,59 @@ struct ScaledMember {
   }
 };
 
-// Where a member begins and ends along the first axis, within its group; and the group's bucket.
-struct Buckets {
-  std::uint32_t first, last, place;
-
-  template <int kStates>
-  __device__ Buckets(const CycleParams& params, const ClusterFrame& frame,
-                     const ScaledMember<kStates>& m) {
-    const Interval along = m.along(frame.axes.axis[0]);
-    first = frame.along[0](along.lo) >> params.bucket_shift;
-    last = frame.along[0](along.hi) >> params.bucket_shift;
-    place = m.group * params.bucketsOfGroup() + first;
-  }
+// Of a tile along one axis, quantised.
+struct PackedInterval {
+  std::uint32_t lo, hi;
 };
+
+// By a whole warp, of whose lanes some have a live triangle, with points `v`.
+template <int kPoints>
+__device__ PackedInterval tileAlong(const Quantiser& quantiser, const Vec3f& axis,
+                                    const Vec3f v[kPoints], float margin, bool live) {
+  const Interval along = project<kPoints>(axis, v, margin);
+  const std::uint32_t lo = live ? quantiser(along.lo) : 0xffffU;
+  const std::uint32_t hi = live ? quantiser(along.hi) : 0;
+  const std::uint32_t most = warpMost(hi);
+  return {min(0xffffU - warpMost(0xffffU - lo), most), most};  // zeros where none is live
+}
+
+// What a warp finds of the tiles of a cluster.
+struct ClusterSums {
+  Moments moments;
+  std::uint32_t triangles = 0;  // of all lanes
+};
+
+// By a whole warp: projects a tile, and leaves its triangles' ids where it is at home. Returns its
+// bucket, of the groups'.
+template <int kStates>
+__device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& params,
+                                     const ClusterFrame& frame, EntryIndex at, ClusterSums& sums) {
+  constexpr int kPoints = 3 * kStates;
+  const TileEntry entry = c.members.entries[at];
+  const TileIndex tile = entry.tile();
+  const DeviceBody& body = c.scene.bodies[c.scene.tile_body[tile]];
+  const unsigned alive = c.members.tiles[tile].live;
+  const bool live = (alive >> laneId() & 1) != 0;
+  const MemberIndex slot(tile.value * kWarp + laneId());
+  ScaledMember<kStates> scaled(c, params.scale, slot);
+  if (live) sums.moments.add(scaled.mean() - frame.centre);
+  sums.triangles += __popc(alive);
+  if (live && entry.isHome()) {
+    c.members.ids[slot] = idsOf(c.scene, c.members.members[slot].triangle);
+  }
+  PackedInterval along[3];
+  for (int k = 0; k < 3; ++k) {
+    along[k] =
+        tileAlong<kPoints>(frame.along[k], frame.axes.axis[k], scaled.v, body.slack / 2, live);
+  }
+  const std::uint32_t first = along[0].lo >> params.bucket_shift;
+  const std::uint32_t last = along[0].hi >> params.bucket_shift;
+  if (laneId() == 0) {
+    c.sweep.projected[at] = make_uint4(first | last << 16, along[1].lo | along[2].lo << 16,
+                                       along[1].hi | along[2].hi << 16, tile.value);
+  }
+  return body.group * params.bucketsOfGroup() + first;
+}
 
 // Turns counts into places from `first` on, by the whole block.
 __device__ void scanBuckets(std::uint32_t* place, std::uint32_t first) {
@@ -96,52 +127,23 @@ __device__ void storeMoments(Moments m, Moments* out) {
   }
 }
 
-// A triangle's boxes along the scene's axes, packed: in swept motion those of both states.
-template <int kStates>
-__device__ void putWorldBoxes(const CycleArrays& c, const ClusterFrame& frame,
-                              const ScaledMember<kStates>& m, SortedIndex to) {
-  constexpr int kPresent = ScaledMember<kStates>::kPresent;
-  const Vec3f x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
-  const Interval xy_now[2] = {m.alongAt(kPresent, x), m.alongAt(kPresent, y)};
-  const Interval z_now = m.alongAt(kPresent, z);
-  const PackedBox xy = pack(frame.world, xy_now);
-  if (kStates == 1) {
-    const Interval zz[2] = {z_now, z_now};
-    const PackedBox packed_z = pack(frame.world + 2, zz);
-    c.sweep.world_boxes[to] = make_uint4(xy.lo, xy.hi, packed_z.lo, packed_z.hi);
-  } else {
-    const Interval xy_before[2] = {m.alongAt(0, x), m.alongAt(0, y)};
-    const Interval zz[2] = {z_now, m.alongAt(0, z)};
-    const PackedBox before = pack(frame.world, xy_before);
-    c.sweep.world_boxes[to] = make_uint4(xy.lo, xy.hi, before.lo, before.hi);
-    c.sweep.moving_z[to] = pack(frame.world + 2, zz);
-  }
-}
-
-// Puts a member's boxes, keys and ids to its place in the order.
-template <int kStates>
-__device__ void layOut(const CycleArrays& c, const CycleParams& params, const ClusterFrame& frame,
-                       MemberIndex at, std::uint32_t* place) {
-  const Member member = c.members.members[at];
-  const VertexIndex* vertices = c.scene.corners.row(member.triangle);
-  const uint4 ids =
-      make_uint4(c.scene.vertex_id[vertices[0]].value, c.scene.vertex_id[vertices[1]].value,
-                 c.scene.vertex_id[vertices[2]].value, at.value);
-  const ScaledMember<kStates> scaled(c, params.scale, at, member);
-  const Buckets buckets(params, frame, scaled);
-  Interval along[2];
-  for (int k = 0; k < 2; ++k) along[k] = scaled.along(frame.axes.axis[1 + k]);
-  const SortedIndex to(atomicAdd(&place[buckets.place], 1U));
-  c.sweep.boxes[to] = pack(frame.along + 1, along);
-  c.sweep.keys[to] = buckets.first | buckets.last << 16;
-  putWorldBoxes(c, frame, scaled, to);
-  c.sweep.ids[to] = ids;
+// Puts a projected tile to its place in the order.
+__device__ void layOut(const CycleArrays& c, const CycleParams& params, EntryIndex at,
+                       std::uint32_t* place) {
+  const uint4 projected = c.sweep.projected[at];
+  const TileIndex tile(projected.w);
+  const std::uint32_t group = c.scene.bodies[c.scene.tile_body[tile]].group;
+  const std::uint32_t bucket = group * params.bucketsOfGroup() + (projected.x & 0xffffU);
+  const SortedIndex to(atomicAdd(&place[bucket], 1U));
+  c.sweep.keys[to] = projected.x;
+  c.sweep.boxes[to] = {projected.y, projected.z};
+  c.sweep.tiles[to] = tile;
 }
 
 // Cuts the rows of group `rows` into chunks of a warp, and each chunk's partners into units.
 __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
                          const std::uint32_t* bucket_begin, std::uint32_t buckets,
-                         std::uint32_t rows, unsigned long long& overlaps) {
+                         std::uint32_t rows) {
   const std::uint32_t mask = c.scene.group_mask[Place(rows)];
   const std::uint32_t unit_columns = c.params().unit_columns;
   const std::uint32_t begin = bucket_begin[rows * buckets];
@@ -157,7 +159,6 @@ __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
         const ColumnRange range = columnsOf(bucket_begin, buckets, rows, columns, row, key);
         length = range.end - range.begin;
       }
-      overlaps += length;
       const std::uint32_t units = (warpMost(length) + unit_columns - 1) / unit_columns;
       if (units == 0) continue;
       std::uint32_t place = 0;
@@ -172,48 +173,56 @@ __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
   }
 }
 
-// A block for each cluster: reads its members; writes its part of the arrays of `sweep`, by a
+// By the whole block: projects the cluster's tiles, and counts them by buckets.
+template <int kStates>
+__device__ void projectTiles(const CycleArrays& c, const CycleParams& params, ClusterIndex g,
+                             std::uint32_t first, std::uint32_t count, std::uint32_t* place) {
+  __shared__ std::uint32_t triangles;
+  if (threadIdx.x == 0) triangles = 0;
+  const ClusterFrame frame = c.sweep.frames[g];
+  __syncthreads();
+  ClusterSums sums;
+  for (std::uint32_t m = threadIdx.x / kWarp; m < count; m += kWarps) {
+    const std::uint32_t bucket =
+        projectTile<kStates>(c, params, frame, EntryIndex(first + m), sums);
+    if (laneId() == 0) atomicAdd(&place[bucket], 1U);
+  }
+  if (laneId() == 0) atomicAdd(&triangles, sums.triangles);
+  storeMoments(sums.moments, &c.sweep.moments[g]);  // waits for the block
+  if (threadIdx.x == 0 && triangles > 0) {
+    atomicAdd(&c.counters().members, 1ULL * triangles);
+    atomicMax(&c.counters().largest_cluster, triangles);
+  }
+}
+
+// A block for each cluster: reads its entries; writes its part of the arrays of `sweep`, by a
 // counting sort into buckets, and adds to sweep.units. In swept motion (kStates == 2) both states.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
-  // While members are put into their buckets, each bucket's place moves on to where the next
-  // begins.
+  // While tiles are put into their buckets, each bucket's place moves on to where the next begins.
   __shared__ std::uint32_t bucket_begin[kBuckets + 1];
   std::uint32_t* const place = bucket_begin + 1;
   const ClusterIndex g(blockIdx.x);
   const std::uint32_t first = c.members.bins[g].begin;
   const std::uint32_t count = c.members.present(g);
   const CycleParams params = c.params();
-  const ClusterFrame frame = c.sweep.frames[g];
   for (unsigned k = threadIdx.x; k < kBuckets; k += kThreads) place[k] = 0;
-  __syncthreads();
-
-  Moments moments;
-  for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
-    const MemberIndex at(first + m);
-    const ScaledMember<kStates> scaled(c, params.scale, at, c.members.members[at]);
-    atomicAdd(&place[Buckets(params, frame, scaled).place], 1U);
-    moments.add(scaled.mean() - frame.centre);
-  }
-  storeMoments(moments, &c.sweep.moments[g]);
+  projectTiles<kStates>(c, params, g, first, count, place);
   if (count == 0) return;
   __syncthreads();
   scanBuckets(place, first);
   for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
-    layOut<kStates>(c, params, frame, MemberIndex(first + m), place);
+    layOut(c, params, EntryIndex(first + m), place);
   }
   __syncthreads();
   if (threadIdx.x == 0) bucket_begin[0] = first;
   __syncthreads();
   std::uint32_t* const begin_for_sweep = c.sweep.bucket_begin.row(g);
   for (unsigned k = threadIdx.x; k <= kBuckets; k += kThreads) begin_for_sweep[k] = bucket_begin[k];
-  unsigned long long overlaps = 0;
   for (std::uint32_t s = 0; s < params.group_count; ++s) {
-    cutUnits(c, g, bucket_begin, params.bucketsOfGroup(), s, overlaps);
+    cutUnits(c, g, bucket_begin, params.bucketsOfGroup(), s);
   }
-  overlaps = warpSum(overlaps);
-  if (laneId() == 0 && overlaps != 0) atomicAdd(&c.counters().interval_overlaps, overlaps);
 }
 
 __device__ Quantiser around(double mean, double variance) {
@@ -244,20 +253,20 @@ __global__ void __launch_bounds__(kWarp) frameKernel(CycleArrays c) {
       for (int j = 0; j < 3; ++j) variance += a[i] * a[j] * covariance.product[i][j];
     }
     frame.along[k] = around(centre, variance);
-    frame.world[k] = around(mean[k] + origin[k], covariance.product[k][k]);
   }
-  frame.world[3] = frame.world[2];
   c.sweep.frames[g] = frame;
 }
 
 }  // namespace
 
 void launchSort(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  if (cycle.together()) return;
   const auto kernel = shape.swept ? sortKernel<2> : sortKernel<1>;
   kernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
 }
 
 void launchSortFrames(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
+  if (cycle.together()) return;
   frameKernel<<<(cycle.clusters.count + kWarp - 1) / kWarp, kWarp, 0, stream>>>(cycle);
 }
 

@@ -44,16 +44,17 @@ void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t 
 void launchPoseFans(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign: drops triangles that are not finite or outside every partner's box; puts the others into
-// their clusters' bins, or on the large list; takes samples. Reads scene.posed, scene.corners;
-// writes members.members, members.lists, clusters.samples. Right behind launchPose.
+// their tiles, and these into their clusters' bins, or on the large list; takes samples. Reads
+// scene.posed, scene.corners; writes members.members, members.tiles, members.entries,
+// members.lists, clusters.samples. Right behind launchPose.
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign, for the next cycle: how much room each bin is to have. Reads members.counts; writes
 // members.next_bins.
 void launchAssignBins(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// sort: projects each cluster's members onto the cluster's frame, sorts them along its first axis,
-// and cuts the sweep into work units. Reads members.members; writes the arrays of `sweep`.
+// sort: projects each cluster's tiles onto the cluster's frame, sorts them along its first axis,
+// and cuts the sweep into work units. Reads members.entries; writes the arrays of `sweep`.
 void launchSort(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // sort, for the next cycle: principal axes and extents of each cluster, as they are now. Reads
@@ -66,11 +67,20 @@ void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream
 // The lists alone.
 void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 
-// sweep: pairs of members whose intervals, packed boxes and boxes intersect, and which this cluster
-// owns, are filtered by planes; the rest are contacts where float32 is certain of it, candidates
-// where it is not. Reads the arrays of `sweep`; writes contacts.candidates and contacts.contacts.
-// Right behind launchSort where it is the next launch of the stream.
+// sweep: pairs of tiles whose intervals, packed boxes and boxes intersect, and which this cluster
+// owns. Reads the arrays of `sweep`; writes sweep.tile_pairs. Right behind launchSort.
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// The same in place of launchSort and launchSweep where CycleArrays::together(): every tile against
+// every other.
+void launchTogether(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// sweep: pairs of triangles of these tiles, and of tiles of bodies that have contacts with
+// themselves, whose boxes intersect are filtered by planes; the rest are contacts where float32 is
+// certain of it, candidates where it is not. Reads sweep.tile_pairs and members.members; writes
+// contacts.candidates and contacts.contacts. In several passes each 32 pairs of triangles have
+// their turn in one. Right behind another kernel of the stream.
+void launchPairs(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // large: the same for the pairs with a triangle of the large list. Reads members.members; writes
 // contacts.candidates. In several passes each of its largeBlocks() blocks has its turn in one.

@@ -4,27 +4,9 @@
 
 #include "core/predicates/swept_intersection.h"
 #include "core/rules/common_motion.h"
-#include "core/rules/ownership.h"
 #include "cuda/stages/screen.cuh"
 
 namespace deformable_contact_monitor {
-
-// A member's box at both ends of the step, quantised: x and y of each, and z of both.
-struct PackedMovingBox {
-  PackedBox now, before, z;
-};
-
-// Bits of the halves in which a ends where b begins, or beyond.
-__device__ inline std::uint32_t reaches(const PackedBox& a, const PackedBox& b) {
-  return ((a.hi | kPackedGuard) - b.lo) & kPackedGuard;
-}
-
-// As !areApart of moving boxes: along each axis neither is below the other at both ends.
-__device__ inline bool mayMeet(const PackedMovingBox& a, const PackedMovingBox& b) {
-  const std::uint32_t xy = (reaches(a.now, b.now) | reaches(a.before, b.before)) &
-                           (reaches(b.now, a.now) | reaches(b.before, a.before));
-  return xy == kPackedGuard && reaches(a.z, b.z) != 0 && reaches(b.z, a.z) != 0;
-}
 
 __device__ inline MovingTriangle movingAt(const CycleArrays& c, MemberIndex at) {
   return {c.members.earlier[at].posed, c.members.members[at].posed};
@@ -38,14 +20,14 @@ __device__ inline Aabb grown(const Aabb& box, float by_m) {
 
 // Of two members' bodies [m].
 __device__ inline float padOf(const CycleArrays& c, const Member& a, const Member& b) {
-  return pairPad(c.scene.earlier_bodies[a.body()].pad_m, c.scene.earlier_bodies[b.body()].pad_m);
+  return pairPad(c.scene.earlier_bodies[a.body].pad_m, c.scene.earlier_bodies[b.body].pad_m);
 }
 
 // Of a member at both ends of the step, with its pad.
 __device__ inline MovingBox movingBoxAt(const CycleArrays& c, MemberIndex at) {
   const MovingBox box = boxOf(movingAt(c, at));
   if (c.params().pads == 0) return box;
-  const float pad_m = c.scene.bodies[c.members.members[at].body()].margin_m;
+  const float pad_m = c.scene.bodies[c.members.members[at].body].margin_m;
   return {grown(box.from, pad_m), grown(box.to, pad_m)};
 }
 
@@ -56,25 +38,29 @@ __device__ inline Aabb sweptMemberBox(const CycleArrays& c, MemberIndex at) {
 
 // Of a member, for the shares: as Corners::reachesInto() has it.
 __device__ inline Aabb shareBoxAt(const CycleArrays& c, MemberIndex at) {
-  return shareBox(boxOf(movingAt(c, at)), c.scene.bodies[c.members.members[at].body()].margin_m);
+  return shareBox(boxOf(movingAt(c, at)), c.scene.bodies[c.members.members[at].body].margin_m);
 }
 
-// As screenPair, of two members whose boxes meet: whether they are a candidate. The stages that
-// look for pairs have quantised boxes alone; the judge begins with the moving ones.
-__device__ inline bool screenMovingPair(const CycleArrays& c, ClusterIndex cluster,
-                                        MemberIndex at_a, MemberIndex at_b, std::uint32_t shared_a,
-                                        std::uint32_t shared_b, DeviceCandidate& candidate) {
+// Of all that a member passes, in swept motion (kStates == 2) but for the common motion.
+template <int kStates>
+__device__ inline Aabb boxAt(const CycleArrays& c, MemberIndex at) {
+  return kStates > 1 ? sweptMemberBox(c, at) : memberBox(c, c.members.members[at]);
+}
+
+// As screenPair, of two members in swept motion; by moving boxes.
+__device__ inline bool screenMovingPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b,
+                                        std::uint32_t shared_a, std::uint32_t shared_b,
+                                        DeviceCandidate& candidate) {
   const Member& a = c.members.members[at_a];
   const Member& b = c.members.members[at_b];
-  if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body(), b.body())) return false;
+  if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body, b.body)) return false;
   // The lesser triangle first, so that times do not depend on who found the pair.
   candidate = a.triangle < b.triangle
                   ? DeviceCandidate{at_a, at_b, (shared_a | shared_b << 3) << kSharedShift}
                   : DeviceCandidate{at_b, at_a, (shared_b | shared_a << 3) << kSharedShift};
   const SceneShare& share = c.params().share;
   if (!share.isWhole() && !share.owns(shareBoxAt(c, at_a), shareBoxAt(c, at_b))) return false;
-  if (cluster.value == kNone) return !areApart(movingBoxAt(c, at_a), movingBoxAt(c, at_b));
-  return ownsPair(cluster.value, c.members.clustersOf(a), c.members.clustersOf(b));
+  return !areApart(movingBoxAt(c, at_a), movingBoxAt(c, at_b));
 }
 
 // DeviceCandidate::facts in swept motion: sides at t = 0 and shared vertices as packFacts has them,

@@ -39,7 +39,9 @@ using BodyIndex = Index<struct BodyTag>;
 using VertexIndex = Index<struct VertexTag>;
 using TriangleIndex = Index<struct TriangleTag>;
 using ClusterIndex = Index<struct ClusterTag>;
-using MemberIndex = Index<struct MemberTag>;  // one triangle in one cluster, or on the large list
+using MemberIndex = Index<struct MemberTag>;  // one triangle in one cluster; on CUDA, in its tile
+using TileIndex = Index<struct TileTag>;      // a tile of up to 32 triangles
+using EntryIndex = Index<struct EntryTag>;    // one tile in one cluster
 using SortedIndex = Index<struct SortedTag>;  // a place in the order of the sort
 
 }  // namespace deformable_contact_monitor

@@ -35,6 +35,8 @@ class Trade : public DetectorSuite {
     for (int cycle = 0; cycle < 4; ++cycle) detector_->detect(scene, options);
     return detector_->detect(scene, options).counters;
   }
+  // What is in clusters are tiles of triangles: in more of them each, and so fewer pairs are lost.
+  bool inTiles() const { return GetParam().name == "cuda"; }
 };
 
 // Hard clustering must neither pass for complete nor be what `overlap: 1` does.
@@ -59,11 +61,12 @@ TEST_P(Trade, OverlapZeroLosesPairsAndSaysSo) {
     EXPECT_GT(result.counters.cluster_entries, entries_before);
     if (overlap == 0) {
       // But for a triangle whose centroid has two nearest prototypes, for all that rounding can
-      // tell.
+      // tell. A tile is where one of its triangles is.
       EXPECT_GE(result.counters.cluster_entries, result.counters.clustered);
       EXPECT_LE(result.counters.cluster_entries,
-                result.counters.clustered + result.counters.clustered / 1000);
-      EXPECT_LT(result.contacts.size(), complete.size() - 500);
+                result.counters.clustered + (inTiles() ? 3 * result.counters.clustered / 2
+                                                       : result.counters.clustered / 1000));
+      EXPECT_LT(result.contacts.size(), complete.size() - (inTiles() ? 100 : 500));
       EXPECT_GT(result.contacts.size(), complete.size() / 2);
     }
     before = result.contacts.size();
@@ -102,7 +105,8 @@ TEST_P(Trade, WorkAt256Clusters) {
   const Scene scene = selfScene(clothOnBall());
   const Counters c = settled(scene, with256Clusters());
   EXPECT_GE(c.clusters, 200U);
-  EXPECT_LE(static_cast<double>(c.cluster_entries), 1.45 * static_cast<double>(c.clustered));
+  EXPECT_LE(static_cast<double>(c.cluster_entries),
+            (inTiles() ? 3.5 : 1.45) * static_cast<double>(c.clustered));
   EXPECT_LE(c.interval_overlaps, 9500000U);
   EXPECT_GT(c.clustered + c.large, 92000U);
 }

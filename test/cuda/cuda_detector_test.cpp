@@ -194,14 +194,16 @@ TEST(CudaDetector, ScenesThatJumpGrowAndShrink) {
   scene.addBody("other", clothGrid(30, 1, 0.1F, 0));
   scene.setPairEnabled(0, 1, true);
   const std::vector<float> vertices = scene.body(0).mesh.vertices;
+  Options options;
+  options.clusters = 12;
   for (const float scale : {1.0F, 100.0F, 1e-3F, 1.0F, 1e20F, 1e-20F, 1.0F}) {
     for (const float shift : {0.0F, 50.0F}) {
       std::vector<float> moved = vertices;
       for (float& x : moved) x = x * scale + shift;
       scene.setVertices(0, moved.data(), moved.size() / 3);
-      const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+      const auto expected = makeCpuDetector()->detect(scene, options).contacts;
       for (int i = 0; i < 2; ++i) {
-        ASSERT_TRUE(samePairs(expected, detector->detect(scene, Options()).contacts))
+        ASSERT_TRUE(samePairs(expected, detector->detect(scene, options).contacts))
             << "scale " << scale << ", shift " << shift;
       }
     }
@@ -215,17 +217,37 @@ TEST(CudaDetector, ASmallChangeIsNoColdStart) {
   Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
   scene.addBody("small", clothGrid(8, 0.3F, 0.1F, 0));
   scene.setPairEnabled(0, 1, true);
-  EXPECT_TRUE(detector->detect(scene, Options()).started_cold);
+  Options options;
+  options.clusters = 12;
+  EXPECT_TRUE(detector->detect(scene, options).started_cold);
   for (const int cells : {7, 8, 9, 0, 9}) {
     scene.setMesh(1, cells > 0 ? clothGrid(cells, 0.3F, 0.1F, 0) : TriangleMesh());
-    const DetectionResult& result = detector->detect(scene, Options());
+    const DetectionResult& result = detector->detect(scene, options);
     EXPECT_FALSE(result.started_cold) << cells;
-    EXPECT_TRUE(samePairs(makeCpuDetector()->detect(scene, Options()).contacts, result.contacts));
+    EXPECT_TRUE(samePairs(makeCpuDetector()->detect(scene, options).contacts, result.contacts));
   }
   scene.setMesh(1, clothGrid(50, 0.3F, 0.1F, 0));
-  EXPECT_TRUE(detector->detect(scene, Options()).started_cold) << "much is new";
+  EXPECT_TRUE(detector->detect(scene, options).started_cold) << "much is new";
   scene.setMesh(0, clothGrid(60, 100, 0, 0.3F));
-  EXPECT_TRUE(detector->detect(scene, Options()).started_cold) << "it is of another size";
+  EXPECT_TRUE(detector->detect(scene, options).started_cold) << "it is of another size";
+}
+
+// One cluster is looked at in one way while its tiles are few, in another where they are not.
+TEST(CudaDetector, OneClusterMayGrowAndShrink) {
+  const auto detector = makeOrSayWhy();
+  if (detector == nullptr) return;
+  Options options;
+  options.clusters = 1;
+  Scene scene = selfScene(sizedTo(clothGrid(60, 1, 0, 0.3F), 100000));
+  scene.addBody("other", clothGrid(2, 1, 0.1F, 0));
+  scene.setPairEnabled(0, 1, true);
+  for (const int cells : {2, 150, 2}) {
+    scene.setMesh(1, clothGrid(cells, 1, 0.1F, 0));
+    const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(samePairs(expected, detector->detect(scene, options).contacts)) << cells;
+    }
+  }
 }
 
 // Lists of neighbours do not lead from piece to piece, nor from where it was to where it is.

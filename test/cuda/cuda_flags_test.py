@@ -12,9 +12,10 @@ SOURCE_DIR = os.environ["DCM_SOURCE_DIR"]
 COMMANDS = sys.argv.pop(1)
 
 
-# In the others no number decides twice: sweep and large look at each pair once, fan_rings and rows
-# have whole numbers alone.
-MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "large.cu", "output.cu", "rows.cu", "sweep.cu"}
+# In the others no number decides twice: sweep and large look at each pair once, group makes each
+# key once, fan_rings and rows have whole numbers alone.
+MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "group.cu", "large.cu", "output.cu", "pairs.cu",
+                "rows.cu", "sweep.cu", "together.cu"}
 
 
 def words_of(command):

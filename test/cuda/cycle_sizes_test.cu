@@ -12,13 +12,15 @@ constexpr std::uint64_t kAmple = std::uint64_t{1} << 40;
 TEST(CycleSizes, WhatFitsDoesNotGrow) {
   CycleSizes sizes;
   sizes.triangles = 10000;
+  sizes.tiles = 400;
   sizes.prepare(9000, 20, kAmple);
   EXPECT_EQ(sizes.samples, 1024U);
-  EXPECT_GE(sizes.members, 18000U);
+  EXPECT_GE(sizes.entries, 1600U);
   CycleCounters counters{};
-  counters.bins_wanted = sizes.members;
+  counters.bins_wanted = sizes.entries;
   counters.list_words = sizes.list_words;
   counters.units = sizes.units;
+  counters.tile_pairs = sizes.tile_pairs;
   counters.candidates = sizes.candidates;
   counters.contacts = sizes.contacts;
   EXPECT_FALSE(sizes.growFor(counters, kAmple));
@@ -33,17 +35,19 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   counters.units = before.units + 1;
   EXPECT_TRUE(sizes.growFor(counters, kAmple));
   EXPECT_GT(sizes.units, before.units);
-  EXPECT_EQ(sizes.members, before.members);
+  EXPECT_EQ(sizes.entries, before.entries);
   EXPECT_EQ(sizes.candidates, before.candidates);
   counters.candidates = 3000000;
   counters.contacts = 5 * before.contacts;
   counters.list_words = 4000;
   counters.bins_wanted = 100000;
+  counters.tile_pairs = 200000;
   EXPECT_TRUE(sizes.growFor(counters, kAmple));
+  EXPECT_GE(sizes.tile_pairs, 200000U);
   EXPECT_GE(sizes.candidates, 3000000U);
   EXPECT_GE(sizes.contacts, 5 * before.contacts);
   EXPECT_GE(sizes.list_words, 4000U);
-  EXPECT_GE(sizes.members, 100000U);
+  EXPECT_GE(sizes.entries, 100000U);
   EXPECT_FALSE(sizes.growFor(counters, kAmple));
 }
 
@@ -56,7 +60,7 @@ TEST(CycleSizes, WhatIsNearlyFullGrowsAheadOfNeed) {
   counters.contacts = before.contacts - before.contacts / 10;
   sizes.growAhead(counters, kAmple);
   EXPECT_EQ(sizes.units, before.units);
-  EXPECT_EQ(sizes.members, before.members);
+  EXPECT_EQ(sizes.entries, before.entries);
   EXPECT_EQ(sizes.contacts, 2 * counters.contacts);
   const CycleSizes grown = sizes;
   sizes.growAhead(counters, kAmple);
@@ -84,10 +88,11 @@ TEST(CycleSizes, OfAGrowingSceneGrowRarely) {
     const CycleSizes before = sizes;
     const auto triangles = static_cast<std::uint32_t>(n);
     CycleSizes::raise(sizes.triangles, triangles);
+    CycleSizes::raise(sizes.tiles, triangles / 32 + 1);
     sizes.prepare(triangles, 20, kAmple);
     EXPECT_GE(sizes.triangles, triangles);
-    EXPECT_GE(sizes.members, 2 * triangles);
-    changes += sizes.triangles != before.triangles || sizes.members != before.members;
+    EXPECT_GE(sizes.entries, triangles / 8);
+    changes += sizes.triangles != before.triangles || sizes.entries != before.entries;
   }
   EXPECT_LE(changes, 20U);
 }

@@ -14,7 +14,7 @@ namespace {
 struct TwoArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
-  DeviceArray<std::uint32_t, Place> members{*this, &CycleSizes::members};
+  DeviceArray<std::uint32_t, Place> entries{*this, &CycleSizes::entries};
   DeviceArray<std::uint64_t, Place, 3> units{*this, &CycleSizes::units, 1};
 };
 
@@ -51,27 +51,27 @@ TEST_F(DeviceMemoryTest, WhatGrowsKeepsItsElementsAndTheNewOnesAreZeros) {
   DeviceMemory memory;
   TwoArrays arrays(memory);
   CycleSizes sizes;
-  sizes.members = 100;
+  sizes.entries = 100;
   sizes.units = 9;
   memory.grow(sizes, stream.get());
-  EXPECT_EQ(arrays.members.size(), 100U);
+  EXPECT_EQ(arrays.entries.size(), 100U);
   EXPECT_EQ(arrays.units.size(), 10U);
   stream.synchronise();
-  expect(arrays.members.data(), 100, 0U, 0);
-  fill(arrays.members.data(), 100, 1U);
+  expect(arrays.entries.data(), 100, 0U, 0);
+  fill(arrays.entries.data(), 100, 1U);
   fill(arrays.units.data(), 30, std::uint64_t{1000});
   std::size_t kept = 100;
-  for (const std::uint32_t members : {101U, 130U, 131U, 5000U, 5001U, 200000U, 200001U, 200100U}) {
-    sizes.members = members;
+  for (const std::uint32_t entries : {101U, 130U, 131U, 5000U, 5001U, 200000U, 200001U, 200100U}) {
+    sizes.entries = entries;
     memory.grow(sizes, stream.get());
     stream.synchronise();
-    ASSERT_EQ(arrays.members.size(), members);
-    expect(arrays.members.data(), members, 1U, kept);
+    ASSERT_EQ(arrays.entries.size(), entries);
+    expect(arrays.entries.data(), entries, 1U, kept);
     expect(arrays.units.data(), 30, std::uint64_t{1000}, 30);
-    fill(arrays.members.data(), members, 1U);
-    kept = members;
-    EXPECT_GE(memory.bytes(), members * sizeof(std::uint32_t) + 240);
-    EXPECT_LE(memory.bytes(), 2 * members * sizeof(std::uint32_t) + 2048);
+    fill(arrays.entries.data(), entries, 1U);
+    kept = entries;
+    EXPECT_GE(memory.bytes(), entries * sizeof(std::uint32_t) + 240);
+    EXPECT_LE(memory.bytes(), 2 * entries * sizeof(std::uint32_t) + 2048);
   }
 }
 
@@ -81,13 +81,13 @@ TEST_F(DeviceMemoryTest, NothingShrinksOrMovesWithoutNeed) {
   DeviceMemory memory;
   TwoArrays arrays(memory);
   CycleSizes sizes;
-  sizes.members = 100;
+  sizes.entries = 100;
   memory.grow(sizes, stream.get());
-  const auto* const before = arrays.members.data();
-  sizes.members = 50;
+  const auto* const before = arrays.entries.data();
+  sizes.entries = 50;
   memory.grow(sizes, stream.get());
-  EXPECT_EQ(arrays.members.size(), 100U);
-  EXPECT_EQ(arrays.members.data(), before);
+  EXPECT_EQ(arrays.entries.size(), 100U);
+  EXPECT_EQ(arrays.entries.data(), before);
 }
 
 }  // namespace
