@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 
 #include <cstdint>
+#include <cstring>
 
 #include "core/predicates/aabb.h"
 #include "core/predicates/triangle.h"
@@ -20,6 +21,18 @@ struct alignas(16) Member {
 };
 // With padding it would be moved byte by byte.
 static_assert(sizeof(Member) == sizeof(Triangle) + 3 * sizeof(std::uint32_t));
+
+// The box of a member [m]: of all that it passes, but for the common motion, with its body's
+// margin.
+struct alignas(16) MemberBox {
+  float4 low, high;  // of which w is of no use
+
+  __device__ static MemberBox of(const Aabb& box) {
+    return {make_float4(box.min.x, box.min.y, box.min.z, 0),
+            make_float4(box.max.x, box.max.y, box.max.z, 0)};
+  }
+  __device__ Aabb box() const { return {{low.x, low.y, low.z}, {high.x, high.y, high.z}}; }
+};
 
 // Where the triangle of a member was at the beginning of the step [m].
 struct alignas(16) EarlierMember {
@@ -60,6 +73,7 @@ struct MemberArrays : ArrayGroup {
   DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, &CycleSizes::clusters};
   DeviceArray<TileEntry, EntryIndex> entries{*this, &CycleSizes::entries};
   DeviceArray<Member, MemberIndex> members{*this, &CycleSizes::slots};
+  DeviceArray<MemberBox, MemberIndex> boxes{*this, &CycleSizes::slots};
   DeviceArray<EarlierMember, MemberIndex> earlier{*this, &CycleSizes::swept_slots};  // of each
   // Of each that is live, its vertices' ids.
   DeviceArray<uint4, MemberIndex> ids{*this, &CycleSizes::slots};
@@ -67,6 +81,15 @@ struct MemberArrays : ArrayGroup {
   DeviceArray<MemberIndex, Place> large{*this, &CycleSizes::slots};
   DeviceArray<std::uint32_t, Place> lists{*this, &CycleSizes::list_words};
 
+  // A whole member, by few wide loads.
+  __device__ Member at(MemberIndex slot) const {
+    static_assert(sizeof(Member) == 3 * sizeof(uint4));
+    const auto* from = reinterpret_cast<const uint4*>(&members[slot]);
+    const uint4 words[3] = {from[0], from[1], from[2]};
+    Member member;
+    memcpy(&member, words, sizeof member);
+    return member;
+  }
   __device__ std::uint32_t& count(ClusterIndex g) const { return *counts.row(g); }
   // Of the entries of a cluster those that are there.
   __device__ std::uint32_t present(ClusterIndex g) const { return min(count(g), bins[g].capacity); }

@@ -7,6 +7,7 @@
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
+#include "cuda/stages/swept_pairs.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -52,6 +53,15 @@ __device__ bool meetsPartner(const SceneArrays& scene, BodyIndex b, const Aabb& 
     }
   }
   return meets;
+}
+
+// As MemberBox has it; `box`: of all that it passes, inflated.
+template <int kStates>
+__device__ Aabb passedBox(const CycleArrays& c, const Corners<kStates>& corners, float margin_m,
+                          const Aabb& box) {
+  if (kStates == 1) return box;
+  return sweptBox(paddedBox(c, {corners.earlier(), corners.posed()}, margin_m),
+                  c.scene.common_motion[Place(0)]);
 }
 
 template <int kStates>
@@ -249,9 +259,9 @@ __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsign
                       at_home);
 }
 
-// A warp for each tile: reads scene.corners, scene.posed, scene.body_boxes; writes members.members
-// and members.tiles; adds to members.entries, members.lists and members.large. In swept motion
-// (kStates == 2) the earlier states too, to members.earlier.
+// A warp for each tile: reads scene.corners, scene.posed, scene.body_boxes; writes members.members,
+// members.boxes and members.tiles; adds to members.entries, members.lists and members.large. In
+// swept motion (kStates == 2) the earlier states too, to members.earlier.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   awaitKernelAhead();
@@ -283,6 +293,9 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
     takeSample(c, t, regular, corners);
     c.members.members[slot] = {corners.posed(), t, b, body.group};
     if (kStates > 1) c.members.earlier[slot].posed = corners.earlier();
+  }
+  if (here) {
+    c.members.boxes[slot] = MemberBox::of(passedBox(c, corners, body.margin_m, box));
   }
   if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());

@@ -49,8 +49,8 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
     TriangleIndex a(0), b(0);
     if (i.value < count) {
       const DeviceCandidate candidate = c.contacts.candidates[i];
-      const Member member_a = c.members.members[candidate.a];
-      const Member member_b = c.members.members[candidate.b];
+      const Member member_a = c.members.at(candidate.a);
+      const Member member_b = c.members.at(candidate.b);
       a = member_a.triangle;
       b = member_b.triangle;
       verdict = quickVerdictOf(c, candidate, member_a, member_b);
@@ -83,8 +83,8 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
     if (laneId() < each && i < count) {
       const DeviceCandidate candidate =
           c.contacts.candidates[first ? Place(i) : c.contacts.open[Place(i)]];
-      const Member member_a = c.members.members[candidate.a];
-      const Member member_b = c.members.members[candidate.b];
+      const Member member_a = c.members.at(candidate.a);
+      const Member member_b = c.members.at(candidate.b);
       a = member_a.triangle;
       b = member_b.triangle;
       PairFacts facts = unpackFacts(candidate.facts);

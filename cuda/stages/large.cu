@@ -26,7 +26,7 @@ __device__ bool groupsMeet(const SceneArrays& scene, const Member& a, const Memb
 // Two members whose boxes meet: adds to contacts.contacts or contacts.candidates if they are one.
 template <int kStates>
 __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b) {
-  const Member a = c.members.members[at_a], b = c.members.members[at_b];
+  const Member a = c.members.at(at_a), b = c.members.at(at_b);
   if (!groupsMeet(c.scene, a, b)) return;
   const uint4 ids_a = idsOf(c.scene, a.triangle), ids_b = idsOf(c.scene, b.triangle);
   const std::uint32_t shared_a = sharedBits(ids_a, ids_b);
@@ -61,12 +61,12 @@ __device__ unsigned long long sweepAmong(const CycleArrays& c, std::uint32_t lar
   PacedCutOff pace(c, threadIdx.x == 0);
   for (std::uint32_t i = first; i < large_count; i += kBlocksAmong) {
     const MemberIndex at = c.members.large[Place(i)];
-    const Aabb box = boxAt<kStates>(c, at);
+    const Aabb box = c.members.boxes[at].box();
     for (std::uint32_t j = i + 1 + threadIdx.x; j < large_count; j += kThreads) {
       if (pace.isOver(1)) return pairs;
       ++pairs;
       const MemberIndex other = c.members.large[Place(j)];
-      if (intersects(box, boxAt<kStates>(c, other))) screenBoxPair<kStates>(c, at, other);
+      if (intersects(box, c.members.boxes[other].box())) screenBoxPair<kStates>(c, at, other);
     }
   }
   return pairs;
@@ -84,7 +84,7 @@ __device__ bool sweepTiles(const CycleArrays& c, std::uint32_t large_count, std:
   const MemberIndex member(tile.value * kWarp + laneId());
   const bool live =
       tile.value < c.scene.tile_count && (c.members.tiles[tile].live >> laneId() & 1) != 0;
-  const Aabb box = live ? boxAt<kStates>(c, member) : Aabb();
+  const Aabb box = live ? c.members.boxes[member].box() : Aabb();
   shared_box.clear();
   shared_box.include(box);
   const Aabb all = shared_box.get();
@@ -95,13 +95,13 @@ __device__ bool sweepTiles(const CycleArrays& c, std::uint32_t large_count, std:
     __syncthreads();
     if (from + threadIdx.x < large_count) {
       const MemberIndex at = c.members.large[Place(from + threadIdx.x)];
-      if (intersects(all, boxAt<kStates>(c, at))) near[atomicAdd(&near_count, 1U)] = at;
+      if (intersects(all, c.members.boxes[at].box())) near[atomicAdd(&near_count, 1U)] = at;
     }
     __syncthreads();
     if (live && !pace.isOver(near_count)) {
       pairs += near_count;
       for (std::uint32_t k = 0; k < near_count; ++k) {
-        if (!intersects(box, boxAt<kStates>(c, near[k]))) continue;
+        if (!intersects(box, c.members.boxes[near[k]].box())) continue;
         screenBoxPair<kStates>(c, member, near[k]);
       }
     }

@@ -22,18 +22,19 @@ struct alignas(8) MemberPair {
 constexpr unsigned kSharedBitsAt = 29;
 constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
-constexpr unsigned kQueueCapacity = 2 * kWarp, kMetCapacity = 5 * kWarp;
+constexpr unsigned kMetCapacity = 4 * kWarp, kCandidateCapacity = 2 * kWarp;
 
-// Of triangles; and low.w has the bits of their places in their tile.
-struct LaneBoxes {
+// Boxes of a tile's triangles, and their vertices' ids with their places in the tile as w. Those
+// that are of no interest come last, with empty boxes.
+struct LaneTriangles {
   float4 low[kWarp], high[kWarp];
+  uint4 ids[kWarp];
 };
 
 struct WarpMemory {
-  LaneBoxes rows, columns;  // of the two tiles
+  LaneTriangles triangles;  // of one tile, and then of the other
   MemberPair met[kMetCapacity];
-  MemberPair screened[kQueueCapacity];
-  DeviceCandidate candidates[kQueueCapacity];
+  DeviceCandidate candidates[kCandidateCapacity];
 };
 
 // A pair of tiles takes some microseconds. Once in so many a warp asks whether the cycle is cut
@@ -48,10 +49,12 @@ class PairScreener {
       : c_(c),
         memory_(memory),
         met_{memory.met},
-        screened_{memory.screened},
         candidates_{memory.candidates},
+        lane_(laneId()),
         turn_((blockIdx.x * kThreads + threadIdx.x) / kWarp) {
     const CycleParams& params = c.params();
+    passes_ = params.passes;
+    beyond_shared_ = params.adjacent == AdjacentPairs::kBeyondShared;
     tiles_ = params.any_self != 0 ? c.scene.tile_count : 0;
     end_ = tiles_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
   }
@@ -60,16 +63,12 @@ class PairScreener {
   __device__ void run() {
     bool more = true;
     while (true) {
-      const bool last_met = !more && !any_partner_;
-      const bool last_screened = last_met && met_.size == 0;
-      if (candidates_.size >= kWarp ||
-          (last_screened && screened_.size == 0 && candidates_.size > 0)) {
+      const bool last_met = !more && rounds_ == 0;
+      if (candidates_.size >= kWarp || (last_met && met_.size == 0 && candidates_.size > 0)) {
         settleCandidates();
-      } else if (screened_.size >= kWarp || (last_screened && screened_.size > 0)) {
-        screenPlanes();
       } else if (met_.size >= kWarp || (last_met && met_.size > 0)) {
-        screenSharers();
-      } else if (any_partner_) {
+        screenPlanes();
+      } else if (rounds_ != 0) {
         takePartners();
       } else if (more) {
         more = takePair();
@@ -78,7 +77,7 @@ class PairScreener {
       }
     }
     // Passes over the same pairs again are the same work to who reads the counters.
-    if (laneId() == 0 && overlaps_ != 0 && c_.params().passes == 1) {
+    if (laneId() == 0 && overlaps_ != 0 && passes_ == 1) {
       atomicAdd(&c_.counters().interval_overlaps, overlaps_);
     }
   }
@@ -104,104 +103,108 @@ class PairScreener {
     } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
       layOut({TileIndex(item_), TileIndex(item_), 0, 1}, true);
     }
-    if (!any_partner_) askForNext();
+    if (rounds_ == 0) askForNext();
     return true;
   }
 
-  // The boxes of the triangles of each tile that meet the other tile's box, closed up: rows of the
-  // first tile, columns of the second.
+  // Of the triangles of each tile those that meet the other tile's box: each row, one of the first
+  // tile, to lanes; the columns, of the second, to memory_.triangles.
   __device__ void layOut(const TilePairPart& pair, bool same) {
     const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
-    first_a_ = pair.a.value * kWarp;
     first_b_ = pair.b.value * kWarp;
-    const Aabb box_a = boxAt<kStates>(c_, MemberIndex(first_a_ + laneId()));
-    const Aabb box_b = same ? box_a : boxAt<kStates>(c_, MemberIndex(first_b_ + laneId()));
-    const bool in_a = (a.live >> laneId() & 1) != 0 && intersects(box_a, b.box);
-    const bool in_b = (b.live >> laneId() & 1) != 0 && intersects(box_b, a.box);
-    const std::uint32_t rows = closeUp(memory_.rows, in_a, box_a);
-    const std::uint32_t columns = closeUp(memory_.columns, in_b, box_b);
+    const MemberIndex at_a(pair.a.value * kWarp + lane_), at_b(first_b_ + lane_);
+    const MemberBox box_a = c_.members.boxes[at_a], box_b = c_.members.boxes[at_b];
+    unsigned in_a = a.live, in_b = b.live;
+    if (!same) {
+      in_a &= __ballot_sync(kFullWarp, intersects(box_a.box(), b.box));
+      in_b &= __ballot_sync(kFullWarp, intersects(box_b.box(), a.box));
+    }
+    const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
+    if (rows == 0 || columns == 0) return;
+    if (lane_ == 0 && pair.part == 0) overlaps_ += same ? rows * (rows - 1) / 2 : rows * columns;
+    closeUp(in_a, box_a, at_a);
+    const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
+    const std::uint32_t row = same ? lane_ : lane_ & ((1U << shift) - 1);
+    const Aabb box = boxOfPlace(row);
+    ids_ = memory_.triangles.ids[row];
+    first_a_ = pair.a.value * kWarp;
+    if (!same) closeUp(in_b, box_b, at_b);
+    // A tile with itself as a ring of all places, looked at as far as halfway round: so each pair
+    // comes once, and each row has as many.
+    first_column_ = same ? lane_ + 1 : lane_ >> shift;
+    stride_ = same ? 1 : kWarp >> shift;
+    const std::uint32_t steps = same ? kWarp / 2 : (columns + stride_ - 1) / stride_;
+    findPartners(box, pair.part, steps, pair.parts);
+    if (same && lane_ >= kWarp / 2) partners_ &= (1U << (kWarp / 2 - 1)) - 1;
+    rounds_ = warpMost(__popc(partners_));
+  }
+  // To memory_.triangles, those of the lanes that are `in` first, by a whole warp.
+  __device__ void closeUp(unsigned in, const MemberBox& box, MemberIndex at) {
+    const bool mine = (in >> lane_ & 1) != 0;
+    const unsigned before = (1U << lane_) - 1;
+    const unsigned place = mine ? __popc(in & before) : __popc(in) + __popc(~in & before);
+    const MemberBox to = mine ? box : MemberBox::of(Aabb());
+    uint4 ids{};
+    if (mine) ids = c_.members.ids[at];
+    ids.w = lane_;
     __syncwarp();
-    if (laneId() == 0 && pair.part == 0) overlaps_ += same ? rows * (rows - 1) / 2 : rows * columns;
-    if (rows != 0 && columns != 0) findPartners(rows, columns, pair, same);
+    memory_.triangles.low[place] = to.low;
+    memory_.triangles.high[place] = to.high;
+    memory_.triangles.ids[place] = ids;
     __syncwarp();
   }
-  __device__ static std::uint32_t closeUp(LaneBoxes& to, bool in, const Aabb& box) {
-    const unsigned mask = __ballot_sync(kFullWarp, in);
-    if (in) {
-      const unsigned mine = __popc(mask & ((1U << laneId()) - 1));
-      to.low[mine] = make_float4(box.min.x, box.min.y, box.min.z, __uint_as_float(laneId()));
-      to.high[mine] = make_float4(box.max.x, box.max.y, box.max.z, 0);
-    }
-    return __popc(mask);
+  __device__ Aabb boxOfPlace(std::uint32_t place) const {
+    return MemberBox{memory_.triangles.low[place], memory_.triangles.high[place]}.box();
+  }
+  __device__ std::uint32_t columnAt(std::uint32_t step) const {
+    return (first_column_ + step * stride_) % kWarp;
   }
 
   // Each row is looked at by as many lanes as there are for it, each of which takes every so many a
-  // column.
-  __device__ void findPartners(std::uint32_t rows, std::uint32_t columns, const TilePairPart& pair,
-                               bool same) {
-    const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
-    const std::uint32_t row = laneId() & ((1U << shift) - 1);
-    stride_ = kWarp >> shift;
-    first_column_ = laneId() >> shift;
-    const float4 low_a = memory_.rows.low[row], high_a = memory_.rows.high[row];
-    const Aabb box{{low_a.x, low_a.y, low_a.z}, {high_a.x, high_a.y, high_a.z}};
-    // Of a tile with itself each pair once.
-    const std::uint32_t from = row >= rows ? kWarp : same ? row + 1 : 0;
-    row_ = first_a_ + (__float_as_uint(low_a.w) & (kWarp - 1));
+  // column, from this step on.
+  __device__ void findPartners(const Aabb& box, std::uint32_t first, std::uint32_t steps,
+                               std::uint32_t every) {
     partners_ = 0;
-    const std::uint32_t steps = (columns + stride_ - 1) / stride_;
-    for (std::uint32_t step = pair.part; step < steps; step += pair.parts) {
-      const std::uint32_t column = first_column_ + step * stride_;
-      if (column < from || column >= columns || !isOfPass(step)) continue;
-      const float4 low = memory_.columns.low[column], high = memory_.columns.high[column];
-      const Aabb other{{low.x, low.y, low.z}, {high.x, high.y, high.z}};
-      if (intersects(box, other)) partners_ |= 1U << step;
+    for (std::uint32_t step = first; step < steps; step += every) {
+      if (intersects(box, boxOfPlace(columnAt(step)))) partners_ |= 1U << step;
     }
-    any_partner_ = __any_sync(kFullWarp, partners_ != 0) != 0;
+    if (passes_ != 1) keepPass();
   }
   // A pass has every so many a step of every pair of tiles.
-  __device__ bool isOfPass(std::uint32_t step) const {
-    const CycleParams& params = c_.params();
-    return params.passes == 1 || (item_ + step) % params.passes == params.pass;
+  __device__ void keepPass() {
+    for (std::uint32_t step = 0; step < kWarp; ++step) {
+      if ((item_ + step) % passes_ != c_.params().pass) partners_ &= ~(1U << step);
+    }
   }
 
-  // Partners of all lanes, one by one, while there is room.
+  // Partners of all lanes, one by one, while there is room; those that share vertices stay where
+  // they may meet beyond them.
   __device__ void takePartners() {
-    while (any_partner_ && met_.size <= kMetCapacity - kWarp) {
-      const bool has = partners_ != 0;
-      MemberPair pair{};
-      if (has) {
-        const auto step = static_cast<std::uint32_t>(__ffs(static_cast<int>(partners_)) - 1);
-        partners_ &= partners_ - 1;
-        const float lane = memory_.columns.low[first_column_ + step * stride_].w;
-        pair = {row_, first_b_ + __float_as_uint(lane)};
+    while (rounds_ != 0 && met_.size <= kMetCapacity - kWarp) {
+      bool kept = partners_ != 0;
+      const std::uint32_t step = kept ? __ffs(static_cast<int>(partners_)) - 1 : 0;
+      partners_ &= partners_ - 1;
+      const uint4 ids = memory_.triangles.ids[columnAt(step)];
+      MemberPair pair{first_a_ + ids_.w, first_b_ + ids.w};
+      if (kept && shareVertices(ids_, ids)) {
+        kept = false;
+        if (beyond_shared_) {
+          const std::uint32_t shared = sharedBits(ids_, ids);
+          kept = !isCertified(ids_, shared);
+          pair.a |= shared << kSharedBitsAt;
+          pair.b |= sharedBits(ids, ids_) << kSharedBitsAt;
+        }
       }
-      met_.push(has, pair);
-      any_partner_ = __any_sync(kFullWarp, partners_ != 0) != 0;
-      if (!any_partner_) askForNext();
+      met_.push(kept, pair);
+      if (--rounds_ == 0) askForNext();
     }
-  }
-
-  // Shared vertices.
-  __device__ void screenSharers() {
-    MemberPair pair{};
-    bool kept = met_.pop(pair);
-    if (kept) {
-      const uint4 a = c_.members.ids[MemberIndex(pair.a)], b = c_.members.ids[MemberIndex(pair.b)];
-      const std::uint32_t shared_a = sharedBits(a, b);
-      const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(b, a);
-      kept = shared_a == 0 ||
-             (c_.params().adjacent == AdjacentPairs::kBeyondShared && !isCertified(a, shared_a));
-      pair = {pair.a | shared_a << kSharedBitsAt, pair.b | shared_b << kSharedBitsAt};
-    }
-    screened_.push(kept, pair);
   }
 
   // Planes, and whose share the pair is; in swept motion moving boxes instead of planes.
   __device__ void screenPlanes() {
     MemberPair pair{};
     DeviceCandidate candidate{};
-    bool kept = screened_.pop(pair);
+    bool kept = met_.pop(pair);
     if (kept) {
       const auto screen = kStates > 1 ? screenMovingPair : screenPair;
       kept = screen(c_, MemberIndex(pair.a & kMemberMask), MemberIndex(pair.b & kMemberMask),
@@ -218,8 +221,8 @@ class PairScreener {
       PartVerdict verdict = PartVerdict::kOpen;
       TriangleIndex a(0), b(0);
       if (open) {
-        const Member member_a = c_.members.members[candidate.a];
-        const Member member_b = c_.members.members[candidate.b];
+        const Member member_a = c_.members.at(candidate.a);
+        const Member member_b = c_.members.at(candidate.b);
         a = member_a.triangle;
         b = member_b.triangle;
         verdict = certainVerdict(member_a.posed, member_b.posed, unpackFacts(candidate.facts));
@@ -237,17 +240,19 @@ class PairScreener {
 
   const CycleArrays& c_;
   WarpMemory& memory_;
-  WarpQueue<MemberPair> met_, screened_;
+  WarpQueue<MemberPair> met_;
   WarpQueue<DeviceCandidate> candidates_;
+  const std::uint32_t lane_;
+  std::uint32_t passes_, tiles_, end_;
+  bool beyond_shared_;
   std::uint32_t turn_;  // in the first lane: the next pair's number
   std::uint32_t item_ = 0, taken_ = 0;
-  std::uint32_t tiles_, end_;
-  // Of this pair of tiles: their first slots, and of this lane its row's slot, and which columns it
-  // takes; of them, by steps, those that are still to be taken.
+  // Of this pair of tiles: their first slots, and the row and columns of this lane.
   std::uint32_t first_a_ = 0, first_b_ = 0;
-  std::uint32_t row_ = 0, first_column_ = 0, stride_ = 1;
-  unsigned partners_ = 0;
-  bool any_partner_ = false;  // some lane has one
+  std::uint32_t first_column_ = 0, stride_ = 1;
+  uint4 ids_{};               // the row's
+  unsigned partners_ = 0;     // by steps, the columns that are still to be taken
+  std::uint32_t rounds_ = 0;  // the most that a lane has
   unsigned long long overlaps_ = 0;
 };
 

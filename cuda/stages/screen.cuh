@@ -17,6 +17,12 @@ __device__ inline std::uint32_t sharedBits(const uint4& a, const uint4& b) {
   return inB(a.x) | inB(a.y) << 1 | inB(a.z) << 2;
 }
 
+// Whether some vertex of `a` is also one of `b`.
+__device__ inline bool shareVertices(const uint4& a, const uint4& b) {
+  return (a.x == b.x) | (a.x == b.y) | (a.x == b.z) | (a.y == b.x) | (a.y == b.y) | (a.y == b.z) |
+         (a.z == b.x) | (a.z == b.y) | (a.z == b.z);
+}
+
 // Whether one of these vertices of `a` has a certified fan: then triangles that share it meet in
 // what they share alone.
 __device__ inline bool isCertified(const uint4& a, std::uint32_t bits) {
@@ -70,7 +76,7 @@ __device__ inline bool pairEnabled(const SceneArrays& scene, BodyIndex a, BodyIn
 __device__ inline bool screenPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b,
                                   std::uint32_t shared_a, std::uint32_t shared_b,
                                   DeviceCandidate& candidate) {
-  const Member a = c.members.members[at_a], b = c.members.members[at_b];
+  const Member a = c.members.at(at_a), b = c.members.at(at_b);
   if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body, b.body)) return false;
   PairFacts facts;
   facts.shared = sharedByBits(shared_a, shared_b);

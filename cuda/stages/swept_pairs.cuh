@@ -23,28 +23,19 @@ __device__ inline float padOf(const CycleArrays& c, const Member& a, const Membe
   return pairPad(c.scene.earlier_bodies[a.body].pad_m, c.scene.earlier_bodies[b.body].pad_m);
 }
 
-// Of a member at both ends of the step, with its pad.
-__device__ inline MovingBox movingBoxAt(const CycleArrays& c, MemberIndex at) {
-  const MovingBox box = boxOf(movingAt(c, at));
+// A triangle at both ends of the step, with its body's pad.
+__device__ inline MovingBox paddedBox(const CycleArrays& c, const MovingTriangle& t, float pad_m) {
+  const MovingBox box = boxOf(t);
   if (c.params().pads == 0) return box;
-  const float pad_m = c.scene.bodies[c.members.members[at].body].margin_m;
   return {grown(box.from, pad_m), grown(box.to, pad_m)};
 }
-
-// Of all that a member passes, but for the common motion; with its pad.
-__device__ inline Aabb sweptMemberBox(const CycleArrays& c, MemberIndex at) {
-  return sweptBox(movingBoxAt(c, at), c.scene.common_motion[Place(0)]);
+__device__ inline MovingBox movingBoxAt(const CycleArrays& c, MemberIndex at) {
+  return paddedBox(c, movingAt(c, at), c.scene.bodies[c.members.members[at].body].margin_m);
 }
 
 // Of a member, for the shares: as Corners::reachesInto() has it.
 __device__ inline Aabb shareBoxAt(const CycleArrays& c, MemberIndex at) {
   return shareBox(boxOf(movingAt(c, at)), c.scene.bodies[c.members.members[at].body].margin_m);
-}
-
-// Of all that a member passes, in swept motion (kStates == 2) but for the common motion.
-template <int kStates>
-__device__ inline Aabb boxAt(const CycleArrays& c, MemberIndex at) {
-  return kStates > 1 ? sweptMemberBox(c, at) : memberBox(c, c.members.members[at]);
 }
 
 // As screenPair, of two members in swept motion; by moving boxes.

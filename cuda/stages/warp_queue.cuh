@@ -16,13 +16,13 @@ struct WarpQueue {
     const unsigned mask = __ballot_sync(kFullWarp, has);
     if (has) items[size + __popc(mask & ((1U << laneId()) - 1))] = item;
     size += __popc(mask);
-    __syncwarp();
   }
   // Removes up to a warp of items; true in the lanes that got one.
   __device__ bool pop(T& item) {
     const unsigned taken = min(size, kWarp);
     size -= taken;
     const bool got = laneId() < taken;
+    __syncwarp();
     if (got) item = items[size + laneId()];
     __syncwarp();
     return got;
