@@ -294,9 +294,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
     c.members.members[slot] = {corners.posed(), t, b, body.group};
     if (kStates > 1) c.members.earlier[slot].posed = corners.earlier();
   }
-  if (here) {
-    c.members.boxes[slot] = MemberBox::of(passedBox(c, corners, body.margin_m, box));
-  }
+  c.members.boxes[slot] = MemberBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb());
   if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
   bool at_home = true;

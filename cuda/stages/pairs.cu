@@ -13,6 +13,8 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
+constexpr unsigned kLogWarp = 5;
+static_assert(1U << kLogWarp == kWarp);
 constexpr unsigned kBlocksEach = 7;  // of a multiprocessor, as registers allow
 
 // Two members whose boxes meet; with the bits of the vertices that they share << kSharedBitsAt.
@@ -24,8 +26,7 @@ constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
 
 constexpr unsigned kMetCapacity = 4 * kWarp, kCandidateCapacity = 2 * kWarp;
 
-// Boxes of a tile's triangles, and their vertices' ids with their places in the tile as w. Those
-// that are of no interest come last, with empty boxes.
+// Boxes of a tile's triangles, and their vertices' ids with their places in the tile as w.
 struct LaneTriangles {
   float4 low[kWarp], high[kWarp];
   uint4 ids[kWarp];
@@ -76,10 +77,7 @@ class PairScreener {
         break;
       }
     }
-    // Passes over the same pairs again are the same work to who reads the counters.
-    if (laneId() == 0 && overlaps_ != 0 && passes_ == 1) {
-      atomicAdd(&c_.counters().interval_overlaps, overlaps_);
-    }
+    leaveOverlaps();
   }
 
  private:
@@ -87,7 +85,7 @@ class PairScreener {
   // triangles that meet, most have few. Asked for when the last one's have been taken: until it is
   // wanted there is other work to do.
   __device__ void askForNext() {
-    if (laneId() == 0) turn_ = gridDim.x * kWarps + atomicAdd(&c_.counters().pairs_taken, 1U);
+    if (lane_ == 0) turn_ = gridDim.x * kWarps + atomicAdd(&c_.counters().pairs_taken, 1U);
   }
 
   // To the next pair of tiles, or a tile against itself; false if there is none, or the cycle is
@@ -95,62 +93,88 @@ class PairScreener {
   __device__ bool takePair() {
     item_ = __shfl_sync(kFullWarp, turn_, 0);
     if (item_ >= end_) return false;
-    if (++taken_ % kPairsPerAsker == 0 && warpIsCutOff(c_, item_ % kWarpsPerAsker == 0)) {
-      return false;
+    if (++taken_ % kPairsPerAsker == 0) {
+      leaveOverlaps();
+      if (warpIsCutOff(c_, item_ % kWarpsPerAsker == 0)) return false;
     }
     if (item_ >= tiles_) {
-      layOut(c_.sweep.tile_pairs[Place(item_ - tiles_)], false);
+      layOut(c_.sweep.tile_pairs[Place(item_ - tiles_)]);
     } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
-      layOut({TileIndex(item_), TileIndex(item_), 0, 1}, true);
+      layOutSelf(TileIndex(item_));
     }
     if (rounds_ == 0) askForNext();
     return true;
   }
+  // Passes over the same pairs again are the same work to who reads the counters.
+  __device__ void leaveOverlaps() {
+    if (lane_ == 0 && overlaps_ != 0 && passes_ == 1) {
+      atomicAdd(&c_.counters().interval_overlaps, 1ULL * overlaps_);
+    }
+    overlaps_ = 0;
+  }
 
   // Of the triangles of each tile those that meet the other tile's box: each row, one of the first
-  // tile, to lanes; the columns, of the second, to memory_.triangles.
-  __device__ void layOut(const TilePairPart& pair, bool same) {
+  // tile, to as many lanes as there are for it; the columns, of the second, to memory_.triangles,
+  // each lane to look at every so many of them.
+  __device__ void layOut(const TilePairPart& pair) {
     const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
+    first_a_ = pair.a.value * kWarp;
     first_b_ = pair.b.value * kWarp;
-    const MemberIndex at_a(pair.a.value * kWarp + lane_), at_b(first_b_ + lane_);
+    const MemberIndex at_a(first_a_ + lane_), at_b(first_b_ + lane_);
     const MemberBox box_a = c_.members.boxes[at_a], box_b = c_.members.boxes[at_b];
-    unsigned in_a = a.live, in_b = b.live;
-    if (!same) {
-      in_a &= __ballot_sync(kFullWarp, intersects(box_a.box(), b.box));
-      in_b &= __ballot_sync(kFullWarp, intersects(box_b.box(), a.box));
-    }
+    const unsigned in_a = a.live & __ballot_sync(kFullWarp, intersects(box_a.box(), b.box));
+    const unsigned in_b = b.live & __ballot_sync(kFullWarp, intersects(box_b.box(), a.box));
     const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
     if (rows == 0 || columns == 0) return;
-    if (lane_ == 0 && pair.part == 0) overlaps_ += same ? rows * (rows - 1) / 2 : rows * columns;
-    closeUp(in_a, box_a, at_a);
+    if (pair.part == 0) overlaps_ += rows * columns;
+    const unsigned before = (1U << lane_) - 1;
+    leave((in_a >> lane_ & 1) != 0, __popc(in_a & before), box_a, at_a);
     const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
-    const std::uint32_t row = same ? lane_ : lane_ & ((1U << shift) - 1);
+    const std::uint32_t row = lane_ & ((1U << shift) - 1);
     const Aabb box = boxOfPlace(row);
     ids_ = memory_.triangles.ids[row];
-    first_a_ = pair.a.value * kWarp;
-    if (!same) closeUp(in_b, box_b, at_b);
-    // A tile with itself as a ring of all places, looked at as far as halfway round: so each pair
-    // comes once, and each row has as many.
-    first_column_ = same ? lane_ + 1 : lane_ >> shift;
-    stride_ = same ? 1 : kWarp >> shift;
-    const std::uint32_t steps = same ? kWarp / 2 : (columns + stride_ - 1) / stride_;
-    findPartners(box, pair.part, steps, pair.parts);
-    if (same && lane_ >= kWarp / 2) partners_ &= (1U << (kWarp / 2 - 1)) - 1;
+    leave((in_b >> lane_ & 1) != 0, __popc(in_b & before), box_b, at_b);
+    first_column_ = lane_ >> shift;
+    stride_ = kWarp >> shift;
+    const unsigned log_stride = kLogWarp - shift;
+    findPartners(box, pair.part, (columns + stride_ - 1) >> log_stride, pair.parts);
+    const std::uint32_t own_steps = (columns + stride_ - 1 - first_column_) >> log_stride;
+    if (row >= rows || own_steps == 0) partners_ = 0;
+    partners_ &= (2U << ((own_steps - 1) % kWarp)) - 1;
     rounds_ = warpMost(__popc(partners_));
   }
-  // To memory_.triangles, those of the lanes that are `in` first, by a whole warp.
-  __device__ void closeUp(unsigned in, const MemberBox& box, MemberIndex at) {
-    const bool mine = (in >> lane_ & 1) != 0;
-    const unsigned before = (1U << lane_) - 1;
-    const unsigned place = mine ? __popc(in & before) : __popc(in) + __popc(~in & before);
-    const MemberBox to = mine ? box : MemberBox::of(Aabb());
-    uint4 ids{};
-    if (mine) ids = c_.members.ids[at];
-    ids.w = lane_;
+  // All triangles of a tile as a ring. Each looks as far as halfway round: so each pair comes once,
+  // and each has as many.
+  __device__ void layOutSelf(TileIndex tile) {
+    constexpr unsigned kSteps = kWarp / 2;
+    const unsigned live = c_.members.tiles[tile].live;
+    const std::uint32_t count = __popc(live);
+    overlaps_ += count * (count - 1) / 2;
+    first_a_ = first_b_ = tile.value * kWarp;
+    const MemberIndex at(first_a_ + lane_);
+    const MemberBox box = c_.members.boxes[at];
+    const bool mine = (live >> lane_ & 1) != 0;
+    leave(mine, lane_, box, at);
+    ids_ = memory_.triangles.ids[lane_];
+    first_column_ = lane_ + 1;
+    stride_ = 1;
+    findPartners(box.box(), 0, kSteps, 1);
+    const unsigned live_ahead = live >> 1 >> lane_ | live << (kWarp - 1 - lane_);
+    if (!mine) partners_ = 0;
+    partners_ &= live_ahead;
+    if (lane_ >= kSteps) partners_ &= (1U << (kSteps - 1)) - 1;
+    rounds_ = warpMost(__popc(partners_));
+  }
+  // To memory_.triangles, by a whole warp: of the lanes that are `in`, each to its place.
+  __device__ void leave(bool in, std::uint32_t place, const MemberBox& box, MemberIndex at) {
     __syncwarp();
-    memory_.triangles.low[place] = to.low;
-    memory_.triangles.high[place] = to.high;
-    memory_.triangles.ids[place] = ids;
+    if (in) {
+      memory_.triangles.low[place] = box.low;
+      memory_.triangles.high[place] = box.high;
+      uint4 ids = c_.members.ids[at];
+      ids.w = lane_;
+      memory_.triangles.ids[place] = ids;
+    }
     __syncwarp();
   }
   __device__ Aabb boxOfPlace(std::uint32_t place) const {
@@ -160,8 +184,7 @@ class PairScreener {
     return (first_column_ + step * stride_) % kWarp;
   }
 
-  // Each row is looked at by as many lanes as there are for it, each of which takes every so many a
-  // column, from this step on.
+  // The columns of this lane that meet its row's box, some of which may be out of date.
   __device__ void findPartners(const Aabb& box, std::uint32_t first, std::uint32_t steps,
                                std::uint32_t every) {
     partners_ = 0;
@@ -253,7 +276,7 @@ class PairScreener {
   uint4 ids_{};               // the row's
   unsigned partners_ = 0;     // by steps, the columns that are still to be taken
   std::uint32_t rounds_ = 0;  // the most that a lane has
-  unsigned long long overlaps_ = 0;
+  std::uint32_t overlaps_ = 0;
 };
 
 // Warps for the tiles and for sweep.tile_pairs: reads the arrays of `members`, adds to
