@@ -101,9 +101,10 @@ bool CudaDetector::runInPasses(const Options& options, const CycleLimit& limit) 
 bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
   const CycleShape shape = shapeOf(options, false, 0);
-  const std::uint32_t most = std::min(
-      kMostPasses,
-      std::max(kWarp * (arrays_.scene.tile_count + counters_[0].tile_pairs), largeBlocks(arrays_)));
+  const std::uint32_t most =
+      std::min(kMostPasses, std::max(kWarp * (arrays_.scene.tile_count + counters_[0].tile_pairs +
+                                              counters_[0].crowded_pairs),
+                                     largeBlocks(arrays_)));
   const std::uint64_t found = counters_[0].judged + counters_[0].unjudged;
   auto passes =
       static_cast<std::uint32_t>(std::min<std::uint64_t>(most, found / sizes_.candidates + 2));

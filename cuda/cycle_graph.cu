@@ -34,20 +34,20 @@ struct Step {
 };
 
 // A cycle, in an order in which the steps may also run one after the other. launchAssign stands
-// right behind launchPose on the main stream, launchSweep behind launchSort and launchPairs
-// behind launchSweep, for they start early.
+// right behind launchPose on the main stream, launchSweep behind launchSort, for they
+// start early.
 constexpr Step kList[kStepCount] = {
     {Stage::kPose, launchPoseIdentities, kIdentityBranch, 0},
     {Stage::kPose, launchPose, kMain, 0},
     {Stage::kAssign, launchAssign, kMain, 0},
     {Stage::kPose, launchPoseFans, kIdentityBranch, 0},
     {Stage::kAssign, launchAssignBins, kAdaptBranch, behind(kAssign)},
-    {Stage::kSort, launchSort, kMain, behind(kFans)},
-    {Stage::kLarge, launchLarge, kLargeBranch, behind(kSort)},
+    {Stage::kSort, launchSort, kMain, 0},
+    {Stage::kLarge, launchLarge, kLargeBranch, behind(kSort) | behind(kFans)},
     {Stage::kCluster, launchCluster, kAdaptBranch, 0},
     {Stage::kSort, launchSortFrames, kAdaptBranch, behind(kSort)},
     {Stage::kSweep, launchSweep, kMain, 0},
-    {Stage::kSweep, launchPairs, kMain, 0},
+    {Stage::kSweep, launchPairs, kMain, behind(kFans)},
     {Stage::kJudge, launchJudge, kMain, behind(kLarge) | behind(kBins)},
 };
 

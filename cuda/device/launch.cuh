@@ -56,7 +56,7 @@ unsigned blocksInOneWave(Kernel kernel, unsigned threads, std::size_t shared_byt
 // Launches a kernel that begins with awaitKernelAhead(), right behind another kernel of the stream.
 // The device may start it once all blocks of that one have ended or called letNextStart().
 template <class Argument>
-void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
+void launchEarly(void (*kernel)(Argument), dim3 blocks, unsigned threads,
                  std::size_t shared_bytes, const DeviceTraits& device, cudaStream_t stream,
                  const Argument& argument) {
 #if DCM_EARLY_LAUNCHES
@@ -68,7 +68,7 @@ void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
   early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
   early.val.programmaticStreamSerializationAllowed = 1;
   cudaLaunchConfig_t config{};
-  config.gridDim = dim3(blocks);
+  config.gridDim = blocks;
   config.blockDim = dim3(threads);
   config.dynamicSmemBytes = shared_bytes;
   config.stream = stream;
@@ -78,7 +78,7 @@ void launchEarly(void (*kernel)(Argument), unsigned blocks, unsigned threads,
 #else
   static_cast<void>(device);
   void* arguments[] = {const_cast<Argument*>(&argument)};
-  checkCuda(cudaLaunchKernel(reinterpret_cast<const void*>(kernel), dim3(blocks), dim3(threads),
+  checkCuda(cudaLaunchKernel(reinterpret_cast<const void*>(kernel), blocks, dim3(threads),
                              arguments, shared_bytes, stream),
             "cudaLaunchKernel");
 #endif

@@ -81,6 +81,7 @@ struct alignas(kLine) CycleCounters {
   alignas(kLine) std::uint32_t units;
   alignas(kLine) std::uint32_t units_taken;
   alignas(kLine) std::uint32_t tile_pairs;
+  alignas(kLine) std::uint32_t crowded_pairs;
   alignas(kLine) std::uint32_t pairs_taken;
   alignas(kLine) unsigned long long candidates;
   alignas(kLine) std::uint32_t open;

@@ -32,7 +32,7 @@ struct List {
   std::uint64_t needed, most;
 };
 
-std::array<List, 7> listsOf(const CycleCounters& c, bool swept, std::uint64_t limit) {
+std::array<List, 8> listsOf(const CycleCounters& c, bool swept, std::uint64_t limit) {
   const auto most = [limit](std::uint64_t bytes) {
     return withinLimit(~std::uint64_t{0}, bytes, limit);
   };
@@ -40,6 +40,7 @@ std::array<List, 7> listsOf(const CycleCounters& c, bool swept, std::uint64_t li
            {&CycleSizes::list_words, c.list_words, kMostPlaces},
            {&CycleSizes::units, c.units, kMostPlaces},
            {&CycleSizes::tile_pairs, c.tile_pairs, kMostPlaces},
+           {&CycleSizes::crowded_pairs, c.crowded_pairs, kMostPlaces},
            {&CycleSizes::candidates, c.candidates, most(candidateBytes(swept))},
            {&CycleSizes::contacts, c.contacts, most(contactBytes(swept))},
            {&CycleSizes::open_pairs, c.open_pairs, most(sizeof(OpenPair))}}};
@@ -71,6 +72,7 @@ void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
   raise(list_words, 8 * std::uint64_t{tiles} + 256);
   raise(units, 4 * std::uint64_t{tiles} + 4 * cluster_count + 256);
   raise(tile_pairs, 24 * std::uint64_t{tiles} + 256);
+  raise(crowded_pairs, 4 * std::uint64_t{tiles} + 256);
   const auto within = [&](std::uint32_t& size, std::uint64_t needed, std::uint64_t bytes) {
     std::uint32_t wanted = size;
     raise(wanted, needed);
@@ -93,18 +95,18 @@ void CycleSizes::follow() {
 
 bool CycleSizes::hold(const CycleCounters& c) const {
   return c.bins_wanted <= entries && c.list_words <= list_words && c.units <= units &&
-         c.tile_pairs <= tile_pairs && c.candidates <= candidates && c.contacts <= contacts &&
-         c.open_pairs <= open_pairs;
+         c.tile_pairs <= tile_pairs && c.crowded_pairs <= crowded_pairs &&
+         c.candidates <= candidates && c.contacts <= contacts && c.open_pairs <= open_pairs;
 }
 
 bool CycleSizes::growFor(const CycleCounters& c, std::uint64_t memory_limit_bytes) {
   if (c.bins_wanted >= kMostPlaces || c.list_words >= kMostPlaces || c.units >= kMostPlaces ||
-      c.tile_pairs >= kMostPlaces) {
+      c.tile_pairs >= kMostPlaces || c.crowded_pairs >= kMostPlaces) {
     throw CudaError(
         BackendFault::kSceneTooLarge,
         "the scene is too crowded for the CUDA backend: " + std::to_string(c.bins_wanted) +
             " places in clusters, " + std::to_string(c.units) + " work units, " +
-            std::to_string(c.tile_pairs) + " pairs of tiles");
+            std::to_string(std::uint64_t{c.tile_pairs} + c.crowded_pairs) + " pairs of tiles");
   }
   bool grown = false;
   for (const List& list : listsOf(c, swept, memory_limit_bytes)) {

@@ -18,7 +18,7 @@ struct CycleSizes {
   // Of what a cycle finds. Those of candidates and contacts share a memory limit by halves; the
   // others grow by need.
   std::uint32_t clusters = 0, samples = 0;
-  std::uint32_t entries = 0, list_words = 0, units = 0, tile_pairs = 0;
+  std::uint32_t entries = 0, list_words = 0, units = 0, tile_pairs = 0, crowded_pairs = 0;
   std::uint32_t candidates = 0, contacts = 0;
   // In swept motion as those above, otherwise nothing or what was there; and pairs for the host.
   bool swept = false;

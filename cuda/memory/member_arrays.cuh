@@ -49,14 +49,6 @@ struct alignas(16) TileState {
   std::uint32_t list;
 };
 
-// A tile in a cluster.
-struct TileEntry {
-  std::uint32_t tile_and_home;  // tile * 2 + 1 in its lowest cluster, tile * 2 elsewhere
-
-  __device__ TileIndex tile() const { return TileIndex(tile_and_home >> 1); }
-  __device__ bool isHome() const { return (tile_and_home & 1) != 0; }
-};
-
 // A cluster's part of the array of entries, and of the sorted arrays.
 struct Bin {
   std::uint32_t begin, capacity;
@@ -71,11 +63,11 @@ struct MemberArrays : ArrayGroup {
   // How many entries came to each bin, whether they fit or not, in the first of 8 places, which
   // keeps the counters of different clusters in different sectors; zero at the start of a cycle.
   DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, &CycleSizes::clusters};
-  DeviceArray<TileEntry, EntryIndex> entries{*this, &CycleSizes::entries};
+  DeviceArray<TileIndex, EntryIndex> entries{*this, &CycleSizes::entries};
   DeviceArray<Member, MemberIndex> members{*this, &CycleSizes::slots};
   DeviceArray<MemberBox, MemberIndex> boxes{*this, &CycleSizes::slots};
   DeviceArray<EarlierMember, MemberIndex> earlier{*this, &CycleSizes::swept_slots};  // of each
-  // Of each that is live, its vertices' ids.
+  // Of each, its vertices' ids, where some body has contacts with itself.
   DeviceArray<uint4, MemberIndex> ids{*this, &CycleSizes::slots};
   DeviceArray<TileState, TileIndex> tiles{*this, &CycleSizes::tiles};
   DeviceArray<MemberIndex, Place> large{*this, &CycleSizes::slots};

@@ -35,12 +35,6 @@ struct alignas(8) TilePair {
   TileIndex a, b;
 };
 
-// Every so many a step of what there is to do for a pair of tiles: `part` of `parts`.
-struct alignas(16) TilePairPart {
-  TileIndex a, b;
-  std::uint32_t part, parts;
-};
-
 struct SweepArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
@@ -58,8 +52,10 @@ struct SweepArrays : ArrayGroup {
   // Where the entries of each bucket begin, and behind the last one where they end.
   DeviceArray<std::uint32_t, ClusterIndex, kBuckets + 1> bucket_begin{*this, &CycleSizes::clusters};
   DeviceArray<WorkUnit, Place> units{*this, &CycleSizes::units};
-  // What the sweep leaves: pairs of different tiles whose boxes meet, each part once.
-  DeviceArray<TilePairPart, Place> tile_pairs{*this, &CycleSizes::tile_pairs};
+  // What the sweep leaves: pairs of different tiles whose boxes meet, each once; and those with
+  // many triangles that may meet.
+  DeviceArray<TilePair, Place> tile_pairs{*this, &CycleSizes::tile_pairs};
+  DeviceArray<TilePair, Place> crowded_pairs{*this, &CycleSizes::crowded_pairs};
 };
 
 // The places of a row's partners among the sorted entries: those of group `columns` that begin

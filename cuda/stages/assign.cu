@@ -79,17 +79,15 @@ __device__ void takeSample(const CycleArrays& c, TriangleIndex t, bool regular,
   c.clusters.samples[Place(sampling.sampleOf(t.value))] = sample;
 }
 
-// False if that was its home and had no room.
-__device__ bool putEntry(const CycleArrays& c, std::uint32_t cluster, TileIndex tile, bool home) {
+__device__ void putEntry(const CycleArrays& c, std::uint32_t cluster, TileIndex tile) {
   const ClusterIndex g(cluster);
   const Bin bin = c.members.bins[g];
   const std::uint32_t place = atomicAdd(&c.members.count(g), 1U);
   if (place < bin.capacity) {
-    c.members.entries[EntryIndex(bin.begin + place)] = {tile.value << 1 | (home ? 1U : 0U)};
-    return true;
+    c.members.entries[EntryIndex(bin.begin + place)] = tile;
+  } else {
+    c.counters().bin_overflow = 1;
   }
-  c.counters().bin_overflow = 1;
-  return !home;
 }
 
 // The clusters of a tile that may be in several: those that the rule admits one of its live
@@ -198,12 +196,10 @@ __device__ std::uint32_t reserveList(const CycleArrays& c, std::uint32_t length)
   return __shfl_sync(kFullWarp, place, 0);
 }
 
-// By a whole warp: the tile into all its clusters; returns where their list is. `at_home` becomes
-// whether it is in the lowest.
+// By a whole warp: the tile into all its clusters; returns where their list is.
 template <int kPoints>
 __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
-                                      const BorderTile<kPoints>& border, std::uint32_t* found,
-                                      bool& at_home) {
+                                      const BorderTile<kPoints>& border, std::uint32_t* found) {
   if (border.isListed()) {
     const std::uint32_t length = border.findListed();
     const std::uint32_t list = length > 1 ? reserveList(c, length) : kNone;
@@ -212,13 +208,11 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
       std::uint32_t rank = 0;
       for (std::uint32_t k = 0; k < length; ++k) rank += found[k] < g ? 1 : 0;
       if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
-      at_home = putEntry(c, g, tile, rank == 0) && at_home;
+      putEntry(c, g, tile);
     }
-    at_home = __all_sync(kFullWarp, at_home) != 0;
     return list;
   }
-  at_home = !warpIsCutOff(c, tile.value % kWarpsPerAsker == 0);
-  if (!at_home) return kNone;
+  if (warpIsCutOff(c, tile.value % kWarpsPerAsker == 0)) return kNone;
   std::uint32_t length = 0;
   border.forEachOfAll([&](std::uint32_t) { ++length; });
   const std::uint32_t list = reserveList(c, length);
@@ -226,11 +220,10 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
   border.forEachOfAll([&](std::uint32_t g) {
     if (laneId() == 0) {
       if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
-      at_home = putEntry(c, g, tile, rank == 0) && at_home;
+      putEntry(c, g, tile);
     }
     ++rank;
   });
-  at_home = __all_sync(kFullWarp, at_home) != 0;
   return list;
 }
 
@@ -239,15 +232,14 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
 template <int kStates>
 __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsigned live,
                                     const Corners<kStates>& corners, float slack,
-                                    std::uint32_t* found, bool& at_home) {
+                                    std::uint32_t* found) {
   const bool mine = (live >> laneId() & 1) != 0;
   const int some = __ffs(static_cast<int>(live)) - 1;
   const std::uint32_t near = __shfl_sync(kFullWarp, corners.nearest[0].cluster, some);
   const bool inside =
       isInterior<3 * kStates>(corners.nearest) && corners.nearest[0].cluster == near;
   if (__all_sync(kFullWarp, inside || !mine) != 0) {
-    if (laneId() == 0) at_home = putEntry(c, near, tile, true);
-    at_home = __all_sync(kFullWarp, at_home) != 0;
+    if (laneId() == 0) putEntry(c, near, tile);
     return kNone;
   }
   const PrototypesView view = c.clusters.view();
@@ -255,8 +247,7 @@ __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsign
   std::uint32_t first;
   const auto rule =
       ruleFor<3 * kStates>(view, scaled.v, corners.nearest, c.params().overlap, slack, first);
-  return assignBorder(c, tile, BorderTile<3 * kStates>(view, rule, mine, near, found), found,
-                      at_home);
+  return assignBorder(c, tile, BorderTile<3 * kStates>(view, rule, mine, near, found), found);
 }
 
 // A warp for each tile: reads scene.corners, scene.posed, scene.body_boxes; writes members.members,
@@ -297,13 +288,10 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   c.members.boxes[slot] = MemberBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb());
   if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
-  bool at_home = true;
-  const std::uint32_t list =
-      live == 0 || c.together()
-          ? kNone
-          : assignTile(c, tile, live, corners, body.slack, found[warp], at_home);
-  // One without a home has no ids in this cycle, which is to be made again or cut off.
-  if (laneId() == 0) c.members.tiles[tile] = {all, at_home ? live : 0, list};
+  const std::uint32_t list = live == 0 || c.together()
+                                 ? kNone
+                                 : assignTile(c, tile, live, corners, body.slack, found[warp]);
+  if (laneId() == 0) c.members.tiles[tile] = {all, live, list};
 }
 
 }  // namespace

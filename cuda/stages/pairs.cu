@@ -17,12 +17,13 @@ constexpr unsigned kLogWarp = 5;
 static_assert(1U << kLogWarp == kWarp);
 constexpr unsigned kBlocksEach = 7;  // of a multiprocessor, as registers allow
 
-// Two members whose boxes meet; with the bits of the vertices that they share << kSharedBitsAt.
+// Two members whose boxes meet.
 struct alignas(8) MemberPair {
-  std::uint32_t a, b;
+  MemberIndex a, b;
 };
-constexpr unsigned kSharedBitsAt = 29;
-constexpr std::uint32_t kMemberMask = (1U << kSharedBitsAt) - 1;
+
+// A crowded pair of tiles goes to so many warps: one would be the last to end.
+constexpr std::uint32_t kParts = 4;
 
 constexpr unsigned kMetCapacity = 4 * kWarp, kCandidateCapacity = 2 * kWarp;
 
@@ -56,8 +57,10 @@ class PairScreener {
     const CycleParams& params = c.params();
     passes_ = params.passes;
     beyond_shared_ = params.adjacent == AdjacentPairs::kBeyondShared;
-    tiles_ = params.any_self != 0 ? c.scene.tile_count : 0;
-    end_ = tiles_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
+    any_self_ = params.any_self != 0;
+    tiles_ = any_self_ ? c.scene.tile_count : 0;
+    crowded_ = tiles_ + kParts * min(c.counters().crowded_pairs, c.sweep.crowded_pairs.size());
+    end_ = crowded_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
   }
 
   // Each part has one place in this loop: the code must fit the instruction cache.
@@ -82,8 +85,8 @@ class PairScreener {
 
  private:
   // The first pairs are dealt out, the others go to whoever is free: some have hundreds of
-  // triangles that meet, most have few. Asked for when the last one's have been taken: until it is
-  // wanted there is other work to do.
+  // triangles that meet, most have few, and those come last. Asked for when the last one's have
+  // been taken: until it is wanted there is other work to do.
   __device__ void askForNext() {
     if (lane_ == 0) turn_ = gridDim.x * kWarps + atomicAdd(&c_.counters().pairs_taken, 1U);
   }
@@ -97,8 +100,11 @@ class PairScreener {
       leaveOverlaps();
       if (warpIsCutOff(c_, item_ % kWarpsPerAsker == 0)) return false;
     }
-    if (item_ >= tiles_) {
-      layOut(c_.sweep.tile_pairs[Place(item_ - tiles_)]);
+    if (item_ >= crowded_) {
+      layOut(c_.sweep.tile_pairs[Place(item_ - crowded_)], 0, 1);
+    } else if (item_ >= tiles_) {
+      const std::uint32_t part = item_ - tiles_;
+      layOut(c_.sweep.crowded_pairs[Place(part / kParts)], part % kParts, kParts);
     } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
       layOutSelf(TileIndex(item_));
     }
@@ -115,8 +121,8 @@ class PairScreener {
 
   // Of the triangles of each tile those that meet the other tile's box: each row, one of the first
   // tile, to as many lanes as there are for it; the columns, of the second, to memory_.triangles,
-  // each lane to look at every so many of them.
-  __device__ void layOut(const TilePairPart& pair) {
+  // each lane to look at every so many of them. One of so many parts of the work.
+  __device__ void layOut(const TilePair& pair, std::uint32_t part, std::uint32_t parts) {
     const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
     first_a_ = pair.a.value * kWarp;
     first_b_ = pair.b.value * kWarp;
@@ -126,18 +132,18 @@ class PairScreener {
     const unsigned in_b = b.live & __ballot_sync(kFullWarp, intersects(box_b.box(), a.box));
     const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
     if (rows == 0 || columns == 0) return;
-    if (pair.part == 0) overlaps_ += rows * columns;
+    if (part == 0) overlaps_ += rows * columns;
     const unsigned before = (1U << lane_) - 1;
     leave((in_a >> lane_ & 1) != 0, __popc(in_a & before), box_a, at_a);
     const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
     const std::uint32_t row = lane_ & ((1U << shift) - 1);
     const Aabb box = boxOfPlace(row);
-    ids_ = memory_.triangles.ids[row];
+    setRow(memory_.triangles.ids[row]);
     leave((in_b >> lane_ & 1) != 0, __popc(in_b & before), box_b, at_b);
     first_column_ = lane_ >> shift;
     stride_ = kWarp >> shift;
     const unsigned log_stride = kLogWarp - shift;
-    findPartners(box, pair.part, (columns + stride_ - 1) >> log_stride, pair.parts);
+    findPartners(box, part, (columns + stride_ - 1) >> log_stride, parts);
     const std::uint32_t own_steps = (columns + stride_ - 1 - first_column_) >> log_stride;
     if (row >= rows || own_steps == 0) partners_ = 0;
     partners_ &= (2U << ((own_steps - 1) % kWarp)) - 1;
@@ -155,7 +161,7 @@ class PairScreener {
     const MemberBox box = c_.members.boxes[at];
     const bool mine = (live >> lane_ & 1) != 0;
     leave(mine, lane_, box, at);
-    ids_ = memory_.triangles.ids[lane_];
+    setRow(memory_.triangles.ids[lane_]);
     first_column_ = lane_ + 1;
     stride_ = 1;
     findPartners(box.box(), 0, kSteps, 1);
@@ -171,11 +177,21 @@ class PairScreener {
     if (in) {
       memory_.triangles.low[place] = box.low;
       memory_.triangles.high[place] = box.high;
-      uint4 ids = c_.members.ids[at];
+      uint4 ids{};
+      if (any_self_) ids = c_.members.ids[at];
       ids.w = lane_;
       memory_.triangles.ids[place] = ids;
     }
     __syncwarp();
+  }
+  // Of this lane's row the ids whose sharers are no contacts: where those beyond shared vertices
+  // count, those of vertices with certified fans.
+  __device__ void setRow(const uint4& ids) {
+    const auto settled = [this](std::uint32_t id) {
+      const bool has = any_self_ && (!beyond_shared_ || (id & kFanCertified) != 0);
+      return has ? id : kNone;
+    };
+    ids_ = make_uint4(settled(ids.x), settled(ids.y), settled(ids.z), ids.w);
   }
   __device__ Aabb boxOfPlace(std::uint32_t place) const {
     return MemberBox{memory_.triangles.low[place], memory_.triangles.high[place]}.box();
@@ -200,38 +216,34 @@ class PairScreener {
     }
   }
 
-  // Partners of all lanes, one by one, while there is room; those that share vertices stay where
-  // they may meet beyond them.
+  // Partners of all lanes, one by one, while there is room; but for those that share what settles
+  // them.
   __device__ void takePartners() {
     while (rounds_ != 0 && met_.size <= kMetCapacity - kWarp) {
-      bool kept = partners_ != 0;
-      const std::uint32_t step = kept ? __ffs(static_cast<int>(partners_)) - 1 : 0;
+      const bool has = partners_ != 0;
+      const std::uint32_t step = has ? __ffs(static_cast<int>(partners_)) - 1 : 0;
       partners_ &= partners_ - 1;
       const uint4 ids = memory_.triangles.ids[columnAt(step)];
-      MemberPair pair{first_a_ + ids_.w, first_b_ + ids.w};
-      if (kept && shareVertices(ids_, ids)) {
-        kept = false;
-        if (beyond_shared_) {
-          const std::uint32_t shared = sharedBits(ids_, ids);
-          kept = !isCertified(ids_, shared);
-          pair.a |= shared << kSharedBitsAt;
-          pair.b |= sharedBits(ids, ids_) << kSharedBitsAt;
-        }
-      }
-      met_.push(kept, pair);
+      met_.push(has && !shareVertices(ids_, ids),
+                {MemberIndex(first_a_ + ids_.w), MemberIndex(first_b_ + ids.w)});
       if (--rounds_ == 0) askForNext();
     }
   }
 
   // Planes, and whose share the pair is; in swept motion moving boxes instead of planes.
   __device__ void screenPlanes() {
-    MemberPair pair{};
+    MemberPair pair{MemberIndex(0), MemberIndex(0)};
     DeviceCandidate candidate{};
     bool kept = met_.pop(pair);
     if (kept) {
+      std::uint32_t shared_a = 0, shared_b = 0;
+      if (beyond_shared_ && any_self_) {
+        const uint4 a = c_.members.ids[pair.a], b = c_.members.ids[pair.b];
+        shared_a = sharedBits(a, b);
+        shared_b = sharedBits(b, a);
+      }
       const auto screen = kStates > 1 ? screenMovingPair : screenPair;
-      kept = screen(c_, MemberIndex(pair.a & kMemberMask), MemberIndex(pair.b & kMemberMask),
-                    pair.a >> kSharedBitsAt, pair.b >> kSharedBitsAt, candidate);
+      kept = screen(c_, pair.a, pair.b, shared_a, shared_b, candidate);
     }
     candidates_.push(kept, candidate);
   }
@@ -266,24 +278,25 @@ class PairScreener {
   WarpQueue<MemberPair> met_;
   WarpQueue<DeviceCandidate> candidates_;
   const std::uint32_t lane_;
-  std::uint32_t passes_, tiles_, end_;
-  bool beyond_shared_;
+  bool any_self_, beyond_shared_;
+  // Pairs have numbers: tiles with themselves below tiles_, then parts of crowded pairs, then, from
+  // crowded_ on, the others.
+  std::uint32_t passes_, tiles_, crowded_, end_;
   std::uint32_t turn_;  // in the first lane: the next pair's number
   std::uint32_t item_ = 0, taken_ = 0;
   // Of this pair of tiles: their first slots, and the row and columns of this lane.
   std::uint32_t first_a_ = 0, first_b_ = 0;
   std::uint32_t first_column_ = 0, stride_ = 1;
-  uint4 ids_{};               // the row's
+  uint4 ids_{};               // of the row, as setRow() has them
   unsigned partners_ = 0;     // by steps, the columns that are still to be taken
   std::uint32_t rounds_ = 0;  // the most that a lane has
   std::uint32_t overlaps_ = 0;
 };
 
-// Warps for the tiles and for sweep.tile_pairs: reads the arrays of `members`, adds to
-// contacts.candidates and contacts.contacts.
+// Warps for the tiles, sweep.crowded_pairs and sweep.tile_pairs: reads the arrays of `members`,
+// adds to contacts.candidates and contacts.contacts.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads, kBlocksEach) pairsKernel(CycleArrays c) {
-  awaitKernelAhead();
   __shared__ WarpMemory memory[kWarps];
   PairScreener<kStates> screener(c, memory[threadIdx.x / kWarp]);
   screener.run();
@@ -293,8 +306,8 @@ __global__ void __launch_bounds__(kThreads, kBlocksEach) pairsKernel(CycleArrays
 
 void launchPairs(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   const auto kernel = shape.swept ? pairsKernel<2> : pairsKernel<1>;
-  launchEarly(kernel, blocksInOneWave(kernel, kThreads, 0, shape.device), kThreads, 0, shape.device,
-              stream, cycle);
+  const unsigned blocks = blocksInOneWave(kernel, kThreads, 0, shape.device);
+  kernel<<<blocks, kThreads, 0, stream>>>(cycle);
 }
 
 }  // namespace deformable_contact_monitor

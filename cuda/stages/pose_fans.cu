@@ -1,6 +1,8 @@
-// Stage pose, beside the posing: which fans are certified.
+// Stage pose, beside the posing: which fans are certified, and the ids of triangles' vertices.
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/posed_vertex.h"
+#include "cuda/device/warp.cuh"
+#include "cuda/stages/corners.cuh"
 #include "cuda/stages/pose_parts.cuh"
 #include "cuda/stages/stages.cuh"
 
@@ -74,11 +76,21 @@ __global__ void __launch_bounds__(kThreads) fanKernel(CycleArrays c) {
   scene.vertex_id[i] = VertexIndex(i.value | kFanCertified);
 }
 
+// A thread for each slot of a tile: reads scene.vertex_id; writes members.ids.
+__global__ void __launch_bounds__(kThreads) slotIdsKernel(CycleArrays c) {
+  const MemberIndex slot(blockIdx.x * kThreads + threadIdx.x);
+  if (slot.value >= c.scene.tile_count * kWarp) return;
+  const TriangleIndex t = c.scene.slot_triangle[slot];
+  c.members.ids[slot] = t.value == kNone ? uint4{} : idsOf(c.scene, t);
+}
+
 }  // namespace
 
 void launchPoseFans(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  if (!shape.fans) return;
-  fanKernel<<<cycle.scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
+  if (!shape.identify) return;
+  if (shape.fans) fanKernel<<<cycle.scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
+  const unsigned slots = cycle.scene.tile_count * kWarp;
+  slotIdsKernel<<<(slots + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -58,14 +58,12 @@ struct ClusterSums {
   std::uint32_t triangles = 0;  // of all lanes
 };
 
-// By a whole warp: projects a tile, and leaves its triangles' ids where it is at home. Returns its
-// bucket, of the groups'.
+// By a whole warp: projects a tile. Returns its bucket, of the groups'.
 template <int kStates>
 __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& params,
                                      const ClusterFrame& frame, EntryIndex at, ClusterSums& sums) {
   constexpr int kPoints = 3 * kStates;
-  const TileEntry entry = c.members.entries[at];
-  const TileIndex tile = entry.tile();
+  const TileIndex tile = c.members.entries[at];
   const DeviceBody& body = c.scene.bodies[c.scene.tile_body[tile]];
   const unsigned alive = c.members.tiles[tile].live;
   const bool live = (alive >> laneId() & 1) != 0;
@@ -73,9 +71,6 @@ __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& pa
   ScaledMember<kStates> scaled(c, params.scale, slot);
   if (live) sums.moments.add(scaled.mean() - frame.centre);
   sums.triangles += __popc(alive);
-  if (live && entry.isHome()) {
-    c.members.ids[slot] = idsOf(c.scene, c.members.members[slot].triangle);
-  }
   PackedInterval along[3];
   for (int k = 0; k < 3; ++k) {
     along[k] =

@@ -40,7 +40,8 @@ void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cud
 // scene.received; writes scene.posed, scene.body_boxes.
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// pose: marks the vertices whose fans are certified: reads scene.posed; adds to scene.vertex_id.
+// pose: marks the vertices whose fans are certified, and gives triangles the ids of their vertices:
+// reads scene.received; adds to scene.vertex_id, writes members.ids.
 void launchPoseFans(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign: drops triangles that are not finite or outside every partner's box; puts the others into
@@ -72,7 +73,7 @@ void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // The same in place of launchSort and launchSweep where CycleArrays::together(): every tile against
-// every other.
+// every other. Right behind launchAssign.
 void launchTogether(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // sweep: pairs of triangles of these tiles, and of tiles of bodies that have contacts with

@@ -124,13 +124,16 @@ class Sweeper {
     const SortedIndex row = unit_.first_row + (hit & 31U);
     const SortedIndex column(__shfl_sync(kFullWarp, begin_, hit & 31) + (hit >> 5));
     TilePair pair{};
+    bool crowded = false;
     if (kept) {
       pair = {c_.sweep.tiles[row], c_.sweep.tiles[column]};
       const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
+      crowded = isCrowded(a.box, b.box);
       kept = intersects(a.box, b.box) &&
              ownsPair(unit_.cluster.value, c_.members.clustersOf(a), c_.members.clustersOf(b));
     }
-    putTilePair(c_, kept, pair);
+    TilePairWriter to(c_, kept && crowded ? 1 : 0, kept && !crowded ? 1 : 0);
+    if (kept) to.put(crowded, pair);
   }
 
   const CycleArrays& c_;
@@ -141,7 +144,8 @@ class Sweeper {
   std::uint32_t step_ = 0, longest_ = 0;
 };
 
-// Warps for sweep.units: reads the arrays of `sweep` and members.tiles, adds to sweep.tile_pairs.
+// Warps for sweep.units: reads the arrays of `sweep` and members.tiles, adds to
+// sweep.tile_pairs and sweep.crowded_pairs.
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
   awaitKernelAhead();
   __shared__ Hit hits[kWarps][kHitCapacity];

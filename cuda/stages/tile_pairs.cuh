@@ -17,23 +17,37 @@ __device__ inline float shareWithin(const Aabb& tile, const Aabb& other) {
   return share;
 }
 
-// By a whole warp, of which some lanes have a pair of tiles: adds to sweep.tile_pairs; those with
-// many triangles that may meet in parts, for a warp to each, or it would be the last to end.
-__device__ inline void putTilePair(const CycleArrays& c, bool has, const TilePair& pair) {
-  constexpr std::uint32_t kParts = 4;
-  constexpr float kMuch = 1.0F / 8;  // of all pairs of their triangles
-  std::uint32_t parts = 0;
-  if (has) {
-    const Aabb a = c.members.tiles[pair.a].box, b = c.members.tiles[pair.b].box;
-    parts = shareWithin(a, b) * shareWithin(b, a) > kMuch ? kParts : 1;
-  }
-  const std::uint32_t first = warpReserve(&c.counters().tile_pairs, parts);
-  for (std::uint32_t part = 0; part < parts; ++part) {
-    const Place place(first + part);
-    if (place.value < c.sweep.tile_pairs.size()) {
-      c.sweep.tile_pairs[place] = {pair.a, pair.b, part, parts};
+// Whether many triangles of two tiles may meet, by the tiles' boxes.
+__device__ inline bool isCrowded(const Aabb& a, const Aabb& b) {
+  constexpr float kMany = 1.0F / 8;  // of all pairs of their triangles
+  return shareWithin(a, b) * shareWithin(b, a) > kMany;
+}
+
+// Where a lane puts the pairs that it found, the crowded ones and the others. By whole warps: room
+// for so many of each.
+class TilePairWriter {
+ public:
+  __device__ TilePairWriter(const CycleArrays& c, std::uint32_t crowded, std::uint32_t others)
+      : c_(c),
+        crowded_(warpReserve(&c.counters().crowded_pairs, crowded)),
+        others_(warpReserve(&c.counters().tile_pairs, others)) {}
+
+  __device__ void put(bool crowded, const TilePair& pair) {
+    if (crowded) {
+      put(c_.sweep.crowded_pairs, crowded_++, pair);
+    } else {
+      put(c_.sweep.tile_pairs, others_++, pair);
     }
   }
-}
+
+ private:
+  __device__ static void put(const DeviceArray<TilePair, Place>& to, std::uint32_t place,
+                             const TilePair& pair) {
+    if (place < to.size()) to[Place(place)] = pair;
+  }
+
+  const CycleArrays& c_;
+  std::uint32_t crowded_, others_;
+};
 
 }  // namespace deformable_contact_monitor

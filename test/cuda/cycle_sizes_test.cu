@@ -21,6 +21,7 @@ TEST(CycleSizes, WhatFitsDoesNotGrow) {
   counters.list_words = sizes.list_words;
   counters.units = sizes.units;
   counters.tile_pairs = sizes.tile_pairs;
+  counters.crowded_pairs = sizes.crowded_pairs;
   counters.candidates = sizes.candidates;
   counters.contacts = sizes.contacts;
   EXPECT_FALSE(sizes.growFor(counters, kAmple));
@@ -42,8 +43,10 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   counters.list_words = 4000;
   counters.bins_wanted = 100000;
   counters.tile_pairs = 200000;
+  counters.crowded_pairs = 100000;
   EXPECT_TRUE(sizes.growFor(counters, kAmple));
   EXPECT_GE(sizes.tile_pairs, 200000U);
+  EXPECT_GE(sizes.crowded_pairs, 100000U);
   EXPECT_GE(sizes.candidates, 3000000U);
   EXPECT_GE(sizes.contacts, 5 * before.contacts);
   EXPECT_GE(sizes.list_words, 4000U);
