@@ -39,7 +39,7 @@ struct SweepArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
   DeviceArray<ClusterFrame, ClusterIndex> frames{*this, &CycleSizes::clusters};
-  // Of the triangles' centroids about the frames' centres.
+  // Of the tiles' boxes about the frames' centres.
   DeviceArray<Moments, ClusterIndex> moments{*this, &CycleSizes::clusters};
   // Of each entry, as the bins have them: its key and box, as below, and its tile.
   DeviceArray<uint4, EntryIndex> projected{*this, &CycleSizes::entries};

@@ -1,88 +1,62 @@
 // Stage sort: each cluster's tiles along its principal axes, sorted by where they begin.
-#include "core/rules/common_motion.h"
-#include "core/rules/margins.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
-#include "cuda/stages/corners.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr unsigned kThreads = 512;
+constexpr unsigned kThreads = 256;
 constexpr unsigned kWarps = kThreads / kWarp;
 static_assert(kBuckets % kThreads == 0);
-
-// A live triangle's points [scaled]. With kStates == 2 in swept motion: where it was at the
-// beginning of the step comes first, and the common motion is taken off.
-template <int kStates>
-struct ScaledMember {
-  static constexpr int kPoints = 3 * kStates, kPresent = kPoints - 3;
-  Vec3f v[kPoints];
-
-  __device__ ScaledMember(const CycleArrays& c, const SceneScale& scale, MemberIndex at) {
-    const Triangle posed = c.members.members[at].posed;
-    if (kStates > 1) {
-      const Triangle earlier = c.members.earlier[at].posed;
-      for (int k = 0; k < 3; ++k) v[k] = scale.apply(earlier.v[k]);
-    }
-    const SceneScale present =
-        kStates > 1 ? withoutMotion(scale, c.scene.common_motion[Place(0)]) : scale;
-    for (int k = 0; k < 3; ++k) v[kPresent + k] = present.apply(posed.v[k]);
-  }
-  __device__ Vec3f mean() const {
-    if (kStates == 1) return centroidOf(v);
-    return (centroidOf(v) + centroidOf(v + kPresent)) * 0.5F;
-  }
-};
 
 // Of a tile along one axis, quantised.
 struct PackedInterval {
   std::uint32_t lo, hi;
 };
 
-// By a whole warp, of whose lanes some have a live triangle, with points `v`.
-template <int kPoints>
-__device__ PackedInterval tileAlong(const Quantiser& quantiser, const Vec3f& axis,
-                                    const Vec3f v[kPoints], float margin, bool live) {
-  const Interval along = project<kPoints>(axis, v, margin);
-  const std::uint32_t lo = live ? quantiser(along.lo) : 0xffffU;
-  const std::uint32_t hi = live ? quantiser(along.hi) : 0;
-  const std::uint32_t most = warpMost(hi);
-  return {min(0xffffU - warpMost(0xffffU - lo), most), most};  // zeros where none is live
+// `box` [scaled]: it has all points of the tile, and its margin.
+__device__ PackedInterval boxAlong(const Quantiser& quantiser, const Vec3f& axis, const Aabb& box) {
+  const Vec3f ends[2] = {
+      {axis.x < 0 ? box.max.x : box.min.x, axis.y < 0 ? box.max.y : box.min.y,
+       axis.z < 0 ? box.max.z : box.min.z},
+      {axis.x < 0 ? box.min.x : box.max.x, axis.y < 0 ? box.min.y : box.max.y,
+       axis.z < 0 ? box.min.z : box.max.z}};
+  const Interval along = project<2>(axis, ends, 0);
+  return {quantiser(along.lo), quantiser(along.hi)};
 }
 
-// What a warp finds of the tiles of a cluster.
+// What a thread finds of the tiles of a cluster.
 struct ClusterSums {
   Moments moments;
-  std::uint32_t triangles = 0;  // of all lanes
+  std::uint32_t triangles = 0;
+
+  // As if evenly spread over the box.
+  __device__ void add(const Aabb& box, const Vec3f& about) {
+    moments.add((box.min + box.max) * 0.5F - about);
+    const Vec3f size = box.max - box.min;
+    moments.product[0] += size.x * size.x / 12;
+    moments.product[3] += size.y * size.y / 12;
+    moments.product[5] += size.z * size.z / 12;
+  }
 };
 
-// By a whole warp: projects a tile. Returns its bucket, of the groups'.
-template <int kStates>
+// Projects a tile. Returns its bucket, of the groups'.
 __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& params,
                                      const ClusterFrame& frame, EntryIndex at, ClusterSums& sums) {
-  constexpr int kPoints = 3 * kStates;
   const TileIndex tile = c.members.entries[at];
-  const DeviceBody& body = c.scene.bodies[c.scene.tile_body[tile]];
-  const unsigned alive = c.members.tiles[tile].live;
-  const bool live = (alive >> laneId() & 1) != 0;
-  const MemberIndex slot(tile.value * kWarp + laneId());
-  ScaledMember<kStates> scaled(c, params.scale, slot);
-  if (live) sums.moments.add(scaled.mean() - frame.centre);
-  sums.triangles += __popc(alive);
+  const TileState state = c.members.tiles[tile];
+  const std::uint32_t group = c.scene.bodies[c.scene.tile_body[tile]].group;
+  const Aabb box{params.scale.apply(state.box.min), params.scale.apply(state.box.max)};
+  sums.add(box, frame.centre);
+  sums.triangles += __popc(state.live);
   PackedInterval along[3];
-  for (int k = 0; k < 3; ++k) {
-    along[k] =
-        tileAlong<kPoints>(frame.along[k], frame.axes.axis[k], scaled.v, body.slack / 2, live);
-  }
+  for (int k = 0; k < 3; ++k) along[k] = boxAlong(frame.along[k], frame.axes.axis[k], box);
   const std::uint32_t first = along[0].lo >> params.bucket_shift;
   const std::uint32_t last = along[0].hi >> params.bucket_shift;
-  if (laneId() == 0) {
-    c.sweep.projected[at] = make_uint4(first | last << 16, along[1].lo | along[2].lo << 16,
-                                       along[1].hi | along[2].hi << 16, tile.value);
-  }
-  return body.group * params.bucketsOfGroup() + first;
+  c.sweep.projected[at] = make_uint4(first | last << 16, along[1].lo | along[2].lo << 16,
+                                     along[1].hi | along[2].hi << 16, tile.value);
+  return group * params.bucketsOfGroup() + first;
 }
 
 // Turns counts into places from `first` on, by the whole block.
@@ -169,7 +143,6 @@ __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
 }
 
 // By the whole block: projects the cluster's tiles, and counts them by buckets.
-template <int kStates>
 __device__ void projectTiles(const CycleArrays& c, const CycleParams& params, ClusterIndex g,
                              std::uint32_t first, std::uint32_t count, std::uint32_t* place) {
   __shared__ std::uint32_t triangles;
@@ -177,12 +150,11 @@ __device__ void projectTiles(const CycleArrays& c, const CycleParams& params, Cl
   const ClusterFrame frame = c.sweep.frames[g];
   __syncthreads();
   ClusterSums sums;
-  for (std::uint32_t m = threadIdx.x / kWarp; m < count; m += kWarps) {
-    const std::uint32_t bucket =
-        projectTile<kStates>(c, params, frame, EntryIndex(first + m), sums);
-    if (laneId() == 0) atomicAdd(&place[bucket], 1U);
+  for (std::uint32_t m = threadIdx.x; m < count; m += kThreads) {
+    atomicAdd(&place[projectTile(c, params, frame, EntryIndex(first + m), sums)], 1U);
   }
-  if (laneId() == 0) atomicAdd(&triangles, sums.triangles);
+  const std::uint32_t of_warp = warpSum(sums.triangles);
+  if (laneId() == 0) atomicAdd(&triangles, of_warp);
   storeMoments(sums.moments, &c.sweep.moments[g]);  // waits for the block
   if (threadIdx.x == 0 && triangles > 0) {
     atomicAdd(&c.counters().members, 1ULL * triangles);
@@ -191,9 +163,8 @@ __device__ void projectTiles(const CycleArrays& c, const CycleParams& params, Cl
 }
 
 // A block for each cluster: reads its entries; writes its part of the arrays of `sweep`, by a
-// counting sort into buckets, and adds to sweep.units. In swept motion (kStates == 2) both states.
-template <int kStates>
-__global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleArrays c) {
+// counting sort into buckets, and adds to sweep.units.
+__global__ void __launch_bounds__(kThreads) sortKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
   // While tiles are put into their buckets, each bucket's place moves on to where the next begins.
   __shared__ std::uint32_t bucket_begin[kBuckets + 1];
@@ -203,7 +174,7 @@ __global__ void __launch_bounds__(kThreads, 2) sortKernel(CycleArrays c) {
   const std::uint32_t count = c.members.present(g);
   const CycleParams params = c.params();
   for (unsigned k = threadIdx.x; k < kBuckets; k += kThreads) place[k] = 0;
-  projectTiles<kStates>(c, params, g, first, count, place);
+  projectTiles(c, params, g, first, count, place);
   if (count == 0) return;
   __syncthreads();
   scanBuckets(place, first);
@@ -254,10 +225,9 @@ __global__ void __launch_bounds__(kWarp) frameKernel(CycleArrays c) {
 
 }  // namespace
 
-void launchSort(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+void launchSort(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
   if (cycle.together()) return;
-  const auto kernel = shape.swept ? sortKernel<2> : sortKernel<1>;
-  kernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
+  sortKernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
 }
 
 void launchSortFrames(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
