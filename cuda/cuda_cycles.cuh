@@ -24,7 +24,7 @@ class CudaDetector : public ShareDetector {
   explicit CudaDetector(const CudaSettings& settings)
       : settings_(settings),
         device_(DeviceTraits::of(settings.device)),
-        cluster_counts_{500, 8192, 100000, device_.multiprocessors} {
+        cluster_counts_{3000, 8192, 100000, device_.multiprocessors} {
     result_.contacts.moveTo(pinnedMemory());
     arrays_.host_counters.pointTo(counters_.data());
     arrays_.host_stop.pointTo(stop_.word());
