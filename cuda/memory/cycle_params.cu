@@ -35,7 +35,8 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   p.settles = !swept && !any.margins && options.predicates != Predicates::kFast ? 1 : 0;
   const bool few_sharers =
       options.adjacent == AdjacentPairs::kSkip || options.predicates == Predicates::kExact;
-  p.leaves_few = p.settles != 0 && few_sharers ? 1 : 0;
+  constexpr std::uint32_t kMany = 300000;  // triangles: then those left are worth two steps
+  p.leaves_few = p.settles != 0 && few_sharers && triangles < kMany ? 1 : 0;
   p.first_times = options.first_times ? 1 : 0;
   p.group_count = std::min(groups, kMostGroups);
   p.groups_exact = groups <= kMostGroups ? 1 : 0;

@@ -22,8 +22,9 @@ struct alignas(8) MemberPair {
   MemberIndex a, b;
 };
 
-// A crowded pair of tiles goes to so many warps: one would be the last to end.
-constexpr std::uint32_t kParts = 4;
+// Crowded pairs of tiles come in so many parts, at most and for each warp: else the last of them
+// would keep one warp busy when the others have ended.
+constexpr std::uint32_t kMostParts = 2, kPartsEach = 4;
 
 constexpr unsigned kMetCapacity = 4 * kWarp, kCandidateCapacity = 2 * kWarp;
 
@@ -59,7 +60,10 @@ class PairScreener {
     beyond_shared_ = params.adjacent == AdjacentPairs::kBeyondShared;
     any_self_ = params.any_self != 0;
     tiles_ = any_self_ ? c.scene.tile_count : 0;
-    crowded_ = tiles_ + kParts * min(c.counters().crowded_pairs, c.sweep.crowded_pairs.size());
+    const std::uint32_t crowded = min(c.counters().crowded_pairs, c.sweep.crowded_pairs.size());
+    const std::uint32_t wanted = kPartsEach * gridDim.x * kWarps / max(crowded, 1U);
+    parts_ = min(max(wanted, 1U), kMostParts);
+    crowded_ = tiles_ + parts_ * crowded;
     end_ = crowded_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
   }
 
@@ -100,11 +104,12 @@ class PairScreener {
       leaveOverlaps();
       if (warpIsCutOff(c_, item_ % kWarpsPerAsker == 0)) return false;
     }
-    if (item_ >= crowded_) {
-      layOut(c_.sweep.tile_pairs[Place(item_ - crowded_)], 0, 1);
-    } else if (item_ >= tiles_) {
+    if (item_ >= tiles_) {
+      const bool crowded = item_ < crowded_;
       const std::uint32_t part = item_ - tiles_;
-      layOut(c_.sweep.crowded_pairs[Place(part / kParts)], part % kParts, kParts);
+      const TilePair* pair = crowded ? &c_.sweep.crowded_pairs[Place(part / parts_)]
+                                     : &c_.sweep.tile_pairs[Place(item_ - crowded_)];
+      layOut(*pair, crowded ? part % parts_ : 0, crowded ? parts_ : 1);
     } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
       layOutSelf(TileIndex(item_));
     }
@@ -128,18 +133,19 @@ class PairScreener {
     first_b_ = pair.b.value * kWarp;
     const MemberIndex at_a(first_a_ + lane_), at_b(first_b_ + lane_);
     const MemberBox box_a = c_.members.boxes[at_a], box_b = c_.members.boxes[at_b];
+    const uint4 ids_a = idsAt(at_a), ids_b = idsAt(at_b);
     const unsigned in_a = a.live & __ballot_sync(kFullWarp, intersects(box_a.box(), b.box));
     const unsigned in_b = b.live & __ballot_sync(kFullWarp, intersects(box_b.box(), a.box));
     const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
     if (rows == 0 || columns == 0) return;
     if (part == 0) overlaps_ += rows * columns;
     const unsigned before = (1U << lane_) - 1;
-    leave((in_a >> lane_ & 1) != 0, __popc(in_a & before), box_a, at_a);
+    leave((in_a >> lane_ & 1) != 0, __popc(in_a & before), box_a, ids_a);
     const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
     const std::uint32_t row = lane_ & ((1U << shift) - 1);
     const Aabb box = boxOfPlace(row);
     setRow(memory_.triangles.ids[row]);
-    leave((in_b >> lane_ & 1) != 0, __popc(in_b & before), box_b, at_b);
+    leave((in_b >> lane_ & 1) != 0, __popc(in_b & before), box_b, ids_b);
     first_column_ = lane_ >> shift;
     stride_ = kWarp >> shift;
     const unsigned log_stride = kLogWarp - shift;
@@ -160,7 +166,7 @@ class PairScreener {
     const MemberIndex at(first_a_ + lane_);
     const MemberBox box = c_.members.boxes[at];
     const bool mine = (live >> lane_ & 1) != 0;
-    leave(mine, lane_, box, at);
+    leave(mine, lane_, box, idsAt(at));
     setRow(memory_.triangles.ids[lane_]);
     first_column_ = lane_ + 1;
     stride_ = 1;
@@ -172,14 +178,11 @@ class PairScreener {
     rounds_ = warpMost(__popc(partners_));
   }
   // To memory_.triangles, by a whole warp: of the lanes that are `in`, each to its place.
-  __device__ void leave(bool in, std::uint32_t place, const MemberBox& box, MemberIndex at) {
+  __device__ void leave(bool in, std::uint32_t place, const MemberBox& box, const uint4& ids) {
     __syncwarp();
     if (in) {
       memory_.triangles.low[place] = box.low;
       memory_.triangles.high[place] = box.high;
-      uint4 ids{};
-      if (any_self_) ids = c_.members.ids[at];
-      ids.w = lane_;
       memory_.triangles.ids[place] = ids;
     }
     __syncwarp();
@@ -192,6 +195,11 @@ class PairScreener {
       return has ? id : kNone;
     };
     ids_ = make_uint4(settled(ids.x), settled(ids.y), settled(ids.z), ids.w);
+  }
+  // With the place in the tile as w.
+  __device__ uint4 idsAt(MemberIndex at) const {
+    const uint4 ids = any_self_ ? c_.members.ids[at] : uint4{};
+    return make_uint4(ids.x, ids.y, ids.z, lane_);
   }
   __device__ Aabb boxOfPlace(std::uint32_t place) const {
     return MemberBox{memory_.triangles.low[place], memory_.triangles.high[place]}.box();
@@ -281,7 +289,7 @@ class PairScreener {
   bool any_self_, beyond_shared_;
   // Pairs have numbers: tiles with themselves below tiles_, then parts of crowded pairs, then, from
   // crowded_ on, the others.
-  std::uint32_t passes_, tiles_, crowded_, end_;
+  std::uint32_t passes_, tiles_, parts_, crowded_, end_;
   std::uint32_t turn_;  // in the first lane: the next pair's number
   std::uint32_t item_ = 0, taken_ = 0;
   // Of this pair of tiles: their first slots, and the row and columns of this lane.

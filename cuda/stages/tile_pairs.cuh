@@ -12,14 +12,14 @@ __device__ inline float shareWithin(const Aabb& tile, const Aabb& other) {
   for (int k = 0; k < 3; ++k) {
     const float extent = tile.max[k] - tile.min[k];
     const float common = fminf(tile.max[k], other.max[k]) - fmaxf(tile.min[k], other.min[k]);
-    if (common < extent) share *= common / extent;
+    if (common < extent) share *= __fdividef(common, extent);
   }
   return share;
 }
 
 // Whether many triangles of two tiles may meet, by the tiles' boxes.
 __device__ inline bool isCrowded(const Aabb& a, const Aabb& b) {
-  constexpr float kMany = 1.0F / 8;  // of all pairs of their triangles
+  constexpr float kMany = 1.0F / 32;  // of all pairs of their triangles
   return shareWithin(a, b) * shareWithin(b, a) > kMany;
 }
 

@@ -12,7 +12,6 @@ constexpr unsigned kColumns = 128, kRows = 32;
 
 struct RowTiles {
   float4 low[kRows], high[kRows];  // boxes; empty where there is no live triangle
-  std::uint32_t meets[kRows];      // groups, by bits
 
   // By the block's first warp.
   __device__ void fetch(const CycleArrays& c, std::uint32_t first) {
@@ -22,14 +21,13 @@ struct RowTiles {
     const MemberBox box = MemberBox::of(state.live != 0 ? state.box : Aabb());
     low[threadIdx.x] = box.low;
     high[threadIdx.x] = box.high;
-    meets[threadIdx.x] = there ? c.scene.group_mask[Place(groupOf(c, tile))] : 0;
   }
   __device__ Aabb box(unsigned row) const { return MemberBox{low[row], high[row]}.box(); }
-
-  __device__ static std::uint32_t groupOf(const CycleArrays& c, std::uint32_t tile) {
-    return c.scene.bodies[c.scene.tile_body[TileIndex(tile)]].group;
-  }
 };
+
+__device__ std::uint32_t groupOf(const CycleArrays& c, std::uint32_t tile) {
+  return c.scene.bodies[c.scene.tile_body[TileIndex(tile)]].group;
+}
 
 // The rows, by bits, that come before a tile and meet it.
 __device__ unsigned rowsThatMeet(const CycleArrays& c, const RowTiles& rows,
@@ -42,10 +40,10 @@ __device__ unsigned rowsThatMeet(const CycleArrays& c, const RowTiles& rows,
   const std::uint32_t before = column > first_row ? min(column - first_row, kRows) : 0;
   met &= before == 0 ? 0 : (2U << (before - 1)) - 1;
   if (met == 0 || c.params().group_count == 1) return met;
-  const std::uint32_t group = RowTiles::groupOf(c, column);
+  const std::uint32_t groups = c.scene.group_mask[Place(groupOf(c, column))];
   for (unsigned rest = met; rest != 0; rest &= rest - 1) {
     const int k = __ffs(static_cast<int>(rest)) - 1;
-    if ((rows.meets[k] >> group & 1) == 0) met &= ~(1U << k);
+    if ((groups >> groupOf(c, first_row + k) & 1) == 0) met &= ~(1U << k);
   }
   return met;
 }
