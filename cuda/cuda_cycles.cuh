@@ -46,6 +46,7 @@ class CudaDetector : public ShareDetector {
   bool upload(const Scene& scene, const Options& options, const CycleLimit& limit);
   bool adaptTo(const Scene& scene, const DeviceScene::Change& change, const Options& options,
                const CycleLimit& limit, ColdStart& start);
+  bool isToBeLookedAt(const DeviceScene::Change& change);
   bool isAlike(const ColdStart& start, const DeviceScene::Change& change,
                const Options& options) const;
   void startCold(const ColdStart& start, const Options& options);
@@ -97,6 +98,7 @@ class CudaDetector : public ShareDetector {
   Motion motion_ = Motion::kInstant;  // of the last cycle
   int asked_clusters_ = 0;            // by the options of the last cold start
   std::uint32_t large_at_start_ = 0;
+  std::uint64_t come_and_gone_ = 0;  // triangles, since the scene was looked at
   std::uint64_t last_contacts_ = 0;
   int cycles_since_refresh_ = 0;
   DetectionResult result_;

@@ -13,6 +13,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// A scene of which one part in so many triangles is new may be another one.
+constexpr std::uint64_t kNewShare = 16;
+
 // Whether certificates of fans are of use to bodies that have contacts with themselves.
 bool asksForFans(const Options& options) {
   return options.motion == Motion::kInstant && options.adjacent == AdjacentPairs::kBeyondShared &&
@@ -91,7 +94,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const DeviceScene::Change change = scene_.layOut(scene, motion_, asksForFans(options));
   if (scene_.triangleCount() == 0) return false;
   result_.started_cold = was_cold;
-  const bool adapts = was_cold || change.any;
+  const bool adapts = was_cold || isToBeLookedAt(change);
   ColdStart start;
   if (adapts && !scene_.anyFromDevice() && !adaptTo(scene, change, options, limit, start)) {
     return false;
@@ -136,6 +139,7 @@ bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change
   }
   if (result_.started_cold) look(sample_misled_ ? Look::kAll : Look::kSample);
   if (limit.wasOver()) return false;
+  come_and_gone_ = 0;
   size_rule_ = start.size_rule;
   large_at_start_ = static_cast<std::uint32_t>(start.large);
   const std::size_t clusters = result_.started_cold ? start.seeds.size() : sizes_.clusters;
@@ -144,11 +148,17 @@ bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change
   return true;
 }
 
+// Where a small part of a scene comes or goes, what was found for the whole still does: triangles
+// that were replaced move, as all may in every cycle. Small parts add up until there is a look.
+bool CudaDetector::isToBeLookedAt(const DeviceScene::Change& change) {
+  come_and_gone_ += change.more_triangles + change.fewer_triangles;
+  return kNewShare * come_and_gone_ > scene_.triangleCount();
+}
+
 // Whether clusters that fitted the scene before fit this one: hardly anything is new, nor is the
 // whole elsewhere, or of another size.
 bool CudaDetector::isAlike(const ColdStart& start, const DeviceScene::Change& change,
                            const Options& options) const {
-  constexpr std::uint64_t kNewShare = 16;
   if (kNewShare * change.more_triangles > scene_.triangleCount()) return false;
   const double ratio = start.scale.scale / scale_.scale;
   const Vec3d moved = scale_.applyExact(start.scale.origin);  // in halves of the scene's size

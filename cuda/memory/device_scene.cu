@@ -11,18 +11,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::uint32_t kBlock = 128;
-// Places of members are kept in 29 bits; a triangle may have several.
-constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 27;
-
-void addBlocks(std::vector<BodyBlock>& blocks, BodyIndex body, std::uint32_t first,
-               std::size_t count) {
-  for (std::size_t i = 0; i < count; i += kBlock) {
-    blocks.push_back({body, first + static_cast<std::uint32_t>(i),
-                      static_cast<std::uint32_t>(std::min<std::size_t>(kBlock, count - i))});
-  }
-}
-
 // Behind what is in the stream. `from` may go once the stream has been waited for.
 template <class T>
 void upload(const T* from, std::size_t count, void* to, cudaStream_t stream) {
@@ -54,8 +42,8 @@ void send(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer
 
 std::vector<DeviceScene::LaidOutBody> DeviceScene::bodiesOf(const Scene& scene) const {
   std::vector<LaidOutBody> bodies;
-  bodies.reserve(taking_part_.size());
-  for (const BodyId id : taking_part_) {
+  bodies.reserve(tables_.taking_part.size());
+  for (const BodyId id : tables_.taking_part) {
     const Body& body = scene.body(id);
     bodies.push_back(
         {id, body.topology_revision, static_cast<std::uint32_t>(body.mesh.triangleCount())});
@@ -75,17 +63,17 @@ DeviceScene::Change DeviceScene::layOut(const Scene& scene, Motion motion, bool 
   Change change;
   if (!isLaidOut(scene)) change = layOutAnew(scene);
   pairs_revision_ = scene.pairsRevision();
-  if (fans && any_self_ && !has_fans_) sizeFans(scene);
+  if (fans && tables_.any_self && !has_fans_) sizeFans(scene);
   sizes_.follow();
-  any_from_device_ = std::any_of(taking_part_.begin(), taking_part_.end(), [&](BodyId id) {
-    return scene.body(id).device_vertices.has_value();
-  });
+  any_from_device_ =
+      std::any_of(tables_.taking_part.begin(), tables_.taking_part.end(),
+                  [&](BodyId id) { return scene.body(id).device_vertices.has_value(); });
   return change;
 }
 
 // Both in the order of their bodies.
-std::uint64_t DeviceScene::moreTriangles(const std::vector<LaidOutBody>& before,
-                                         const std::vector<LaidOutBody>& now) {
+std::uint64_t DeviceScene::newTriangles(const std::vector<LaidOutBody>& before,
+                                        const std::vector<LaidOutBody>& now) {
   std::uint64_t more = 0;
   auto old = before.begin();
   for (const LaidOutBody& body : now) {
@@ -100,92 +88,61 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
   laid_out_ = has_fans_ = bodies_sent_ = false;  // until all of it is there
   pairs_ = scene.enabledPairs();
-  pair_tables_ = tabulatePairs(scene);
+  tables_ = SceneTables(scene);
   laid_out_bodies_ = bodiesOf(scene);
   const auto same =
       std::mismatch(laid_out_bodies_.begin(), laid_out_bodies_.end(), before.begin(), before.end());
   const auto first = static_cast<std::uint32_t>(same.first - laid_out_bodies_.begin());
   grouped_ = std::min(grouped_, first);
-  countMeshes(scene);
-  numberMeshes(scene);
-  mesh_tables_ = tabulateMeshes(scene, first);
-  CycleSizes::raise(sizes_.bodies, body_.size());
-  CycleSizes::raise(sizes_.partners, pair_tables_.partners.size());
-  CycleSizes::raise(sizes_.pair_words, pair_tables_.pair_enabled.size());
-  CycleSizes::raise(sizes_.vertices, vertex_count_);
-  CycleSizes::raise(sizes_.triangles, arrays_.triangle_count);
-  CycleSizes::raise(sizes_.vertex_blocks, mesh_tables_.vertex_blocks.size());
-  CycleSizes::raise(sizes_.triangle_blocks, mesh_tables_.triangle_blocks.size());
-  CycleSizes::raise(sizes_.tiles, arrays_.tile_count);
+  arrays_.body_count = static_cast<std::uint32_t>(tables_.bodies.size());
+  arrays_.pair_row = tables_.pair_row;
+  arrays_.triangle_count = tables_.triangle_count;
+  arrays_.tile_count = tables_.tile_count;
+  CycleSizes::raise(sizes_.bodies, tables_.bodies.size());
+  CycleSizes::raise(sizes_.partners, tables_.partners.size());
+  CycleSizes::raise(sizes_.pair_words, tables_.pair_enabled.size());
+  CycleSizes::raise(sizes_.vertices, tables_.vertex_count);
+  CycleSizes::raise(sizes_.triangles, tables_.triangle_count);
+  CycleSizes::raise(sizes_.vertex_blocks, tables_.vertex_blocks.size());
+  CycleSizes::raise(sizes_.triangle_blocks, tables_.triangle_blocks.size());
+  CycleSizes::raise(sizes_.tiles, tables_.tile_count);
   sizes_.slots = kWarp * sizes_.tiles;
   sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
-  while (any_self_ && sizes_.identity_slots < 2 * vertex_count_) sizes_.identity_slots *= 2;
+  while (tables_.any_self && sizes_.identity_slots < 2 * tables_.vertex_count)
+    sizes_.identity_slots *= 2;
   vertices_.resize(scene.bodyCount());
   earlier_.resize(scene.bodyCount());
-  for (std::uint32_t i = first; i < taking_part_.size(); ++i) {
-    vertices_[taking_part_[i]] = earlier_[taking_part_[i]] = 0;  // no revision is 0
+  for (std::uint32_t i = first; i < tables_.taking_part.size(); ++i) {
+    vertices_[tables_.taking_part[i]] = earlier_[tables_.taking_part[i]] = 0;  // no revision is 0
   }
-  return {true, moreTriangles(before, laid_out_bodies_)};
+  stageCorners(scene, first);
+  return {true, newTriangles(before, laid_out_bodies_), newTriangles(laid_out_bodies_, before)};
 }
 
-void DeviceScene::addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row,
-                           PairTables& tables) {
-  const auto groupOf = [&](BodyId a) { return std::min(groups.group[a], kMostGroups - 1); };
-  const BodyId a = taking_part_[row.value];
-  DeviceBody body{};
-  body.has_self = scene.pairEnabled(a, a) ? 1 : 0;
-  any_self_ = any_self_ || body.has_self != 0;
-  body.group = groupOf(a);
-  body.partner_begin = static_cast<std::uint32_t>(tables.partners.size());
-  for (std::uint32_t j = 0; j < taking_part_.size(); ++j) {
-    const BodyId b = taking_part_[j];
-    if (!scene.pairEnabled(a, b)) continue;
-    if (a != b) tables.partners.push_back(BodyIndex(j));
-    tables.group_mask[groupOf(a)] |= 1U << groupOf(b);
-    tables.pair_enabled[row.value * arrays_.pair_row + j / 32] |= 1U << j % 32;
-  }
-  body.partner_count = static_cast<std::uint32_t>(tables.partners.size()) - body.partner_begin;
-  body_.push_back(body);
-}
-
-DeviceScene::PairTables DeviceScene::tabulatePairs(const Scene& scene) {
-  taking_part_.clear();
-  body_.clear();
-  any_self_ = false;
-  for (BodyId a = 0; a < scene.bodyCount(); ++a) {
-    if (scene.takesPart(a)) taking_part_.push_back(a);
-  }
-  const BodyGroups groups(scene);
-  group_count_ = static_cast<std::uint32_t>(groups.enabled.size());
-  arrays_.body_count = static_cast<std::uint32_t>(taking_part_.size());
-  arrays_.pair_row = (arrays_.body_count + 31) / 32;
-  PairTables tables;
-  tables.group_mask.resize(kMostGroups);
-  tables.pair_enabled.resize(std::size_t{arrays_.body_count} * arrays_.pair_row);
-  for (std::uint32_t i = 0; i < arrays_.body_count; ++i) {
-    addPairs(scene, groups, BodyIndex(i), tables);
-  }
-  return tables;
+// By way of page-locked memory, for there may be megabytes of them.
+void DeviceScene::stageCorners(const Scene& scene, std::uint32_t first_body) {
+  const bool any = first_body < tables_.bodies.size();
+  first_staged_ = any ? tables_.bodies[first_body].first_triangle : tables_.triangle_count;
+  if (!any) return;
+  staged_corners_.grow(3 * std::size_t{sizes_.triangles});
+  tables_.putCorners(scene, first_body, staged_corners_.data());
 }
 
 void DeviceScene::sendLayout(cudaStream_t stream) {
   growArrays(stream);
   if (laid_out_) return;
-  const MeshTables& meshes = mesh_tables_;
-  arrays_.vertex_block_count = static_cast<std::uint32_t>(meshes.vertex_blocks.size());
-  arrays_.triangle_block_count = static_cast<std::uint32_t>(meshes.triangle_blocks.size());
+  arrays_.vertex_block_count = static_cast<std::uint32_t>(tables_.vertex_blocks.size());
+  arrays_.triangle_block_count = static_cast<std::uint32_t>(tables_.triangle_blocks.size());
   arrays_.identity_mask = arrays_.identity_table.size() - 1;
-  upload(pair_tables_.partners, arrays_.partners.data(), stream);
-  upload(pair_tables_.group_mask, arrays_.group_mask.data(), stream);
-  upload(pair_tables_.pair_enabled, arrays_.pair_enabled.data(), stream);
-  upload(listed_, arrays_.listed_bodies.data(), stream);
-  upload(meshes.vertex_blocks, arrays_.vertex_blocks.data(), stream);
-  upload(meshes.triangle_blocks, arrays_.triangle_blocks.data(), stream);
-  upload(meshes.corners.get(), meshes.corner_count,
-         arrays_.corners.data() + 3 * std::size_t{meshes.first_triangle}, stream);
+  upload(staged_corners_.data(), 3 * std::size_t{tables_.triangle_count - first_staged_},
+         arrays_.corners.data() + 3 * std::size_t{first_staged_}, stream);
+  upload(tables_.partners, arrays_.partners.data(), stream);
+  upload(tables_.group_mask, arrays_.group_mask.data(), stream);
+  upload(tables_.pair_enabled, arrays_.pair_enabled.data(), stream);
+  upload(tables_.listed, arrays_.listed_bodies.data(), stream);
+  upload(tables_.vertex_blocks, arrays_.vertex_blocks.data(), stream);
+  upload(tables_.triangle_blocks, arrays_.triangle_blocks.data(), stream);
   checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
-  pair_tables_ = PairTables();
-  mesh_tables_ = MeshTables();
   laid_out_ = true;
 }
 
@@ -196,68 +153,12 @@ void DeviceScene::growArrays(cudaStream_t stream) {
   if (sizes_.swept) staged_earlier_bodies_.grow(sizes_.bodies);
 }
 
-void DeviceScene::countMeshes(const Scene& scene) {
-  std::uint64_t vertices = 0, triangles = 0;
-  for (const BodyId id : taking_part_) {
-    vertices += scene.body(id).mesh.vertexCount();
-    triangles += scene.body(id).mesh.triangleCount();
-  }
-  if (triangles > kMostTriangles || vertices > kMostTriangles) {
-    throw CudaError(BackendFault::kSceneTooLarge, "the scene has " + std::to_string(triangles) +
-                                                      " triangles and " + std::to_string(vertices) +
-                                                      " vertices; the CUDA backend takes up to " +
-                                                      std::to_string(kMostTriangles) + " of each");
-  }
-  vertex_count_ = static_cast<std::uint32_t>(vertices);
-  arrays_.triangle_count = static_cast<std::uint32_t>(triangles);
-}
-
-void DeviceScene::numberMeshes(const Scene& scene) {
-  listed_.clear();
-  std::uint32_t first_vertex = 0, first_triangle = 0, first_tile = 0;
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
-    listed_.push_back({first_triangle, taking_part_[i]});
-    DeviceBody& body = body_[i];
-    body.first_vertex = first_vertex;
-    body.vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
-    body.first_triangle = first_triangle;
-    body.triangle_count = static_cast<std::uint32_t>(mesh.triangleCount());
-    body.first_tile = first_tile;
-    first_vertex += body.vertex_count;
-    first_triangle += body.triangle_count;
-    first_tile += (body.triangle_count + kWarp - 1) / kWarp;
-  }
-  arrays_.tile_count = first_tile;
-}
-
-DeviceScene::MeshTables DeviceScene::tabulateMeshes(const Scene& scene,
-                                                    std::uint32_t first_body) const {
-  MeshTables tables;
-  tables.first_triangle = first_body < taking_part_.size() ? listed_[first_body].first_triangle : 0;
-  const std::uint32_t changed =
-      first_body < taking_part_.size() ? arrays_.triangle_count - tables.first_triangle : 0;
-  tables.corner_count = 3 * std::size_t{changed};
-  tables.corners.reset(new VertexIndex[tables.corner_count]);
-  VertexIndex* corner = tables.corners.get();
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
-    const std::uint32_t first_vertex = body_[i].first_vertex;
-    addBlocks(tables.vertex_blocks, BodyIndex(i), first_vertex, mesh.vertexCount());
-    addBlocks(tables.triangle_blocks, BodyIndex(i), listed_[i].first_triangle,
-              mesh.triangleCount());
-    if (i < first_body) continue;
-    for (const std::uint32_t local : mesh.triangles) *corner++ = VertexIndex(first_vertex + local);
-  }
-  return tables;
-}
-
 void DeviceScene::group(cudaStream_t stream) {
-  if (grouped_ >= body_.size()) return;
-  const DeviceBody& first = body_[grouped_];
+  if (grouped_ >= tables_.bodies.size()) return;
+  const DeviceBody& first = tables_.bodies[grouped_];
   UngroupedBodies bodies{BodyIndex(grouped_), first.first_triangle, first.first_tile, 0};
-  for (std::size_t i = grouped_; i < body_.size(); ++i) {
-    bodies.most_triangles = std::max(bodies.most_triangles, body_[i].triangle_count);
+  for (std::size_t i = grouped_; i < tables_.bodies.size(); ++i) {
+    bodies.most_triangles = std::max(bodies.most_triangles, tables_.bodies[i].triangle_count);
   }
   launchGroup(arrays_, bodies, scratch_, stream);
   if (grouped_ == 0) deformed_ = 0;
@@ -273,34 +174,34 @@ void DeviceScene::groupAgain(cudaStream_t stream) {
 // Vertices of bodies without contacts with themselves have no ring.
 void DeviceScene::sizeFans(const Scene& scene) {
   std::uint64_t places = 0;
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    if (body_[i].has_self == 0) continue;
-    const TriangleMesh& mesh = scene.body(taking_part_[i]).mesh;
+  for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
+    if (tables_.bodies[i].has_self == 0) continue;
+    const TriangleMesh& mesh = scene.body(tables_.taking_part[i]).mesh;
     places += mesh.vertexCount() + mesh.triangles.size();
   }
-  CycleSizes::raise(sizes_.fan_vertices, std::uint64_t{vertex_count_} + 1);
+  CycleSizes::raise(sizes_.fan_vertices, std::uint64_t{tables_.vertex_count} + 1);
   CycleSizes::raise(sizes_.fan_places, places);
 }
 
 void DeviceScene::findFans(cudaStream_t stream) {
   if (has_fans_) return;
-  launchFanRings(arrays_, vertex_count_, scratch_, stream);
+  launchFanRings(arrays_, tables_.vertex_count, scratch_, stream);
   has_fans_ = true;
 }
 
 void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t stream) {
-  for (const BodyId id : taking_part_) {
+  for (const BodyId id : tables_.taking_part) {
     const Body& from = scene.body(id);
     if (!from.device_vertices) continue;
     if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
   }
   bool any = false;
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const BodyId id = taking_part_[i];
+  for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
+    const BodyId id = tables_.taking_part[i];
     const Body& from = scene.body(id);
     if (vertices_[id] == from.vertices_revision) continue;
     any = true;
-    const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
+    const std::size_t first = 3 * std::size_t{tables_.bodies[i].first_vertex};
     if (from.device_vertices) {
       copier_.copy(from, arrays_.received.data() + first, stream);
     } else {
@@ -314,12 +215,12 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
 }
 
 void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const BodyId id = taking_part_[i];
+  for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
+    const BodyId id = tables_.taking_part[i];
     const Body& from = scene.body(id);
     if (!from.earlier || from.earlier->vertices.empty()) continue;
     if (earlier_[id] == from.earlier_revision) continue;
-    const std::size_t first = 3 * std::size_t{body_[i].first_vertex};
+    const std::size_t first = 3 * std::size_t{tables_.bodies[i].first_vertex};
     send(from.earlier->vertices, first, 3 * std::size_t{sizes_.vertices}, staged_earlier_vertices_,
          arrays_.earlier_received.data(), stream);
     earlier_[id] = from.earlier_revision;
@@ -329,15 +230,16 @@ void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
 Scene DeviceScene::onHost(const Scene& scene, cudaStream_t stream) const {
   Scene on_host = scene;
   std::vector<float> xyz;
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const BodyId id = taking_part_[i];
+  for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
+    const BodyId id = tables_.taking_part[i];
     if (!scene.body(id).device_vertices) continue;
-    const std::size_t count = body_[i].vertex_count;
+    const std::size_t count = tables_.bodies[i].vertex_count;
     xyz.resize(3 * count);
-    checkCuda(cudaMemcpyAsync(xyz.data(),
-                              arrays_.received.data() + 3 * std::size_t{body_[i].first_vertex},
-                              xyz.size() * sizeof(float), cudaMemcpyDeviceToHost, stream),
-              "cudaMemcpyAsync to the host");
+    checkCuda(
+        cudaMemcpyAsync(xyz.data(),
+                        arrays_.received.data() + 3 * std::size_t{tables_.bodies[i].first_vertex},
+                        xyz.size() * sizeof(float), cudaMemcpyDeviceToHost, stream),
+        "cudaMemcpyAsync to the host");
     checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
     on_host.setVertices(id, xyz.data(), count);
   }
@@ -348,9 +250,9 @@ void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale
                              cudaStream_t stream) {
   const bool swept = motion == Motion::kSwept;
   any_ = {scene.anyMargin(), scene.anyPad()};
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const Body& from = scene.body(taking_part_[i]);
-    DeviceBody& body = body_[i];
+  for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
+    const Body& from = scene.body(tables_.taking_part[i]);
+    DeviceBody& body = tables_.bodies[i];
     body.pose = from.pose;
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
     body.margin_m = swept ? grownPad(from.pad_m) : from.margin_m;
@@ -358,14 +260,15 @@ void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale
     bodies_sent_ = bodies_sent_ && std::memcmp(&staged_bodies_[i], &body, sizeof body) == 0;
     staged_bodies_[i] = body;
   }
-  if (!bodies_sent_) upload(staged_bodies_.data(), body_.size(), arrays_.bodies.data(), stream);
+  if (!bodies_sent_)
+    upload(staged_bodies_.data(), tables_.bodies.size(), arrays_.bodies.data(), stream);
   bodies_sent_ = true;
   if (swept) sendEarlierBodies(scene, stream);
 }
 
 void DeviceScene::sendEarlierBodies(const Scene& scene, cudaStream_t stream) {
-  for (std::uint32_t i = 0; i < taking_part_.size(); ++i) {
-    const Body& from = scene.body(taking_part_[i]);
+  for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
+    const Body& from = scene.body(tables_.taking_part[i]);
     EarlierBody& body = staged_earlier_bodies_[i];
     body.pose = from.earlier ? from.earlier->pose : from.pose;
     body.identity_pose = body.pose.isIdentity() ? 1 : 0;
@@ -373,7 +276,8 @@ void DeviceScene::sendEarlierBodies(const Scene& scene, cudaStream_t stream) {
     body.has_vertices = from.earlier && !from.earlier->vertices.empty() ? 1 : 0;
     body.pad_m = from.pad_m;
   }
-  upload(staged_earlier_bodies_.data(), body_.size(), arrays_.earlier_bodies.data(), stream);
+  upload(staged_earlier_bodies_.data(), tables_.bodies.size(), arrays_.earlier_bodies.data(),
+         stream);
 }
 
 }  // namespace deformable_contact_monitor

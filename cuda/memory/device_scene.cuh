@@ -2,15 +2,14 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <utility>
 #include <vector>
 
-#include "core/body_groups.h"
 #include "core/detector.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_vertices.cuh"
+#include "cuda/memory/scene_tables.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -28,6 +27,7 @@ class DeviceScene {
     bool any = false;
     // Triangles that there were not before: of bodies that were not there, or have more of them.
     std::uint64_t more_triangles = 0;
+    std::uint64_t fewer_triangles = 0;  // that there are not any more, the same way
   };
 
   // Lays the scene out anew if other pairs are enabled, or the topology of a body of theirs
@@ -62,32 +62,19 @@ class DeviceScene {
   void sendBodies(const Scene& scene, Motion motion, const SceneScale& scale, cudaStream_t stream);
 
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
-  std::uint32_t groupCount() const { return group_count_; }
-  bool anySelf() const { return any_self_; }
+  std::uint32_t groupCount() const { return tables_.group_count; }
+  bool anySelf() const { return tables_.any_self; }
   // Scene::anyMargin() and anyPad() of the scene that was sent.
   BodyLengths anyLengths() const { return any_; }
 
   // What results call two triangles of the scene.
   TrianglePair pairOf(TriangleIndex a, TriangleIndex b) const {
-    const ListedBody body_a = bodyOf(listed_.data(), arrays_.body_count, a);
-    const ListedBody body_b = bodyOf(listed_.data(), arrays_.body_count, b);
+    const ListedBody body_a = bodyOf(tables_.listed.data(), arrays_.body_count, a);
+    const ListedBody body_b = bodyOf(tables_.listed.data(), arrays_.body_count, b);
     return {body_a.id, a.value - body_a.first_triangle, body_b.id, b.value - body_b.first_triangle};
   }
 
  private:
-  // What the device gets of the pairs.
-  struct PairTables {
-    std::vector<BodyIndex> partners;
-    std::vector<std::uint32_t> group_mask, pair_enabled;
-  };
-  // And of the bodies' meshes: blocks of all, corners from the first body on that has changed.
-  struct MeshTables {
-    std::vector<BodyBlock> vertex_blocks, triangle_blocks;
-    std::unique_ptr<VertexIndex[]> corners;  // not zero first, as a vector would be
-    std::size_t corner_count = 0;
-    std::uint32_t first_triangle = 0;  // of the corners
-  };
-
   // A body on the device, and what it was laid out for.
   struct LaidOutBody {
     BodyId id;
@@ -100,16 +87,12 @@ class DeviceScene {
     bool operator!=(const LaidOutBody& o) const { return !(*this == o); }
   };
 
-  static std::uint64_t moreTriangles(const std::vector<LaidOutBody>& before,
-                                     const std::vector<LaidOutBody>& now);
+  static std::uint64_t newTriangles(const std::vector<LaidOutBody>& before,
+                                    const std::vector<LaidOutBody>& now);
   std::vector<LaidOutBody> bodiesOf(const Scene& scene) const;
   bool isLaidOut(const Scene& scene) const;
   Change layOutAnew(const Scene& scene);
-  PairTables tabulatePairs(const Scene& scene);
-  void addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row, PairTables& tables);
-  void countMeshes(const Scene& scene);
-  void numberMeshes(const Scene& scene);
-  MeshTables tabulateMeshes(const Scene& scene, std::uint32_t first_body) const;
+  void stageCorners(const Scene& scene, std::uint32_t first_body);
   void sizeFans(const Scene& scene);
   void growArrays(cudaStream_t stream);
   void sendEarlierVertices(const Scene& scene, cudaStream_t stream);
@@ -121,8 +104,8 @@ class DeviceScene {
   SceneArrays& arrays_;
 
   bool laid_out_ = false;  // what is below is on the device, but for these tables
-  PairTables pair_tables_;
-  MeshTables mesh_tables_;
+  SceneTables tables_;
+  std::uint32_t first_staged_ = 0;    // triangle whose corners begin staged_corners_
   std::uint32_t grouped_ = 0;         // so are the tiles of so many bodies
   std::uint32_t deformed_ = 0;        // cycles since then that sent vertices
   bool has_fans_ = false;             // so are the rings
@@ -132,15 +115,12 @@ class DeviceScene {
   std::vector<LaidOutBody> laid_out_bodies_;  // per body on the device
   std::vector<std::uint64_t> vertices_;       // revisions on the device, per body of the scene
   std::vector<std::uint64_t> earlier_;        // the same of Body::earlier; 0: none
-  std::vector<BodyId> taking_part_;           // bodies of the scene, per body on the device
-  std::vector<DeviceBody> body_;              // per body on the device
-  std::vector<ListedBody> listed_;            // per body on the device
-  std::uint32_t vertex_count_ = 0, group_count_ = 0;
-  bool any_self_ = false, any_from_device_ = false;
+  bool any_from_device_ = false;
   BodyLengths any_{};
 
   DeviceBuffer<unsigned char> scratch_;
   DeviceVertexCopier copier_;
+  PinnedBuffer<VertexIndex> staged_corners_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;
   PinnedBuffer<float> staged_earlier_vertices_;

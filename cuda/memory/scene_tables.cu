@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <string>
+
+#include "cuda/device/cuda_error.h"
+#include "cuda/device/warp.cuh"
+#include "cuda/memory/scene_tables.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::uint32_t kBlock = 128;
+// Places of members are kept in 29 bits; a triangle may have several.
+constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 27;
+
+void addBlocks(std::vector<BodyBlock>& blocks, BodyIndex body, std::uint32_t first,
+               std::uint32_t count) {
+  for (std::uint32_t i = 0; i < count; i += kBlock) {
+    blocks.push_back({body, first + i, std::min(kBlock, count - i)});
+  }
+}
+
+}  // namespace
+
+SceneTables::SceneTables(const Scene& scene) {
+  for (BodyId a = 0; a < scene.bodyCount(); ++a) {
+    if (scene.takesPart(a)) taking_part.push_back(a);
+  }
+  requireRoom(scene);
+  const BodyGroups groups(scene);
+  group_count = static_cast<std::uint32_t>(groups.enabled.size());
+  const auto count = static_cast<std::uint32_t>(taking_part.size());
+  pair_row = (count + 31) / 32;
+  group_mask.resize(kMostGroups);
+  pair_enabled.resize(std::size_t{count} * pair_row);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    addPairs(scene, groups, BodyIndex(i));
+    addMesh(scene.body(taking_part[i]).mesh, BodyIndex(i));
+  }
+}
+
+void SceneTables::addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row) {
+  const auto groupOf = [&](BodyId a) { return std::min(groups.group[a], kMostGroups - 1); };
+  const BodyId a = taking_part[row.value];
+  DeviceBody body{};
+  body.has_self = scene.pairEnabled(a, a) ? 1 : 0;
+  any_self = any_self || body.has_self != 0;
+  body.group = groupOf(a);
+  body.partner_begin = static_cast<std::uint32_t>(partners.size());
+  for (std::uint32_t j = 0; j < taking_part.size(); ++j) {
+    const BodyId b = taking_part[j];
+    if (!scene.pairEnabled(a, b)) continue;
+    if (a != b) partners.push_back(BodyIndex(j));
+    group_mask[groupOf(a)] |= 1U << groupOf(b);
+    pair_enabled[row.value * pair_row + j / 32] |= 1U << j % 32;
+  }
+  body.partner_count = static_cast<std::uint32_t>(partners.size()) - body.partner_begin;
+  bodies.push_back(body);
+}
+
+void SceneTables::requireRoom(const Scene& scene) const {
+  std::uint64_t vertices = 0, triangles = 0;
+  for (const BodyId id : taking_part) {
+    vertices += scene.body(id).mesh.vertexCount();
+    triangles += scene.body(id).mesh.triangleCount();
+  }
+  if (triangles > kMostTriangles || vertices > kMostTriangles) {
+    throw CudaError(BackendFault::kSceneTooLarge, "the scene has " + std::to_string(triangles) +
+                                                      " triangles and " + std::to_string(vertices) +
+                                                      " vertices; the CUDA backend takes up to " +
+                                                      std::to_string(kMostTriangles) + " of each");
+  }
+}
+
+void SceneTables::addMesh(const TriangleMesh& mesh, BodyIndex number) {
+  listed.push_back({triangle_count, taking_part[number.value]});
+  DeviceBody& body = bodies[number.value];
+  body.first_vertex = vertex_count;
+  body.vertex_count = static_cast<std::uint32_t>(mesh.vertexCount());
+  body.first_triangle = triangle_count;
+  body.triangle_count = static_cast<std::uint32_t>(mesh.triangleCount());
+  body.first_tile = tile_count;
+  addBlocks(vertex_blocks, number, vertex_count, body.vertex_count);
+  addBlocks(triangle_blocks, number, triangle_count, body.triangle_count);
+  vertex_count += body.vertex_count;
+  triangle_count += body.triangle_count;
+  tile_count += (body.triangle_count + kWarp - 1) / kWarp;
+}
+
+void SceneTables::putCorners(const Scene& scene, std::uint32_t first_body,
+                             VertexIndex* corners) const {
+  for (std::uint32_t i = first_body; i < taking_part.size(); ++i) {
+    const std::uint32_t first_vertex = bodies[i].first_vertex;
+    for (const std::uint32_t local : scene.body(taking_part[i]).mesh.triangles) {
+      *corners++ = VertexIndex(first_vertex + local);
+    }
+  }
+}
+
+}  // namespace deformable_contact_monitor
