@@ -56,9 +56,8 @@ unsigned blocksInOneWave(Kernel kernel, unsigned threads, std::size_t shared_byt
 // Launches a kernel that begins with awaitKernelAhead(), right behind another kernel of the stream.
 // The device may start it once all blocks of that one have ended or called letNextStart().
 template <class Argument>
-void launchEarly(void (*kernel)(Argument), dim3 blocks, unsigned threads,
-                 std::size_t shared_bytes, const DeviceTraits& device, cudaStream_t stream,
-                 const Argument& argument) {
+void launchEarly(void (*kernel)(Argument), dim3 blocks, unsigned threads, std::size_t shared_bytes,
+                 const DeviceTraits& device, cudaStream_t stream, const Argument& argument) {
 #if DCM_EARLY_LAUNCHES
   // Code for older devices, which newer ones may run too, does not await anything.
   cudaFuncAttributes code{};

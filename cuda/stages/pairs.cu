@@ -22,8 +22,8 @@ struct alignas(8) MemberPair {
   MemberIndex a, b;
 };
 
-// Crowded pairs of tiles come in so many parts, at most and for each warp: else the last of them
-// would keep one warp busy when the others have ended.
+// Crowded pairs of tiles come in parts, at most so many, where that makes no more than so many for
+// each warp: else the last of them would keep one warp busy when the others have ended.
 constexpr std::uint32_t kMostParts = 2, kPartsEach = 4;
 
 constexpr unsigned kMetCapacity = 4 * kWarp, kCandidateCapacity = 2 * kWarp;
