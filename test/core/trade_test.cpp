@@ -35,7 +35,8 @@ class Trade : public DetectorSuite {
     for (int cycle = 0; cycle < 4; ++cycle) detector_->detect(scene, options);
     return detector_->detect(scene, options).counters;
   }
-  // What is in clusters are tiles of triangles: in more of them each, and so fewer pairs are lost.
+  // What is in clusters are tiles of triangles (Counters, Options::overlap): in more of them each,
+  // and so fewer pairs are lost.
   bool inTiles() const { return GetParam().name == "cuda"; }
 };
 
@@ -57,14 +58,14 @@ TEST_P(Trade, OverlapZeroLosesPairsAndSaysSo) {
                               result.contacts.end()))
         << "overlap " << overlap;
     EXPECT_EQ(overlap == 1, result.guaranteed);
-    EXPECT_GT(result.contacts.size(), before) << "overlap " << overlap;
+    EXPECT_GE(result.contacts.size(), before) << "overlap " << overlap;
     EXPECT_GT(result.counters.cluster_entries, entries_before);
     if (overlap == 0) {
       // But for a triangle whose centroid has two nearest prototypes, for all that rounding can
       // tell. A tile is where one of its triangles is.
       EXPECT_GE(result.counters.cluster_entries, result.counters.clustered);
       EXPECT_LE(result.counters.cluster_entries,
-                result.counters.clustered + (inTiles() ? 3 * result.counters.clustered / 2
+                result.counters.clustered + (inTiles() ? 5 * result.counters.clustered / 4
                                                        : result.counters.clustered / 1000));
       EXPECT_LT(result.contacts.size(), complete.size() - (inTiles() ? 100 : 500));
       EXPECT_GT(result.contacts.size(), complete.size() / 2);
@@ -106,7 +107,7 @@ TEST_P(Trade, WorkAt256Clusters) {
   const Counters c = settled(scene, with256Clusters());
   EXPECT_GE(c.clusters, 200U);
   EXPECT_LE(static_cast<double>(c.cluster_entries),
-            (inTiles() ? 3.5 : 1.45) * static_cast<double>(c.clustered));
+            (inTiles() ? 3.1 : 1.45) * static_cast<double>(c.clustered));
   EXPECT_LE(c.interval_overlaps, 9500000U);
   EXPECT_GT(c.clustered + c.large, 92000U);
 }
