@@ -280,8 +280,12 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   warpCount(&c.counters().rejected, there && !finite);
   warpCount(&c.counters().culled, finite && !near);
   warpCount(&c.counters().clustered, regular);
-  if (there) {
-    takeSample(c, t, regular, corners);
+  if (there) takeSample(c, t, regular, corners);
+  if (__any_sync(kFullWarp, here) == 0) {
+    if (laneId() == 0) c.members.tiles[tile] = {Aabb(), 0, kNone};
+    return;
+  }
+  if (here) {
     c.members.members[slot] = {corners.posed(), t, b, body.group};
     if (kStates > 1) c.members.earlier[slot].posed = corners.earlier();
   }

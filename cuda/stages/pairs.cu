@@ -161,6 +161,7 @@ class PairScreener {
     constexpr unsigned kSteps = kWarp / 2;
     const unsigned live = c_.members.tiles[tile].live;
     const std::uint32_t count = __popc(live);
+    if (count == 0) return;
     overlaps_ += count * (count - 1) / 2;
     first_a_ = first_b_ = tile.value * kWarp;
     const MemberIndex at(first_a_ + lane_);
