@@ -148,10 +148,10 @@ bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change
   return true;
 }
 
-// Where a small part of a scene comes or goes, what was found for the whole still does: triangles
-// that were replaced move, as all may in every cycle. Small parts add up until there is a look.
+// Where a small part of a scene comes, goes or is replaced, what was found for the whole still
+// does. Small parts add up until there is a look.
 bool CudaDetector::isToBeLookedAt(const DeviceScene::Change& change) {
-  come_and_gone_ += change.more_triangles + change.fewer_triangles;
+  come_and_gone_ += change.more_triangles + change.fewer_triangles + change.replaced_triangles;
   return kNewShare * come_and_gone_ > scene_.triangleCount();
 }
 

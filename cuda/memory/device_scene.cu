@@ -72,16 +72,24 @@ DeviceScene::Change DeviceScene::layOut(const Scene& scene, Motion motion, bool 
 }
 
 // Both in the order of their bodies.
-std::uint64_t DeviceScene::newTriangles(const std::vector<LaidOutBody>& before,
-                                        const std::vector<LaidOutBody>& now) {
-  std::uint64_t more = 0;
+DeviceScene::Change DeviceScene::changeOf(const std::vector<LaidOutBody>& before,
+                                          const std::vector<LaidOutBody>& now) {
+  Change change{true};
   auto old = before.begin();
   for (const LaidOutBody& body : now) {
-    while (old != before.end() && old->id < body.id) ++old;
-    const std::uint32_t had = old != before.end() && old->id == body.id ? old->triangles : 0;
-    more += body.triangles > had ? body.triangles - had : 0;
+    for (; old != before.end() && old->id < body.id; ++old)
+      change.fewer_triangles += old->triangles;
+    std::uint32_t had = 0;
+    if (old != before.end() && old->id == body.id) {
+      had = old->triangles;
+      if (!(*old == body)) change.replaced_triangles += std::min(had, body.triangles);
+      ++old;
+    }
+    change.more_triangles += body.triangles > had ? body.triangles - had : 0;
+    change.fewer_triangles += had > body.triangles ? had - body.triangles : 0;
   }
-  return more;
+  for (; old != before.end(); ++old) change.fewer_triangles += old->triangles;
+  return change;
 }
 
 DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
@@ -116,7 +124,7 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
     vertices_[tables_.taking_part[i]] = earlier_[tables_.taking_part[i]] = 0;  // no revision is 0
   }
   stageCorners(scene, first);
-  return {true, newTriangles(before, laid_out_bodies_), newTriangles(laid_out_bodies_, before)};
+  return changeOf(before, laid_out_bodies_);
 }
 
 // By way of page-locked memory, for there may be megabytes of them.

@@ -27,7 +27,8 @@ class DeviceScene {
     bool any = false;
     // Triangles that there were not before: of bodies that were not there, or have more of them.
     std::uint64_t more_triangles = 0;
-    std::uint64_t fewer_triangles = 0;  // that there are not any more, the same way
+    std::uint64_t fewer_triangles = 0;     // that there are not any more, the same way
+    std::uint64_t replaced_triangles = 0;  // of bodies that have as many, but others
   };
 
   // Lays the scene out anew if other pairs are enabled, or the topology of a body of theirs
@@ -87,8 +88,8 @@ class DeviceScene {
     bool operator!=(const LaidOutBody& o) const { return !(*this == o); }
   };
 
-  static std::uint64_t newTriangles(const std::vector<LaidOutBody>& before,
-                                    const std::vector<LaidOutBody>& now);
+  static Change changeOf(const std::vector<LaidOutBody>& before,
+                         const std::vector<LaidOutBody>& now);
   std::vector<LaidOutBody> bodiesOf(const Scene& scene) const;
   bool isLaidOut(const Scene& scene) const;
   Change layOutAnew(const Scene& scene);
