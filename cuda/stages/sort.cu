@@ -17,11 +17,10 @@ struct PackedInterval {
 
 // `box` [scaled]: it has all points of the tile, and its margin.
 __device__ PackedInterval boxAlong(const Quantiser& quantiser, const Vec3f& axis, const Aabb& box) {
-  const Vec3f ends[2] = {
-      {axis.x < 0 ? box.max.x : box.min.x, axis.y < 0 ? box.max.y : box.min.y,
-       axis.z < 0 ? box.max.z : box.min.z},
-      {axis.x < 0 ? box.min.x : box.max.x, axis.y < 0 ? box.min.y : box.max.y,
-       axis.z < 0 ? box.min.z : box.max.z}};
+  const Vec3f ends[2] = {{axis.x < 0 ? box.max.x : box.min.x, axis.y < 0 ? box.max.y : box.min.y,
+                          axis.z < 0 ? box.max.z : box.min.z},
+                         {axis.x < 0 ? box.min.x : box.max.x, axis.y < 0 ? box.min.y : box.max.y,
+                          axis.z < 0 ? box.min.z : box.max.z}};
   const Interval along = project<2>(axis, ends, 0);
   return {quantiser(along.lo), quantiser(along.hi)};
 }

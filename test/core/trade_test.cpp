@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include "cgal_oracle.h"
 #include "core/mesh_files/mesh_file.h"
@@ -37,7 +38,7 @@ class Trade : public DetectorSuite {
   }
   // What is in clusters are tiles of triangles (Counters, Options::overlap): in more of them each,
   // and so fewer pairs are lost.
-  bool inTiles() const { return GetParam().name == "cuda"; }
+  bool inTiles() const { return std::string(GetParam().name) == "cuda"; }
 };
 
 // Hard clustering must neither pass for complete nor be what `overlap: 1` does.
