@@ -68,9 +68,9 @@ struct DCM_EXPORT BodyDistance {
   std::uint32_t contact_count = 0;  // how many of the pair's are there
 };
 
-// Work done in one cycle [triangles or pairs]; of one meaning on every backend, and 0 where one does
-// not do that work. CUDA puts tiles of up to 32 triangles into clusters: a cluster's triangles are
-// those of its tiles, and what its sweeps visit are pairs of triangles of tiles that meet.
+// Work done in one cycle [triangles or pairs]; of one meaning on every backend, and 0 where one
+// does not do that work. CUDA puts tiles of up to 32 triangles into clusters: a cluster's triangles
+// are those of its tiles, and what its sweeps visit are pairs of triangles of tiles that meet.
 struct DCM_EXPORT Counters {
   std::uint64_t triangles = 0;        // in the scene
   std::uint64_t rejected = 0;         // left out for a non-finite vertex
