@@ -6,7 +6,7 @@
 
 #include "cuda/device/stream.cuh"
 #include "cuda/memory/device_memory.cuh"
-#include "test_data.h"
+#include "device_test.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -18,14 +18,8 @@ struct TwoArrays : ArrayGroup {
   DeviceArray<std::uint64_t, Place, 3> units{*this, &CycleSizes::units, 1};
 };
 
-class DeviceMemoryTest : public testing::Test {
+class DeviceMemoryTest : public DeviceTest {
  protected:
-  bool hasDevice() const {
-    int count = 0;
-    const bool has = cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
-    EXPECT_TRUE(has || !isCudaRequired());
-    return has;
-  }
   // Numbers from `first` on.
   template <class T>
   void fill(T* to, std::size_t count, T first) {

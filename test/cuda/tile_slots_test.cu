@@ -12,21 +12,13 @@
 
 #include "core/tiling.h"
 #include "cuda/memory/device_scene.cuh"
+#include "device_test.h"
 #include "scenes.h"
-#include "test_data.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-class TileSlots : public testing::Test {
- protected:
-  bool hasDevice() const {
-    int count = 0;
-    const bool has = cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
-    EXPECT_TRUE(has || !isCudaRequired());
-    return has;
-  }
-};
+class TileSlots : public DeviceTest {};
 
 // A body that takes part by contacts with itself.
 void add(Scene* scene, TriangleMesh mesh) {
