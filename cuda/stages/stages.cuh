@@ -46,8 +46,8 @@ void launchPoseFans(const CycleArrays& cycle, const CycleShape& shape, cudaStrea
 
 // assign: drops triangles that are not finite or outside every partner's box; puts the others into
 // their tiles, and these into their clusters' bins, or on the large list; takes samples. Reads
-// scene.posed, scene.corners; writes members.members, members.tiles, members.entries,
-// members.lists, clusters.samples. Right behind launchPose.
+// scene.posed, scene.corners; writes members.members, members.boxes, members.tiles,
+// members.entries, members.lists, clusters.samples. Right behind launchPose.
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign, for the next cycle: how much room each bin is to have. Reads members.counts; writes
@@ -69,7 +69,8 @@ void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream
 void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 
 // sweep: pairs of tiles whose intervals, packed boxes and boxes intersect, and which this cluster
-// owns. Reads the arrays of `sweep`; writes sweep.tile_pairs. Right behind launchSort.
+// owns. Reads the arrays of `sweep`; writes sweep.tile_pairs and sweep.crowded_pairs. Right behind
+// launchSort.
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // The same in place of launchSort and launchSweep where CycleArrays::together(): every tile against
@@ -78,9 +79,9 @@ void launchTogether(const CycleArrays& cycle, const CycleShape& shape, cudaStrea
 
 // sweep: pairs of triangles of these tiles, and of tiles of bodies that have contacts with
 // themselves, whose boxes intersect are filtered by planes; the rest are contacts where float32 is
-// certain of it, candidates where it is not. Reads sweep.tile_pairs and members.members; writes
+// certain of it, candidates where it is not. Reads both lists and the arrays of `members`; writes
 // contacts.candidates and contacts.contacts. In several passes each 32 pairs of triangles have
-// their turn in one. Right behind another kernel of the stream.
+// their turn in one.
 void launchPairs(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // large: the same for the pairs with a triangle of the large list. Reads members.members; writes
