@@ -111,6 +111,7 @@ void DetectionLoop::reset(const std::string& reason) {
   for (MeshInput& input : inputs_) input.forget();
   turns_.clear();
   robots_stamp_ = ros::Time();
+  lookup_.noteReset();
   sources_.transforms.clear();
   detector_->reset();
   planner_.forgetAll(reason);

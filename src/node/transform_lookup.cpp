@@ -67,6 +67,15 @@ void TransformLookup::giveUp(const std::vector<FrameAtStamp>& frames) {
   }
 }
 
+void TransformLookup::noteReset() {
+  given_up_.clear();
+  std::vector<std::string> frames;
+  buffer_._getFrameStrings(frames);
+  for (const std::string& frame : frames) {
+    if (buffer_.canTransform(reference_frame_, frame, ros::Time(0))) seen_.insert(frame);
+  }
+}
+
 std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::string>& frames,
                                                        double window_s) const {
   std::vector<ros::Time> stamps;
@@ -119,6 +128,12 @@ PoseAnswer TransformLookup::explain(const FrameAtStamp& question) const {
     answer.available =
         buffer_.lookupTransform(reference_frame_, question.frame, ros::Time(0)).header.stamp;
   } catch (const tf2::TransformException&) {
+    if (seen_.count(question.frame) > 0) {
+      answer.outcome = PoseAnswer::Outcome::kLate;
+      answer.problem =
+          path + " is late: wanted " + shown(question.stamp) + ", none since the reset";
+      return answer;
+    }
     answer.outcome = PoseAnswer::Outcome::kNever;
     answer.problem = path + " never seen";
     for (const std::string& frame : {question.frame, reference_frame_}) {

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,13 +33,13 @@ struct FrameAtStamp {
 struct PoseAnswer {
   enum class Outcome {
     kFound,
-    kLate,   // newer data may come: the newest are older than the stamp
+    kLate,   // newer data may come: the newest are older than the stamp, or went with a reset
     kPast,   // too late: the oldest are newer than the stamp
     kNever,  // no connection to the reference frame has been seen at all
   };
   Outcome outcome = Outcome::kNever;
   RigidTransform pose;  // reference frame from frame, if kFound
-  ros::Time available;  // newest stamp with a transform, if kLate or kPast
+  ros::Time available;  // newest stamp with a transform; zero: kLate since a reset
   std::string problem;  // for people: what is missing; empty if kFound
 };
 
@@ -60,6 +61,10 @@ class TransformLookup {
   // again and again.
   void giveUp(const std::vector<FrameAtStamp>& frames);
 
+  // To be called before all transforms are dropped: those of frames that have a pose now will come
+  // again. Until they do they are late, and what was given up may be waited for.
+  void noteReset();
+
   // The newest stamp at which all of these frames have a pose, but for those that have none or
   // whose newest is more than `window_s` behind the others'. Zero: all are static; nothing: none
   // has any.
@@ -74,6 +79,7 @@ class TransformLookup {
   const tf2::BufferCore& buffer_;
   const std::string reference_frame_;
   std::map<std::string, ros::Time> given_up_;  // frames, with their newest stamp then
+  std::set<std::string> seen_;                 // frames that had a pose before a reset
 };
 
 // Without tf's old leading '/'.

@@ -88,6 +88,19 @@ TEST_F(TransformsTest, AFrameThatWasNeverSeenIsNotWaitedFor) {
                            " cable(no mesh yet)"}));
 }
 
+TEST_F(TransformsTest, WhatWasSeenBeforeAResetIsWaitedFor) {
+  addTransform(&transforms_, "camera", 50);
+  give(0, 50, "camera");
+  EXPECT_EQ(step().size(), 1U);
+  requests_.requestReset();
+  ros_time_ = ros::Time(50.25);
+  step();
+  give(0, 50.25, "camera");
+  EXPECT_EQ(step(), Lines()) << "its transform is on its way";
+  addTransform(&transforms_, "camera", 50.25);
+  EXPECT_EQ(stepAfter(1), Lines{"cycle 50.25: *cloth@50.25 cable(no mesh yet)"});
+}
+
 // The mesh that waits has its cycle; what came meanwhile is next.
 TEST_F(TransformsTest, ANewerMeshDoesNotProlongTheWait) {
   addTransform(&transforms_, "camera", 49.5);

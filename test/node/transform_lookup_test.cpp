@@ -136,6 +136,34 @@ TEST_F(TransformLookupTest, AFrameThatStandsStillIsNotWaitedForAgain) {
   EXPECT_TRUE(isWorthWaiting("arm", 10.5)) << "it moves again";
 }
 
+TEST_F(TransformLookupTest, WhatWasThereBeforeAResetIsLateUntilItIsThereAgain) {
+  set(transform("base", "arm", 10));
+  set(transform("arm", "hand", 10));
+  set(transform("island", "palm", 10));
+  lookup_.giveUp({{"hand", ros::Time(11)}});
+  for (const char* reset : {"one", "another before anything came"}) {
+    lookup_.noteReset();
+    buffer_.clear();
+    const PoseAnswer answer = ask("hand", 10);
+    EXPECT_EQ(answer.outcome, Outcome::kLate) << reset;
+    EXPECT_TRUE(answer.available.isZero());
+    EXPECT_NE(answer.problem.find("is late: wanted 10.000000000, none since the reset"),
+              std::string::npos)
+        << answer.problem;
+    EXPECT_TRUE(isWorthWaiting("hand", 10));
+    lookup_.giveUp({{"hand", ros::Time(10)}});
+    EXPECT_FALSE(isWorthWaiting("hand", 10) || isWorthWaiting("hand", 11)) << "it was, in vain";
+  }
+  EXPECT_EQ(ask("palm", 10).outcome, Outcome::kNever) << "it had no way to the base";
+  EXPECT_EQ(ask("ghost", 10).outcome, Outcome::kNever);
+  set(transform("arm", "hand", 11));
+  EXPECT_EQ(ask("hand", 11).outcome, Outcome::kLate) << "its parent is not there yet";
+  set(transform("base", "arm", 11));
+  EXPECT_EQ(ask("hand", 11).outcome, Outcome::kFound);
+  EXPECT_EQ(ask("hand", 10).outcome, Outcome::kPast);
+  EXPECT_TRUE(isWorthWaiting("hand", 12)) << "it moves";
+}
+
 TEST_F(TransformLookupTest, OneLateFrameCostsNoOtherItsPose) {
   set(transform("base", "arm", 10));
   set(transform("base", "hand", 11));

@@ -64,11 +64,12 @@ class PandaPasses(unittest.TestCase):
         return (upright + np.float32(centre)).astype(np.float32), triangles
 
     @classmethod
-    def show(cls, stamp, turned, mesh):
+    def show(cls, stamp, turned, mesh, transforms_late_s=0):
         cls.stamp = stamp
         angles = [READY[0] - TURN / 2 + turned * TURN] + READY[1:]
-        cls.transforms.send(stamp, cls.panda.edges(angles, 0.02, (FAR_AWAY, (0, 0, 0, 1))))
         cls.cloth.send(stamp, REFERENCE_FRAME, mesh)
+        rospy.sleep(transforms_late_s)
+        cls.transforms.send(stamp, cls.panda.edges(angles, 0.02, (FAR_AWAY, (0, 0, 0, 1))))
 
     def links_at(self, stamp):
         return posed_links(self.meshes, lambda link: self.transforms.pose(
@@ -94,7 +95,7 @@ class PandaPasses(unittest.TestCase):
         before = now(self.stamp)
         behind = before + rospy.Duration(STEP_S)
         self.transforms.buffer.clear()
-        self.show(before, 0, mesh)
+        self.show(before, 0, mesh, transforms_late_s=0.05)  # waited for, also after a reset
         for monitor in self.monitors:
             self.assertEqual(pairs_of(monitor.contacts_at(before)), set())
         rospy.sleep(STEP_S)
