@@ -130,8 +130,7 @@ PoseAnswer TransformLookup::explain(const FrameAtStamp& question) const {
   } catch (const tf2::TransformException&) {
     if (seen_.count(question.frame) > 0) {
       answer.outcome = PoseAnswer::Outcome::kLate;
-      answer.problem =
-          path + " is late: wanted " + shown(question.stamp) + ", none since the reset";
+      answer.problem = path + " is late: wanted " + shown(question.stamp) + ", none available yet";
       return answer;
     }
     answer.outcome = PoseAnswer::Outcome::kNever;

@@ -147,7 +147,7 @@ TEST_F(TransformLookupTest, WhatWasThereBeforeAResetIsLateUntilItIsThereAgain) {
     const PoseAnswer answer = ask("hand", 10);
     EXPECT_EQ(answer.outcome, Outcome::kLate) << reset;
     EXPECT_TRUE(answer.available.isZero());
-    EXPECT_NE(answer.problem.find("is late: wanted 10.000000000, none since the reset"),
+    EXPECT_NE(answer.problem.find("is late: wanted 10.000000000, none available yet"),
               std::string::npos)
         << answer.problem;
     EXPECT_TRUE(isWorthWaiting("hand", 10));

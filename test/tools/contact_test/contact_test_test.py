@@ -211,6 +211,7 @@ class Reasons(unittest.TestCase):
                 ("TF frame 'palm' never seen", "TF missing"),
                 ("TF from 'palm' to 'base' never seen", "TF missing"),
                 ("TF from 'palm' to 'base' is late: wanted 3, newest available 2", "TF late"),
+                ("TF from 'palm' to 'base' is late: wanted 3, none available yet", "TF late"),
                 ("TF from 'palm' to 'base' no longer reaches back: wanted 1", "TF late"),
                 ("disabled", "monitor disabled"),
                 ("cannot read lost.stl: TF frame never seen", "body unusable")):
