@@ -132,8 +132,9 @@ class Sweeper {
       kept = intersects(a.box, b.box) &&
              ownsPair(unit_.cluster.value, c_.members.clustersOf(a), c_.members.clustersOf(b));
     }
-    TilePairWriter to(c_, kept && crowded ? 1 : 0, kept && !crowded ? 1 : 0);
-    if (kept) to.put(crowded, pair);
+    const auto count = [](bool wanted) { return __popc(__ballot_sync(kFullWarp, wanted)); };
+    TilePairWriter to(c_, count(kept && crowded), count(kept && !crowded));
+    to.put(kept, crowded, pair);
   }
 
   const CycleArrays& c_;
@@ -148,6 +149,7 @@ class Sweeper {
 // sweep.tile_pairs and sweep.crowded_pairs.
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
   awaitKernelAhead();
+  letNextStart();
   __shared__ Hit hits[kWarps][kHitCapacity];
   Sweeper sweeper(c, hits[threadIdx.x / kWarp]);
   sweeper.run();
