@@ -95,12 +95,12 @@ bool CudaDetector::runInPasses(const Options& options, const CycleLimit& limit) 
   return false;
 }
 
-// More candidates than memory: judges them in several passes over the pairs of tiles and
-// blocks. Those
-// that no pass has room for are counted, not judged. False if the limit was over before the last.
+// More candidates than memory: judges them in several passes over the pairs of tiles and blocks.
+// Those that no pass has room for are counted, not judged. False if the limit was over before the
+// last.
 bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit) {
   const cudaStream_t stream = stream_.get();
-  const CycleShape shape = shapeOf(options, false, 0);
+  const CycleShape shape = shapeOf(options, 0);
   const std::uint32_t most =
       std::min(kMostPasses, std::max(kWarp * (arrays_.scene.tile_count + counters_[0].tile_pairs +
                                               counters_[0].crowded_pairs),

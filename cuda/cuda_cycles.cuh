@@ -62,7 +62,7 @@ class CudaDetector : public ShareDetector {
   void fetchContacts(const Options& options, bool few);
   void completeContacts(const CycleLimit& limit);
   void decideOpenPairs(const Options& options, const CycleLimit& limit);
-  CycleShape shapeOf(const Options& options, bool identify, int refinements) const;
+  CycleShape shapeOf(const Options& options, int refinements) const;
   void wait(const CycleLimit& limit) { stop_.wait(stream_, limit); }
   std::uint32_t listable(std::uint64_t contacts) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));

@@ -115,14 +115,10 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].limited = limit.isSet() ? 1 : 0;
   params_[0].share = share_;
   params_[0].any_self = scene_.anySelf() ? 1 : 0;
+  params_[0].fans = scene_.anySelf() && asksForFans(options) ? 1 : 0;
   scene_.group(stream);
   if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream);
-  // Every vertex is its own where no body touches itself: once is enough then.
-  if (result_.started_cold || change.more_triangles > 0) {
-    sizeBins(options);
-  } else if (change.any) {
-    launchPoseIdentities(arrays_, shapeOf(options, true, 0), stream);
-  }
+  if (result_.started_cold || change.more_triangles > 0) sizeBins(options);
   return true;
 }
 
@@ -218,11 +214,10 @@ void CudaDetector::sendParams() {
 // Where the bins have no room, or not where it is needed, part of a cycle finds out how much that
 // is; where frames do not fit yet, more of one finds those.
 void CudaDetector::sizeBins(const Options& options) {
-  const CycleShape shape = shapeOf(options, true, 0);
+  if (arrays_.together()) return;
+  const CycleShape shape = shapeOf(options, 0);
   const cudaStream_t stream = stream_.get();
   sendParams();
-  launchPoseIdentities(arrays_, shape, stream);
-  if (arrays_.together()) return;
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);
@@ -233,13 +228,13 @@ void CudaDetector::sizeBins(const Options& options) {
   launchSortFrames(arrays_, shape, stream);
 }
 
-CycleShape CudaDetector::shapeOf(const Options& options, bool identify, int refinements) const {
+CycleShape CudaDetector::shapeOf(const Options& options, int refinements) const {
   const bool sharers = scene_.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
   const bool swept = options.motion == Motion::kSwept;
   const bool pads = swept && scene_.anyLengths().pads;
-  const bool fans = identify && sharers && asksForFans(options);
-  return {device_,          identify, refinements, swept,
-          swept && sharers, pads,     fans,        params_[0].leaves_few != 0};
+  const bool fans = sharers && asksForFans(options);
+  return {device_, scene_.anySelf(),          refinements, swept, sharers, pads,
+          fans,    params_[0].leaves_few != 0};
 }
 
 void CudaDetector::runCycle(const Options& options) {
@@ -247,7 +242,7 @@ void CudaDetector::runCycle(const Options& options) {
   sendParams();
   const bool refresh = sizes_.clusters > 1 && ++cycles_since_refresh_ >= options.refresh_period;
   if (refresh) cycles_since_refresh_ = 0;
-  const CycleShape shape = shapeOf(options, scene_.anySelf(), refresh ? options.iterations : 0);
+  const CycleShape shape = shapeOf(options, refresh ? options.iterations : 0);
   if (settings_.time_stages) {
     cycle_start_.record(stream);
     graphs_[0].runTimed(arrays_, shape, stream);

@@ -9,7 +9,7 @@ enum StepNumber {
   kIdentities,
   kPose,
   kAssign,
-  kFans,
+  kIds,
   kBins,
   kSort,
   kLarge,
@@ -33,21 +33,21 @@ struct Step {
   unsigned behind;  // steps of other branches that must be over; those ahead on its own are
 };
 
-// A cycle, in an order in which the steps may also run one after the other. launchAssign stands
-// right behind launchPose on the main stream, launchSweep behind launchSort, for they
-// start early.
+// A cycle, in an order in which the steps may also run one after the other. On the main stream
+// launchAssign stands right behind launchPose, launchSweep behind launchSort, and launchPairs
+// behind launchSweep, for they start early.
 constexpr Step kList[kStepCount] = {
     {Stage::kPose, launchPoseIdentities, kIdentityBranch, 0},
     {Stage::kPose, launchPose, kMain, 0},
     {Stage::kAssign, launchAssign, kMain, 0},
-    {Stage::kPose, launchPoseFans, kIdentityBranch, 0},
+    {Stage::kPose, launchPoseIds, kIdentityBranch, 0},
     {Stage::kAssign, launchAssignBins, kAdaptBranch, behind(kAssign)},
     {Stage::kSort, launchSort, kMain, 0},
-    {Stage::kLarge, launchLarge, kLargeBranch, behind(kSort) | behind(kFans)},
+    {Stage::kLarge, launchLarge, kLargeBranch, behind(kSort) | behind(kIds)},
     {Stage::kCluster, launchCluster, kAdaptBranch, 0},
     {Stage::kSort, launchSortFrames, kAdaptBranch, behind(kSort)},
     {Stage::kSweep, launchSweep, kMain, 0},
-    {Stage::kSweep, launchPairs, kMain, behind(kFans)},
+    {Stage::kSweep, launchPairs, kMain, behind(kIds)},
     {Stage::kJudge, launchJudge, kMain, behind(kLarge) | behind(kBins)},
 };
 

@@ -49,8 +49,7 @@ struct alignas(128) SweptCounters {
   alignas(128) std::uint32_t robust;     // for the static predicates in full
   alignas(128) std::uint32_t featured;   // for their features
   alignas(128) std::uint32_t left;       // of those with features that float32 leaves open
-  alignas(128) std::uint32_t sharing;    // that share vertices
-  alignas(128) std::uint32_t beyond;     // of those, left by float32
+  alignas(128) std::uint32_t beyond;     // of those that share vertices, left by float32
   alignas(128) std::uint32_t dismissed;  // no contacts, where a pad may make them some
 };
 
@@ -58,7 +57,8 @@ struct ContactArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
   DeviceArray<DeviceCandidate, Place> candidates{*this, &CycleSizes::candidates};
-  // Candidates that the filters could not settle: their places.
+  // Places of candidates for the full verdict; from the end backwards, of those that share
+  // vertices.
   DeviceArray<Place, Place> open{*this, &CycleSizes::candidates};
   // The lower triangle's number << CycleParams::index_bits | the higher one's.
   DeviceArray<std::uint64_t, Place> contacts{*this, &CycleSizes::contacts};

@@ -37,6 +37,7 @@ struct CycleParams {
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number in a contact's key
   std::uint32_t any_self;      // some body has contacts with itself
+  std::uint32_t fans;          // certified ones settle pairs that share vertices
   std::uint32_t limited;       // the host may end the cycle early (stages/cut_off.cuh)
   std::uint32_t first_times;   // in swept motion: they are asked for
   std::uint32_t pads;          // in swept motion: some body that takes part has one
@@ -84,7 +85,8 @@ struct alignas(kLine) CycleCounters {
   alignas(kLine) std::uint32_t crowded_pairs;
   alignas(kLine) std::uint32_t pairs_taken;
   alignas(kLine) unsigned long long candidates;
-  alignas(kLine) std::uint32_t open;
+  alignas(kLine) std::uint32_t open;     // in contacts.open from its front on
+  alignas(kLine) std::uint32_t sharing;  // and from its end backwards
   alignas(kLine) unsigned long long contacts;
 };
 

@@ -116,7 +116,7 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   CycleSizes::raise(sizes_.tiles, tables_.tile_count);
   sizes_.slots = kWarp * sizes_.tiles;
   sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
-  while (tables_.any_self && sizes_.identity_slots < 2 * tables_.vertex_count)
+  while (tables_.any_self && sizes_.identity_slots < 4 * tables_.vertex_count)
     sizes_.identity_slots *= 2;
   vertices_.resize(scene.bodyCount());
   earlier_.resize(scene.bodyCount());

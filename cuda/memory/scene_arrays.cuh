@@ -64,6 +64,9 @@ struct alignas(8) FarVertex {
   BodyIndex body;
 };
 
+// In SceneArrays::vertex_id: other vertices equal this one.
+constexpr std::uint32_t kRepeated = std::uint32_t{1} << 31;
+
 struct SceneArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
@@ -105,11 +108,12 @@ struct SceneArrays : ArrayGroup {
   // Of the bodies' finite vertices, see cuda/device/boxes.cuh; zero at the start of a cycle.
   // Outside of one, as received.
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
-  // Equal iff of one body and equal as received: the number of one of those vertices; with
-  // kFanCertified where that is so.
+  // Equal iff of one body and equal as received: the number of one of those vertices, and in its
+  // own place, where there are others, kRepeated.
   DeviceArray<VertexIndex, VertexIndex> vertex_id{*this, &CycleSizes::vertices};
-  // Zero but for vertices that others equal, and maybe for such of earlier cycles.
-  DeviceArray<std::uint32_t, VertexIndex> repeated{*this, &CycleSizes::vertices};
+  // Of bodies that have contacts with themselves, where CycleParams::fans: 1 for a vertex whose fan
+  // is certified, as far as its own ring tells.
+  DeviceArray<std::uint32_t, VertexIndex> fan_certified{*this, &CycleSizes::vertices};
   // VertexFans of all bodies that have contacts with themselves, once certificates are asked for;
   // and what counts the triangles around each vertex meanwhile.
   DeviceArray<Place, VertexIndex> fan_begin{*this, &CycleSizes::fan_vertices};

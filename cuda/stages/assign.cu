@@ -255,19 +255,23 @@ __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsign
 // swept motion (kStates == 2) the earlier states too, to members.earlier.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
-  awaitKernelAhead();
-  letNextStart();
   __shared__ std::uint32_t found[kWarps][BorderTile<3 * kStates>::kMostFound];
   const std::uint32_t warp = threadIdx.x / kWarp;
   const TileIndex tile(blockIdx.x * kWarps + warp);
-  if (tile.value >= c.scene.tile_count) return;
-  const BodyIndex b = c.scene.tile_body[tile];
+  const bool is_tile = tile.value < c.scene.tile_count;
+  // What the kernel ahead does not write.
+  const BodyIndex b = is_tile ? c.scene.tile_body[tile] : BodyIndex(0);
   const DeviceBody& body = c.scene.bodies[b];
   const MemberIndex slot(tile.value * kWarp + laneId());
-  const TriangleIndex named = c.scene.slot_triangle[slot];
+  const TriangleIndex named = is_tile ? c.scene.slot_triangle[slot] : TriangleIndex(kNone);
   const bool there = named.value != kNone;
   const TriangleIndex t(there ? named.value : 0);
-  const Corners<kStates> corners(c.scene, t);
+  const VertexIndex* const corner = c.scene.corners.row(t);
+  const VertexIndex vertices[3] = {corner[0], corner[1], corner[2]};
+  awaitKernelAhead();
+  letNextStart();
+  if (!is_tile) return;
+  const Corners<kStates> corners(c.scene, vertices);
   const bool finite = there && corners.isFinite();
   const Aabb box = finite ? inflated(corners.box(c), body.margin_m) : Aabb();
   bool near = finite;

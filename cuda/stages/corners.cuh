@@ -15,8 +15,7 @@ struct Corners {
   Vec3f v[kPoints];
   NearestPrototype nearest[kPoints];
 
-  __device__ Corners(const SceneArrays& scene, TriangleIndex t) {
-    const VertexIndex* vertices = scene.corners.row(t);
+  __device__ Corners(const SceneArrays& scene, const VertexIndex vertices[3]) {
     for (int k = 0; k < 3; ++k) {
       set(kPresent + k, scene.posed[vertices[k]]);
       if (kStates > 1) set(k, scene.earlier_posed[vertices[k]]);
@@ -49,13 +48,6 @@ struct Corners {
     nearest[k] = {w >> 1, (w & 1) != 0};
   }
 };
-
-// The ids of a triangle's vertices.
-__device__ inline uint4 idsOf(const SceneArrays& scene, TriangleIndex t) {
-  const VertexIndex* vertices = scene.corners.row(t);
-  return make_uint4(scene.vertex_id[vertices[0]].value, scene.vertex_id[vertices[1]].value,
-                    scene.vertex_id[vertices[2]].value, 0);
-}
 
 // The vertices for the clusters [scaled].
 template <int kStates>

@@ -1,4 +1,4 @@
-// Stage judge: verdicts on the candidates. Where the sweep has left few, in full on all of them;
+// Stage judge: verdicts on the candidates. Where the sweep leaves few, in full on all of them;
 // else first by filters alone, and in full on those that these leave.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
@@ -13,8 +13,8 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-// Of a multiprocessor; more of them, with so long a code, disturb each other.
-constexpr unsigned kFullBlocksEach = 2;
+// Of a multiprocessor, as registers allow.
+constexpr unsigned kFullBlocksEach = 3;
 
 constexpr unsigned kBlocksPerAsker = 64;  // whose first warp asks the host whether to go on
 
@@ -28,17 +28,12 @@ __device__ PartVerdict quickVerdictOf(const CycleArrays& c, const DeviceCandidat
   return may_be_near ? PartVerdict::kOpen : verdict;
 }
 
-// How many of contacts.candidates there are.
-__device__ std::uint32_t candidatesThere(const CycleArrays& c) {
-  return static_cast<std::uint32_t>(
-      min(c.counters().candidates, static_cast<unsigned long long>(c.contacts.candidates.size())));
-}
-
 // A thread for each of contacts.candidates: settles most of them, and puts the places of the others
 // into contacts.open.
 __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   letNextStart();  // the kernel ahead has ended: this one is launched the usual way
-  const std::uint32_t count = candidatesThere(c);
+  const auto count = static_cast<std::uint32_t>(
+      min(c.counters().candidates, static_cast<unsigned long long>(c.contacts.candidates.size())));
   const std::uint32_t stride = gridDim.x * kThreads;
   const bool asks = blockIdx.x % kBlocksPerAsker == 0 && threadIdx.x < kWarp;
   for (std::uint32_t first = blockIdx.x * kThreads; first < count; first += stride) {
@@ -46,6 +41,7 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
     if (first >= stride && warpIsCutOff(c, asks)) break;
     const Place i(first + threadIdx.x);
     PartVerdict verdict = PartVerdict::kApart;
+    bool sharing = false;
     TriangleIndex a(0), b(0);
     if (i.value < count) {
       const DeviceCandidate candidate = c.contacts.candidates[i];
@@ -53,36 +49,52 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
       const Member member_b = c.members.at(candidate.b);
       a = member_a.triangle;
       b = member_b.triangle;
+      sharing = unpackFacts(candidate.facts).shared.any;
       verdict = quickVerdictOf(c, candidate, member_a, member_b);
     }
-    const bool open = verdict == PartVerdict::kOpen;
-    const Place place(warpReserve(&c.counters().open, open));
-    if (open) c.contacts.open[place] = i;  // as many places as candidates
+    reportOpen(c, verdict == PartVerdict::kOpen, sharing, i);
     reportContacts(c, verdict == PartVerdict::kMeet, a, b, 0);
   }
 }
 
-// A thread for each of contacts.open, or of contacts.candidates where the sweep has left few:
-// the verdict in full. Filters that the other kernel has asked are not asked again, for most of
-// this code's time goes into fetching it.
+// What warps take of contacts.open: each so many, of one kind; few are spread over many warps, for
+// their long paths differ.
+struct OpenShares {
+  std::uint32_t open, sharing, each, open_shares, all;
+
+  __device__ OpenShares(const CycleArrays& c, std::uint32_t warps)
+      : open(c.counters().open), sharing(c.counters().sharing) {
+    const std::uint32_t most = warps - 1;  // of shares, as if all were of one kind
+    each = max(1U, min(kWarp, (open + sharing + most - 1) / most));
+    open_shares = (open + each - 1) / each;
+    all = open_shares + (sharing + each - 1) / each;
+  }
+  // This lane's place on the list, of the share with that number; kNone if there is none.
+  __device__ std::uint32_t at(std::uint32_t share, std::uint32_t size) const {
+    const bool shares = share >= open_shares;
+    const std::uint32_t i = (shares ? share - open_shares : share) * each + laneId();
+    if (laneId() >= each || i >= (shares ? sharing : open)) return kNone;
+    return shares ? size - 1 - i : i;
+  }
+};
+
+// A thread for each of contacts.open: the verdict in full. Filters that the other kernel has asked
+// are not asked again, for most of this code's time goes into fetching it.
 __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   awaitKernelAhead();
   const bool first = c.params().leaves_few != 0;
-  const std::uint32_t count = first ? candidatesThere(c) : c.counters().open;
-  // Few pairs are spread over many warps, for their long paths differ.
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
-  const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
-  for (std::uint32_t begin = warp * each; begin < count; begin += warps * each) {
-    if (begin >= warps * each && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) break;
-    const std::uint32_t i = begin + laneId();
+  const OpenShares shares(c, warps);
+  for (std::uint32_t share = warp; share < shares.all; share += warps) {
+    if (share >= warps && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) break;
+    const std::uint32_t at = shares.at(share, c.contacts.open.size());
     Verdict verdict;
     PredicateState state;
     state.mode = c.params().predicates;
     TriangleIndex a(0), b(0);
-    if (laneId() < each && i < count) {
-      const DeviceCandidate candidate =
-          c.contacts.candidates[first ? Place(i) : c.contacts.open[Place(i)]];
+    if (at != kNone) {
+      const DeviceCandidate candidate = c.contacts.candidates[c.contacts.open[Place(at)]];
       const Member member_a = c.members.at(candidate.a);
       const Member member_b = c.members.at(candidate.b);
       a = member_a.triangle;
@@ -105,7 +117,8 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
 __global__ void restartKernel(CycleArrays c, bool first) {
   CycleCounters& counters = c.counters();
   counters.candidates = 0;
-  counters.open = counters.blocks_done = counters.pairs_taken = counters.open_pairs = 0;
+  counters.open = counters.sharing = 0;
+  counters.blocks_done = counters.pairs_taken = counters.open_pairs = 0;
   if (c.contacts.swept_counters.size() > 0) *c.contacts.swept_counters.data() = SweptCounters{};
   if (!first) return;
   counters.contacts = 0;

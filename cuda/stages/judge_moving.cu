@@ -3,6 +3,7 @@
 #include "core/predicates/swept_pad.h"
 #include "cuda/stages/judge_moving.cuh"
 #include "cuda/stages/leave_counters.cuh"
+#include "cuda/stages/report.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -40,10 +41,8 @@ __global__ void __launch_bounds__(kThreads) planesKernel(CycleArrays c) {
       left = planesLeave(movingAt(c, candidate.a), movingAt(c, candidate.b), candidate.facts);
     }
     if (left) c.contacts.candidates[i].facts = candidate.facts;
-    append(c.contacts.open, &c.counters().open, left, i);
+    reportOpen(c, left || shares, shares, i);
     dismiss(c, there && !shares && !left, i);
-    const std::uint32_t at = warpReserve(&sweptCounters(c).sharing, shares);
-    if (shares) c.contacts.open[Place(c.contacts.open.size() - 1 - at)] = i;
   });
 }
 

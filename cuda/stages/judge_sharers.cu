@@ -32,7 +32,7 @@ __device__ bool certainlyNotBeyond(const MovingTriangle& a, const MovingTriangle
 
 // The pairs at the end of contacts.open; what is left comes to first_list.
 __global__ void __launch_bounds__(kThreads) sharersKernel(CycleArrays c) {
-  forEachByWarp(c, sweptCounters(c).sharing, [&](Place k, bool there) {
+  forEachByWarp(c, c.counters().sharing, [&](Place k, bool there) {
     Place i(0);
     bool left = false;
     if (there) {

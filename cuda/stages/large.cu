@@ -4,7 +4,6 @@
 
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/warp.cuh"
-#include "cuda/stages/corners.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/report.cuh"
 #include "cuda/stages/screen.cuh"
@@ -28,14 +27,16 @@ template <int kStates>
 __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b) {
   const Member a = c.members.at(at_a), b = c.members.at(at_b);
   if (!groupsMeet(c.scene, a, b)) return;
-  const uint4 ids_a = idsOf(c.scene, a.triangle), ids_b = idsOf(c.scene, b.triangle);
-  const std::uint32_t shared_a = sharedBits(ids_a, ids_b);
-  if (shared_a != 0 &&
-      (c.params().adjacent == AdjacentPairs::kSkip || isCertified(ids_a, shared_a))) {
-    return;
+  std::uint32_t shared_a = 0, shared_b = 0;
+  if (c.params().any_self != 0) {
+    const uint4 ids_a = c.members.ids[at_a], ids_b = c.members.ids[at_b];
+    shared_a = sharedBits(ids_a, ids_b);
+    shared_b = sharedBits(ids_b, ids_a);
+    const bool settled =
+        c.params().adjacent == AdjacentPairs::kSkip || (shared_a & certifiedBits(ids_a)) != 0;
+    if (shared_a != 0 && settled) return;
   }
   DeviceCandidate candidate;
-  const std::uint32_t shared_b = shared_a == 0 ? 0 : sharedBits(ids_b, ids_a);
   const auto screen = kStates > 1 ? screenMovingPair : screenPair;
   if (!screen(c, at_a, at_b, shared_a, shared_b, candidate)) return;
   if (kStates == 1 && c.params().settles != 0) {
@@ -47,9 +48,10 @@ __device__ void screenBoxPair(const CycleArrays& c, MemberIndex at_a, MemberInde
     if (verdict != PartVerdict::kOpen) return;
   }
   const unsigned long long place = atomicAdd(&c.counters().candidates, 1ULL);
-  if (place < c.contacts.candidates.size()) {
-    c.contacts.candidates[Place(static_cast<std::uint32_t>(place))] = candidate;
-  }
+  if (!putCandidate(c, place, candidate) || c.params().leaves_few == 0) return;
+  const bool sharing = shared_a != 0;
+  putOpen(c, sharing, atomicAdd(sharing ? &c.counters().sharing : &c.counters().open, 1U),
+          Place(static_cast<std::uint32_t>(place)));
 }
 
 // Each row of the large list from `first` on, in steps of kBlocksAmong, against the later ones.

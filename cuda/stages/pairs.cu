@@ -26,17 +26,18 @@ struct alignas(8) MemberPair {
 // each warp: else the last of them would keep one warp busy when the others have ended.
 constexpr std::uint32_t kMostParts = 2, kPartsEach = 4;
 
-constexpr unsigned kMetCapacity = 4 * kWarp, kCandidateCapacity = 2 * kWarp;
-
 // Boxes of a tile's triangles, and their vertices' ids with their places in the tile as w.
 struct LaneTriangles {
   float4 low[kWarp], high[kWarp];
   uint4 ids[kWarp];
 };
 
+constexpr unsigned kMetCapacity = 4 * kWarp, kSharingCapacity = 2 * kWarp;
+constexpr unsigned kCandidateCapacity = 2 * kWarp;
+
 struct WarpMemory {
   LaneTriangles triangles;  // of one tile, and then of the other
-  MemberPair met[kMetCapacity];
+  MemberPair met[kMetCapacity], sharing[kSharingCapacity];
   DeviceCandidate candidates[kCandidateCapacity];
 };
 
@@ -44,20 +45,20 @@ struct WarpMemory {
 // off.
 constexpr std::uint32_t kPairsPerAsker = 64;
 
-// kStates == 2 in swept motion.
-template <int kStates>
+// kStates == 2 in swept motion; kSharers: triangles that share vertices may be contacts.
+template <int kStates, bool kSharers>
 class PairScreener {
  public:
   __device__ PairScreener(const CycleArrays& c, WarpMemory& memory)
       : c_(c),
         memory_(memory),
         met_{memory.met},
+        sharing_{memory.sharing},
         candidates_{memory.candidates},
         lane_(laneId()),
         turn_((blockIdx.x * kThreads + threadIdx.x) / kWarp) {
     const CycleParams& params = c.params();
     passes_ = params.passes;
-    beyond_shared_ = params.adjacent == AdjacentPairs::kBeyondShared;
     any_self_ = params.any_self != 0;
     tiles_ = any_self_ ? c.scene.tile_count : 0;
     const std::uint32_t crowded = min(c.counters().crowded_pairs, c.sweep.crowded_pairs.size());
@@ -75,7 +76,9 @@ class PairScreener {
       if (candidates_.size >= kWarp || (last_met && met_.size == 0 && candidates_.size > 0)) {
         settleCandidates();
       } else if (met_.size >= kWarp || (last_met && met_.size > 0)) {
-        screenPlanes();
+        screenMet();
+      } else if (kSharers && (sharing_.size >= kWarp || (last_met && sharing_.size > 0))) {
+        screenSharing();
       } else if (rounds_ != 0) {
         takePartners();
       } else if (more) {
@@ -188,14 +191,10 @@ class PairScreener {
     }
     __syncwarp();
   }
-  // Of this lane's row the ids whose sharers are no contacts: where those beyond shared vertices
-  // count, those of vertices with certified fans.
+  // Of this lane's row; where no body has contacts with itself, its vertices are nobody else's.
   __device__ void setRow(const uint4& ids) {
-    const auto settled = [this](std::uint32_t id) {
-      const bool has = any_self_ && (!beyond_shared_ || (id & kFanCertified) != 0);
-      return has ? id : kNone;
-    };
-    ids_ = make_uint4(settled(ids.x), settled(ids.y), settled(ids.z), ids.w);
+    ids_ = any_self_ ? ids : make_uint4(kNone, kNone, kNone, ids.w);
+    if (kSharers) certified_ = certifiedBits(ids);
   }
   // With the place in the tile as w.
   __device__ uint4 idsAt(MemberIndex at) const {
@@ -213,6 +212,7 @@ class PairScreener {
   __device__ void findPartners(const Aabb& box, std::uint32_t first, std::uint32_t steps,
                                std::uint32_t every) {
     partners_ = 0;
+#pragma unroll 2
     for (std::uint32_t step = first; step < steps; step += every) {
       if (intersects(box, boxOfPlace(columnAt(step)))) partners_ |= 1U << step;
     }
@@ -225,36 +225,51 @@ class PairScreener {
     }
   }
 
-  // Partners of all lanes, one by one, while there is room; but for those that share what settles
-  // them.
+  // Partners of all lanes, one by one, while there is room. Those that share vertices are no
+  // contacts, or have a turn of their own.
   __device__ void takePartners() {
-    while (rounds_ != 0 && met_.size <= kMetCapacity - kWarp) {
+    while (rounds_ != 0 && met_.size <= kMetCapacity - kWarp &&
+           sharing_.size <= kSharingCapacity - kWarp) {
       const bool has = partners_ != 0;
       const std::uint32_t step = has ? __ffs(static_cast<int>(partners_)) - 1 : 0;
       partners_ &= partners_ - 1;
       const uint4 ids = memory_.triangles.ids[columnAt(step)];
-      met_.push(has && !shareVertices(ids_, ids),
-                {MemberIndex(first_a_ + ids_.w), MemberIndex(first_b_ + ids.w)});
+      const MemberPair pair{MemberIndex(first_a_ + ids_.w), MemberIndex(first_b_ + ids.w)};
+      if (kSharers) {
+        const std::uint32_t shared = sharedBits(ids_, ids);
+        met_.push(has && shared == 0, pair);
+        const bool open = has && shared != 0 && (shared & certified_) == 0;
+        if (__any_sync(kFullWarp, open) != 0) sharing_.push(open, pair);
+      } else {
+        met_.push(has && !shareVertices(ids_, ids), pair);
+      }
       if (--rounds_ == 0) askForNext();
     }
   }
 
   // Planes, and whose share the pair is; in swept motion moving boxes instead of planes.
-  __device__ void screenPlanes() {
+  __device__ void screenMet() {
     MemberPair pair{MemberIndex(0), MemberIndex(0)};
     DeviceCandidate candidate{};
     bool kept = met_.pop(pair);
-    if (kept) {
-      std::uint32_t shared_a = 0, shared_b = 0;
-      if (beyond_shared_ && any_self_) {
-        const uint4 a = c_.members.ids[pair.a], b = c_.members.ids[pair.b];
-        shared_a = sharedBits(a, b);
-        shared_b = sharedBits(b, a);
-      }
-      const auto screen = kStates > 1 ? screenMovingPair : screenPair;
-      kept = screen(c_, pair.a, pair.b, shared_a, shared_b, candidate);
-    }
+    if (kept) kept = screen(pair, 0, 0, candidate);
     candidates_.push(kept, candidate);
+  }
+  // The same. Of these float32 gives no verdicts.
+  __device__ void screenSharing() {
+    MemberPair pair{MemberIndex(0), MemberIndex(0)};
+    DeviceCandidate candidate{};
+    bool kept = sharing_.pop(pair);
+    if (kept) {
+      const uint4 a = c_.members.ids[pair.a], b = c_.members.ids[pair.b];
+      kept = screen(pair, sharedBits(a, b), sharedBits(b, a), candidate);
+    }
+    toJudge(kept, true, candidate);
+  }
+  __device__ bool screen(const MemberPair& pair, std::uint32_t shared_a, std::uint32_t shared_b,
+                         DeviceCandidate& candidate) const {
+    const auto screen = kStates > 1 ? screenMovingPair : screenPair;
+    return screen(c_, pair.a, pair.b, shared_a, shared_b, candidate);
   }
 
   // Verdicts of which float32 is certain; the other candidates are for the judge.
@@ -276,18 +291,22 @@ class PairScreener {
       reportContacts(c_, verdict == PartVerdict::kMeet, a, b, 0);
       open = open && verdict == PartVerdict::kOpen;
     }
+    toJudge(open, false, candidate);
+  }
+  __device__ void toJudge(bool open, bool sharing, const DeviceCandidate& candidate) const {
     const unsigned long long place = warpReserve(&c_.counters().candidates, open);
-    if (open && place < c_.contacts.candidates.size()) {
-      c_.contacts.candidates[Place(static_cast<std::uint32_t>(place))] = candidate;
+    const bool has_room = open && putCandidate(c_, place, candidate);
+    if (c_.params().leaves_few != 0) {
+      reportOpen(c_, has_room, sharing, Place(static_cast<std::uint32_t>(place)));
     }
   }
 
   const CycleArrays& c_;
   WarpMemory& memory_;
-  WarpQueue<MemberPair> met_;
+  WarpQueue<MemberPair> met_, sharing_;
   WarpQueue<DeviceCandidate> candidates_;
   const std::uint32_t lane_;
-  bool any_self_, beyond_shared_;
+  bool any_self_;
   // Pairs have numbers: tiles with themselves below tiles_, then parts of crowded pairs, then, from
   // crowded_ on, the others.
   std::uint32_t passes_, tiles_, parts_, crowded_, end_;
@@ -296,27 +315,32 @@ class PairScreener {
   // Of this pair of tiles: their first slots, and the row and columns of this lane.
   std::uint32_t first_a_ = 0, first_b_ = 0;
   std::uint32_t first_column_ = 0, stride_ = 1;
-  uint4 ids_{};               // of the row, as setRow() has them
-  unsigned partners_ = 0;     // by steps, the columns that are still to be taken
-  std::uint32_t rounds_ = 0;  // the most that a lane has
+  uint4 ids_{};                  // of the row
+  std::uint32_t certified_ = 0;  // bits of its vertices: who shares one of them is no contact
+  unsigned partners_ = 0;        // by steps, the columns that are still to be taken
+  std::uint32_t rounds_ = 0;     // the most that a lane has
   std::uint32_t overlaps_ = 0;
 };
 
 // Warps for the tiles, sweep.crowded_pairs and sweep.tile_pairs: reads the arrays of `members`,
 // adds to contacts.candidates and contacts.contacts.
-template <int kStates>
+template <int kStates, bool kSharers>
 __global__ void __launch_bounds__(kThreads, kBlocksEach) pairsKernel(CycleArrays c) {
   __shared__ WarpMemory memory[kWarps];
-  PairScreener<kStates> screener(c, memory[threadIdx.x / kWarp]);
+  awaitKernelAhead();
+  letNextStart();
+  PairScreener<kStates, kSharers> screener(c, memory[threadIdx.x / kWarp]);
   screener.run();
 }
 
 }  // namespace
 
 void launchPairs(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  const auto kernel = shape.swept ? pairsKernel<2> : pairsKernel<1>;
+  const auto of = [&shape](auto plain, auto sharers) { return shape.sharers ? sharers : plain; };
+  const auto kernel = shape.swept ? of(pairsKernel<2, false>, pairsKernel<2, true>)
+                                  : of(pairsKernel<1, false>, pairsKernel<1, true>);
   const unsigned blocks = blocksInOneWave(kernel, kThreads, 0, shape.device);
-  kernel<<<blocks, kThreads, 0, stream>>>(cycle);
+  launchEarly(kernel, blocks, kThreads, 0, shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

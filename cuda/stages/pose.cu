@@ -1,7 +1,5 @@
-// Stage pose: vertices into the scene frame, boxes of the bodies, nearest prototypes, equal
-// vertices.
+// Stage pose: vertices into the scene frame, boxes of the bodies, nearest prototypes.
 #include "core/rules/posed_vertex.h"
-#include "core/rules/vertex_hash.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
@@ -91,43 +89,7 @@ __global__ void __launch_bounds__(kThreads) farKernel(CycleArrays c) {
   }
 }
 
-// A thread for each vertex, a block for each of scene.vertex_blocks: puts the vertex's number + 1
-// into scene.identity_table, unless one with equal coordinates is there, and writes
-// scene.vertex_id. Slots are filled once and never emptied, so a reader sees all it needs.
-__global__ void __launch_bounds__(kThreads) identifyKernel(CycleArrays c) {
-  const BodyBlock block = c.scene.vertex_blocks[Place(blockIdx.x)];
-  if (threadIdx.x >= block.count) return;
-  const DeviceBody& body = c.scene.bodies[block.body];
-  const VertexIndex i(block.first + threadIdx.x);
-  const Vec3f v = receivedAt(c.scene, i);
-  c.scene.vertex_id[i] = i;
-  if (body.has_self == 0 || !isFinite(v)) return;
-  const std::uint32_t mask = c.scene.identity_mask;
-  Place slot(static_cast<std::uint32_t>(vertexHash(v, block.body.value)) & mask);
-  while (true) {
-    const std::uint32_t found = atomicCAS(&c.scene.identity_table[slot], 0U, i.value + 1);
-    if (found == 0) return;
-    const VertexIndex other(found - 1);
-    const bool same_body = other.value - body.first_vertex < body.vertex_count;
-    if (same_body && receivedAt(c.scene, other) == v) {
-      c.scene.vertex_id[i] = other;
-      c.scene.repeated[other] = 1;
-      return;
-    }
-    slot = Place((slot.value + 1) & mask);
-  }
-}
-
 }  // namespace
-
-void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  if (!shape.identify) return;
-  if (shape.swept) return launchPoseMovingIdentities(cycle, stream);
-  const SceneArrays& scene = cycle.scene;
-  cudaMemsetAsync(scene.identity_table.data(), 0,
-                  (std::size_t{scene.identity_mask} + 1) * sizeof(std::uint32_t), stream);
-  identifyKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
-}
 
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (shape.swept) return launchPoseMoving(cycle, shape, stream);

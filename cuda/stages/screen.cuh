@@ -23,12 +23,11 @@ __device__ inline bool shareVertices(const uint4& a, const uint4& b) {
          (a.z == b.x) | (a.z == b.y) | (a.z == b.z);
 }
 
-// Whether one of these vertices of `a` has a certified fan: then triangles that share it meet in
-// what they share alone.
-__device__ inline bool isCertified(const uint4& a, std::uint32_t bits) {
-  const std::uint32_t certified =
-      ((bits & 1) != 0 ? a.x : 0) | ((bits & 2) != 0 ? a.y : 0) | ((bits & 4) != 0 ? a.z : 0);
-  return (certified & kFanCertified) != 0;
+// A bit for each vertex with a certified fan: triangles that share it meet in what they share
+// alone.
+__device__ inline std::uint32_t certifiedBits(const uint4& ids) {
+  const auto bit = [](std::uint32_t id) { return (id & kFanCertified) != 0 ? 1U : 0U; };
+  return bit(ids.x) | bit(ids.y) << 1 | bit(ids.z) << 2;
 }
 
 // The facts of a pair in one word: see DeviceCandidate::facts. The margin is not among them.

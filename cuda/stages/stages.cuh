@@ -15,7 +15,7 @@ struct CycleShape {
   bool identify = false;    // some body has contacts with itself
   int refinements = 0;      // of the prototypes, for the next cycle
   bool swept = false;       // motion: each launch then works on both states
-  bool sharers = false;     // in swept motion: triangles that share vertices may be contacts
+  bool sharers = false;     // triangles that share vertices may be contacts
   bool pads = false;        // in swept motion: some body has one
   bool fans = false;        // certified ones settle pairs of triangles that share vertices
   bool leaves_few = false;  // CycleParams::leaves_few
@@ -30,8 +30,9 @@ struct CycleShape {
 // One of the launches below.
 using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 
-// pose: finds vertices that are equal as received, where some body has contacts with itself: reads
-// scene.received; writes scene.vertex_id.
+// pose: finds vertices that are equal as received, where some body has contacts with itself, and
+// those whose fans are certified: reads scene.received; writes scene.vertex_id and
+// scene.fan_certified.
 void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // pose: starts a cycle, that is, clears what it adds to: the counters, the members' counts, the
@@ -40,9 +41,9 @@ void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cud
 // scene.received; writes scene.posed, scene.body_boxes.
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// pose: marks the vertices whose fans are certified, and gives triangles the ids of their vertices:
-// reads scene.received; adds to scene.vertex_id, writes members.ids.
-void launchPoseFans(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// pose: gives triangles the ids of their vertices: reads scene.vertex_id and scene.fan_certified;
+// writes members.ids.
+void launchPoseIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign: drops triangles that are not finite or outside every partner's box; puts the others into
 // their tiles, and these into their clusters' bins, or on the large list; takes samples. Reads
@@ -80,12 +81,13 @@ void launchTogether(const CycleArrays& cycle, const CycleShape& shape, cudaStrea
 // sweep: pairs of triangles of these tiles, and of tiles of bodies that have contacts with
 // themselves, whose boxes intersect are filtered by planes; the rest are contacts where float32 is
 // certain of it, candidates where it is not. Reads both lists and the arrays of `members`; writes
-// contacts.candidates and contacts.contacts. In several passes each 32 pairs of triangles have
-// their turn in one.
+// contacts.candidates and contacts.contacts, and where it leaves few also contacts.open. In several
+// passes each 32 pairs of triangles have their turn in one. Right behind launchSweep or
+// launchTogether.
 void launchPairs(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// large: the same for the pairs with a triangle of the large list. Reads members.members; writes
-// contacts.candidates. In several passes each of its largeBlocks() blocks has its turn in one.
+// large: the same for the pairs with a triangle of the large list. Reads the arrays of `members`;
+// writes the same. In several passes each of its largeBlocks() blocks has its turn in one.
 void launchLarge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 std::uint32_t largeBlocks(const CycleArrays& cycle);
 
