@@ -65,6 +65,12 @@ std::vector<unsigned char> bytesOf(const CycleArrays& cycle) {
   return {bytes, bytes + sizeof cycle};
 }
 
+std::size_t nodesOf(cudaGraph_t graph) {
+  std::size_t nodes = 0;
+  checkCuda(cudaGraphGetNodes(graph, nullptr, &nodes), "cudaGraphGetNodes");
+  return nodes;
+}
+
 }  // namespace
 
 void CycleGraph::forget() {
@@ -109,15 +115,18 @@ void CycleGraph::record(const CycleArrays& cycle, const CycleShape& shape, cudaS
     forget();
     status = cudaGraphInstantiateWithFlags(&graph_, recorded, 0);
   }
+  graph_nodes_ = nodesOf(recorded);
   cudaGraphDestroy(recorded);
   checkCuda(status, "cudaGraphInstantiateWithFlags");
   graph_shape_ = shape_;
   is_recorded_ = true;
 }
 
-// Where the steps are the same, only their arguments have to be changed; false if they are not.
+// Where the steps are the same, only their arguments have to be changed; false if they are not. By
+// their number scenes with and without clusters are told apart: the driver would call it an error.
 bool CycleGraph::update(cudaGraph_t recorded) const {
   if (graph_ == nullptr || !(graph_shape_ == shape_)) return false;
+  if (nodesOf(recorded) != graph_nodes_) return false;
 #if CUDART_VERSION >= 12000
   cudaGraphExecUpdateResultInfo result{};
   const cudaError_t status = cudaGraphExecUpdate(graph_, recorded, &result);

@@ -1,6 +1,7 @@
 // The steps of a cycle in order: as a CUDA graph, or one after the other with their times.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/stages.h"
@@ -45,6 +46,7 @@ class CycleGraph {
   bool is_recorded_ = false;           // the last cycle, in graph_
   cudaGraphExec_t graph_ = nullptr;
   CycleShape graph_shape_;
+  std::size_t graph_nodes_ = 0;
   CudaStream branch_[kBranches];
   CudaEvent started_, done_[kSteps];  // done_: of each step
   CudaEvent mark_[kSteps + 1];        // before each step of a timed run, and behind the last
