@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "cgal_oracle.h"
 #include "detector_suite.h"
@@ -126,6 +128,43 @@ TEST_P(Adjacency, IsDecidedAsReceivedNotAsPosed) {
   EXPECT_EQ(1U, oracleContacts(scene, AdjacentPairs::kSkip).size());
   for (const AdjacentPairs adjacent : kBothAdjacent) {
     EXPECT_EQ(1U, contacts(scene, withAdjacent(adjacent)).size());
+  }
+}
+
+// Two triangles folded onto each other along the edge that they share, and one whose vertex lies on
+// both of them: each two of the three meet, and float32 is certain of none.
+void addFold(const Vec3f& at, float size, TriangleMesh* mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh->vertexCount());
+  for (const Vec3f& v : {Vec3f{0, 0, 0}, Vec3f{0, 1, 0}, Vec3f{1, 0.5F, 0}, Vec3f{1, 0.375F, 0},
+                         Vec3f{0.25F, 0.5F, 0}, Vec3f{0.25F, 0.5F, 1}, Vec3f{0.5F, 0.75F, 1}}) {
+    const Vec3f p = at + v * size;
+    mesh->vertices.insert(mesh->vertices.end(), {p.x, p.y, p.z});
+  }
+  for (const std::uint32_t v : {0U, 1U, 2U, 0U, 1U, 3U, 4U, 5U, 6U}) {
+    mesh->triangles.push_back(first + v);
+  }
+}
+
+// However many others wait for their verdicts too. Some are much larger than the others.
+TEST_P(Adjacency, EachOfManyFoldsMeets) {
+  for (const std::uint32_t count : {1U, 700U, 2501U}) {
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const bool large = i % 500 == 250;
+      const Vec3f at{4.0F * static_cast<float>(i % 50), 4.0F * static_cast<float>(i / 50), 0};
+      addFold(large ? Vec3f{at.x, at.y, 4096.0F * static_cast<float>(i)} : at, large ? 1024 : 1,
+              &mesh);
+    }
+    std::vector<TrianglePair> expected;
+    for (std::uint32_t t = 0; t < 3 * count; t += 3) {
+      for (const auto& [a, b] : {std::pair(t, t + 1), std::pair(t, t + 2), std::pair(t + 1, t + 2)})
+        expected.push_back({0, a, 0, b});
+    }
+    std::sort(expected.begin(), expected.end());
+    const Scene scene = selfScene(mesh);
+    for (int cycle = 0; cycle < 3; ++cycle) {
+      EXPECT_TRUE(samePairs(expected, contacts(scene))) << count << " folds, cycle " << cycle;
+    }
   }
 }
 
