@@ -328,7 +328,6 @@ template <int kStates, bool kSharers>
 __global__ void __launch_bounds__(kThreads, kBlocksEach) pairsKernel(CycleArrays c) {
   __shared__ WarpMemory memory[kWarps];
   awaitKernelAhead();
-  letNextStart();
   PairScreener<kStates, kSharers> screener(c, memory[threadIdx.x / kWarp]);
   screener.run();
 }
