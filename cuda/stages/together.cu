@@ -7,10 +7,12 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// A block looks at so many columns, one for each thread, and rows, one for each lane of a warp.
+// A block looks at so many columns, one for each thread, and rows: few, for small scenes have few
+// blocks, and each of those takes its time.
 constexpr unsigned kColumns = 128, kRows = 16;
 
-// A row and a column of a warp that meet: lane of the row | lane of the column << 5; and what of.
+// A row and a column of a warp that meet: the row | the column's lane << 5; and which list it is
+// for.
 using Hit = std::uint16_t;
 constexpr unsigned kColumnShift = 5;
 constexpr Hit kCrowded = 1U << 10, kOther = 1U << 11;
