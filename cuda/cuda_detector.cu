@@ -117,7 +117,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].any_self = scene_.anySelf() ? 1 : 0;
   params_[0].fans = scene_.anySelf() && asksForFans(options) ? 1 : 0;
   scene_.group(stream);
-  if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream);
+  if (params_[0].fans != 0) scene_.findFans(stream);
   if (result_.started_cold || change.more_triangles > 0) sizeBins(options);
   return true;
 }
@@ -232,7 +232,7 @@ CycleShape CudaDetector::shapeOf(const Options& options, int refinements) const 
   const bool sharers = scene_.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
   const bool swept = options.motion == Motion::kSwept;
   const bool pads = swept && scene_.anyLengths().pads;
-  const bool fans = sharers && asksForFans(options);
+  const bool fans = params_[0].fans != 0;
   return {device_, scene_.anySelf(),          refinements, swept, sharers, pads,
           fans,    params_[0].leaves_few != 0};
 }

@@ -36,18 +36,6 @@ __device__ inline std::uint32_t warpPrefix(std::uint32_t x, std::uint32_t& total
   return sum - x;
 }
 
-// Reserves `count` places for each lane of a whole warp, with one atomic; returns the lane's first.
-// Counter is an unsigned integer of 32 or 64 bits.
-template <class Counter>
-__device__ inline Counter warpReserve(Counter* counter, std::uint32_t count) {
-  std::uint32_t total;
-  Counter base = 0;
-  const std::uint32_t before = warpPrefix(count, total);
-  if (total == 0) return 0;
-  if (laneId() == 0) base = atomicAdd(counter, static_cast<Counter>(total));
-  return __shfl_sync(kFullWarp, base, 0) + before;
-}
-
 // Reserves one place for each lane of a whole warp that wants it, with one atomic; returns it.
 // Counter is an unsigned integer of 32 or 64 bits.
 template <class Counter>
