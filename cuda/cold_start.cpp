@@ -121,7 +121,7 @@ WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes
 }
 
 std::size_t sampleSize(Look look, std::size_t triangles, std::size_t most_seeds) {
-  constexpr std::size_t kGlance = 512, kLeastSample = 2048, kEachSeed = 4;
+  constexpr std::size_t kGlance = 256, kLeastSample = 2048, kEachSeed = 4;
   if (look == Look::kAll) return triangles;
   return std::min(triangles,
                   look == Look::kGlance ? kGlance : std::max(kLeastSample, kEachSeed * most_seeds));
@@ -180,9 +180,10 @@ ColdStart measureAs(const Scene& scene, const SceneShare& share, const Options& 
 ColdStart SceneMeasurer::measure(const Scene& scene, const SceneShare& share,
                                  const Options& options, const ClusterCountPolicy& policy,
                                  Look look, const CycleLimit& limit) {
+  BodyBoxes& boxes = look == Look::kGlance ? boxes_at_a_glance_ : boxes_;
   return options.motion == Motion::kSwept
-             ? measureAs<MovingTriangle>(scene, share, options, policy, look, boxes_, limit)
-             : measureAs<Triangle>(scene, share, options, policy, look, boxes_, limit);
+             ? measureAs<MovingTriangle>(scene, share, options, policy, look, boxes, limit)
+             : measureAs<Triangle>(scene, share, options, policy, look, boxes, limit);
 }
 
 }  // namespace deformable_contact_monitor

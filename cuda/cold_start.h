@@ -40,7 +40,9 @@ class SceneMeasurer {
                     const ClusterCountPolicy& policy, Look look, const CycleLimit& limit);
 
  private:
-  BodyBoxes boxes_;
+  static constexpr std::size_t kVerticesAtAGlance = 1024;  // of a body
+
+  BodyBoxes boxes_, boxes_at_a_glance_{kVerticesAtAGlance};
 };
 
 }  // namespace deformable_contact_monitor

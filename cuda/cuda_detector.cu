@@ -89,7 +89,10 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const bool was_cold = cold_ || asked_clusters_ != options.clusters || motion_ != options.motion;
   if (!was_cold) sizes_.growAhead(counters_[0], settings_.memory_limit_bytes);
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
-  if (was_cold) params_sent_ = false;
+  if (was_cold) {
+    params_sent_ = false;
+    stream_.synchronise();  // a cycle that failed may have left work that knows the host's memory
+  }
   motion_ = options.motion;
   const DeviceScene::Change change = scene_.layOut(scene, motion_, asksForFans(options));
   if (scene_.triangleCount() == 0) return false;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cuda/device/check.cuh"
+#include "cuda/memory/pinned_memory.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -58,7 +59,7 @@ class DeviceBuffer {
 };
 
 // Page-locked host memory, which copies run from and to while the host goes on; kernels may write
-// to it too.
+// to it too. Not to grow or to end while the device works on it.
 template <class T>
 class PinnedBuffer {
  public:
@@ -66,7 +67,7 @@ class PinnedBuffer {
   explicit PinnedBuffer(std::size_t size) { grow(size); }
   PinnedBuffer(const PinnedBuffer&) = delete;
   PinnedBuffer& operator=(const PinnedBuffer&) = delete;
-  ~PinnedBuffer() { cudaFreeHost(data_); }
+  ~PinnedBuffer() { release(); }
 
   T* data() { return data_; }
   const T* data() const { return data_; }
@@ -77,14 +78,18 @@ class PinnedBuffer {
   // To at least `size` elements, uninitialised.
   void grow(std::size_t size) {
     if (size <= size_) return;
-    cudaFreeHost(data_);
-    data_ = nullptr;
-    size_ = 0;
-    checkCuda(cudaHostAlloc(&data_, size * sizeof(T), cudaHostAllocMapped), "cudaHostAlloc");
+    release();
+    data_ = static_cast<T*>(pinnedMemory().allocate(size * sizeof(T)));
     size_ = size;
   }
 
  private:
+  void release() {
+    if (data_ != nullptr) pinnedMemory().deallocate(data_, size_ * sizeof(T));
+    data_ = nullptr;
+    size_ = 0;
+  }
+
   T* data_ = nullptr;
   std::size_t size_ = 0;
 };

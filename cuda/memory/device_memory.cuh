@@ -56,7 +56,8 @@ class DeviceMemory {
     constexpr std::size_t kAlignment = 256;
     return (rows * array.row_bytes + kAlignment - 1) / kAlignment * kAlignment;
   }
-  void place(Array& array, std::uint32_t rows, cudaStream_t stream);
+  // Behind what is in use of the memory, which has room for it and is zero there; returns where.
+  unsigned char* place(const Array& array, std::uint32_t rows);
 
   std::vector<Array> arrays_;
   DeviceBuffer<unsigned char> memory_;

@@ -20,7 +20,7 @@ void upload(const T* from, std::size_t count, void* to, cudaStream_t stream) {
 }
 
 template <class T>
-void upload(const std::vector<T>& from, T* to, cudaStream_t stream) {
+void upload(const SceneTables::List<T>& from, T* to, cudaStream_t stream) {
   upload(from.data(), from.size(), to, stream);
 }
 
@@ -150,7 +150,6 @@ void DeviceScene::sendLayout(cudaStream_t stream) {
   upload(tables_.listed, arrays_.listed_bodies.data(), stream);
   upload(tables_.vertex_blocks, arrays_.vertex_blocks.data(), stream);
   upload(tables_.triangle_blocks, arrays_.triangle_blocks.data(), stream);
-  checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
   laid_out_ = true;
 }
 

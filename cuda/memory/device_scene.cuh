@@ -36,7 +36,8 @@ class DeviceScene {
   // Throws CudaError if it is too large.
   Change layOut(const Scene& scene, Motion motion, bool fans);
 
-  // The arrays to their sizes; sends what was laid out, from the first body on that has changed.
+  // The arrays to their sizes; sends what was laid out, from the first body on that has changed. It
+  // may not be laid out anew before that has arrived.
   void sendLayout(cudaStream_t stream);
 
   // Once bodies are sent: the triangles by tiles, where a layout has changed.

@@ -6,22 +6,52 @@
 
 #include "cuda/device/check.cuh"
 #include "cuda/memory/pinned_memory.cuh"
+#include "cuda/memory/reserved_memory.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// For as many as a scene of some 100 000 triangles needs in a process.
+constexpr std::size_t kReservedBytes = std::size_t{16} << 20;
+
 // Its pages are aligned to more than anybody asks for.
 class PinnedMemory : public std::pmr::memory_resource {
-  void* do_allocate(std::size_t bytes, std::size_t) override {
+ public:
+  PinnedMemory() {
+    try {
+      reserved_ = ReservedMemory(pinned(kReservedBytes), kReservedBytes);
+    } catch (const CudaError&) {
+      cudaGetLastError();  // it does without
+    }
+  }
+
+ private:
+  static void* pinned(std::size_t bytes) {
     void* memory = nullptr;
     checkCuda(cudaHostAlloc(&memory, bytes, cudaHostAllocMapped | cudaHostAllocPortable),
               "cudaHostAlloc");
     return memory;
   }
-  void do_deallocate(void* memory, std::size_t, std::size_t) override { cudaFreeHost(memory); }
+  void* do_allocate(std::size_t bytes, std::size_t) override {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (void* const piece = reserved_.take(bytes)) return piece;
+    }
+    return pinned(bytes);
+  }
+  void do_deallocate(void* memory, std::size_t, std::size_t) override {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (reserved_.giveBack(memory)) return;
+    }
+    cudaFreeHost(memory);
+  }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
     return this == &other;
   }
+
+  std::mutex mutex_;
+  ReservedMemory reserved_;
 };
 
 class LentMemory : public std::pmr::memory_resource {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/parallel.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/device/warp.cuh"
 #include "cuda/memory/scene_tables.cuh"
@@ -12,7 +13,7 @@ constexpr std::uint32_t kBlock = 128;
 // Places of members are kept in 29 bits; a triangle may have several.
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 27;
 
-void addBlocks(std::vector<BodyBlock>& blocks, BodyIndex body, std::uint32_t first,
+void addBlocks(SceneTables::List<BodyBlock>& blocks, BodyIndex body, std::uint32_t first,
                std::uint32_t count) {
   for (std::uint32_t i = 0; i < count; i += kBlock) {
     blocks.push_back({body, first + i, std::min(kBlock, count - i)});
@@ -88,11 +89,14 @@ void SceneTables::addMesh(const TriangleMesh& mesh, BodyIndex number) {
 
 void SceneTables::putCorners(const Scene& scene, std::uint32_t first_body,
                              VertexIndex* corners) const {
+  constexpr std::size_t kPiece = std::size_t{1} << 14;
   for (std::uint32_t i = first_body; i < taking_part.size(); ++i) {
     const std::uint32_t first_vertex = bodies[i].first_vertex;
-    for (const std::uint32_t local : scene.body(taking_part[i]).mesh.triangles) {
-      *corners++ = VertexIndex(first_vertex + local);
-    }
+    const std::vector<std::uint32_t>& local = scene.body(taking_part[i]).mesh.triangles;
+    parallelBlocks(local.size(), kPiece, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) corners[k] = VertexIndex(first_vertex + local[k]);
+    });
+    corners += local.size();
   }
 }
 

@@ -2,30 +2,36 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <vector>
 
 #include "core/body_groups.h"
 #include "core/scene.h"
 #include "cuda/memory/cycle_arrays.cuh"
+#include "cuda/memory/pinned_memory.cuh"
 
 namespace deformable_contact_monitor {
 
 // Bodies of which some pair is enabled: which pairs those are, and their vertices, triangles and
-// tiles numbered through, in the bodies' order.
+// tiles numbered through, in the bodies' order. What is for the device lies in pinnedMemory().
 struct SceneTables {
+  template <class T>
+  using List = std::pmr::vector<T>;
+
   SceneTables() = default;
   // Throws CudaError if the scene is too large.
   explicit SceneTables(const Scene& scene);
 
-  // The corners of the triangles of all bodies from that one on.
+  // The corners of the triangles of all bodies from that one on; on all threads.
   void putCorners(const Scene& scene, std::uint32_t first_body, VertexIndex* corners) const;
 
-  std::vector<BodyId> taking_part;  // bodies of the scene, per body on the device
-  std::vector<DeviceBody> bodies;   // the same; poses and margins are not filled in
-  std::vector<ListedBody> listed;   // the same
-  std::vector<BodyIndex> partners;
-  std::vector<std::uint32_t> group_mask, pair_enabled;  // pair_row words of the latter a body
-  std::vector<BodyBlock> vertex_blocks, triangle_blocks;
+  std::vector<BodyId> taking_part;           // bodies of the scene, per body on the device
+  std::vector<DeviceBody> bodies;            // the same; poses and margins are not filled in
+  List<ListedBody> listed{&pinnedMemory()};  // the same
+  List<BodyIndex> partners{&pinnedMemory()};
+  List<std::uint32_t> group_mask{&pinnedMemory()};
+  List<std::uint32_t> pair_enabled{&pinnedMemory()};  // pair_row words a body
+  List<BodyBlock> vertex_blocks{&pinnedMemory()}, triangle_blocks{&pinnedMemory()};
   std::uint32_t pair_row = 0, group_count = 0;
   std::uint32_t vertex_count = 0, triangle_count = 0, tile_count = 0;
   bool any_self = false;

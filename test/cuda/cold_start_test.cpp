@@ -45,6 +45,28 @@ TEST(SceneMeasurer, AGlanceTellsScaleAndNumber) {
   EXPECT_LT(dot(apart, apart) * all.scale.scale * all.scale.scale, 0.1 * 0.1);
 }
 
+// Of two bodies of which a part meets: how many triangles that is, from some of the vertices.
+TEST(SceneMeasurer, AGlanceTellsHowManyReachIntoTheOther) {
+  Scene scene = pairScene(clothGrid(200, 1, 3, 0.1F), clothGrid(100, 1, 3, 0.1F));
+  RigidTransform pose;
+  pose.translation[0] = 0.75;
+  scene.setPose(1, pose);
+  const ColdStart glance = measured(scene, Look::kGlance), all = measured(scene, Look::kAll);
+  EXPECT_GT(all.regular, 20000U);
+  EXPECT_LT(all.regular, 40000U);
+  EXPECT_NEAR(static_cast<double>(glance.regular), static_cast<double>(all.regular), 6000);
+}
+
+// Some vertex is looked at wherever the others are, also where some are not finite.
+TEST(SceneMeasurer, AGlanceLeavesOutWhatIsNotFinite) {
+  TriangleMesh cloth = clothGrid(200, 1, 3, 0.1F);
+  for (std::size_t i = 0; i < cloth.vertices.size() / 2; i += 3) cloth.vertices[i] = NAN;
+  const Scene scene = pairScene(cloth, clothGrid(100, 1, 3, 0.1F));
+  const ColdStart glance = measured(scene, Look::kGlance), all = measured(scene, Look::kAll);
+  EXPECT_GT(all.regular, 30000U);
+  EXPECT_NEAR(static_cast<double>(glance.regular), static_cast<double>(all.regular), 6000);
+}
+
 TEST(SceneMeasurer, IsTheSameEachTime) {
   const Scene scene = selfScene(clothGrid(100, 3, 1, 0.2F));
   const ColdStart first = measured(scene, Look::kSample), second = measured(scene, Look::kSample);

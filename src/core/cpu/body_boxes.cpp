@@ -54,12 +54,15 @@ bool boundFinite(const HostList<float>& xyz, const CycleLimit& limit, Aabb& box)
   return true;
 }
 
-Aabb boxOfFiniteVertices(const HostList<float>& xyz, const CycleLimit& limit) {
-  constexpr std::size_t kBlock = 3 << 16;
+// Of one vertex in so many.
+Aabb boxOfFiniteVertices(const HostList<float>& xyz, std::size_t every, const CycleLimit& limit) {
+  constexpr std::size_t kBlock = 1 << 16;
+  const std::size_t count = xyz.size() / 3;
   Aabb box;
-  serialBlocks(limit, xyz.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; i += 3) {
-      const Vec3f vertex{xyz[i], xyz[i + 1], xyz[i + 2]};
+  serialBlocks(limit, blockCount(count, every), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const float* const v = &xyz[3 * every * i];
+      const Vec3f vertex{v[0], v[1], v[2]};
       if (isFinite(vertex)) box.include(vertex);
     }
   });
@@ -73,11 +76,12 @@ const MovingBox& boxAs(const MovingBox& box, const MovingBox& /*as*/) { return b
 
 // False if the limit was over.
 bool BodyBoxes::updateReceived(std::uint64_t revision, const HostList<float>& xyz,
-                               const CycleLimit& limit, ReceivedBox& received) {
+                               const CycleLimit& limit, ReceivedBox& received) const {
   if (received.vertices_revision == revision) return true;
-  received = {revision, Aabb(), true};
-  received.all_finite = boundFinite(xyz, limit, received.box);
-  if (!received.all_finite) received.box = boxOfFiniteVertices(xyz, limit);
+  const std::size_t every = xyz.size() / 3 / most_vertices_ + 1;
+  received = {revision, Aabb(), every == 1};
+  if (every == 1) received.all_finite = boundFinite(xyz, limit, received.box);
+  if (!received.all_finite) received.box = boxOfFiniteVertices(xyz, every, limit);
   if (limit.wasOver()) received = ReceivedBox();  // of some vertices alone
   return !limit.wasOver();
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/cpu/hull.h"
@@ -29,6 +31,11 @@ struct PartnerBoxes {
 // Keeps the boxes of bodies whose vertices did not change from call to call.
 class BodyBoxes {
  public:
+  // Of all vertices; or, as far as some say where a body is, of no more than so many, evenly spread
+  // over their order.
+  BodyBoxes() = default;
+  explicit BodyBoxes(std::size_t most_vertices) : most_vertices_(most_vertices) {}
+
   // Of all bodies that take part; the others' are of no use. Hull: as in hull.h.
   template <class Hull>
   void update(const Scene& scene, const CycleLimit& limit);
@@ -37,7 +44,8 @@ class BodyBoxes {
   template <class Hull>
   PartnerBoxes<BoxOf<Hull>> partnersOf(const Scene& scene, BodyId id) const;
 
-  // Whether every vertex is certainly finite, as received and as posed, in all states.
+  // Whether every vertex was looked at and is certainly finite, as received and as posed, in all
+  // states.
   bool allFinite(BodyId id) const { return all_finite_[id]; }
 
  private:
@@ -47,12 +55,13 @@ class BodyBoxes {
     bool all_finite = true;
   };
 
-  static bool updateReceived(std::uint64_t revision, const HostList<float>& xyz,
-                             const CycleLimit& limit, ReceivedBox& received);
+  bool updateReceived(std::uint64_t revision, const HostList<float>& xyz, const CycleLimit& limit,
+                      ReceivedBox& received) const;
 
+  std::size_t most_vertices_ = std::numeric_limits<std::size_t>::max();
   std::vector<ReceivedBox> received_, earlier_received_;
-  // Each holds every finite vertex of its body as posed in float32, grown by growthOf [m]. Without
-  // motion `to` alone is of use.
+  // Each holds every finite vertex of its body that was looked at, as posed in float32, grown by
+  // growthOf [m]. Without motion `to` alone is of use.
   std::vector<MovingBox> posed_;
   std::vector<bool> all_finite_;
 };
