@@ -49,7 +49,7 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
       const Member member_b = c.members.at(candidate.b);
       a = member_a.triangle;
       b = member_b.triangle;
-      sharing = unpackFacts(candidate.facts).shared.any;
+      sharing = sharedBitsOf(candidate) != 0;
       verdict = quickVerdictOf(c, candidate, member_a, member_b);
     }
     reportOpen(c, verdict == PartVerdict::kOpen, sharing, i);

@@ -255,7 +255,7 @@ class PairScreener {
     if (kept) kept = screen(pair, 0, 0, candidate);
     candidates_.push(kept, candidate);
   }
-  // The same. Of these float32 gives no verdicts.
+  // The same of those that share vertices.
   __device__ void screenSharing() {
     MemberPair pair{MemberIndex(0), MemberIndex(0)};
     DeviceCandidate candidate{};
@@ -264,7 +264,7 @@ class PairScreener {
       const uint4 a = c_.members.ids[pair.a], b = c_.members.ids[pair.b];
       kept = screen(pair, sharedBits(a, b), sharedBits(b, a), candidate);
     }
-    toJudge(kept, true, candidate);
+    candidates_.push(kept, candidate);
   }
   __device__ bool screen(const MemberPair& pair, std::uint32_t shared_a, std::uint32_t shared_b,
                          DeviceCandidate& candidate) const {
@@ -291,12 +291,10 @@ class PairScreener {
       reportContacts(c_, verdict == PartVerdict::kMeet, a, b, 0);
       open = open && verdict == PartVerdict::kOpen;
     }
-    toJudge(open, false, candidate);
-  }
-  __device__ void toJudge(bool open, bool sharing, const DeviceCandidate& candidate) const {
     const unsigned long long place = warpReserve(&c_.counters().candidates, open);
     const bool has_room = open && putCandidate(c_, place, candidate);
     if (c_.params().leaves_few != 0) {
+      const bool sharing = sharedBitsOf(candidate) != 0;
       reportOpen(c_, has_room, sharing, Place(static_cast<std::uint32_t>(place)));
     }
   }

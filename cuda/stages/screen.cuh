@@ -54,6 +54,11 @@ __device__ inline PairFacts unpackFacts(std::uint32_t packed) {
   return facts;
 }
 
+// Of vertices that the two share: three bits for those of a, then three for those of b.
+__device__ inline std::uint32_t sharedBitsOf(const DeviceCandidate& candidate) {
+  return candidate.facts >> kSharedShift & 0x3f;
+}
+
 // The margin of two members' bodies [m].
 __device__ inline float marginOf(const CycleArrays& c, const Member& a, const Member& b) {
   if (c.params().margins == 0) return 0;

@@ -77,10 +77,6 @@ __device__ inline KnownSides unpackSides(std::uint32_t packed) {
   return sides;
 }
 
-__device__ inline std::uint32_t sharedBitsOf(const DeviceCandidate& candidate) {
-  return candidate.facts >> kSharedShift & 0x3f;
-}
-
 // SweptState::bits: of open features, of those that are to be halved, and what else is known.
 constexpr std::uint32_t kFeatureBits = (1U << kFeatures) - 1;
 constexpr unsigned kLeftAt = kFeatures;

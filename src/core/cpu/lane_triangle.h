@@ -39,6 +39,8 @@ struct PlaneSides {
   std::uint8_t plus, minus;
 
   bool allOnOne() const { return (plus == 15) | (minus == 15); }
+  // All but those that these bits tell, of lanes; true also if there are no others.
+  bool othersOnOne(int bits) const { return ((plus | bits) == 15) | ((minus | bits) == 15); }
   bool allStrict() const { return (plus | minus) == 15; }
   // As PlaneFilter::side.
   int of(int vertex) const { return (plus >> vertex & 1) - (minus >> vertex & 1); }
@@ -62,15 +64,6 @@ inline IntLanes identityLanes(const std::array<std::uint32_t, 3>& id) {
 inline int sharedBits(IntLanes a, IntLanes b) {
   return laneBits((a == b) | (a == IntLanes{b[1], b[2], b[0], b[0]}) |
                   (a == IntLanes{b[2], b[0], b[1], b[1]}));
-}
-
-// Are the vertices that are not shared certainly all on one side of a plane through the shared
-// ones? True also if there are none.
-inline bool restOnOneSide(const PlaneFilter& plane, const LaneTriangle& t, int shared_bits) {
-  FloatLanes value, error;
-  plane.distance(t.x, t.y, t.z, value, error);
-  return ((laneBits(value > error) | shared_bits) == 15) |
-         ((laneBits(value < -error) | shared_bits) == 15);
 }
 
 }  // namespace deformable_contact_monitor

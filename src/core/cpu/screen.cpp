@@ -20,6 +20,15 @@ bool isCertified(const Prepared& a, int shared_bits) {
   return (laneBits(a.vertex_id < 0) & shared_bits) != 0;
 }
 
+KnownSides knownSides(const PlaneSides& sides_a, const PlaneSides& sides_b) {
+  KnownSides sides;
+  for (int i = 0; i < 3; ++i) {
+    sides.a[i] = sides_a.of(i);
+    sides.b[i] = sides_b.of(i);
+  }
+  return sides;
+}
+
 // Fills `left` with the pairs that the rows' planes do not part, or with all; how many. A row's
 // plane stays in registers.
 DCM_WIDE_CLONES std::size_t dropByRows(const Prepared* triangles, const BoxPair* pairs,
@@ -140,20 +149,23 @@ void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPai
   dropAside(triangles, pairs, separate);
   settleCrossings(triangles, screened);
   for (std::size_t i = 0; i < open_count_; ++i) {
-    const SidedPair& sided = open_[i];
-    addCandidate(triangles[sided.pair.a.value], triangles[sided.pair.b.value], sided.a, sided.b,
-                 screened.candidates);
+    const Prepared& a = triangles[open_[i].pair.a.value];
+    const Prepared& b = triangles[open_[i].pair.b.value];
+    if (settles_ &&
+        certainlyApartInProjection(input_.set.posed(a.triangle), input_.set.posed(b.triangle))) {
+      ++screened.apart;
+    } else {
+      addCandidate(a, b, open_[i].a, open_[i].b, screened.candidates);
+    }
   }
-  for (std::size_t i = 0; i < neighbours; ++i) {
-    screenNeighbours(triangles[neighbours_[i].a.value], triangles[neighbours_[i].b.value],
-                     screened.candidates);
-  }
+  settleNeighbours(triangles, neighbours, screened);
 }
 
 void PairScreen<Triangle>::screen(const Prepared& a, const Prepared& b,
                                   std::vector<Candidate<Triangle>>& candidates) const {
   if (sharedBits(a.vertex_id, b.vertex_id) != 0) {
-    screenNeighbours(a, b, candidates);
+    PairFacts facts;
+    if (screenNeighbours(a, b, facts)) candidates.push_back({a.triangle, b.triangle, facts});
   } else {
     screenSeparate(a, b, candidates);
   }
@@ -167,10 +179,7 @@ void PairScreen<Triangle>::addCandidate(const Prepared& a, const Prepared& b,
   facts.margin_m = pairMargin(input_.scene.body(a.body.value).margin_m,
                               input_.scene.body(b.body.value).margin_m);
   if ((sides_a.allOnOne() || sides_b.allOnOne()) && facts.margin_m == 0) return;
-  for (int i = 0; i < 3; ++i) {
-    facts.sides.a[i] = sides_a.of(i);
-    facts.sides.b[i] = sides_b.of(i);
-  }
+  facts.sides = knownSides(sides_a, sides_b);
   candidates.push_back({a.triangle, b.triangle, facts});
 }
 
@@ -179,15 +188,39 @@ void PairScreen<Triangle>::screenSeparate(const Prepared& a, const Prepared& b,
   addCandidate(a, b, sidesOf(b.plane, a.lanes), sidesOf(a.plane, b.lanes), candidates);
 }
 
-void PairScreen<Triangle>::screenNeighbours(const Prepared& a, const Prepared& b,
-                                            std::vector<Candidate<Triangle>>& candidates) const {
+// Whether two that share vertices are a candidate.
+bool PairScreen<Triangle>::screenNeighbours(const Prepared& a, const Prepared& b,
+                                            PairFacts& facts) const {
   const int in_a = sharedBits(a.vertex_id, b.vertex_id);
-  if (input_.options.adjacent == AdjacentPairs::kSkip || isCertified(a, in_a)) return;
+  if (input_.options.adjacent == AdjacentPairs::kSkip || isCertified(a, in_a)) return false;
   const int in_b = sharedBits(b.vertex_id, a.vertex_id);
-  if (restOnOneSide(b.plane, a.lanes, in_a) || restOnOneSide(a.plane, b.lanes, in_b)) return;
-  PairFacts facts;
+  const PlaneSides sides_a = sidesOf(b.plane, a.lanes);
+  if (sides_a.othersOnOne(in_a)) return false;
+  const PlaneSides sides_b = sidesOf(a.plane, b.lanes);
+  if (sides_b.othersOnOne(in_b)) return false;
   facts.shared = sharedByBits(static_cast<std::uint32_t>(in_a), static_cast<std::uint32_t>(in_b));
-  candidates.push_back({a.triangle, b.triangle, facts});
+  facts.sides = knownSides(sides_a, sides_b);
+  return true;
+}
+
+// Those of neighbours_, up to `count`, that are contacts or candidates.
+void PairScreen<Triangle>::settleNeighbours(const std::vector<Prepared>& triangles,
+                                            std::size_t count, Screened<Triangle>& screened) const {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Prepared& a = triangles[neighbours_[i].a.value];
+    const Prepared& b = triangles[neighbours_[i].b.value];
+    PairFacts facts;
+    if (!screenNeighbours(a, b, facts)) continue;
+    const PartVerdict verdict =
+        settles_ ? beyondSharedVerdict(facts.shared, facts.sides) : PartVerdict::kOpen;
+    if (verdict == PartVerdict::kApart) {
+      ++screened.apart;
+    } else if (verdict == PartVerdict::kMeet) {
+      screened.meeting.push_back({a.triangle, b.triangle});
+    } else {
+      screened.candidates.push_back({a.triangle, b.triangle, facts});
+    }
+  }
 }
 
 }  // namespace deformable_contact_monitor

@@ -80,8 +80,10 @@ class PairScreen<Triangle> {
                     std::vector<Candidate<Triangle>>& candidates) const;
   void screenSeparate(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
                       std::vector<Candidate<Triangle>>& candidates) const;
-  void screenNeighbours(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
-                        std::vector<Candidate<Triangle>>& candidates) const;
+  bool screenNeighbours(const PreparedTriangle<Triangle>& a, const PreparedTriangle<Triangle>& b,
+                        PairFacts& facts) const;
+  void settleNeighbours(const std::vector<PreparedTriangle<Triangle>>& triangles, std::size_t count,
+                        Screened<Triangle>& screened) const;
 
   const CycleInput<Triangle>& input_;
   bool margins_ = false;  // some body that takes part has one

@@ -4,6 +4,7 @@
 #include "core/predicates/aabb.h"
 #include "core/predicates/adjacency.h"
 #include "core/predicates/plane_filter.h"
+#include "core/predicates/projection_filter.h"
 #include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
@@ -45,116 +46,67 @@ DCM_HD inline bool certainlyApart(const Triangle& a, const PlaneFilter& plane_a,
   return sum_a == 3 || sum_a == -3 || sum_b == 3 || sum_b == -3;
 }
 
-// The float32 filters of two triangles that share vertices: true if they certainly do not meet
-// beyond them. Others strictly on one side of a plane through the shared vertices settle it. The
-// functions tell a point's side of the plane of a and of b: 1, -1, or anything else where that is
-// open.
+// Of two triangles that share vertices: fills in the sides, not known yet, of those that are not
+// shared. The functions tell a point's side of the plane of a and of b: 1, -1, or anything else
+// where that is open.
 template <class SideOfA, class SideOfB>
-DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const Triangle& b,
-                                            const SharedVertices& shared, const SideOfA& side_of_a,
-                                            const SideOfB& side_of_b) {
-  int plus_a = 0, minus_a = 0, plus_b = 0, minus_b = 0, rest_a = 0, rest_b = 0;
+DCM_HD inline void fillRestSides(const Triangle& a, const Triangle& b, const SharedVertices& shared,
+                                 const SideOfA& side_of_a, const SideOfB& side_of_b,
+                                 KnownSides& sides) {
   for (int i = 0; i < 3; ++i) {
-    if (!shared.in_a[i]) {
-      const int side = side_of_b(a.v[i]);
-      plus_a += side == 1;
-      minus_a += side == -1;
-      ++rest_a;
-    }
-    if (!shared.in_b[i]) {
-      const int side = side_of_a(b.v[i]);
-      plus_b += side == 1;
-      minus_b += side == -1;
-      ++rest_b;
-    }
+    if (!shared.in_a[i] && sides.a[i] == 0) sides.a[i] = side_of_b(a.v[i]);
+    if (!shared.in_b[i] && sides.b[i] == 0) sides.b[i] = side_of_a(b.v[i]);
   }
-  return plus_a == rest_a || minus_a == rest_a || plus_b == rest_b || minus_b == rest_b;
-}
-
-DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const PlaneFilter& plane_a,
-                                            const Triangle& b, const PlaneFilter& plane_b,
-                                            const SharedVertices& shared) {
-  return certainlyNotBeyondShared(
-      a, b, shared, [&plane_a](const Vec3f& p) { return plane_a.side(p); },
-      [&plane_b](const Vec3f& p) { return plane_b.side(p); });
 }
 
 namespace detail {
 
-// Projected along `axis`, is there a line through p, a vertex of both, along an edge from p, that
-// has the rest of a and the rest of b strictly on different sides, but for the edge itself?
-DCM_HD inline bool edgeLineSeparatesAngles(const Vec3f& p, const Vec3f a[2], const Vec3f b[2],
-                                           int axis) {
-  const int turn = orient2dFiltered(p, a[0], a[1], axis);
-  if (turn != 1 && turn != -1) return false;
-  const bool beyond_first = orient2dFiltered(p, a[0], b[0], axis) == -turn &&
-                            orient2dFiltered(p, a[0], b[1], axis) == -turn;
-  return beyond_first || (orient2dFiltered(p, a[1], b[0], axis) == turn &&
-                          orient2dFiltered(p, a[1], b[1], axis) == turn);
+// Whether the vertices that are not shared are strictly on one side; true also if there are none.
+DCM_HD inline bool restOnOneSide(const int side[3], const bool shared[3]) {
+  bool plus = true, minus = true;
+  for (int i = 0; i < 3; ++i) {
+    plus = plus && (shared[i] || side[i] == 1);
+    minus = minus && (shared[i] || side[i] == -1);
+  }
+  return plus || minus;
 }
 
-// The axis along which a triangle's projection is about the largest.
-DCM_HD inline int broadAxis(const Triangle& t) {
-  const PlaneFilter plane(t);
-  const float x = fabsf(plane.normal.x), y = fabsf(plane.normal.y), z = fabsf(plane.normal.z);
-  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+// Of the two that are not shared, if their sides are strict: the side of the one ahead of the
+// vertex that is; else 0.
+DCM_HD inline int sideAheadOfShared(const int side[3], const bool shared[3]) {
+  int ahead = 0;
+  bool strict = true;
+  for (int i = 0; i < 3; ++i) {
+    strict = strict && (shared[i] || isStrict(side[i]));
+    if (shared[i]) ahead = side[i == 0 ? 2 : i - 1];
+  }
+  return strict ? ahead : 0;
 }
 
 }  // namespace detail
 
-// By double arithmetic, and in a projection too: there neighbours in a flat surface, of which space
-// says nothing, lie side by side. What does not meet in a projection does not meet.
-DCM_HD inline bool certainlyNotBeyondShared(const Triangle& a, const Triangle& b,
-                                            const SharedVertices& shared) {
-  if (certainlyNotBeyondShared(
-          a, b, shared,
-          [&a](const Vec3f& p) { return orient3dFiltered(a.v[0], a.v[1], a.v[2], p); },
-          [&b](const Vec3f& p) { return orient3dFiltered(b.v[0], b.v[1], b.v[2], p); })) {
-    return true;
+// Whether two triangles that share vertices meet beyond them, as far as sides say it.
+//
+// Others strictly on one side of a plane through what is shared settle it. Else let p be the one
+// vertex that is shared, x and y those that follow it in a, z and w those in b, each two on
+// different sides of the other's plane. As vectors from p,
+//   det(y, z, w) x - det(x, z, w) y + det(x, y, w) z - det(x, y, z) w = 0,
+// and det(z, w, .) is a side of b's plane, det(x, y, .) one of a's. So the first two terms are a
+// point of the edge xy in both planes, times something of the sign of y's side, the others are one
+// of zw, times something of the sign of w's: the two points lie on one ray from p, so that the
+// triangles meet there, iff those sides differ.
+DCM_HD inline PartVerdict beyondSharedVerdict(const SharedVertices& shared,
+                                              const KnownSides& sides) {
+  if (detail::restOnOneSide(sides.a, shared.in_a) || detail::restOnOneSide(sides.b, shared.in_b)) {
+    return PartVerdict::kApart;
   }
-  Vec3f common[2], rest_a[3], rest_b[3];
-  int common_count = 0, a_count = 0, b_count = 0;
-  for (int i = 0; i < 3; ++i) {
-    if (!shared.in_a[i]) {
-      rest_a[a_count < 2 ? a_count : 2] = a.v[i];
-      ++a_count;
-    } else {
-      common[common_count < 1 ? 0 : 1] = a.v[i];
-      ++common_count;
-    }
-    if (!shared.in_b[i]) {
-      rest_b[b_count < 2 ? b_count : 2] = b.v[i];
-      ++b_count;
-    }
-  }
-  const int axis = detail::broadAxis(a);
-  if (a_count == 1 && b_count == 1 && common_count == 2) {
-    const int side_a = orient2dFiltered(common[0], common[1], rest_a[0], axis);
-    const int side_b = orient2dFiltered(common[0], common[1], rest_b[0], axis);
-    return side_a * side_b == -1;
-  }
-  if (a_count == 2 && b_count == 2) {
-    return detail::edgeLineSeparatesAngles(common[0], rest_a, rest_b, axis) ||
-           detail::edgeLineSeparatesAngles(common[0], rest_b, rest_a, axis);
-  }
-  return false;
+  const int y = detail::sideAheadOfShared(sides.a, shared.in_a);
+  const int w = detail::sideAheadOfShared(sides.b, shared.in_b);
+  if (y == 0 || w == 0) return PartVerdict::kOpen;
+  return y != w ? PartVerdict::kMeet : PartVerdict::kApart;
 }
 
-// Of a triangle that shares one vertex with t: whether the edge opposite to it certainly crosses
-// the inside of t.
-DCM_HD inline bool certainlyCrosses(const Triangle& a, const bool shared[3], const Triangle& t) {
-  if (shared[0] + shared[1] + shared[2] != 1) return false;
-  const Vec3f p = shared[0] ? a.v[1] : a.v[0], q = shared[2] ? a.v[1] : a.v[2];
-  if (orient3dFiltered(t.v[0], t.v[1], t.v[2], p) * orient3dFiltered(t.v[0], t.v[1], t.v[2], q) !=
-      -1) {
-    return false;
-  }
-  const int side = orient3dFiltered(p, q, t.v[0], t.v[1]);
-  return (side == 1 || side == -1) && orient3dFiltered(p, q, t.v[1], t.v[2]) == side &&
-         orient3dFiltered(p, q, t.v[2], t.v[0]) == side;
-}
-
-// What is known of a pair before its verdict: the vertices that they share, else the sides that the
+// What is known of a pair before its verdict: the vertices that they share, the sides that the
 // plane filters told, and the larger of their bodies' margins [m].
 struct PairFacts {
   SharedVertices shared;
@@ -162,20 +114,22 @@ struct PairFacts {
   float margin_m = 0;
 };
 
-// What float32 is certain of, of a pair that isCandidate(): whether two triangles that share no
-// vertex, and of which the plane filters told all sides, cross each other.
+// What float32 is certain of, of a pair that isCandidate(): whether two triangles intersect, or
+// meet beyond what they share.
 DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
                                          const PairFacts& facts) {
-  if (facts.shared.any || !detail::allStrict(facts.sides.a) || !detail::allStrict(facts.sides.b)) {
-    return PartVerdict::kOpen;
+  if (facts.shared.any) return beyondSharedVerdict(facts.shared, facts.sides);
+  if (detail::allStrict(facts.sides.a) && detail::allStrict(facts.sides.b)) {
+    // The orientation is which side of the first three points' plane the fourth is on.
+    const PartVerdict verdict =
+        detail::crossingVerdict(a, facts.sides.a, b, facts.sides.b,
+                                [](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
+                                  const int side = PlaneFilter(Triangle{{p, q, r}}).side(s);
+                                  return side == 0 ? kUncertain : side;
+                                });
+    if (verdict != PartVerdict::kOpen) return verdict;
   }
-  // The orientation is which side of the first three points' plane the fourth is on.
-  return detail::crossingVerdict(
-      a, facts.sides.a, b, facts.sides.b,
-      [](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
-        const int side = PlaneFilter(Triangle{{p, q, r}}).side(s);
-        return side == 0 ? kUncertain : side;
-      });
+  return certainlyApartInProjection(a, b) ? PartVerdict::kApart : PartVerdict::kOpen;
 }
 
 // The verdict on a candidate as far as the floating-point filters alone can tell; in fast mode
@@ -183,12 +137,20 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
 // nothing about margins.
 DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        Predicates mode) {
-  if (!facts.shared.any) return quickIntersection(a, b, facts.sides, mode);
+  if (!facts.shared.any) {
+    const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
+    if (verdict != PartVerdict::kOpen || mode == Predicates::kFast) return verdict;
+    return certainlyApartInProjection(a, b) ? PartVerdict::kApart : PartVerdict::kOpen;
+  }
   if (mode == Predicates::kFast) return PartVerdict::kOpen;
-  if (certainlyNotBeyondShared(a, b, facts.shared)) return PartVerdict::kApart;
-  const bool meet =
-      certainlyCrosses(a, facts.shared.in_a, b) || certainlyCrosses(b, facts.shared.in_b, a);
-  return meet ? PartVerdict::kMeet : PartVerdict::kOpen;
+  KnownSides sides = facts.sides;
+  fillRestSides(
+      a, b, facts.shared,
+      [&a](const Vec3f& p) { return orient3dFiltered(a.v[0], a.v[1], a.v[2], p); },
+      [&b](const Vec3f& p) { return orient3dFiltered(b.v[0], b.v[1], b.v[2], p); }, sides);
+  const PartVerdict verdict = beyondSharedVerdict(facts.shared, sides);
+  if (verdict != PartVerdict::kOpen) return verdict;
+  return certainlyApartInProjection(a, b, facts.shared) ? PartVerdict::kApart : PartVerdict::kOpen;
 }
 
 // The verdict on any candidate, without asking the filters of quickVerdict again. Margins do not
@@ -213,7 +175,13 @@ DCM_HD inline Verdict candidateVerdict(const Triangle& a, const Triangle& b, con
 // sides that they tell.
 DCM_HD inline bool isCandidate(const Triangle& a, const Triangle& b, PairFacts& facts) {
   const PlaneFilter plane_a(a), plane_b(b);
-  if (facts.shared.any) return !certainlyNotBeyondShared(a, plane_a, b, plane_b, facts.shared);
+  if (facts.shared.any) {
+    fillRestSides(
+        a, b, facts.shared, [&plane_a](const Vec3f& p) { return plane_a.side(p); },
+        [&plane_b](const Vec3f& p) { return plane_b.side(p); }, facts.sides);
+    return !detail::restOnOneSide(facts.sides.a, facts.shared.in_a) &&
+           !detail::restOnOneSide(facts.sides.b, facts.shared.in_b);
+  }
   return !certainlyApart(a, plane_a, b, plane_b, facts.sides) || facts.margin_m > 0;
 }
 

@@ -1,7 +1,9 @@
 // What float32 claims to be certain of, against exact arithmetic: sides of planes, and verdicts on
-// pairs of triangles of which an edge nearly meets an edge.
+// pairs of triangles of which an edge nearly meets an edge, in space, in a plane, or seen from a
+// vertex of both.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -75,6 +77,30 @@ TEST(PlaneFilter, TellsNoSideThatRoundingMade) {
   }
 }
 
+// Nearly on a line, at scales from where products are denormal to where they overflow.
+TEST(ProjectionFilter, TellsTrueTurnsOnly) {
+  Dice dice(5);
+  constexpr int kTurns = 300000;
+  int told = 0;
+  for (int i = 0; i < kTurns; ++i) {
+    Vec3f a = dice.point() * (i % 3 == 0 ? 16.0F : 1.0F), b = dice.point();
+    Vec3f c = a + (b - a) * (2.0F * dice.real()) + dice.nudge() * 0x1p-10F;
+    const int exponent = i % 2 == 0   ? dice.within(-3, 3)
+                         : i % 4 == 1 ? dice.within(-76, -68)
+                                      : dice.within(-80, 80);
+    const float scale = std::ldexp(1.0F, exponent);
+    for (Vec3f* p : {&a, &b, &c}) *p = Vec3f{p->x, p->y, 0} * scale;
+    const detail::FlatPoint flat[3] = {{a, 2}, {b, 2}, {c, 2}};
+    const int turn = detail::certainTurn(flat[0], flat[1], flat[2]);
+    if (turn == 0) continue;
+    ++told;
+    const Vec3f above{a.x, a.y, 1};
+    ASSERT_EQ(turn, exactSide({{a, b, c}}, above)) << "turn " << i;
+  }
+  EXPECT_GT(told, kTurns / 4);
+  EXPECT_LT(told, kTurns * 9 / 10);
+}
+
 // An edge of b passes an edge of a at a distance of any size; b's third vertex is beyond.
 void makeNearlyCrossing(Dice& dice, Triangle& a, Triangle& b) {
   const Vec3f off = dice.point() * (dice.within(0, 2) == 0 ? 16.0F : 0.0F);
@@ -95,10 +121,16 @@ struct Told {
 
   void add(const Triangle& a, const Triangle& b) {
     PairFacts facts, turned;
+    facts.shared = sharedVertices(a, b);
+    turned.shared = sharedVertices(b, a);
+    std::vector<Vec3f> shared;
+    for (int i = 0; i < 3; ++i) {
+      if (facts.shared.in_a[i]) shared.push_back(a.v[i]);
+    }
     if (!isCandidate(a, b, facts)) return;
     ASSERT_TRUE(isCandidate(b, a, turned));
     const bool expected =
-        meetBeyondByPredicates({a.v[0], a.v[1], a.v[2]}, {b.v[0], b.v[1], b.v[2]}, {});
+        meetBeyondByPredicates({a.v[0], a.v[1], a.v[2]}, {b.v[0], b.v[1], b.v[2]}, shared);
     for (const PartVerdict told : {certainVerdict(a, b, facts), certainVerdict(b, a, turned)}) {
       if (told == PartVerdict::kOpen) {
         ++open;
@@ -125,6 +157,71 @@ TEST(CertainVerdict, IsTheOracles) {
   EXPECT_GT(told.open, kPairs / 50);
 }
 
+// An edge of b passes an edge of a nearly in a's plane, at a distance of any size.
+void makeNearlyTouchingInAPlane(Dice& dice, Triangle& a, Triangle& b) {
+  const Vec3f origin = dice.point() * (dice.within(0, 2) == 0 ? 16.0F : 0.0F);
+  const Vec3f x = dice.point(), y = dice.point();
+  const auto place = [&](float along_x, float along_y) {
+    return origin + x * along_x + y * along_y + dice.nudge() * 0x1p-6F;
+  };
+  const float s = dice.real(), r = dice.real();
+  const float gap = std::ldexp(dice.real(), -dice.within(0, 30));
+  a = {{place(0, 0), place(1, s), place(r, 1)}};
+  b = {{place(s, -gap), place(r, -gap - std::abs(dice.real())), place(2 * s, s * s - gap)}};
+  const float scale = std::ldexp(1.0F, dice.within(-2, 2) * dice.within(0, 20));
+  a = scaledBy(a, scale);
+  b = scaledBy(b, scale);
+}
+
+TEST(CertainVerdict, IsTheOraclesNearlyInAPlane) {
+  Dice dice(3);
+  constexpr int kPairs = 60000;
+  Told told;
+  for (int i = 0; i < kPairs && !HasFatalFailure(); ++i) {
+    Triangle a, b;
+    makeNearlyTouchingInAPlane(dice, a, b);
+    SCOPED_TRACE(i);
+    told.add(a, b);
+  }
+  EXPECT_GT(told.apart, kPairs / 10);
+  EXPECT_GT(told.open, kPairs / 20);
+}
+
+// From their vertex p, the edges opposite to it cross in one direction, or in opposite ones, or
+// miss each other by a little.
+void makeSharingAVertex(Dice& dice, Triangle& a, Triangle& b) {
+  const Vec3f p = dice.point() * (dice.within(0, 2) == 0 ? 16.0F : 1.0F);
+  a = {{p, p + dice.point(), p + dice.point()}};
+  const float s = 0.5F + 0.6F * dice.real();
+  const Vec3f crossing = a.v[1] + (a.v[2] - a.v[1]) * s - p;
+  const Vec3f meeting = p + crossing * (2.0F * dice.real()) + dice.nudge();
+  const Vec3f end = p + dice.point();
+  b = {{p, end, meeting + (meeting - end) * std::abs(dice.real())}};
+  const float scale = std::ldexp(1.0F, dice.within(-2, 2) * dice.within(0, 20));
+  a = scaledBy(a, scale);
+  b = scaledBy(b, scale);
+  for (Triangle* t : {&a, &b}) {
+    std::rotate(t->v, t->v + dice.within(0, 2), t->v + 3);
+    if (dice.within(0, 1) == 0) std::swap(t->v[0], t->v[1]);
+  }
+}
+
+TEST(CertainVerdict, IsTheOraclesBeyondAVertex) {
+  Dice dice(4);
+  constexpr int kPairs = 60000;
+  Told told;
+  for (int i = 0; i < kPairs && !HasFatalFailure(); ++i) {
+    Triangle a, b;
+    makeSharingAVertex(dice, a, b);
+    ASSERT_TRUE(sharedVertices(a, b).any);
+    SCOPED_TRACE(i);
+    told.add(a, b);
+  }
+  EXPECT_GT(told.meet, kPairs / 10);
+  EXPECT_GT(told.apart, kPairs / 10);
+  EXPECT_GT(told.open, kPairs / 100);
+}
+
 TEST(CertainVerdict, IsTheOraclesWhereRoundingTurnsEdges) {
   Told told;
   for (const TrianglesPair& pair : pairsOn(hardOrientations(1, 200, FirstPoint::kAnywhere), 50)) {
@@ -140,8 +237,6 @@ TEST(CertainVerdict, LeavesOpenWhatTheFiltersLeave) {
   PairFacts facts;
   ASSERT_TRUE(isCandidate(a, crossing, facts));
   EXPECT_EQ(PartVerdict::kMeet, certainVerdict(a, crossing, facts));
-  facts.shared = sharedByBits(1, 1);
-  EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, crossing, facts)) << "sharing";
   facts = {};
   EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, crossing, facts)) << "sides not known";
   const Triangle standing{{{1, 1, 0}, {1, 2, 1}, {2, 1, -1}}};
@@ -151,6 +246,17 @@ TEST(CertainVerdict, LeavesOpenWhatTheFiltersLeave) {
   facts = {};
   ASSERT_TRUE(isCandidate(a, at_an_edge, facts));
   EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, at_an_edge, facts)) << "edges meet";
+  const Triangle through_a_vertex{{{0, 0, 0}, {1, 1, -1}, {1, 1, 1}}};
+  facts = {};
+  facts.shared = sharedVertices(a, through_a_vertex);
+  EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, through_a_vertex, facts)) << "sides not known";
+  ASSERT_TRUE(isCandidate(a, through_a_vertex, facts));
+  EXPECT_EQ(PartVerdict::kMeet, certainVerdict(a, through_a_vertex, facts));
+  const Triangle along_an_edge{{{0, 0, 0}, {1, 0, -1}, {1, 0, 1}}};
+  facts = {};
+  facts.shared = sharedVertices(a, along_an_edge);
+  ASSERT_TRUE(isCandidate(a, along_an_edge, facts));
+  EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, along_an_edge, facts)) << "an edge in the plane";
 }
 
 }  // namespace

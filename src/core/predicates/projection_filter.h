@@ -1,0 +1,118 @@
+// A filter of the narrow phase beside the planes': do two triangles certainly not meet in a
+// projection along a coordinate axis? What does not meet there does not meet. Of triangles in a
+// common plane, or nearly so, planes say nothing; mostly they lie side by side.
+#pragma once
+
+#include <cmath>
+
+#include "core/predicates/adjacency.h"
+#include "core/predicates/orientation.h"
+#include "core/predicates/plane_filter.h"
+#include "core/predicates/triangle.h"
+
+namespace deformable_contact_monitor {
+namespace detail {
+
+// The axis along which a triangle's projection is about the largest.
+DCM_HD inline int broadAxis(const Triangle& t) {
+  const PlaneFilter plane(t);
+  const float x = fabsf(plane.normal.x), y = fabsf(plane.normal.y), z = fabsf(plane.normal.z);
+  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+}
+
+struct FlatPoint {
+  float x, y;
+
+  FlatPoint() = default;
+  DCM_HD FlatPoint(const Vec3f& p, int axis) { projected(p, axis, x, y); }
+};
+
+// 1 or -1: c is certainly strictly on that side of the line from a to b, in float32; 0: undecided,
+// also after overflow.
+DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
+  const float left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
+  constexpr float kBound = 1.8e-7F;  // (3 + 16 u) u, u = 2^-24, Shewchuk's for orient2d, and slack
+  constexpr float kUnderflow = 1e-37F;
+  const float det = left - right, bound = kBound * (fabsf(left) + fabsf(right)) + kUnderflow;
+  return (det > bound) - (det < -bound);
+}
+
+struct FlatTriangle {
+  FlatPoint v[3];
+
+  FlatTriangle() = default;
+  DCM_HD FlatTriangle(const Triangle& t, int axis)
+      : v{{t.v[0], axis}, {t.v[1], axis}, {t.v[2], axis}} {}
+};
+
+// Is there an edge of t whose line certainly has all of the other strictly on its outer side?
+DCM_HD inline bool edgeLineCertainlySeparates(FlatTriangle t, const FlatTriangle& other) {
+  DCM_ROLLED for (int edge = 0; edge < 3; ++edge) {
+    const int outer = -certainTurn(t.v[0], t.v[1], t.v[2]);
+    bool all_outside = outer != 0;
+    for (int i = 0; i < 3; ++i) {
+      all_outside = all_outside && certainTurn(t.v[0], t.v[1], other.v[i]) == outer;
+    }
+    if (all_outside) return true;
+    const FlatPoint first = t.v[0];
+    t.v[0] = t.v[1];
+    t.v[1] = t.v[2];
+    t.v[2] = first;
+  }
+  return false;
+}
+
+// Projected along `axis`, is there a line through p, a vertex of both, along an edge from p, that
+// has the rest of a and the rest of b strictly on different sides, but for the edge itself?
+DCM_HD inline bool edgeLineSeparatesAngles(const Vec3f& p, const Vec3f a[2], const Vec3f b[2],
+                                           int axis) {
+  const int turn = orient2dFiltered(p, a[0], a[1], axis);
+  if (turn != 1 && turn != -1) return false;
+  const bool beyond_first = orient2dFiltered(p, a[0], b[0], axis) == -turn &&
+                            orient2dFiltered(p, a[0], b[1], axis) == -turn;
+  return beyond_first || (orient2dFiltered(p, a[1], b[0], axis) == turn &&
+                          orient2dFiltered(p, a[1], b[1], axis) == turn);
+}
+
+}  // namespace detail
+
+// Two triangles that share no vertex, in float32.
+DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b) {
+  const int axis = detail::broadAxis(a);
+  const detail::FlatTriangle flat_a(a, axis), flat_b(b, axis);
+  return detail::edgeLineCertainlySeparates(flat_a, flat_b) ||
+         detail::edgeLineCertainlySeparates(flat_b, flat_a);
+}
+
+// Two triangles that share vertices, by double arithmetic: do they certainly not meet beyond them?
+DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b,
+                                              const SharedVertices& shared) {
+  Vec3f common[2], rest_a[3], rest_b[3];
+  int common_count = 0, a_count = 0, b_count = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!shared.in_a[i]) {
+      rest_a[a_count < 2 ? a_count : 2] = a.v[i];
+      ++a_count;
+    } else {
+      common[common_count < 1 ? 0 : 1] = a.v[i];
+      ++common_count;
+    }
+    if (!shared.in_b[i]) {
+      rest_b[b_count < 2 ? b_count : 2] = b.v[i];
+      ++b_count;
+    }
+  }
+  const int axis = detail::broadAxis(a);
+  if (a_count == 1 && b_count == 1 && common_count == 2) {
+    const int side_a = orient2dFiltered(common[0], common[1], rest_a[0], axis);
+    const int side_b = orient2dFiltered(common[0], common[1], rest_b[0], axis);
+    return side_a * side_b == -1;
+  }
+  if (a_count == 2 && b_count == 2) {
+    return detail::edgeLineSeparatesAngles(common[0], rest_a, rest_b, axis) ||
+           detail::edgeLineSeparatesAngles(common[0], rest_b, rest_a, axis);
+  }
+  return false;
+}
+
+}  // namespace deformable_contact_monitor
