@@ -49,9 +49,10 @@ struct alignas(16) TileState {
   std::uint32_t list;
 };
 
-// A cluster's part of the array of entries, and of the sorted arrays.
-struct Bin {
-  std::uint32_t begin, capacity;
+// A cluster's part of the array of entries, and of the sorted arrays; and how many places it was to
+// have at least.
+struct alignas(16) Bin {
+  std::uint32_t begin, capacity, wanted;
 };
 
 struct MemberArrays : ArrayGroup {
