@@ -46,6 +46,7 @@ class CudaDetector : public ShareDetector {
   bool upload(const Scene& scene, const Options& options, const CycleLimit& limit);
   bool adaptTo(const Scene& scene, const DeviceScene::Change& change, const Options& options,
                const CycleLimit& limit, ColdStart& start);
+  void group(const Scene& scene, const Options& options);
   bool isToBeLookedAt(const DeviceScene::Change& change);
   bool isAlike(const ColdStart& start, const DeviceScene::Change& change,
                const Options& options) const;

@@ -97,20 +97,24 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const DeviceScene::Change change = scene_.layOut(scene, motion_, asksForFans(options));
   if (scene_.triangleCount() == 0) return false;
   result_.started_cold = was_cold;
-  const bool adapts = was_cold || isToBeLookedAt(change);
   ColdStart start;
-  if (adapts && !scene_.anyFromDevice() && !adaptTo(scene, change, options, limit, start)) {
-    return false;
-  }
+  // A first scene is looked at first, for then its memory comes at once.
+  const bool looks_first = was_cold && !scene_.anyFromDevice();
+  if (looks_first && !adaptTo(scene, change, options, limit, start)) return false;
   scene_.sendLayout(stream);
   scene_.sendVertices(scene, motion_, stream);
-  if (adapts && scene_.anyFromDevice() &&
-      !adaptTo(scene_.onHost(scene, stream), change, options, limit, start)) {
-    return false;
+  if (!was_cold) group(scene, options);  // while the host looks
+  if (!looks_first && (was_cold || isToBeLookedAt(change))) {
+    const bool adapted = scene_.anyFromDevice()
+                             ? adaptTo(scene_.onHost(scene, stream), change, options, limit, start)
+                             : adaptTo(scene, change, options, limit, start);
+    if (!adapted) return false;
   }
   makeArrays();
-  if (result_.started_cold) startCold(start, options);
-  scene_.sendBodies(scene, motion_, scale_, stream);
+  if (result_.started_cold) {
+    startCold(start, options);
+    group(scene, options);
+  }
   params_[0] =
       cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyLengths());
   params_[0].scale = scale_;
@@ -119,10 +123,15 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].share = share_;
   params_[0].any_self = scene_.anySelf() ? 1 : 0;
   params_[0].fans = scene_.anySelf() && asksForFans(options) ? 1 : 0;
-  scene_.group(stream);
-  if (params_[0].fans != 0) scene_.findFans(stream);
   if (result_.started_cold || change.more_triangles > 0) sizeBins(options);
   return true;
+}
+
+// What the device makes of a scene that is there, of what is new of it.
+void CudaDetector::group(const Scene& scene, const Options& options) {
+  scene_.sendBodies(scene, motion_, scale_, stream_.get());
+  scene_.group(stream_.get());
+  if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream_.get());
 }
 
 // Sizes and rules to a first scene, or to one whose make-up changed: it starts cold, unless the
