@@ -4,6 +4,7 @@
 
 #include "core/rules/margins.h"
 #include "cuda/memory/device_scene.cuh"
+#include "cuda/memory/host_copy.cuh"
 #include "cuda/memory/pinned_memory.cuh"
 #include "cuda/stages/fan_rings.cuh"
 #include "cuda/stages/group.cuh"
@@ -29,13 +30,13 @@ void upload(const SceneTables::List<T>& from, T* to, cudaStream_t stream) {
 template <class List>
 void send(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer<float>& staged,
           float* to, cudaStream_t stream) {
-  const float* from = vertices.data();
-  if (!isPinned(from)) {
+  const void* from = reachedAt(vertices.data());
+  if (from == nullptr) {
     staged.grow(all);  // once for all of them, or it would go while it is in use
     std::copy(vertices.begin(), vertices.end(), staged.data() + first);
-    from = staged.data() + first;
+    from = reachedAt(staged.data() + first);
   }
-  upload(from, vertices.size(), to + first, stream);
+  copyFromHost(static_cast<const float*>(from), vertices.size(), to + first, stream);
 }
 
 }  // namespace

@@ -97,11 +97,11 @@ std::pmr::memory_resource& lentMemory() {
   return *memory;
 }
 
-bool isPinned(const void* memory) {
+const void* reachedAt(const void* memory) {
   cudaPointerAttributes attributes{};
   const bool known = cudaPointerGetAttributes(&attributes, memory) == cudaSuccess;
   if (!known) cudaGetLastError();  // or the next check of it would report this
-  return known && attributes.type == cudaMemoryTypeHost;
+  return known && attributes.type == cudaMemoryTypeHost ? attributes.devicePointer : nullptr;
 }
 
 }  // namespace deformable_contact_monitor
