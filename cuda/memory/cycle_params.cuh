@@ -43,7 +43,7 @@ struct CycleParams {
   std::uint32_t pads;          // in swept motion: some body that takes part has one
   SceneShare share;            // of this device: pairs beside it are not looked for
   std::uint32_t settles;       // the sweep gives the verdicts of which float32 is certain
-  std::uint32_t leaves_few;  // and leaves few to the judge: most sharers are certified, or skipped
+  std::uint32_t leaves_few;    // and leaves few to the judge: flat fans are certified, or skipped
 
   DCM_HD std::uint32_t bucketsOfGroup() const { return 1U << (kAxisBits - bucket_shift); }
 };
