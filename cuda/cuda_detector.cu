@@ -108,7 +108,10 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
     const bool adapted = scene_.anyFromDevice()
                              ? adaptTo(scene_.onHost(scene, stream), change, options, limit, start)
                              : adaptTo(scene, change, options, limit, start);
-    if (!adapted) return false;
+    if (!adapted) {
+      stream_.synchronise();  // from here on the caller may change what is being sent
+      return false;
+    }
   }
   makeArrays();
   if (result_.started_cold) {
