@@ -23,7 +23,6 @@ DCM_HD inline int broadAxis(const Triangle& t) {
 struct FlatPoint {
   float x, y;
 
-  FlatPoint() = default;
   DCM_HD FlatPoint(const Vec3f& p, int axis) { projected(p, axis, x, y); }
 };
 
@@ -40,7 +39,6 @@ DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const Flat
 struct FlatTriangle {
   FlatPoint v[3];
 
-  FlatTriangle() = default;
   DCM_HD FlatTriangle(const Triangle& t, int axis)
       : v{{t.v[0], axis}, {t.v[1], axis}, {t.v[2], axis}} {}
 };
