@@ -8,6 +8,7 @@
 
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
+#include "cuda/memory/host_copy.cuh"
 #include "cuda/shares/shared_detector.h"
 
 namespace deformable_contact_monitor {
@@ -216,14 +217,13 @@ void CudaDetector::makeArrays() {
   arrays_.clusters.sample_count = std::min(sizes_.samples, scene_.triangleCount());
 }
 
-// Unless they are there already: even a small copy takes 5 us.
+// Unless they are there already: the cycle would wait for even a small copy.
 void CudaDetector::sendParams() {
   if (params_sent_ && std::memcmp(&sent_params_, params_.data(), sizeof sent_params_) == 0) return;
   std::memcpy(&sent_params_, params_.data(), sizeof sent_params_);
   params_sent_ = true;
-  checkCuda(cudaMemcpyAsync(arrays_.the_params.data(), params_.data(), sizeof(CycleParams),
-                            cudaMemcpyHostToDevice, stream_.get()),
-            "cudaMemcpyAsync to the device");
+  copyFromHost(static_cast<const CycleParams*>(reachedAt(params_.data())), 1,
+               arrays_.the_params.data(), stream_.get());
 }
 
 // Where the bins have no room, or not where it is needed, part of a cycle finds out how much that

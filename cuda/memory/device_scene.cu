@@ -12,12 +12,11 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Behind what is in the stream. `from` may go once the stream has been waited for.
+// From page-locked memory, which may go once the stream has been waited for.
 template <class T>
-void upload(const T* from, std::size_t count, void* to, cudaStream_t stream) {
+void upload(const T* from, std::size_t count, T* to, cudaStream_t stream) {
   if (count == 0) return;
-  checkCuda(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyHostToDevice, stream),
-            "cudaMemcpyAsync to the device");
+  copyFromHost(static_cast<const T*>(reachedAt(from)), count, to, stream);
 }
 
 template <class T>

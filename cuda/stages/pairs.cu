@@ -3,6 +3,7 @@
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
+#include "cuda/stages/pair_turns.cuh"
 #include "cuda/stages/report.cuh"
 #include "cuda/stages/stages.cuh"
 #include "cuda/stages/swept_pairs.cuh"
@@ -21,10 +22,6 @@ constexpr unsigned kBlocksEach = 7;  // of a multiprocessor, as registers allow
 struct alignas(8) MemberPair {
   MemberIndex a, b;
 };
-
-// Crowded pairs of tiles come in parts, at most so many, where that makes no more than so many for
-// each warp: else the last of them would keep one warp busy when the others have ended.
-constexpr std::uint32_t kMostParts = 2, kPartsEach = 4;
 
 // Boxes of a tile's triangles, and their vertices' ids with their places in the tile as w.
 struct LaneTriangles {
@@ -56,17 +53,9 @@ class PairScreener {
         sharing_{memory.sharing},
         candidates_{memory.candidates},
         lane_(laneId()),
-        turn_((blockIdx.x * kThreads + threadIdx.x) / kWarp) {
-    const CycleParams& params = c.params();
-    passes_ = params.passes;
-    any_self_ = params.any_self != 0;
-    tiles_ = any_self_ ? c.scene.tile_count : 0;
-    const std::uint32_t crowded = min(c.counters().crowded_pairs, c.sweep.crowded_pairs.size());
-    const std::uint32_t wanted = kPartsEach * gridDim.x * kWarps / max(crowded, 1U);
-    parts_ = min(max(wanted, 1U), kMostParts);
-    crowded_ = tiles_ + parts_ * crowded;
-    end_ = crowded_ + min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
-  }
+        any_self_(c.params().any_self != 0),
+        passes_(c.params().passes),
+        turns_(c) {}
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
@@ -91,32 +80,20 @@ class PairScreener {
   }
 
  private:
-  // The first pairs are dealt out, the others go to whoever is free: some have hundreds of
-  // triangles that meet, most have few, and those come last. Asked for when the last one's have
-  // been taken: until it is wanted there is other work to do.
-  __device__ void askForNext() {
-    if (lane_ == 0) turn_ = gridDim.x * kWarps + atomicAdd(&c_.counters().pairs_taken, 1U);
-  }
-
   // To the next pair of tiles, or a tile against itself; false if there is none, or the cycle is
   // cut off.
   __device__ bool takePair() {
-    item_ = __shfl_sync(kFullWarp, turn_, 0);
-    if (item_ >= end_) return false;
+    if (!turns_.take()) return false;
     if (++taken_ % kPairsPerAsker == 0) {
       leaveOverlaps();
-      if (warpIsCutOff(c_, item_ % kWarpsPerAsker == 0)) return false;
+      if (warpIsCutOff(c_, turns_.number() % kWarpsPerAsker == 0)) return false;
     }
-    if (item_ >= tiles_) {
-      const bool crowded = item_ < crowded_;
-      const std::uint32_t part = item_ - tiles_;
-      const TilePair* pair = crowded ? &c_.sweep.crowded_pairs[Place(part / parts_)]
-                                     : &c_.sweep.tile_pairs[Place(item_ - crowded_)];
-      layOut(*pair, crowded ? part % parts_ : 0, crowded ? parts_ : 1);
-    } else if (c_.scene.bodies[c_.scene.tile_body[TileIndex(item_)]].has_self != 0) {
-      layOutSelf(TileIndex(item_));
+    if (!turns_.isSelf()) {
+      layOut(turns_.pair(), turns_.part(), turns_.parts());
+    } else if (c_.scene.bodies[c_.scene.tile_body[turns_.tile()]].has_self != 0) {
+      layOutSelf(turns_.tile());
     }
-    if (rounds_ == 0) askForNext();
+    if (rounds_ == 0) turns_.askForNext();
     return true;
   }
   // Passes over the same pairs again are the same work to who reads the counters.
@@ -221,7 +198,7 @@ class PairScreener {
   // A pass has every so many a step of every pair of tiles.
   __device__ void keepPass() {
     for (std::uint32_t step = 0; step < kWarp; ++step) {
-      if ((item_ + step) % passes_ != c_.params().pass) partners_ &= ~(1U << step);
+      if ((turns_.number() + step) % passes_ != c_.params().pass) partners_ &= ~(1U << step);
     }
   }
 
@@ -243,7 +220,7 @@ class PairScreener {
       } else {
         met_.push(has && !shareVertices(ids_, ids), pair);
       }
-      if (--rounds_ == 0) askForNext();
+      if (--rounds_ == 0) turns_.askForNext();
     }
   }
 
@@ -304,12 +281,10 @@ class PairScreener {
   WarpQueue<MemberPair> met_, sharing_;
   WarpQueue<DeviceCandidate> candidates_;
   const std::uint32_t lane_;
-  bool any_self_;
-  // Pairs have numbers: tiles with themselves below tiles_, then parts of crowded pairs, then, from
-  // crowded_ on, the others.
-  std::uint32_t passes_, tiles_, parts_, crowded_, end_;
-  std::uint32_t turn_;  // in the first lane: the next pair's number
-  std::uint32_t item_ = 0, taken_ = 0;
+  const bool any_self_;
+  const std::uint32_t passes_;
+  PairTurns turns_;
+  std::uint32_t taken_ = 0;
   // Of this pair of tiles: their first slots, and the row and columns of this lane.
   std::uint32_t first_a_ = 0, first_b_ = 0;
   std::uint32_t first_column_ = 0, stride_ = 1;

@@ -22,6 +22,12 @@ static_assert(kMostUnitColumns << 5 <= 1U << 16);
 // How many columns of each row are swept at once.
 constexpr std::uint32_t kStep = 16;
 constexpr unsigned kHitCapacity = kWarp * (kStep + 1);
+constexpr unsigned kPairCapacity = 2 * kWarp;
+
+struct WarpMemory {
+  TilePair crowded[kPairCapacity], others[kPairCapacity];
+  Hit hits[kHitCapacity];
+};
 
 // A unit takes less than a fifth of a millisecond. One in so many asks whether the cycle is cut
 // off; if so, the counter of units, which every warp looks at for its next one, is set beyond all
@@ -31,14 +37,20 @@ constexpr std::uint32_t kGivenUp = 1U << 30;
 
 class Sweeper {
  public:
-  __device__ Sweeper(const CycleArrays& c, Hit* hits) : c_(c), hits_{hits} {}
+  __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
+      : c_(c), hits_{memory.hits}, crowded_{memory.crowded}, others_{memory.others} {}
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
     bool more_units = true;
     while (true) {
       const bool swept = step_ >= longest_;
-      if (hits_.size >= kWarp || (swept && hits_.size > 0)) {
+      const bool last = swept && !more_units && hits_.size == 0;
+      if (crowded_.size >= kWarp || (last && crowded_.size > 0)) {
+        leave(crowded_, &c_.counters().crowded_pairs, c_.sweep.crowded_pairs);
+      } else if (others_.size >= kWarp || (last && others_.size > 0)) {
+        leave(others_, &c_.counters().tile_pairs, c_.sweep.tile_pairs);
+      } else if (hits_.size >= kWarp || (swept && hits_.size > 0)) {
         screenHits();
       } else if (!swept) {
         sweepColumns();
@@ -132,13 +144,22 @@ class Sweeper {
       kept = intersects(a.box, b.box) &&
              ownsPair(unit_.cluster.value, c_.members.clustersOf(a), c_.members.clustersOf(b));
     }
-    const auto count = [](bool wanted) { return __popc(__ballot_sync(kFullWarp, wanted)); };
-    TilePairWriter to(c_, count(kept && crowded), count(kept && !crowded));
-    to.put(kept, crowded, pair);
+    crowded_.push(kept && crowded, pair);
+    others_.push(kept && !crowded, pair);
+  }
+
+  // Few of the hits are kept: by full warps, or they would queue for the counters.
+  template <class Pairs>
+  __device__ void leave(WarpQueue<TilePair>& queue, std::uint32_t* counter, const Pairs& to) {
+    TilePair pair{};
+    const bool has = queue.pop(pair);
+    const Place place(warpReserve(counter, has));
+    if (has && place.value < to.size()) to[place] = pair;
   }
 
   const CycleArrays& c_;
   WarpQueue<Hit> hits_;
+  WarpQueue<TilePair> crowded_, others_;
   WorkUnit unit_{};  // of no rows before the first
   PackedBox box_{};
   std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // of this lane's row's columns
@@ -150,8 +171,8 @@ class Sweeper {
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
   awaitKernelAhead();
   letNextStart();
-  __shared__ Hit hits[kWarps][kHitCapacity];
-  Sweeper sweeper(c, hits[threadIdx.x / kWarp]);
+  __shared__ WarpMemory memory[kWarps];
+  Sweeper sweeper(c, memory[threadIdx.x / kWarp]);
   sweeper.run();
 }
 

@@ -164,7 +164,6 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
   const PartVerdict general = detail::generalVerdict(a, b, side, orient);
   if (general == PartVerdict::kApart) return false;  // certain, whatever was left open
   if (general == PartVerdict::kMeet || state.undecided) return true;
-  detail::fillSides(a, b, side.b, orient);
   const int axis_a = projectionAxis(a.v[0], a.v[1], a.v[2], state);
   const int axis_b = projectionAxis(b.v[0], b.v[1], b.v[2], state);
   bool meet;
