@@ -163,6 +163,9 @@ std::vector<MakeMoving> namedScenes(const TriangleMesh& ball92, const TriangleMe
           },
           [] {
             return Moving{movedUp("Panda and a cloth", pandaAndCloth()), 0.08};
+          },
+          [] {
+            return Moving{allMovedUp("a moving Panda and a cloth", pandaAndCloth()), 0.08};
           }};
 }
 

@@ -232,6 +232,32 @@ TEST(CudaDetector, ASmallChangeIsNoColdStart) {
   EXPECT_TRUE(detector->detect(scene, options).started_cold) << "it is of another size";
 }
 
+// Each of them alone is no reason to look at the scene again, all of them are: or its clusters
+// would be those of a scene that is long gone.
+TEST(CudaDetector, SmallChangesAddUpToALook) {
+  const auto detector = makeOrSayWhy();
+  if (detector == nullptr) return;
+  Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
+  scene.addBody("small", clothGrid(8, 0.3F, 0.1F, 0));
+  scene.setPairEnabled(0, 1, true);
+  Options options;
+  options.clusters = 12;
+  EXPECT_TRUE(detector->detect(scene, options).started_cold);
+  std::vector<float> shrunk = scene.body(0).mesh.vertices;
+  for (float& x : shrunk) x *= 0.2F;
+  scene.setVertices(0, shrunk.data(), shrunk.size() / 3);
+  EXPECT_FALSE(detector->detect(scene, options).started_cold) << "motion alone";
+  std::vector<bool> cold;
+  for (const int cells : {9, 8, 9, 8, 9}) {
+    scene.setMesh(1, clothGrid(cells, 0.3F, 0.1F, 0));
+    const DetectionResult& result = detector->detect(scene, options);
+    cold.push_back(result.started_cold);
+    EXPECT_TRUE(samePairs(makeCpuDetector()->detect(scene, options).contacts, result.contacts));
+  }
+  // 128 to 162 triangles a change; a sixteenth of all is 459.
+  EXPECT_EQ(cold, std::vector<bool>({false, false, true, false, false}));
+}
+
 // One cluster is looked at in one way while its tiles are few, in another where they are not.
 TEST(CudaDetector, OneClusterMayGrowAndShrink) {
   const auto detector = makeOrSayWhy();
