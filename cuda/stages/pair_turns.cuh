@@ -49,8 +49,9 @@ class PairTurns {
   // Crowded pairs come in parts, at most so many, where that makes no more than so many for each
   // warp: else the last of them would keep one warp busy when the others have ended.
   static constexpr std::uint32_t kMostParts = 2, kPartsEach = 4;
-  // The other pairs are taken by runs of so many, but for the last, so many for each warp: who asks
-  // for one each waits at the counter for a hundred thousand who do so too.
+  // The other pairs are taken by runs of so many, but for the last, so many for each warp: a
+  // hundred thousand additions to one counter come one after the other, and everybody waits for
+  // them.
   static constexpr std::uint32_t kRun = 4;
 
   __device__ static std::uint32_t warps() { return gridDim.x * (blockDim.x / kWarp); }

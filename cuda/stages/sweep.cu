@@ -148,7 +148,7 @@ class Sweeper {
     others_.push(kept && !crowded, pair);
   }
 
-  // Few of the hits are kept: by full warps, or they would queue for the counters.
+  // Few of the hits are kept: by full warps, or all would wait for the two counters.
   template <class Pairs>
   __device__ void leave(WarpQueue<TilePair>& queue, std::uint32_t* counter, const Pairs& to) {
     TilePair pair{};

@@ -1,4 +1,4 @@
-// Pairs of tiles that were found, for stage pairs.
+// Which pairs of tiles go first in stage pairs.
 #pragma once
 
 #include "cuda/device/warp.cuh"
