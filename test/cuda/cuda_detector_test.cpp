@@ -210,13 +210,19 @@ TEST(CudaDetector, ScenesThatJumpGrowAndShrink) {
   }
 }
 
+// A cloth of 7 200 triangles, with itself and with a body of 128.
+Scene clothAndSmallBody() {
+  Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
+  scene.addBody("small", clothGrid(8, 0.3F, 0.1F, 0));
+  scene.setPairEnabled(0, 1, true);
+  return scene;
+}
+
 // Bodies that come and go beside a cloth leave its clusters as they are.
 TEST(CudaDetector, ASmallChangeIsNoColdStart) {
   const auto detector = makeOrSayWhy();
   if (detector == nullptr) return;
-  Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
-  scene.addBody("small", clothGrid(8, 0.3F, 0.1F, 0));
-  scene.setPairEnabled(0, 1, true);
+  Scene scene = clothAndSmallBody();
   Options options;
   options.clusters = 12;
   EXPECT_TRUE(detector->detect(scene, options).started_cold);
@@ -237,9 +243,7 @@ TEST(CudaDetector, ASmallChangeIsNoColdStart) {
 TEST(CudaDetector, SmallChangesAddUpToALook) {
   const auto detector = makeOrSayWhy();
   if (detector == nullptr) return;
-  Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
-  scene.addBody("small", clothGrid(8, 0.3F, 0.1F, 0));
-  scene.setPairEnabled(0, 1, true);
+  Scene scene = clothAndSmallBody();
   Options options;
   options.clusters = 12;
   EXPECT_TRUE(detector->detect(scene, options).started_cold);
