@@ -66,6 +66,10 @@ struct alignas(8) FarVertex {
 
 // In SceneArrays::vertex_id: other vertices equal this one.
 constexpr std::uint32_t kRepeated = std::uint32_t{1} << 31;
+// There too, instead of a number: the vertex lies on that side of the share, by more than its
+// body's margin. So no triangle reaches in that has all of its vertices on one side; for others
+// they are identified where triangles get their ids.
+constexpr std::uint32_t kBelowShare = ~std::uint32_t{0}, kAboveShare = kBelowShare - 1;
 
 struct SceneArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;

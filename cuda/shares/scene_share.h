@@ -20,10 +20,12 @@ struct SceneShare {
 
   DCM_HD bool has(const Vec3f& point) const { return has(point[axis]); }
 
+  // Whether all that has this box is on one side of the slab.
+  DCM_HD bool isAbove(const Aabb& box) const { return box.min[axis] >= high; }
+  DCM_HD bool isBelow(const Aabb& box) const { return box.max[axis] < low; }
+
   // Whether a triangle with this box may have a pair here.
-  DCM_HD bool reaches(const Aabb& box) const {
-    return box.max[axis] >= low && box.min[axis] < high;
-  }
+  DCM_HD bool reaches(const Aabb& box) const { return !isBelow(box) && !isAbove(box); }
 
   // Whether a pair of triangles whose boxes, these, meet belongs here.
   DCM_HD bool owns(const Aabb& a, const Aabb& b) const {

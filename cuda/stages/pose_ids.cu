@@ -48,31 +48,49 @@ class RingOfVertex {
   Place first_, begin_, end_;
 };
 
-// A thread for each vertex of the block: puts the vertex's number + 1 into scene.identity_table,
-// unless one with equal coordinates is there, and writes scene.vertex_id. Slots are filled once and
-// never emptied, so a reader sees all it needs.
-__device__ void identify(const SceneArrays& scene, const BodyBlock& block) {
+// The vertex whose number + 1 is in scene.identity_table for all that equal `v`: `i`, which does,
+// where there was none. Slots are filled once and never emptied, so a reader sees all it needs.
+__device__ VertexIndex firstEqual(const SceneArrays& scene, BodyIndex b, VertexIndex i,
+                                  const Vec3f& v) {
+  const DeviceBody& body = scene.bodies[b];
+  const std::uint32_t mask = scene.identity_mask;
+  Place slot(static_cast<std::uint32_t>(vertexHash(v, b.value)) & mask);
+  while (true) {
+    const std::uint32_t found = atomicCAS(&scene.identity_table[slot], 0U, i.value + 1);
+    if (found == 0) return i;
+    const VertexIndex other(found - 1);
+    const bool same_body = other.value - body.first_vertex < body.vertex_count;
+    if (same_body && receivedAt(scene, other) == v) return other;
+    slot = Place((slot.value + 1) & mask);
+  }
+}
+
+// A vertex's number, or on which side of the share it is.
+__device__ std::uint32_t numberOrSide(const CycleArrays& c, const DeviceBody& body, VertexIndex i) {
+  const SceneShare& share = c.params().share;
+  if (share.isWhole()) return i.value;
+  const Vec3f v = posedAt(c.scene, body, i);
+  const Aabb box = inflated(Aabb{v, v}, body.margin_m);
+  if (share.isBelow(box)) return kBelowShare;
+  return share.isAbove(box) ? kAboveShare : i.value;
+}
+
+// A thread for each vertex of the block: writes scene.vertex_id.
+__device__ void identify(const CycleArrays& c, const BodyBlock& block) {
   if (threadIdx.x >= block.count) return;
+  const SceneArrays& scene = c.scene;
   const DeviceBody& body = scene.bodies[block.body];
   const VertexIndex i(block.first + threadIdx.x);
   const Vec3f v = receivedAt(scene, i);
-  scene.vertex_id[i] = i;
-  if (body.has_self == 0 || !isFinite(v)) return;
+  const bool wanted = body.has_self != 0 && isFinite(v);
+  const std::uint32_t number = wanted ? numberOrSide(c, body, i) : i.value;
+  scene.vertex_id[i] = VertexIndex(number);
+  if (!wanted || number != i.value) return;
   __threadfence();  // who finds this vertex adds to that
-  const std::uint32_t mask = scene.identity_mask;
-  Place slot(static_cast<std::uint32_t>(vertexHash(v, block.body.value)) & mask);
-  while (true) {
-    const std::uint32_t found = atomicCAS(&scene.identity_table[slot], 0U, i.value + 1);
-    if (found == 0) return;
-    const VertexIndex other(found - 1);
-    const bool same_body = other.value - body.first_vertex < body.vertex_count;
-    if (same_body && receivedAt(scene, other) == v) {
-      scene.vertex_id[i] = other;
-      atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[other]), kRepeated);
-      return;
-    }
-    slot = Place((slot.value + 1) & mask);
-  }
+  const VertexIndex first = firstEqual(scene, block.body, i, v);
+  if (first == i) return;
+  scene.vertex_id[i] = first;
+  atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[first]), kRepeated);
 }
 
 // The same: writes scene.fan_certified.
@@ -101,33 +119,35 @@ __global__ void __launch_bounds__(kThreads) identityKernel(CycleArrays c) {
   __shared__ Vec3f staged[kStagedPoints];
   const std::uint32_t blocks = c.scene.vertex_block_count;
   if (blockIdx.x < blocks) {
-    identify(c.scene, c.scene.vertex_blocks[Place(blockIdx.x)]);
+    identify(c, c.scene.vertex_blocks[Place(blockIdx.x)]);
   } else {
     certifyFans(c, c.scene.vertex_blocks[Place(blockIdx.x - blocks)], staged);
   }
 }
 
-// A vertex's id; with kFanCertified where that is so: no vertex of another index has the same place
-// in the mesh, so its ring tells of all triangles there.
-__device__ std::uint32_t idOf(const CycleArrays& c, VertexIndex v) {
-  const std::uint32_t id = c.scene.vertex_id[v].value;
+// A vertex's id, of what scene.vertex_id has of it; with kFanCertified where that is so: no vertex
+// of another index has the same place in the mesh, so its ring tells of all triangles there.
+__device__ std::uint32_t idOf(const CycleArrays& c, BodyIndex body, VertexIndex v,
+                              std::uint32_t id) {
+  if (id >= kAboveShare) return firstEqual(c.scene, body, v, receivedAt(c.scene, v)).value;
   const bool certified = c.params().fans != 0 && id == v.value && c.scene.fan_certified[v] != 0;
   return certified ? id | kFanCertified : id & ~kRepeated;
 }
 
-// The ids of a triangle's vertices.
-__device__ uint4 idsOf(const CycleArrays& c, TriangleIndex t) {
-  const VertexIndex* vertices = c.scene.corners.row(t);
-  return make_uint4(idOf(c, vertices[0]), idOf(c, vertices[1]), idOf(c, vertices[2]), 0);
-}
-
-// A thread for each slot of a tile: reads scene.vertex_id and scene.fan_certified; writes
-// members.ids.
+// A thread for each slot of a tile: reads scene.vertex_id and scene.fan_certified; writes the ids
+// of the triangle's vertices to members.ids, unless it is beside the share.
 __global__ void __launch_bounds__(kThreads) slotIdsKernel(CycleArrays c) {
   const MemberIndex slot(blockIdx.x * kThreads + threadIdx.x);
   if (slot.value >= c.scene.tile_count * kWarp) return;
   const TriangleIndex t = c.scene.slot_triangle[slot];
-  c.members.ids[slot] = t.value == kNone ? uint4{} : idsOf(c, t);
+  if (t.value == kNone) return;
+  const BodyIndex body = c.scene.tile_body[TileIndex(slot.value / kWarp)];
+  const VertexIndex* const v = c.scene.corners.row(t);
+  const uint3 id = {c.scene.vertex_id[v[0]].value, c.scene.vertex_id[v[1]].value,
+                    c.scene.vertex_id[v[2]].value};
+  if (id.x >= kAboveShare && id.x == id.y && id.x == id.z) return;
+  c.members.ids[slot] = make_uint4(idOf(c, body, v[0], id.x), idOf(c, body, v[1], id.y),
+                                   idOf(c, body, v[2], id.z), 0);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 
 // pose: finds vertices that are equal as received, where some body has contacts with itself, and
 // those whose fans are certified: reads scene.received; writes scene.vertex_id and
-// scene.fan_certified.
+// scene.fan_certified. Of one of several shares, but for vertices that lie beside it.
 void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // pose: starts a cycle, that is, clears what it adds to: the counters, the members' counts, the
@@ -41,8 +41,8 @@ void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cud
 // scene.received; writes scene.posed, scene.body_boxes.
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// pose: gives triangles the ids of their vertices: reads scene.vertex_id and scene.fan_certified;
-// writes members.ids.
+// pose: gives triangles the ids of their vertices, but for those that lie beside the share: reads
+// scene.vertex_id and scene.fan_certified; writes members.ids.
 void launchPoseIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign: drops triangles that are not finite or outside every partner's box; puts the others into
