@@ -44,7 +44,7 @@ constexpr unsigned kRangeThreads = 512, kMostLooked = 2 * kRangeThreads;
 // By a block, with such keys: where seven of eight of a body's vertices are along an axis; of some
 // of them.
 __device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& body, int axis,
-                                 std::uint64_t* key) {
+                                 std::uint32_t* key) {
   const std::uint32_t every = body.vertex_count / kMostLooked + 1;
   unsigned finite = 0;
   for (unsigned place = threadIdx.x; place < kMostLooked; place += kRangeThreads) {
@@ -59,8 +59,8 @@ __device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& bod
   Stretch most{0, 0};
   if (finite > 0) {
     const unsigned few = finite / 16;
-    most.low = fromOrderedBits(static_cast<std::uint32_t>(key[few]));
-    most.high = fromOrderedBits(static_cast<std::uint32_t>(key[finite - 1 - few]));
+    most.low = fromOrderedBits(key[few]);
+    most.high = fromOrderedBits(key[finite - 1 - few]);
   }
   __syncthreads();
   return most;
@@ -69,7 +69,7 @@ __device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& bod
 // A block for each body from `first` on: writes scene.body_ranges, beyond which vertices are far
 // off; one of those would leave the others few cells of the curve.
 __global__ void __launch_bounds__(kRangeThreads) rangeKernel(SceneArrays scene, BodyIndex first) {
-  __shared__ std::uint64_t key[kMostLooked];
+  __shared__ std::uint32_t key[kMostLooked];
   const BodyIndex b(first.value + blockIdx.x);
   const DeviceBody& body = scene.bodies[b];
   if (body.triangle_count <= TileHalving::kMost) return;  // it needs no curve

@@ -16,14 +16,12 @@ struct TileHalving {
   static constexpr unsigned kThreads = kMost / 2;
 
   // Ranks by coordinate, once they are sorted by; in the lowest bits which of the triangles.
-  std::uint64_t key[kMost];
+  std::uint32_t key[kMost];
   float at[3][kMost];  // centroids of the triangles
   std::uint32_t sides[kMost / (2 * kWarp)][kSides];
 
   // Which triangle is in that place, of those that there are if it is less than their number.
-  __device__ std::uint32_t triangleAt(std::uint32_t place) const {
-    return static_cast<std::uint32_t>(key[place]);
-  }
+  __device__ std::uint32_t triangleAt(std::uint32_t place) const { return key[place] % kMost; }
 
   // Of triangle i; what is not finite may lie anywhere.
   __device__ void put(std::uint32_t i, const Vec3f& centroid) {
@@ -44,6 +42,16 @@ struct TileHalving {
   }
 
  private:
+  static constexpr std::uint32_t kRanks = ~std::uint32_t{0} / kMost;  // the last: no triangle
+
+  // Where x is within [low, high], in so many steps.
+  __device__ static std::uint32_t rankOf(float x, float low, float high) {
+    const float from = low / 2, length = high / 2 - from;  // twice that may have no float32
+    if (!(length > 0)) return 0;
+    constexpr auto kMostRank = static_cast<float>(kRanks - 1);
+    return static_cast<std::uint32_t>(fminf((x / 2 - from) / length * kMostRank, kMostRank));
+  }
+
   // By the coordinate along the longest side of each part; what is no triangle comes last.
   __device__ void rank(std::uint32_t count, unsigned whole, unsigned part) {
     for (unsigned i = threadIdx.x; i < whole / part * kSides; i += kThreads) (&sides[0][0])[i] = 0;
@@ -65,8 +73,8 @@ struct TileHalving {
       const Vec3f side = box.max - box.min;
       const int k = side.x >= fmaxf(side.y, side.z) ? 0 : side.y >= side.z ? 1 : 2;
       const std::uint32_t t = triangleAt(i);
-      const std::uint64_t rank = t < count ? orderedBits(at[k][t]) : ~std::uint32_t{0};
-      key[i] = rank << 32 | t;
+      const std::uint32_t rank = t < count ? rankOf(at[k][t], box.min[k], box.max[k]) : kRanks;
+      key[i] = rank * kMost + t;
     }
   }
 };
