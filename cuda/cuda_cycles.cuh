@@ -46,6 +46,7 @@ class CudaDetector : public ShareDetector {
   bool upload(const Scene& scene, const Options& options, const CycleLimit& limit);
   bool adaptTo(const Scene& scene, const DeviceScene::Change& change, const Options& options,
                const CycleLimit& limit, ColdStart& start);
+  ColdStart look(const Scene& scene, const Options& options, const CycleLimit& limit, Look how);
   void group(const Scene& scene, const Options& options);
   bool isToBeLookedAt(const DeviceScene::Change& change);
   bool isAlike(const ColdStart& start, const DeviceScene::Change& change,
@@ -53,7 +54,7 @@ class CudaDetector : public ShareDetector {
   void startCold(const ColdStart& start, const Options& options);
   void makeArrays();
   void sendParams();
-  void sizeBins(const Options& options);
+  void sizeBins(const Options& options, bool new_clusters);
   void runCycle(const Options& options);
   bool runUntilItFits(const Options& options, const CycleLimit& limit);
   bool runInPasses(const Options& options, const CycleLimit& limit);
@@ -68,7 +69,7 @@ class CudaDetector : public ShareDetector {
   std::uint32_t listable(std::uint64_t contacts) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(contacts, sizes_.contacts));
   }
-  bool isOutgrown(const CycleCounters& counted, const Options& options) const;
+  void noteGrowth(const CycleCounters& counted, const Options& options);
 
   CudaSettings settings_;
   const DeviceTraits device_;
@@ -96,8 +97,9 @@ class CudaDetector : public ShareDetector {
   SizeRule size_rule_;
   SceneShare share_;
   bool cold_ = true;
-  Motion motion_ = Motion::kInstant;  // of the last cycle
-  int asked_clusters_ = 0;            // by the options of the last cold start
+  Motion motion_ = Motion::kInstant;   // of the last cycle
+  std::uint32_t wanted_clusters_ = 0;  // by what the last cycle found
+  int asked_clusters_ = 0;             // by the options of the last cold start
   std::uint32_t large_at_start_ = 0;
   std::uint64_t come_and_gone_ = 0;  // triangles, since the scene was looked at
   std::uint64_t last_contacts_ = 0;

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "core/parallel.h"
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
 #include "cuda/memory/host_copy.cuh"
@@ -66,8 +67,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
   tell(counted, sizes_.clusters, result_.counters);
   result_.counters.exact += open_pairs_.taken();
   last_contacts_ = counted.contacts;
-  cold_ = isOutgrown(counted, options);
-  sample_misled_ = cold_ && result_.started_cold;
+  noteGrowth(counted, options);
   const double output_ms = watch.elapsedMs() - upload_ms - result_.detect_ms;
   if (settings_.time_stages) {
     StageTimes times = graphs_[0].times();
@@ -89,6 +89,9 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const cudaStream_t stream = stream_.get();
   const bool was_cold = cold_ || asked_clusters_ != options.clusters || motion_ != options.motion;
   if (!was_cold) sizes_.growAhead(counters_[0], settings_.memory_limit_bytes);
+  const bool reseeds = !was_cold && wanted_clusters_ != sizes_.clusters;
+  if (reseeds) sizes_.prepareClusters(wanted_clusters_);
+  const std::uint32_t samples = arrays_.clusters.sample_count;
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
   if (was_cold) {
     params_sent_ = false;
@@ -98,17 +101,24 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   const DeviceScene::Change change = scene_.layOut(scene, motion_, asksForFans(options));
   if (scene_.triangleCount() == 0) return false;
   result_.started_cold = was_cold;
+  const bool looks = isToBeLookedAt(change) || was_cold;
+  const bool on_host = !scene_.anyFromDevice();
   ColdStart start;
   // A first scene is looked at first, for then its memory comes at once.
-  const bool looks_first = was_cold && !scene_.anyFromDevice();
+  const bool looks_first = was_cold && on_host;
   if (looks_first && !adaptTo(scene, change, options, limit, start)) return false;
-  scene_.sendLayout(stream);
+  BesideTask glance;
+  if (looks && !was_cold && on_host) {
+    glance.start([&] { start = look(scene, options, limit, Look::kGlance); });
+  }
+  scene_.sendLayout(scene, stream);
   scene_.sendVertices(scene, motion_, stream);
-  if (!was_cold) group(scene, options);  // while the host looks
-  if (!looks_first && (was_cold || isToBeLookedAt(change))) {
-    const bool adapted = scene_.anyFromDevice()
-                             ? adaptTo(scene_.onHost(scene, stream), change, options, limit, start)
-                             : adaptTo(scene, change, options, limit, start);
+  if (!was_cold) group(scene, options);
+  glance.wait();
+  if (looks && !looks_first) {
+    const bool adapted = on_host
+                             ? adaptTo(scene, change, options, limit, start)
+                             : adaptTo(scene_.onHost(scene, stream), change, options, limit, start);
     if (!adapted) {
       stream_.synchronise();  // from here on the caller may change what is being sent
       return false;
@@ -118,6 +128,10 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   if (result_.started_cold) {
     startCold(start, options);
     group(scene, options);
+  } else if (reseeds) {
+    launchClusterSeeds(arrays_, samples, stream);
+    launchClusterStart(arrays_, stream);
+    cycles_since_refresh_ = 0;
   }
   params_[0] =
       cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyLengths());
@@ -127,7 +141,8 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].share = share_;
   params_[0].any_self = scene_.anySelf() ? 1 : 0;
   params_[0].fans = scene_.anySelf() && asksForFans(options) ? 1 : 0;
-  if (result_.started_cold || change.more_triangles > 0) sizeBins(options);
+  const bool any_new = result_.started_cold || reseeds;
+  if (any_new || change.more_triangles > 0) sizeBins(options, any_new);
   return true;
 }
 
@@ -138,18 +153,23 @@ void CudaDetector::group(const Scene& scene, const Options& options) {
   if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream_.get());
 }
 
+ColdStart CudaDetector::look(const Scene& scene, const Options& options, const CycleLimit& limit,
+                             Look how) {
+  return measurer_.measure(scene, share_, options, cluster_counts_, how, limit);
+}
+
 // Sizes and rules to a first scene, or to one whose make-up changed: it starts cold, unless the
-// clusters of the scene before do for it. False if the limit was over.
+// clusters of the scene before do for it. `start`: a glance at the scene, if there was one. False
+// if the limit was over.
 bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change,
                            const Options& options, const CycleLimit& limit, ColdStart& start) {
-  const auto look = [&](Look how) {
-    start = measurer_.measure(scene, share_, options, cluster_counts_, how, limit);
-  };
   if (!result_.started_cold) {
-    look(Look::kGlance);
+    if (start.seeds.empty()) start = look(scene, options, limit, Look::kGlance);
     result_.started_cold = !isAlike(start, change, options);
   }
-  if (result_.started_cold) look(sample_misled_ ? Look::kAll : Look::kSample);
+  if (result_.started_cold) {
+    start = look(scene, options, limit, sample_misled_ ? Look::kAll : Look::kSample);
+  }
   if (limit.wasOver()) return false;
   come_and_gone_ = 0;
   size_rule_ = start.size_rule;
@@ -181,32 +201,17 @@ bool CudaDetector::isAlike(const ColdStart& start, const DeviceScene::Change& ch
          std::max<std::size_t>(1, wanted) == sizes_.clusters;
 }
 
-// Prototypes from the seeds; no frame fits yet, no list says how far it reaches, no bin has room.
+// Prototypes from the seeds.
 void CudaDetector::startCold(const ColdStart& start, const Options& options) {
   asked_clusters_ = options.clusters;
   scale_ = start.scale;
-  std::vector<ClusterFrame> frames(start.seeds.size());
-  for (ClusterFrame& frame : frames) {
-    for (int k = 0; k < 3; ++k) {
-      frame.axes.axis[k] = {k == 0 ? 1.0F : 0.0F, k == 1 ? 1.0F : 0.0F, k == 2 ? 1.0F : 0.0F};
-      frame.along[k] = Quantiser(-1, 1);
-    }
-  }
   const cudaStream_t stream = stream_.get();
-  const auto put = [stream](auto* to, const auto& from) {
-    checkCuda(cudaMemcpyAsync(to, from.data(), from.size() * sizeof(from[0]),
-                              cudaMemcpyHostToDevice, stream),
-              "cudaMemcpyAsync to the device");
-  };
-  const auto clear = [stream](void* what, std::size_t bytes) {
-    checkCuda(cudaMemsetAsync(what, 0, bytes, stream), "cudaMemsetAsync");
-  };
-  put(arrays_.clusters.prototypes.data(), start.seeds);
-  put(arrays_.sweep.frames.data(), frames);
-  clear(arrays_.clusters.list_reach.data(), frames.size() * sizeof(float));
-  clear(arrays_.members.next_bins.data(), frames.size() * sizeof(Bin));
-  launchClusterLists(arrays_, stream);
-  stream_.synchronise();  // the host's arrays go
+  checkCuda(
+      cudaMemcpyAsync(arrays_.clusters.prototypes.data(), start.seeds.data(),
+                      start.seeds.size() * sizeof(start.seeds[0]), cudaMemcpyHostToDevice, stream),
+      "cudaMemcpyAsync to the device");
+  launchClusterStart(arrays_, stream);
+  stream_.synchronise();  // the host's seeds go
   cycles_since_refresh_ = 0;
 }
 
@@ -222,13 +227,15 @@ void CudaDetector::sendParams() {
   if (params_sent_ && std::memcmp(&sent_params_, params_.data(), sizeof sent_params_) == 0) return;
   std::memcpy(&sent_params_, params_.data(), sizeof sent_params_);
   params_sent_ = true;
-  copyFromHost(static_cast<const CycleParams*>(reachedAt(params_.data())), 1,
-               arrays_.the_params.data(), stream_.get());
+  HostCopies copies(stream_.get());
+  copies.add(static_cast<const CycleParams*>(reachedAt(params_.data())), 1,
+             arrays_.the_params.data());
+  copies.launch();
 }
 
 // Where the bins have no room, or not where it is needed, part of a cycle finds out how much that
-// is; where frames do not fit yet, more of one finds those.
-void CudaDetector::sizeBins(const Options& options) {
+// is; where clusters are new and no frame fits yet, more of one finds those.
+void CudaDetector::sizeBins(const Options& options, bool new_clusters) {
   if (arrays_.together()) return;
   const CycleShape shape = shapeOf(options, 0);
   const cudaStream_t stream = stream_.get();
@@ -236,7 +243,7 @@ void CudaDetector::sizeBins(const Options& options) {
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);
-  if (!result_.started_cold) return;
+  if (!new_clusters) return;
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchSort(arrays_, shape, stream);
@@ -278,14 +285,20 @@ void CudaDetector::fetchContacts(const Options& options, bool few) {
                 stream_.get());
 }
 
-// A scene that has outgrown its clusters or its scale starts anew.
-bool CudaDetector::isOutgrown(const CycleCounters& counted, const Options& options) const {
-  const bool more_large = counted.large > 2 * large_at_start_ + 64 + counted.clustered / 64;
+// A scene that has outgrown its scale starts anew; one that has outgrown its clusters has new ones,
+// from samples of the old ones if there are enough.
+void CudaDetector::noteGrowth(const CycleCounters& counted, const Options& options) {
+  constexpr std::uint64_t kSamplesEach = 4;
   const std::size_t wanted =
       clusterCountFor(options.clusters, cluster_counts_, counted.clustered, sizes_.clusters);
-  const bool other_count =
-      options.clusters == 0 && std::max<std::size_t>(1, wanted) != sizes_.clusters;
-  return more_large || other_count;
+  wanted_clusters_ = options.clusters > 0
+                         ? sizes_.clusters
+                         : std::max<std::uint32_t>(1, static_cast<std::uint32_t>(wanted));
+  const std::uint64_t samples = std::uint64_t{arrays_.clusters.sample_count} * counted.clustered;
+  const bool few_samples = samples < kSamplesEach * wanted_clusters_ * scene_.triangleCount();
+  const bool more_large = counted.large > 2 * large_at_start_ + 64 + counted.clustered / 64;
+  cold_ = more_large || (wanted_clusters_ != sizes_.clusters && few_samples);
+  sample_misled_ = cold_ && result_.started_cold;
 }
 
 namespace {

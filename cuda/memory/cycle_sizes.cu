@@ -62,15 +62,21 @@ void CycleSizes::raise(std::uint32_t& size, std::uint64_t needed) {
   size = static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, ~std::uint32_t{0}));
 }
 
+void CycleSizes::prepareClusters(std::uint32_t count) {
+  constexpr std::uint32_t kLeastSamples = 1024, kSamplesEach = 8;
+  clusters = count;
+  raise(samples, std::max(kLeastSamples, kSamplesEach * count));
+  raise(entries, 4 * std::uint64_t{tiles} + 48 * count + 256);
+  raise(units, 4 * std::uint64_t{tiles} + 4 * count + 256);
+}
+
 void CycleSizes::prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                          std::uint64_t memory_limit_bytes) {
-  constexpr std::uint32_t kLeastSamples = 1024, kSamplesEach = 8;
-  clusters = cluster_count;
-  const std::uint64_t n = clustered;
-  raise(samples, std::max(kLeastSamples, kSamplesEach * cluster_count));
-  raise(entries, 4 * std::uint64_t{tiles} + 48 * cluster_count + 256);
+  prepareClusters(cluster_count);
+  // What is out of reach of the others may come near, and then there is no time for more memory.
+  constexpr std::uint32_t kLeastShare = 2;
+  const std::uint64_t n = std::max(clustered, triangles / kLeastShare);
   raise(list_words, 8 * std::uint64_t{tiles} + 256);
-  raise(units, 4 * std::uint64_t{tiles} + 4 * cluster_count + 256);
   raise(tile_pairs, 24 * std::uint64_t{tiles} + 256);
   raise(crowded_pairs, 4 * std::uint64_t{tiles} + 256);
   const auto within = [&](std::uint32_t& size, std::uint64_t needed, std::uint64_t bytes) {

@@ -31,6 +31,9 @@ struct CycleSizes {
   // A size to at least `needed`; if it grows beyond what it was once, by half as much again.
   static void raise(std::uint32_t& size, std::uint64_t needed);
 
+  // For another number of clusters, where the rest of the scene stays: a guess.
+  void prepareClusters(std::uint32_t count);
+
   // For so many triangles in so many clusters, and the tiles that there are: a guess. None shrinks
   // but the number of clusters.
   void prepare(std::uint32_t clustered, std::uint32_t cluster_count,

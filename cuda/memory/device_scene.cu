@@ -2,6 +2,7 @@
 #include <cstring>
 #include <string>
 
+#include "core/parallel.h"
 #include "core/rules/margins.h"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_copy.cuh"
@@ -14,28 +15,31 @@ namespace {
 
 // From page-locked memory, which may go once the stream has been waited for.
 template <class T>
-void upload(const T* from, std::size_t count, T* to, cudaStream_t stream) {
-  if (count == 0) return;
-  copyFromHost(static_cast<const T*>(reachedAt(from)), count, to, stream);
+void add(const T* from, std::size_t count, T* to, HostCopies& copies) {
+  if (count > 0) copies.add(static_cast<const T*>(reachedAt(from)), count, to);
 }
 
 template <class T>
-void upload(const SceneTables::List<T>& from, T* to, cudaStream_t stream) {
-  upload(from.data(), from.size(), to, stream);
+void add(const SceneTables::List<T>& from, T* to, HostCopies& copies) {
+  add(from.data(), from.size(), to, copies);
 }
 
 // Vertices of a body whose first coordinate is `first` of all, by way of `staged` where they are
 // not in page-locked memory.
 template <class List>
-void send(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer<float>& staged,
-          float* to, cudaStream_t stream) {
+void add(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer<float>& staged,
+         float* to, HostCopies& copies) {
   const void* from = reachedAt(vertices.data());
   if (from == nullptr) {
+    constexpr std::size_t kPiece = std::size_t{1} << 14;
     staged.grow(all);  // once for all of them, or it would go while it is in use
-    std::copy(vertices.begin(), vertices.end(), staged.data() + first);
-    from = reachedAt(staged.data() + first);
+    float* const its = staged.data() + first;
+    parallelBlocks(vertices.size(), kPiece, [&](std::size_t, std::size_t begin, std::size_t end) {
+      std::copy_n(vertices.data() + begin, end - begin, its + begin);
+    });
+    from = reachedAt(its);
   }
-  copyFromHost(static_cast<const float*>(from), vertices.size(), to + first, stream);
+  copies.add(static_cast<const float*>(from), vertices.size(), to + first);
 }
 
 }  // namespace
@@ -123,33 +127,36 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   for (std::uint32_t i = first; i < tables_.taking_part.size(); ++i) {
     vertices_[tables_.taking_part[i]] = earlier_[tables_.taking_part[i]] = 0;  // no revision is 0
   }
-  stageCorners(scene, first);
+  first_staged_ = first;
   return changeOf(before, laid_out_bodies_);
 }
 
-// By way of page-locked memory, for there may be megabytes of them.
-void DeviceScene::stageCorners(const Scene& scene, std::uint32_t first_body) {
-  const bool any = first_body < tables_.bodies.size();
-  first_staged_ = any ? tables_.bodies[first_body].first_triangle : tables_.triangle_count;
-  if (!any) return;
+// Those of the bodies from first_staged_ on, by way of page-locked memory, for there may be
+// megabytes of them.
+void DeviceScene::addCorners(const Scene& scene, HostCopies& copies) {
+  if (first_staged_ >= tables_.bodies.size()) return;
+  const std::size_t first = tables_.bodies[first_staged_].first_triangle;
   staged_corners_.grow(3 * std::size_t{sizes_.triangles});
-  tables_.putCorners(scene, first_body, staged_corners_.data());
+  tables_.putCorners(scene, first_staged_, staged_corners_.data());
+  add(staged_corners_.data(), 3 * (tables_.triangle_count - first),
+      arrays_.corners.data() + 3 * first, copies);
 }
 
-void DeviceScene::sendLayout(cudaStream_t stream) {
+void DeviceScene::sendLayout(const Scene& scene, cudaStream_t stream) {
   growArrays(stream);
   if (laid_out_) return;
   arrays_.vertex_block_count = static_cast<std::uint32_t>(tables_.vertex_blocks.size());
   arrays_.triangle_block_count = static_cast<std::uint32_t>(tables_.triangle_blocks.size());
   arrays_.identity_mask = arrays_.identity_table.size() - 1;
-  upload(staged_corners_.data(), 3 * std::size_t{tables_.triangle_count - first_staged_},
-         arrays_.corners.data() + 3 * std::size_t{first_staged_}, stream);
-  upload(tables_.partners, arrays_.partners.data(), stream);
-  upload(tables_.group_mask, arrays_.group_mask.data(), stream);
-  upload(tables_.pair_enabled, arrays_.pair_enabled.data(), stream);
-  upload(tables_.listed, arrays_.listed_bodies.data(), stream);
-  upload(tables_.vertex_blocks, arrays_.vertex_blocks.data(), stream);
-  upload(tables_.triangle_blocks, arrays_.triangle_blocks.data(), stream);
+  HostCopies copies(stream);
+  addCorners(scene, copies);
+  add(tables_.partners, arrays_.partners.data(), copies);
+  add(tables_.group_mask, arrays_.group_mask.data(), copies);
+  add(tables_.pair_enabled, arrays_.pair_enabled.data(), copies);
+  add(tables_.listed, arrays_.listed_bodies.data(), copies);
+  add(tables_.vertex_blocks, arrays_.vertex_blocks.data(), copies);
+  add(tables_.triangle_blocks, arrays_.triangle_blocks.data(), copies);
+  copies.launch();
   laid_out_ = true;
 }
 
@@ -202,6 +209,7 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     if (!from.device_vertices) continue;
     if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
   }
+  HostCopies copies(stream);
   bool any = false;
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
     const BodyId id = tables_.taking_part[i];
@@ -212,25 +220,33 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
     if (from.device_vertices) {
       copier_.copy(from, arrays_.received.data() + first, stream);
     } else {
-      send(from.mesh.vertices, first, 3 * std::size_t{sizes_.vertices}, staged_vertices_,
-           arrays_.received.data(), stream);
+      add(from.mesh.vertices, first, 3 * std::size_t{sizes_.vertices}, staged_vertices_,
+          arrays_.received.data(), copies);
     }
-    vertices_[id] = from.vertices_revision;
   }
+  copies.launch();
+  for (const BodyId id : tables_.taking_part) vertices_[id] = scene.body(id).vertices_revision;
   deformed_ += any ? 1 : 0;
   if (motion == Motion::kSwept) sendEarlierVertices(scene, stream);
 }
 
 void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
+  const auto differs = [&](BodyId id) {
+    const Body& from = scene.body(id);
+    const bool any = from.earlier && !from.earlier->vertices.empty();
+    return any && earlier_[id] != from.earlier_revision;
+  };
+  HostCopies copies(stream);
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
     const BodyId id = tables_.taking_part[i];
-    const Body& from = scene.body(id);
-    if (!from.earlier || from.earlier->vertices.empty()) continue;
-    if (earlier_[id] == from.earlier_revision) continue;
+    if (!differs(id)) continue;
     const std::size_t first = 3 * std::size_t{tables_.bodies[i].first_vertex};
-    send(from.earlier->vertices, first, 3 * std::size_t{sizes_.vertices}, staged_earlier_vertices_,
-         arrays_.earlier_received.data(), stream);
-    earlier_[id] = from.earlier_revision;
+    add(scene.body(id).earlier->vertices, first, 3 * std::size_t{sizes_.vertices},
+        staged_earlier_vertices_, arrays_.earlier_received.data(), copies);
+  }
+  copies.launch();
+  for (const BodyId id : tables_.taking_part) {
+    if (differs(id)) earlier_[id] = scene.body(id).earlier_revision;
   }
 }
 
@@ -267,13 +283,16 @@ void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale
     bodies_sent_ = bodies_sent_ && std::memcmp(&staged_bodies_[i], &body, sizeof body) == 0;
     staged_bodies_[i] = body;
   }
-  if (!bodies_sent_)
-    upload(staged_bodies_.data(), tables_.bodies.size(), arrays_.bodies.data(), stream);
+  HostCopies copies(stream);
+  if (!bodies_sent_) {
+    add(staged_bodies_.data(), tables_.bodies.size(), arrays_.bodies.data(), copies);
+  }
+  if (swept) addEarlierBodies(scene, copies);
+  copies.launch();
   bodies_sent_ = true;
-  if (swept) sendEarlierBodies(scene, stream);
 }
 
-void DeviceScene::sendEarlierBodies(const Scene& scene, cudaStream_t stream) {
+void DeviceScene::addEarlierBodies(const Scene& scene, HostCopies& copies) {
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
     const Body& from = scene.body(tables_.taking_part[i]);
     EarlierBody& body = staged_earlier_bodies_[i];
@@ -283,8 +302,7 @@ void DeviceScene::sendEarlierBodies(const Scene& scene, cudaStream_t stream) {
     body.has_vertices = from.earlier && !from.earlier->vertices.empty() ? 1 : 0;
     body.pad_m = from.pad_m;
   }
-  upload(staged_earlier_bodies_.data(), tables_.bodies.size(), arrays_.earlier_bodies.data(),
-         stream);
+  add(staged_earlier_bodies_.data(), tables_.bodies.size(), arrays_.earlier_bodies.data(), copies);
 }
 
 }  // namespace deformable_contact_monitor

@@ -9,6 +9,7 @@
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_vertices.cuh"
+#include "cuda/memory/host_copy.cuh"
 #include "cuda/memory/scene_tables.cuh"
 
 namespace deformable_contact_monitor {
@@ -38,7 +39,7 @@ class DeviceScene {
 
   // The arrays to their sizes; sends what was laid out, from the first body on that has changed. It
   // may not be laid out anew before that has arrived.
-  void sendLayout(cudaStream_t stream);
+  void sendLayout(const Scene& scene, cudaStream_t stream);
 
   // Once bodies are sent: the triangles by tiles, where a layout has changed.
   void group(cudaStream_t stream);
@@ -94,11 +95,11 @@ class DeviceScene {
   std::vector<LaidOutBody> bodiesOf(const Scene& scene) const;
   bool isLaidOut(const Scene& scene) const;
   Change layOutAnew(const Scene& scene);
-  void stageCorners(const Scene& scene, std::uint32_t first_body);
+  void addCorners(const Scene& scene, HostCopies& copies);
   void sizeFans(const Scene& scene);
   void growArrays(cudaStream_t stream);
   void sendEarlierVertices(const Scene& scene, cudaStream_t stream);
-  void sendEarlierBodies(const Scene& scene, cudaStream_t stream);
+  void addEarlierBodies(const Scene& scene, HostCopies& copies);
 
   const int device_;
   DeviceMemory& memory_;
@@ -107,7 +108,7 @@ class DeviceScene {
 
   bool laid_out_ = false;  // what is below is on the device, but for these tables
   SceneTables tables_;
-  std::uint32_t first_staged_ = 0;    // triangle whose corners begin staged_corners_
+  std::uint32_t first_staged_ = 0;    // body whose corners are the first to be sent
   std::uint32_t grouped_ = 0;         // so are the tiles of so many bodies
   std::uint32_t deformed_ = 0;        // cycles since then that sent vertices
   bool has_fans_ = false;             // so are the rings

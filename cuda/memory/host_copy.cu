@@ -6,22 +6,45 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr unsigned kThreads = 256;
-constexpr std::size_t kMostBlocks = 1024;
+constexpr unsigned kThreads = 256, kWordsEach = 4;
+constexpr std::uint32_t kWordsOfBlock = kThreads * kWordsEach;
 
-__global__ void __launch_bounds__(kThreads)
-    copyKernel(const std::uint32_t* from, std::size_t count, std::uint32_t* to) {
-  const std::size_t stride = gridDim.x * kThreads;
-  for (std::size_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) to[i] = from[i];
+__global__ void __launch_bounds__(kThreads) copyKernel(HostCopyList copies) {
+  unsigned k = 0;
+  while (k + 1 < copies.count && copies.first_block[k + 1] <= blockIdx.x) ++k;
+  const std::uint32_t* const from = copies.from[k];
+  std::uint32_t* const to = copies.to[k];
+  const std::uint32_t words = copies.words[k];
+  const std::uint32_t first = (blockIdx.x - copies.first_block[k]) * kWordsOfBlock + threadIdx.x;
+  std::uint32_t word[kWordsEach];
+#pragma unroll
+  for (unsigned i = 0; i < kWordsEach; ++i) {
+    const std::uint32_t at = first + i * kThreads;
+    if (at < words) word[i] = from[at];
+  }
+#pragma unroll
+  for (unsigned i = 0; i < kWordsEach; ++i) {
+    const std::uint32_t at = first + i * kThreads;
+    if (at < words) to[at] = word[i];
+  }
 }
 
 }  // namespace
 
-void copyWordsFromHost(const std::uint32_t* from, std::size_t count, std::uint32_t* to,
-                       cudaStream_t stream) {
-  if (count == 0) return;
-  const std::size_t blocks = std::min(kMostBlocks, (count + kThreads - 1) / kThreads);
-  copyKernel<<<static_cast<unsigned>(blocks), kThreads, 0, stream>>>(from, count, to);
+void HostCopies::addWords(const std::uint32_t* from, std::size_t words, std::uint32_t* to) {
+  if (words == 0) return;
+  if (list_.count == HostCopyList::kMost) launch();
+  const unsigned k = list_.count++;
+  list_.from[k] = from;
+  list_.to[k] = to;
+  list_.words[k] = static_cast<std::uint32_t>(words);
+  list_.first_block[k] = blocks_;
+  blocks_ += static_cast<std::uint32_t>((words + kWordsOfBlock - 1) / kWordsOfBlock);
+}
+
+void HostCopies::launch() {
+  if (blocks_ > 0) copyKernel<<<blocks_, kThreads, 0, stream_>>>(list_);
+  list_.count = blocks_ = 0;
   checkCuda(cudaGetLastError(), "a kernel that copies from the host");
 }
 

@@ -8,19 +8,41 @@
 
 namespace deformable_contact_monitor {
 
-// Copies `count` words, behind what is in the stream. `from`: where the device reaches page-locked
-// memory (reachedAt()), which may go once the stream has been waited for. The driver's copies run
-// on an engine of their own, and kernels behind one may begin some 5 us later.
-void copyWordsFromHost(const std::uint32_t* from, std::size_t count, std::uint32_t* to,
-                       cudaStream_t stream);
+// As many copies as a kernel takes as its argument.
+struct HostCopyList {
+  static constexpr unsigned kMost = 16;
+  const std::uint32_t* from[kMost];
+  std::uint32_t* to[kMost];
+  std::uint32_t words[kMost];
+  std::uint32_t first_block[kMost];  // of those that make it
+  unsigned count = 0;
+};
 
-// The same for elements of whole words.
-template <class T>
-void copyFromHost(const T* from, std::size_t count, T* to, cudaStream_t stream) {
-  static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
-  copyWordsFromHost(reinterpret_cast<const std::uint32_t*>(from),
-                    count * (sizeof(T) / sizeof(std::uint32_t)),
-                    reinterpret_cast<std::uint32_t*>(to), stream);
-}
+// Copies that one kernel makes, for a launch takes longer than most of them do. The driver's own
+// copies run on an engine of their own, and kernels behind one may begin some 5 us later.
+class HostCopies {
+ public:
+  explicit HostCopies(cudaStream_t stream) : stream_(stream) {}
+
+  // `count` elements of whole words. `from`: where the device reaches page-locked memory
+  // (reachedAt()), which may go once the stream has been waited for. Where there are many copies,
+  // launches those ahead.
+  template <class T>
+  void add(const T* from, std::size_t count, T* to) {
+    static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
+    addWords(reinterpret_cast<const std::uint32_t*>(from),
+             count * (sizeof(T) / sizeof(std::uint32_t)), reinterpret_cast<std::uint32_t*>(to));
+  }
+
+  // What was added goes into the stream. What was not launched is not copied.
+  void launch();
+
+ private:
+  void addWords(const std::uint32_t* from, std::size_t words, std::uint32_t* to);
+
+  cudaStream_t stream_;
+  HostCopyList list_;
+  std::uint32_t blocks_ = 0;
+};
 
 }  // namespace deformable_contact_monitor

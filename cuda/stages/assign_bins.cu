@@ -1,5 +1,5 @@
 // Stage assign, for the next cycle: how much room the tiles of each cluster are to have.
-#include "cuda/device/warp.cuh"
+#include "cuda/device/block_prefix.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
@@ -16,21 +16,6 @@ __device__ std::uint32_t wantedPlaces(const CycleArrays& c, ClusterIndex bin) {
   return max(count + count / 4 + kSpare, before - before / 32);
 }
 
-// By the whole block: the sum over the threads, and over those before this one.
-__device__ std::uint32_t blockPrefix(std::uint32_t x, std::uint32_t& total) {
-  __shared__ std::uint32_t warp_total[kScanThreads / kWarp];
-  std::uint32_t before = warpPrefix(x, total);
-  __syncthreads();  // who still reads those of the last time
-  if (laneId() == 0) warp_total[threadIdx.x / kWarp] = total;
-  __syncthreads();
-  total = 0;
-  for (unsigned w = 0; w < kScanThreads / kWarp; ++w) {
-    before += w < threadIdx.x / kWarp ? warp_total[w] : 0;
-    total += warp_total[w];
-  }
-  return before;
-}
-
 // One block, which goes through the clusters: reads members.counts, and writes
 // members.next_bins by an exclusive sum of the capacities. Room that nobody wants is shared out
 // too: a bin that overflows costs a cycle.
@@ -40,7 +25,7 @@ __global__ void __launch_bounds__(kScanThreads) binsKernel(CycleArrays c) {
   for (ClusterIndex g(threadIdx.x); g.value < bins; g.value += kScanThreads) {
     mine += wantedPlaces(c, g);
   }
-  blockPrefix(mine, wanted);
+  blockPrefix<kScanThreads>(mine, wanted);
   const std::uint32_t more = wanted < room ? (room - wanted) / bins : 0;
   std::uint32_t begin = 0;
   for (std::uint32_t first = 0; first < bins; first += kScanThreads) {
@@ -48,7 +33,7 @@ __global__ void __launch_bounds__(kScanThreads) binsKernel(CycleArrays c) {
     const std::uint32_t its = g.value < bins ? wantedPlaces(c, g) : 0;
     const std::uint32_t capacity = g.value < bins ? its + more : 0;
     std::uint32_t sum;
-    const std::uint32_t before = blockPrefix(capacity, sum);
+    const std::uint32_t before = blockPrefix<kScanThreads>(capacity, sum);
     // Bins that do not fit are cut; the host makes room.
     const std::uint32_t place = min(begin + before, room);
     if (g.value < bins) c.members.next_bins[g] = {place, min(capacity, room - place), its};

@@ -69,6 +69,12 @@ void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream
 // The lists alone.
 void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 
+// cluster, ahead of a cycle: new prototypes, from the first `samples` of clusters.samples, of which
+// some must be there.
+void launchClusterSeeds(const CycleArrays& cycle, std::uint32_t samples, cudaStream_t stream);
+// With new prototypes, the rest of what a cycle knows of its clusters: lists, frames, bins.
+void launchClusterStart(const CycleArrays& cycle, cudaStream_t stream);
+
 // sweep: pairs of tiles whose intervals, packed boxes and boxes intersect, and which this cluster
 // owns. Reads the arrays of `sweep`; writes sweep.tile_pairs and sweep.crowded_pairs. Right behind
 // launchSort.

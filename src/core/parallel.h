@@ -4,9 +4,11 @@
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 
 #include "core/cycle_limit.h"
 
@@ -45,6 +47,23 @@ void serialBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_size
     body(begin, std::min(n, begin + block_size));
   }
 }
+
+// What another thread does meanwhile, if there is one for it.
+class BesideTask {
+ public:
+  template <class Work>
+  void start(const Work& work) {
+    group_.emplace().run(work);
+  }
+  // For the end of what was started, if anything was, and throws what that threw. To be called
+  // before this goes.
+  void wait() {
+    if (group_) group_->wait();
+  }
+
+ private:
+  std::optional<tbb::task_group> group_;
+};
 
 // Both, at the same time if there are threads for it.
 template <class First, class Second>

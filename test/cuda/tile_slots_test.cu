@@ -31,7 +31,7 @@ class OnDevice {
  public:
   void send(const Scene& scene) {
     device_scene_.layOut(scene, Motion::kInstant, false);
-    device_scene_.sendLayout(stream_.get());
+    device_scene_.sendLayout(scene, stream_.get());
     device_scene_.sendVertices(scene, Motion::kInstant, stream_.get());
     device_scene_.sendBodies(scene, Motion::kInstant, SceneScale(), stream_.get());
     device_scene_.group(stream_.get());

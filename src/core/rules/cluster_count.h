@@ -16,8 +16,8 @@ struct ClusterCountPolicy {
 };
 
 // For `triangles` in clusters. `asked`: how many the user wants, 0: as the scene asks for;
-// `current`: how many there are, or 0. Keeps what is about right, for a new count costs a cold
-// start.
+// `current`: how many there are, or 0. Keeps what is about right, for a new count costs new
+// clusters.
 inline std::size_t clusterCountFor(int asked, const ClusterCountPolicy& policy,
                                    std::size_t triangles, std::size_t current) {
   if (asked > 0) return std::min(static_cast<std::size_t>(asked), triangles);

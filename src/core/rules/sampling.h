@@ -35,7 +35,7 @@ inline Sampling samplingOf(std::uint32_t triangles, std::uint32_t clusters, std:
 
 // Where in the order of `triangles` triangles the centroid lies that prototype `g` of `clusters`
 // starts from: in the middle of its share.
-inline std::size_t seedOf(std::size_t g, std::size_t clusters, std::size_t triangles) {
+DCM_HD inline std::size_t seedOf(std::size_t g, std::size_t clusters, std::size_t triangles) {
   return (2 * g + 1) * triangles / (2 * clusters);
 }
 

@@ -1,0 +1,160 @@
+// What the CUDA backend keeps of a scene that changes, and what it makes anew.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/cpu/cpu_detector.h"
+#include "cuda/cuda_detector.h"
+#include "device_test.h"
+#include "pair_sets.h"
+#include "scenes.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+class ChangingScenes : public DeviceTest {};
+
+// A cloth of 7 200 triangles, with itself and with a body of 128.
+Scene clothAndSmallBody() {
+  Scene scene = selfScene(clothGrid(60, 1, 0, 0.3F));
+  scene.addBody("small", clothGrid(8, 0.3F, 0.1F, 0));
+  scene.setPairEnabled(0, 1, true);
+  return scene;
+}
+
+// Bodies that come and go beside a cloth leave its clusters as they are.
+TEST_F(ChangingScenes, ASmallChangeIsNoColdStart) {
+  if (!hasDevice()) return;
+  const auto detector = makeCudaDetector();
+  Scene scene = clothAndSmallBody();
+  Options options;
+  options.clusters = 12;
+  EXPECT_TRUE(detector->detect(scene, options).started_cold);
+  for (const int cells : {7, 8, 9, 0, 9}) {
+    scene.setMesh(1, cells > 0 ? clothGrid(cells, 0.3F, 0.1F, 0) : TriangleMesh());
+    const DetectionResult& result = detector->detect(scene, options);
+    EXPECT_FALSE(result.started_cold) << cells;
+    EXPECT_TRUE(samePairs(makeCpuDetector()->detect(scene, options).contacts, result.contacts));
+  }
+  scene.setMesh(1, clothGrid(50, 0.3F, 0.1F, 0));
+  EXPECT_TRUE(detector->detect(scene, options).started_cold) << "much is new";
+  scene.setMesh(0, clothGrid(60, 100, 0, 0.3F));
+  EXPECT_TRUE(detector->detect(scene, options).started_cold) << "it is of another size";
+}
+
+// Each of them alone is no reason to look at the scene again, all of them are: or its clusters
+// would be those of a scene that is long gone.
+TEST_F(ChangingScenes, SmallChangesAddUpToALook) {
+  if (!hasDevice()) return;
+  const auto detector = makeCudaDetector();
+  Scene scene = clothAndSmallBody();
+  Options options;
+  options.clusters = 12;
+  EXPECT_TRUE(detector->detect(scene, options).started_cold);
+  std::vector<float> shrunk = scene.body(0).mesh.vertices;
+  for (float& x : shrunk) x *= 0.2F;
+  scene.setVertices(0, shrunk.data(), shrunk.size() / 3);
+  EXPECT_FALSE(detector->detect(scene, options).started_cold) << "motion alone";
+  std::vector<bool> cold;
+  for (const int cells : {9, 8, 9, 8, 9}) {
+    scene.setMesh(1, clothGrid(cells, 0.3F, 0.1F, 0));
+    const DetectionResult& result = detector->detect(scene, options);
+    cold.push_back(result.started_cold);
+    EXPECT_TRUE(samePairs(makeCpuDetector()->detect(scene, options).contacts, result.contacts));
+  }
+  // 128 to 162 triangles a change; a sixteenth of all is 459.
+  EXPECT_EQ(cold, std::vector<bool>({false, false, true, false, false}));
+}
+
+// One cluster is looked at in one way while its tiles are few, in another where they are not.
+TEST_F(ChangingScenes, OneClusterMayGrowAndShrink) {
+  if (!hasDevice()) return;
+  const auto detector = makeCudaDetector();
+  Options options;
+  options.clusters = 1;
+  Scene scene = selfScene(sizedTo(clothGrid(60, 1, 0, 0.3F), 100000));
+  scene.addBody("other", clothGrid(2, 1, 0.1F, 0));
+  scene.setPairEnabled(0, 1, true);
+  for (const int cells : {2, 150, 2}) {
+    scene.setMesh(1, clothGrid(cells, 1, 0.1F, 0));
+    const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(samePairs(expected, detector->detect(scene, options).contacts)) << cells;
+    }
+  }
+}
+
+// Two cloths, of which one comes down through the other: ever more triangles are within reach, and
+// are worth ever more clusters. Those come from samples; the scene is not looked at again.
+TEST_F(ChangingScenes, NewClustersAreNoColdStart) {
+  if (!hasDevice()) return;
+  const auto detector = makeCudaDetector();
+  constexpr int kCells = 250;
+  Scene scene = pairScene(clothGrid(kCells, 1, 0, 0.02F), clothGrid(kCells, 1, 0, -0.02F));
+  std::set<std::uint64_t> clusters;
+  for (const double shift : {0.9, 0.5, 0.3, 0.1, 0.0, 0.5, 0.95}) {
+    RigidTransform pose;
+    pose.translation[0] = shift;
+    scene.setPose(1, pose);
+    const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
+    for (int i = 0; i < 3; ++i) {
+      const DetectionResult& result = detector->detect(scene, Options());
+      EXPECT_EQ(result.started_cold, shift == 0.9 && i == 0) << shift;
+      ASSERT_TRUE(samePairs(expected, result.contacts)) << shift;
+      ASSERT_FALSE(expected.empty()) << shift;
+      const Counters& counters = result.counters;
+      clusters.insert(counters.clusters);
+      if (i == 0 || counters.clusters == 1) continue;  // those of the scene before
+      EXPECT_LT(5 * counters.largest_cluster, counters.clustered) << shift << ", cycle " << i;
+    }
+  }
+  EXPECT_GE(clusters.size(), 3U) << "their number was to change";
+}
+
+// Of a body that is small beside the other there are few samples, too few for clusters.
+TEST_F(ChangingScenes, WithFewSamplesTheSceneIsLookedAtAgain) {
+  if (!hasDevice()) return;
+  const auto detector = makeCudaDetector();
+  Scene scene = pairScene(clothGrid(250, 1, 0, 0.02F), clothGrid(750, 30, 0, 0));
+  std::vector<bool> cold;
+  for (const double shift : {29.9, 29.9, 10.0, 10.0, 10.0}) {
+    RigidTransform pose;
+    pose.translation[0] = pose.translation[1] = shift;
+    scene.setPose(0, pose);
+    const DetectionResult& result = detector->detect(scene, Options());
+    cold.push_back(result.started_cold);
+    ASSERT_TRUE(samePairs(makeCpuDetector()->detect(scene, Options()).contacts, result.contacts));
+    ASSERT_FALSE(result.contacts.empty());
+  }
+  EXPECT_EQ(cold, std::vector<bool>({true, false, false, true, false}));
+}
+
+// More of them than one kernel copies at a time.
+TEST_F(ChangingScenes, ManyBodiesMayDeformAtOnce) {
+  if (!hasDevice()) return;
+  const auto detector = makeCudaDetector();
+  constexpr int kBodies = 50;
+  Scene scene;
+  for (int b = 0; b < kBodies; ++b) {
+    scene.addBody("cloth " + std::to_string(b), TriangleMesh());
+    if (b > 0) scene.setPairEnabled(static_cast<BodyId>(b - 1), static_cast<BodyId>(b), true);
+  }
+  std::size_t found = 0;
+  for (const float apart : {0.02F, 0.03F, 0.025F}) {
+    for (int b = 0; b < kBodies; ++b) {
+      const TriangleMesh mesh = clothGrid(5 + b % 4, 1, apart * static_cast<float>(b), 0.05F);
+      if (apart == 0.02F) scene.setMesh(static_cast<BodyId>(b), mesh);
+      scene.setVertices(static_cast<BodyId>(b), mesh.vertices.data(), mesh.vertexCount());
+    }
+    const DetectionResult& result = detector->detect(scene, Options());
+    ASSERT_TRUE(samePairs(makeCpuDetector()->detect(scene, Options()).contacts, result.contacts));
+    found += result.contacts.size();
+  }
+  EXPECT_GT(found, 1000U);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
