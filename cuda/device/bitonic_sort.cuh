@@ -57,9 +57,12 @@ __device__ inline void bitonicSort(std::uint32_t* key, unsigned whole, unsigned 
       low = high;
       high = swapped;
     }
-    for (unsigned apart = min(run / 2, kWarp / 2); mine && apart > 0; apart /= 2) {
-      low = exchanged(low, apart, ascends(run, at));
-      high = exchanged(high, apart, ascends(run, at + kWarp));
+    const bool low_ascends = ascends(run, at), high_ascends = ascends(run, at + kWarp);
+#pragma unroll
+    for (unsigned apart = kWarp / 2; apart > 0; apart /= 2) {
+      if (!mine || apart >= run) continue;
+      low = exchanged(low, apart, low_ascends);
+      high = exchanged(high, apart, high_ascends);
     }
   }
   store();

@@ -16,7 +16,7 @@ constexpr unsigned kThreads = 128;
 
 // A key: the triangle's number in the lowest bits; above, its place on the curve through its body,
 // in so many steps for each triangle, behind all of the bodies ahead.
-constexpr int kTriangleBits = 27, kStepBits = 10;
+constexpr int kTriangleBits = 27, kStepBits = 7;
 
 __device__ TriangleIndex triangleOf(std::uint64_t key) {
   return TriangleIndex(static_cast<std::uint32_t>(key) & ((1U << kTriangleBits) - 1));
