@@ -117,6 +117,11 @@ class SharedDetector : public Detector {
 
   std::string backend() const override { return sharers_.front().detector->backend(); }
 
+  // Which all devices reach alike.
+  std::pmr::memory_resource& vertexMemory() override {
+    return sharers_.front().detector->vertexMemory();
+  }
+
   void reset() override {
     for (Sharer& sharer : sharers_) sharer.detector->reset();
     bounds_ = ShareBounds();

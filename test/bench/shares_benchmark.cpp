@@ -53,6 +53,7 @@ struct Taken {
 
 Taken take(Moving& moving, const CudaSettings& settings, const Options& options) {
   const auto detector = makeCudaDetector(settings);
+  moving.scene.useMemory(detector->vertexMemory());
   Taken taken;
   for (int i = 0; i < moving.warmUp(); ++i) {
     moving.step(i);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,10 @@ class ShareStandIn : public ShareDetector {
  public:
   std::string backend() const override { return "stand-in"; }
   void reset() override { all_->reset(); }
+  std::pmr::memory_resource& vertexMemory() override {
+    static std::pmr::synchronized_pool_resource memory;
+    return memory;
+  }
   void setShare(const SceneShare& share) override { share_ = share; }
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {

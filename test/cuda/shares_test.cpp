@@ -140,6 +140,16 @@ TEST_P(Shares, HaveEachContactOnce) {
   EXPECT_GT(dealt_out, 100U);
 }
 
+TEST_P(Shares, ReadVerticesSoonestWhereOneDoes) {
+  const auto detector = shared(3);
+  EXPECT_EQ(&detector->vertexMemory(), &one_->vertexMemory());
+  Scene scene = randomScene(1);
+  scene.useMemory(detector->vertexMemory());
+  const std::vector<TrianglePair> expected = one_->detect(scene, Options()).contacts;
+  EXPECT_FALSE(expected.empty());
+  EXPECT_TRUE(samePairs(expected, detector->detect(scene, Options()).contacts));
+}
+
 // Long-lived detectors on a scene of which bodies come and go and all else changes, with cold
 // starts.
 TEST_P(Shares, TogetherFindWhatOneFinds) {

@@ -10,6 +10,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace tbb {
@@ -66,6 +67,34 @@ void parallel_for(std::size_t begin, std::size_t end, const Body& body) {
   const auto threads = std::min(end - begin, static_cast<std::size_t>(threadsHere()));
   runTogether(std::vector<std::function<void()>>(threads, take));
 }
+
+class task_group {
+ public:
+  ~task_group() {
+    if (thread_.joinable()) thread_.join();
+  }
+
+  // One at a time.
+  template <class Task>
+  void run(const Task& task) {
+    thread_ = std::thread([this, task, limit = threadsHere()] {
+      threadsHere() = limit;
+      try {
+        task();
+      } catch (...) {
+        thrown_ = std::current_exception();
+      }
+    });
+  }
+  void wait() {
+    if (thread_.joinable()) thread_.join();
+    if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+  }
+
+ private:
+  std::thread thread_;
+  std::exception_ptr thrown_;
+};
 
 class task_arena {
  public:
