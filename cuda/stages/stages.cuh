@@ -32,7 +32,8 @@ using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 
 // pose: finds vertices that are equal as received, where some body has contacts with itself, and
 // those whose fans are certified: reads scene.received; writes scene.vertex_id and
-// scene.fan_certified. Of one of several shares, but for vertices that lie beside it.
+// scene.fan_certified. At one moment, of one of several shares, but for vertices that lie beside
+// it.
 void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // pose: starts a cycle, that is, clears what it adds to: the counters, the members' counts, the
@@ -69,8 +70,8 @@ void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream
 // The lists alone.
 void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 
-// cluster, ahead of a cycle: new prototypes, from the first `samples` of clusters.samples, of which
-// some must be there.
+// cluster, ahead of a cycle: new prototypes, from the first `samples` of clusters.samples; where
+// none of those is a sample, they stay what they are.
 void launchClusterSeeds(const CycleArrays& cycle, std::uint32_t samples, cudaStream_t stream);
 // With new prototypes, the rest of what a cycle knows of its clusters: lists, frames, bins.
 void launchClusterStart(const CycleArrays& cycle, cudaStream_t stream);
