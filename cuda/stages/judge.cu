@@ -86,6 +86,11 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
   const OpenShares shares(c, warps);
+  // Blocks without a share leave at once.
+  constexpr std::uint32_t kSharesEach = kThreads / kWarp;
+  const std::uint32_t working =
+      min(gridDim.x, max((shares.all + kSharesEach - 1) / kSharesEach, 1U));
+  if (blockIdx.x >= working) return;
   for (std::uint32_t share = warp; share < shares.all; share += warps) {
     if (share >= warps && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) break;
     const std::uint32_t at = shares.at(share, c.contacts.open.size());
@@ -111,7 +116,7 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
     warpCount(&c.counters().undecided, verdict.contact && state.undecided);
     reportContacts(c, verdict.contact, a, b, verdict.separation_m);
   }
-  leaveCounters(c);
+  leaveCounters(c, working);
 }
 
 __global__ void restartKernel(CycleArrays c, bool first) {

@@ -161,7 +161,7 @@ __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c) {
     }
     reportMoving(c, verdict.may_touch, i, {verdict.first_low, -1});
   });
-  leaveCounters(c);
+  leaveCounters(c, gridDim.x);
 }
 
 }  // namespace
