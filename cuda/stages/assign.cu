@@ -32,23 +32,28 @@ __device__ Vec3f laneVector(const Vec3f& v, int lane) {
           __shfl_sync(kFullWarp, v.z, lane)};
 }
 
+// Of a body's partners, one for each lane; the body itself beyond the last.
+__device__ BodyIndex partnerOfLane(const SceneArrays& scene, BodyIndex b, const DeviceBody& body,
+                                   std::uint32_t first) {
+  const std::uint32_t p = first + laneId();
+  return p < body.partner_count ? scene.partners[Place(body.partner_begin + p)] : b;
+}
+
 // By a whole warp: whether this lane's box meets that of one of the body's partners that meets the
-// body's own; `all`: the box of all lanes' boxes.
+// body's own; `all`: the box of all lanes' boxes; `partner`: partnerOfLane() of the first ones.
 __device__ bool meetsPartner(const SceneArrays& scene, BodyIndex b, const Aabb& box,
-                             const Aabb& all) {
+                             const Aabb& all, BodyIndex partner) {
   const DeviceBody& body = scene.bodies[b];
   const Aabb own = bodyBox(scene, b);
   bool meets = false;
   for (std::uint32_t first = 0; first < body.partner_count; first += kWarp) {
-    const std::uint32_t p = first + laneId();
-    Aabb partner;
-    if (p < body.partner_count) {
-      partner = bodyBox(scene, scene.partners[Place(body.partner_begin + p)]);
-    }
-    unsigned near = __ballot_sync(kFullWarp, intersects(own, partner) && intersects(all, partner));
+    if (first > 0) partner = partnerOfLane(scene, b, body, first);
+    Aabb partners;
+    if (partner.value != b.value) partners = bodyBox(scene, partner);
+    unsigned near = __ballot_sync(kFullWarp, intersects(own, partners) && intersects(all, partners));
     for (; near != 0; near &= near - 1) {
       const int lane = __ffs(static_cast<int>(near)) - 1;
-      const Aabb other{laneVector(partner.min, lane), laneVector(partner.max, lane)};
+      const Aabb other{laneVector(partners.min, lane), laneVector(partners.max, lane)};
       meets = meets || intersects(box, other);
     }
   }
@@ -268,6 +273,9 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const TriangleIndex t(there ? named.value : 0);
   const VertexIndex* const corner = c.scene.corners.row(t);
   const VertexIndex vertices[3] = {corner[0], corner[1], corner[2]};
+  const SceneShare share = c.params().share;
+  const SizeRule size = c.params().size;
+  const BodyIndex partner = partnerOfLane(c.scene, b, body, 0);
   awaitKernelAhead();
   letNextStart();
   if (!is_tile) return;
@@ -275,10 +283,9 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const bool finite = there && corners.isFinite();
   const Aabb box = finite ? inflated(corners.box(c), body.margin_m) : Aabb();
   bool near = finite;
-  if (body.has_self == 0) near = meetsPartner(c.scene, b, box, warpBox(box)) && finite;
-  const SceneShare& share = c.params().share;
+  if (body.has_self == 0) near = meetsPartner(c.scene, b, box, warpBox(box), partner) && finite;
   const bool here = near && (share.isWhole() || corners.reachesInto(share, body.margin_m));
-  const bool large = here && c.params().size.isLarge(box);
+  const bool large = here && size.isLarge(box);
   const bool regular = here && !large;
   const unsigned live = __ballot_sync(kFullWarp, regular);
   warpCount(&c.counters().rejected, there && !finite);
