@@ -114,7 +114,8 @@ bool CudaDetector::sweepInPasses(const Options& options, const CycleLimit& limit
     for (std::uint32_t pass = 0; pass < passes && (fits || passes == most); ++pass) {
       params_[0].pass = pass;
       params_[0].passes = passes;
-      sendParams();
+      addParams();
+      copies_.launch();
       launchRestart(arrays_, pass == 0, stream);
       launchPairs(arrays_, shape, stream);
       launchLarge(arrays_, shape, stream);

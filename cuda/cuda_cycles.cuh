@@ -47,13 +47,14 @@ class CudaDetector : public ShareDetector {
   bool adaptTo(const Scene& scene, const DeviceScene::Change& change, const Options& options,
                const CycleLimit& limit, ColdStart& start);
   ColdStart look(const Scene& scene, const Options& options, const CycleLimit& limit, Look how);
-  void group(const Scene& scene, const Options& options);
+  void group(const Scene& scene, const Options& options, bool any_new);
   bool isToBeLookedAt(const DeviceScene::Change& change);
   bool isAlike(const ColdStart& start, const DeviceScene::Change& change,
                const Options& options) const;
   void startCold(const ColdStart& start, const Options& options);
   void makeArrays();
-  void sendParams();
+  void addParams();
+  void startCycle();
   void sizeBins(const Options& options, bool new_clusters);
   void runCycle(const Options& options);
   bool runUntilItFits(const Options& options, const CycleLimit& limit);
@@ -75,6 +76,7 @@ class CudaDetector : public ShareDetector {
   const DeviceTraits device_;
   const ClusterCountPolicy cluster_counts_;
   CudaStream stream_;
+  HostCopies copies_{stream_.get()};  // of this cycle, as many as can wait for its first launch
   CudaEvent cycle_start_, cycle_end_;
   DeviceMemory memory_;
   CycleSizes sizes_;

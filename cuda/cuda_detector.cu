@@ -93,8 +93,10 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   if (reseeds) sizes_.prepareClusters(wanted_clusters_);
   const std::uint32_t samples = arrays_.clusters.sample_count;
   cold_ = true;  // until this cycle is over: what fails leaves the device's state in doubt
+  copies_.forget();
   if (was_cold) {
     params_sent_ = false;
+    scene_.forgetSent();
     stream_.synchronise();  // a cycle that failed may have left work that knows the host's memory
   }
   motion_ = options.motion;
@@ -112,8 +114,9 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
     glance.start([&] { start = look(scene, options, limit, Look::kGlance); });
   }
   scene_.sendLayout(scene, stream);
-  scene_.sendVertices(scene, motion_, stream);
-  if (!was_cold) group(scene, options);
+  scene_.sendVertices(scene, motion_, copies_, stream);
+  if (was_cold || looks) copies_.launch();  // a look may end the cycle, or take a while
+  if (!was_cold) group(scene, options, change.any);
   glance.wait();
   if (looks && !looks_first) {
     const bool adapted = on_host
@@ -127,7 +130,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   makeArrays();
   if (result_.started_cold) {
     startCold(start, options);
-    group(scene, options);
+    group(scene, options, true);
   } else if (reseeds) {
     launchClusterSeeds(arrays_, samples, stream);
     launchClusterStart(arrays_, stream);
@@ -146,9 +149,10 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   return true;
 }
 
-// What the device makes of a scene that is there, of what is new of it.
-void CudaDetector::group(const Scene& scene, const Options& options) {
-  scene_.sendBodies(scene, motion_, scale_, stream_.get());
+// What the device makes of a scene that is there, of what is new of it, if anything is.
+void CudaDetector::group(const Scene& scene, const Options& options, bool any_new) {
+  scene_.sendBodies(scene, motion_, scale_, copies_);
+  if (any_new) copies_.launch();
   scene_.group(stream_.get());
   if (scene_.anySelf() && asksForFans(options)) scene_.findFans(stream_.get());
 }
@@ -217,20 +221,26 @@ void CudaDetector::startCold(const ColdStart& start, const Options& options) {
 
 // Arrays of the sizes.
 void CudaDetector::makeArrays() {
+  if (memory_.isToGrow(sizes_)) copies_.launch();  // they know where arrays were
   memory_.grow(sizes_, stream_.get());
   arrays_.clusters.count = sizes_.clusters;
   arrays_.clusters.sample_count = std::min(sizes_.samples, scene_.triangleCount());
 }
 
-// Unless they are there already: the cycle would wait for even a small copy.
-void CudaDetector::sendParams() {
+// Unless they are there already.
+void CudaDetector::addParams() {
   if (params_sent_ && std::memcmp(&sent_params_, params_.data(), sizeof sent_params_) == 0) return;
   std::memcpy(&sent_params_, params_.data(), sizeof sent_params_);
   params_sent_ = true;
-  HostCopies copies(stream_.get());
-  copies.add(static_cast<const CycleParams*>(reachedAt(params_.data())), 1,
-             arrays_.the_params.data());
-  copies.launch();
+  copies_.add(static_cast<const CycleParams*>(reachedAt(params_.data())), 1,
+              arrays_.the_params.data());
+}
+
+// What the first kernel of a cycle finds there.
+void CudaDetector::startCycle() {
+  addParams();
+  addClearing(arrays_, copies_);
+  copies_.launch();
 }
 
 // Where the bins have no room, or not where it is needed, part of a cycle finds out how much that
@@ -239,11 +249,12 @@ void CudaDetector::sizeBins(const Options& options, bool new_clusters) {
   if (arrays_.together()) return;
   const CycleShape shape = shapeOf(options, 0);
   const cudaStream_t stream = stream_.get();
-  sendParams();
+  startCycle();
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);
   if (!new_clusters) return;
+  startCycle();
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchSort(arrays_, shape, stream);
@@ -261,7 +272,7 @@ CycleShape CudaDetector::shapeOf(const Options& options, int refinements) const 
 
 void CudaDetector::runCycle(const Options& options) {
   const cudaStream_t stream = stream_.get();
-  sendParams();
+  startCycle();
   const bool refresh = sizes_.clusters > 1 && ++cycles_since_refresh_ >= options.refresh_period;
   if (refresh) cycles_since_refresh_ = 0;
   const CycleShape shape = shapeOf(options, refresh ? options.iterations : 0);

@@ -44,13 +44,13 @@ unsigned char* DeviceMemory::place(const Array& array, std::uint32_t rows) {
 }
 
 void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
+  if (!isToGrow(sizes)) return;
   std::size_t growing = 0, all = 0;
   for (const Array& array : arrays_) {
     const std::uint32_t rows = array.rowsFor(sizes);
     all += bytesOf(array, rows);
     if (rows > *array.rows) growing += bytesOf(array, rows);
   }
-  if (growing == 0) return;
   const bool moves = used_ + growing > memory_.size();
   DeviceBuffer<unsigned char> other;
   if (moves) {

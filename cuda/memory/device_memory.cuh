@@ -35,6 +35,13 @@ class DeviceMemory {
   // device works on them. Throws CudaError; then all is as it was.
   void grow(const CycleSizes& sizes, cudaStream_t stream);
 
+  // Whether some array is not of that size yet.
+  bool isToGrow(const CycleSizes& sizes) const {
+    return std::any_of(arrays_.begin(), arrays_.end(), [&sizes](const Array& array) {
+      return array.rowsFor(sizes) > *array.rows;
+    });
+  }
+
   std::uint64_t bytes() const { return memory_.bytes(); }
 
  private:

@@ -203,13 +203,19 @@ void DeviceScene::findFans(cudaStream_t stream) {
   has_fans_ = true;
 }
 
-void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t stream) {
+void DeviceScene::forgetSent() {
+  std::fill(vertices_.begin(), vertices_.end(), 0);  // no revision is 0
+  std::fill(earlier_.begin(), earlier_.end(), 0);
+  bodies_sent_ = false;
+}
+
+void DeviceScene::sendVertices(const Scene& scene, Motion motion, HostCopies& copies,
+                               cudaStream_t stream) {
   for (const BodyId id : tables_.taking_part) {
     const Body& from = scene.body(id);
     if (!from.device_vertices) continue;
     if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
   }
-  HostCopies copies(stream);
   bool any = false;
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
     const BodyId id = tables_.taking_part[i];
@@ -224,19 +230,17 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, cudaStream_t s
           arrays_.received.data(), copies);
     }
   }
-  copies.launch();
   for (const BodyId id : tables_.taking_part) vertices_[id] = scene.body(id).vertices_revision;
   deformed_ += any ? 1 : 0;
-  if (motion == Motion::kSwept) sendEarlierVertices(scene, stream);
+  if (motion == Motion::kSwept) sendEarlierVertices(scene, copies);
 }
 
-void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
+void DeviceScene::sendEarlierVertices(const Scene& scene, HostCopies& copies) {
   const auto differs = [&](BodyId id) {
     const Body& from = scene.body(id);
     const bool any = from.earlier && !from.earlier->vertices.empty();
     return any && earlier_[id] != from.earlier_revision;
   };
-  HostCopies copies(stream);
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
     const BodyId id = tables_.taking_part[i];
     if (!differs(id)) continue;
@@ -244,7 +248,6 @@ void DeviceScene::sendEarlierVertices(const Scene& scene, cudaStream_t stream) {
     add(scene.body(id).earlier->vertices, first, 3 * std::size_t{sizes_.vertices},
         staged_earlier_vertices_, arrays_.earlier_received.data(), copies);
   }
-  copies.launch();
   for (const BodyId id : tables_.taking_part) {
     if (differs(id)) earlier_[id] = scene.body(id).earlier_revision;
   }
@@ -270,7 +273,7 @@ Scene DeviceScene::onHost(const Scene& scene, cudaStream_t stream) const {
 }
 
 void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale& scale,
-                             cudaStream_t stream) {
+                             HostCopies& copies) {
   const bool swept = motion == Motion::kSwept;
   any_ = {scene.anyMargin(), scene.anyPad()};
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
@@ -283,12 +286,10 @@ void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale
     bodies_sent_ = bodies_sent_ && std::memcmp(&staged_bodies_[i], &body, sizeof body) == 0;
     staged_bodies_[i] = body;
   }
-  HostCopies copies(stream);
   if (!bodies_sent_) {
     add(staged_bodies_.data(), tables_.bodies.size(), arrays_.bodies.data(), copies);
   }
   if (swept) addEarlierBodies(scene, copies);
-  copies.launch();
   bodies_sent_ = true;
 }
 

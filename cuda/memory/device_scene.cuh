@@ -52,17 +52,19 @@ class DeviceScene {
   // before.
   void findFans(cudaStream_t stream);
 
-  // Sends vertices that changed; those that are on the device are copied there. Throws
-  // std::invalid_argument, naming the body, where they cannot be read.
-  void sendVertices(const Scene& scene, Motion motion, cudaStream_t stream);
+  // Sends vertices that changed, with `copies`; those that are on the device are copied there, in
+  // the stream. Throws std::invalid_argument, naming the body, where they cannot be read.
+  void sendVertices(const Scene& scene, Motion motion, HostCopies& copies, cudaStream_t stream);
+  // What was sent may not have arrived: all vertices and bodies are to be sent again.
+  void forgetSent();
 
   // Whether the scene that was laid out has vertices on the device.
   bool anyFromDevice() const { return any_from_device_; }
   // That scene, with all of them brought to the host: takes milliseconds.
   Scene onHost(const Scene& scene, cudaStream_t stream) const;
 
-  // Sends all poses, and margins or pads. `scale`: of the clustering.
-  void sendBodies(const Scene& scene, Motion motion, const SceneScale& scale, cudaStream_t stream);
+  // Sends all poses, and margins or pads, with `copies`. `scale`: of the clustering.
+  void sendBodies(const Scene& scene, Motion motion, const SceneScale& scale, HostCopies& copies);
 
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return tables_.group_count; }
@@ -98,7 +100,7 @@ class DeviceScene {
   void addCorners(const Scene& scene, HostCopies& copies);
   void sizeFans(const Scene& scene);
   void growArrays(cudaStream_t stream);
-  void sendEarlierVertices(const Scene& scene, cudaStream_t stream);
+  void sendEarlierVertices(const Scene& scene, HostCopies& copies);
   void addEarlierBodies(const Scene& scene, HostCopies& copies);
 
   const int device_;

@@ -20,7 +20,7 @@ __global__ void __launch_bounds__(kThreads) copyKernel(HostCopyList copies) {
 #pragma unroll
   for (unsigned i = 0; i < kWordsEach; ++i) {
     const std::uint32_t at = first + i * kThreads;
-    if (at < words) word[i] = from[at];
+    if (at < words) word[i] = from == nullptr ? 0 : from[at];
   }
 #pragma unroll
   for (unsigned i = 0; i < kWordsEach; ++i) {
@@ -44,7 +44,7 @@ void HostCopies::addWords(const std::uint32_t* from, std::size_t words, std::uin
 
 void HostCopies::launch() {
   if (blocks_ > 0) copyKernel<<<blocks_, kThreads, 0, stream_>>>(list_);
-  list_.count = blocks_ = 0;
+  forget();
   checkCuda(cudaGetLastError(), "a kernel that copies from the host");
 }
 

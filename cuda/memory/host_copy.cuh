@@ -1,4 +1,4 @@
-// From the host's memory to the device by a kernel.
+// From the host's memory to the device by a kernel, and what else a cycle begins with.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -11,7 +11,7 @@ namespace deformable_contact_monitor {
 // As many copies as a kernel takes as its argument.
 struct HostCopyList {
   static constexpr unsigned kMost = 16;
-  const std::uint32_t* from[kMost];
+  const std::uint32_t* from[kMost];  // null: zeros
   std::uint32_t* to[kMost];
   std::uint32_t words[kMost];
   std::uint32_t first_block[kMost];  // of those that make it
@@ -24,9 +24,9 @@ class HostCopies {
  public:
   explicit HostCopies(cudaStream_t stream) : stream_(stream) {}
 
-  // `count` elements of whole words. `from`: where the device reaches page-locked memory
-  // (reachedAt()), which may go once the stream has been waited for. Where there are many copies,
-  // launches those ahead.
+  // `count` elements of whole words. `from`: the device's memory, or where it reaches page-locked
+  // memory (reachedAt()), which may go once the stream has been waited for. Where there are many
+  // copies, launches those ahead.
   template <class T>
   void add(const T* from, std::size_t count, T* to) {
     static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
@@ -34,8 +34,16 @@ class HostCopies {
              count * (sizeof(T) / sizeof(std::uint32_t)), reinterpret_cast<std::uint32_t*>(to));
   }
 
+  // `count` elements become zeros.
+  template <class T>
+  void addZeros(std::size_t count, T* to) {
+    add(static_cast<const T*>(nullptr), count, to);
+  }
+
   // What was added goes into the stream. What was not launched is not copied.
   void launch();
+  // What was added and not launched is forgotten.
+  void forget() { list_.count = blocks_ = 0; }
 
  private:
   void addWords(const std::uint32_t* from, std::size_t words, std::uint32_t* to);

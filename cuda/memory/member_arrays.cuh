@@ -61,9 +61,11 @@ struct MemberArrays : ArrayGroup {
   // Of the clusters; this cycle's, and the next one's.
   DeviceArray<Bin, ClusterIndex> bins{*this, &CycleSizes::clusters};
   DeviceArray<Bin, ClusterIndex> next_bins{*this, &CycleSizes::clusters};
-  // How many entries came to each bin, whether they fit or not, in the first of 8 places, which
-  // keeps the counters of different clusters in different sectors; zero at the start of a cycle.
-  DeviceArray<std::uint32_t, ClusterIndex, 8> counts{*this, &CycleSizes::clusters};
+  // How many entries came to each bin, whether they fit or not, in the first of so many places,
+  // which keeps the counters of different clusters in different sectors; zero at the start of a
+  // cycle.
+  static constexpr unsigned kCountPlaces = 8;
+  DeviceArray<std::uint32_t, ClusterIndex, kCountPlaces> counts{*this, &CycleSizes::clusters};
   DeviceArray<TileIndex, EntryIndex> entries{*this, &CycleSizes::entries};
   DeviceArray<Member, MemberIndex> members{*this, &CycleSizes::slots};
   DeviceArray<MemberBox, MemberIndex> boxes{*this, &CycleSizes::slots};

@@ -11,13 +11,6 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-// A thread for each bin, and for each side of each body's box: the one place where what the cycle
-// adds to becomes zero.
-__global__ void __launch_bounds__(kThreads) clearKernel(CycleArrays c) {
-  letNextStart();  // the first kernel of a cycle: nothing is ahead of it
-  clearCycle(c, blockIdx.x * kThreads + threadIdx.x);
-}
-
 // A thread for each vertex, a block for each of scene.vertex_blocks: reads scene.received, writes
 // scene.posed, adds to scene.body_boxes and, where the lists of neighbours do not reach far enough
 // for a vertex, to scene.far_vertices.
@@ -43,8 +36,7 @@ __global__ void __launch_bounds__(kThreads) poseKernel(CycleArrays c) {
       found = nearestListed(view, scaled, start, body.slack, nearest);
     }
   }
-  awaitKernelAhead();
-  letNextStart();
+  letNextStart();  // the first kernel of a cycle: nothing is ahead of it
   if (body.partner_count > 0) {
     __shared__ BlockBox box;
     box.clear();
@@ -91,10 +83,18 @@ __global__ void __launch_bounds__(kThreads) farKernel(CycleArrays c) {
 
 }  // namespace
 
+void addClearing(const CycleArrays& cycle, HostCopies& copies) {
+  copies.addZeros(1, cycle.the_counters.data());
+  copies.addZeros(std::size_t{kSides} * cycle.scene.body_count, cycle.scene.body_boxes.data());
+  const std::size_t clusters = cycle.clusters.count;
+  copies.addZeros(clusters * MemberArrays::kCountPlaces, cycle.members.counts.data());
+  copies.add(cycle.members.next_bins.data(), clusters, cycle.members.bins.data());
+  copies.addZeros(cycle.contacts.swept_counters.size(), cycle.contacts.swept_counters.data());
+}
+
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (shape.swept) return launchPoseMoving(cycle, shape, stream);
-  clearKernel<<<(placesToClear(cycle) + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle);
-  launchEarly(poseKernel, cycle.scene.vertex_block_count, kThreads, 0, shape.device, stream, cycle);
+  poseKernel<<<cycle.scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
   if (cycle.clusters.count <= kFewPrototypes) return;  // none is far
 
   constexpr unsigned kFarBlocksEach = 4;  // of a multiprocessor

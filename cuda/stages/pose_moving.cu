@@ -59,14 +59,9 @@ __device__ Vec3f sampledMotion(const SceneArrays& scene) {
   return isFinite(common) && 2 * without < with ? common : Vec3f{};
 }
 
-// As clearKernel in pose.cu; the last block writes scene.common_motion, and clears the counters of
-// swept motion.
-__global__ void __launch_bounds__(kThreads) clearMovingKernel(CycleArrays c) {
+// A warp: writes scene.common_motion.
+__global__ void __launch_bounds__(kWarp) commonMotionKernel(CycleArrays c) {
   letNextStart();
-  clearCycle(c, blockIdx.x * kThreads + threadIdx.x);
-  if (blockIdx.x != gridDim.x - 1) return;
-  if (threadIdx.x == kWarp) *c.contacts.swept_counters.data() = SweptCounters{};
-  if (threadIdx.x >= kWarp) return;
   const Vec3f motion = sampledMotion(c.scene);
   if (laneId() == 0) c.scene.common_motion[Place(0)] = motion;
 }
@@ -201,8 +196,7 @@ void launchPoseMovingIdentities(const CycleArrays& cycle, cudaStream_t stream) {
 }
 
 void launchPoseMoving(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  const unsigned to_clear = placesToClear(cycle);
-  clearMovingKernel<<<(to_clear + kThreads - 1) / kThreads + 1, kThreads, 0, stream>>>(cycle);
+  commonMotionKernel<<<1, kWarp, 0, stream>>>(cycle);
   launchEarly(poseMovingKernel, cycle.scene.vertex_block_count, kThreads, 0, shape.device, stream,
               cycle);
   if (cycle.clusters.count <= kFewPrototypes) return;  // none is far

@@ -1,8 +1,6 @@
 // What poses of one state and of two have in common (stage pose).
 #pragma once
 
-#include <algorithm>
-
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/stages.cuh"
@@ -21,20 +19,6 @@ __device__ inline void putPosed(const SceneArrays& scene, VertexIndex i, const V
                                 const NearestPrototype& nearest) {
   scene.posed[i] =
       make_float4(v.x, v.y, v.z, __uint_as_float(nearest.cluster << 1 | (nearest.tied ? 1U : 0U)));
-}
-
-// The one place where what the cycle adds to becomes zero; `thread` of placesToClear().
-inline unsigned placesToClear(const CycleArrays& c) {
-  return std::max(c.clusters.count, kSides * c.scene.body_count);
-}
-__device__ inline void clearCycle(const CycleArrays& c, std::uint32_t thread) {
-  if (thread == 0) c.counters() = CycleCounters{};
-  if (thread < c.clusters.count) {
-    const ClusterIndex bin(thread);
-    c.members.bins[bin] = c.members.next_bins[bin];
-    c.members.count(bin) = 0;
-  }
-  if (thread < kSides * c.scene.body_count) c.scene.body_boxes.data()[thread] = 0;
 }
 
 // By a whole warp: the nearest of all prototypes.

@@ -6,6 +6,7 @@
 
 #include "cuda/device/launch.cuh"
 #include "cuda/memory/cycle_arrays.cuh"
+#include "cuda/memory/host_copy.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -36,10 +37,13 @@ using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 // it.
 void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// pose: starts a cycle, that is, clears what it adds to: the counters, the members' counts, the
-// boxes of the bodies; and takes over the bins that the last cycle sized. Brings the vertices into
-// the scene frame and bounds the bodies, and finds each vertex's nearest prototype: reads
-// scene.received; writes scene.posed, scene.body_boxes.
+// Ahead of each launchPose: what a cycle adds to becomes zero, that is, the counters, the members'
+// counts and the boxes of the bodies; and the bins that the last cycle sized are taken over. Beside
+// what the host sends: a kernel of its own would be waited for.
+void addClearing(const CycleArrays& cycle, HostCopies& copies);
+
+// pose: brings the vertices into the scene frame and bounds the bodies, and finds each vertex's
+// nearest prototype: reads scene.received; writes scene.posed, scene.body_boxes.
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // pose: gives triangles the ids of their vertices, but for those that lie beside the share: reads

@@ -32,8 +32,10 @@ class OnDevice {
   void send(const Scene& scene) {
     device_scene_.layOut(scene, Motion::kInstant, false);
     device_scene_.sendLayout(scene, stream_.get());
-    device_scene_.sendVertices(scene, Motion::kInstant, stream_.get());
-    device_scene_.sendBodies(scene, Motion::kInstant, SceneScale(), stream_.get());
+    HostCopies copies(stream_.get());
+    device_scene_.sendVertices(scene, Motion::kInstant, copies, stream_.get());
+    device_scene_.sendBodies(scene, Motion::kInstant, SceneScale(), copies);
+    copies.launch();
     device_scene_.group(stream_.get());
     device_scene_.groupAgain(stream_.get());
     slots_ = fetch(arrays_.scene.slot_triangle.data(), std::size_t{kWarp} * tileCount());
