@@ -54,7 +54,7 @@ class CudaDetector : public ShareDetector {
   void startCold(const ColdStart& start, const Options& options);
   void makeArrays();
   void addParams();
-  void startCycle();
+  void startCycle(const CycleShape& shape);
   void sizeBins(const Options& options, bool new_clusters);
   void runCycle(const Options& options);
   bool runUntilItFits(const Options& options, const CycleLimit& limit);

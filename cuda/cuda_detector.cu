@@ -237,9 +237,9 @@ void CudaDetector::addParams() {
 }
 
 // What the first kernel of a cycle finds there.
-void CudaDetector::startCycle() {
+void CudaDetector::startCycle(const CycleShape& shape) {
   addParams();
-  addClearing(arrays_, copies_);
+  addClearing(arrays_, shape, copies_);
   copies_.launch();
 }
 
@@ -249,12 +249,12 @@ void CudaDetector::sizeBins(const Options& options, bool new_clusters) {
   if (arrays_.together()) return;
   const CycleShape shape = shapeOf(options, 0);
   const cudaStream_t stream = stream_.get();
-  startCycle();
+  startCycle(shape);
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchAssignBins(arrays_, shape, stream);
   if (!new_clusters) return;
-  startCycle();
+  startCycle(shape);
   launchPose(arrays_, shape, stream);
   launchAssign(arrays_, shape, stream);
   launchSort(arrays_, shape, stream);
@@ -272,10 +272,10 @@ CycleShape CudaDetector::shapeOf(const Options& options, int refinements) const 
 
 void CudaDetector::runCycle(const Options& options) {
   const cudaStream_t stream = stream_.get();
-  startCycle();
   const bool refresh = sizes_.clusters > 1 && ++cycles_since_refresh_ >= options.refresh_period;
   if (refresh) cycles_since_refresh_ = 0;
   const CycleShape shape = shapeOf(options, refresh ? options.iterations : 0);
+  startCycle(shape);
   if (settings_.time_stages) {
     cycle_start_.record(stream);
     graphs_[0].runTimed(arrays_, shape, stream);

@@ -83,13 +83,15 @@ __global__ void __launch_bounds__(kThreads) farKernel(CycleArrays c) {
 
 }  // namespace
 
-void addClearing(const CycleArrays& cycle, HostCopies& copies) {
+void addClearing(const CycleArrays& cycle, const CycleShape& shape, HostCopies& copies) {
   copies.addZeros(1, cycle.the_counters.data());
   copies.addZeros(std::size_t{kSides} * cycle.scene.body_count, cycle.scene.body_boxes.data());
   const std::size_t clusters = cycle.clusters.count;
   copies.addZeros(clusters * MemberArrays::kCountPlaces, cycle.members.counts.data());
   copies.add(cycle.members.next_bins.data(), clusters, cycle.members.bins.data());
   copies.addZeros(cycle.contacts.swept_counters.size(), cycle.contacts.swept_counters.data());
+  if (!shape.identify) return;
+  copies.addZeros(cycle.scene.identity_table.size(), cycle.scene.identity_table.data());
 }
 
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {

@@ -3,6 +3,7 @@
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/posed_vertex.h"
 #include "core/rules/vertex_hash.h"
+#include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/pose_parts.cuh"
 #include "cuda/stages/stages.cuh"
@@ -142,7 +143,9 @@ __global__ void __launch_bounds__(kThreads) slotIdsKernel(CycleArrays c) {
   const TriangleIndex t = c.scene.slot_triangle[slot];
   if (t.value == kNone) return;
   const BodyIndex body = c.scene.tile_body[TileIndex(slot.value / kWarp)];
-  const VertexIndex* const v = c.scene.corners.row(t);
+  const VertexIndex* const row = c.scene.corners.row(t);
+  const VertexIndex v[] = {row[0], row[1], row[2]};
+  awaitKernelAhead();
   const uint3 id = {c.scene.vertex_id[v[0]].value, c.scene.vertex_id[v[1]].value,
                     c.scene.vertex_id[v[2]].value};
   if (id.x >= kAboveShare && id.x == id.y && id.x == id.z) return;
@@ -155,17 +158,15 @@ __global__ void __launch_bounds__(kThreads) slotIdsKernel(CycleArrays c) {
 void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (!shape.identify) return;
   if (shape.swept) return launchPoseMovingIdentities(cycle, stream);
-  const SceneArrays& scene = cycle.scene;
-  cudaMemsetAsync(scene.identity_table.data(), 0,
-                  (std::size_t{scene.identity_mask} + 1) * sizeof(std::uint32_t), stream);
-  const unsigned blocks = (shape.fans ? 2 : 1) * scene.vertex_block_count;
+  const unsigned blocks = (shape.fans ? 2 : 1) * cycle.scene.vertex_block_count;
   identityKernel<<<blocks, kThreads, 0, stream>>>(cycle);
 }
 
 void launchPoseIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (!shape.identify) return;
   const unsigned slots = cycle.scene.tile_count * kWarp;
-  slotIdsKernel<<<(slots + kThreads - 1) / kThreads, kThreads, 0, stream>>>(cycle);
+  launchEarly(slotIdsKernel, (slots + kThreads - 1) / kThreads, kThreads, 0, shape.device, stream,
+              cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -189,10 +189,7 @@ __global__ void __launch_bounds__(kThreads) identifyMovingKernel(CycleArrays c) 
 }  // namespace
 
 void launchPoseMovingIdentities(const CycleArrays& cycle, cudaStream_t stream) {
-  const SceneArrays& scene = cycle.scene;
-  cudaMemsetAsync(scene.identity_table.data(), 0,
-                  (std::size_t{scene.identity_mask} + 1) * sizeof(std::uint32_t), stream);
-  identifyMovingKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
+  identifyMovingKernel<<<cycle.scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
 }
 
 void launchPoseMoving(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {

@@ -37,10 +37,10 @@ using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 // it.
 void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// Ahead of each launchPose: what a cycle adds to becomes zero, that is, the counters, the members'
-// counts and the boxes of the bodies; and the bins that the last cycle sized are taken over. Beside
-// what the host sends: a kernel of its own would be waited for.
-void addClearing(const CycleArrays& cycle, HostCopies& copies);
+// Ahead of a cycle: what it adds to becomes zero, that is, the counters, the members' counts, the
+// boxes of the bodies and the table of vertices; and the bins that the last cycle sized are taken
+// over. Beside what the host sends: a kernel of its own would be waited for.
+void addClearing(const CycleArrays& cycle, const CycleShape& shape, HostCopies& copies);
 
 // pose: brings the vertices into the scene frame and bounds the bodies, and finds each vertex's
 // nearest prototype: reads scene.received; writes scene.posed, scene.body_boxes.
