@@ -37,9 +37,8 @@ class DeviceMemory {
 
   // Whether some array is not of that size yet.
   bool isToGrow(const CycleSizes& sizes) const {
-    return std::any_of(arrays_.begin(), arrays_.end(), [&sizes](const Array& array) {
-      return array.rowsFor(sizes) > *array.rows;
-    });
+    return std::any_of(arrays_.begin(), arrays_.end(),
+                       [&sizes](const Array& array) { return array.rowsFor(sizes) > *array.rows; });
   }
 
   std::uint64_t bytes() const { return memory_.bytes(); }

@@ -50,7 +50,8 @@ __device__ bool meetsPartner(const SceneArrays& scene, BodyIndex b, const Aabb& 
     if (first > 0) partner = partnerOfLane(scene, b, body, first);
     Aabb partners;
     if (partner.value != b.value) partners = bodyBox(scene, partner);
-    unsigned near = __ballot_sync(kFullWarp, intersects(own, partners) && intersects(all, partners));
+    unsigned near =
+        __ballot_sync(kFullWarp, intersects(own, partners) && intersects(all, partners));
     for (; near != 0; near &= near - 1) {
       const int lane = __ffs(static_cast<int>(near)) - 1;
       const Aabb other{laneVector(partners.min, lane), laneVector(partners.max, lane)};

@@ -5,8 +5,8 @@
 
 namespace deformable_contact_monitor {
 
-// By a whole block, as its last act; by so many `blocks` of the kernel, of which the last leaves the
-// counters on the host, for it has seen all of them settle.
+// By a whole block, as its last act; by so many `blocks` of the kernel, of which the last leaves
+// the counters on the host, for it has seen all of them settle.
 __device__ inline void leaveCounters(const CycleArrays& c, std::uint32_t blocks) {
   __shared__ bool last;
   __shared__ CycleCounters left;
