@@ -27,10 +27,10 @@ bool asksForFans(const Options& options) {
 }  // namespace
 
 const DetectionResult& CudaDetector::detect(const Scene& scene, const Options& options) {
+  const Stopwatch watch{};
   requireValid(options);
   checkCuda(cudaSetDevice(settings_.device), "cudaSetDevice");
   cudaGetLastError();  // of another device, by this thread
-  const Stopwatch watch{};
   const CycleLimit limit(options.limits);
   result_.begin(scene, options, isGuaranteed(options));
   stop_.clear();
