@@ -22,6 +22,15 @@ Vec3d cornerSum(const Triangle& t) {
   return toDouble(t.v[0]) + toDouble(t.v[1]) + toDouble(t.v[2]);
 }
 
+// Of so many points of a body, whose sum in its own frame that is, in the scene frame [m].
+Vec3d posedSum(const RigidTransform& pose, const Vec3d& sum, double points) {
+  const double* const r = pose.rotation;
+  const double* const t = pose.translation;
+  return {r[0] * sum.x + r[1] * sum.y + r[2] * sum.z + points * t[0],
+          r[3] * sum.x + r[4] * sum.y + r[5] * sum.z + points * t[1],
+          r[6] * sum.x + r[7] * sum.y + r[8] * sum.z + points * t[2]};
+}
+
 bool sameTriangleA(const TrianglePair& a, const TrianglePair& b) {
   return a.body_a == b.body_a && a.triangle_a == b.triangle_a;
 }
@@ -49,20 +58,22 @@ double minSeparationM(const CycleReport& report, const DetectionResult& result, 
   return separation_m;
 }
 
-// Contacts [begin, end) of one pair of bodies.
-PairSummary sumUp(const CycleReport& report, const DetectionResult& result, const PosedBody& of_a,
-                  const PosedBody& of_b, std::size_t begin, std::size_t end) {
+// Contacts [begin, end) of one pair of bodies. Corners are summed up as received, and posed once.
+PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std::size_t begin,
+                  std::size_t end) {
   const TrianglePairs& contacts = result.contacts;
-  const bool has_normal = report.bodies.at(contacts[begin].body_a).kind == BodyKind::kLink;
+  const BodyId a = contacts[begin].body_a, b = contacts[begin].body_b;
+  const Scene& scene = *report.scene;
+  const PosedBody of_a(scene.body(a)), of_b(scene.body(b));
+  const bool has_normal = report.bodies.at(a).kind == BodyKind::kLink;
   constexpr std::size_t kFar = 32, kNear = 16;
   PairSummary sum;
-  Vec3d corners_of_a;
+  Vec3d sum_a, sum_b, corners_of_a;
   for (std::size_t i = begin; i < end; ++i) {
     if (i == begin || contacts[i].triangle_a != contacts[i - 1].triangle_a) {
-      const Triangle a = of_a.triangle(contacts[i].triangle_a);
-      corners_of_a = cornerSum(a);
+      corners_of_a = cornerSum(of_a.received(contacts[i].triangle_a));
       if (has_normal) {
-        const Vec3d normal = doubleAreaNormal(a);
+        const Vec3d normal = doubleAreaNormal(of_a.triangle(contacts[i].triangle_a));
         sum.normal_sum = sum.normal_sum + normal;
         sum.area_sum += std::sqrt(dot(normal, normal));
       }
@@ -70,25 +81,28 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, cons
     // Vertices have come just now, but nobody has looked at triangles since the last cycle.
     if (i + kFar < end) of_b.prefetchCorners(contacts[i + kFar].triangle_b);
     if (i + kNear < end) of_b.prefetchVertices(contacts[i + kNear].triangle_b);
-    sum.corner_sum =
-        sum.corner_sum + (corners_of_a + cornerSum(of_b.triangle(contacts[i].triangle_b)));
+    sum_a = sum_a + corners_of_a;
+    sum_b = sum_b + cornerSum(of_b.received(contacts[i].triangle_b));
   }
   sum.count = end - begin;
+  const double corners = 3 * static_cast<double>(sum.count);
+  sum.corner_sum =
+      posedSum(scene.body(a).pose, sum_a, corners) + posedSum(scene.body(b).pose, sum_b, corners);
   sum.min_separation_m = minSeparationM(report, result, begin, end);
   return sum;
 }
 
 // Contacts are sorted, so those of one triangle of body_a with one body_b stand together, and so do
 // many of one pair of bodies: they are summed up apart from the map.
-Summaries summarize(const CycleReport& report, const DetectionResult& result,
-                    const std::vector<PosedBody>& bodies, std::size_t begin, std::size_t end) {
+Summaries summarize(const CycleReport& report, const DetectionResult& result, std::size_t begin,
+                    std::size_t end) {
   Summaries summaries;
   const TrianglePairs& contacts = result.contacts;
   for (std::size_t first = begin; first < end;) {
     const BodyId a = contacts[first].body_a, b = contacts[first].body_b;
     std::size_t last = first;
     while (last < end && contacts[last].body_a == a && contacts[last].body_b == b) ++last;
-    add(sumUp(report, result, bodies[a], bodies[b], first, last), &summaries[key(a, b)]);
+    add(sumUp(report, result, first, last), &summaries[key(a, b)]);
     first = last;
   }
   return summaries;
@@ -110,8 +124,6 @@ Vec3d PairSummary::meanNormal() const {
 PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* result) {
   constexpr std::size_t kBlock = 2048;
   if (report.scene == nullptr || result == nullptr) return;
-  std::vector<PosedBody> bodies;
-  for (const Body& body : report.scene->bodies()) bodies.emplace_back(body);
   const TrianglePairs& contacts = result->contacts;
   const auto start = [&contacts](std::size_t i) {
     while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
@@ -120,7 +132,7 @@ PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* r
   std::vector<Summaries> parts(blockCount(contacts.size(), kBlock));
   parallelBlocks(contacts.size(), kBlock,
                  [&](std::size_t block, std::size_t begin, std::size_t end) {
-                   parts[block] = summarize(report, *result, bodies, start(begin), start(end));
+                   parts[block] = summarize(report, *result, start(begin), start(end));
                  });
   for (const Summaries& part : parts) {
     for (const auto& [pair, summary] : part) add(summary, &by_pair_[pair]);

@@ -77,6 +77,7 @@ TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
   const TriangleMesh mesh = randomTriangles(kTriangles);
   sample.scene.setMesh(0, mesh);
   sample.scene.setMesh(2, mesh);
+  sample.scene.setPose(2, RigidTransform{{0.6, -0.8, 0, 0, 0, -1, 0.8, 0.6, 0}, {0.5, 1, -2}});
   sample.result.contacts.clear();
   for (std::uint32_t t = 0; t < kTriangles; ++t) {
     for (std::uint32_t k = 0; k < (t == 777 ? kInContact : t % 9); ++k) {
@@ -98,6 +99,7 @@ TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
   ASSERT_EQ(state.pair_count, sample.result.contacts.size());
   const double share = 1 / (6.0 * state.pair_count);
   EXPECT_NEAR(state.centroid.x, corners.x * share, 1e-5);
+  EXPECT_NEAR(state.centroid.y, corners.y * share, 1e-5);
   EXPECT_NEAR(state.centroid.z, corners.z * share, 1e-5);
   EXPECT_NEAR(state.mean_normal.x, normals.x / std::sqrt(dot(normals, normals)), 1e-5);
   EXPECT_NEAR(state.mean_normal.z, normals.z / std::sqrt(dot(normals, normals)), 1e-5);
