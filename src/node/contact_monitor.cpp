@@ -188,8 +188,8 @@ void ContactMonitor::subscribeToMeshes() {
     const std::string topic = object.topic.empty() ? "objects/" + object.name + "/mesh"
                               : is_private         ? object.topic.substr(1)
                                                    : object.topic;
-    ros::SubscribeOptions options =
-        meshSubscription(topic, object, parameters_.max_mesh_bytes, store);
+    ros::SubscribeOptions options = meshSubscription(topic, object, parameters_.max_mesh_bytes,
+                                                     store, [this] { mailbox_.expect(); });
     subscribers_.push_back((is_private ? private_node_ : node_).subscribe(options));
   }
 }

@@ -2,6 +2,8 @@
 #include "node/mailbox.h"
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 #include <utility>
 
 namespace deformable_contact_monitor {
@@ -80,6 +82,12 @@ void Mailbox::wake() {
   wakeLocked();
 }
 
+void Mailbox::expect() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  expects_ = true;
+  wake_.notify_one();
+}
+
 void Mailbox::stop() {
   const std::lock_guard<std::mutex> lock(mutex_);
   stopped_ = true;
@@ -88,14 +96,29 @@ void Mailbox::stop() {
 
 void Mailbox::wakeLocked() {
   woken_ = true;
+  expects_ = false;
   wake_.notify_one();
 }
 
 bool Mailbox::wait(SteadyTime then) {
   std::unique_lock<std::mutex> lock(mutex_);
-  wake_.wait_until(lock, then, [this] { return woken_ || stopped_; });
+  const auto is_over = [this] { return woken_ || stopped_; };
+  while (!is_over() && wake_.wait_until(lock, then, [&] { return is_over() || expects_; })) {
+    if (expects_) stayAwake(&lock);
+  }
   woken_ = false;
   return !stopped_;
+}
+
+void Mailbox::stayAwake(std::unique_lock<std::mutex>* lock) {
+  constexpr std::chrono::milliseconds kMost(1);
+  const auto end = std::chrono::steady_clock::now() + kMost;
+  while (expects_ && !stopped_ && std::chrono::steady_clock::now() < end) {
+    lock->unlock();
+    std::this_thread::yield();
+    lock->lock();
+  }
+  expects_ = false;
 }
 
 Requests Mailbox::take() {

@@ -48,6 +48,9 @@ class Mailbox {
 
   // Ends wait(): something new lies elsewhere, a mesh or a robot.
   void wake();
+  // That is about to come, after a wake(): until then, though not for long, wait() stays awake, for
+  // a thread takes its time to get up.
+  void expect();
   // Ends this wait() and every later one.
   void stop();
   // Set by stop(): for who works long between two looks at this.
@@ -62,6 +65,7 @@ class Mailbox {
 
  private:
   void wakeLocked();
+  void stayAwake(std::unique_lock<std::mutex>* lock);
 
   void useAttached(AttachedObjects attached);
 
@@ -72,7 +76,7 @@ class Mailbox {
   std::mutex mutex_;  // guards what follows; never held for long
   std::condition_variable wake_;
   Requests requests_;
-  bool woken_ = false;
+  bool woken_ = false, expects_ = false;
   std::atomic<bool> stopped_{false};
 };
 

@@ -31,12 +31,14 @@ using Helper = ros::SubscriptionCallbackHelperT<const ros::MessageEvent<const M>
 template <typename M>
 class CheckingHelper : public Helper<M> {
  public:
-  CheckingHelper(std::size_t max_bytes, const typename Helper<M>::Callback& callback)
-      : Helper<M>(callback), max_bytes_(max_bytes) {}
+  CheckingHelper(std::size_t max_bytes, const std::function<void()>& expect,
+                 const typename Helper<M>::Callback& callback)
+      : Helper<M>(callback), max_bytes_(max_bytes), expect_(expect) {}
 
   // roscpp may do this for another subscriber of the process: the message carries its refusal.
   ros::VoidConstPtr deserialize(
       const ros::SubscriptionCallbackHelperDeserializeParams& params) override {
+    expect_();
     std::string why = whyNoMesh<M>(params.buffer, params.length, max_bytes_);
     if (why.empty()) {
       try {
@@ -54,6 +56,7 @@ class CheckingHelper : public Helper<M> {
 
  private:
   const std::size_t max_bytes_;
+  const std::function<void()> expect_;
 };
 
 // What a message becomes; throws if it is no mesh.
@@ -91,12 +94,13 @@ double waitedS(const ros::Time& receipt) {
 
 template <typename M>
 ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_bytes,
-                                   const MeshReceiver& receive, const Adapt<M>& adapt) {
+                                   const MeshReceiver& receive, const std::function<void()>& expect,
+                                   const Adapt<M>& adapt) {
   constexpr std::uint32_t kQueue = 1;
   ros::SubscribeOptions options(topic, kQueue, ros::message_traits::md5sum<M>(),
                                 ros::message_traits::datatype<M>());
   options.helper = boost::make_shared<CheckingHelper<M>>(
-      max_bytes, [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
+      max_bytes, expect, [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
         ReceivedMesh mesh = received(event, max_bytes, adapt);
         mesh.waited_s = waitedS(event.getReceiptTime());
         receive(mesh);
@@ -107,10 +111,11 @@ ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_byt
 
 template <typename Adapter>
 ros::SubscribeOptions adaptedSubscription(const std::string& topic, std::size_t max_bytes,
-                                          const MeshReceiver& receive, Adapter adapter) {
+                                          const MeshReceiver& receive,
+                                          const std::function<void()>& expect, Adapter adapter) {
   using M = typename Adapter::Message;
   const auto shared = std::make_shared<Adapter>(std::move(adapter));
-  return subscription<M>(topic, max_bytes, receive,
+  return subscription<M>(topic, max_bytes, receive, expect,
                          [shared](const boost::shared_ptr<const M>& message, const ros::Time& at) {
                            return shared->adapt(*message, at);
                          });
@@ -132,17 +137,20 @@ const char* messageType(MeshType type) {
 }
 
 ros::SubscribeOptions meshSubscription(const std::string& topic, const ObjectParameters& object,
-                                       std::size_t max_bytes, const MeshReceiver& receive) {
+                                       std::size_t max_bytes, const MeshReceiver& receive,
+                                       const std::function<void()>& expect) {
   switch (object.type) {
     case MeshType::kShapeMesh:
-      return adaptedSubscription(topic, max_bytes, receive, ShapeMeshAdapter(object.frame_id));
+      return adaptedSubscription(topic, max_bytes, receive, expect,
+                                 ShapeMeshAdapter(object.frame_id));
     case MeshType::kMarker:
-      return adaptedSubscription(topic, max_bytes, receive, MarkerAdapter());
+      return adaptedSubscription(topic, max_bytes, receive, expect, MarkerAdapter());
     case MeshType::kPointCloud:
-      return adaptedSubscription(topic, max_bytes, receive, PointCloudAdapter(object.faces));
+      return adaptedSubscription(topic, max_bytes, receive, expect,
+                                 PointCloudAdapter(object.faces));
     default:
       return subscription<DeformableMesh>(
-          topic, max_bytes, receive,
+          topic, max_bytes, receive, expect,
           [](const DeformableMesh::ConstPtr& message, const ros::Time& /*received*/) {
             return ReceivedMesh{message};
           });

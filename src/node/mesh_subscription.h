@@ -21,8 +21,9 @@ const char* messageType(MeshType type);
 // publishers in the same process come without a copy; what other types become is written once, in
 // the thread that calls back: the detection thread has work enough. What roscpp does before, nobody
 // can bound from here: it reads a message of up to 1 GB from the wire before anyone sees it, and
-// takes memory as bytes arrive.
-ros::SubscribeOptions meshSubscription(const std::string& topic, const ObjectParameters& object,
-                                       std::size_t max_bytes, const MeshReceiver& receive);
+// takes memory as bytes arrive. `expect` is called ahead of that, when a message's bytes are there.
+ros::SubscribeOptions meshSubscription(
+    const std::string& topic, const ObjectParameters& object, std::size_t max_bytes,
+    const MeshReceiver& receive, const std::function<void()>& expect = [] {});
 
 }  // namespace deformable_contact_monitor

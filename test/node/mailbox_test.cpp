@@ -45,6 +45,30 @@ class MailboxTest : public ::testing::Test {
   Mailbox mailbox_{initialRules()};
 };
 
+TEST_F(MailboxTest, WhatIsExpectedIsWaitedFor) {
+  mailbox_.expect();
+  std::thread later([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    mailbox_.wake();
+  });
+  const Clock::time_point start = Clock::now();
+  EXPECT_TRUE(isWoken());
+  EXPECT_GE(Clock::now() - start, std::chrono::milliseconds(45)) << "it came before it was there";
+  later.join();
+}
+
+TEST_F(MailboxTest, WhatIsExpectedAndDoesNotComeChangesNothing) {
+  constexpr std::chrono::milliseconds kTime(60);
+  const Clock::time_point start = Clock::now();
+  mailbox_.expect();
+  EXPECT_TRUE(mailbox_.wait(start + kTime));
+  EXPECT_GE(Clock::now() - start, kTime);
+  mailbox_.expect();
+  mailbox_.stop();
+  EXPECT_FALSE(mailbox_.wait(start + std::chrono::seconds(20)));
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(10));
+}
+
 TEST_F(MailboxTest, NothingIsAskedForAtFirst) {
   const Requests requests = mailbox_.take();
   EXPECT_FALSE(requests.reset);

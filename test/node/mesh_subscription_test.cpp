@@ -63,14 +63,23 @@ class MeshSubscriptionTest : public ::testing::Test {
   }
 
   ros::SubscribeOptions subscribe(const ObjectParameters& object) {
-    return meshSubscription("/cloth", object, kMaxBytes,
-                            [this](const ReceivedMesh& mesh) { received_ = mesh; });
+    return meshSubscription(
+        "/cloth", object, kMaxBytes, [this](const ReceivedMesh& mesh) { received_ = mesh; },
+        [this] { received_when_expected_.push_back(received_.message != nullptr); });
   }
 
   ros::Time receipt_ = kReceipt;
   ReceivedMesh received_;
+  std::vector<bool> received_when_expected_;
   ros::SubscribeOptions options_ = subscribe(ObjectParameters());
 };
+
+TEST_F(MeshSubscriptionTest, AnyMessageIsExpectedAheadOfItsArrival) {
+  arrive(serialized(sample()));
+  received_ = ReceivedMesh();
+  EXPECT_NE(arrive(Bytes(3)).refusal, "");
+  EXPECT_EQ(received_when_expected_, std::vector<bool>({false, false}));
+}
 
 TEST_F(MeshSubscriptionTest, AMeshArrivesAsItWasSent) {
   const ReceivedMesh received = arrive(serialized(sample()));
