@@ -33,9 +33,9 @@ struct Step {
   unsigned behind;  // steps of other branches that must be over; those ahead on its own are
 };
 
-// A cycle, in an order in which the steps may also run one after the other. On the main stream
-// launchAssign stands right behind launchPose, launchSweep behind launchSort, and launchPairs
-// behind launchSweep, for they start early.
+// A cycle, in an order in which the steps may also run one after the other. On its stream
+// launchAssign stands right behind launchPose, launchSweep behind launchSort, launchPairs behind
+// launchSweep, and launchPoseIds behind launchPoseIdentities, for they start early.
 constexpr Step kList[kStepCount] = {
     {Stage::kPose, launchPoseIdentities, kIdentityBranch, 0},
     {Stage::kPose, launchPose, kMain, 0},

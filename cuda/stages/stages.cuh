@@ -47,7 +47,8 @@ void addClearing(const CycleArrays& cycle, const CycleShape& shape, HostCopies& 
 void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // pose: gives triangles the ids of their vertices, but for those that lie beside the share: reads
-// scene.vertex_id and scene.fan_certified; writes members.ids.
+// scene.vertex_id and scene.fan_certified; writes members.ids. On a stream of its own right behind
+// launchPoseIdentities.
 void launchPoseIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // assign: drops triangles that are not finite or outside every partner's box; puts the others into
