@@ -11,6 +11,7 @@
 #include "cuda/cuda_detector.h"
 #include "cuda/cycle_graph.cuh"
 #include "cuda/memory/device_scene.cuh"
+#include "cuda/memory/host_copy.cuh"
 #include "cuda/memory/host_stop.cuh"
 #include "cuda/memory/pinned_memory.cuh"
 #include "cuda/open_pairs.cuh"

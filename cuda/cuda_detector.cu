@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <mutex>
 #include <set>
@@ -9,7 +8,6 @@
 #include "core/parallel.h"
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
-#include "cuda/memory/host_copy.cuh"
 #include "cuda/shares/shared_detector.h"
 
 namespace deformable_contact_monitor {
@@ -221,68 +219,12 @@ void CudaDetector::startCold(const ColdStart& start, const Options& options) {
 
 // Arrays of the sizes.
 void CudaDetector::makeArrays() {
-  if (memory_.isToGrow(sizes_)) copies_.launch();  // they know where arrays were
-  memory_.grow(sizes_, stream_.get());
+  if (memory_.isToGrow(sizes_)) {
+    copies_.launch();  // they know where arrays were
+    memory_.grow(sizes_, stream_.get());
+  }
   arrays_.clusters.count = sizes_.clusters;
   arrays_.clusters.sample_count = std::min(sizes_.samples, scene_.triangleCount());
-}
-
-// Unless they are there already.
-void CudaDetector::addParams() {
-  if (params_sent_ && std::memcmp(&sent_params_, params_.data(), sizeof sent_params_) == 0) return;
-  std::memcpy(&sent_params_, params_.data(), sizeof sent_params_);
-  params_sent_ = true;
-  copies_.add(static_cast<const CycleParams*>(reachedAt(params_.data())), 1,
-              arrays_.the_params.data());
-}
-
-// What the first kernel of a cycle finds there.
-void CudaDetector::startCycle(const CycleShape& shape) {
-  addParams();
-  addClearing(arrays_, shape, copies_);
-  copies_.launch();
-}
-
-// Where the bins have no room, or not where it is needed, part of a cycle finds out how much that
-// is; where clusters are new and no frame fits yet, more of one finds those.
-void CudaDetector::sizeBins(const Options& options, bool new_clusters) {
-  if (arrays_.together()) return;
-  const CycleShape shape = shapeOf(options, 0);
-  const cudaStream_t stream = stream_.get();
-  startCycle(shape);
-  launchPose(arrays_, shape, stream);
-  launchAssign(arrays_, shape, stream);
-  launchAssignBins(arrays_, shape, stream);
-  if (!new_clusters) return;
-  startCycle(shape);
-  launchPose(arrays_, shape, stream);
-  launchAssign(arrays_, shape, stream);
-  launchSort(arrays_, shape, stream);
-  launchSortFrames(arrays_, shape, stream);
-}
-
-CycleShape CudaDetector::shapeOf(const Options& options, int refinements) const {
-  const bool sharers = scene_.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
-  const bool swept = options.motion == Motion::kSwept;
-  const bool pads = swept && scene_.anyLengths().pads;
-  const bool fans = params_[0].fans != 0;
-  return {device_, scene_.anySelf(),          refinements, swept, sharers, pads,
-          fans,    params_[0].leaves_few != 0};
-}
-
-void CudaDetector::runCycle(const Options& options) {
-  const cudaStream_t stream = stream_.get();
-  const bool refresh = sizes_.clusters > 1 && ++cycles_since_refresh_ >= options.refresh_period;
-  if (refresh) cycles_since_refresh_ = 0;
-  const CycleShape shape = shapeOf(options, refresh ? options.iterations : 0);
-  startCycle(shape);
-  if (settings_.time_stages) {
-    cycle_start_.record(stream);
-    graphs_[0].runTimed(arrays_, shape, stream);
-  } else {
-    graphs_[refresh ? 1 : 0].run(arrays_, shape, cycle_start_, stream);
-  }
-  cycle_end_.record(stream);
 }
 
 // Behind what is in the stream; `few`: no more than take little time.

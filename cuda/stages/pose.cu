@@ -11,6 +11,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
+
 // A thread for each vertex, a block for each of scene.vertex_blocks: reads scene.received, writes
 // scene.posed, adds to scene.body_boxes and, where the lists of neighbours do not reach far enough
 // for a vertex, to scene.far_vertices.

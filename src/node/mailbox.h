@@ -48,8 +48,8 @@ class Mailbox {
 
   // Ends wait(): something new lies elsewhere, a mesh or a robot.
   void wake();
-  // That is about to come, after a wake(): until then, though not for long, wait() stays awake, for
-  // a thread takes its time to get up.
+  // A wake() will follow soon: wait() stays awake for it, a millisecond at most, for a thread takes
+  // its time to get up.
   void expect();
   // Ends this wait() and every later one.
   void stop();
