@@ -48,6 +48,7 @@ class CudaDetector : public ShareDetector {
   bool adaptTo(const Scene& scene, const DeviceScene::Change& change, const Options& options,
                const CycleLimit& limit, ColdStart& start);
   ColdStart look(const Scene& scene, const Options& options, const CycleLimit& limit, Look how);
+  void setParams(const Options& options, const CycleLimit& limit);
   void group(const Scene& scene, const Options& options, bool any_new);
   bool isToBeLookedAt(const DeviceScene::Change& change);
   bool isAlike(const ColdStart& start, const DeviceScene::Change& change,

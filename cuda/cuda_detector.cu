@@ -113,7 +113,7 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   }
   scene_.sendLayout(scene, stream);
   scene_.sendVertices(scene, motion_, copies_, stream);
-  if (was_cold || looks) copies_.launch();  // a look may end the cycle, or take a while
+  if (looks) copies_.launch();  // a look may end the cycle, or take a while
   if (!was_cold) group(scene, options, change.any);
   glance.wait();
   if (looks && !looks_first) {
@@ -134,6 +134,14 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
     launchClusterStart(arrays_, stream);
     cycles_since_refresh_ = 0;
   }
+  setParams(options, limit);
+  const bool any_new = result_.started_cold || reseeds;
+  if (any_new || change.more_triangles > 0) sizeBins(options, any_new);
+  return true;
+}
+
+// Of the scene as it is laid out.
+void CudaDetector::setParams(const Options& options, const CycleLimit& limit) {
   params_[0] =
       cycleParams(options, scene_.triangleCount(), scene_.groupCount(), scene_.anyLengths());
   params_[0].scale = scale_;
@@ -142,9 +150,6 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   params_[0].share = share_;
   params_[0].any_self = scene_.anySelf() ? 1 : 0;
   params_[0].fans = scene_.anySelf() && asksForFans(options) ? 1 : 0;
-  const bool any_new = result_.started_cold || reseeds;
-  if (any_new || change.more_triangles > 0) sizeBins(options, any_new);
-  return true;
 }
 
 // What the device makes of a scene that is there, of what is new of it, if anything is.

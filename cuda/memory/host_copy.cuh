@@ -29,9 +29,10 @@ class HostCopies {
   // copies, launches those ahead.
   template <class T>
   void add(const T* from, std::size_t count, T* to) {
-    static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
-    addWords(reinterpret_cast<const std::uint32_t*>(from),
-             count * (sizeof(T) / sizeof(std::uint32_t)), reinterpret_cast<std::uint32_t*>(to));
+    constexpr std::size_t kBytes = sizeof(T), kWordBytes = sizeof(std::uint32_t);
+    static_assert(kBytes % kWordBytes == 0);
+    addWords(reinterpret_cast<const std::uint32_t*>(from), count * (kBytes / kWordBytes),
+             reinterpret_cast<std::uint32_t*>(to));
   }
 
   // `count` elements become zeros.

@@ -44,7 +44,7 @@ std::vector<std::string> Mailbox::releaseFromOthers(const std::set<std::string>&
       if (links.count(link) > 0) {
         left[object].push_back(link);
       } else {
-        released.push_back(object + " by " + link);
+        released.push_back(std::string(object).append(" by ").append(link));
       }
     }
   }
