@@ -14,7 +14,7 @@ __device__ inline void leaveCounters(const CycleArrays& c, std::uint32_t blocks)
   __syncthreads();
   if (threadIdx.x == 0) {
     __threadfence();
-    last = atomicAdd(&counters.blocks_done, 1U) == blocks - 1;
+    last = blocks == 1 || atomicAdd(&counters.blocks_done, 1U) == blocks - 1;
     __threadfence();
   }
   __syncthreads();

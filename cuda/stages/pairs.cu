@@ -36,6 +36,7 @@ struct WarpMemory {
   LaneTriangles triangles;  // of one tile, and then of the other
   MemberPair met[kMetCapacity], sharing[kSharingCapacity];
   DeviceCandidate candidates[kCandidateCapacity];
+  TurnNumbers turns;
 };
 
 // A pair of tiles takes some microseconds. Once in so many a warp asks whether the cycle is cut
@@ -55,7 +56,7 @@ class PairScreener {
         lane_(laneId()),
         any_self_(c.params().any_self != 0),
         passes_(c.params().passes),
-        turns_(c) {}
+        turns_(c, memory.turns) {}
 
   // Each part has one place in this loop: the code must fit the instruction cache.
   __device__ void run() {
