@@ -7,8 +7,11 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <optional>
+#include <thread>
 
 #include "core/cycle_limit.h"
 
@@ -63,6 +66,30 @@ class BesideTask {
 
  private:
   std::optional<tbb::task_group> group_;
+};
+
+// A thread that is awake for as long as this lives, a millisecond at most, if there is one for it.
+// For who waits for a device, and then goes on in parallel: a thread takes its time to get up, but
+// one that is up soon has the others up.
+class AwakeThread {
+ public:
+  AwakeThread() {
+    thread_.run([this] {
+      constexpr std::chrono::milliseconds kMost(1);
+      const auto end = std::chrono::steady_clock::now() + kMost;
+      while (is_wanted_ && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    });
+  }
+  AwakeThread(const AwakeThread&) = delete;
+  AwakeThread& operator=(const AwakeThread&) = delete;
+  ~AwakeThread() {
+    is_wanted_ = false;
+    thread_.wait();
+  }
+
+ private:
+  std::atomic<bool> is_wanted_{true};
+  tbb::task_group thread_;
 };
 
 // Both, at the same time if there are threads for it.

@@ -4,10 +4,13 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/parallel.h"
 #include "node/loop_warnings.h"
+#include "node/pair_summary.h"
 #include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -257,7 +260,11 @@ const DetectionResult& DetectionLoop::runDetector(const Limits& limits) {
     Options options = options_;
     options.limits = limits;
     options.geometry = options.geometry || sink_->wantsGeometry();
-    return detector_->detect(scene_.scene(), options);
+    std::optional<AwakeThread> awake;  // while this one waits for the device
+    if (had_many_ && detector_->backend() == "cuda") awake.emplace();
+    const DetectionResult& result = detector_->detect(scene_.scene(), options);
+    had_many_ = PairSummaries::isOnThreads(result.contacts.size());
+    return result;
   }
   nothing_.begin(scene_.scene(), options_, isGuaranteed(options_));
   return nothing_;

@@ -111,6 +111,7 @@ class DetectionLoop {
   SteadyTime robots_look_;                      // when to look for a new one
   bool enabled_ = true;
   bool names_checked_ = false;  // of the allowed contacts, against the bodies'
+  bool had_many_ = false;       // contacts, in the last cycle
   std::uint64_t cycle_ = 0;
   SteadyTime list_due_, last_warning_;
 };

@@ -16,6 +16,8 @@ namespace {
 
 using Summaries = std::unordered_map<std::uint64_t, PairSummary>;
 
+constexpr std::size_t kBlock = 2048;  // contacts that one thread sums up at once
+
 std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
 
 Vec3d cornerSum(const Triangle& t) {
@@ -122,7 +124,6 @@ Vec3d PairSummary::meanNormal() const {
 
 // In blocks that leave the contacts of one triangle of body_a together.
 PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* result) {
-  constexpr std::size_t kBlock = 2048;
   if (report.scene == nullptr || result == nullptr) return;
   const TrianglePairs& contacts = result->contacts;
   const auto start = [&contacts](std::size_t i) {
@@ -138,6 +139,8 @@ PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* r
     for (const auto& [pair, summary] : part) add(summary, &by_pair_[pair]);
   }
 }
+
+bool PairSummaries::isOnThreads(std::size_t contacts) { return contacts > kBlock; }
 
 PairSummary PairSummaries::of(BodyId a, BodyId b) const {
   const auto found = by_pair_.find(key(a, b));

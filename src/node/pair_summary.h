@@ -1,6 +1,7 @@
 // What the contacts of a cycle sum up to, for each pair of bodies.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
@@ -33,6 +34,9 @@ class PairSummaries {
   explicit PairSummaries(const CycleReport& report) : PairSummaries(report, report.result) {}
   // The same of another result (null: nothing) of the report's scene.
   PairSummaries(const CycleReport& report, const DetectionResult* result);
+
+  // Whether so many contacts are summed up on several threads.
+  static bool isOnThreads(std::size_t contacts);
 
   // Empty if the two have no contact.
   PairSummary of(BodyId a, BodyId b) const;
