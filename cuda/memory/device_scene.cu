@@ -24,22 +24,27 @@ void add(const SceneTables::List<T>& from, T* to, HostCopies& copies) {
   add(from.data(), from.size(), to, copies);
 }
 
-// Vertices of a body whose first coordinate is `first` of all, by way of `staged` where they are
-// not in page-locked memory.
-template <class List>
-void add(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer<float>& staged,
-         float* to, HostCopies& copies) {
-  const void* from = reachedAt(vertices.data());
+// Where the device reaches a body's vertices or triangles, of which the first number is `first` of
+// all: in `staged`, where they are not in page-locked memory themselves.
+template <class List, class T>
+const T* reached(const List& numbers, std::size_t first, std::size_t all, PinnedBuffer<T>& staged) {
+  const void* from = reachedAt(numbers.data());
   if (from == nullptr) {
     constexpr std::size_t kPiece = std::size_t{1} << 14;
     staged.grow(all);  // once for all of them, or it would go while it is in use
-    float* const its = staged.data() + first;
-    parallelBlocks(vertices.size(), kPiece, [&](std::size_t, std::size_t begin, std::size_t end) {
-      std::copy_n(vertices.data() + begin, end - begin, its + begin);
+    T* const its = staged.data() + first;
+    parallelBlocks(numbers.size(), kPiece, [&](std::size_t, std::size_t begin, std::size_t end) {
+      std::copy_n(numbers.data() + begin, end - begin, its + begin);
     });
     from = reachedAt(its);
   }
-  copies.add(static_cast<const float*>(from), vertices.size(), to + first);
+  return static_cast<const T*>(from);
+}
+
+template <class List>
+void add(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer<float>& staged,
+         float* to, HostCopies& copies) {
+  copies.add(reached(vertices, first, all, staged), vertices.size(), to + first);
 }
 
 }  // namespace
@@ -127,19 +132,18 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   for (std::uint32_t i = first; i < tables_.taking_part.size(); ++i) {
     vertices_[tables_.taking_part[i]] = earlier_[tables_.taking_part[i]] = 0;  // no revision is 0
   }
-  first_staged_ = first;
+  first_new_ = first;
   return changeOf(before, laid_out_bodies_);
 }
 
-// Those of the bodies from first_staged_ on, by way of page-locked memory, for there may be
-// megabytes of them.
+// Those of the bodies from first_new_ on.
 void DeviceScene::addCorners(const Scene& scene, HostCopies& copies) {
-  if (first_staged_ >= tables_.bodies.size()) return;
-  const std::size_t first = tables_.bodies[first_staged_].first_triangle;
-  staged_corners_.grow(3 * std::size_t{sizes_.triangles});
-  tables_.putCorners(scene, first_staged_, staged_corners_.data());
-  add(staged_corners_.data(), 3 * (tables_.triangle_count - first),
-      arrays_.corners.data() + 3 * first, copies);
+  for (std::uint32_t i = first_new_; i < tables_.taking_part.size(); ++i) {
+    const HostList<std::uint32_t>& local = scene.body(tables_.taking_part[i]).mesh.triangles;
+    const std::size_t first = 3 * std::size_t{tables_.bodies[i].first_triangle};
+    copies.addNumbers(reached(local, first, 3 * std::size_t{sizes_.triangles}, staged_corners_),
+                      local.size(), arrays_.corners.data() + first, tables_.bodies[i].first_vertex);
+  }
 }
 
 void DeviceScene::sendLayout(const Scene& scene, cudaStream_t stream) {

@@ -110,7 +110,7 @@ class DeviceScene {
 
   bool laid_out_ = false;  // what is below is on the device, but for these tables
   SceneTables tables_;
-  std::uint32_t first_staged_ = 0;    // body whose corners are the first to be sent
+  std::uint32_t first_new_ = 0;       // body whose corners are the first to be sent
   std::uint32_t grouped_ = 0;         // so are the tiles of so many bodies
   std::uint32_t deformed_ = 0;        // cycles since then that sent vertices
   bool has_fans_ = false;             // so are the rings
@@ -125,7 +125,7 @@ class DeviceScene {
 
   DeviceBuffer<unsigned char> scratch_;
   DeviceVertexCopier copier_;
-  PinnedBuffer<VertexIndex> staged_corners_;
+  PinnedBuffer<std::uint32_t> staged_corners_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;
   PinnedBuffer<float> staged_earlier_vertices_;

@@ -14,6 +14,7 @@ struct HostCopyList {
   const std::uint32_t* from[kMost];  // null: zeros
   std::uint32_t* to[kMost];
   std::uint32_t words[kMost];
+  std::uint32_t plus[kMost];         // to each word
   std::uint32_t first_block[kMost];  // of those that make it
   unsigned count = 0;
 };
@@ -35,6 +36,13 @@ class HostCopies {
              reinterpret_cast<std::uint32_t*>(to));
   }
 
+  // The same of numbers, each of which becomes larger by `first`.
+  template <class Index>
+  void addNumbers(const std::uint32_t* from, std::size_t count, Index* to, std::uint32_t first) {
+    static_assert(sizeof(Index) == sizeof(std::uint32_t));
+    addWords(from, count, reinterpret_cast<std::uint32_t*>(to), first);
+  }
+
   // `count` elements become zeros.
   template <class T>
   void addZeros(std::size_t count, T* to) {
@@ -47,7 +55,8 @@ class HostCopies {
   void forget() { list_.count = blocks_ = 0; }
 
  private:
-  void addWords(const std::uint32_t* from, std::size_t words, std::uint32_t* to);
+  void addWords(const std::uint32_t* from, std::size_t words, std::uint32_t* to,
+                std::uint32_t plus = 0);
 
   cudaStream_t stream_;
   HostCopyList list_;

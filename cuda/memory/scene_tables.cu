@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <string>
 
-#include "core/parallel.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/device/warp.cuh"
 #include "cuda/memory/scene_tables.cuh"
@@ -85,19 +84,6 @@ void SceneTables::addMesh(const TriangleMesh& mesh, BodyIndex number) {
   vertex_count += body.vertex_count;
   triangle_count += body.triangle_count;
   tile_count += (body.triangle_count + kWarp - 1) / kWarp;
-}
-
-void SceneTables::putCorners(const Scene& scene, std::uint32_t first_body,
-                             VertexIndex* corners) const {
-  constexpr std::size_t kPiece = std::size_t{1} << 14;
-  for (std::uint32_t i = first_body; i < taking_part.size(); ++i) {
-    const std::uint32_t first_vertex = bodies[i].first_vertex;
-    const std::vector<std::uint32_t>& local = scene.body(taking_part[i]).mesh.triangles;
-    parallelBlocks(local.size(), kPiece, [&](std::size_t, std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) corners[k] = VertexIndex(first_vertex + local[k]);
-    });
-    corners += local.size();
-  }
 }
 
 }  // namespace deformable_contact_monitor

@@ -22,9 +22,6 @@ struct SceneTables {
   // Throws CudaError if the scene is too large.
   explicit SceneTables(const Scene& scene);
 
-  // The corners of the triangles of all bodies from that one on; on all threads.
-  void putCorners(const Scene& scene, std::uint32_t first_body, VertexIndex* corners) const;
-
   std::vector<BodyId> taking_part;           // bodies of the scene, per body on the device
   std::vector<DeviceBody> bodies;            // the same; poses and margins are not filled in
   List<ListedBody> listed{&pinnedMemory()};  // the same

@@ -33,6 +33,13 @@ class HostList : public std::pmr::vector<T> {
     new (this) HostList(std::move(moved));
   }
 
+  // After this no memory is taken as it becomes that one by a move, wherever both lie. As it grows
+  // it gets some to spare, for a backend's memory takes its time to come.
+  void makeRoomFor(const HostList& list) {
+    const bool is_copied = this->get_allocator() != list.get_allocator();
+    if (is_copied && list.size() > this->capacity()) this->reserve(list.size() + list.size() / 4);
+  }
+
   friend bool operator==(const HostList& a, const HostList& b) {
     return static_cast<const Vector&>(a) == static_cast<const Vector&>(b);
   }

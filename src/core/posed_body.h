@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "core/predicates/triangle.h"
 #include "core/rules/posed_vertex.h"
@@ -15,7 +14,7 @@ namespace deformable_contact_monitor {
 class PosedBody {
  public:
   explicit PosedBody(const Body& body)
-      : PosedBody(body.pose, body.mesh.vertices.data(), body.mesh.triangles) {}
+      : PosedBody(body.pose, body.mesh.vertices.data(), body.mesh.triangles.data()) {}
 
   // Where it was at the beginning of the step; without an earlier state it stands still.
   static PosedBody earlier(const Body& body) {
@@ -23,7 +22,7 @@ class PosedBody {
     const EarlierState& state = *body.earlier;
     const float* const xyz =
         state.vertices.empty() ? body.mesh.vertices.data() : state.vertices.data();
-    return {state.pose, xyz, body.mesh.triangles};
+    return {state.pose, xyz, body.mesh.triangles.data()};
   }
 
   // [m]; rounded as every backend does, so it may be infinite where the received one is not.
@@ -50,9 +49,8 @@ class PosedBody {
   }
 
  private:
-  PosedBody(const RigidTransform& pose, const float* xyz,
-            const std::vector<std::uint32_t>& triangles)
-      : pose_(&pose), identity_(pose.isIdentity()), xyz_(xyz), triangles_(triangles.data()) {}
+  PosedBody(const RigidTransform& pose, const float* xyz, const std::uint32_t* triangles)
+      : pose_(&pose), identity_(pose.isIdentity()), xyz_(xyz), triangles_(triangles) {}
 
   Vec3f receivedVertex(std::size_t i) const {
     const float* v = xyz_ + 3 * i;

@@ -19,7 +19,7 @@ std::uint64_t nextRevision() {
 
 void Scene::useMemory(std::pmr::memory_resource& memory) {
   memory_ = &memory;
-  for (Body& body : bodies_) body.mesh.vertices.moveTo(memory);
+  for (Body& body : bodies_) body.mesh.moveTo(memory);
 }
 
 BodyId Scene::addBody(std::string name, TriangleMesh mesh) {
@@ -27,7 +27,7 @@ BodyId Scene::addBody(std::string name, TriangleMesh mesh) {
   Body body;
   body.name = std::move(name);
   body.mesh = std::move(mesh);
-  body.mesh.vertices.moveTo(*memory_);
+  body.mesh.moveTo(*memory_);
   body.topology_revision = body.vertices_revision = nextRevision();
   bodies_.push_back(std::move(body));
   for (auto& row : enabled_) row.push_back(false);
@@ -47,7 +47,7 @@ Body& Scene::checkedBody(BodyId id) {
 void Scene::setMesh(BodyId id, TriangleMesh mesh) {
   Body& body = checkedBody(id);
   validate(mesh, body.name);
-  body.mesh = std::move(mesh);
+  body.mesh.become(std::move(mesh));
   body.device_vertices.reset();
   body.earlier.reset();
   body.topology_revision = body.vertices_revision = nextRevision();

@@ -54,7 +54,7 @@ struct DCM_EXPORT Body {
 // scene as it was.
 class DCM_EXPORT Scene {
  public:
-  // From now on vertices lie in `memory`, which outlives this: a detector's vertexMemory(), which
+  // From now on meshes lie in `memory`, which outlives this: a detector's vertexMemory(), which
   // spares it a copy. Copies of the scene are in plain memory.
   void useMemory(std::pmr::memory_resource& memory);
 

@@ -3,8 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "core/export.h"
 #include "core/host_list.h"
@@ -13,8 +14,22 @@
 namespace deformable_contact_monitor {
 
 struct DCM_EXPORT TriangleMesh {
-  HostList<float> vertices;              // x y z per vertex [m]; may hold NaN or infinity
-  std::vector<std::uint32_t> triangles;  // three vertex indices per triangle
+  HostList<float> vertices;           // x y z per vertex [m]; may hold NaN or infinity
+  HostList<std::uint32_t> triangles;  // three vertex indices per triangle
+
+  // From now on it lies there; `memory` outlives it.
+  void moveTo(std::pmr::memory_resource& memory) {
+    vertices.moveTo(memory);
+    triangles.moveTo(memory);
+  }
+
+  // Becomes that one, but stays where it lies. Without memory for that it is as it was.
+  void become(TriangleMesh&& mesh) {
+    vertices.makeRoomFor(mesh.vertices);
+    triangles.makeRoomFor(mesh.triangles);
+    vertices = std::move(mesh.vertices);
+    triangles = std::move(mesh.triangles);
+  }
 
   std::size_t vertexCount() const { return vertices.size() / 3; }
   std::size_t triangleCount() const { return triangles.size() / 3; }

@@ -96,9 +96,9 @@ class Clustering {
   }
 
   // Sorted by their corners; each once, or twice where there is an even number.
-  std::vector<std::uint32_t> remaining() const {
+  HostList<std::uint32_t> remaining() const {
     std::vector<std::pair<Corners, std::size_t>> keyed;
-    const std::vector<std::uint32_t>& t = mesh_.triangles;
+    const HostList<std::uint32_t>& t = mesh_.triangles;
     for (std::size_t i = 0; i < t.size(); i += 3) {
       Corners key{vertex_[t[i]], vertex_[t[i + 1]], vertex_[t[i + 2]]};
       if (key[0] == key[1] || key[1] == key[2] || key[2] == key[0]) continue;
@@ -110,7 +110,7 @@ class Clustering {
       keyed.emplace_back(key, i);
     }
     std::sort(keyed.begin(), keyed.end());
-    std::vector<std::uint32_t> out;
+    HostList<std::uint32_t> out;
     for (std::size_t first = 0, end = 0; first < keyed.size(); first = end) {
       while (end < keyed.size() && keyed[end].first == keyed[first].first) ++end;
       for (std::size_t i = first; i < end && i < first + ((end - first) % 2 == 0 ? 2 : 1); ++i) {
@@ -151,7 +151,7 @@ class Clustering {
       if (cells_[a] == cells_[b] && cells_[a] != kNowhere) sets.join(a, b);
     };
     for (std::uint32_t i = 0; i < welded.size(); ++i) join(i, welded[i]);
-    const std::vector<std::uint32_t>& t = mesh_.triangles;
+    const HostList<std::uint32_t>& t = mesh_.triangles;
     for (std::size_t i = 0; i < t.size(); i += 3) {
       join(t[i], t[i + 1]);
       join(t[i + 1], t[i + 2]);
@@ -176,7 +176,7 @@ class Clustering {
 
 }  // namespace
 
-const std::vector<std::uint32_t>& DecimatedSurface::triangles(const TriangleMesh& mesh) {
+const HostList<std::uint32_t>& DecimatedSurface::triangles(const TriangleMesh& mesh) {
   if (mesh.triangleCount() <= limit_) return mesh.triangles;
   if (!is_chosen_ || source_ != mesh.triangles) choose(mesh);
   return remaining_;
@@ -192,10 +192,10 @@ void DecimatedSurface::choose(const TriangleMesh& mesh) {
   if (!(cell_m > whole_m / kMostCells && cell_m <= whole_m)) {
     cell_m = whole_m / std::sqrt(static_cast<double>(limit_) / 2 + 1);
   }
-  std::vector<std::uint32_t> best;
+  HostList<std::uint32_t> best;
   bool fits = false;
   for (int i = 0; i < kTries || !fits; ++i) {
-    std::vector<std::uint32_t> found = Clustering(mesh, same, extent, cell_m).remaining();
+    HostList<std::uint32_t> found = Clustering(mesh, same, extent, cell_m).remaining();
     const double share = static_cast<double>(found.size()) / 3 / static_cast<double>(limit_);
     if (share <= 1 && (!fits || found.size() > best.size())) {
       best = std::move(found);

@@ -22,15 +22,15 @@ class DecimatedSurface {
   // first whose vertices are all finite) and kept, so that the picture moves and does not flicker.
   // The mesh must be valid. Two triangles on the same vertices are one, but for an even number,
   // which is two: every edge of a closed surface has an even number of triangles.
-  const std::vector<std::uint32_t>& triangles(const TriangleMesh& mesh);
+  const HostList<std::uint32_t>& triangles(const TriangleMesh& mesh);
 
  private:
   void choose(const TriangleMesh& mesh);
 
   const std::size_t limit_;
-  double cell_m_ = 0;                  // of the last choice, where the next one begins
-  std::vector<std::uint32_t> source_;  // the triangles that the choice is for
-  std::vector<std::uint32_t> remaining_;
+  double cell_m_ = 0;               // of the last choice, where the next one begins
+  HostList<std::uint32_t> source_;  // the triangles that the choice is for
+  HostList<std::uint32_t> remaining_;
   bool is_chosen_ = false;
 };
 

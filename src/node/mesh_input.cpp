@@ -92,10 +92,10 @@ void MeshInput::learnTopology(const DeformableMesh& keyframe) {
     return;
   }
   try {
-    TriangleMesh mesh{keyframe.vertices, keyframe.triangles};
-    validate(mesh, "topology " + std::to_string(keyframe.topology_id));
+    validate({keyframe.vertices, keyframe.triangles},
+             "topology " + std::to_string(keyframe.topology_id));
     topology_ = std::make_shared<const Topology>(
-        Topology{keyframe.topology_id, vertex_count, std::move(mesh.triangles)});
+        Topology{keyframe.topology_id, vertex_count, keyframe.triangles});
     refused_topology_.reset();
   } catch (const std::invalid_argument& error) {
     topology_ = nullptr;

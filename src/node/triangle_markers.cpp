@@ -202,7 +202,7 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
     const std::size_t rest =
         mesh.triangleCount() - (highlighted == nullptr ? 0 : highlighted->list().size());
     const bool is_whole = rest <= budget;
-    const std::vector<std::uint32_t>& corners =
+    const HostList<std::uint32_t>& corners =
         is_whole ? mesh.triangles : decimated(report, id, budget);
     Marker marker = makeMarker(report, options_, surfaceKey(report, id), Marker::TRIANGLE_LIST);
     marker.points.reserve(is_whole ? 3 * rest : corners.size());
@@ -223,8 +223,8 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
 
 // The finest that fits. It changes only with the number of contacts, and by large steps: a surface
 // that is drawn ever differently flickers.
-const std::vector<std::uint32_t>& TriangleMarkers::decimated(const CycleReport& report,
-                                                             BodyId object, std::size_t budget) {
+const HostList<std::uint32_t>& TriangleMarkers::decimated(const CycleReport& report, BodyId object,
+                                                          std::size_t budget) {
   constexpr int kLevels = 4;
   Levels& levels = surfaces_[report.bodies[object].name];
   if (levels.empty()) {
@@ -236,7 +236,7 @@ const std::vector<std::uint32_t>& TriangleMarkers::decimated(const CycleReport& 
     for (int i = 0; i < kLevels && limit > 0; ++i, limit /= 3) levels.emplace_back(limit);
   }
   for (DecimatedSurface& level : levels) {
-    const std::vector<std::uint32_t>& corners = level.triangles(report.scene->body(object).mesh);
+    const HostList<std::uint32_t>& corners = level.triangles(report.scene->body(object).mesh);
     if (corners.size() / 3 <= budget) return corners;
   }
   return nothing_;

@@ -27,12 +27,12 @@ class TriangleMarkers {
   // The same surface with ever fewer triangles, as far as contacts leave room for it.
   using Levels = std::vector<DecimatedSurface>;
 
-  const std::vector<std::uint32_t>& decimated(const CycleReport& report, BodyId object,
-                                              std::size_t budget);
+  const HostList<std::uint32_t>& decimated(const CycleReport& report, BodyId object,
+                                           std::size_t budget);
 
   const MarkerOptions options_;
   std::map<std::string, Levels> surfaces_;  // by object
-  const std::vector<std::uint32_t> nothing_;
+  const HostList<std::uint32_t> nothing_;
 };
 
 }  // namespace deformable_contact_monitor

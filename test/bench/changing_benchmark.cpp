@@ -78,6 +78,7 @@ void printFirstCycles(const std::string& name, const TriangleMesh& a, const Tria
     const Stopwatch making;
     const auto detector = makeFastest();
     make.push_back(making.elapsedMs());
+    scene.useMemory(detector->vertexMemory());
     const DetectionResult& result = detect(*detector, 0);
     first.push_back(result.round_trip_ms);
     stages = stagesOf(result);
@@ -111,6 +112,7 @@ std::vector<double> ratios(const std::vector<double>& times_ms) {
 void printChanges(const std::string& name, Scene scene, const Change& change,
                   const Options& options) {
   const auto detector = makeFastest(), reference = makeCpuDetector();
+  scene.useMemory(detector->vertexMemory());
   std::vector<double> times_ms;
   std::vector<std::string> stages;
   std::size_t cold = 0, first_contacts = 0, last_contacts = 0, first_triangles = 0;

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <memory_resource>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -182,10 +183,11 @@ TEST_F(SceneTest, PadsAreFiniteAndCountForBodiesThatTakePart) {
 // Counts what is in use.
 class CountedMemory : public std::pmr::memory_resource {
  public:
-  std::size_t bytes = 0;
+  std::size_t bytes = 0, most = std::numeric_limits<std::size_t>::max();
 
  private:
   void* do_allocate(std::size_t size, std::size_t alignment) override {
+    if (size > most - bytes) throw std::bad_alloc();
     bytes += size;
     return std::pmr::new_delete_resource()->allocate(size, alignment);
   }
@@ -198,8 +200,8 @@ class CountedMemory : public std::pmr::memory_resource {
   }
 };
 
-TEST(SceneMemory, VerticesLieWhereTheyAreWantedAndCopiesDoNot) {
-  constexpr std::size_t kMesh = 9 * sizeof(float);
+TEST(SceneMemory, MeshesLieWhereTheyAreWantedAndCopiesDoNot) {
+  constexpr std::size_t kMesh = 9 * sizeof(float) + 3 * sizeof(std::uint32_t);
   CountedMemory memory;
   Scene scene;
   scene.addBody("before", oneTriangle());
@@ -223,6 +225,46 @@ TEST(SceneMemory, VerticesLieWhereTheyAreWantedAndCopiesDoNot) {
   EXPECT_EQ(11 * kMesh, memory.bytes);
   scene = Scene();
   EXPECT_EQ(0U, memory.bytes);
+}
+
+// A mesh of so many triangles, none of which has a vertex of another.
+TriangleMesh apart(std::uint32_t triangles) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(9 * std::size_t{triangles});
+  for (std::uint32_t i = 0; i < 3 * triangles; ++i) mesh.triangles.push_back(i);
+  return mesh;
+}
+
+TEST(SceneMemory, AMeshThatGrowsSeldomTakesMore) {
+  CountedMemory memory;
+  Scene scene;
+  scene.useMemory(memory);
+  const BodyId body = scene.addBody("grows", apart(1000));
+  int times = 0;
+  for (std::uint32_t triangles = 1001; triangles <= 2000; ++triangles) {
+    const std::size_t before = memory.bytes;
+    scene.setMesh(body, apart(triangles));
+    ASSERT_EQ(triangles, scene.body(body).mesh.triangleCount());
+    ASSERT_TRUE(scene.body(body).mesh.triangles == apart(triangles).triangles);
+    times += memory.bytes != before ? 1 : 0;
+  }
+  EXPECT_GE(times, 1);
+  EXPECT_LE(times, 4);
+}
+
+TEST(SceneMemory, WithoutMemoryForAMeshTheOldOneStays) {
+  for (const std::size_t more : {0, 1000, 9000}) {  // the last has room for the vertices
+    CountedMemory memory;
+    Scene scene;
+    scene.useMemory(memory);
+    const BodyId body = scene.addBody("grows", apart(10));
+    const std::uint64_t before = scene.body(body).topology_revision;
+    memory.most = memory.bytes + more;
+    EXPECT_THROW(scene.setMesh(body, apart(200)), std::bad_alloc);
+    EXPECT_TRUE(scene.body(body).mesh.vertices == apart(10).vertices);
+    EXPECT_TRUE(scene.body(body).mesh.triangles == apart(10).triangles);
+    EXPECT_EQ(before, scene.body(body).topology_revision);
+  }
 }
 
 }  // namespace

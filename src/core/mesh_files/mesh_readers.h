@@ -18,7 +18,7 @@ TriangleMesh readStl(const std::string& path, std::string_view content);
 // Turns a polygon's vertices, given one by one, into a fan of triangles about the first.
 class PolygonFan {
  public:
-  explicit PolygonFan(std::vector<std::uint32_t>* triangles) : triangles_(triangles) {}
+  explicit PolygonFan(HostList<std::uint32_t>* triangles) : triangles_(triangles) {}
 
   void add(std::uint32_t vertex) {
     if (size_ == 0) first_ = vertex;
@@ -29,7 +29,7 @@ class PolygonFan {
   std::size_t size() const { return size_; }
 
  private:
-  std::vector<std::uint32_t>* triangles_;
+  HostList<std::uint32_t>* triangles_;
   std::uint32_t first_ = 0, previous_ = 0;
   std::size_t size_ = 0;
 };

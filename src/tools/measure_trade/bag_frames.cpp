@@ -20,7 +20,7 @@ struct Frame {
   struct Surface {
     BodyId body = 0;
     std::vector<float> vertices;
-    std::shared_ptr<const std::vector<std::uint32_t>> triangles;
+    std::shared_ptr<const HostList<std::uint32_t>> triangles;
   };
   struct Pair {
     BodyId a = 0, b = 0;
@@ -82,11 +82,11 @@ class BagFrames : public FrameSource {
     shown_.resize(deformable_.size());
   }
 
-  std::shared_ptr<const std::vector<std::uint32_t>> sharedTriangles(BodyId id,
-                                                                    const TriangleMesh& mesh) {
+  std::shared_ptr<const HostList<std::uint32_t>> sharedTriangles(BodyId id,
+                                                                 const TriangleMesh& mesh) {
     auto& known = triangles_[id];
     if (!known || *known != mesh.triangles) {
-      known = std::make_shared<const std::vector<std::uint32_t>>(mesh.triangles);
+      known = std::make_shared<const HostList<std::uint32_t>>(mesh.triangles);
     }
     return known;
   }
@@ -106,8 +106,8 @@ class BagFrames : public FrameSource {
   Scene scene_;
   std::vector<bool> deformable_;
   std::vector<Frame> frames_;
-  std::vector<std::shared_ptr<const std::vector<std::uint32_t>>> triangles_;  // newest, by body
-  std::vector<std::shared_ptr<const std::vector<std::uint32_t>>> shown_;      // in scene_, by body
+  std::vector<std::shared_ptr<const HostList<std::uint32_t>>> triangles_;  // newest, by body
+  std::vector<std::shared_ptr<const HostList<std::uint32_t>>> shown_;      // in scene_, by body
   std::size_t next_ = 0;
 };
 
