@@ -157,7 +157,7 @@ class DCM_EXPORT Detector {
   // With default options.
   const DetectionResult& detect(const Scene& scene) { return detect(scene, Options()); }
 
-  // Memory from which this backend reads vertices soonest, for Scene::useMemory(). It is the
+  // Memory from which this backend reads meshes soonest, for Scene::useMemory(). It is the
   // process's own, outlives all detectors, and any backend and the user may read it; it is good
   // for as long as nobody calls cudaDeviceReset().
   virtual std::pmr::memory_resource& vertexMemory() { return *std::pmr::new_delete_resource(); }

@@ -103,7 +103,7 @@ TEST_F(SceneTest, RevisionsTellEveryStateApart) {
 TEST_F(SceneTest, RefusesEarlierStatesThatDoNotFit) {
   const std::vector<float> fitting = {0, 0, 1, 1, 0, 1, 0, 1, 1};
   const auto refused = [&](const RigidTransform& pose, std::vector<float> vertices) {
-    const std::string text = refusal([&] { scene_.setEarlier(cloth_, pose, vertices); });
+    std::string text = refusal([&] { scene_.setEarlier(cloth_, pose, vertices); });
     EXPECT_TRUE(contains(text, "cloth: ")) << text;
     EXPECT_FALSE(scene_.body(cloth_).earlier);
     return text;
