@@ -114,10 +114,10 @@ void CudaDetector::completeContacts(const CycleLimit& limit) {
   if (output_.has(count)) return;
   // Page-locked memory takes a millisecond a MiB: the limit is looked at in between.
   std::uint32_t room = limit.isSet() ? std::min(count, kMostListedLate) : count;
-  output_.makeRoom(room, result_.contacts);
+  output_.makeRoom(room, result_.contacts, stream_.get());
   while (room < count && !limit.over()) {
     room = std::min(count, 2 * room);
-    output_.makeRoom(room, result_.contacts);
+    output_.makeRoom(room, result_.contacts, stream_.get());
   }
   output_.fetchAgain(arrays_, params_[0].index_bits, room, result_.contacts, stream_.get());
   checkCuda(cudaGetLastError(), "a launch");

@@ -7,22 +7,26 @@
 #include <utility>
 
 #include "cuda/device/check.cuh"
+#include "cuda/memory/device_pool.cuh"
 #include "cuda/memory/pinned_memory.cuh"
 
 namespace deformable_contact_monitor {
 
-// A device array on the current device. Not for use while the device works on it.
+// A device array on the current device, of one stream, which outlives it: other streams have to
+// wait for that one, and it for them, where they use it.
 template <class T>
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
-  explicit DeviceBuffer(std::size_t size) { grow(size); }
+  DeviceBuffer(std::size_t size, cudaStream_t stream) { grow(size, stream); }
   DeviceBuffer(const DeviceBuffer&) = delete;
   DeviceBuffer& operator=(const DeviceBuffer&) = delete;
-  ~DeviceBuffer() { cudaFree(data_); }
+  ~DeviceBuffer() { release(); }
   void swap(DeviceBuffer& o) {
     std::swap(data_, o.data_);
     std::swap(size_, o.size_);
+    std::swap(pool_, o.pool_);
+    std::swap(stream_, o.stream_);
   }
 
   T* data() { return data_; }
@@ -31,12 +35,12 @@ class DeviceBuffer {
   std::size_t bytes() const { return size_ * sizeof(T); }
 
   // To at least `size` elements; then they are uninitialised, whatever they were. True if it moved.
-  bool grow(std::size_t size) {
+  bool grow(std::size_t size, cudaStream_t stream) {
     if (size <= size_) return false;
-    cudaFree(data_);
-    data_ = nullptr;
-    size_ = 0;
-    checkCuda(cudaMalloc(&data_, size * sizeof(T)), "cudaMalloc");
+    release();
+    pool_ = &DevicePool::ofCurrentDevice();
+    stream_ = stream;
+    data_ = static_cast<T*>(pool_->take(size * sizeof(T), stream));
     size_ = size;
     return true;
   }
@@ -54,8 +58,16 @@ class DeviceBuffer {
   }
 
  private:
+  void release() {
+    if (data_ != nullptr) pool_->giveBack(data_, stream_);
+    data_ = nullptr;
+    size_ = 0;
+  }
+
   T* data_ = nullptr;
   std::size_t size_ = 0;
+  DevicePool* pool_ = nullptr;
+  cudaStream_t stream_ = nullptr;
 };
 
 // Page-locked host memory, which copies run from and to while the host goes on; kernels may write

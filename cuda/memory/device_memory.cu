@@ -56,10 +56,10 @@ void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
   if (moves) {
     // So that some arrays find room later on without another allocation; what grew once may do so
     // again.
-    other.grow(all + all / (memory_.size() == 0 ? 8 : 2));
+    other.grow(all + all / (memory_.size() == 0 ? 8 : 2), stream);
+    checkCuda(cudaMemsetAsync(other.data(), 0, other.size(), stream), "cudaMemsetAsync");
     other.swap(memory_);
     used_ = 0;
-    checkCuda(cudaMemsetAsync(memory_.data(), 0, memory_.size(), stream), "cudaMemsetAsync");
   }
   Moves kept;
   for (Array& array : arrays_) {
@@ -76,8 +76,6 @@ void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
     if (kept.count == Moves::kMost) launchMoves(kept, stream);
   }
   launchMoves(kept, stream);
-  // Before what the arrays were in is given back.
-  if (moves) checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
 }
 
 }  // namespace deformable_contact_monitor

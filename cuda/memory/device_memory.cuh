@@ -31,8 +31,8 @@ class DeviceMemory {
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
   // Every array to at least its size; what is new of one that grows is zeros, the rest stays, in
-  // `stream`. Then arrays may have moved, and copies of them are of no use any more. Not while the
-  // device works on them. Throws CudaError; then all is as it was.
+  // `stream`, always the same one. Then arrays may have moved, and copies of them are of no use any
+  // more. Throws CudaError; then all is as it was.
   void grow(const CycleSizes& sizes, cudaStream_t stream);
 
   // Whether some array is not of that size yet.

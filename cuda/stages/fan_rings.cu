@@ -92,7 +92,7 @@ void launchFanRings(const SceneArrays& scene, std::uint32_t vertices,
   };
   std::size_t bytes = 0;
   sum(nullptr, bytes);
-  if (bytes > scratch.size()) scratch.grow(2 * bytes);
+  if (bytes > scratch.size()) scratch.grow(2 * bytes, stream);
   sum(scratch.data(), bytes);
   fillKernel<<<scene.triangle_block_count, kThreads, 0, stream>>>(scene);
   orderKernel<<<scene.vertex_block_count, kThreads, 0, stream>>>(scene);

@@ -180,7 +180,7 @@ const std::uint64_t* sortAlongCurves(const SceneArrays& scene, const UngroupedBo
   };
   std::size_t bytes = 0;
   sort(nullptr, bytes);
-  if (bytes > scratch.size()) scratch.grow(2 * bytes);
+  if (bytes > scratch.size()) scratch.grow(2 * bytes, stream);
   sort(scratch.data(), bytes);
   return keys.Current();
 }

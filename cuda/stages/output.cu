@@ -9,7 +9,7 @@
 namespace deformable_contact_monitor {
 
 // With room to spare, or contacts that creep up would allocate in every cycle.
-void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts) {
+void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts, cudaStream_t stream) {
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
   if (count > contacts.capacity()) {
     contacts.clear();
@@ -21,11 +21,13 @@ void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts) {
   if (fields_.times()) times_.grow(room_);
   if (!fields_.geometry) return;
   geometry_.grow(room_);
-  if (geometry_on_device_.grow(room_)) {  // more of it goes to the host than there are contacts
-    checkCuda(cudaMemset(geometry_on_device_.data(), 0, geometry_on_device_.bytes()), "cudaMemset");
+  if (geometry_on_device_.grow(room_, stream)) {
+    // More of it goes to the host than there are contacts.
+    checkCuda(cudaMemsetAsync(geometry_on_device_.data(), 0, geometry_on_device_.bytes(), stream),
+              "cudaMemsetAsync");
   }
-  keys_.grow(room_);
-  if (fields_.separations) sorted_separations_.grow(room_);
+  keys_.grow(room_, stream);
+  if (fields_.separations) sorted_separations_.grow(room_, stream);
 }
 
 OrderedOutput ContactOutput::output(TrianglePairs& contacts) {
@@ -46,7 +48,7 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
                           std::uint32_t expected, std::uint32_t most_described,
                           TrianglePairs& contacts, cudaStream_t stream) {
   fields_ = fields;
-  makeRoom(expected, contacts);
+  makeRoom(expected, contacts, stream);
   gathered_ = expected > kLongestRow / 2;
   if (gathered_) rows_.gather(cycle, blocks_, stream);
   write(cycle, contacts, stream);
@@ -55,7 +57,7 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
 
 void ContactOutput::fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
                                TrianglePairs& contacts, cudaStream_t stream) {
-  makeRoom(count, contacts);
+  makeRoom(count, contacts, stream);
   if (too_long_[0] != 0) {
     rows_.sortAndWrite(cycle, count, index_bits, output(contacts), blocks_, stream);
     too_long_[0] = 0;

@@ -39,7 +39,7 @@ class ContactOutput {
     return too_long_[0] == 0 && count <= room_ && (!fields_.geometry || count <= described_);
   }
   // Makes room for so many contacts, while the device does not write any.
-  void makeRoom(std::uint32_t count, TrianglePairs& contacts);
+  void makeRoom(std::uint32_t count, TrianglePairs& contacts, cudaStream_t stream);
   // Where the fetch did not: brings the first `count`, or any, where they have to be sorted.
   void fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
                   TrianglePairs& contacts, cudaStream_t stream);

@@ -63,8 +63,8 @@ class PairTurns {
   __device__ bool isSelf() const { return number_ < numbers_.tiles; }
   __device__ TileIndex tile() const { return TileIndex(number_); }
   __device__ const TilePair& pair() const {
-    if (isCrowded()) return c_.sweep.crowded_pairs[Place(numberOfKind() >> logParts())];
-    return c_.sweep.tile_pairs[Place(numberOfKind() >> logParts())];
+    const Place place(numberOfKind() >> logParts());
+    return isCrowded() ? c_.sweep.crowded_pairs[place] : c_.sweep.tile_pairs[place];
   }
   __device__ std::uint32_t part() const { return numberOfKind() & (parts() - 1); }
   __device__ std::uint32_t parts() const { return 1U << logParts(); }

@@ -120,8 +120,8 @@ __global__ void __launch_bounds__(kThreads)
 
 }  // namespace
 
-unsigned char* ContactRows::scratch(std::size_t bytes) {
-  if (bytes > scratch_.size()) scratch_.grow(bytes + bytes / 2);
+unsigned char* ContactRows::scratch(std::size_t bytes, cudaStream_t stream) {
+  if (bytes > scratch_.size()) scratch_.grow(bytes + bytes / 2, stream);
   return scratch_.data();
 }
 
@@ -136,7 +136,7 @@ void ContactRows::gather(const CycleArrays& cycle, unsigned blocks, cudaStream_t
   };
   std::size_t bytes = 0;
   scan(nullptr, bytes);
-  scan(scratch(bytes), bytes);
+  scan(scratch(bytes, stream), bytes);
   scatterKernel<<<blocks, kThreads, 0, stream>>>(cycle);
 }
 
@@ -152,7 +152,7 @@ void ContactRows::writeFew(const CycleArrays& cycle, const OrderedOutput& out, u
 
 void ContactRows::sortAndWrite(const CycleArrays& cycle, std::uint32_t count, unsigned index_bits,
                                const OrderedOutput& out, unsigned blocks, cudaStream_t stream) {
-  places_.grow(count);
+  places_.grow(count, stream);
   numberKernel<<<blocks, kThreads, 0, stream>>>(places_.data(), count);
   const auto sort = [&](void* memory, std::size_t& bytes) {
     checkCuda(cub::DeviceRadixSort::SortPairs(memory, bytes, cycle.contacts.contacts.data(),
@@ -163,7 +163,7 @@ void ContactRows::sortAndWrite(const CycleArrays& cycle, std::uint32_t count, un
   };
   std::size_t bytes = 0;
   sort(nullptr, bytes);
-  sort(scratch(bytes), bytes);
+  sort(scratch(bytes, stream), bytes);
   writeSortedKernel<<<blocks, kThreads, 0, stream>>>(cycle, out, count);
 }
 

@@ -48,7 +48,7 @@ class ContactRows {
   std::uint64_t bytes() const { return scratch_.bytes() + places_.bytes(); }
 
  private:
-  unsigned char* scratch(std::size_t bytes);
+  unsigned char* scratch(std::size_t bytes, cudaStream_t stream);
 
   DeviceBuffer<unsigned char> scratch_;
   DeviceBuffer<Place> places_;

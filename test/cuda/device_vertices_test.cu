@@ -45,7 +45,7 @@ class Mover {
     if (vertices.empty()) return;
     if (id >= memory_.size()) memory_.resize(id + 1);
     if (!memory_[id]) memory_[id] = std::make_unique<DeviceBuffer<float>>();
-    memory_[id]->grow(vertices.size() + 1);
+    memory_[id]->grow(vertices.size() + 1, stream);
     float* const to = memory_[id]->data() + 1;  // aligned to a float, and to no more
     checkCuda(cudaMemcpyAsync(to, vertices.data(), vertices.size() * sizeof(float),
                               cudaMemcpyHostToDevice, stream),
@@ -171,9 +171,9 @@ TEST(DeviceVertices, KernelsThatStillWriteThemAreWaitedFor) {
   const TriangleMesh frames[2] = {clothGrid(kSide, 1, 0, 0.1F), clothGrid(kSide, 1, 0.02F, -0.07F)};
   Scene scene = pairScene(frames[0], clothGrid(kSide, 1, 0.01F, 0));
   const std::size_t floats = frames[0].vertices.size();
-  DeviceBuffer<float> written(floats), sources[2];
+  DeviceBuffer<float> written(floats, nullptr), sources[2];
   for (int i = 0; i < 2; ++i) {
-    sources[i].grow(floats);
+    sources[i].grow(floats, nullptr);
     sources[i].upload(frames[i].vertices.data(), floats, nullptr);
   }
   checkCuda(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
@@ -267,7 +267,7 @@ TEST(DeviceVertices, ThoseOfAnotherDeviceAreRefused) {
   ASSERT_EQ(cudaSetDevice(1), cudaSuccess);
   {
     CudaStream there;
-    DeviceBuffer<float> memory(3 * count);
+    DeviceBuffer<float> memory(3 * count, there.get());
     scene.setDeviceVertices(1, memory.data(), count);
     EXPECT_EQ(refusal(detect), "b: its vertices are on CUDA device 1, and the detector is on 0");
     scene.setDeviceVertices(1, readable, count, there.get());

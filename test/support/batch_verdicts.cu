@@ -28,8 +28,8 @@ std::vector<BatchVerdict> batchVerdicts(const std::vector<VerdictQuestion>& pair
   std::vector<BatchVerdict> verdicts(pairs.size());
   CudaStream stream;
   if (pairs.empty()) return verdicts;
-  DeviceBuffer<VerdictQuestion> device_pairs(pairs.size());
-  DeviceBuffer<BatchVerdict> device_verdicts(pairs.size());
+  DeviceBuffer<VerdictQuestion> device_pairs(pairs.size(), stream.get());
+  DeviceBuffer<BatchVerdict> device_verdicts(pairs.size(), stream.get());
   device_pairs.upload(pairs.data(), pairs.size(), stream.get());
   const auto count = static_cast<unsigned>(pairs.size());
   const unsigned blocks = (count + kThreads - 1) / kThreads;
