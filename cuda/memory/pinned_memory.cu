@@ -1,11 +1,15 @@
 #include <cuda_runtime.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <iterator>
+#include <list>
 #include <mutex>
 #include <set>
 
 #include "cuda/device/check.cuh"
 #include "cuda/memory/pinned_memory.cuh"
+#include "cuda/memory/pinned_pages.cuh"
 #include "cuda/memory/reserved_memory.h"
 
 namespace deformable_contact_monitor {
@@ -14,44 +18,59 @@ namespace {
 // For as many as a scene of some 100 000 triangles needs in a process.
 constexpr std::size_t kReservedBytes = std::size_t{16} << 20;
 
-// Its pages are aligned to more than anybody asks for.
+// Pages that are lent out in pieces. They are aligned to more than anybody asks for.
+struct Chunk {
+  explicit Chunk(std::size_t bytes) : pages(bytes), pieces(pages.data(), pages.bytes()) {}
+
+  PinnedPages pages;
+  ReservedMemory pieces;
+};
+
 class PinnedMemory : public std::pmr::memory_resource {
  public:
   PinnedMemory() {
     try {
-      reserved_ = ReservedMemory(pinned(kReservedBytes), kReservedBytes);
-    } catch (const CudaError&) {
-      cudaGetLastError();  // it does without
+      chunks_.emplace_back(kReservedBytes);
+    } catch (const CudaError&) {  // it does without
     }
   }
 
  private:
-  static void* pinned(std::size_t bytes) {
-    void* memory = nullptr;
-    checkCuda(cudaHostAlloc(&memory, bytes, cudaHostAllocMapped | cudaHostAllocPortable),
-              "cudaHostAlloc");
-    return memory;
-  }
   void* do_allocate(std::size_t bytes, std::size_t) override {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      if (void* const piece = reserved_.take(bytes)) return piece;
+      for (Chunk& chunk : chunks_) {
+        if (void* const piece = chunk.pieces.take(bytes)) return piece;
+      }
     }
-    return pinned(bytes);
+    std::list<Chunk> more;  // not under the lock, for it takes long
+    more.emplace_back(bytes);
+    void* const piece = more.back().pieces.take(bytes);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    chunks_.splice(chunks_.end(), more);
+    return piece;
   }
   void do_deallocate(void* memory, std::size_t, std::size_t) override {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (reserved_.giveBack(memory)) return;
-    }
-    cudaFreeHost(memory);
+    std::list<Chunk> gone;  // nor this
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto its = std::find_if(chunks_.begin(), chunks_.end(),
+                                  [memory](Chunk& chunk) { return chunk.pieces.giveBack(memory); });
+    if (its->pieces.isWhole()) dropOthersThatAreWhole(its, gone);
   }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
     return this == &other;
   }
+  // The first one stays, and so does this: what grows soon has another place again.
+  void dropOthersThatAreWhole(std::list<Chunk>::iterator kept, std::list<Chunk>& gone) {
+    for (auto chunk = std::next(chunks_.begin()); chunk != chunks_.end();) {
+      const auto next = std::next(chunk);
+      if (chunk != kept && chunk->pieces.isWhole()) gone.splice(gone.end(), chunks_, chunk);
+      chunk = next;
+    }
+  }
 
   std::mutex mutex_;
-  ReservedMemory reserved_;
+  std::list<Chunk> chunks_;
 };
 
 class LentMemory : public std::pmr::memory_resource {

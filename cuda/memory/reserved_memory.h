@@ -21,6 +21,9 @@ class ReservedMemory {
   // Whether a piece is one of its own, which it then has back.
   bool giveBack(void* piece);
 
+  // Whether no piece is lent.
+  bool isWhole() const { return lent_.empty(); }
+
  private:
   using Pieces = std::map<char*, std::size_t>;  // where they begin, and their bytes
 

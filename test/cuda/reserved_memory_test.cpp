@@ -19,6 +19,7 @@ class ReservedMemoryTest : public ::testing::Test {
  protected:
   // All of it is free, in one piece.
   void expectWhole() {
+    EXPECT_TRUE(reserved_.isWhole());
     void* const all = reserved_.take(kAll);
     EXPECT_EQ(all, begin_);
     EXPECT_TRUE(reserved_.giveBack(all));
@@ -39,6 +40,7 @@ TEST_F(ReservedMemoryTest, NoneHasNoPiece) {
 TEST_F(ReservedMemoryTest, AllOfItCanBeTakenOnce) {
   EXPECT_EQ(reserved_.take(kAll + 1), nullptr);
   EXPECT_EQ(reserved_.take(kAll), begin_);
+  EXPECT_FALSE(reserved_.isWhole());
   EXPECT_EQ(reserved_.take(1), nullptr);
   EXPECT_TRUE(reserved_.giveBack(begin_));
   expectWhole();

@@ -1,0 +1,68 @@
+#include <cuda_runtime.h>
+#include <sys/mman.h>
+
+#include <cstdint>
+#include <string>
+
+#include "cuda/device/check.cuh"
+#include "cuda/memory/pinned_pages.cuh"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::size_t kHugePage = std::size_t{2} << 20;
+
+// Whether kernels reach what was locked afterwards, by the host's address, on every device.
+bool canLockPages() {
+  int devices = 0;
+  if (cudaGetDeviceCount(&devices) != cudaSuccess) devices = 0;
+  bool can = devices > 0;
+  for (int device = 0; device < devices; ++device) {
+    for (const cudaDeviceAttr what :
+         {cudaDevAttrHostRegisterSupported, cudaDevAttrCanUseHostPointerForRegisteredMem}) {
+      int has = 0;
+      can = can && cudaDeviceGetAttribute(&has, what, device) == cudaSuccess && has != 0;
+    }
+  }
+  cudaGetLastError();  // of a question that a driver does not know
+  return can;
+}
+
+}  // namespace
+
+PinnedPages::PinnedPages(std::size_t bytes) {
+  static const bool can_lock = canLockPages();
+  bytes_ = (bytes + kHugePage - 1) / kHugePage * kHugePage;
+  if (!can_lock) {
+    checkCuda(cudaHostAlloc(&data_, bytes_, cudaHostAllocMapped | cudaHostAllocPortable),
+              "cudaHostAlloc");
+    return;
+  }
+  mapped_bytes_ = bytes_ + kHugePage;  // for a place among them that a huge page may begin at
+  mapped_ =
+      mmap(nullptr, mapped_bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (mapped_ == MAP_FAILED) {
+    throw CudaError(BackendFault::kTransient,
+                    "no memory for " + std::to_string(bytes_) + " bytes to page-lock");
+  }
+  const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(mapped_) + kHugePage - 1;
+  data_ = reinterpret_cast<void*>(begin / kHugePage * kHugePage);
+  madvise(data_, bytes_, MADV_HUGEPAGE);  // small pages do, too
+  // What a fork shares moves at the next write, and devices would not know where to.
+  madvise(mapped_, mapped_bytes_, MADV_DONTFORK);
+  const cudaError_t locked =
+      cudaHostRegister(data_, bytes_, cudaHostRegisterMapped | cudaHostRegisterPortable);
+  if (locked != cudaSuccess) munmap(mapped_, mapped_bytes_);
+  checkCuda(locked, "cudaHostRegister");
+}
+
+PinnedPages::~PinnedPages() {
+  if (mapped_ == nullptr) {
+    cudaFreeHost(data_);
+  } else {
+    cudaHostUnregister(data_);
+    munmap(mapped_, mapped_bytes_);
+  }
+}
+
+}  // namespace deformable_contact_monitor
