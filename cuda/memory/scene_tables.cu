@@ -25,7 +25,7 @@ SceneTables::SceneTables(const Scene& scene) {
   for (BodyId a = 0; a < scene.bodyCount(); ++a) {
     if (scene.takesPart(a)) taking_part.push_back(a);
   }
-  requireRoom(scene);
+  makeRoom(scene);
   const BodyGroups groups(scene);
   group_count = static_cast<std::uint32_t>(groups.enabled.size());
   const auto count = static_cast<std::uint32_t>(taking_part.size());
@@ -57,7 +57,8 @@ void SceneTables::addPairs(const Scene& scene, const BodyGroups& groups, BodyInd
   bodies.push_back(body);
 }
 
-void SceneTables::requireRoom(const Scene& scene) const {
+// Lists that grew would ask for page-locked memory again and again.
+void SceneTables::makeRoom(const Scene& scene) {
   std::uint64_t vertices = 0, triangles = 0;
   for (const BodyId id : taking_part) {
     vertices += scene.body(id).mesh.vertexCount();
@@ -69,6 +70,11 @@ void SceneTables::requireRoom(const Scene& scene) const {
                                                       " vertices; the CUDA backend takes up to " +
                                                       std::to_string(kMostTriangles) + " of each");
   }
+  const std::size_t bodies_here = taking_part.size();
+  bodies.reserve(bodies_here);
+  listed.reserve(bodies_here);
+  vertex_blocks.reserve(vertices / kBlock + bodies_here);
+  triangle_blocks.reserve(triangles / kBlock + bodies_here);
 }
 
 void SceneTables::addMesh(const TriangleMesh& mesh, BodyIndex number) {

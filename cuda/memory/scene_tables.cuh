@@ -35,7 +35,7 @@ struct SceneTables {
 
  private:
   void addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row);
-  void requireRoom(const Scene& scene) const;
+  void makeRoom(const Scene& scene);
   void addMesh(const TriangleMesh& mesh, BodyIndex body);
 };
 
