@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
+#include <vector>
 
 #include "core/cpu/common_motion.h"
 #include "core/cpu/pose.h"
@@ -68,8 +70,14 @@ void addSampled(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, con
   const PosedBody now(body), earlier = PosedBody::earlier(body);
   const std::size_t end = first + body.mesh.triangleCount();
   const float growth_m = growthOf<Hull>(body);
+  std::vector<std::uint32_t> sampled;
   for (; next < sample.count && sample[next] < end; ++next) {
-    const auto t = static_cast<std::uint32_t>(sample[next] - first);
+    sampled.push_back(static_cast<std::uint32_t>(sample[next] - first));
+  }
+  for (std::size_t i = 0; i < sampled.size(); ++i) {
+    if (i + 32 < sampled.size()) now.prefetchCorners(sampled[i + 32]);
+    if (i + 16 < sampled.size()) now.prefetchVertices(sampled[i + 16]);
+    const std::uint32_t t = sampled[i];
     const Hull hull = hullOf(earlier, now, t, static_cast<const Hull*>(nullptr));
     if (!isFinite(hull)) continue;
     const BoxOf<Hull> box = inflated(boxOf(hull), growth_m);
@@ -100,6 +108,9 @@ template <class Hull>
 WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes,
                       const CycleLimit& limit) {
   WorkingSet set;
+  set.vertices.reserve(3 * sample.count);
+  set.triangle.reserve(sample.count);
+  set.boxes.reserve(sample.count);
   const bool culls = needsBoxes(scene);
   if (culls) boxes.update<Hull>(scene, limit);
   if (limit.wasOver()) return set;
@@ -114,9 +125,8 @@ WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes
                      set);
     first += body.mesh.triangleCount();
   }
-  for (std::uint32_t corner = 0; corner < set.vertices.size(); ++corner) {
-    set.corners.push_back(corner);
-  }
+  set.corners.resize(set.vertices.size());
+  std::iota(set.corners.begin(), set.corners.end(), 0U);
   return set;
 }
 

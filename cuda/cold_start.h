@@ -40,7 +40,7 @@ class SceneMeasurer {
                     const ClusterCountPolicy& policy, Look look, const CycleLimit& limit);
 
  private:
-  static constexpr std::size_t kVerticesAtAGlance = 1024;  // of a body
+  static constexpr std::size_t kVerticesAtAGlance = 256;  // of a body
 
   BodyBoxes boxes_, boxes_at_a_glance_{kVerticesAtAGlance};
 };

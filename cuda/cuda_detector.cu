@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "core/parallel.h"
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
 #include "cuda/shares/shared_detector.h"
@@ -106,10 +107,15 @@ bool CudaDetector::upload(const Scene& scene, const Options& options, const Cycl
   // A first scene is looked at first, for then its memory comes at once.
   const bool looks_first = was_cold && on_host;
   if (looks_first && !adaptTo(scene, change, options, limit, start)) return false;
+  BesideTask glance;
+  if (looks && !was_cold && on_host) {
+    glance.start([&] { start = look(scene, options, limit, Look::kGlance); });
+  }
   scene_.sendLayout(scene, stream);
   scene_.sendVertices(scene, motion_, copies_, stream);
   if (looks) copies_.launch();  // a look may end the cycle, or take a while
   if (!was_cold) group(scene, options, change.any);
+  glance.wait();
   if (looks && !looks_first) {
     const bool adapted = on_host
                              ? adaptTo(scene, change, options, limit, start)
@@ -160,12 +166,12 @@ ColdStart CudaDetector::look(const Scene& scene, const Options& options, const C
 }
 
 // Sizes and rules to a first scene, or to one whose make-up changed: it starts cold, unless the
-// clusters of the scene before do for it. `start`: what the look found. False if the limit was
-// over.
+// clusters of the scene before do for it. `start`: a glance at the scene, if there was one. False
+// if the limit was over.
 bool CudaDetector::adaptTo(const Scene& scene, const DeviceScene::Change& change,
                            const Options& options, const CycleLimit& limit, ColdStart& start) {
   if (!result_.started_cold) {
-    start = look(scene, options, limit, Look::kGlance);
+    if (start.seeds.empty()) start = look(scene, options, limit, Look::kGlance);
     result_.started_cold = !isAlike(start, change, options);
   }
   if (result_.started_cold) {

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <thread>
 
 #include "core/cycle_limit.h"
@@ -49,6 +50,23 @@ void serialBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_size
     body(begin, std::min(n, begin + block_size));
   }
 }
+
+// What another thread does meanwhile, if there is one for it.
+class BesideTask {
+ public:
+  template <class Work>
+  void start(const Work& work) {
+    group_.emplace().run(work);
+  }
+  // For the end of what was started, if anything was, and throws what that threw. To be called
+  // before this goes.
+  void wait() {
+    if (group_) group_->wait();
+  }
+
+ private:
+  std::optional<tbb::task_group> group_;
+};
 
 // A thread that is awake for as long as this lives, a millisecond at most, if there is one for it.
 // For who waits for a device, and then goes on in parallel: a thread takes its time to get up, but

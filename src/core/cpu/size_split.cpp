@@ -46,11 +46,14 @@ Usual measure(const WorkingSet& set) {
     return median(values);
   };
   Usual usual;
-  parallelBlocks(4, 1, [&](std::size_t what, std::size_t, std::size_t) {
-    if (what == 0) usual.origin.x = medianOf([](const Aabb& b) { return middleOf(b).x; });
-    if (what == 1) usual.origin.y = medianOf([](const Aabb& b) { return middleOf(b).y; });
-    if (what == 2) usual.origin.z = medianOf([](const Aabb& b) { return middleOf(b).z; });
-    if (what == 3) usual.extent = medianOf(largestSide);
+  // Medians of few are found before another thread is up.
+  parallelBlocks(4, count < kSample ? 4 : 1, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t what = begin; what < end; ++what) {
+      if (what == 0) usual.origin.x = medianOf([](const Aabb& b) { return middleOf(b).x; });
+      if (what == 1) usual.origin.y = medianOf([](const Aabb& b) { return middleOf(b).y; });
+      if (what == 2) usual.origin.z = medianOf([](const Aabb& b) { return middleOf(b).z; });
+      if (what == 3) usual.extent = medianOf(largestSide);
+    }
   });
   usual.reach = medianOf([&](const Aabb& b) { return reachFrom(usual.origin, b); });
   return usual;
