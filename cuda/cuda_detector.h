@@ -36,7 +36,8 @@ struct CudaSettings {
 // one older than compute capability 7.5, or if it fails; so may detect(). After kSceneTooLarge
 // (more than 2^27 triangles or vertices, or too crowded) the detector goes on with other scenes;
 // after other errors, make another one. Of several devices, all must fail for that. Detectors in
-// one process do not wait for each other.
+// one process do not wait for each other. From the first one on the process holds 128 MiB of each
+// device that it uses, where there is as much, and 16 MiB of page-locked memory.
 DCM_EXPORT std::unique_ptr<Detector> makeCudaDetector(
     const CudaSettings& settings = CudaSettings());
 

@@ -243,6 +243,10 @@ int run(bool only_first) {
   std::printf("|---|---|---|---|---|---|---|---|---|---|---|\n");
   printAllChanges(cloths, with(AdjacentPairs::kBeyondShared));
   printAllChanges(cloths, with(AdjacentPairs::kSkip));
+  const TriangleMesh split = splitThreeByThree(cloths.a);
+  for (const AdjacentPairs adjacent : {AdjacentPairs::kBeyondShared, AdjacentPairs::kSkip}) {
+    printChanges("a large cloth grows", selfScene(split), growing(split), with(adjacent));
+  }
   printChanges("contacts grow", pairScene(cloths.a, cloths.a), moveInto,
                with(AdjacentPairs::kSkip));
   return all_equal ? 0 : 1;
