@@ -1,6 +1,4 @@
 // Memory of the device that is given back while work of its stream is still to come.
-#include "cuda/memory/device_pool.cuh"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -9,6 +7,7 @@
 
 #include "cuda/device/stream.cuh"
 #include "cuda/memory/device_buffer.cuh"
+#include "cuda/memory/device_pool.cuh"
 #include "device_test.h"
 
 namespace deformable_contact_monitor {

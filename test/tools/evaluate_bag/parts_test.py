@@ -14,19 +14,13 @@ import rospy
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
-from evaluation_case import CONFIG, DATA, TOOL, EvaluationCase, main, read_table
-from monitor_test_support import transform_message
-from panda_bag import FRAMES, PERIOD, START, PandaBag, stamp_of
+from evaluation_case import CONFIG, DATA, TOOL, main, read_table
+from panda_bag import FRAMES, stamp_of
 from panda_scene import READY, SHIRT_FRAME
+from parts_case import SWEPT, PartsCase, frame_of
 
 EVERY_SEAM = FRAMES  # so many parts have a cycle each
-EXPECT = """
-- {link: panda_hand, object: tshirt, touches: sometime}
-- {link: panda_hand, object: tshirt, touches: always, to_s: 0.2}
-- {link: panda_link0, object: tshirt, touches: never}
-"""
 RULES = "debounce_on_cycles: 2\ndebounce_off_cycles: 3\nsince_survives_s: 0.1\n"
-SWEPT = "motion: swept\n"
 
 
 def without_times(path):
@@ -50,34 +44,7 @@ def without_times(path):
     return text.getvalue().encode()
 
 
-def frame_of(message):
-    return round((message.header.stamp - START).to_sec() / PERIOD.to_sec())
-
-
-class Parts(EvaluationCase):
-
-    @classmethod
-    def setUpClass(cls):
-        """Which contacts there are is evaluate_bag_test's to test."""
-        cls.scene = PandaBag()
-        cls.events = cls.scene.events()
-
-    def setUp(self):
-        super().setUp()
-        self.expect = self.text("expect.yaml", EXPECT)
-
-    def tool(self, *arguments):
-        environment = dict(os.environ, ROS_PACKAGE_PATH=f"{DATA}/robots")
-        return subprocess.run([TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              text=True, timeout=300, check=False, env=environment)
-
-    def write_parts(self, count, arguments):
-        files = []
-        for number in range(1, count + 1):
-            files.append(self.path(f"{number}-of-{count}.records"))
-            done = self.tool(*arguments, "--part", f"{number}/{count}", "--records", files[-1])
-            self.assertEqual(done.returncode, 0, done.stderr)
-        return files
+class Parts(PartsCase):
 
     def cycles_in(self, path):
         with open(path) as file:
@@ -113,22 +80,6 @@ class Parts(EvaluationCase):
                                          without_times(f"{joined}/{name}"), name)
                 shutil.rmtree(joined)
         return summary
-
-    def arguments(self, config, *bags):
-        self.config_file = self.text("config.yaml", config)
-        return [*(bags or [self.bag()]), "--config", self.config_file, "--expect", self.expect,
-                "--no-report", "--pairs"]
-
-    def touching(self, frames):
-        """The scene in which the shirt is away from the arm in all other frames."""
-        events = []
-        for received, topic, message in self.events:
-            if topic == "/tf":
-                frame = frame_of(message.transforms[0])
-                edges = self.scene.panda.edges_at(frame, (.35, .05, .5 if frame in frames else 2.5))
-                message = transform_message(message.transforms[0].header.stamp, edges)
-            events.append((received, topic, message))
-        return events
 
     def test_every_seam(self):
         summary = self.assert_like_one_run((1, 2, 3, 4, 5, 6, EVERY_SEAM),
@@ -286,84 +237,6 @@ class Parts(EvaluationCase):
                             folder], check=True, timeout=300)
             reports.append(pathlib.Path(folder, "report.html").read_bytes())
         self.assertEqual(*reports)
-
-    def assert_no_join(self, arguments, files, *wanted):
-        done = self.tool(*arguments, "--out", self.path("joined"), "--join", *files)
-        self.assertEqual(done.returncode, 2, done)
-        last = done.stderr.splitlines()[-1]
-        self.assertRegex(last, r"\Aevaluate_bag: [^\n]+\Z")
-        for words in wanted:
-            self.assertIn(words, last)
-        self.assertFalse(os.path.exists(self.path("joined/summary.json")))
-        self.assertFalse(os.path.exists(self.path("joined/frames.csv")))
-
-    def changed(self, path, change):
-        """A copy of the file with other lines."""
-        with open(path) as file:
-            lines = file.read().splitlines(keepends=True)
-        return self.text("changed.records", "".join(change(lines)))
-
-    def test_records_that_do_not_go_together_are_refused(self):
-        arguments = self.arguments(CONFIG)
-        one, two, three = self.write_parts(3, arguments)
-        half, = self.write_parts(2, arguments)[1:]
-        self.assert_no_join(arguments, [one, three], three, "part 2/3 is missing")
-        self.assert_no_join(arguments, [one, two], two, "part 3/3 is missing")
-        self.assert_no_join(arguments, [one, two, two, three], two, "part 2/3 is there twice")
-        self.assert_no_join(arguments, [one, half], half, "part 2/2 does not go with part 1/3")
-        self.assert_no_join(arguments, [one, two, self.path("none")], "none: cannot be read")
-        self.assert_no_join(arguments, [one, two, self.config_file], "no records of evaluate_bag")
-        self.assert_no_join(self.arguments(CONFIG + SWEPT), [one, two, three], one,
-                            "records of other configuration")
-        self.assert_no_join([*self.arguments(CONFIG), "--predicates", "conservative"],
-                            [one, two, three], one, "records of other runs")
-        self.assert_no_join(self.arguments(CONFIG, self.bag("short.bag", self.events[:-2])),
-                            [one, two, three], one, "records of other bags")
-        arguments = self.arguments(CONFIG)
-        moved = self.bag("moved.bag", self.touching({1, 2, 3}))
-        self.assert_no_join(self.arguments(CONFIG, moved), [one, two, three], one,
-                            "has the contacts of another scene at cycle 1 ")
-        for change, words in (
-                (lambda lines: lines[:-1], "cut off"),
-                (lambda lines: lines[:-1] + [lines[-1][:-3]], "cut off"),
-                (lambda lines: lines[:2] + lines[3:], "has another cycle in place of cycle 8 "),
-                (lambda lines: lines[:2] + [lines[2][:-9] + "\n"] + lines[3:], "no JSON"),
-                (lambda lines: [lines[0].replace('"version":"', '"version":"9'), *lines[1:]],
-                 "another version"),
-                (lambda lines: [lines[0].replace('["cpu"]', '["cuda"]'), *lines[1:]],
-                 "another backend"),
-                (lambda lines: [line.replace('"contacts":[', '"contacts":[99999,')
-                                for line in lines], "is damaged: "),
-                (lambda lines: [line.replace('"left_out":', '"left":') for line in lines],
-                 "is damaged: ")):
-            with self.subTest(words=words):
-                wrong = self.changed(two, change)
-                self.assert_no_join(arguments, [one, wrong, three], wrong, words)
-        wrong = self.changed(three, lambda lines: lines[:-1] + [lines[-2]] + lines[-1:])
-        self.assert_no_join(arguments, [one, two, wrong], wrong, "goes on behind")
-        wrong = self.changed(three, lambda lines: lines[:-2] + lines[-1:])
-        self.assert_no_join(arguments, [one, two, wrong], wrong, "ends before cycle 20 ")
-
-    def test_bad_usage(self):
-        records = self.path("records")
-        for words, wanted in (
-                (["--part", "1/2"], "--records"), (["--records", records], "--part"),
-                (["--part", "3/2", "--records", records], "--part: 3/2 is not"),
-                (["--part", "0/2", "--records", records], "--part: 0/2 is not"),
-                (["--part", "2", "--records", records], "--part: 2 is not"),
-                (["--part", "1/2x", "--records", records], "--part: 1/2x is not"),
-                (["--part", "1/2", "--records", records, "--join", records], "--join"),
-                (["--part", "1/2", "--records", records, "--predicates", "fast"],
-                 "auto fast finds depends"),
-                (["--part", "1/2", "--records", records, "--overlaps", "0.5"],
-                 "overlap 0.5 finds depends"),
-                (["--part", "1/2", "--records", records, "--backends", "fcl"], "fcl finds depends"),
-                (["--part", "1/2", "--records", self.path("no/folder")], "no/folder")):
-            with self.subTest(words=words):
-                done = self.tool(*self.arguments(CONFIG), *words)
-                self.assertEqual(done.returncode, 2, done)
-                self.assertIn(wanted, done.stderr.splitlines()[-1])
-                self.assertFalse(os.path.exists(records))
 
 
 if __name__ == "__main__":
