@@ -4,6 +4,7 @@
 #include "cuda/cuda_cycles.cuh"
 #include "cuda/device/cuda_error.h"
 #include "cuda/device/warp.cuh"
+#include "cuda/memory/pinned_pages.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -15,6 +16,7 @@ constexpr std::uint32_t kMostPasses = 4096;
 
 // Unless they are there already.
 void CudaDetector::addParams() {
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): what means the same may be sent again
   if (params_sent_ && std::memcmp(&sent_params_, params_.data(), sizeof sent_params_) == 0) return;
   std::memcpy(&sent_params_, params_.data(), sizeof sent_params_);
   params_sent_ = true;

@@ -6,7 +6,7 @@
 #include "core/rules/margins.h"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_copy.cuh"
-#include "cuda/memory/pinned_memory.cuh"
+#include "cuda/memory/pinned_pages.cuh"
 #include "cuda/stages/fan_rings.cuh"
 #include "cuda/stages/group.cuh"
 
@@ -287,6 +287,7 @@ void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
     body.margin_m = swept ? grownPad(from.pad_m) : from.margin_m;
     body.slack = scaledSlack(body.margin_m, scale);
+    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): what means the same may be sent again
     bodies_sent_ = bodies_sent_ && std::memcmp(&staged_bodies_[i], &body, sizeof body) == 0;
     staged_bodies_[i] = body;
   }

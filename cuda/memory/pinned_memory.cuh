@@ -14,7 +14,4 @@ std::pmr::memory_resource& pinnedMemory();
 // The same for what the host alone needs to reach: plain memory where there is no other.
 std::pmr::memory_resource& lentMemory();
 
-// Where the device reaches memory of the host; null if it does not.
-const void* reachedAt(const void* memory);
-
 }  // namespace deformable_contact_monitor

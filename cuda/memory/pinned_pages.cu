@@ -45,8 +45,8 @@ PinnedPages::PinnedPages(std::size_t bytes) {
     throw CudaError(BackendFault::kTransient,
                     "no memory for " + std::to_string(bytes_) + " bytes to page-lock");
   }
-  const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(mapped_) + kHugePage - 1;
-  data_ = reinterpret_cast<void*>(begin / kHugePage * kHugePage);
+  const std::size_t ahead = kHugePage - reinterpret_cast<std::uintptr_t>(mapped_) % kHugePage;
+  data_ = static_cast<char*>(mapped_) + ahead % kHugePage;
   madvise(data_, bytes_, MADV_HUGEPAGE);  // small pages do, too
   // What a fork shares moves at the next write, and devices would not know where to.
   madvise(mapped_, mapped_bytes_, MADV_DONTFORK);
@@ -63,6 +63,13 @@ PinnedPages::~PinnedPages() {
     cudaHostUnregister(data_);
     munmap(mapped_, mapped_bytes_);
   }
+}
+
+const void* reachedAt(const void* memory) {
+  cudaPointerAttributes attributes{};
+  const bool known = cudaPointerGetAttributes(&attributes, memory) == cudaSuccess;
+  if (!known) cudaGetLastError();  // or the next check of it would report this
+  return known && attributes.type == cudaMemoryTypeHost ? attributes.devicePointer : nullptr;
 }
 
 }  // namespace deformable_contact_monitor

@@ -26,4 +26,7 @@ class PinnedPages {
   std::size_t mapped_bytes_ = 0;
 };
 
+// Where the device reaches memory of the host; null if it does not.
+const void* reachedAt(const void* memory);
+
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-#include <cuda_runtime.h>
+#include "cuda/memory/pinned_memory.cuh"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,8 +7,7 @@
 #include <mutex>
 #include <set>
 
-#include "cuda/device/check.cuh"
-#include "cuda/memory/pinned_memory.cuh"
+#include "cuda/device/cuda_error.h"
 #include "cuda/memory/pinned_pages.cuh"
 #include "cuda/memory/reserved_memory.h"
 
@@ -114,13 +113,6 @@ std::pmr::memory_resource& pinnedMemory() {
 std::pmr::memory_resource& lentMemory() {
   static auto* const memory = new LentMemory;
   return *memory;
-}
-
-const void* reachedAt(const void* memory) {
-  cudaPointerAttributes attributes{};
-  const bool known = cudaPointerGetAttributes(&attributes, memory) == cudaSuccess;
-  if (!known) cudaGetLastError();  // or the next check of it would report this
-  return known && attributes.type == cudaMemoryTypeHost ? attributes.devicePointer : nullptr;
 }
 
 }  // namespace deformable_contact_monitor
