@@ -17,19 +17,23 @@
 #define __syncthreads syncThreadsOfClangTidy  // clang has a builtin of that name
 // NOLINTEND(bugprone-reserved-identifier)
 
-// What clang declares for the host alone, before all else becomes host and device code.
+// What is for the host alone, before all else becomes host and device code. The words for both come
+// first.
+// clang-format off
+#include <vector_types.h>
+// clang-format on
+
 #include <cxxabi.h>
 #include <stdlib.h>
-#include <vector_types.h>
-
-#include <exception>
-#include <new>
-#include <optional>
-#include <variant>
-
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_group.h>
+
+#include <exception>
+#include <iostream>
+#include <new>
+#include <optional>
+#include <variant>
 
 #pragma clang force_cuda_host_device begin
 #define clock clockOfClangTidy  // the system's is the host's alone by now
