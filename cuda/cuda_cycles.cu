@@ -114,7 +114,7 @@ void CudaDetector::completeContacts(const CycleLimit& limit) {
   std::uint32_t count = listable(counters_[0].contacts);
   if (limit.over()) count = std::min(count, kMostListedLate);
   if (output_.has(count)) return;
-  // Page-locked memory takes a millisecond a MiB: the limit is looked at in between.
+  // Page-locked memory takes its time: the limit is looked at in between.
   std::uint32_t room = limit.isSet() ? std::min(count, kMostListedLate) : count;
   output_.makeRoom(room, result_.contacts, stream_.get());
   while (room < count && !limit.over()) {

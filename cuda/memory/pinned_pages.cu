@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
 
+// For so many, from a place on that a huge page may begin at.
+std::size_t mappedBytes(std::size_t bytes) { return bytes + kHugePage; }
+
 // Whether kernels reach what was locked afterwards, by the host's address, on every device.
 bool canLockPages() {
   int devices = 0;
@@ -38,9 +41,8 @@ PinnedPages::PinnedPages(std::size_t bytes) {
               "cudaHostAlloc");
     return;
   }
-  mapped_bytes_ = bytes_ + kHugePage;  // for a place among them that a huge page may begin at
-  mapped_ =
-      mmap(nullptr, mapped_bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  mapped_ = mmap(nullptr, mappedBytes(bytes_), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
+                 -1, 0);
   if (mapped_ == MAP_FAILED) {
     throw CudaError(BackendFault::kTransient,
                     "no memory for " + std::to_string(bytes_) + " bytes to page-lock");
@@ -49,10 +51,10 @@ PinnedPages::PinnedPages(std::size_t bytes) {
   data_ = static_cast<char*>(mapped_) + ahead % kHugePage;
   madvise(data_, bytes_, MADV_HUGEPAGE);  // small pages do, too
   // What a fork shares moves at the next write, and devices would not know where to.
-  madvise(mapped_, mapped_bytes_, MADV_DONTFORK);
+  madvise(mapped_, mappedBytes(bytes_), MADV_DONTFORK);
   const cudaError_t locked =
       cudaHostRegister(data_, bytes_, cudaHostRegisterMapped | cudaHostRegisterPortable);
-  if (locked != cudaSuccess) munmap(mapped_, mapped_bytes_);
+  if (locked != cudaSuccess) munmap(mapped_, mappedBytes(bytes_));
   checkCuda(locked, "cudaHostRegister");
 }
 
@@ -61,7 +63,7 @@ PinnedPages::~PinnedPages() {
     cudaFreeHost(data_);
   } else {
     cudaHostUnregister(data_);
-    munmap(mapped_, mapped_bytes_);
+    munmap(mapped_, mappedBytes(bytes_));
   }
 }
 

@@ -23,7 +23,6 @@ class PinnedPages {
   void* data_ = nullptr;
   std::size_t bytes_ = 0;
   void* mapped_ = nullptr;  // where the system's pages begin; null: CUDA has made them
-  std::size_t mapped_bytes_ = 0;
 };
 
 // Where the device reaches memory of the host; null if it does not.

@@ -41,11 +41,6 @@ class DevicePoolTest : public DeviceTest {
   }
 };
 
-TEST_F(DevicePoolTest, IsTheSameAlways) {
-  if (!hasDevice()) return;
-  EXPECT_EQ(&DevicePool::ofCurrentDevice(), &DevicePool::ofCurrentDevice());
-}
-
 // Somebody else's buffers, as many as would take the place of what was given back, hold what was
 // written to them last.
 TEST_F(DevicePoolTest, WhatAKernelStillWritesIsNobodyElses) {

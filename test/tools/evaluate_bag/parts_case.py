@@ -1,10 +1,7 @@
 """evaluate_bag in parts: a recording of the Panda, and how its parts are written and joined."""
-import os
-import subprocess
-
-from evaluation_case import DATA, TOOL, EvaluationCase
+from evaluation_case import EvaluationCase
 from monitor_test_support import transform_message
-from panda_bag import PERIOD, START, PandaBag
+from panda_bag import PERIOD, START
 
 EXPECT = """
 - {link: panda_hand, object: tshirt, touches: sometime}
@@ -20,20 +17,9 @@ def frame_of(message):
 
 class PartsCase(EvaluationCase):
 
-    @classmethod
-    def setUpClass(cls):
-        """Which contacts there are is evaluate_bag_test's to test."""
-        cls.scene = PandaBag()
-        cls.events = cls.scene.events()
-
     def setUp(self):
         super().setUp()
         self.expect = self.text("expect.yaml", EXPECT)
-
-    def tool(self, *arguments):
-        environment = dict(os.environ, ROS_PACKAGE_PATH=f"{DATA}/robots")
-        return subprocess.run([TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              text=True, timeout=300, check=False, env=environment)
 
     def write_parts(self, count, arguments):
         files = []

@@ -13,7 +13,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "evaluate_bag"))
 from evaluation_case import CONFIG, TOOL, EvaluationCase, main as run_tests, read_table
-from panda_bag import AWAY_FROM, DATA, PandaBag, stamp_of
+from panda_bag import AWAY_FROM, DATA, stamp_of
 
 FLEET_TOOL = os.path.join(os.path.dirname(TOOL), "evaluate_bags")
 URDF = str(DATA / "robots/panda_description/urdf/panda.urdf")
@@ -39,12 +39,6 @@ def processes(word):
 
 
 class FleetCase(EvaluationCase):
-
-    @classmethod
-    def setUpClass(cls):
-        """Which contacts there are is evaluate_bag's to test."""
-        cls.scene = PandaBag()
-        cls.events = cls.scene.events()
 
     def setUp(self):
         super().setUp()
