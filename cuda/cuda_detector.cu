@@ -5,10 +5,10 @@
 #include <set>
 #include <vector>
 
-#include "core/parallel.h"
-#include "cuda/cuda_cycles.cuh"
+#include "core/common/parallel.h"
+#include "cuda/cycle/cuda_cycles.cuh"
 #include "cuda/device/usable_device.cuh"
-#include "cuda/shares/shared_detector.h"
+#include "cuda/partitions/partitioned_detector.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -73,7 +73,7 @@ void CudaDetector::findContacts(const Scene& scene, const Options& options, cons
     result_.stages_ms = times.byName();
   } else {
     result_.stages_ms = {{"upload", upload_ms},
-                         {"pose_to_judge", result_.detect_ms - decide_ms_},
+                         {"transform_to_narrow_phase", result_.detect_ms - decide_ms_},
                          {kStageNames[static_cast<int>(Stage::kOutput)], output_ms}};
   }
   if (options.motion == Motion::kSwept) {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/bounded_detector.h"
-#include "core/cpu/cpu_detector.h"
-#include "core/pair_set_detector.h"
+#include "core/common/pair_set_detector.h"
+#include "core/cpu_detector.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -1,7 +1,7 @@
 // Stands in for the CUDA backend in builds without nvcc.
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
-#include "cuda/shares/share_detector.h"
+#include "cuda/partitions/partition_detector.h"
 
 namespace deformable_contact_monitor {
 

@@ -10,7 +10,7 @@ SOURCE_DIR = os.environ["DCM_SOURCE_DIR"]
 INCLUDE_DIR = os.path.join(os.environ["DCM_BINARY_DIR"], "devel", "include",
                            "deformable_contact_monitor")
 PACKAGES = os.path.join(os.environ["DCM_BINARY_DIR"], "devel", "lib", "python3", "dist-packages")
-WITHOUT_A_PAGE = {"core/export.h", "core/predicates/host_device.h"}  # macros
+WITHOUT_A_PAGE = {"core/export.h", "core/host_device.h"}  # macros
 
 
 def doxyfile():

@@ -7,7 +7,7 @@
 #include "core/options.h"
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
-#include "cuda/shares/scene_share.h"
+#include "cuda/partitions/scene_partition.h"
 
 namespace deformable_contact_monitor {
 

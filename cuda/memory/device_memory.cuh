@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/index.h"
+#include "core/common/index.h"
 #include "cuda/memory/cycle_sizes.cuh"
 #include "cuda/memory/device_buffer.cuh"
 

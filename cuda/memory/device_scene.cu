@@ -2,13 +2,13 @@
 #include <cstring>
 #include <string>
 
-#include "core/parallel.h"
+#include "core/common/parallel.h"
 #include "core/rules/margins.h"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_copy.cuh"
 #include "cuda/memory/pinned_pages.cuh"
 #include "cuda/stages/fan_rings.cuh"
-#include "cuda/stages/group.cuh"
+#include "cuda/stages/tiles.cuh"
 
 namespace deformable_contact_monitor {
 namespace {

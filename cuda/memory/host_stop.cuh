@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <thread>
 
-#include "core/cycle_limit.h"
-#include "core/stopwatch.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/stopwatch.h"
 #include "cuda/device/stream.cuh"
 #include "cuda/memory/device_buffer.cuh"
 

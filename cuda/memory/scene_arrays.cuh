@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "core/rules/rigid_transform.h"
+#include "core/rigid_transform.h"
 #include "cuda/device/boxes.cuh"
 #include "cuda/memory/device_memory.cuh"
 

@@ -5,7 +5,7 @@
 #include <memory_resource>
 #include <vector>
 
-#include "core/body_groups.h"
+#include "core/common/body_groups.h"
 #include "core/scene.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/pinned_memory.cuh"

@@ -1,4 +1,5 @@
-// The rings of triangles around the vertices of a scene that was laid out (core/vertex_fans.h).
+// The rings of triangles around the vertices of a scene that was laid out
+// (core/common/vertex_fans.h).
 #pragma once
 
 #include <cuda_runtime.h>

@@ -1,6 +1,6 @@
 // Stage sweep: pairs of tiles. Warps take work units; what their packed boxes leave goes through a
 // short queue, so that every test runs on full warps.
-#include "core/rules/ownership.h"
+#include "core/rules/deduplication.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"

@@ -1,10 +1,10 @@
 // Triangles of which up to 64 tiles are to be made, halved along the longest side of what their
-// centroids fill, again and again, as core/tiles/halving.h does on the host.
+// centroids fill, again and again, as core/bounds/halving.h does on the host.
 #pragma once
 
 #include <cstdint>
 
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 #include "cuda/device/bitonic_sort.cuh"
 #include "cuda/device/boxes.cuh"
 

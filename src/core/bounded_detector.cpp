@@ -9,15 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "core/coarse/distance_rounding.h"
-#include "core/coarse/late_ends.h"
-#include "core/coarse/merged_contacts.h"
-#include "core/coarse/pair_rounds.h"
-#include "core/coarse/rest_scene.h"
-#include "core/rejected_triangles.h"
+#include "core/bounds/distance_rounding.h"
+#include "core/bounds/late_ends.h"
+#include "core/bounds/merged_contacts.h"
+#include "core/bounds/pair_rounds.h"
+#include "core/bounds/rest_scene.h"
+#include "core/bounds/usual_time.h"
+#include "core/common/rejected_triangles.h"
+#include "core/common/stopwatch.h"
 #include "core/rules/margins.h"
-#include "core/stopwatch.h"
-#include "core/usual_time.h"
 
 namespace deformable_contact_monitor {
 namespace {

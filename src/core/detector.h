@@ -117,8 +117,9 @@ struct DCM_EXPORT DetectionResult {
   bool guaranteed = false;      // the settings in force cannot lose a contact; a cycle cut off may
   bool started_cold = false;    // nothing of earlier cycles was of use, so this one took longer
   Counters counters;
-  // Times [ms] of the stages (core/stages.h) in their order. A backend on which stages overlap
-  // gives several as one ("pose_to_judge"), one that has other stages gives those.
+  // Times [ms] of the stages (core/common/stages.h) in their order. A backend on which stages
+  // overlap gives several as one ("transform_to_narrow_phase"), one that has other stages gives
+  // those.
   std::vector<std::pair<std::string, double>> stages_ms;
   double detect_ms = 0;            // vertices in the backend's memory to contacts there
   std::uint64_t memory_bytes = 0;  // in use on a device; 0 where that is not counted

@@ -6,7 +6,7 @@
 
 #include "core/export.h"
 #include "core/limits.h"
-#include "core/predicates/pair_settings.h"
+#include "core/pair_settings.h"
 
 namespace deformable_contact_monitor {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/export.h"
-#include "core/rules/rigid_transform.h"
+#include "core/rigid_transform.h"
 #include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {

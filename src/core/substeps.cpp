@@ -6,11 +6,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/body_motion.h"
-#include "core/merged_steps.h"
-#include "core/rejected_triangles.h"
-#include "core/stopwatch.h"
-#include "core/turning_scene.h"
+#include "core/ccd/body_motion.h"
+#include "core/ccd/merged_steps.h"
+#include "core/ccd/turning_scene.h"
+#include "core/common/rejected_triangles.h"
+#include "core/common/stopwatch.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/detector.h"
 #include "core/export.h"
 #include "core/options.h"
-#include "core/rules/rigid_transform.h"
+#include "core/rigid_transform.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {

@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "core/cycle_limit.h"
-#include "core/tiles/edge_neighbours.h"
-#include "core/tiles/halving.h"
-#include "core/tiles/layout.h"
-#include "core/tiles/limited_tiling.h"
-#include "core/tiles/surface_pieces.h"
+#include "core/bounds/edge_neighbours.h"
+#include "core/bounds/halving.h"
+#include "core/bounds/layout.h"
+#include "core/bounds/limited_tiling.h"
+#include "core/bounds/surface_pieces.h"
+#include "core/common/cycle_limit.h"
 
 namespace deformable_contact_monitor {
 namespace {

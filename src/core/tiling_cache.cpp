@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/cycle_limit.h"
-#include "core/tiles/limited_tiling.h"
+#include "core/bounds/limited_tiling.h"
+#include "core/common/cycle_limit.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/export.h"
 #include "core/host_list.h"
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

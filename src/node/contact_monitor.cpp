@@ -11,12 +11,12 @@
 #include <utility>
 
 #include "cuda/detector_choice.h"
-#include "node/attach_object.h"
-#include "node/backend_status.h"
+#include "monitor/diagnostics/backend_status.h"
+#include "monitor/input/mesh_subscription.h"
+#include "monitor/rules/attach_object.h"
+#include "monitor/time_difference.h"
 #include "node/cycle_publisher.h"
-#include "node/mesh_subscription.h"
 #include "node/monitor_sink.h"
-#include "node/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -17,14 +17,14 @@
 #include <vector>
 
 #include "core/steady_time.h"
-#include "node/detection_loop.h"
+#include "monitor/cycle/detection_loop.h"
+#include "monitor/cycle/mailbox.h"
+#include "monitor/input/mesh_mailbox.h"
+#include "monitor/rules/parameters.h"
 #include "node/input_warnings.h"
 #include "node/latest_contacts.h"
-#include "node/mailbox.h"
 #include "node/master_watch.h"
-#include "node/mesh_mailbox.h"
 #include "node/node_diagnostics.h"
-#include "node/parameters.h"
 #include "node/reconfigure.h"
 #include "node/robot_source.h"
 #include "node/state_publisher.h"

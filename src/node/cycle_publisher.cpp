@@ -4,10 +4,10 @@
 #include <boost/make_shared.hpp>
 #include <chrono>
 
-#include "core/parallel.h"
-#include "node/contact_messages.h"
-#include "node/held_markers.h"
-#include "node/swept_messages.h"
+#include "core/common/parallel.h"
+#include "monitor/markers/held_markers.h"
+#include "monitor/messages/contact_messages.h"
+#include "monitor/messages/swept_messages.h"
 
 namespace deformable_contact_monitor {
 namespace {

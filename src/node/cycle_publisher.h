@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "node/contact_markers.h"
-#include "node/cycle_report.h"
+#include "monitor/cycle_report.h"
+#include "monitor/markers/contact_markers.h"
+#include "monitor/markers/patch_markers.h"
+#include "monitor/rules/parameters.h"
 #include "node/latest_contacts.h"
-#include "node/parameters.h"
-#include "node/patch_markers.h"
 #include "node/patch_publisher.h"
 #include "node/state_publisher.h"
 #include "robot/robot_geometry.h"

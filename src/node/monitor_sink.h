@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "core/steady_time.h"
+#include "monitor/cycle/cycle_sink.h"
+#include "monitor/diagnostics/open_bodies.h"
+#include "monitor/diagnostics/size_check.h"
 #include "node/cycle_publisher.h"
-#include "node/cycle_sink.h"
 #include "node/node_diagnostics.h"
-#include "node/open_bodies.h"
-#include "node/size_check.h"
 
 namespace deformable_contact_monitor {
 

@@ -2,8 +2,8 @@
 #include "node/node_diagnostics.h"
 
 #include "core/steady_time.h"
-#include "node/backend_status.h"
-#include "node/time_difference.h"
+#include "monitor/diagnostics/backend_status.h"
+#include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 

@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "core/fallback_detector.h"
-#include "node/cycle_report.h"
-#include "node/mesh_mailbox.h"
-#include "node/motion_watch.h"
-#include "node/parameters.h"
+#include "monitor/cycle_report.h"
+#include "monitor/diagnostics/motion_watch.h"
+#include "monitor/diagnostics/timing_watch.h"
+#include "monitor/diagnostics/trade_watch.h"
+#include "monitor/diagnostics/transform_watch.h"
+#include "monitor/input/mesh_mailbox.h"
+#include "monitor/rules/parameters.h"
+#include "monitor/rules/rules_in_force.h"
 #include "node/robot_source.h"
-#include "node/rules_in_force.h"
-#include "node/timing_watch.h"
-#include "node/trade_watch.h"
-#include "node/transform_watch.h"
 
 namespace deformable_contact_monitor {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 
-#include "node/pair_distance.h"
-#include "node/patch_messages.h"
+#include "monitor/messages/patch_messages.h"
+#include "monitor/state/pair_distance.h"
 
 namespace deformable_contact_monitor {
 

@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "core/contact_patches.h"
-#include "core/patch_tracker.h"
-#include "node/cycle_report.h"
+#include "core/analysis/contact_patches.h"
+#include "core/analysis/patch_tracker.h"
+#include "monitor/cycle_report.h"
 
 namespace deformable_contact_monitor {
 

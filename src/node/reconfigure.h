@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "node/live_parameters.h"
+#include "monitor/rules/live_parameters.h"
 
 namespace deformable_contact_monitor {
 

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "node/contact_messages.h"
-#include "node/robot_checks.h"
+#include "monitor/diagnostics/robot_checks.h"
+#include "monitor/messages/contact_messages.h"
 
 namespace deformable_contact_monitor {
 namespace {

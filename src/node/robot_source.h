@@ -10,7 +10,7 @@
 #include <mutex>
 #include <string>
 
-#include "node/parameters.h"
+#include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "core/steady_time.h"
-#include "node/contact_state_tracker.h"
-#include "node/cycle_report.h"
-#include "node/parameters.h"
+#include "monitor/cycle_report.h"
+#include "monitor/rules/parameters.h"
+#include "monitor/state/contact_state_tracker.h"
 
 namespace deformable_contact_monitor {
 

@@ -4,7 +4,7 @@
 #include <ros/console.h>
 #include <tf2/exceptions.h>
 
-#include "node/time_difference.h"
+#include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 

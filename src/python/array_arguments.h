@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/rules/rigid_transform.h"
+#include "core/rigid_transform.h"
 
 namespace deformable_contact_monitor {
 

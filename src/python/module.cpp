@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "python/python_detector.h"
 #include "python/python_result.h"
 #include "python/python_scene.h"

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "core/common/host_vertices.h"
+#include "core/common/stopwatch.h"
 #include "core/cpu/geometry.h"
-#include "core/host_vertices.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
-#include "core/stopwatch.h"
 #include "reference/brute_force_sweep.h"
 #include "reference/posed_triangles.h"
 

@@ -1,6 +1,6 @@
 #include "reference/brute_force_sweep.h"
 
-#include "core/posed_body.h"
+#include "core/common/posed_body.h"
 #include "core/predicates/swept_exact.h"
 #include "core/predicates/swept_pad.h"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
 #include "core/detector.h"
 #include "core/predicates/swept_triangle.h"
 

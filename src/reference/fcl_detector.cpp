@@ -10,9 +10,9 @@
 #include <limits>
 #include <vector>
 
+#include "core/common/host_vertices.h"
+#include "core/common/stopwatch.h"
 #include "core/cpu/geometry.h"
-#include "core/host_vertices.h"
-#include "core/stopwatch.h"
 #include "reference/posed_triangles.h"
 
 namespace deformable_contact_monitor {

@@ -1,6 +1,6 @@
 #include "reference/posed_triangles.h"
 
-#include "core/posed_body.h"
+#include "core/common/posed_body.h"
 
 namespace deformable_contact_monitor {
 

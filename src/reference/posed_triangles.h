@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
 #include "core/options.h"
 #include "core/predicates/adjacency.h"
 #include "core/predicates/triangle.h"

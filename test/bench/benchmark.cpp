@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
-#include "core/mesh_files/mesh_file.h"
-#include "core/stopwatch.h"
+#include "core/common/stopwatch.h"
+#include "core/cpu_detector.h"
+#include "core/mesh_file.h"
 #include "reference/fcl_detector.h"
 #include "rivals.h"
 #include "robot_scenes.h"

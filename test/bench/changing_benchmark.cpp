@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
-#include "core/mesh_files/mesh_file.h"
-#include "core/stopwatch.h"
+#include "core/common/stopwatch.h"
+#include "core/cpu_detector.h"
+#include "core/mesh_file.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "run_benchmark.h"

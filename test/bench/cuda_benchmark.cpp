@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/cpu_detector.h"
+#include "core/mesh_file.h"
 #include "cuda/cuda_detector.h"
 #include "moving_scene.h"
 #include "robot_scenes.h"

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "core/cpu/assign.h"
-#include "core/cpu/pose.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
+#include "core/cpu/transform.h"
 
 namespace deformable_contact_monitor {
 

@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/body_groups.h"
+#include "core/common/body_groups.h"
+#include "core/common/stopwatch.h"
 #include "core/cpu/cluster.h"
 #include "core/cpu/fuzzy_clustering.h"
-#include "core/cpu/large.h"
+#include "core/cpu/oversized.h"
 #include "core/cpu/sweep.h"
-#include "core/mesh_files/mesh_file.h"
-#include "core/stopwatch.h"
+#include "core/mesh_file.h"
 #include "global_radius.h"
 #include "run_benchmark.h"
 #include "scenes.h"

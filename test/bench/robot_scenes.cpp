@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "scenes.h"
 #include "test_data.h"
 

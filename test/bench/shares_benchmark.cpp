@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "cuda/cuda_detector.h"
-#include "cuda/shares/share_bounds.h"
-#include "cuda/shares/share_detector.h"
+#include "cuda/partitions/partition_bounds.h"
+#include "cuda/partitions/partition_detector.h"
 #include "run_benchmark.h"
 #include "scenes.h"
 #include "test_data.h"

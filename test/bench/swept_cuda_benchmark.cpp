@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/cpu_detector.h"
+#include "core/mesh_file.h"
 #include "cuda/cuda_detector.h"
 #include "robot_scenes.h"
 #include "run_benchmark.h"
@@ -84,7 +84,7 @@ void whole(Stepping& scene, const Options& options) {
   for (int i = 0; i < 2 * repeats; ++i) {
     const DetectionResult& result = step(scene, i, *detector, options);
     if (i % 2 == 1) continue;  // the step that is named goes forwards
-    device.push_back(stageOf(result, "pose_to_judge"));
+    device.push_back(stageOf(result, "transform_to_narrow_phase"));
     detect.push_back(result.detect_ms);
     round_trip.push_back(result.round_trip_ms);
     if (i + 2 >= 2 * repeats) last = result;

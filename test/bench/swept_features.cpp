@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/common/stopwatch.h"
+#include "core/mesh_file.h"
 #include "core/predicates/swept_exact.h"
-#include "core/stopwatch.h"
 #include "moving_features.h"
 #ifdef DCM_HAVE_TIGHT_INCLUSION
 #include "tight_inclusion.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/cpu/lane_screen.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "core/predicates/swept_exact.h"
 #include "moving_meshes.h"
 

@@ -15,9 +15,9 @@
 
 #include "core/body_distance.h"
 #include "core/bounded_detector.h"
-#include "core/cpu/cpu_detector.h"
-#include "core/mesh_files/mesh_file.h"
-#include "core/stopwatch.h"
+#include "core/common/stopwatch.h"
+#include "core/cpu_detector.h"
+#include "core/mesh_file.h"
 #include "moving_scene.h"
 #include "robot_scenes.h"
 #include "run_benchmark.h"

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh_components.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/analysis/mesh_components.h"
+#include "core/mesh_file.h"
 #include "core/predicates/triangle.h"
 #include "core/rules/posed_vertex.h"
 #include "robot_scenes.h"

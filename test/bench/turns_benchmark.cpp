@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
-#include "core/pair_set_detector.h"
+#include "core/common/pair_set_detector.h"
+#include "core/cpu_detector.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "scenes.h"

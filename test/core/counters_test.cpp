@@ -1,7 +1,7 @@
 // Counters mean the same on every backend.
 #include <gtest/gtest.h>
 
-#include "core/rejected_triangles.h"
+#include "core/common/rejected_triangles.h"
 #include "detector_suite.h"
 #include "scenes.h"
 

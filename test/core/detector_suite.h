@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "core/detector.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"

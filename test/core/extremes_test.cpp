@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cgal_oracle.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "detector_suite.h"
 #include "scenes.h"
 #include "test_data.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "pair_sets.h"
 #include "scenes.h"
 

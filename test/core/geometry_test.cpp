@@ -7,9 +7,9 @@
 #include <cstring>
 #include <random>
 
+#include "core/common/pair_set_detector.h"
+#include "core/common/posed_body.h"
 #include "core/fallback_detector.h"
-#include "core/pair_set_detector.h"
-#include "core/posed_body.h"
 #include "core/rules/geometry_of_pair.h"
 #include "detector_suite.h"
 #include "random_scenes.h"

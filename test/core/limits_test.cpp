@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "cgal_oracle.h"
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
 #include "detector_suite.h"
 #include "pair_verdict.h"
 #include "random_scenes.h"

@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "core/cycle_limit.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/bounds/limited_tiling.h"
+#include "core/common/cycle_limit.h"
+#include "core/mesh_file.h"
 #include "core/predicates/aabb.h"
-#include "core/tiles/limited_tiling.h"
 #include "scenes.h"
 #include "test_data.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "cuda/cuda_detector.h"
 #include "device_test.h"
 #include "pair_sets.h"

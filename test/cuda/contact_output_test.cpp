@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "pair_sets.h"

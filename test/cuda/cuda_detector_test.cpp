@@ -6,7 +6,7 @@
 #include <random>
 #include <thread>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "pair_sets.h"
 #include "random_scenes.h"

@@ -12,10 +12,10 @@ SOURCE_DIR = os.environ["DCM_SOURCE_DIR"]
 COMMANDS = sys.argv.pop(1)
 
 
-# In the others no number decides twice: sweep and large look at each pair once, group makes each
+# In the others no number decides twice: sweep and oversized look at each pair once, tiles makes each
 # key once, fan_rings and rows have whole numbers alone.
-MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "group.cu", "large.cu", "output.cu", "pairs.cu",
-                "rows.cu", "sweep.cu", "together.cu"}
+MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "oversized.cu", "output.cu", "pairs.cu",
+                "rows.cu", "sweep.cu", "tiles.cu", "brute_force_tiles.cu"}
 
 
 def words_of(command):

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "pair_sets.h"
 #include "scenes.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "byte_source.h"
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "fuzz_target.h"
 #include "recorded_bytes.h"
 #include "scratch_file.h"

@@ -10,7 +10,7 @@
 #include <ostream>
 #include <random>
 
-#include "core/stopwatch.h"
+#include "core/common/stopwatch.h"
 #include "fuzz_target.h"
 
 namespace deformable_contact_monitor {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "byte_source.h"
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "detector_check.h"
 #include "fuzz_target.h"
 

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "fuzz_target.h"
 #include "mesh_writer.h"
 #include "scratch_file.h"

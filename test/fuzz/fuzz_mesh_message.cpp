@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "byte_source.h"
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "detector_check.h"
 #include "fuzz_target.h"
 #include "message_writer.h"
-#include "node/contact_messages.h"
-#include "node/contact_state_tracker.h"
-#include "node/mesh_subscription.h"
-#include "node/monitor_scene.h"
+#include "monitor/cycle/monitor_scene.h"
+#include "monitor/input/mesh_subscription.h"
+#include "monitor/messages/contact_messages.h"
+#include "monitor/state/contact_state_tracker.h"
 
 namespace deformable_contact_monitor {
 namespace {

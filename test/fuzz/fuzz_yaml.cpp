@@ -5,8 +5,8 @@
 
 #include "core/options.h"
 #include "fuzz_target.h"
-#include "node/monitor_scene.h"
-#include "node/parameters.h"
+#include "monitor/cycle/monitor_scene.h"
+#include "monitor/rules/parameters.h"
 #include "scratch_file.h"
 #include "tools/common/yaml_parameters.h"
 #include "tools/evaluate_bag/expectations.h"

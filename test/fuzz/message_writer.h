@@ -9,7 +9,7 @@
 
 #include "byte_source.h"
 #include "core/triangle_mesh.h"
-#include "node/parameters.h"
+#include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "load_scene.h"
 #include "scenes.h"
 #include "states_watch.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "node/parameters.h"
+#include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -1,5 +1,5 @@
-#include <deformable_contact_monitor/core/cpu/cpu_detector.h>
-#include <deformable_contact_monitor/core/mesh_files/mesh_file.h>
+#include <deformable_contact_monitor/core/cpu_detector.h>
+#include <deformable_contact_monitor/core/mesh_file.h>
 
 #include <iostream>
 

@@ -300,8 +300,8 @@ class WhatAResultSays(unittest.TestCase):
         result = Detector("cpu").detect(self.scene)
         self.assertEqual(result.backend, "cpu")
         self.assertEqual(result.counters["triangles"], 100)
-        self.assertEqual(list(result.stages_ms), ["pose", "cluster", "assign", "sort", "sweep",
-                                                  "large", "judge", "output"])
+        self.assertEqual(list(result.stages_ms), ["transform", "cluster", "assign", "sort", "sweep",
+                                                  "oversized", "narrow_phase", "output"])
         self.assertGreater(result.detect_ms, 0)
         self.assertGreaterEqual(result.round_trip_ms, result.detect_ms)
         self.assertTrue(result.started_cold)

@@ -47,7 +47,7 @@ def write_ply(path, mesh):
 
 
 def rotation(quaternion):
-    """The matrix of (x, y, z, w) in double, in the order that src/node/transform_lookup.h gives."""
+    """The matrix of (x, y, z, w) in double, in the order that src/monitor/input/transform_lookup.h gives."""
     x, y, z, w = (np.float64(value) for value in quaternion)
     n = np.sqrt(((x * x + y * y) + z * z) + w * w)
     x, y, z, w = x / n, y / n, z / n, w / n

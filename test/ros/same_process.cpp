@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "node/mesh_subscription.h"
+#include "monitor/input/mesh_subscription.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "cgal_oracle.h"
-#include "core/posed_body.h"
+#include "core/common/posed_body.h"
 #include "exact_points.h"
 
 namespace deformable_contact_monitor {

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

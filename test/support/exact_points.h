@@ -3,7 +3,7 @@
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 namespace exact {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cgal_oracle.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "tools/common/command_line.h"
 #include "tools/common/run_tool.h"
 

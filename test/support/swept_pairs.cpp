@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
-#include "core/posed_body.h"
+#include "core/common/posed_body.h"
+#include "core/mesh_file.h"
 #include "scenes.h"
 #include "swept/moving_hulls.h"
 #include "swept/swept_oracle.h"

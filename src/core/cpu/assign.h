@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cpu/hull.h"
-#include "core/cpu/pose.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/index.h"
+#include "core/common/parallel.h"
+#include "core/cpu/primitive.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
-#include "core/cycle_limit.h"
-#include "core/index.h"
-#include "core/parallel.h"
+#include "core/cpu/transform.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/parallel.h"
-#include "core/posed_box.h"
+#include "core/common/parallel.h"
+#include "core/common/posed_box.h"
 
 namespace deformable_contact_monitor {
 namespace {

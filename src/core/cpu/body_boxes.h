@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "core/cpu/hull.h"
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
+#include "core/cpu/primitive.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/common/parallel.h"
 #include "core/cpu/fuzzy_clustering.h"
-#include "core/parallel.h"
 #include "core/rules/cluster_count.h"
 
 namespace deformable_contact_monitor {

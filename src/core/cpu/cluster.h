@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "core/cpu/pose.h"
+#include "core/common/cycle_limit.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
-#include "core/cycle_limit.h"
+#include "core/cpu/transform.h"
 #include "core/options.h"
 #include "core/rules/sampling.h"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/posed_body.h"
+#include "core/common/posed_body.h"
 #include "core/rules/common_motion.h"
 
 namespace deformable_contact_monitor {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/cpu/hull.h"
+#include "core/common/index.h"
+#include "core/cpu/primitive.h"
 #include "core/detector.h"
-#include "core/index.h"
 
 namespace deformable_contact_monitor {
 

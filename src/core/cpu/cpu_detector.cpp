@@ -1,4 +1,4 @@
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 
 #include <tbb/task_arena.h>
 
@@ -7,21 +7,21 @@
 #include <optional>
 #include <tuple>
 
+#include "core/common/host_vertices.h"
+#include "core/common/parallel.h"
+#include "core/common/stages.h"
+#include "core/common/stopwatch.h"
 #include "core/cpu/assign.h"
 #include "core/cpu/cluster.h"
 #include "core/cpu/cycle_data.h"
 #include "core/cpu/fans.h"
 #include "core/cpu/geometry.h"
-#include "core/cpu/large.h"
 #include "core/cpu/output.h"
-#include "core/cpu/pose.h"
+#include "core/cpu/oversized.h"
 #include "core/cpu/prototypes.h"
 #include "core/cpu/size_split.h"
 #include "core/cpu/sweep.h"
-#include "core/host_vertices.h"
-#include "core/parallel.h"
-#include "core/stages.h"
-#include "core/stopwatch.h"
+#include "core/cpu/transform.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -153,7 +153,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
     fans_.certify(scene, set_, limit);
   }
   if (!limit.wasOver()) splitBySize(set_, split_, limit);
-  times.add(Stage::kPose, watch.lapMs());
+  times.add(Stage::kTransform, watch.lapMs());
   if (limit.wasOver()) return false;
   result_.started_cold = tracker_.update<Hull>(set_, split_, options, limit, prototypes_);
   times.add(Stage::kCluster, watch.lapMs());

@@ -5,18 +5,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/body_groups.h"
+#include "core/common/body_groups.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/index.h"
+#include "core/common/parallel.h"
+#include "core/common/stages.h"
 #include "core/cpu/assign.h"
 #include "core/cpu/contact_list.h"
-#include "core/cpu/pose.h"
 #include "core/cpu/size_split.h"
-#include "core/cycle_limit.h"
-#include "core/index.h"
+#include "core/cpu/transform.h"
 #include "core/options.h"
-#include "core/parallel.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/scene.h"
-#include "core/stages.h"
 
 namespace deformable_contact_monitor {
 

@@ -3,8 +3,8 @@
 #include <atomic>
 #include <cstddef>
 
+#include "core/common/parallel.h"
 #include "core/cpu/lane_fan.h"
-#include "core/parallel.h"
 #include "core/predicates/vertex_fan.h"
 
 namespace deformable_contact_monitor {

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cpu/pose.h"
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/vertex_fans.h"
+#include "core/cpu/transform.h"
 #include "core/scene.h"
-#include "core/vertex_fans.h"
 
 namespace deformable_contact_monitor {
 

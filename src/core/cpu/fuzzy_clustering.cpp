@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
+#include "core/common/parallel.h"
 #include "core/rules/sampling.h"
 
 namespace deformable_contact_monitor {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/cycle_limit.h"
-#include "core/predicates/vector3.h"
+#include "core/common/cycle_limit.h"
 #include "core/rules/fcm_powers.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/parallel.h"
-#include "core/posed_body.h"
+#include "core/common/parallel.h"
+#include "core/common/posed_body.h"
 #include "core/rules/geometry_of_pair.h"
 
 namespace deformable_contact_monitor {

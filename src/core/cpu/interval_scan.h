@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/index.h"
+#include "core/common/index.h"
 #include "core/rules/intervals.h"
 
 namespace deformable_contact_monitor {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/common/vertex_fans.h"
 #include "core/cpu/lane_triangle.h"
-#include "core/vertex_fans.h"
 
 namespace deformable_contact_monitor {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/parallel.h"
+#include "core/common/parallel.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/common/cycle_limit.h"
 #include "core/cpu/contact_list.h"
-#include "core/cpu/pose.h"
-#include "core/cycle_limit.h"
+#include "core/cpu/transform.h"
 #include "core/detector.h"
 #include "core/scene.h"
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/parallel.h"
+#include "core/common/parallel.h"
 
 namespace deformable_contact_monitor {
 namespace {

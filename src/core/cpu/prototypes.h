@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
 #include "core/rules/half_space.h"
 
 namespace deformable_contact_monitor {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/common/parallel.h"
 
 namespace deformable_contact_monitor {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/parallel.h"
+#include "core/common/parallel.h"
 #include "core/rules/common_motion.h"
 
 namespace deformable_contact_monitor {

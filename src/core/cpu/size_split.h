@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/cpu/pose.h"
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/index.h"
+#include "core/cpu/transform.h"
 #include "core/export.h"
-#include "core/index.h"
 #include "core/rules/scene_scale.h"
 #include "core/rules/size_rule.h"
 

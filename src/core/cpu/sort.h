@@ -7,9 +7,9 @@
 
 #include "core/cpu/assign.h"
 #include "core/cpu/cycle_data.h"
-#include "core/cpu/hull.h"
 #include "core/cpu/lane_box.h"
-#include "core/cpu/swept_screen.h"
+#include "core/cpu/primitive.h"
+#include "core/cpu/swept_filter.h"
 #include "core/rules/intervals.h"
 
 namespace deformable_contact_monitor {

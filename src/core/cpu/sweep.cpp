@@ -1,8 +1,8 @@
 #include "core/cpu/sweep.h"
 
-#include "core/cpu/judge.h"
-#include "core/cpu/swept_judge.h"
-#include "core/rules/ownership.h"
+#include "core/cpu/narrow_phase.h"
+#include "core/cpu/swept_narrow_phase.h"
+#include "core/rules/deduplication.h"
 
 namespace deformable_contact_monitor {
 
@@ -106,7 +106,7 @@ void ClusterSweeper<Hull>::judgeFound() {
   found_count_ = 0;
   output_.work.add(Stage::kSweep, watch_.lapMs());
   judgeCandidates(input_, screened_, output_);
-  output_.work.add(Stage::kJudge, watch_.lapMs());
+  output_.work.add(Stage::kNarrowPhase, watch_.lapMs());
 }
 
 template <class Hull>

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/common/stopwatch.h"
 #include "core/cpu/cycle_data.h"
 #include "core/cpu/interval_scan.h"
 #include "core/cpu/sort.h"
-#include "core/cpu/swept_screen.h"
-#include "core/stopwatch.h"
+#include "core/cpu/swept_filter.h"
 
 namespace deformable_contact_monitor {
 

@@ -1,6 +1,6 @@
 #include "core/cpu/vertex_identity.h"
 
-#include "core/parallel.h"
+#include "core/common/parallel.h"
 #include "core/predicates/swept_triangle.h"
 #include "core/rules/vertex_hash.h"
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cycle_limit.h"
+#include "core/common/cycle_limit.h"
 #include "core/host_list.h"
 
 namespace deformable_contact_monitor {

@@ -5,7 +5,7 @@
 // coefficients on half the interval are means of them (de Casteljau). Real is float or double.
 #pragma once
 
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

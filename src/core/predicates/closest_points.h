@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "core/host_device.h"
 #include "core/predicates/edge_crossing.h"
-#include "core/predicates/host_device.h"
 #include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {

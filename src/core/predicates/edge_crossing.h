@@ -7,7 +7,7 @@
 #include <cfloat>
 #include <cmath>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 #include "core/predicates/orientation.h"
 #include "core/predicates/triangle.h"
 #include "core/predicates/triangle_distance.h"

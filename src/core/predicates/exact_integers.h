@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 
 #if defined(__CUDA_ARCH__) && __CUDACC_VER_MAJOR__ * 100 + __CUDACC_VER_MINOR__ < 1105
 #define DCM_INT128 0

@@ -7,10 +7,10 @@
 
 #include <cstdint>
 
+#include "core/host_device.h"
+#include "core/pair_settings.h"
 #include "core/predicates/exact_integers.h"
-#include "core/predicates/host_device.h"
-#include "core/predicates/pair_settings.h"
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 #include "core/predicates/intersection_segment.h"
 #include "core/predicates/triangle_distance.h"
 

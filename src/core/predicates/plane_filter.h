@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 #include "core/predicates/triangle.h"
 
 namespace deformable_contact_monitor {

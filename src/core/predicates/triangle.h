@@ -1,8 +1,8 @@
 // Triangles as closed convex hulls of three points; segments and points included.
 #pragma once
 
-#include "core/predicates/host_device.h"
-#include "core/predicates/vector3.h"
+#include "core/host_device.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 #include "core/predicates/orientation.h"
 #include "core/predicates/triangle.h"
 

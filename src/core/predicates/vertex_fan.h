@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

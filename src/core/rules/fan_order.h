@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 
 namespace deformable_contact_monitor {
 

@@ -7,9 +7,9 @@
 
 #include <cfloat>
 
+#include "core/host_device.h"
 #include "core/pair_geometry.h"
 #include "core/predicates/closest_points.h"
-#include "core/predicates/host_device.h"
 #include "core/predicates/intersection_segment.h"
 #include "core/predicates/parting_translation.h"
 #include "core/predicates/segment_intersection.h"

@@ -13,10 +13,10 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 #include "core/predicates/triangle.h"
-#include "core/predicates/vector3.h"
 #include "core/rules/scene_scale.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -4,9 +4,9 @@
 #include <cfloat>
 #include <cmath>
 
-#include "core/predicates/host_device.h"
-#include "core/predicates/vector3.h"
+#include "core/host_device.h"
 #include "core/rules/scene_scale.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

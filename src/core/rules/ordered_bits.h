@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 
 namespace deformable_contact_monitor {
 

@@ -1,9 +1,9 @@
 // Vertices of a body in the scene frame.
 #pragma once
 
-#include "core/predicates/host_device.h"
-#include "core/predicates/vector3.h"
-#include "core/rules/rigid_transform.h"
+#include "core/host_device.h"
+#include "core/rigid_transform.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "core/predicates/host_device.h"
-#include "core/predicates/vector3.h"
+#include "core/host_device.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/predicates/host_device.h"
+#include "core/host_device.h"
 
 namespace deformable_contact_monitor {
 

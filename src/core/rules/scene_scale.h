@@ -1,8 +1,8 @@
 // Recentred, scaled coordinates for clustering and projection only. Verdicts never use them.
 #pragma once
 
-#include "core/predicates/host_device.h"
-#include "core/predicates/vector3.h"
+#include "core/host_device.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

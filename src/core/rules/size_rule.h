@@ -6,9 +6,9 @@
 
 #include <cmath>
 
+#include "core/host_device.h"
 #include "core/predicates/aabb.h"
-#include "core/predicates/host_device.h"
-#include "core/predicates/vector3.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/host_device.h"
 #include "core/predicates/aabb.h"
-#include "core/predicates/host_device.h"
 
 namespace deformable_contact_monitor {
 

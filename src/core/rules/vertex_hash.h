@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/predicates/host_device.h"
-#include "core/predicates/vector3.h"
+#include "core/host_device.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <exception>
 
-#include "node/time_difference.h"
-#include "node/transform_lookup.h"
+#include "monitor/input/transform_lookup.h"
+#include "monitor/time_difference.h"
 #include "tools/bags/bag_meshes.h"
 #include "tools/bags/bag_messages.h"
 

@@ -8,7 +8,7 @@
 #include <boost/make_shared.hpp>
 #include <exception>
 
-#include "node/time_difference.h"
+#include "monitor/time_difference.h"
 #include "tools/bags/bag_messages.h"
 
 namespace deformable_contact_monitor {

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "node/monitor_scene.h"
-#include "node/parameters.h"
-#include "node/step_planner.h"
+#include "monitor/cycle/monitor_scene.h"
+#include "monitor/cycle/step_planner.h"
+#include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_meshes.h"

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "node/mesh_bytes.h"
-#include "node/mesh_subscription.h"
+#include "monitor/input/mesh_bytes.h"
+#include "monitor/input/mesh_subscription.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <functional>
 
-#include "node/mesh_adapters.h"
-#include "node/parameters.h"
+#include "monitor/input/mesh_adapters.h"
+#include "monitor/rules/parameters.h"
 #include "tools/bags/bag_reader.h"
 
 namespace deformable_contact_monitor {

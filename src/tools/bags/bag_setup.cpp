@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "node/contact_messages.h"
-#include "node/mesh_subscription.h"
-#include "node/robot_checks.h"
-#include "node/transform_lookup.h"
+#include "monitor/diagnostics/robot_checks.h"
+#include "monitor/input/mesh_subscription.h"
+#include "monitor/input/transform_lookup.h"
+#include "monitor/messages/contact_messages.h"
 #include "tools/bags/bag_messages.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/common/yaml_parameters.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "node/parameters.h"
+#include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 
 namespace deformable_contact_monitor {
 

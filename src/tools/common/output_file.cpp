@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "tools/common/part_file.h"
 
 namespace deformable_contact_monitor {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/stopwatch.h"
+#include "core/common/stopwatch.h"
 
 namespace deformable_contact_monitor {
 

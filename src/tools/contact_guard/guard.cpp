@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "node/time_difference.h"
+#include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {

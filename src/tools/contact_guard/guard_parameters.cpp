@@ -3,7 +3,7 @@
 
 #include <ros/names.h>
 
-#include "node/parameter_reader.h"
+#include "monitor/rules/parameter_reader.h"
 
 namespace deformable_contact_monitor {
 

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <vector>
 
-#include "node/parameter_reader.h"
+#include "monitor/rules/parameter_reader.h"
 #include "reader/contact_reader.h"
 
 namespace deformable_contact_monitor {

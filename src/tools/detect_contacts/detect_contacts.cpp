@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "tools/common/backend_choice.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"

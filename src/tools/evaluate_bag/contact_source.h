@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "core/containment.h"
+#include "core/analysis/containment.h"
 #include "core/detector.h"
 #include "core/tiling_cache.h"
-#include "node/cycle_report.h"
-#include "node/step_runner.h"
+#include "monitor/cycle/step_runner.h"
+#include "monitor/cycle_report.h"
 
 namespace deformable_contact_monitor {
 

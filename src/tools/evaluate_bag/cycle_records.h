@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/containment.h"
+#include "core/analysis/containment.h"
 #include "core/detector.h"
 #include "core/substeps.h"
-#include "node/cycle_report.h"
+#include "monitor/cycle_report.h"
 
 namespace deformable_contact_monitor {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/stopwatch.h"
+#include "core/common/stopwatch.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_setup.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/detector.h"
-#include "node/contact_state_tracker.h"
-#include "node/cycle_report.h"
+#include "monitor/cycle_report.h"
+#include "monitor/state/contact_state_tracker.h"
 #include "tools/evaluate_bag/contact_source.h"
 #include "tools/evaluate_bag/evaluation_steps.h"
 #include "tools/evaluate_bag/expectations.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "node/parameters.h"
+#include "monitor/rules/parameters.h"
 #include "tools/evaluate_bag/evaluate_arguments.h"
 #include "tools/evaluate_bag/evaluation_run.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/detector.h"
-#include "node/contact_state_tracker.h"
-#include "node/cycle_report.h"
+#include "monitor/cycle_report.h"
+#include "monitor/state/contact_state_tracker.h"
 
 namespace deformable_contact_monitor {
 

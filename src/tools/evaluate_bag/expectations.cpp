@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "node/parameter_reader.h"
-#include "node/time_difference.h"
+#include "monitor/rules/parameter_reader.h"
+#include "monitor/time_difference.h"
 #include "robot/nearest_name.h"
 #include "tools/common/yaml_parameters.h"
 

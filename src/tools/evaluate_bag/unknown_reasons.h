@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "node/cycle_report.h"
+#include "monitor/cycle_report.h"
 
 namespace deformable_contact_monitor {
 

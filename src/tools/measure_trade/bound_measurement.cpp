@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/body_distance.h"
-#include "core/posed_body.h"
+#include "core/common/posed_body.h"
 #include "tools/common/backend_choice.h"
 #include "tools/common/sample_statistics.h"
 #include "tools/measure_trade/trade_grid.h"

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 
 namespace deformable_contact_monitor {
 namespace {

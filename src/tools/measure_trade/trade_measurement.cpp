@@ -5,7 +5,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "tools/common/sample_statistics.h"
 
 namespace deformable_contact_monitor {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <random>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "core/rules/half_space.h"
 #include "test_data.h"
 

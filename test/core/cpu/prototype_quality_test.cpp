@@ -6,7 +6,7 @@
 
 #include "core/cpu/fuzzy_clustering.h"
 #include "core/cpu/sweep.h"
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "test_data.h"
 
 namespace deformable_contact_monitor {

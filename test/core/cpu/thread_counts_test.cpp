@@ -12,10 +12,10 @@
 #include <tuple>
 #include <vector>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/common/parallel.h"
 #include "core/cpu/output.h"
 #include "core/cpu/vertex_identity.h"
-#include "core/parallel.h"
+#include "core/cpu_detector.h"
 #include "random_scenes.h"
 #include "scenes.h"
 

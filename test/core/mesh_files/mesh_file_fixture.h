@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 
 namespace deformable_contact_monitor {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh_files/mesh_file.h"
+#include "core/mesh_file.h"
 #include "core/predicates/swept_exact.h"
 #include "moving_features.h"
 #include "moving_meshes.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <random>
 
-#include "core/rules/rigid_transform.h"
+#include "core/rigid_transform.h"
 #include "core/substeps.h"
 
 namespace deformable_contact_monitor {

@@ -200,7 +200,7 @@ class Verdicts(unittest.TestCase):
 
 
 class Reasons(unittest.TestCase):
-    """In the monitor's words: src/node/mesh_input.cpp, transform_lookup.cpp, monitor_scene.cpp."""
+    """In the monitor's words: src/monitor/input/mesh_input.cpp, transform_lookup.cpp, monitor_scene.cpp."""
 
     def test_each_has_its_phrase(self):
         for reason, phrase in (

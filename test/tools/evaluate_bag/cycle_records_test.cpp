@@ -70,7 +70,7 @@ class CycleRecords : public testing::Test {
     result.counters.triangles = ++count_;
     result.counters.rejected = ++count_;
     result.counters.undecided = (std::uint64_t{1} << 53) + ++count_;
-    result.stages_ms = {{"pose", 0.1}, {"judge", 1. / 3}};
+    result.stages_ms = {{"transform", 0.1}, {"narrow_phase", 1. / 3}};
     result.detect_ms = 0.7 + count_;
     result.round_trip_ms = 1e-300;
     return result;

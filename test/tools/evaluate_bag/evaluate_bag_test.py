@@ -166,8 +166,8 @@ class EvaluateBag(EvaluationCase):
             report = file.read()
         self.assertEqual(report.count("<svg"), 4)
         self.assertIn("panda_hand / tshirt", re.sub(r"<!--|-->", "", report))
-        stages = re.findall("<!-- (pose|cluster|assign|sort|sweep|judge|output) -->", report)
-        self.assertEqual(stages, ["pose", "cluster", "assign", "sort", "sweep", "judge", "output"])
+        stages = re.findall("<!-- (transform|cluster|assign|sort|sweep|narrow_phase|output) -->", report)
+        self.assertEqual(stages, ["transform", "cluster", "assign", "sort", "sweep", "narrow_phase", "output"])
 
     def test_a_disk_that_is_full_leaves_no_half_a_report(self):
         self.evaluate(self.bag())

@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/cpu/cpu_detector.h"
+#include "core/cpu_detector.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {

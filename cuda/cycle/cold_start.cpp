@@ -1,0 +1,199 @@
+#include "cuda/cycle/cold_start.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "core/common/posed_body.h"
+#include "core/cpu/common_motion.h"
+#include "core/cpu/size_split.h"
+#include "core/cpu/transform.h"
+#include "core/rules/common_motion.h"
+#include "core/rules/sampling.h"
+#include "core/rules/vertex_hash.h"
+
+namespace deformable_contact_monitor {
+
+namespace {
+
+Vec3f seedAt(const SizeSplit& split, const Triangle& t) {
+  Vec3f points[3];
+  split.scaled(t, points);
+  return meanOf<Triangle>(points);
+}
+Vec3f seedAt(const SizeSplit& split, const MovingTriangle& t) {
+  Vec3f points[6];
+  split.scaled(t, points);
+  return meanOf<MovingTriangle>(points);
+}
+
+// Some of `triangles` triangles, ascending: one from each of `count` equal parts of their order,
+// but not the same place in each, which a regular mesh might answer to.
+struct Sample {
+  std::size_t count, triangles;
+
+  std::size_t operator[](std::size_t i) const {
+    const std::size_t begin = i * triangles / count, end = (i + 1) * triangles / count;
+    return begin + mixed(i) % (end - begin);
+  }
+};
+
+Triangle hullOf(const PosedBody& /*earlier*/, const PosedBody& body, std::uint32_t t,
+                const Triangle* /*as*/) {
+  return body.triangle(t);
+}
+MovingTriangle hullOf(const PosedBody& earlier, const PosedBody& body, std::uint32_t t,
+                      const MovingTriangle* /*as*/) {
+  return {earlier.triangle(t), body.triangle(t)};
+}
+
+const Aabb& setBoxOf(const Aabb& box, const Vec3f& /*common_motion*/) { return box; }
+Aabb setBoxOf(const MovingBox& box, const Vec3f& common_motion) {
+  return sweptBox(box, common_motion);
+}
+
+// A working set of sampled triangles without what bodies share: three vertices each.
+void add(const Triangle& t, WorkingSet& set) {
+  set.vertices.insert(set.vertices.end(), t.v, t.v + 3);
+}
+void add(const MovingTriangle& t, WorkingSet& set) {
+  set.earlier.insert(set.earlier.end(), t.from.v, t.from.v + 3);
+  add(t.to, set);
+}
+
+// Those of the sample from `next` on that are of the body, whose triangles begin at `first`; of
+// them those that are finite and meet a partner's box.
+template <class Hull>
+void addSampled(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, const Sample& sample,
+                std::size_t first, std::size_t& next, WorkingSet& set) {
+  const PosedBody now(body), earlier = PosedBody::earlier(body);
+  const std::size_t end = first + body.mesh.triangleCount();
+  const float growth_m = growthOf<Hull>(body);
+  std::vector<std::uint32_t> sampled;
+  for (; next < sample.count && sample[next] < end; ++next) {
+    sampled.push_back(static_cast<std::uint32_t>(sample[next] - first));
+  }
+  for (std::size_t i = 0; i < sampled.size(); ++i) {
+    if (i + 32 < sampled.size()) now.prefetchCorners(sampled[i + 32]);
+    if (i + 16 < sampled.size()) now.prefetchVertices(sampled[i + 16]);
+    const std::uint32_t t = sampled[i];
+    const Hull hull = hullOf(earlier, now, t, static_cast<const Hull*>(nullptr));
+    if (!isFinite(hull)) continue;
+    const BoxOf<Hull> box = inflated(boxOf(hull), growth_m);
+    if (!partners.meet(box)) continue;
+    add(hull, set);
+    set.triangle.push_back(t);
+    set.boxes.push_back(setBoxOf(box, set.common_motion));
+  }
+}
+
+std::size_t trianglesThatTakePart(const Scene& scene) {
+  std::size_t count = 0;
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    if (scene.takesPart(id)) count += scene.body(id).mesh.triangleCount();
+  }
+  return count;
+}
+
+// A body that may touch itself has all of its triangles looked at, wherever the others are.
+bool needsBoxes(const Scene& scene) {
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    if (scene.takesPart(id) && !scene.pairEnabled(id, id)) return true;
+  }
+  return false;
+}
+
+template <class Hull>
+WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes,
+                      const CycleLimit& limit) {
+  WorkingSet set;
+  set.vertices.reserve(3 * sample.count);
+  set.triangle.reserve(sample.count);
+  set.boxes.reserve(sample.count);
+  const bool culls = needsBoxes(scene);
+  if (culls) boxes.update<Hull>(scene, limit);
+  if (limit.wasOver()) return set;
+  if (kIsMoving<Hull>) set.common_motion = commonMotionOf(scene);
+  PartnerBoxes<BoxOf<Hull>> itself;
+  itself.self = true;
+  std::size_t first = 0, next = 0;
+  for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
+    if (!scene.takesPart(id)) continue;
+    const Body& body = scene.body(id);
+    addSampled<Hull>(body, culls ? boxes.partnersOf<Hull>(scene, id) : itself, sample, first, next,
+                     set);
+    first += body.mesh.triangleCount();
+  }
+  set.corners.resize(set.vertices.size());
+  std::iota(set.corners.begin(), set.corners.end(), 0U);
+  return set;
+}
+
+std::size_t sampleSize(Look look, std::size_t triangles, std::size_t most_seeds) {
+  constexpr std::size_t kGlance = 256, kLeastSample = 2048, kEachSeed = 4;
+  if (look == Look::kAll) return triangles;
+  return std::min(triangles,
+                  look == Look::kGlance ? kGlance : std::max(kLeastSample, kEachSeed * most_seeds));
+}
+
+Aabb reachOf(const Triangle& t) { return boxOf(t); }
+Aabb reachOf(const MovingTriangle& t) { return shareBox(boxOf(t), 0); }
+
+// Without margins and pads: who is wrong by one or two loses nothing.
+template <class Hull>
+void keepShare(const WorkingSet& set, const SceneShare& share, std::vector<TriangleIndex>& list) {
+  if (share.isWhole()) return;
+  const auto elsewhere = [&](TriangleIndex t) {
+    return !share.reaches(reachOf(set.posed<Hull>(t)));
+  };
+  list.erase(std::remove_if(list.begin(), list.end(), elsewhere), list.end());
+}
+
+template <class Hull>
+ColdStart measureAs(const Scene& scene, const SceneShare& share, const Options& options,
+                    const ClusterCountPolicy& policy, Look look, BodyBoxes& boxes,
+                    const CycleLimit& limit) {
+  const std::size_t triangles = trianglesThatTakePart(scene);
+  const std::size_t most_seeds = clusterCountFor(options.clusters, policy, triangles, 0);
+  const Sample sample{sampleSize(look, triangles, most_seeds), triangles};
+  ColdStart start;
+  const WorkingSet set = sampledSet<Hull>(scene, sample, boxes, limit);
+  SizeSplit split;
+  if (sample.count > 0) split.spare = split.spare * sample.count / triangles;
+  if (!limit.wasOver()) splitBySize(set, split, limit);
+  if (limit.wasOver()) return start;
+  keepShare<Hull>(set, share, split.regular);
+  keepShare<Hull>(set, share, split.large);
+  const auto ofAll = [&](std::size_t sampled) {
+    return sample.count == 0 ? 0 : sampled * triangles / sample.count;
+  };
+  start.scale = split.scale;
+  start.size_rule = split.rule;
+  start.regular = ofAll(split.regular.size());
+  start.large = ofAll(split.large.size());
+  start.seeds.resize(
+      std::max<std::size_t>(1, clusterCountFor(options.clusters, policy, start.regular, 0)));
+  if (look == Look::kSample && sample.count < triangles &&
+      start.seeds.size() > split.regular.size()) {  // some would come twice
+    return measureAs<Hull>(scene, share, options, policy, Look::kAll, boxes, limit);
+  }
+  for (std::size_t g = 0; g < start.seeds.size() && !split.regular.empty(); ++g) {
+    const TriangleIndex t = split.regular[seedOf(g, start.seeds.size(), split.regular.size())];
+    start.seeds[g] = seedAt(split, set.posed<Hull>(t));
+  }
+  return start;
+}
+
+}  // namespace
+
+ColdStart SceneMeasurer::measure(const Scene& scene, const SceneShare& share,
+                                 const Options& options, const ClusterCountPolicy& policy,
+                                 Look look, const CycleLimit& limit) {
+  BodyBoxes& boxes = look == Look::kGlance ? boxes_at_a_glance_ : boxes_;
+  return options.motion == Motion::kSwept
+             ? measureAs<MovingTriangle>(scene, share, options, policy, look, boxes, limit)
+             : measureAs<Triangle>(scene, share, options, policy, look, boxes, limit);
+}
+
+}  // namespace deformable_contact_monitor

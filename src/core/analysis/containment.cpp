@@ -1,0 +1,186 @@
+#include "core/analysis/containment.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "core/analysis/point_tree.h"
+#include "core/analysis/posed_components.h"
+#include "core/common/host_vertices.h"
+#include "core/predicates/aabb.h"
+#include "core/predicates/ray_crossing.h"
+
+namespace deformable_contact_monitor {
+
+namespace {
+
+constexpr std::uint64_t kStepsALook = 1 << 12;
+
+bool contains(const Aabb& outer, const Aabb& inner) {
+  return intersects(outer, {inner.min, inner.min}) && intersects(outer, {inner.max, inner.max});
+}
+
+// Components that touch: body, component, body, component.
+using Touch = std::array<std::uint32_t, 4>;
+
+// Which components of one body are within closed ones of another.
+class PairLook {
+ public:
+  // touches(component of inner, component of outer).
+  PairLook(PosedComponents& inner, const PosedComponents& outer, const CycleLimit& limit)
+      : inner_(inner),
+        outer_(outer),
+        pace_(limit, kStepsALook),
+        is_inside_(inner.components().count(), false) {}
+
+  // By component of inner. Gives up where the limit is over.
+  template <class Touches>
+  const std::vector<bool>& find(const Touches& touches) {
+    const MeshComponents& outer = outer_.components();
+    if (!intersects(inner_.box(), outer_.box())) return is_inside_;
+    for (std::uint32_t q = 0; q < outer.count() && !pace_.over(); ++q) {
+      if (!outer.closed[q]) continue;
+      choose(q, touches);
+      if (!chosen_.empty()) countCrossings(q);
+    }
+    return is_inside_;
+  }
+
+ private:
+  // Those of inner that may be within the outer component and are not known to be within another.
+  template <class Touches>
+  void choose(std::uint32_t q, const Touches& touches) {
+    chosen_.clear();
+    const Aabb& box = outer_.box(q);
+    inner_.tree().visitWithin(box, [&](std::uint32_t c) {
+      pace_.over();
+      if (is_inside_[c] || !contains(box, inner_.box(c)) || touches(c, q)) return;
+      chosen_.push_back(c);
+    });
+  }
+
+  void countCrossings(std::uint32_t q) {
+    std::vector<Vec3f> points;
+    points.reserve(chosen_.size());
+    for (const std::uint32_t c : chosen_) points.push_back(inner_.point(c));
+    const PointTree tree(points);
+    std::vector<bool> odd(chosen_.size(), false);
+    const MeshComponents& outer = outer_.components();
+    PredicateState state;
+    for (std::uint32_t i = outer.first[q]; i < outer.first[q + 1]; ++i) {
+      if (pace_.over()) return;
+      const Triangle triangle = outer_.posed().triangle(outer.triangles[i]);
+      Aabb beneath = boxOf(triangle);
+      beneath.min.z = -INFINITY;
+      tree.visitWithin(beneath, [&](std::uint32_t p) {
+        if (!pace_.over() && crossesUpwards(points[p], triangle, state)) odd[p] = !odd[p];
+      });
+    }
+    if (pace_.over(0)) return;
+    for (std::size_t p = 0; p < chosen_.size(); ++p) {
+      if (odd[p]) is_inside_[chosen_[p]] = true;
+    }
+  }
+
+  PosedComponents& inner_;
+  const PosedComponents& outer_;
+  PacedLimit pace_;
+  std::vector<bool> is_inside_;
+  std::vector<std::uint32_t> chosen_;
+};
+
+bool touches(const DetectionResult& result, std::size_t contact) {
+  return result.separations_m.empty() || result.separations_m[contact] == 0;
+}
+
+// Sorted, each once, and each from both sides.
+template <class ComponentOf>
+std::vector<Touch> touchesOf(const DetectionResult& result, const ComponentOf& component_of) {
+  std::vector<Touch> all;
+  for (std::size_t i = 0; i < result.contacts.size(); ++i) {
+    const TrianglePair& pair = result.contacts[i];
+    if (pair.body_a == pair.body_b || !touches(result, i)) continue;
+    const Touch touch{pair.body_a, component_of(pair.body_a, pair.triangle_a), pair.body_b,
+                      component_of(pair.body_b, pair.triangle_b)};
+    if (!all.empty() && all.back() == touch) continue;
+    all.push_back(touch);
+  }
+  const std::size_t one_sided = all.size();
+  all.reserve(2 * one_sided);
+  for (std::size_t i = 0; i < one_sided; ++i) {
+    const Touch touch = all[i];
+    all.push_back({touch[2], touch[3], touch[0], touch[1]});
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+}  // namespace
+
+ContainmentFinder::ContainmentFinder() = default;
+ContainmentFinder::~ContainmentFinder() = default;
+
+// The bodies of enabled pairs of different bodies.
+bool ContainmentFinder::prepare(const Scene& scene, const CycleLimit& limit) {
+  bodies_.resize(scene.bodyCount());
+  for (const auto& [a, b] : scene.enabledPairs()) {
+    if (a == b) continue;
+    for (const BodyId id : {a, b}) {
+      Containment::Components& of = containment_.bodies[id];
+      if (std::exchange(of.looked_at, true)) continue;
+      if (bodies_[id] == nullptr) bodies_[id] = std::make_unique<PosedComponents>();
+      if (!bodies_[id]->update(scene.body(id), limit)) {
+        of.looked_at = false;
+        return false;
+      }
+      const std::vector<bool>& closed = bodies_[id]->components().closed;
+      of.all = static_cast<std::uint32_t>(closed.size());
+      of.open = static_cast<std::uint32_t>(std::count(closed.begin(), closed.end(), false));
+    }
+  }
+  return true;
+}
+
+const Containment& ContainmentFinder::find(const Scene& scene, const DetectionResult& result,
+                                           const CycleLimit& limit) {
+  requireHostVertices(scene, "containment");
+  containment_ = Containment();
+  containment_.bodies.resize(scene.bodyCount());
+  if (!prepare(scene, limit)) {
+    containment_.cut_off_because = limit.why();
+    return containment_;
+  }
+  const std::vector<Touch> touch = touchesOf(result, [this](BodyId id, std::uint32_t t) {
+    return bodies_[id]->components().of_triangle[t];
+  });
+  const auto look = [&](BodyId inner, BodyId outer) {
+    PairLook pair(*bodies_[inner], *bodies_[outer], limit);
+    const std::vector<bool>& is_inside = pair.find([&](std::uint32_t p, std::uint32_t q) {
+      return std::binary_search(touch.begin(), touch.end(), Touch{inner, p, outer, q});
+    });
+    for (std::uint32_t c = 0; c < is_inside.size(); ++c) {
+      if (!is_inside[c]) continue;
+      const MeshComponents& of = bodies_[inner]->components();
+      containment_.parts.push_back(
+          {inner, outer, of.triangles[of.first[c]], bodies_[inner]->centroid(c)});
+    }
+  };
+  for (const auto& [a, b] : scene.enabledPairs()) {
+    if (limit.over()) break;
+    if (a == b || !bodies_[a]->isFinitePosed() || !bodies_[b]->isFinitePosed()) continue;
+    look(a, b);
+    look(b, a);
+  }
+  if (limit.wasOver()) containment_.cut_off_because = limit.why();
+  std::sort(containment_.parts.begin(), containment_.parts.end(),
+            [](const InsidePart& a, const InsidePart& b) {
+              return std::tie(a.inner, a.outer, a.triangle) <
+                     std::tie(b.inner, b.outer, b.triangle);
+            });
+  return containment_;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,164 @@
+#include "core/analysis/mesh_components.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/analysis/union_find.h"
+#include "core/rules/vertex_hash.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::uint32_t kNone = MeshComponents::kNone;
+
+using Corners = std::array<std::uint32_t, 3>;
+
+// With the welded vertices' numbers.
+Corners cornersOf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& vertex,
+                  std::size_t t) {
+  const std::uint32_t* corner = &mesh.triangles[3 * t];
+  return {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
+}
+
+bool isRejected(const Corners& c) { return c[0] == kNone || c[1] == kNone || c[2] == kNone; }
+
+bool hasThreeVertices(const Corners& c) { return c[0] != c[1] && c[1] != c[2] && c[2] != c[0]; }
+
+// The edges of a mesh, by open addressing.
+class EdgeTable {
+ public:
+  struct Edge {
+    std::uint64_t key = kFree;
+    std::uint32_t triangle = 0;  // one that has it
+    bool odd = false;            // an odd number of triangles with three vertices has it
+  };
+
+  explicit EdgeTable(std::size_t most_edges) {
+    std::size_t size = 16;
+    while (size < 2 * most_edges) size *= 2;
+    edges_.resize(size);
+  }
+
+  // Edge k of the triangle; its key is kFree if there is no such edge yet.
+  Edge& find(const Corners& c, int k, std::uint64_t* key) {
+    const std::uint32_t u = c[k], v = c[(k + 1) % 3];
+    *key = std::uint64_t{std::min(u, v)} << 32U | std::max(u, v);
+    std::size_t slot = mixed(*key) & (edges_.size() - 1);
+    while (edges_[slot].key != kFree && edges_[slot].key != *key) {
+      slot = (slot + 1) & (edges_.size() - 1);
+    }
+    return edges_[slot];
+  }
+
+  const std::vector<Edge>& edges() const { return edges_; }
+
+  static constexpr std::uint64_t kFree = ~std::uint64_t{0};  // of no edge: its ends would be equal
+
+ private:
+  std::vector<Edge> edges_;
+};
+
+// Joins the triangle with those that have an edge of it.
+void addTriangle(const Corners& c, std::uint32_t t, EdgeTable* table, UnionFind* joined) {
+  const bool counts = hasThreeVertices(c);
+  for (int k = 0; k < 3; ++k) {
+    if (c[k] == c[(k + 1) % 3]) continue;
+    std::uint64_t key = 0;
+    EdgeTable::Edge& edge = table->find(c, k, &key);
+    if (edge.key == EdgeTable::kFree) {
+      edge.key = key;
+      edge.triangle = t;
+    }
+    joined->join(edge.triangle, t);
+    edge.odd = edge.odd != counts;
+  }
+}
+
+void openBesideRejected(const Corners& c, EdgeTable* table, MeshComponents* components) {
+  for (int k = 0; k < 3; ++k) {
+    if (c[k] == kNone || c[(k + 1) % 3] == kNone) continue;
+    std::uint64_t key = 0;
+    const EdgeTable::Edge& edge = table->find(c, k, &key);
+    if (edge.key == key) components->closed[components->of_triangle[edge.triangle]] = false;
+  }
+}
+
+// Fills of_triangle, triangles and first; all components are closed so far.
+void number(const std::vector<bool>& rejected, UnionFind* joined, MeshComponents* components) {
+  const auto count = static_cast<std::uint32_t>(rejected.size());
+  std::vector<std::uint32_t>& of = components->of_triangle;
+  of.assign(count, kNone);
+  components->first.assign(1, 0);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    if (rejected[t]) continue;
+    const std::uint32_t least = joined->find(t);
+    if (least == t) {
+      of[t] = static_cast<std::uint32_t>(components->first.size() - 1);
+      components->first.push_back(0);
+    }
+    of[t] = of[least];
+    ++components->first[of[t] + 1];
+  }
+  for (std::size_t i = 1; i < components->first.size(); ++i) {
+    components->first[i] += components->first[i - 1];
+  }
+  components->triangles.resize(components->first.back());
+  std::vector<std::uint32_t> next(components->first);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    if (!rejected[t]) components->triangles[next[of[t]]++] = t;
+  }
+  components->closed.assign(components->first.size() - 1, true);
+}
+
+}  // namespace
+
+bool BodyComponents::update(const Body& body, const CycleLimit& limit) {
+  if (body.topology_revision == topology_revision_ &&
+      body.vertices_revision == vertices_revision_) {
+    return true;
+  }
+  const bool same_triangles = body.topology_revision == topology_revision_;
+  topology_revision_ = 0;
+  if (!weld(body.mesh, limit)) return false;
+  if (!same_triangles || new_vertex_ != vertex_) {
+    vertex_.swap(new_vertex_);
+    if (!build(body.mesh, limit)) return false;
+  }
+  topology_revision_ = body.topology_revision;
+  vertices_revision_ = body.vertices_revision;
+  return true;
+}
+
+bool BodyComponents::weld(const TriangleMesh& mesh, const CycleLimit& limit) {
+  identity_.identify(mesh.vertices, new_vertex_, limit);
+  if (limit.over()) return false;
+  for (std::size_t i = 0; i < new_vertex_.size(); ++i) {
+    if (!isFinite(mesh.vertex(i))) new_vertex_[i] = kNone;
+  }
+  return true;
+}
+
+bool BodyComponents::build(const TriangleMesh& mesh, const CycleLimit& limit) {
+  constexpr std::uint64_t kStepsALook = 1 << 13;
+  const std::size_t count = mesh.triangleCount();
+  PacedLimit pace(limit, kStepsALook);
+  EdgeTable table(3 * count);
+  UnionFind joined(count);
+  std::vector<bool> rejected(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    if (pace.over()) return false;
+    const Corners corners = cornersOf(mesh, vertex_, t);
+    rejected[t] = isRejected(corners);
+    if (!rejected[t]) addTriangle(corners, static_cast<std::uint32_t>(t), &table, &joined);
+  }
+  number(rejected, &joined, &components_);
+  for (const EdgeTable::Edge& edge : table.edges()) {
+    if (edge.odd) components_.closed[components_.of_triangle[edge.triangle]] = false;
+  }
+  for (std::size_t t = 0; t < count; ++t) {
+    if (rejected[t]) openBesideRejected(cornersOf(mesh, vertex_, t), &table, &components_);
+  }
+  return !limit.over();
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,130 @@
+#include "core/bounds/body_tiles.h"
+
+#include <algorithm>
+#include <cfloat>
+#include <cstring>
+#include <utility>
+
+#include "core/common/parallel.h"
+#include "core/common/posed_box.h"
+#include "core/cpu/lane_box.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Of the finite ones of some vertices, of all `vertex_count` of which `xyz` has the coordinates;
+// `all_finite` turns false with the first that is not.
+Aabb receivedBox(const float* xyz, std::size_t vertex_count, const std::uint32_t* vertex,
+                 std::size_t count, bool& all_finite) {
+  FloatLanes low = FloatLanes{} + INFINITY, high = FloatLanes{} - INFINITY, check{};
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const from = xyz + 3 * std::size_t{vertex[i]};
+    FloatLanes v;
+    if (vertex[i] + std::size_t{1} < vertex_count) {
+      std::memcpy(&v, from, sizeof v);  // the fourth lane is the next vertex's x
+    } else {
+      v = FloatLanes{from[0], from[1], from[2], 0};
+    }
+    low = v < low ? v : low;
+    high = v > high ? v : high;
+    check += v - v;
+  }
+  if (check[0] + check[1] + check[2] == 0) {
+    return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+  }
+  all_finite = false;
+  Aabb box;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const from = xyz + 3 * std::size_t{vertex[i]};
+    const Vec3f v{from[0], from[1], from[2]};
+    if (isFinite(v)) box.include(v);
+  }
+  return box;
+}
+
+float atLeastFinite(float low) { return low >= -FLT_MAX ? least(low, FLT_MAX) : -FLT_MAX; }
+float atMostFinite(float high) { return high <= FLT_MAX ? most(high, -FLT_MAX) : FLT_MAX; }
+
+bool isWithinFloats(const Aabb& box) {
+  return least(least(box.min.x, box.min.y), box.min.z) > -FLT_MAX &&
+         most(most(box.max.x, box.max.y), box.max.z) < FLT_MAX;
+}
+
+}  // namespace
+
+bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
+                       const CycleLimit& limit) {
+  body_ = &body;
+  ++cycle_;
+  if (tiling_ != tiling) {
+    tiling_ = std::move(tiling);
+    vertices_revision_ = 0;
+    slots_ = std::make_unique<Slot[]>(tiling_->tileCount());
+  }
+  if (vertices_revision_ != body.vertices_revision && !receive(limit)) return false;
+  is_identity_ = body.pose.isIdentity();
+  box_ = Aabb();
+  region_boxes_.resize(received_regions_.size());
+  for (std::size_t r = 0; r < region_boxes_.size(); ++r) {
+    region_boxes_[r] = posed(received_regions_[r]);
+    if (!region_boxes_[r].empty()) box_.include(region_boxes_[r]);
+  }
+  all_finite_ = received_finite_ && (box_.empty() || isWithinFloats(box_));
+  return true;
+}
+
+bool BodyTiles::receive(const CycleLimit& limit) {
+  constexpr std::size_t kBlock = 2;  // regions, some 3 000 vertices
+  vertices_revision_ = 0;
+  received_tiles_.resize(tiling_->tileCount());
+  received_regions_.resize(tiling_->regionCount());
+  finite_regions_.resize(tiling_->regionCount());
+  parallelBlocks(limit, tiling_->regionCount(), kBlock,
+                 [this](std::size_t, std::size_t begin, std::size_t end) {
+                   for (std::size_t r = begin; r < end; ++r) receiveRegion(r);
+                 });
+  if (limit.wasOver()) return false;
+  received_finite_ =
+      std::find(finite_regions_.begin(), finite_regions_.end(), 0) == finite_regions_.end();
+  vertices_revision_ = body_->vertices_revision;
+  return true;
+}
+
+void BodyTiles::receiveRegion(std::size_t region) {
+  const TriangleMesh& mesh = body_->mesh;
+  bool all_finite = true;
+  Aabb whole;
+  for (std::size_t tile = tileBegin(region); tile < tileEnd(region); ++tile) {
+    const std::uint32_t first = tiling_->vertex_begin[tile];
+    received_tiles_[tile] =
+        receivedBox(mesh.vertices.data(), mesh.vertexCount(), tiling_->vertex.data() + first,
+                    tiling_->vertex_begin[tile + 1] - first, all_finite);
+    whole.include(received_tiles_[tile]);
+  }
+  received_regions_[region] = whole;
+  finite_regions_[region] = all_finite ? 1 : 0;
+}
+
+// Where a pose may make a vertex infinite, those that stay finite are still within.
+Aabb BodyTiles::posed(const Aabb& received) const {
+  if (received.empty() || is_identity_) return received;
+  const Aabb box = posedBox(received, body_->pose, false);
+  return {{atLeastFinite(box.min.x), atLeastFinite(box.min.y), atLeastFinite(box.min.z)},
+          {atMostFinite(box.max.x), atMostFinite(box.max.y), atMostFinite(box.max.z)}};
+}
+
+const PosedTile& BodyTiles::tile(std::size_t tile) const {
+  Slot& slot = slots_[tile];
+  if (slot.made.load(std::memory_order_acquire) == cycle_) return *slot.tile;
+  while (slot.busy.test_and_set(std::memory_order_acquire)) {
+  }
+  if (slot.made.load(std::memory_order_relaxed) != cycle_) {
+    if (slot.tile == nullptr) slot.tile = std::make_unique<PosedTile>();
+    slot.tile->make(*tiling_, tile, PosedBody(*body_));
+    slot.made.store(cycle_, std::memory_order_release);
+  }
+  slot.busy.clear(std::memory_order_release);
+  return *slot.tile;
+}
+
+}  // namespace deformable_contact_monitor

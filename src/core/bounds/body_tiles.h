@@ -1,0 +1,69 @@
+// A body's regions and tiles as they lie in the scene of one cycle.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/bounds/posed_tile.h"
+#include "core/common/cycle_limit.h"
+#include "core/predicates/aabb.h"
+#include "core/scene.h"
+#include "core/tiling.h"
+
+namespace deformable_contact_monitor {
+
+// Keeps what does not change from cycle to cycle. All boxes are [m], in the scene frame, hold the
+// posed float32 vertices of all triangles that are not rejected, and end at the largest float32;
+// empty where there is none.
+class BodyTiles {
+ public:
+  // Begins a cycle. Returns false if the limit was over: then the rest is of no use in it. The body
+  // must live, unchanged, until the cycle ends; its vertices are on the host. On threads.
+  bool update(const Body& body, std::shared_ptr<const Tiling> tiling, const CycleLimit& limit);
+
+  // What follows may be asked by any number of threads.
+  const Aabb& box() const { return box_; }
+  const std::vector<Aabb>& regions() const { return region_boxes_; }
+  std::size_t tileBegin(std::size_t region) const { return tiling_->region_begin[region]; }
+  std::size_t tileEnd(std::size_t region) const { return tiling_->region_begin[region + 1]; }
+  Aabb tileBox(std::size_t tile) const { return posed(received_tiles_[tile]); }
+
+  // Made when it is first asked for in a cycle.
+  const PosedTile& tile(std::size_t tile) const;
+
+  Triangle posedTriangle(std::uint32_t t) const { return PosedBody(*body_).triangle(t); }
+
+  // Whether certainly no triangle was rejected.
+  bool allFinite() const { return all_finite_; }
+
+ private:
+  // A tile's place, made in the cycle of that number, or being made.
+  struct Slot {
+    std::unique_ptr<PosedTile> tile;
+    std::atomic<std::uint64_t> made{0};
+    std::atomic_flag busy = ATOMIC_FLAG_INIT;
+  };
+
+  bool receive(const CycleLimit& limit);
+  void receiveRegion(std::size_t region);
+  Aabb posed(const Aabb& received) const;
+
+  const Body* body_ = nullptr;
+  std::shared_ptr<const Tiling> tiling_;
+  std::uint64_t vertices_revision_ = 0;                  // of what was received; 0: none
+  std::vector<Aabb> received_tiles_, received_regions_;  // body frame [m]
+  std::vector<std::uint8_t> finite_regions_;
+  bool received_finite_ = true;
+
+  bool is_identity_ = true;
+  Aabb box_;
+  std::vector<Aabb> region_boxes_;
+  bool all_finite_ = true;
+  std::uint64_t cycle_ = 0;
+  mutable std::unique_ptr<Slot[]> slots_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,143 @@
+#include "core/bounds/oriented_box.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_contact_monitor {
+namespace {
+
+// What follows is computed in double, u = 2^-53, from float32 points; nothing overflows or
+// underflows, for squares of differences of float32 lie between 1e-90 and 1e78. All slacks are many
+// times what the rounding can be, and far below what matters.
+//
+// Axes. A normalised vector is as long as 1 within 3 u. Projecting the first axis out twice leaves
+// at most 4 u of it, since no vector is taken that is shorter than kFlat of what it was. The third
+// is the product of two such. So all nine products are right within kAxisError.
+constexpr double kFlat = 1e-6;
+
+// Halves. w = p - c, rounded to u |w|; its product with an axis is off by at most 5 u |w|. With
+// axes that are orthogonal but for e = kAxisError, the coordinates of w differ from its products
+// with them by at most 4 e |w|. Moving the centre is off by 4 u (|c| + |w|).
+constexpr double kBoxSlack = 1e-12;
+
+// Gaps. The sums below are off by at most 30 u times all lengths in them, and b's box reaches e
+// farther along a direction that is longer than 1 by as much.
+constexpr double kGapSlack = 1e-12;
+
+double sizeOf(const Vec3d& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
+
+bool normalise(Vec3d& v) {
+  const double length = std::sqrt(dot(v, v));
+  if (!(length > 0)) return false;
+  v = v * (1 / length);
+  return true;
+}
+
+// Any unit vector across `axis`.
+Vec3d across(const Vec3d& axis) {
+  const double x = std::fabs(axis.x), y = std::fabs(axis.y), z = std::fabs(axis.z);
+  Vec3d least{x <= y && x <= z ? 1.0 : 0.0, 0, 0};
+  if (least.x == 0) (y <= z ? least.y : least.z) = 1;
+  Vec3d other = cross(axis, least);
+  normalise(other);
+  return other;
+}
+
+// The longest difference from the first point, without its part along `normal`.
+Vec3d widestAcross(const float* x, const float* y, const float* z, std::size_t count,
+                   const Vec3d& normal) {
+  Vec3d widest;
+  double widest2 = 0;
+  for (std::size_t i = 1; i < count; ++i) {
+    const Vec3d d{static_cast<double>(x[i]) - x[0], static_cast<double>(y[i]) - y[0],
+                  static_cast<double>(z[i]) - z[0]};
+    const double length2 = dot(d, d);
+    if (length2 > widest2) {
+      widest = d;
+      widest2 = length2;
+    }
+  }
+  Vec3d along = widest - normal * dot(widest, normal);
+  if (!(dot(along, along) > kFlat * kFlat * widest2)) return across(normal);
+  along = along - normal * dot(along, normal);
+  normalise(along);
+  along = along - normal * dot(along, normal);
+  normalise(along);
+  return along;
+}
+
+struct Extent {
+  double low = INFINITY, high = -INFINITY;
+};
+
+Extent extentAlong(const Vec3d& axis, const Vec3d& from, const float* x, const float* y,
+                   const float* z, std::size_t count) {
+  constexpr std::size_t kLanes = 4;
+  double low[kLanes], high[kLanes];
+  std::fill_n(low, kLanes, INFINITY);
+  std::fill_n(high, kLanes, -INFINITY);
+  const auto add = [&](std::size_t i, std::size_t k) {
+    const double at =
+        axis.x * (x[i] - from.x) + axis.y * (y[i] - from.y) + axis.z * (z[i] - from.z);
+    low[k] = least(low[k], at);
+    high[k] = most(high[k], at);
+  };
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) add(i + k, k);
+  }
+  for (; i < count; ++i) add(i, 0);
+  return {least(least(low[0], low[1]), least(low[2], low[3])),
+          most(most(high[0], high[1]), most(high[2], high[3]))};
+}
+
+// Square of the gaps along a's axes, where `offset` leads from a's centre to b's.
+double squaredGapAlong(const OrientedBox& a, const OrientedBox& b, const Vec3d& offset,
+                       double slack) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double reach = a.half[i] + b.half[0] * std::fabs(dot(a.axis[i], b.axis[0])) +
+                         b.half[1] * std::fabs(dot(a.axis[i], b.axis[1])) +
+                         b.half[2] * std::fabs(dot(a.axis[i], b.axis[2]));
+    const double gap = std::fabs(dot(a.axis[i], offset)) - reach - slack;
+    sum += gap > 0 ? gap * gap : 0;
+  }
+  return sum;
+}
+
+}  // namespace
+
+OrientedBox orientedBoxOf(const float* x, const float* y, const float* z, std::size_t count,
+                          const Vec3d& normal) {
+  OrientedBox box;
+  box.axis[0] = normal;
+  if (!normalise(box.axis[0])) box.axis[0] = {0, 0, 1};
+  box.axis[1] = widestAcross(x, y, z, count, box.axis[0]);
+  box.axis[2] = cross(box.axis[0], box.axis[1]);
+  const Vec3d from{x[0], y[0], z[0]};
+  Extent extent[3];
+  double reach = 0;
+  for (int k = 0; k < 3; ++k) {
+    extent[k] = extentAlong(box.axis[k], from, x, y, z, count);
+    reach += most(-extent[k].low, extent[k].high);
+  }
+  box.centre = from;
+  const double slack = kBoxSlack * (reach + sizeOf(from));
+  for (int k = 0; k < 3; ++k) {
+    box.centre = box.centre + box.axis[k] * ((extent[k].low + extent[k].high) / 2);
+    box.half[k] = (extent[k].high - extent[k].low) / 2 + slack;
+  }
+  return box;
+}
+
+double lowerGap(const OrientedBox& a, const OrientedBox& b) {
+  const Vec3d offset = b.centre - a.centre;
+  const double slack = kGapSlack * (sizeOf(a.centre) + sizeOf(b.centre) + a.half[0] + a.half[1] +
+                                    a.half[2] + b.half[0] + b.half[1] + b.half[2]);
+  const double squared =
+      most(squaredGapAlong(a, b, offset, slack), squaredGapAlong(b, a, offset, slack));
+  // Along orthogonal axes: a vector is no shorter than the root of the squares of its parts.
+  return std::sqrt(squared) * (1 - 1e-12);
+}
+
+}  // namespace deformable_contact_monitor

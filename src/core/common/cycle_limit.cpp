@@ -1,0 +1,19 @@
+#include "core/common/cycle_limit.h"
+
+namespace deformable_contact_monitor {
+
+bool CycleLimit::look() const {
+  if (limits_.stop != nullptr && limits_.stop->load(std::memory_order_relaxed)) {
+    why_.store("stopped", std::memory_order_relaxed);
+  } else if (std::chrono::steady_clock::now() >= limits_.deadline) {
+    why_.store(kNoTime, std::memory_order_relaxed);
+  }
+  return wasOver();
+}
+
+const CycleLimit& noLimit() {
+  static const CycleLimit none{Limits()};
+  return none;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,55 @@
+// The stages of a cycle, in their order, and their times.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+enum class Stage {
+  kTransform,
+  kCluster,
+  kAssign,
+  kSort,
+  kSweep,
+  kOversized,
+  kNarrowPhase,
+  kOutput
+};
+
+constexpr std::size_t kStageCount = 8;
+
+constexpr std::array<const char*, kStageCount> kStageNames = {
+    "transform", "cluster", "assign", "sort", "sweep", "oversized", "narrow_phase", "output"};
+
+// What each stage of one cycle took.
+class StageTimes {
+ public:
+  void add(Stage stage, double ms) { ms_[static_cast<std::size_t>(stage)] += ms; }
+
+  // All of another's times, each times `share`.
+  void add(const StageTimes& other, double share) {
+    for (std::size_t s = 0; s < kStageCount; ++s) ms_[s] += share * other.ms_[s];
+  }
+
+  double of(Stage stage) const { return ms_[static_cast<std::size_t>(stage)]; }
+
+  double totalMs() const { return std::accumulate(ms_.begin(), ms_.end(), 0.0); }
+
+  // [ms] by name, all stages in their order.
+  std::vector<std::pair<std::string, double>> byName() const {
+    std::vector<std::pair<std::string, double>> times;
+    times.reserve(kStageCount);
+    for (std::size_t s = 0; s < kStageCount; ++s) times.emplace_back(kStageNames[s], ms_[s]);
+    return times;
+  }
+
+ private:
+  std::array<double, kStageCount> ms_{};
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,69 @@
+// Points and vectors as plain structs, the same on host and device.
+#pragma once
+
+#include <cmath>
+
+#include "core/host_device.h"
+
+namespace deformable_contact_monitor {
+
+// Unlike fmin and fmax these compile to one instruction; a NaN may win, so callers rule it out.
+template <class Real>
+DCM_HD inline Real least(Real a, Real b) {
+  return b < a ? b : a;
+}
+template <class Real>
+DCM_HD inline Real most(Real a, Real b) {
+  return a < b ? b : a;
+}
+
+struct Vec3f {
+  float x = 0, y = 0, z = 0;
+
+  DCM_HD float operator[](int axis) const { return axis == 0 ? x : (axis == 1 ? y : z); }
+};
+
+// Equality of coordinates; -0 equals 0.
+DCM_HD inline bool operator==(const Vec3f& a, const Vec3f& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+DCM_HD inline bool operator!=(const Vec3f& a, const Vec3f& b) { return !(a == b); }
+DCM_HD inline Vec3f operator-(const Vec3f& a, const Vec3f& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+DCM_HD inline Vec3f operator+(const Vec3f& a, const Vec3f& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+DCM_HD inline Vec3f operator*(const Vec3f& a, float s) { return {a.x * s, a.y * s, a.z * s}; }
+DCM_HD inline float dot(const Vec3f& a, const Vec3f& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// x - x is 0 for a finite x, NaN otherwise: one test for all three.
+DCM_HD inline bool isFinite(const Vec3f& v) {
+  return (v.x - v.x) + (v.y - v.y) + (v.z - v.z) == 0.0F;
+}
+
+struct Vec3d {
+  double x = 0, y = 0, z = 0;
+};
+
+DCM_HD inline Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
+DCM_HD inline Vec3f toFloat(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+DCM_HD inline Vec3d operator-(const Vec3d& a, const Vec3d& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+DCM_HD inline Vec3d operator+(const Vec3d& a, const Vec3d& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+DCM_HD inline Vec3d operator*(const Vec3d& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+DCM_HD inline double dot(const Vec3d& a, const Vec3d& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+DCM_HD inline Vec3d cross(const Vec3d& a, const Vec3d& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,279 @@
+// The scene of a cycle: which bodies there are, where they stand, and which pairs are looked at.
+#include "monitor/cycle/monitor_scene.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace deformable_contact_monitor {
+namespace {
+
+RobotGeometry missingRobot(const std::string& why) {
+  RobotGeometry robot;
+  robot.links.push_back({"robot", "", TriangleMesh(), why});
+  return robot;
+}
+
+}  // namespace
+
+MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
+  MeshInputs inputs;
+  for (const ObjectParameters& object : parameters.objects) {
+    inputs.emplace_back(object.name,
+                        MeshLimits{parameters.max_mesh_age_s, parameters.max_mesh_bytes});
+  }
+  return inputs;
+}
+
+MonitorScene::MonitorScene(const MonitorParameters& parameters,
+                           std::pmr::memory_resource& vertex_memory)
+    : parameters_(parameters), vertex_memory_(vertex_memory) {
+  rules_.allowed = parameters.allowed_contacts;
+  setRobot(parameters.pair_classes.needRobot() ? missingRobot("no robot received yet")
+                                               : RobotGeometry());
+}
+
+void MonitorScene::setRobot(const RobotGeometry& robot) {
+  if (parameters_.pair_classes.needRobot() && robot.links.empty()) {
+    return setRobot(missingRobot("the robot has no link with geometry"));
+  }
+  Scene scene;
+  scene.useMemory(vertex_memory_);
+  std::vector<BodyStatus> bodies;
+  std::vector<std::string> problems;
+  const auto addBody = [&](const std::string& name, BodyKind kind, TriangleMesh mesh,
+                           double margin_m) {
+    const BodyId id = scene.addBody(name, std::move(mesh));
+    scene.setMargin(id, static_cast<float>(margin_m));
+    bodies.push_back({name, kind, ros::Time(), 0, ""});
+  };
+  for (const LinkGeometry& link : robot.links) {
+    addBody(link.link, BodyKind::kLink, link.mesh, linkMarginM(parameters_, link.link));
+    problems.push_back(link.problem);
+  }
+  for (const ObjectParameters& object : parameters_.objects) {
+    addBody(object.name, BodyKind::kDeformable, TriangleMesh(), object.margin_m);
+  }
+  scene_ = std::move(scene);
+  bodies_ = std::move(bodies);
+  link_problems_ = std::move(problems);
+  first_object_ = static_cast<BodyId>(link_problems_.size());
+  loaded_.assign(parameters_.objects.size(), AcceptedMesh());
+  rules_.links = LinkRules(robot.srdf);
+  applyMargin();
+  listPairs();
+}
+
+void MonitorScene::listPairs() {
+  pairs_ = monitoredPairs(bodies_, classes_.value_or(parameters_.pair_classes), rules_);
+}
+
+void MonitorScene::setAllowedContacts(const AllowedContacts& allowed) {
+  rules_.allowed = allowed;
+  listPairs();
+}
+
+void MonitorScene::setAttached(const AttachedObjects& attached) {
+  rules_.attached = attached;
+  listPairs();
+}
+
+void MonitorScene::setPairClasses(const PairClasses& classes) {
+  // Nothing else switches off what is no longer listed.
+  for (const MonitoredPair& pair : pairs_) scene_.setPairEnabled(pair.a, pair.b, false);
+  classes_ = classes;
+  listPairs();
+}
+
+void MonitorScene::setMargin(double margin_m) {
+  margin_m_ = margin_m;
+  applyMargin();
+}
+
+void MonitorScene::applyMargin() {
+  if (!margin_m_) return;
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    const bool shares = isLink(id) ? parameters_.link_margin_m.count(bodies_[id].name) == 0
+                                   : parameters_.objects[id - first_object_].shares_margin;
+    if (shares) scene_.setMargin(id, static_cast<float>(*margin_m_));
+  }
+}
+
+void MonitorScene::clearStatuses() {
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    BodyStatus& body = bodies_[id];
+    body.stamp = ros::Time();
+    body.topology_id = 0;
+    body.unknown_because = isLink(id) ? link_problems_[id] : "";
+    body.triggered = false;
+  }
+}
+
+void MonitorScene::markTriggered(const CycleTrigger& trigger) {
+  for (const std::size_t object : trigger.objects) bodies_[first_object_ + object].triggered = true;
+  for (BodyId id = 0; trigger.robot && isLink(id); ++id) bodies_[id].triggered = true;
+}
+
+void MonitorScene::markUnknown(const std::vector<std::string>& why) {
+  clearStatuses();
+  for (std::size_t i = 0; i < why.size(); ++i) {
+    bodies_[first_object_ + i].unknown_because = why[i];
+  }
+}
+
+CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle) const {
+  CycleReport report;
+  report.header.stamp = stamp;
+  report.header.frame_id = parameters_.reference_frame;
+  report.cycle = cycle;
+  report.bodies = bodies_;
+  report.pairs = pairs_;
+  report.attached = rules_.attached;
+  return report;
+}
+
+std::vector<FrameAtStamp> MonitorScene::awaitedFrames(std::size_t object, const ros::Time& t,
+                                                      const MeshInputs& inputs) const {
+  std::vector<FrameAtStamp> frames;
+  std::string why_not;
+  const AcceptedMesh* const mesh = inputs[object].newestAt(t, &why_not);
+  if (mesh == nullptr) return frames;
+  const BodyId id = first_object_ + static_cast<BodyId>(object);
+  const std::string& own = mesh->message->header.frame_id;
+  if (plainFrame(own) != parameters_.reference_frame) {
+    frames.push_back({plainFrame(own), mesh->stamp()});
+  }
+  for (const MonitoredPair& pair : pairs_) {
+    if (pair.allowed || pair.b != id || !isLink(pair.a) || !link_problems_[pair.a].empty() ||
+        bodies_[pair.a].name == parameters_.reference_frame) {
+      continue;
+    }
+    frames.push_back({bodies_[pair.a].name, t});
+  }
+  return frames;
+}
+
+std::vector<std::string> MonitorScene::selfPairedLinks() const {
+  std::set<std::string> links;
+  for (const MonitoredPair& pair : pairs_) {
+    if (pair.allowed || !isLink(pair.b)) continue;
+    for (const BodyId id : {pair.a, pair.b}) {
+      if (link_problems_[id].empty()) links.insert(bodies_[id].name);
+    }
+  }
+  return {links.begin(), links.end()};
+}
+
+TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& trigger,
+                                      const MeshInputs& inputs, const TransformLookup& lookup) {
+  clearStatuses();
+  markTriggered(trigger);
+  const std::vector<const AcceptedMesh*> meshes = chooseMeshes(t, inputs);
+  const std::vector<bool> needed = neededBodies();
+
+  std::vector<Question> questions;
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    if (!needed[id] || !isKnown(id)) continue;
+    if (isLink(id)) {
+      questions.push_back({id, {bodies_[id].name, t}});
+    } else {
+      const AcceptedMesh& mesh = *meshes[id - first_object_];
+      questions.push_back({id, {plainFrame(mesh.message->header.frame_id), mesh.stamp()}});
+    }
+  }
+  TransformReport report;
+  poseBodies(questions, lookup, &report);
+
+  for (BodyId id = first_object_; id < bodies_.size(); ++id) {
+    if (needed[id] && isKnown(id)) loadMesh(id - first_object_, *meshes[id - first_object_]);
+  }
+  enablePairs();
+  return report;
+}
+
+// Of the cycle's pairs alone.
+void MonitorScene::enablePairs() {
+  looks_at_any_ = false;
+  for (const MonitoredPair& pair : pairs_) {
+    const bool enabled =
+        !pair.allowed && isOfCycle(bodies_, pair) && isKnown(pair.a) && isKnown(pair.b);
+    scene_.setPairEnabled(pair.a, pair.b, enabled);
+    looks_at_any_ = looks_at_any_ || enabled;
+  }
+}
+
+// Of the objects that the cycle's pairs need; null for the others.
+std::vector<const AcceptedMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
+                                                            const MeshInputs& inputs) {
+  std::vector<bool> asked(bodies_.size(), false);
+  for (BodyId id = 0; id < bodies_.size(); ++id) asked[id] = bodies_[id].triggered;
+  for (const MonitoredPair& pair : pairs_) {
+    if (!pair.allowed && isOfCycle(bodies_, pair)) asked[pair.a] = asked[pair.b] = true;
+  }
+  std::vector<const AcceptedMesh*> meshes(inputs.size(), nullptr);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    BodyStatus& body = bodies_[first_object_ + i];
+    if (asked[first_object_ + i]) meshes[i] = inputs[i].newestAt(t, &body.unknown_because);
+  }
+  return meshes;
+}
+
+// Links with a partner that could be touched in this cycle, and known objects of it: people want to
+// see where those are.
+std::vector<bool> MonitorScene::neededBodies() const {
+  std::vector<bool> needed(bodies_.size(), false);
+  for (BodyId id = first_object_; id < bodies_.size(); ++id) needed[id] = bodies_[id].triggered;
+  for (const MonitoredPair& pair : pairs_) {
+    if (pair.allowed || !isOfCycle(bodies_, pair)) continue;
+    if (!isKnown(pair.a) || !isKnown(pair.b)) continue;
+    needed[pair.a] = needed[pair.b] = true;
+  }
+  return needed;
+}
+
+void MonitorScene::poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
+                              TransformReport* report) {
+  std::vector<FrameAtStamp> frames;
+  std::vector<BodyId> asked;
+  for (const Question& question : questions) {
+    bodies_[question.body].stamp = question.frame.stamp;
+    // A mesh that is in the reference frame already stays as it is, bit by bit.
+    if (question.frame.frame == parameters_.reference_frame) {
+      scene_.setPose(question.body, RigidTransform());
+      continue;
+    }
+    frames.push_back(question.frame);
+    asked.push_back(question.body);
+  }
+  std::vector<PoseAnswer> answers = lookup.lookup(frames);
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    BodyStatus& body = bodies_[asked[i]];
+    PoseAnswer& answer = answers[i];
+    report->asked.push_back(body.name);
+    try {
+      if (answer.problem.empty()) scene_.setPose(asked[i], answer.pose);
+    } catch (const std::invalid_argument& error) {
+      answer.problem = error.what();
+    }
+    if (answer.problem.empty()) continue;
+    body.unknown_because = answer.problem;
+    body.stamp = ros::Time();
+    report->misses.push_back({body.name, std::move(answer)});
+  }
+}
+
+void MonitorScene::loadMesh(std::size_t object, const AcceptedMesh& mesh) {
+  const BodyId id = first_object_ + static_cast<BodyId>(object);
+  bodies_[id].topology_id = mesh.topology->id;
+  AcceptedMesh& loaded = loaded_[object];
+  const std::vector<float>& vertices = mesh.message->vertices;
+  if (loaded.topology != mesh.topology) {
+    scene_.setMesh(id, {vertices, mesh.topology->triangles});
+  } else if (loaded.message != mesh.message) {
+    scene_.setVertices(id, vertices.data(), mesh.topology->vertex_count);
+  }
+  loaded = mesh;
+}
+
+}  // namespace deformable_contact_monitor

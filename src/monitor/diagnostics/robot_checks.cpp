@@ -1,0 +1,77 @@
+// What a robot from any source must be like before it is monitored.
+#include "monitor/diagnostics/robot_checks.h"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "robot/nearest_name.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot) {
+  std::vector<std::string> links;
+  for (const LinkGeometry& link : robot.links) links.push_back(link.link);
+  std::string missing;
+  for (const std::string& name : names) {
+    if (contains(links, name)) continue;
+    missing += (missing.empty() ? "'" : ", '") + name + "'" + nearestNameHint(name, links);
+  }
+  return missing;
+}
+
+RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& options) {
+  std::set<std::string> sent;
+  for (const LinkGeometry& link : robot.links) {
+    if (!sent.insert(link.link).second) {
+      throw std::runtime_error("link '" + link.link + "' was sent twice in one message");
+    }
+  }
+  robot.link_names = sent;
+  const std::string missing = namesOfNoLink(options.links, robot);
+  if (!missing.empty()) throw std::runtime_error("~links: " + missing + ": no such link was sent");
+  const auto unwanted = [&options](const LinkGeometry& link) {
+    return (!options.links.empty() && !contains(options.links, link.link)) ||
+           contains(options.ignored_links, link.link);
+  };
+  robot.links.erase(std::remove_if(robot.links.begin(), robot.links.end(), unwanted),
+                    robot.links.end());
+  return robot;
+}
+
+void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters) {
+  std::string bad;
+  for (const LinkGeometry& link : robot.links) {
+    for (const ObjectParameters& object : parameters.objects) {
+      if (link.link == object.name) {
+        throw std::runtime_error("link and object have the same name '" + object.name + "'");
+      }
+    }
+    if (!link.problem.empty()) bad += "\n  " + link.problem;
+  }
+  if (parameters.strict_geometry && !bad.empty()) {
+    throw std::runtime_error("strict_geometry is on, and these links have no usable geometry:" +
+                             bad);
+  }
+}
+
+std::string describeLink(const LinkGeometry& link, const MonitorParameters& parameters) {
+  if (!link.problem.empty()) return link.problem + "; the link is UNKNOWN";
+  std::ostringstream text;
+  text << "link '" << link.link << "': " << link.mesh.triangleCount() << " triangles, "
+       << linkLengthM(link) << " m long, margin " << linkMarginM(parameters, link.link)
+       << " m, from " << link.source;
+  return text.str();
+}
+
+}  // namespace deformable_contact_monitor

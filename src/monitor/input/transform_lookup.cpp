@@ -1,0 +1,150 @@
+// Poses of frames in the reference frame, at a given stamp, from tf2.
+#include "monitor/input/transform_lookup.h"
+
+#include <tf2/exceptions.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "monitor/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+std::string shown(const ros::Time& stamp) {
+  std::ostringstream text;
+  text << stamp;
+  return text.str();
+}
+
+}  // namespace
+
+std::string plainFrame(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+RigidTransform toRigidTransform(const geometry_msgs::Transform& transform) {
+  double x = transform.rotation.x, y = transform.rotation.y;
+  double z = transform.rotation.z, w = transform.rotation.w;
+  const double n = std::sqrt(((x * x + y * y) + z * z) + w * w);
+  x /= n;
+  y /= n;
+  z /= n;
+  w /= n;
+  RigidTransform pose;
+  const double rotation[9] = {
+      1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+      2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+      2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+  std::copy(std::begin(rotation), std::end(rotation), std::begin(pose.rotation));
+  pose.translation[0] = transform.translation.x;
+  pose.translation[1] = transform.translation.y;
+  pose.translation[2] = transform.translation.z;
+  return pose;
+}
+
+std::vector<PoseAnswer> TransformLookup::lookup(const std::vector<FrameAtStamp>& frames) const {
+  std::vector<PoseAnswer> answers;
+  answers.reserve(frames.size());
+  for (const FrameAtStamp& frame : frames) answers.push_back(ask(frame));
+  return answers;
+}
+
+bool TransformLookup::isWorthWaiting(const std::vector<FrameAtStamp>& frames) const {
+  return std::any_of(frames.begin(), frames.end(), [this](const FrameAtStamp& frame) {
+    const PoseAnswer answer = ask(frame);
+    if (answer.outcome != PoseAnswer::Outcome::kLate) return false;
+    const auto given_up = given_up_.find(frame.frame);
+    return given_up == given_up_.end() || given_up->second != answer.available;
+  });
+}
+
+void TransformLookup::giveUp(const std::vector<FrameAtStamp>& frames) {
+  for (const FrameAtStamp& frame : frames) {
+    const PoseAnswer answer = ask(frame);
+    if (answer.outcome == PoseAnswer::Outcome::kLate) given_up_[frame.frame] = answer.available;
+  }
+}
+
+void TransformLookup::noteReset() {
+  given_up_.clear();
+  std::vector<std::string> frames;
+  buffer_._getFrameStrings(frames);
+  for (const std::string& frame : frames) {
+    if (buffer_.canTransform(reference_frame_, frame, ros::Time(0))) seen_.insert(frame);
+  }
+}
+
+std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::string>& frames,
+                                                       double window_s) const {
+  std::vector<ros::Time> stamps;
+  bool any = false;
+  for (const std::string& frame : frames) {
+    try {
+      const ros::Time stamp =
+          buffer_.lookupTransform(reference_frame_, frame, ros::Time(0)).header.stamp;
+      any = true;
+      if (!stamp.isZero()) stamps.push_back(stamp);
+    } catch (const tf2::TransformException&) {  // it is UNKNOWN in every cycle, and no more
+    }
+  }
+  if (!any) return std::nullopt;
+  if (stamps.empty()) return ros::Time();
+  std::sort(stamps.begin(), stamps.end());
+  return *std::find_if(stamps.begin(), stamps.end(), [&](const ros::Time& stamp) {
+    return secondsBetween(stamps.back(), stamp) <= window_s;
+  });
+}
+
+PoseAnswer TransformLookup::ask(const FrameAtStamp& question) const {
+  PoseAnswer answer = find(question);
+  if (answer.outcome == PoseAnswer::Outcome::kFound) return answer;
+  answer = explain(question);
+  if (answer.outcome != PoseAnswer::Outcome::kPast) return answer;
+  // It may have come between the two looks.
+  const PoseAnswer again = find(question);
+  return again.outcome == PoseAnswer::Outcome::kFound ? again : answer;
+}
+
+PoseAnswer TransformLookup::find(const FrameAtStamp& question) const {
+  PoseAnswer answer;
+  try {
+    const geometry_msgs::TransformStamped found =
+        buffer_.lookupTransform(reference_frame_, question.frame, question.stamp);
+    answer.pose = toRigidTransform(found.transform);
+    answer.outcome = PoseAnswer::Outcome::kFound;
+  } catch (const tf2::TransformException&) {
+    answer.outcome = PoseAnswer::Outcome::kNever;
+  }
+  return answer;
+}
+
+PoseAnswer TransformLookup::explain(const FrameAtStamp& question) const {
+  PoseAnswer answer;
+  const std::string path = "TF from '" + question.frame + "' to '" + reference_frame_ + "'";
+  try {
+    // The newest pose is asked for its stamp alone.
+    answer.available =
+        buffer_.lookupTransform(reference_frame_, question.frame, ros::Time(0)).header.stamp;
+  } catch (const tf2::TransformException&) {
+    if (seen_.count(question.frame) > 0) {
+      answer.outcome = PoseAnswer::Outcome::kLate;
+      answer.problem = path + " is late: wanted " + shown(question.stamp) + ", none available yet";
+      return answer;
+    }
+    answer.outcome = PoseAnswer::Outcome::kNever;
+    answer.problem = path + " never seen";
+    for (const std::string& frame : {question.frame, reference_frame_}) {
+      if (!buffer_._frameExists(frame)) answer.problem = "TF frame '" + frame + "' never seen";
+    }
+    return answer;
+  }
+  const bool late = answer.available < question.stamp;
+  answer.outcome = late ? PoseAnswer::Outcome::kLate : PoseAnswer::Outcome::kPast;
+  answer.problem = path + (late ? " is late" : " no longer reaches back") + ": wanted " +
+                   shown(question.stamp) + ", newest available " + shown(answer.available);
+  return answer;
+}
+
+}  // namespace deformable_contact_monitor

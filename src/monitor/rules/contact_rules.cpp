@@ -1,0 +1,134 @@
+// Who may touch whom, and who says so.
+#include "monitor/rules/contact_rules.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr char kAnyBody[] = "*";
+
+bool holds(const AttachedObjects& attached, const std::string& object, const std::string& link) {
+  const auto found = attached.find(object);
+  return found != attached.end() &&
+         std::find(found->second.begin(), found->second.end(), link) != found->second.end();
+}
+
+}  // namespace
+
+const char* toString(RuleSource source) {
+  switch (source) {
+    case RuleSource::kParameters:
+      return "parameters";
+    case RuleSource::kService:
+      return "service";
+    case RuleSource::kAttached:
+      return "attached";
+    case RuleSource::kSrdf:
+      return "srdf";
+    default:
+      return "default";
+  }
+}
+
+AllowedContacts::Names AllowedContacts::namesOf(const AllowedContact& rule) {
+  if (rule.body_a.empty() || rule.body_b.empty()) {
+    throw std::invalid_argument(
+        "an allowed contact needs both body_a and body_b (a name, or '*' for any body)");
+  }
+  return std::minmax(rule.body_a, rule.body_b);
+}
+
+void AllowedContacts::add(const AllowedContact& rule, RuleSource source) {
+  Names names = namesOf(rule);
+  if (rules_.size() >= kMostRules && rules_.count(names) == 0) {
+    throw std::invalid_argument("there are " + std::to_string(kMostRules) +
+                                " rules of allowed contacts, which is the most; use '*'");
+  }
+  rules_[std::move(names)] = {rule, source, ++added_};
+}
+
+void AllowedContacts::change(const AllowedContactsChange& change) {
+  AllowedContacts changed = change.replace ? AllowedContacts() : *this;
+  for (const AllowedContact& rule : change.remove) {
+    if (changed.rules_.erase(namesOf(rule)) == 0) {
+      throw std::invalid_argument("no rule for '" + rule.body_a + "' and '" + rule.body_b +
+                                  "' is in force, to be removed");
+    }
+  }
+  for (const AllowedContact& rule : change.add) changed.add(rule, RuleSource::kService);
+  *this = std::move(changed);
+}
+
+const AllowedContacts::Rule* AllowedContacts::find(const std::string& a,
+                                                   const std::string& b) const {
+  const auto found = rules_.find(std::minmax(a, b));
+  return found == rules_.end() ? nullptr : &found->second;
+}
+
+std::optional<ContactVerdict> AllowedContacts::ofPair(const std::string& a,
+                                                      const std::string& b) const {
+  const Rule* const both = find(a, b);
+  return both == nullptr ? std::nullopt : std::optional(both->verdict());
+}
+
+std::optional<ContactVerdict> AllowedContacts::ofWildcard(const std::string& a,
+                                                          const std::string& b) const {
+  const Rule *const first = find(a, kAnyBody), *const second = find(b, kAnyBody);
+  if (first != nullptr && (second == nullptr || first->added > second->added)) {
+    return first->verdict();
+  }
+  if (second != nullptr) return second->verdict();
+  const Rule* const any = find(kAnyBody, kAnyBody);
+  return any == nullptr ? std::nullopt : std::optional(any->verdict());
+}
+
+bool AllowedContacts::allows(const std::string& a, const std::string& b) const {
+  if (const auto pair = ofPair(a, b)) return pair->allowed;
+  return ofWildcard(a, b).value_or(ContactVerdict()).allowed;
+}
+
+std::size_t AllowedContacts::count(RuleSource source) const {
+  return static_cast<std::size_t>(
+      std::count_if(rules_.begin(), rules_.end(),
+                    [source](const auto& entry) { return entry.second.source == source; }));
+}
+
+std::vector<AllowedContact> AllowedContacts::rules() const {
+  std::vector<const Rule*> in_order;
+  in_order.reserve(rules_.size());
+  for (const auto& [names, rule] : rules_) in_order.push_back(&rule);
+  std::sort(in_order.begin(), in_order.end(),
+            [](const Rule* a, const Rule* b) { return a->added < b->added; });
+  std::vector<AllowedContact> rules;
+  rules.reserve(in_order.size());
+  for (const Rule* rule : in_order) rules.push_back(rule->rule);
+  return rules;
+}
+
+// The stronger kind is written last.
+LinkRules::LinkRules(const Srdf& srdf) : links_(srdf.disabled_links) {
+  for (const Srdf::Pair& pair : srdf.enabled) pairs_[std::minmax(pair.a, pair.b)] = false;
+  for (const Srdf::Pair& pair : srdf.disabled) pairs_[std::minmax(pair.a, pair.b)] = true;
+}
+
+bool LinkRules::allows(const std::string& a, const std::string& b) const {
+  const auto pair = pairs_.find(std::minmax(a, b));
+  if (pair != pairs_.end()) return pair->second;
+  return links_.count(a) > 0 || links_.count(b) > 0;
+}
+
+ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b) const {
+  if (const auto pair = allowed.ofPair(a.name, b.name)) return *pair;
+  const bool a_is_link = a.kind == BodyKind::kLink, b_is_link = b.kind == BodyKind::kLink;
+  if ((a_is_link && !b_is_link && holds(attached, b.name, a.name)) ||
+      (b_is_link && !a_is_link && holds(attached, a.name, b.name))) {
+    return {true, RuleSource::kAttached};
+  }
+  if (const auto wildcard = allowed.ofWildcard(a.name, b.name)) return *wildcard;
+  if (a_is_link && b_is_link && links.allows(a.name, b.name)) return {true, RuleSource::kSrdf};
+  return {};
+}
+
+}  // namespace deformable_contact_monitor

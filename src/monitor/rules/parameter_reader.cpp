@@ -1,0 +1,203 @@
+// Reads a tree of ROS parameters, collecting every problem instead of stopping at the first.
+#include "monitor/rules/parameter_reader.h"
+
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "robot/nearest_name.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+std::string shown(const XmlRpcValue& value) {
+  std::ostringstream text;
+  value.write(text);
+  return text.str();
+}
+
+template <typename T>
+std::string range(T low, T high) {
+  std::ostringstream text;
+  text << "must be in [" << low << ", " << high << "]";
+  return text.str();
+}
+
+}  // namespace
+
+ParameterReader::ParameterReader(const XmlRpcValue& tree, std::string where,
+                                 std::vector<std::string>* problems)
+    : tree_(tree), where_(std::move(where)), problems_(problems) {
+  if (tree_.valid() && tree_.getType() != XmlRpcValue::TypeStruct) {
+    problems_->push_back(where_ + " must be a map of names to values");
+    tree_ = XmlRpcValue();
+  }
+}
+
+void ParameterReader::addProblem(const std::string& name, const std::string& what) {
+  problems_->push_back(where_ + name + " " + what);
+}
+
+const XmlRpcValue* ParameterReader::find(const std::string& name) {
+  known_.insert(name);
+  if (!tree_.valid() || !tree_.hasMember(name)) return nullptr;
+  return &tree_[name];
+}
+
+bool ParameterReader::flag(const std::string& name, bool fallback) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return fallback;
+  if (value->getType() == XmlRpcValue::TypeBoolean) return static_cast<const bool&>(*value);
+  addProblem(name, "is " + shown(*value) + ", must be true or false");
+  return fallback;
+}
+
+bool ParameterReader::toInteger(const std::string& name, const XmlRpcValue& value, int low,
+                                int high, int* integer) {
+  if (value.getType() != XmlRpcValue::TypeInt) {
+    addProblem(name, "is " + shown(value) + ", must be a whole number");
+    return false;
+  }
+  *integer = static_cast<const int&>(value);
+  if (*integer >= low && *integer <= high) return true;
+  addProblem(name, "is " + shown(value) + ", " + range(low, high));
+  return false;
+}
+
+int ParameterReader::integer(const std::string& name, int fallback, int low, int high) {
+  const XmlRpcValue* value = find(name);
+  int integer = fallback;
+  if (value == nullptr || !toInteger(name, *value, low, high, &integer)) return fallback;
+  return integer;
+}
+
+std::vector<int> ParameterReader::integers(const std::string& name, int low, int high) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return {};
+  if (value->getType() != XmlRpcValue::TypeArray) {
+    addProblem(name, "is " + shown(*value) + ", must be a list of whole numbers: [0, 1]");
+    return {};
+  }
+  std::vector<int> integers;
+  for (int i = 0; i < value->size(); ++i) {
+    const std::string item = name + "[" + std::to_string(i) + "]";
+    int integer = 0;
+    if (toInteger(item, (*value)[i], low, high, &integer)) integers.push_back(integer);
+  }
+  return integers;
+}
+
+bool ParameterReader::toNumber(const std::string& name, const XmlRpcValue& value, double low,
+                               double high, double* number) {
+  if (value.getType() == XmlRpcValue::TypeInt) {
+    *number = static_cast<const int&>(value);
+  } else if (value.getType() == XmlRpcValue::TypeDouble) {
+    *number = static_cast<const double&>(value);
+  } else {
+    addProblem(name, "is " + shown(value) + ", must be a number");
+    return false;
+  }
+  if (*number >= low && *number <= high) return true;
+  std::ostringstream text;
+  text << "is " << *number << ", " << range(low, high);
+  addProblem(name, text.str());
+  return false;
+}
+
+double ParameterReader::number(const std::string& name, double fallback, double low, double high) {
+  const XmlRpcValue* value = find(name);
+  double number = fallback;
+  if (value == nullptr || !toNumber(name, *value, low, high, &number)) return fallback;
+  return number;
+}
+
+std::string ParameterReader::text(const std::string& name, const std::string& fallback) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return fallback;
+  if (value->getType() != XmlRpcValue::TypeString) {
+    addProblem(name, "is " + shown(*value) + ", must be text");
+    return fallback;
+  }
+  const auto& text = static_cast<const std::string&>(*value);
+  if (!text.empty()) return text;
+  addProblem(name, "is empty");
+  return fallback;
+}
+
+std::size_t ParameterReader::choice(const std::string& name,
+                                    const std::vector<std::string>& choices, std::size_t fallback) {
+  const std::string value = text(name, choices[fallback]);
+  std::string all;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (value == choices[i]) return i;
+    all += (i == 0 ? "" : ", ") + choices[i];
+  }
+  addProblem(name, "is '" + value + "', must be one of: " + all);
+  return fallback;
+}
+
+std::vector<std::string> ParameterReader::texts(const std::string& name) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return {};
+  if (value->getType() != XmlRpcValue::TypeArray) {
+    addProblem(name, "is " + shown(*value) + ", must be a list of texts: [a, b]");
+    return {};
+  }
+  std::vector<std::string> texts;
+  for (int i = 0; i < value->size(); ++i) {
+    const XmlRpcValue& item = (*value)[i];
+    if (item.getType() == XmlRpcValue::TypeString) {
+      texts.push_back(static_cast<const std::string&>(item));
+    } else {
+      addProblem(name + "[" + std::to_string(i) + "]", "is " + shown(item) + ", must be text");
+    }
+  }
+  return texts;
+}
+
+std::map<std::string, double> ParameterReader::numbers(const std::string& name, double low,
+                                                       double high) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return {};
+  if (value->getType() != XmlRpcValue::TypeStruct) {
+    addProblem(name, "is " + shown(*value) + ", must be a map of names to numbers: {a: 0.1}");
+    return {};
+  }
+  std::map<std::string, double> numbers;
+  const std::string prefix = name + "/";
+  for (const auto& [key, item] : *value) {
+    double number = 0;
+    if (toNumber(prefix + key, item, low, high, &number)) numbers[key] = number;
+  }
+  return numbers;
+}
+
+std::vector<ParameterReader> ParameterReader::structs(const std::string& name) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return {};
+  if (value->getType() != XmlRpcValue::TypeArray) {
+    addProblem(name, "is " + shown(*value) + ", must be a list of maps: [{name: a}, {name: b}]");
+    return {};
+  }
+  std::vector<ParameterReader> readers;
+  readers.reserve(static_cast<std::size_t>(value->size()));
+  for (int i = 0; i < value->size(); ++i) {
+    readers.emplace_back((*value)[i], where_ + name + "[" + std::to_string(i) + "]/", problems_);
+  }
+  return readers;
+}
+
+std::vector<std::string> ParameterReader::unknown() const {
+  std::vector<std::string> names;
+  if (!tree_.valid()) return names;
+  const std::vector<std::string> known(known_.begin(), known_.end());
+  for (const auto& entry : tree_) {
+    if (known_.count(entry.first) != 0) continue;
+    names.push_back(where_ + entry.first + nearestNameHint(entry.first, known));
+  }
+  return names;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,150 @@
+// What the contacts of a cycle sum up to, for each pair of bodies.
+#include "monitor/state/pair_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/common/parallel.h"
+#include "core/common/posed_body.h"
+#include "core/predicates/triangle.h"
+#include "monitor/state/triangle_normal.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Summaries = std::unordered_map<std::uint64_t, PairSummary>;
+
+constexpr std::size_t kBlock = 2048;  // contacts that one thread sums up at once
+
+std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
+
+Vec3d cornerSum(const Triangle& t) {
+  return toDouble(t.v[0]) + toDouble(t.v[1]) + toDouble(t.v[2]);
+}
+
+// Of so many points of a body, whose sum in its own frame that is, in the scene frame [m].
+Vec3d posedSum(const RigidTransform& pose, const Vec3d& sum, double points) {
+  const double* const r = pose.rotation;
+  const double* const t = pose.translation;
+  return {r[0] * sum.x + r[1] * sum.y + r[2] * sum.z + points * t[0],
+          r[3] * sum.x + r[4] * sum.y + r[5] * sum.z + points * t[1],
+          r[6] * sum.x + r[7] * sum.y + r[8] * sum.z + points * t[2]};
+}
+
+bool sameTriangleA(const TrianglePair& a, const TrianglePair& b) {
+  return a.body_a == b.body_a && a.triangle_a == b.triangle_a;
+}
+
+void add(const PairSummary& part, PairSummary* sum) {
+  sum->count += part.count;
+  sum->min_separation_m = std::min(sum->min_separation_m, part.min_separation_m);
+  sum->corner_sum = sum->corner_sum + part.corner_sum;
+  sum->normal_sum = sum->normal_sum + part.normal_sum;
+  sum->area_sum += part.area_sum;
+}
+
+// Of contacts [begin, end). Whether they touch, the verdict says; geometry, how deep.
+double minSeparationM(const CycleReport& report, const DetectionResult& result, std::size_t begin,
+                      std::size_t end) {
+  const auto least = [begin, end](const std::vector<float>& of_all) {
+    return *std::min_element(of_all.begin() + static_cast<std::ptrdiff_t>(begin),
+                             of_all.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  float separation_m = result.separations_m.empty() ? 0 : least(result.separations_m);
+  const bool geometry = report.result == &result && hasGeometry(report);
+  for (std::size_t i = begin; i < end && geometry; ++i) {
+    separation_m = std::min(separation_m, result.geometry[i].separation_m);
+  }
+  return separation_m;
+}
+
+// Contacts [begin, end) of one pair of bodies. Corners are summed up as received, and posed once.
+PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std::size_t begin,
+                  std::size_t end) {
+  const TrianglePairs& contacts = result.contacts;
+  const BodyId a = contacts[begin].body_a, b = contacts[begin].body_b;
+  const Scene& scene = *report.scene;
+  const PosedBody of_a(scene.body(a)), of_b(scene.body(b));
+  const bool has_normal = report.bodies.at(a).kind == BodyKind::kLink;
+  constexpr std::size_t kFar = 32, kNear = 16;
+  PairSummary sum;
+  Vec3d sum_a, sum_b, corners_of_a;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i == begin || contacts[i].triangle_a != contacts[i - 1].triangle_a) {
+      corners_of_a = cornerSum(of_a.received(contacts[i].triangle_a));
+      if (has_normal) {
+        const Vec3d normal = doubleAreaNormal(of_a.triangle(contacts[i].triangle_a));
+        sum.normal_sum = sum.normal_sum + normal;
+        sum.area_sum += std::sqrt(dot(normal, normal));
+      }
+    }
+    // Vertices have come just now, but nobody has looked at triangles since the last cycle.
+    if (i + kFar < end) of_b.prefetchCorners(contacts[i + kFar].triangle_b);
+    if (i + kNear < end) of_b.prefetchVertices(contacts[i + kNear].triangle_b);
+    sum_a = sum_a + corners_of_a;
+    sum_b = sum_b + cornerSum(of_b.received(contacts[i].triangle_b));
+  }
+  sum.count = end - begin;
+  const double corners = 3 * static_cast<double>(sum.count);
+  sum.corner_sum =
+      posedSum(scene.body(a).pose, sum_a, corners) + posedSum(scene.body(b).pose, sum_b, corners);
+  sum.min_separation_m = minSeparationM(report, result, begin, end);
+  return sum;
+}
+
+// Contacts are sorted, so those of one triangle of body_a with one body_b stand together, and so do
+// many of one pair of bodies: they are summed up apart from the map.
+Summaries summarize(const CycleReport& report, const DetectionResult& result, std::size_t begin,
+                    std::size_t end) {
+  Summaries summaries;
+  const TrianglePairs& contacts = result.contacts;
+  for (std::size_t first = begin; first < end;) {
+    const BodyId a = contacts[first].body_a, b = contacts[first].body_b;
+    std::size_t last = first;
+    while (last < end && contacts[last].body_a == a && contacts[last].body_b == b) ++last;
+    add(sumUp(report, result, first, last), &summaries[key(a, b)]);
+    first = last;
+  }
+  return summaries;
+}
+
+}  // namespace
+
+Vec3d PairSummary::centroid() const {
+  return count == 0 ? Vec3d() : corner_sum * (1.0 / (6.0 * static_cast<double>(count)));
+}
+
+Vec3d PairSummary::meanNormal() const {
+  constexpr double kCancelled = 1e-6;
+  const double length = std::sqrt(dot(normal_sum, normal_sum));
+  return length > kCancelled * area_sum ? normal_sum * (1 / length) : Vec3d();
+}
+
+// In blocks that leave the contacts of one triangle of body_a together.
+PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* result) {
+  if (report.scene == nullptr || result == nullptr) return;
+  const TrianglePairs& contacts = result->contacts;
+  const auto start = [&contacts](std::size_t i) {
+    while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
+    return i;
+  };
+  std::vector<Summaries> parts(blockCount(contacts.size(), kBlock));
+  parallelBlocks(contacts.size(), kBlock,
+                 [&](std::size_t block, std::size_t begin, std::size_t end) {
+                   parts[block] = summarize(report, *result, start(begin), start(end));
+                 });
+  for (const Summaries& part : parts) {
+    for (const auto& [pair, summary] : part) add(summary, &by_pair_[pair]);
+  }
+}
+
+bool PairSummaries::isOnThreads(std::size_t contacts) { return contacts > kBlock; }
+
+PairSummary PairSummaries::of(BodyId a, BodyId b) const {
+  const auto found = by_pair_.find(key(a, b));
+  return found == by_pair_.end() ? PairSummary() : found->second;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,82 @@
+// When the monitor makes heartbeats, and which stamps it mistrusts.
+#include "monitor/cycle/cycle_clock.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using std::chrono::milliseconds;
+
+const SteadyTime kStart{std::chrono::hours(7)};
+
+SteadyTime at(int ms) { return kStart + milliseconds(ms); }
+
+TEST(CycleClockTest, TheFirstHeartbeatIsAfterASecond) {
+  const CycleClock clock(0.5, kStart);
+  EXPECT_FALSE(clock.mustBeat(at(999)));
+  EXPECT_TRUE(clock.mustBeat(at(1000)));
+  EXPECT_EQ(clock.heartbeatDue(), at(1000));
+}
+
+TEST(CycleClockTest, ACyclePutsTheHeartbeatOffUntilItsMeshIsTooOld) {
+  CycleClock impatient(0.5, kStart), patient(3, kStart);
+  impatient.startCycle(at(500));
+  EXPECT_FALSE(impatient.mustBeat(at(1499)));
+  EXPECT_TRUE(impatient.mustBeat(at(1500))) << "a second at least";
+  patient.startCycle(at(500));
+  EXPECT_FALSE(patient.mustBeat(at(3499)));
+  EXPECT_TRUE(patient.mustBeat(at(3500)));
+}
+
+TEST(CycleClockTest, HeartbeatsComeOnceASecond) {
+  CycleClock clock(3, kStart);
+  clock.startHeartbeat(at(1200));
+  EXPECT_FALSE(clock.mustBeat(at(2199)));
+  EXPECT_TRUE(clock.mustBeat(at(2200)));
+}
+
+TEST(CycleClockTest, AfterAFailureItIsTriedAgainInASecond) {
+  CycleClock clock(0.5, kStart);
+  EXPECT_EQ(clock.retryTime(at(300)), at(1300));
+}
+
+TEST(CycleClockTest, ASmallStepBackIsNoJump) {
+  CycleClock clock(0.5, kStart);
+  EXPECT_EQ(clock.update(ros::Time(50)), 0);
+  EXPECT_EQ(clock.update(ros::Time(60)), 0);
+  EXPECT_EQ(clock.update(ros::Time(59.91)), 0);
+  EXPECT_NEAR(clock.update(ros::Time(59.8)), 0.11, 1e-6);
+  EXPECT_EQ(clock.rosTime(), ros::Time(59.8));
+  EXPECT_EQ(clock.update(ros::Time(59.8)), 0) << "a jump is told once";
+}
+
+TEST(CycleClockTest, AClockThatBeginsIsNoJump) {
+  CycleClock clock(0.5, kStart);
+  EXPECT_EQ(clock.update(ros::Time()), 0);
+  EXPECT_EQ(clock.update(ros::Time(1e9)), 0);
+}
+
+TEST(CycleClockTest, LeftoversAreAheadOfTheClockWhileTheWindowIsOpen) {
+  CycleClock clock(0.5, kStart);
+  clock.update(ros::Time(50));
+  EXPECT_FALSE(clock.isLeftover(ros::Time(60), kStart)) << "nothing was reset yet";
+  clock.startLeftoverWindow(at(100));
+  EXPECT_TRUE(clock.isLeftover(ros::Time(60), at(100)));
+  EXPECT_TRUE(clock.isLeftover(ros::Time(50.11), at(599)));
+  EXPECT_FALSE(clock.isLeftover(ros::Time(50.09), at(599))) << "clocks differ a little";
+  EXPECT_FALSE(clock.isLeftover(ros::Time(49), at(599)));
+  EXPECT_FALSE(clock.isLeftover(ros::Time(60), at(600)));
+}
+
+// Such differences do not fit into a ros::Duration.
+TEST(CycleClockTest, StampsAtTheEndsOfTimeAreSurvived) {
+  CycleClock clock(0.5, kStart);
+  clock.update(ros::Time(4.2e9));
+  EXPECT_GT(clock.update(ros::Time(1)), 4e9);
+  clock.startLeftoverWindow(kStart);
+  EXPECT_TRUE(clock.isLeftover(ros::Time(4.2e9), kStart));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,312 @@
+// Which meshes have which cycles, and what goes out when there are none.
+#include "monitor/cycle/detection_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "loop_fixture.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using MeshesTest = LoopTest;
+
+TEST_F(MeshesTest, EveryMeshHasACycleAtItsStamp) {
+  EXPECT_EQ(step(), Lines());
+  give(0, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
+  EXPECT_EQ(step(), Lines()) << "it was taken";
+  give(1, 50.25);
+  EXPECT_EQ(step(), Lines{"cycle 50.25: cloth@50 *cable@50.25"});
+}
+
+TEST_F(MeshesTest, EqualStampsShareACycle) {
+  give(0, 50);
+  give(1, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 *cable@50"});
+  EXPECT_EQ(step(), Lines());
+}
+
+// One object half a second behind the other, and as fast: neither takes the other's cycles.
+TEST_F(MeshesTest, ObjectsTakeTurnsWhateverTheirStamps) {
+  give(0, 50.25);
+  give(1, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable@50"});
+  EXPECT_LE(sleepMs(), 0);
+  give(0, 50.3125);
+  EXPECT_EQ(step().front(), "cycle 50: cloth(no mesh as old as this cycle) *cable@50");
+  give(1, 50.0625);
+  EXPECT_EQ(step().front(), "cycle 50.3125: *cloth@50.3125 cable@50.0625");
+  give(0, 50.375);
+  EXPECT_EQ(step().front().substr(0, 13), "cycle 50.0625");
+}
+
+TEST_F(MeshesTest, OfManyObjectsNoneStarves) {
+  constexpr std::size_t kObjects = 20;
+  for (std::size_t i = 2; i < kObjects; ++i) {
+    parameters_.objects.push_back({"object" + std::to_string(i), "", 0, true});
+    meshes_.emplace_back(parameters_.objects.back().name);
+  }
+  std::vector<int> cycles(kObjects);
+  // Meshes come faster than there are cycles; the first object's stamps are always the earliest.
+  for (std::size_t round = 0; round < 5 * kObjects; ++round) {
+    ros_time_ = ros::Time(50 + 0.01 * static_cast<double>(round));
+    for (std::size_t i = 0; i < kObjects; ++i) {
+      give(i, ros_time_.toSec() - (i == 0 ? 0.25 : 0.001 * static_cast<double>(i)));
+    }
+    for (const std::string& line : step()) {
+      const std::size_t star = line.find('*');
+      const std::string name = line.substr(star + 1, line.find('@', star) - star - 1);
+      for (std::size_t i = 0; i < kObjects; ++i) cycles[i] += parameters_.objects[i].name == name;
+    }
+  }
+  EXPECT_EQ(cycles, std::vector<int>(kObjects, 5));
+}
+
+TEST_F(MeshesTest, OfMeshesThatComeBetweenCyclesTheNewestWaits) {
+  step();
+  give(0, 50);
+  give(0, 50.25);
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable(no mesh yet)"});
+  EXPECT_EQ(meshes_[0].counters().dropped, 1U);
+}
+
+// However long its object's turn is in coming.
+TEST_F(MeshesTest, OfMeshesThatComeBeforeTheirTurnTheNewestHasTheCycle) {
+  give(0, 50);
+  give(1, 50.0625);
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh as old as this cycle)"});
+  give(1, 50.125);
+  give(1, 50.25);
+  give(0, 50.25);
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 *cable@50.25"});
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(meshes_[1].counters().dropped, 2U);
+  EXPECT_EQ(meshes_[0].counters().dropped, 0U);
+}
+
+TEST_F(MeshesTest, AnOlderMeshReplacesNoneThatWaits) {
+  give(0, 50);
+  give(1, 50.0625);
+  step();
+  give(1, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50.0625: cloth@50 *cable@50.0625"});
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(meshes_[1].counters().dropped, 0U) << "it is the input that drops it";
+}
+
+TEST_F(MeshesTest, AMeshThatComesWhileAnotherIsTakenHasItsOwnCycle) {
+  step();
+  give(0, 50);
+  // While its cycle is under way.
+  at_cycle_ = [this] { give(0, 50.25); };
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
+  EXPECT_LE(sleepMs(), 0) << "the newer one must not wait for anything";
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable(no mesh yet)"});
+  EXPECT_EQ(meshes_[0].counters().dropped, 0U);
+}
+
+TEST_F(MeshesTest, AnOlderMeshIsDroppedWithoutACycle) {
+  give(0, 50);
+  step();
+  give(0, 49.75);
+  EXPECT_EQ(step(), Lines());
+  EXPECT_TRUE(meshes_[0].isEmpty());
+}
+
+TEST_F(MeshesTest, StampsThatGoBackConcernTheirObjectAlone) {
+  parameters_.max_mesh_age_s = 0.25;
+  give(0, 50.5);
+  give(1, 50);
+  step();
+  step();
+  give(0, 50);
+  EXPECT_EQ(step(), (Lines{"forget cloth: the stamps of its meshes went back",
+                           "cycle 50: *cloth@50 cable@50"}));
+  EXPECT_EQ(detector_.resets, 0);
+  give(1, 50.125);
+  EXPECT_EQ(step(), Lines{"cycle 50.125: cloth@50 *cable@50.125"});
+}
+
+TEST_F(MeshesTest, ARefusedMeshMakesItsObjectUnknownNow) {
+  give(1, 50);
+  step();
+  give(0, 0);
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth(mesh refused: header.stamp is zero) cable"});
+  EXPECT_EQ(said_.refused, (std::vector<std::uint64_t>{1, 0}));
+  give(1, 90);
+  const Lines said = step();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].find("cycle 50: cloth(mesh refused: header.stamp is zero) *cable(mesh refused"),
+            0U)
+      << said[0];
+  EXPECT_NE(said[0].find("ahead of this machine's clock"), std::string::npos) << said[0];
+  EXPECT_EQ(detector_.resets, 0);
+}
+
+// As from a bag that is played without its clock.
+TEST_F(MeshesTest, AMeshThatIsTooOldIsNothingKnown) {
+  give(0, 1);
+  const Lines said = step();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].find("cycle 50: *cloth(mesh refused: header.stamp is 49.0"), 0U) << said[0];
+}
+
+TEST_F(MeshesTest, EachObjectKeepsToTheRateAndTheNewestMeshWaits) {
+  parameters_.max_rate_hz = 10;
+  give(0, 50);
+  EXPECT_EQ(step().size(), 1U);
+  give(0, 50.125);
+  EXPECT_EQ(stepAfter(60), Lines());
+  EXPECT_EQ(sleepMs(), 40);
+  give(1, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50: cloth@50 *cable@50"}) << "it has a rate of its own";
+  give(0, 50.25);
+  EXPECT_EQ(stepAfter(39), Lines());
+  EXPECT_EQ(stepAfter(1), Lines{"cycle 50.25: *cloth@50.25 cable@50"});
+}
+
+TEST_F(MeshesTest, AHeartbeatASecondWhileNothingComes) {
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(sleepMs(), 1000);
+  EXPECT_EQ(stepAfter(999), Lines());
+  EXPECT_EQ(stepAfter(1), (Lines{"forget all: no new mesh",
+                                 "heartbeat 50: cloth(no mesh yet) cable(no mesh yet)"}));
+  EXPECT_EQ(sleepMs(), 1000);
+  EXPECT_EQ(stepAfter(999), Lines());
+  EXPECT_EQ(stepAfter(1).size(), 2U);
+}
+
+TEST_F(MeshesTest, AfterACycleTheHeartbeatWaitsUntilTheMeshIsTooOld) {
+  parameters_.max_mesh_age_s = 2;
+  give(0, 50);
+  step();
+  step();
+  EXPECT_EQ(sleepMs(), 1000) << "for the list of pairs";
+  ros_time_ = ros::Time(52.5);
+  EXPECT_EQ(stepAfter(2000),
+            (Lines{"forget all: no new mesh",
+                   "heartbeat 52.5: cloth(newest mesh is 2.500000 s old) cable(no mesh yet)"}));
+}
+
+// ROS time may stand still.
+TEST_F(MeshesTest, AHeartbeatSaysThatItFoundNoNewMesh) {
+  give(0, 50);
+  step();
+  EXPECT_EQ(stepAfter(1000), (Lines{"forget all: no new mesh",
+                                    "heartbeat 50: cloth(no new mesh) cable(no mesh yet)"}));
+}
+
+TEST_F(MeshesTest, ADetectorThatThrowsCostsOneCycle) {
+  detector_.failure = "out of memory";
+  give(0, 50);
+  give(1, 50);
+  EXPECT_EQ(step(), (Lines{"error: out of memory", "no result 50: *cloth@50 *cable@50"}));
+  detector_.failure.clear();
+  give(0, 50.25);
+  EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable@50"});
+}
+
+TEST_F(MeshesTest, WhereNothingIsToBeLookedAtNoDetectorRuns) {
+  detector_.failure = "it ran";
+  give(0, 50);
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
+}
+
+TEST_F(MeshesTest, GeometryIsComputedWhileSomebodyWantsIt) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_FALSE(detector_.options.geometry);
+  said_.wants_geometry = true;
+  give(0, 50.1);
+  stepAfter(100);
+  EXPECT_TRUE(detector_.options.geometry);
+  said_.wants_geometry = false;
+  give(0, 50.2);
+  stepAfter(100);
+  EXPECT_FALSE(detector_.options.geometry);
+}
+
+// The cloth is a small triangle, the cable a tetrahedron around it.
+TEST_F(MeshesTest, WhatIsWithinIsLookedForIfAskedFor) {
+  const auto giveBoth = [this](double stamp_s) {
+    auto around = boost::make_shared<DeformableMesh>();
+    around->header.stamp = ros::Time(stamp_s);
+    around->header.frame_id = "base";
+    around->topology_id = 4;
+    around->vertices = {-9, -9, -9, 50, -9, -9, -9, 50, -9, -9, -9, 50};
+    around->triangles = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    meshes_[1].store(around);
+    give(0, stamp_s);
+  };
+  parameters_.containment = true;
+  parameters_.max_cycle_s = 600;
+  steady_time_ = std::chrono::steady_clock::now();  // the deadline is looked at by the real clock
+  giveBoth(50);
+  step();
+  ASSERT_EQ(said_.inside.size(), 1U);
+  EXPECT_EQ(said_.inside[0].inner, 0U);
+  EXPECT_EQ(said_.inside[0].outer, 1U);
+  EXPECT_EQ(said_.looks_within, 1);
+  detector_.out_of_time = true;  // contacts are missing, so nothing is wholly within
+  giveBoth(50.1);
+  stepAfter(100);
+  EXPECT_EQ(said_.looks_within, 1);
+  detector_.distances.resize(1);  // but what is apart is known
+  giveBoth(50.2);
+  stepAfter(100);
+  EXPECT_EQ(said_.looks_within, 2);
+}
+
+TEST_F(MeshesTest, WhatIsWithinIsNotLookedForOtherwise) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_EQ(said_.looks_within, 0);
+}
+
+TEST_F(MeshesTest, AStepThatFailsIsTriedAgainInASecond) {
+  robot_source_ = []() -> std::shared_ptr<const RobotGeometry> { throw std::bad_alloc(); };
+  give(0, 50);
+  EXPECT_EQ(step(), Lines{"error: std::bad_alloc"});
+  EXPECT_EQ(sleepMs(), 1000);
+  robot_source_ = nullptr;
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"}) << "or when something comes";
+}
+
+// What the monitor's threads do. A race is for ThreadSanitizer to find.
+TEST_F(MeshesTest, MeshesAndRequestsComeFromOtherThreads) {
+  Lines said;
+  std::thread detection([&] {
+    while (requests_.wait(std::chrono::steady_clock::now() + std::chrono::milliseconds(1))) {
+      for (const std::string& line : step()) said.push_back(line);
+    }
+  });
+  std::thread publisher([&] {
+    for (int i = 0; i <= 256; ++i) {
+      give(0, 49.5 + i / 1024.0);
+      requests_.wake();
+    }
+  });
+  for (int i = 0; i < 20; ++i) {
+    requests_.requestReset();
+    requests_.setEnabled(true);
+    requests_.changeAllowedContacts({});
+    requests_.attach("cloth", {});
+    requests_.change(startValues(parameters_));
+  }
+  publisher.join();
+  while (!meshes_[0].isEmpty()) std::this_thread::yield();
+  requests_.stop();
+  detection.join();
+  ASSERT_FALSE(said.empty());
+  EXPECT_EQ(std::count(said.begin(), said.end(), "cycle 49.75: *cloth@49.75 cable(no mesh yet)"),
+            1);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

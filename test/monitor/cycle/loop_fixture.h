@@ -1,0 +1,218 @@
+// A detection loop with time, detector and outside world in the test's hands.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "monitor/cycle/detection_loop.h"
+
+namespace deformable_contact_monitor {
+
+struct FakeDetector : Detector {
+  struct Script {
+    std::string failure;  // detect() throws it; empty: it finds nothing
+    bool out_of_time = false;
+    std::vector<BodyDistance> distances;  // what it knows then all the same
+    std::string step_failure;             // as failure, in swept motion
+    bool step_out_of_time = false;
+    std::chrono::steady_clock::time_point deadline;  // of the last detection
+    Options options;                                 // of it
+    std::vector<float> margins_m;                    // of its bodies
+    int resets = 0;
+  };
+
+  explicit FakeDetector(Script* script) : script(script) {}
+  std::string backend() const override { return "fake"; }
+  const DetectionResult& detect(const Scene& scene, const Options& options) override {
+    script->deadline = options.limits.deadline;
+    script->options = options;
+    script->margins_m.clear();
+    for (const Body& body : scene.bodies()) script->margins_m.push_back(body.margin_m);
+    result.begin(scene, options, true);
+    const bool is_step = options.motion == Motion::kSwept;
+    if (is_step ? script->step_out_of_time : script->out_of_time) result.cutOff("no time");
+    result.distances = script->distances;
+    const std::string& failure = is_step ? script->step_failure : script->failure;
+    if (!failure.empty()) throw std::runtime_error(failure);
+    return result;
+  }
+  void reset() override { ++script->resets; }
+
+  Script* const script;
+  DetectionResult result;
+};
+
+// Writes a line for everything that is said, but for mesh counters and the lack of errors. Of a
+// report: its stamp, then each body, with a star if it triggered, the stamp of its data, and why it
+// is UNKNOWN.
+struct FakeSink : CycleSink {
+  struct Log {
+    std::vector<std::string> lines;
+    std::vector<MonitoredPair> pairs;    // of the latest report
+    std::vector<std::uint64_t> refused;  // by object
+    RulesInForce rules;
+    std::function<void(const CycleReport&)> at_result;  // called with each cycle
+    bool wants_geometry = false;                        // what the loop is told
+    SteadyTime published;                               // when states are out: what it is told
+    SteadyTime arrival;                                 // of the latest cycle's mesh
+    std::vector<InsidePart> inside;                     // of the latest cycle that looked for them
+    int looks_within = 0;                               // such cycles
+    std::vector<SweepReport> sweeps;                 // of the latest cycle; their results are gone
+    std::vector<std::pair<BodyId, BodyId>> enabled;  // pairs of its scene, behind its steps
+  };
+
+  FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
+  void add(const std::string& line) { log->lines.push_back(line); }
+  void addReport(const std::string& what, const CycleReport& report) {
+    std::ostringstream line;
+    line << what << " " << report.header.stamp.toSec() << ":";
+    for (const BodyStatus& body : report.bodies) {
+      line << " " << (body.triggered ? "*" : "") << body.name;
+      if (!body.stamp.isZero()) line << "@" << body.stamp.toSec();
+      if (!body.unknown_because.empty()) line << "(" << body.unknown_because << ")";
+    }
+    add(line.str());
+    log->pairs = report.pairs;
+  }
+  bool wantsGeometry() const override { return log->wants_geometry; }
+  void recordStart() override {
+    if (*at_start) std::exchange(*at_start, nullptr)();
+  }
+  SteadyTime sendCycle(CycleReport* report, SteadyTime /*start*/, SteadyTime arrival) override {
+    addReport(report->result != nullptr ? "cycle" : "no result", *report);
+    log->sweeps = report->sweeps;
+    if (report->scene != nullptr) log->enabled = report->scene->enabledPairs();
+    if (log->at_result) log->at_result(*report);
+    log->arrival = arrival;
+    return log->published;
+  }
+  void sendHeartbeat(CycleReport* report) override { addReport("heartbeat", *report); }
+  void listPairs(CycleReport* report) override { log->pairs = report->pairs; }
+  void forgetStates(const std::string& body, const std::string& reason) override {
+    add("forget " + (body.empty() ? "all" : body) + ": " + reason);
+  }
+  void sendRobot(const RobotGeometry& robot) override {
+    add("robot of " + std::to_string(robot.links.size()));
+  }
+  void recordMesh(std::size_t object, const MeshCounters& counters) override {
+    log->refused.resize(std::max(log->refused.size(), object + 1));
+    log->refused[object] = counters.refused;
+  }
+  void recordTransforms(const TransformReport& transforms) override {
+    for (const TransformReport::Miss& miss : transforms.misses) add("miss of " + miss.body);
+  }
+  void recordContainment(const CycleReport& report) override {
+    log->inside = report.containment->parts;
+    ++log->looks_within;
+  }
+  void recordDetectorError(const std::string& error) override {
+    if (!error.empty()) add("error: " + error);
+  }
+  void recordRules(const RulesInForce& rules) override { log->rules = rules; }
+  void setMarkerRate(double rate_hz) override {
+    add("markers at " + std::to_string(static_cast<int>(rate_hz)));
+  }
+  void recordReset(const std::string& reason) override { add("reset: " + reason); }
+  void recordEnabled(bool enabled) override { add(enabled ? "enabled" : "disabled"); }
+
+  Log* const log;
+  std::function<void()>* const at_start;
+};
+
+// Turned by so much about z [rad].
+inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s,
+                         double angle = 0) {
+  geometry_msgs::TransformStamped t;
+  t.header.frame_id = "base";
+  t.header.stamp = ros::Time(stamp_s);
+  t.child_frame_id = frame;
+  t.transform.rotation.z = std::sin(angle / 2);
+  t.transform.rotation.w = std::cos(angle / 2);
+  buffer->setTransform(t, "test");
+}
+
+// Two objects, 0 "cloth" and 1 "cable", in the reference frame "base", monitored against each
+// other; no limit of the rate. Clocks stand until the test moves them.
+class LoopTest : public ::testing::Test {
+ protected:
+  using Lines = std::vector<std::string>;
+
+  LoopTest() {
+    parameters_.reference_frame = "base";
+    parameters_.objects = {{"cloth", "", 0, true}, {"cable", "", 0, true}};
+    parameters_.pair_classes = {false, true, false, false};
+    parameters_.max_rate_hz = 0;
+    parameters_.tf_timeout_s = 0;
+    for (const ObjectParameters& object : parameters_.objects) meshes_.emplace_back(object.name);
+  }
+
+  // A mesh of one triangle arrives, at that height [m], after it waited so long.
+  void give(std::size_t object, double stamp_s, const std::string& frame = "base", float z = 0,
+            std::uint32_t topology_id = 3, double waited_s = 0) {
+    auto message = boost::make_shared<DeformableMesh>();
+    message->header.stamp = ros::Time(stamp_s);
+    message->header.frame_id = frame;
+    message->topology_id = topology_id;
+    message->vertices = {0, 0, z, 1, 0, z, 0, 1, z};
+    message->triangles = {0, 1, 2};
+    meshes_[object].store(ReceivedMesh{message, "", false, waited_s});
+  }
+
+  // One step, the first one with the parameters as they are then. Returns what was said in it.
+  Lines step() {
+    if (!loop_) {
+      loop_ = std::make_unique<DetectionLoop>(
+          parameters_,
+          LoopSources{requests_, meshes_, transforms_, [this] { return newestRobot(); }},
+          LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }}, make_detector_(),
+          std::make_unique<FakeSink>(&said_, &at_cycle_));
+    }
+    wake_time_ = loop_->step();
+    return std::exchange(said_.lines, {});
+  }
+
+  // A step, so many milliseconds later.
+  Lines stepAfter(int ms) {
+    steady_time_ += std::chrono::milliseconds(ms);
+    return step();
+  }
+
+  // From the last step until the next one, if nothing happens [ms].
+  double sleepMs() const {
+    return std::chrono::duration<double, std::milli>(wake_time_ - steady_time_).count();
+  }
+
+  MonitorParameters parameters_;
+  Mailbox requests_{AllowedContacts()};
+  MeshMailboxes meshes_;
+  tf2::BufferCore transforms_;
+  std::function<std::shared_ptr<const RobotGeometry>()> robot_source_;
+  FakeDetector::Script detector_;
+  std::function<std::unique_ptr<Detector>()> make_detector_ = [this] {
+    return std::make_unique<FakeDetector>(&detector_);
+  };
+  FakeSink::Log said_;
+  SteadyTime steady_time_{std::chrono::hours(7)};
+  ros::Time ros_time_{50};
+  // Called once, when the loop says that a cycle begins.
+  std::function<void()> at_cycle_;
+
+ private:
+  std::shared_ptr<const RobotGeometry> newestRobot() const {
+    return robot_source_ ? robot_source_() : nullptr;
+  }
+
+  std::unique_ptr<DetectionLoop> loop_;
+  SteadyTime wake_time_;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,61 @@
+// What is said of a robot at start, and with which robot the monitor does not start.
+#include "monitor/diagnostics/robot_checks.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace deformable_contact_monitor {
+namespace {
+
+// One triangle, 0.5 m high, and two links whose files are missing.
+RobotGeometry robot() {
+  RobotGeometry robot;
+  robot.links = {
+      {"hand", "hand.stl", {{0, 0, 0, 0.25F, 0, 0, 0, 0, 0.5F}, {0, 1, 2}}, ""},
+      {"arm", "arm.stl", TriangleMesh(), "link 'arm': arm.stl: no such file"},
+      {"foot", "foot.stl", TriangleMesh(), "link 'foot': foot.stl: no such file"},
+  };
+  return robot;
+}
+
+std::string refusal(const MonitorParameters& parameters) {
+  try {
+    checkRobot(robot(), parameters);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RobotChecksTest, StrictListsAllThatIsMissingAtOnce) {
+  MonitorParameters parameters;
+  EXPECT_EQ(refusal(parameters), "");
+  parameters.strict_geometry = true;
+  EXPECT_EQ(refusal(parameters),
+            "strict_geometry is on, and these links have no usable geometry:\n"
+            "  link 'arm': arm.stl: no such file\n"
+            "  link 'foot': foot.stl: no such file");
+}
+
+TEST(RobotChecksTest, ALinkAndAnObjectOfOneNameAreRefused) {
+  MonitorParameters parameters;
+  parameters.objects = {{"cloth", "", 0, true}, {"foot", "", 0, true}};
+  EXPECT_EQ(refusal(parameters), "link and object have the same name 'foot'");
+}
+
+TEST(RobotChecksTest, EachLinkIsDescribedWithItsSizeAndMargin) {
+  MonitorParameters parameters;
+  parameters.margin_m = 0.125F;
+  EXPECT_EQ(describeLink(robot().links[0], parameters),
+            "link 'hand': 1 triangles, 0.5 m long, margin 0.125 m, from hand.stl");
+  parameters.link_margin_m = {{"hand", 0.01}};
+  EXPECT_EQ(describeLink(robot().links[0], parameters),
+            "link 'hand': 1 triangles, 0.5 m long, margin 0.01 m, from hand.stl");
+  EXPECT_EQ(describeLink(robot().links[1], parameters),
+            "link 'arm': arm.stl: no such file; the link is UNKNOWN");
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

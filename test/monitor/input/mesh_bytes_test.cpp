@@ -1,0 +1,118 @@
+// Bytes that are a message of a mesh's type, and bytes that claim to be one.
+#include "monitor/input/mesh_bytes.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "mesh_messages.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::size_t kMaxBytes = 4096;
+
+void make(const TriangleMesh& mesh, DeformableMesh* message) { *message = asDeformableMesh(mesh); }
+void make(const TriangleMesh& mesh, shape_msgs::Mesh* message) { *message = asShapeMesh(mesh); }
+void make(const TriangleMesh& mesh, sensor_msgs::PointCloud2* message) {
+  *message = asPointCloud(mesh);
+}
+void make(const TriangleMesh& mesh, visualization_msgs::Marker* message) {
+  *message = asMarker(mesh);
+  message->colors.resize(3);
+  message->text = "some text";
+  message->mesh_resource = "file:///cloth";
+}
+
+template <typename M>
+class MeshBytes : public ::testing::Test {
+ protected:
+  MeshBytes() { make({{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 1, 2, 1, 3, 2}}, &message_); }
+
+  static std::string why(const Bytes& bytes) {
+    return whyNoMesh<M>(bytes.data(), bytes.size(), kMaxBytes);
+  }
+
+  // What passes is read to the same bytes, which takes memory for no more than those.
+  static bool passesRightly(Bytes bytes) {
+    if (!why(bytes).empty()) return false;
+    M message;
+    ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    ros::serialization::deserialize(stream, message);
+    EXPECT_EQ(serialized(message), bytes);
+    return true;
+  }
+
+  M message_;
+};
+
+using Messages = ::testing::Types<DeformableMesh, shape_msgs::Mesh, visualization_msgs::Marker,
+                                  sensor_msgs::PointCloud2>;
+TYPED_TEST_SUITE(MeshBytes, Messages);
+
+TYPED_TEST(MeshBytes, AMessagePasses) {
+  EXPECT_EQ(this->why(serialized(this->message_)), "");
+  EXPECT_TRUE(this->passesRightly(serialized(this->message_)));
+  EXPECT_EQ(this->why(serialized(TypeParam())), "") << "an empty one is a message";
+}
+
+TYPED_TEST(MeshBytes, EveryCutIsRefusedAndSoIsWhatFollows) {
+  const Bytes whole = serialized(this->message_);
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    EXPECT_NE(this->why(Bytes(whole.begin(), whole.begin() + size)), "") << size;
+  }
+  Bytes longer = whole;
+  longer.push_back(0);
+  EXPECT_EQ(this->why(longer), "1 bytes follow the mesh");
+}
+
+// Some of these wrap to few bytes in 32 bits, which roscpp's own check does.
+TYPED_TEST(MeshBytes, AClaimAnywhereIsRefusedOrHarmless) {
+  const Bytes whole = serialized(this->message_);
+  int refused = 0;
+  for (std::size_t at = 0; at + 4 <= whole.size(); ++at) {
+    for (const std::uint32_t claim :
+         {0xFFFFFFFFU, 0x7FFFFFFFU, 0x40000001U, 0x80000002U, 0x0AAAAAABU, 0x15555556U, 1000U}) {
+      Bytes bytes = whole;
+      std::memcpy(bytes.data() + at, &claim, sizeof claim);
+      refused += !this->passesRightly(bytes);
+    }
+  }
+  EXPECT_GE(refused, 2 * 7) << "there are two lengths at least";
+}
+
+TYPED_TEST(MeshBytes, WhatPassesIsWhatRoscppReads) {
+  std::mt19937 random(5);
+  const Bytes good = serialized(this->message_);
+  int passed = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Bytes bytes = good;
+    bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+    if (i % 3 == 0) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random() % 16);
+    passed += this->passesRightly(bytes);
+  }
+  EXPECT_GT(passed, 5000);
+}
+
+TYPED_TEST(MeshBytes, AMessageOfTheLimitPassesAndALongerOneDoesNot) {
+  const Bytes bytes = serialized(this->message_);
+  EXPECT_EQ(whyNoMesh<TypeParam>(bytes.data(), bytes.size(), bytes.size()), "");
+  const std::string why = whyNoMesh<TypeParam>(bytes.data(), bytes.size(), bytes.size() - 1);
+  EXPECT_NE(why.find("more than max_mesh_mib allows"), std::string::npos) << why;
+}
+
+// Without its numbers a message is a little longer than its arrays.
+TYPED_TEST(MeshBytes, TheArraysOfAMessageAreCounted) {
+  const std::size_t count = byteCount(this->message_), whole = serialized(this->message_).size();
+  EXPECT_LE(count, whole);
+  EXPECT_GE(count + 200, whole);
+  EXPECT_GE(count, 48U);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

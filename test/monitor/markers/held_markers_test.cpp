@@ -1,0 +1,72 @@
+// A text over what is held.
+#include "monitor/markers/held_markers.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using visualization_msgs::Marker;
+
+class HeldMarkersTest : public ::testing::Test {
+ protected:
+  HeldMarkersTest() {
+    const float infinite = std::numeric_limits<float>::infinity();
+    for (const char* name : {"hand", "cloth"}) {
+      BodyStatus body;
+      body.name = name;
+      report_.bodies.push_back(body);
+    }
+    report_.bodies[1].kind = BodyKind::kDeformable;
+    report_.bodies[1].triggered = true;
+    report_.header.frame_id = "base";
+    report_.attached = {{"cloth", {"finger", "hand"}}, {"elsewhere", {"hand"}}};
+    scene_.addBody("hand", TriangleMesh());
+    scene_.addBody("cloth", {{0, 0, 0, 1, 0, 0, 0, 0.5F, 2, infinite, 0, 0}, {0, 1, 2, 1, 2, 3}});
+    scene_.setPose(1, RigidTransform());
+    report_.scene = &scene_;
+  }
+
+  std::vector<Marker> markers() const {
+    visualization_msgs::MarkerArray array;
+    addHeldMarkers(report_, 0.25, &array);
+    return array.markers;
+  }
+
+  Scene scene_;
+  CycleReport report_;
+};
+
+TEST_F(HeldMarkersTest, ItSaysByWhomAndStandsOverTheObject) {
+  ASSERT_EQ(markers().size(), 1U);
+  const Marker marker = markers().front();
+  EXPECT_EQ(marker.text, "held: cloth by finger, hand");
+  EXPECT_EQ(marker.ns, "held");
+  EXPECT_EQ(marker.type, Marker::TEXT_VIEW_FACING);
+  EXPECT_EQ(marker.header.frame_id, "base");
+  EXPECT_EQ(marker.lifetime, ros::Duration(0.25));
+  EXPECT_EQ(marker.pose.position.x, 0.5);
+  EXPECT_EQ(marker.pose.position.y, 0.25);
+  EXPECT_GT(marker.pose.position.z, 2);
+  EXPECT_GT(marker.scale.z, 0);
+  EXPECT_GT(marker.color.a, 0);
+}
+
+TEST_F(HeldMarkersTest, NothingIsDrawnOfWhatIsNotHeldOrNotKnown) {
+  report_.bodies[1].triggered = false;
+  EXPECT_TRUE(markers().empty()) << "it is not its cycle";
+  report_.bodies[1].triggered = true;
+  report_.bodies[1].unknown_because = "no mesh yet";
+  EXPECT_TRUE(markers().empty());
+  report_.bodies[1].unknown_because = "";
+  report_.attached.erase("cloth");
+  EXPECT_TRUE(markers().empty());
+  report_.attached = {{"cloth", {"hand"}}};
+  report_.scene = nullptr;
+  EXPECT_TRUE(markers().empty());
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,192 @@
+// Which rule decides, and what a list of rules refuses.
+#include "monitor/rules/contact_rules.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+
+namespace deformable_contact_monitor {
+namespace {
+
+AllowedContact rule(const std::string& a, const std::string& b, bool allowed = true) {
+  AllowedContact rule;
+  rule.body_a = a;
+  rule.body_b = b;
+  rule.allowed = allowed;
+  return rule;
+}
+
+TEST(AllowedContacts, NothingIsAllowedWithoutARule) {
+  EXPECT_FALSE(AllowedContacts().allows("arm", "cloth"));
+}
+
+TEST(AllowedContacts, OrderOfBodiesDoesNotMatter) {
+  AllowedContacts allowed;
+  allowed.add(rule("cloth", "arm"));
+  EXPECT_TRUE(allowed.allows("arm", "cloth"));
+  EXPECT_TRUE(allowed.allows("cloth", "arm"));
+  EXPECT_FALSE(allowed.allows("arm", "cable"));
+}
+
+TEST(AllowedContacts, PairBeatsWildcardBeatsDefault) {
+  const AllowedContact pair = rule("hand", "cloth", false), one = rule("*", "hand", true),
+                       two = rule("*", "*", false);
+  const std::vector<std::vector<AllowedContact>> orders = {{pair, one, two}, {pair, two, one},
+                                                           {one, pair, two}, {one, two, pair},
+                                                           {two, pair, one}, {two, one, pair}};
+  for (const auto& order : orders) {
+    AllowedContacts allowed;
+    for (const AllowedContact& r : order) allowed.add(r);
+    EXPECT_FALSE(allowed.allows("hand", "cloth"));
+    EXPECT_TRUE(allowed.allows("hand", "cable"));
+    EXPECT_FALSE(allowed.allows("arm", "cable"));
+  }
+}
+
+TEST(AllowedContacts, AmongEqualsTheLastWins) {
+  AllowedContacts allowed;
+  allowed.add(rule("*", "cloth", true));
+  allowed.add(rule("hand", "*", false));
+  EXPECT_FALSE(allowed.allows("hand", "cloth"));
+  allowed.add(rule("cloth", "*", true));
+  EXPECT_TRUE(allowed.allows("hand", "cloth"));
+}
+
+TEST(AllowedContacts, ARuleForTheSamePairReplaces) {
+  AllowedContacts allowed;
+  allowed.add(rule("hand", "cloth", true));
+  allowed.add(rule("cloth", "hand", false));
+  ASSERT_EQ(allowed.rules().size(), 1U);
+  EXPECT_FALSE(allowed.allows("hand", "cloth"));
+}
+
+TEST(AllowedContacts, ASelfPairIsAPair) {
+  AllowedContacts allowed;
+  allowed.add(rule("cloth", "cloth"));
+  EXPECT_TRUE(allowed.allows("cloth", "cloth"));
+  EXPECT_FALSE(allowed.allows("cloth", "cable"));
+  EXPECT_FALSE(allowed.allows("cable", "cable"));
+}
+
+TEST(AllowedContacts, AnEmptyNameIsRefused) {
+  AllowedContacts allowed;
+  EXPECT_THROW(allowed.add(rule("", "cloth")), std::invalid_argument);
+  EXPECT_THROW(allowed.add(rule("cloth", "")), std::invalid_argument);
+  EXPECT_TRUE(allowed.rules().empty());
+}
+
+TEST(AllowedContacts, AChangeIsMadeWholeOrNotAtAll) {
+  AllowedContacts allowed;
+  allowed.add(rule("arm", "cloth"));
+  allowed.add(rule("hand", "cloth"));
+  EXPECT_THROW(allowed.change({false, {rule("arm", "cable")}, {rule("arm", "*")}}),
+               std::invalid_argument)
+      << "it is not in force";
+  EXPECT_THROW(allowed.change({true, {}, {rule("arm", "*"), rule("", "*")}}),
+               std::invalid_argument);
+  ASSERT_EQ(allowed.count(), 2U);
+  allowed.change({false, {rule("cloth", "arm")}, {rule("wrist", "cloth")}});
+  EXPECT_FALSE(allowed.allows("arm", "cloth"));
+  EXPECT_TRUE(allowed.allows("hand", "cloth") && allowed.allows("wrist", "cloth"));
+  EXPECT_THROW(allowed.change({true, {rule("hand", "cloth")}, {}}), std::invalid_argument)
+      << "all are gone before";
+  allowed.change({true, {}, {}});
+  EXPECT_EQ(allowed.count(), 0U);
+}
+
+TEST(AllowedContacts, ThereIsALimit) {
+  AllowedContacts allowed;
+  for (std::size_t i = 0; i < AllowedContacts::kMostRules; ++i) {
+    allowed.add(rule("link" + std::to_string(i), "cloth"));
+  }
+  EXPECT_THROW(allowed.add(rule("arm", "cloth")), std::invalid_argument);
+  EXPECT_NO_THROW(allowed.add(rule("link7", "cloth", false))) << "it replaces one";
+  EXPECT_FALSE(allowed.allows("link7", "cloth"));
+}
+
+TEST(AllowedContacts, ManyRulesTakeLittleTime) {
+  AllowedContactsChange change;
+  for (int i = 0; i < 40000; ++i) change.add.push_back(rule("link" + std::to_string(i), "cloth"));
+  const auto start = std::chrono::steady_clock::now();
+  AllowedContacts allowed;
+  allowed.change(change);
+  EXPECT_EQ(allowed.rules().size(), 40000U);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+}
+
+BodyStatus body(const std::string& name) {
+  BodyStatus body;
+  body.name = name;
+  const bool is_object = name == "cloth" || name == "cable";
+  body.kind = is_object ? BodyKind::kDeformable : BodyKind::kLink;
+  return body;
+}
+
+// "srdf: may touch", "parameters: looked at", in either order of the bodies.
+std::string verdict(const ContactRules& rules, const std::string& a, const std::string& b) {
+  const ContactVerdict one = rules.verdict(body(a), body(b)),
+                       other = rules.verdict(body(b), body(a));
+  EXPECT_EQ(one.allowed, other.allowed) << a << ", " << b;
+  EXPECT_EQ(one.source, other.source) << a << ", " << b;
+  return toString(one.source) + std::string(one.allowed ? ": may touch" : ": looked at");
+}
+
+Srdf srdf() {
+  Srdf srdf;
+  srdf.disabled = {{"arm", "hand", "Adjacent"}, {"hand", "cloth", "is no link"}};
+  srdf.enabled = {{"arm", "hand", ""}, {"cable_drum", "arm", ""}};
+  srdf.disabled_links = {"cable_drum"};
+  return srdf;
+}
+
+TEST(ContactRules, WithoutARuleEverythingIsLookedAt) {
+  EXPECT_EQ(verdict({}, "arm", "hand"), "default: looked at");
+  EXPECT_EQ(verdict({}, "arm", "cloth"), "default: looked at");
+}
+
+TEST(ContactRules, AnSrdfSpeaksOfLinksAloneAndItsPairsBeatItsDefaults) {
+  const ContactRules rules{{}, {}, LinkRules(srdf())};
+  EXPECT_EQ(verdict(rules, "arm", "hand"), "srdf: may touch") << "disabled beats enabled";
+  EXPECT_EQ(verdict(rules, "cable_drum", "hand"), "srdf: may touch") << "by default";
+  EXPECT_EQ(verdict(rules, "cable_drum", "arm"), "default: looked at") << "enabled beats that";
+  EXPECT_EQ(verdict(rules, "hand", "cloth"), "default: looked at");
+  EXPECT_EQ(verdict(rules, "cable_drum", "cloth"), "default: looked at");
+}
+
+// From the weakest rule to the strongest, each of which turns what the one before said.
+TEST(ContactRules, EachKindBeatsTheWeakerOnes) {
+  ContactRules rules{{}, {}, LinkRules(srdf())};
+  rules.allowed.add(rule("*", "*", false));
+  EXPECT_EQ(verdict(rules, "arm", "hand"), "parameters: looked at");
+  rules.allowed.add(rule("hand", "*", true), RuleSource::kService);
+  EXPECT_EQ(verdict(rules, "arm", "hand"), "service: may touch");
+  rules.allowed.add(rule("hand", "arm", false));
+  EXPECT_EQ(verdict(rules, "arm", "hand"), "parameters: looked at");
+
+  rules.allowed.add(rule("hand", "*", false));
+  EXPECT_EQ(verdict(rules, "hand", "cloth"), "parameters: looked at");
+  rules.attached = {{"cloth", {"finger", "hand"}}};
+  EXPECT_EQ(verdict(rules, "hand", "cloth"), "attached: may touch");
+  EXPECT_EQ(verdict(rules, "finger", "cloth"), "attached: may touch");
+  EXPECT_EQ(verdict(rules, "arm", "cloth"), "parameters: looked at") << "it does not hold it";
+  EXPECT_EQ(verdict(rules, "hand", "cable"), "parameters: looked at") << "another object";
+  rules.allowed.add(rule("cloth", "hand", false), RuleSource::kService);
+  EXPECT_EQ(verdict(rules, "hand", "cloth"), "service: looked at");
+  EXPECT_EQ(verdict(rules, "finger", "cloth"), "attached: may touch");
+}
+
+TEST(ContactRules, RulesAreCountedByWhoMadeThem) {
+  AllowedContacts allowed;
+  allowed.add(rule("arm", "cloth"));
+  allowed.add(rule("hand", "cloth"));
+  allowed.change({false, {}, {rule("cloth", "arm", false), rule("*", "cable")}});
+  EXPECT_EQ(allowed.count(RuleSource::kParameters), 1U);
+  EXPECT_EQ(allowed.count(RuleSource::kService), 2U);
+  allowed.change({true, {}, {}});
+  EXPECT_EQ(allowed.count(RuleSource::kParameters), 0U);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

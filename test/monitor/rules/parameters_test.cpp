@@ -1,0 +1,336 @@
+// Parameters: defaults, values, and bad ones, all of them listed.
+#include "monitor/rules/parameters.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace deformable_contact_monitor {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+template <typename... T>
+XmlRpcValue list(const T&... items) {
+  XmlRpcValue value;
+  value.setSize(sizeof...(items));
+  int i = 0;
+  ((value[i++] = XmlRpcValue(items)), ...);
+  return value;
+}
+
+XmlRpcValue object(const std::string& name) {
+  XmlRpcValue value;
+  value["name"] = name;
+  return value;
+}
+
+MonitorParameters parse(const XmlRpcValue& tree, std::vector<std::string>* warnings = nullptr) {
+  std::vector<std::string> unused;
+  return parseParameters(tree, warnings == nullptr ? &unused : warnings);
+}
+
+std::string refusalOf(const XmlRpcValue& tree) {
+  try {
+    parse(tree);
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "was not refused";
+  return "";
+}
+
+void expectIn(const std::string& text, const std::string& all) {
+  EXPECT_NE(all.find(text), std::string::npos) << "'" << text << "' is not in:\n" << all;
+}
+
+TEST(Parameters, NothingSetGivesTheDefaults) {
+  const MonitorParameters p = parse(XmlRpcValue());
+  EXPECT_EQ(p.reference_frame, "base_link");
+  EXPECT_EQ(p.robot_source, RobotSourceKind::kUrdf);
+  EXPECT_EQ(p.srdf, kSrdfAuto);
+  EXPECT_EQ(p.geometry.kind, GeometryKind::kCollision);
+  EXPECT_TRUE(p.pair_classes.robot_deformable);
+  EXPECT_FALSE(p.pair_classes.deformable_self);
+  EXPECT_EQ(p.detector.overlap, 1.0F);
+  EXPECT_FALSE(p.detector.geometry);
+  EXPECT_EQ(p.detector.predicates, Predicates::kExact);
+  EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kBeyondShared);
+  EXPECT_EQ(p.backend, BackendChoice::kAuto);
+  EXPECT_EQ(p.max_rate_hz, 100);
+  EXPECT_FALSE(p.containment);
+  EXPECT_TRUE(p.objects.empty());
+}
+
+TEST(Parameters, ToleranceAndBudget) {
+  EXPECT_FALSE(tradesAccuracy(parse(XmlRpcValue())));
+  XmlRpcValue tree;
+  tree["tolerance_m"] = 0.005;
+  MonitorParameters p = parse(tree);
+  EXPECT_EQ(p.detector.tolerance_m, 0.005F);
+  EXPECT_EQ(p.budget_ms, 0);
+  EXPECT_TRUE(tradesAccuracy(p));
+  tree["tolerance_m"] = 0.0;
+  tree["budget_ms"] = 20;
+  p = parse(tree);
+  EXPECT_EQ(p.budget_ms, 20);
+  EXPECT_TRUE(tradesAccuracy(p));
+  tree["tolerance_m"] = 1.5;
+  tree["budget_ms"] = -1;
+  const std::string problems = refusalOf(tree);
+  expectIn("~tolerance_m is 1.5, must be in [0, 1]", problems);
+  expectIn("~budget_ms is -1, must be in [0, 60000]", problems);
+  XmlRpcValue swept;
+  swept["motion"] = "swept";
+  swept["tolerance_m"] = 0.005;
+  expectIn("~tolerance_m is above 0, which motion: swept does not know", refusalOf(swept));
+}
+
+TEST(Parameters, ValuesArrive) {
+  XmlRpcValue tree, cable = object("cable"), rule, margins;
+  cable["topic"] = "/camera/cable";
+  cable["margin_m"] = 0.25;
+  cable["required"] = false;
+  margins["hand"] = 0.5;
+  rule["body_a"] = "hand";
+  rule["body_b"] = "*";
+  tree["objects"] = list(object("cloth"), cable);
+  tree["allowed_contacts"] = list(rule);
+  tree["link_margin_m"] = margins;
+  tree["margin_m"] = 1;  // a whole number is a number
+  tree["pair_classes"] = list("deformable_self", "robot_self");
+  tree["robot_source"] = "topic";
+  tree["srdf"] = "/robot.srdf";
+  tree["geometry"] = "visual";
+  tree["backend"] = "cpu";
+  tree["device"] = 2;
+  tree["devices"] = list(0, 3);
+  tree["memory_limit_mib"] = 8192;
+  tree["max_mesh_mib"] = 4095;
+  tree["predicates"] = "fast";
+  tree["adjacent_pairs"] = "skip";
+  tree["links"] = list("hand", "arm");
+  tree["max_contacts"] = 7;
+  tree["contact_geometry"] = true;
+  tree["containment"] = true;
+  const MonitorParameters p = parse(tree);
+  ASSERT_EQ(p.objects.size(), 2U);
+  EXPECT_EQ(p.objects[0].margin_m, 1.0F) << "an object without a margin has the general one";
+  EXPECT_TRUE(p.objects[0].required);
+  EXPECT_EQ(p.objects[1].topic, "/camera/cable");
+  EXPECT_TRUE(p.objects[0].shares_margin);
+  EXPECT_EQ(p.objects[1].margin_m, 0.25F);
+  EXPECT_FALSE(p.objects[1].shares_margin);
+  EXPECT_EQ(p.srdf, "/robot.srdf");
+  EXPECT_FALSE(p.objects[1].required);
+  EXPECT_TRUE(p.allowed_contacts.allows("hand", "cloth"));
+  EXPECT_EQ(p.link_margin_m.at("hand"), 0.5);
+  EXPECT_FALSE(p.pair_classes.robot_deformable);
+  EXPECT_TRUE(p.pair_classes.deformable_self && p.pair_classes.robot_self);
+  EXPECT_EQ(p.robot_source, RobotSourceKind::kTopic);
+  EXPECT_EQ(p.geometry.kind, GeometryKind::kVisual);
+  EXPECT_EQ(p.geometry.links, (std::vector<std::string>{"hand", "arm"}));
+  EXPECT_EQ(p.backend, BackendChoice::kCpu);
+  EXPECT_EQ(p.cuda.device, 2);
+  EXPECT_EQ(p.cuda.devices, (std::vector<int>{0, 3}));
+  EXPECT_EQ(p.cuda.memory_limit_bytes, std::uint64_t{8192} << 20);
+  EXPECT_EQ(p.max_mesh_bytes, std::size_t{4095} << 20);
+  EXPECT_EQ(p.detector.predicates, Predicates::kFast);
+  EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kSkip);
+  EXPECT_EQ(p.max_contacts, 7U);
+  EXPECT_TRUE(p.containment);
+  EXPECT_TRUE(p.detector.geometry);
+}
+
+TEST(Parameters, Motion) {
+  XmlRpcValue tree;
+  tree["objects"] = list(object("cloth"));
+  EXPECT_EQ(parse(tree).motion, Motion::kInstant);
+  EXPECT_EQ(parse(tree).swept_tolerance_m, 1e-4);
+  tree["motion"] = "swept";
+  tree["swept_tolerance_m"] = 0;
+  EXPECT_EQ(parse(tree).motion, Motion::kSwept);
+  EXPECT_EQ(parse(tree).swept_tolerance_m, 0);
+  EXPECT_EQ(parse(tree).detector.motion, Motion::kInstant) << "a cycle looks at its stamp first";
+  tree["motion"] = "continuous";
+  tree["swept_tolerance_m"] = -1e-4;
+  const std::string all = refusalOf(tree);
+  expectIn("~motion is 'continuous', must be one of: instant, swept", all);
+  expectIn("~swept_tolerance_m", all);
+}
+
+class ObjectTypes : public ::testing::Test {
+ protected:
+  ObjectTypes() { std::ofstream(faces_) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n"; }
+  ~ObjectTypes() override { std::filesystem::remove(faces_); }
+
+  static XmlRpcValue typed(const std::string& name, const std::string& type) {
+    XmlRpcValue value = object(name);
+    value["type"] = type;
+    return value;
+  }
+
+  const std::string faces_ =
+      std::filesystem::temp_directory_path() / ("faces_" + std::to_string(getpid()) + ".obj");
+};
+
+TEST_F(ObjectTypes, WhatEachNeedsArrives) {
+  XmlRpcValue tree, shape = typed("shape", "shape_mesh"), cloud = typed("cloud", "point_cloud");
+  shape["frame_id"] = "table";
+  cloud["faces"] = "file://" + faces_;
+  tree["objects"] = list(object("cloth"), typed("mesh", "deformable_mesh"), shape,
+                         typed("marker", "marker"), cloud);
+  std::vector<std::string> warnings;
+  const MonitorParameters p = parse(tree, &warnings);
+  EXPECT_TRUE(warnings.empty());
+  std::vector<MeshType> types;
+  for (const ObjectParameters& object : p.objects) types.push_back(object.type);
+  EXPECT_EQ(types, (std::vector<MeshType>{MeshType::kDeformableMesh, MeshType::kDeformableMesh,
+                                          MeshType::kShapeMesh, MeshType::kMarker,
+                                          MeshType::kPointCloud}));
+  EXPECT_EQ(p.objects[2].frame_id, "table");
+  ASSERT_NE(p.objects[4].faces, nullptr);
+  EXPECT_EQ(p.objects[4].faces->vertexCount(), 4U);
+  EXPECT_EQ(p.objects[4].faces->triangles, (std::vector<std::uint32_t>{0, 1, 3, 0, 3, 2}));
+}
+
+TEST_F(ObjectTypes, AllThatIsMissingIsListedTogether) {
+  XmlRpcValue tree, relative = typed("relative", "point_cloud"), absent = relative,
+                    package = relative, broken = relative;
+  relative["faces"] = "cloth.obj";
+  absent["name"] = "absent";
+  absent["faces"] = "/no/such/cloth.obj";
+  package["name"] = "package";
+  package["faces"] = "package://no_such_package/cloth.obj";
+  broken["name"] = "broken";
+  broken["faces"] = faces_;
+  std::ofstream(faces_) << "v 0 0 0\nf 1 2 3\n";
+  tree["objects"] = list(typed("mesh", "mesh"), typed("shape", "shape_mesh"),
+                         typed("cloud", "point_cloud"), relative, absent, package, broken);
+  const std::string all = refusalOf(tree);
+  expectIn("7 bad parameter(s)", all);
+  for (const std::string& problem :
+       {std::string("~objects[0]/type is 'mesh', must be one of: deformable_mesh, shape_mesh, "
+                    "marker, point_cloud"),
+        std::string("~objects[1]/frame_id is missing"), std::string("~objects[2]/faces is missing"),
+        std::string("~objects[3]/faces is 'cloth.obj': neither package://, file:// nor"),
+        std::string("~objects[4]/faces is '/no/such/cloth.obj': no such file"),
+        std::string("~objects[5]/faces is 'package://no_such_package/cloth.obj': package"),
+        "~objects[6]/faces is '" + faces_ + "': " + faces_ + ":2"}) {
+    expectIn(problem, all);
+  }
+}
+
+TEST_F(ObjectTypes, WhatATypeDoesNotNeedIsAWarning) {
+  XmlRpcValue tree, marker = typed("marker", "marker");
+  marker["frame_id"] = "table";
+  marker["faces"] = faces_;
+  tree["objects"] = list(marker);
+  std::vector<std::string> warnings;
+  parse(tree, &warnings);
+  ASSERT_EQ(warnings.size(), 2U);
+  expectIn("~objects[0]/faces ", warnings[0] + warnings[1]);
+  expectIn("~objects[0]/frame_id ", warnings[0] + warnings[1]);
+}
+
+TEST(Parameters, AllProblemsAreListedTogether) {
+  XmlRpcValue tree;
+  tree["max_rate_hz"] = -1;
+  tree["tf_timeout_s"] = std::numeric_limits<double>::quiet_NaN();
+  tree["max_mesh_age_s"] = std::numeric_limits<double>::infinity();
+  tree["backend"] = "gpu";
+  tree["device"] = -1;
+  tree["devices"] = list(0, 1024, "first");
+  tree["memory_limit_mib"] = 0;
+  tree["max_mesh_mib"] = 4096;
+  tree["overlap"] = 1.5;
+  tree["iterations"] = 101;
+  tree["debounce_on_cycles"] = 0;
+  tree["strict_geometry"] = "yes";
+  tree["links"] = "hand arm";
+  tree["reference_frame"] = "/base";
+  tree["pair_classes"] = list("robot_cloth");
+  tree["objects"] =
+      list(object("cloth"), object("cloth"), object("*"), object("a b"), XmlRpcValue(3));
+  const std::string all = refusalOf(tree);
+  for (const char* name : {"~max_rate_hz is -1",
+                           "~tf_timeout_s is nan",
+                           "~max_mesh_age_s is inf",
+                           "~backend is 'gpu', must be one of: auto, cuda, cpu",
+                           "~overlap is 1.5",
+                           "~device is -1",
+                           "~devices[1] is 1024",
+                           "~devices[2] is first",
+                           "~memory_limit_mib is 0",
+                           "~max_mesh_mib is 4096",
+                           "~iterations is 101",
+                           "~debounce_on_cycles is 0",
+                           "~strict_geometry",
+                           "~links",
+                           "~reference_frame is '/base'",
+                           "robot_cloth",
+                           "~objects[1]/name is 'cloth'",
+                           "~objects[2]/name is '*'",
+                           "~objects[3]/topic",
+                           "~objects[4]/ must be a map"}) {
+    expectIn(name, all);
+  }
+}
+
+TEST(Parameters, EndsOfRangesAreIn) {
+  XmlRpcValue tree;
+  tree["overlap"] = 0;
+  tree["tf_timeout_s"] = 1;
+  tree["max_rate_hz"] = 0;
+  tree["clusters"] = kMaxClusters;
+  tree["max_marker_triangles"] = 5000000;
+  EXPECT_NO_THROW(parse(tree));
+  tree["clusters"] = kMaxClusters + 1;
+  tree["max_marker_triangles"] = 5000001;
+  expectIn("clusters is 65536", refusalOf(tree));
+  expectIn("max_marker_triangles is 5000001", refusalOf(tree));
+}
+
+TEST(Parameters, UnknownNamesAreWarningsAtEveryLevel) {
+  XmlRpcValue tree, cloth = object("cloth");
+  cloth["margin"] = 0.1;
+  tree["objects"] = list(cloth);
+  tree["max_rate"] = 10;
+  std::vector<std::string> warnings;
+  parse(tree, &warnings);
+  ASSERT_EQ(warnings.size(), 2U);
+  expectIn("~objects[0]/margin ", warnings[0] + warnings[1]);
+  expectIn("~objects[0]/margin (did you mean 'margin_m'?)", warnings[0] + warnings[1]);
+  expectIn("~max_rate (did you mean 'max_rate_hz'?)", warnings[0] + warnings[1]);
+  tree["max_rate_hz"] = -1;
+  const std::string all = refusalOf(tree);
+  for (const char* name : {"~max_rate_hz is -1", "~objects[0]/margin ", "~max_rate "}) {
+    expectIn(name, all);
+  }
+}
+
+TEST(Parameters, WhatDynamicReconfigureLeftThereIsNoNewsUnlessItDiffers) {
+  XmlRpcValue tree;
+  tree["robot_deformable"] = true;
+  tree["robot_self"] = false;
+  std::vector<std::string> warnings;
+  parse(tree, &warnings);
+  EXPECT_TRUE(warnings.empty());
+  tree["pair_classes"] = list("deformable_self");
+  tree["deformable_self"] = true;
+  const MonitorParameters p = parse(tree, &warnings);
+  EXPECT_TRUE(p.pair_classes == (PairClasses{false, false, true, false}));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0], "~robot_deformable has no effect at start, where ~pair_classes decides");
+}
+
+TEST(Parameters, ATreeThatIsNoMapIsRefused) {
+  expectIn("must be a map", refusalOf(XmlRpcValue(1)));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
