@@ -1,15 +1,15 @@
 // Stands in for the CUDA backend in builds without nvcc.
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
-#include "cuda/partitions/partition_detector.h"
+#include "cuda/partitions/partitioned_detector.h"
 
 namespace deformable_contact_monitor {
 
 std::unique_ptr<Detector> makeCudaDetector(const CudaSettings& settings) {
-  return makeCudaShareDetector(settings);
+  return makeCudaPartitionDetector(settings);
 }
 
-std::unique_ptr<ShareDetector> makeCudaShareDetector(const CudaSettings& /*settings*/) {
+std::unique_ptr<PartitionDetector> makeCudaPartitionDetector(const CudaSettings& /*settings*/) {
   throw CudaError(BackendFault::kUnavailable,
                   "this build has no CUDA backend: there was no nvcc of CUDA 11.4 or newer, or "
                   "WITH_CUDA was off");

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Says each second which bodies touch, with how many triangle pairs, at what latency.
+"""Prints each second which bodies touch, with how many triangle pairs, and the latency.
 
 Usage: demo_report.py [--seconds N]. Ends by itself after N seconds of wall time: exit code 0 if
 contacts were reported in each of the last seconds that count, 1 if the monitor stayed silent.
@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Log
 
 
 def why_incomplete(message):
-    """Why a ContactArray is not complete, in one text: the first reason, how many more."""
+    """Returns why a ContactArray is not complete: the first reason, and how many more there are."""
     reasons = list(message.skipped)
     if message.timed_out:
         reasons.append("out of time")
@@ -32,7 +32,7 @@ def why_incomplete(message):
 
 
 class Second:
-    """What arrived within one second."""
+    """The messages of one second."""
 
     def __init__(self):
         self.age_ms = []
@@ -66,7 +66,7 @@ class Second:
 
 
 class Report:
-    """Collects messages on rospy's threads; take() hands a second out."""
+    """Collects messages on rospy's threads. take() returns those since the last call."""
 
     def __init__(self):
         self._lock = threading.Lock()
@@ -110,7 +110,7 @@ def main():
     tick = 0
     while not rospy.is_shutdown() and (args.seconds <= 0 or tick < args.seconds):
         tick += 1
-        # Wall time: a monitor that waits for /clock must show as silent, not stop the report.
+        # Sleeps in wall time, so that a monitor that waits for /clock is reported as silent.
         time.sleep(max(0, start + tick - time.monotonic()))
         second = report.take()
         cycles += len(second.age_ms)

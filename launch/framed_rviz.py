@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""rviz with the camera on whatever a monitor looks at: its robot and its objects.
+"""Starts rviz with the camera on what a monitor monitors: its robot and its objects.
 
 Usage: framed_rviz.py [--monitor NAME] [--wait SECONDS] [--watch SECONDS] [rviz's own options]. Waits
 for the links and meshes of the monitor (default /contact_monitor), at most 10 s, then watches for
-another 4 s where they move, and becomes rviz, with config/demo.rviz and a camera that sees all of it.
+another 4 s where they move. Then it becomes rviz, with config/demo.rviz and a camera that sees all.
 """
 import argparse
 import math
@@ -14,27 +14,27 @@ import time
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 CONFIG = os.path.join(HERE, "../config/demo.rviz")
-HALF_ANGLE = math.radians(45) / 2  # of rviz's orbit camera, upwards; sideways it sees more
-ROOM = 0.9  # of the picture's height, at most
+HALF_ANGLE = math.radians(45) / 2  # of rviz's orbit camera, vertically; it sees more sideways
+ROOM = 0.9  # largest fraction of the picture's height
 
 
 def box_of(points):
-    """Lowest and highest coordinates; points that are not finite do not count. None: none is."""
+    """Returns lowest and highest coordinates of the finite points; None if there are none."""
     points = [p for p in points if all(map(math.isfinite, p))]
     return (tuple(map(min, zip(*points))), tuple(map(max, zip(*points)))) if points else None
 
 
 def view_of(box):
-    """Where an orbit camera looks, and from how far [m], so that it sees the box from any side."""
+    """Returns the focus and the distance [m] of an orbit camera that sees the box from any side."""
     low, high = box
     radius = max(math.dist(low, high) / 2, 0.05)
     return [(a + b) / 2 for a, b in zip(low, high)], radius / (ROOM * math.sin(HALF_ANGLE))
 
 
 def with_view(text, focus, distance):
-    """An rviz configuration with that view."""
+    """Returns the rviz configuration `text` with that view."""
     for name, value in zip(("Distance", "X", "Y", "Z"), (distance, *focus)):
-        # X and Y are the window's place, too, further down.
+        # Replaces the first match only: X and Y further down are the place of the window.
         text, count = re.subn(rf"^(      (?:  )?{name}: ).*$", rf"\g<1>{value:.3f}", text, 1, re.M)
         if count != 1:
             raise ValueError(f"the configuration has no {name} of a view")
@@ -42,7 +42,7 @@ def with_view(text, focus, distance):
 
 
 class Look:
-    """What has come of the monitor's links and meshes."""
+    """Collects the monitor's links and meshes."""
 
     def __init__(self, monitor):
         import rospy
@@ -71,7 +71,8 @@ class Look:
         self.parts[name] = message.header.frame_id, message.vertices
 
     def points(self):
-        """In the reference frame, of the parts that have a transform; and whether all have."""
+        """Returns the corners of all parts with a transform, in the reference frame, and whether no part
+        is missing."""
         import rospy
         import tf2_ros
         found = []
@@ -92,7 +93,7 @@ class Look:
 
 
 def moved(pose, p):
-    """A point by a geometry_msgs/Transform."""
+    """Returns the point moved by a geometry_msgs/Transform."""
     q, t = pose.rotation, pose.translation
     u = [q.x, q.y, q.z]
 

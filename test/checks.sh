@@ -1,26 +1,33 @@
-# What test/run and its modes share: steps, problems, the summary line. Sourced with bash, in the
-# root of the source tree.
+# What the modes of test/run share: the parts with their times, the list of problems, the summary
+# line. bash sources this file in the root of the source tree.
 
 problems=()
 passed=0 failed=0 skipped=0
+part="" part_start=0 part_times=()
 
-# Other Pythons lack the modules of Debian's ROS. Another ROS, once it is sourced, has put its own
-# first.
+# Other Pythons lack the modules of Debian's ROS. A ROS that was sourced has put its own first.
 [ "${ROS_DISTRO:-Debian}" != Debian ] || export PATH=/usr/bin:/bin:$PATH
 unset ROS_MASTER_URI ROS_HOSTNAME ROS_IP
 
-say() { printf '\n== %s\n' "$*"; }
+# say TITLE: ends the part of the run before, whose time it notes, and begins another one.
+say() {
+  [ -z "$part" ] || part_times+=("$(printf '%6d s  %s' $((SECONDS - part_start)) "$part")")
+  part=$* part_start=$SECONDS
+  printf '\n== %s\n' "$*"
+}
 
-# Ends the run: with 0 if there is no problem, else with 1.
+# Prints the times, the problems and the counts, and ends the run: with 0 if there is no problem,
+# else with 1. The counts are the last line.
 finish() {
   say "Result"
+  printf '%s\n' "${part_times[@]}" "$(printf '%6d s  in all' $SECONDS)"
   for problem in "${problems[@]}"; do echo "FAILED: $problem"; done
   echo "$passed passed, $failed failed, $skipped skipped"
   [ ${#problems[@]} -eq 0 ]
   exit
 }
 
-# must PROBLEM COMMAND...: stops here if it fails; without this step nothing later makes sense.
+# must PROBLEM COMMAND...: ends the run if the command fails, for nothing later makes sense then.
 must() {
   local problem=$1
   shift
@@ -30,7 +37,8 @@ must() {
   fi
 }
 
-# And says how CMake builds: a ROS elsewhere may go without ninja.
+# install_packages SECTION...: installs what is missing, and sets how CMake builds: with all cores,
+# and with ninja where it is there. keep_going holds what makes the build go on after an error.
 install_packages() {
   say "Packages"
   must "packages could not be installed" config/install_packages "$@"
@@ -42,22 +50,30 @@ install_packages() {
   fi
 }
 
-# run_tests BUILD [ARGS of ctest...]: a skip is a problem where the test data are there.
+# add_counts LOG: adds the counts of the summary line that ends the log. Fails if there is none.
+add_counts() {
+  [[ $(tail -n 1 "$1") =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed,\ ([0-9]+)\ skipped$ ]] || return 1
+  passed=$((passed + BASH_REMATCH[1])) failed=$((failed + BASH_REMATCH[2]))
+  skipped=$((skipped + BASH_REMATCH[3]))
+}
+
+# run_tests BUILD [ARGS of ctest...]: runs tests, two more at a time than there are cores, because
+# rostests mostly wait. A skipped test is a problem where the test data are there.
 run_tests() {
   local build=$1 log=$1/ctest.log total code inner
   shift
   say "Tests"
   export ROS_HOME=$build/ros_home
   rm -rf "$log" "$build/Testing" "$build/test_results"
-  (cd "$build" && ctest --output-on-failure "$@") | tee "$log"
+  (cd "$build" && ctest --output-on-failure -j $(($(nproc) + 2)) "$@") | tee "$log"
   code=${PIPESTATUS[0]}
-  # Its last words: older CMakes write no report of use. Without a summary nothing ran.
+  # The last lines count tests: older CMakes write no report of use. Without them nothing ran.
   read -r failed total < <(sed -En \
     's/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p' "$log" | tail -1)
   skipped=$(sed -n '/^The following tests did not run:$/,$p' "$log" | grep -c ' (Skipped)$')
   total=${total:-0} failed=${failed:-0}
   passed=$((total - failed - skipped))
-  # rostests say in their own results that they were skipped.
+  # The results of rostests say whether a test within was skipped.
   inner=$(grep -rlE '<skipped|\[  SKIPPED \]' "$build/test_results" 2>/dev/null)
   [ $code -eq 0 ] || problems+=("ctest: $failed of $total tests failed")
   [ "$total" -gt 0 ] || problems+=("no test ran")

@@ -1,8 +1,8 @@
-# The target headers_alone, built on demand: each header of src and cuda compiles by itself, so that
-# none leans on what others include before it. A header that its own source includes first is shown
-# by that; the others get a source each.
+# Adds the target headers_alone, which is built on demand. It shows that each header of src and cuda
+# compiles by itself, without what others include before it. A header that its own source includes
+# first needs no more; each of the others gets a source of its own here.
 
-# Whether a source beside the header begins with it.
+# Sets RESULT to whether a source beside the header includes it first.
 function(dcm_header_comes_first header include result)
   set(${result} FALSE PARENT_SCOPE)
   string(REGEX REPLACE "\\.[a-z]+$" "" stem ${PROJECT_SOURCE_DIR}/${header})

@@ -1,20 +1,21 @@
-# A root of Debian 11 with g++ 9, the nearest that Debian's archive has to Ubuntu 20.04, and what is
-# built and tested there. For test/run --stand-in and --aarch64. Sourced after test/checks.sh.
+# Makes a root of Debian 11 with g++ 9, the nearest that Debian has to Ubuntu 20.04, and builds and
+# tests there. For test/run --stand-in and --aarch64; bash sources this file after test/checks.sh.
 
 stand_in_package=/tree/package  # within the root
 
-# section FILE NAME: the packages that FILE lists under "# NAME".
+# section FILE NAME: prints the packages that FILE lists under "# NAME".
 section() { sed -n "/^# $2\$/,/^# /{/^[^#]/p}" "$1"; }
 
-# The packages of a root: `core` is what the core takes, here and for aarch64, `whole` what all does.
+# stand_in_packages core|whole: prints the packages that the root needs to build the core, for this
+# processor and aarch64, or the whole package.
 stand_in_packages() {
   local name
   section test/stand_in_packages.txt "$1"
   [ "$1" = core ] || for name in build run test; do section config/debian_packages.txt $name; done
 }
 
-# make_stand_in core|whole: sets $stand_in to such a root, which lies outside of the tree and is made
-# again when the list of packages changes. Fails where it cannot be had.
+# make_stand_in core|whole: sets $stand_in to such a root, which lies outside of the tree. Makes it if
+# it is not there or the list of packages has changed. Fails where it cannot be made.
 make_stand_in() {
   local packages mark log
   packages=$(stand_in_packages "$1")
@@ -35,14 +36,14 @@ make_stand_in() {
     chroot "$stand_in" env DEBIAN_FRONTEND=noninteractive \
       apt-get install -y -qq --no-install-recommends $packages >>"$log" 2>&1 ||
     { tail -5 "$log"; return 1; }
-  # Its rospy and roslaunch are of before Python 3.9, which it has.
+  # Its rospy and roslaunch are older than its Python 3.9, which dropped this name.
   echo "import threading; threading.Thread.isAlive = threading.Thread.is_alive" \
     >>"$stand_in/etc/python3.9/sitecustomize.py"
   echo "$packages" >"$mark"
 }
 
 # in_stand_in COMMAND...: runs it there, in the package's folder, with the folder of the test data
-# beside it. What is mounted for it is gone afterwards.
+# beside it. The mounts that this takes end with the command.
 in_stand_in() {
   local beside=$stand_in/tree/shared data=${DCM_TEST_DATA:-$PWD/../shared/data}
   mkdir -p "$stand_in/tree"
@@ -58,7 +59,7 @@ in_stand_in() {
     bash "$stand_in" "$stand_in_package" "$data" "$@"
 }
 
-# This tree as it stands, without what git ignores. Build folders there stay, for the next time.
+# Copies this tree as it stands, without what git ignores. Build folders there are kept.
 copy_to_stand_in() {
   local to=$stand_in$stand_in_package
   mkdir -p "$to"
@@ -67,34 +68,30 @@ copy_to_stand_in() {
     tar -c --null --ignore-failed-read -T - 2>/dev/null | tar -x -C "$to"
 }
 
-# stand_in_tests ROOT WHAT: as test/stand_in_tests WHAT, in the root ROOT (core, whole); its counts are
-# added to this run's. Said aloud where there can be no such root.
+# stand_in_tests ROOT WHAT: runs test/stand_in_tests WHAT in the root ROOT (core or whole), and adds
+# its counts to this run's. Prints SKIPPED where there can be no such root.
 stand_in_tests() {
-  local log=build/stand_in_$2.log counts
+  local log=build/stand_in_$2.log
   say "On Debian 11: $2"
   mkdir -p build
   if ! make_stand_in "$1"; then
-    echo "SKIPPED: there is no Debian 11 to be had here, see above"
+    echo "SKIPPED: a root of Debian 11 cannot be made here, see above"
     return 1
   fi
   copy_to_stand_in
   in_stand_in test/stand_in_tests "$2" 2>&1 | tee "$log"
   [ "${PIPESTATUS[0]}" -eq 0 ] || problems+=("on Debian 11: $2, see $log")
-  counts=$(tail -1 "$log")
-  [[ $counts =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed,\ ([0-9]+)\ skipped$ ]] || return 1
-  passed=$((passed + BASH_REMATCH[1])) failed=$((failed + BASH_REMATCH[2]))
-  skipped=$((skipped + BASH_REMATCH[3]))
+  add_counts "$log"
 }
 
-# aarch64_tests all|few DETECT_CONTACTS: the core built for that processor and tested under qemu;
-# its pairs are those of DETECT_CONTACTS, this machine's, byte for byte.
+# aarch64_tests DETECT_CONTACTS: builds the core for aarch64 and runs its tests under qemu. Then
+# compares its pairs of 22 scenes with those of DETECT_CONTACTS, a program of this machine.
 aarch64_tests() {
-  local what=aarch64 data=${DCM_TEST_DATA:-$PWD/../shared/data} theirs
-  [ "$1" = all ] || what=aarch64_few
-  stand_in_tests core $what || return
+  local data=${DCM_TEST_DATA:-$PWD/../shared/data} theirs
+  stand_in_tests core aarch64 || return
   [ -d "$data" ] || return
   theirs=$stand_in$stand_in_package/build/pairs
-  test/pair_files "$1" "$data" build/pairs "$2" && diff -rq build/pairs "$theirs" ||
+  test/pair_files "$data" build/pairs "$1" && diff -rq build/pairs "$theirs" ||
     problems+=("aarch64: other pairs than here")
   echo "$(ls "$theirs" | wc -l) files of pairs compared: $(cat "$theirs"/* | wc -l) lines"
 }

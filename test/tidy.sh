@@ -1,12 +1,12 @@
-# clang-tidy, for test/run --tidy. Sourced after test/checks.sh.
+# Runs clang-tidy, for test/run --tidy. bash sources this file after test/checks.sh.
 
-# Files of src and cuda that differ from a commit, new ones too.
+# changed_files COMMIT: prints the files of src and cuda that differ from it, new ones as well.
 changed_files() {
   { git diff --name-only --diff-filter=d "$1" && git ls-files --others --exclude-standard; } |
     grep -E '^(src|cuda)/.*\.(h|cpp|cu|cuh)$' | sort -u
 }
 
-# Where this branch left main; on main, the last commit but one.
+# Prints the commit at which this branch left main; on main, the last commit but one.
 default_commit() {
   local base
   base=$(git merge-base HEAD main 2>/dev/null || git merge-base HEAD origin/main 2>/dev/null)
@@ -14,7 +14,7 @@ default_commit() {
   git rev-parse --verify --quiet "$base"
 }
 
-# clang-tidy on one file; silent unless it finds something.
+# tidy_file FILE: runs clang-tidy on it. Prints "ok FILE", or what was found and "FAILED FILE".
 tidy_file() {
   local file=$1 arguments log
   case $file in
@@ -32,7 +32,7 @@ tidy_file() {
   fi
 }
 
-# tidy --tidy[=all|=COMMIT] [FILE...]
+# tidy --tidy[=all|=COMMIT] [FILE...]: checks these files, and counts them as passed or failed.
 tidy() {
   local commit=${1#--tidy} files log headers
   commit=${commit#=}

@@ -1,3 +1,6 @@
+// Measures a scene on the host for a cold start: takes a sample of the triangles, culls those that
+// no partner can touch, separates oversized ones, and picks seeds among the rest. The functions are
+// overloaded for Triangle (one moment) and MovingTriangle (swept motion).
 #include "cuda/cycle/cold_start.h"
 
 #include <algorithm>
@@ -6,17 +9,17 @@
 #include <vector>
 
 #include "core/common/posed_body.h"
-#include "core/cpu/common_motion.h"
 #include "core/cpu/size_split.h"
 #include "core/cpu/transform.h"
+#include "core/rules/clustering.h"
 #include "core/rules/common_motion.h"
-#include "core/rules/sampling.h"
 #include "core/rules/vertex_hash.h"
 
 namespace deformable_contact_monitor {
 
 namespace {
 
+// Returns the centroid of a triangle [scaled]; of a moving one, that of both states.
 Vec3f seedAt(const SizeSplit& split, const Triangle& t) {
   Vec3f points[3];
   split.scaled(t, points);
@@ -28,8 +31,9 @@ Vec3f seedAt(const SizeSplit& split, const MovingTriangle& t) {
   return meanOf<MovingTriangle>(points);
 }
 
-// Some of `triangles` triangles, ascending: one from each of `count` equal parts of their order,
-// but not the same place in each, which a regular mesh might answer to.
+// Selects `count` of `triangles` triangles, in ascending order: one from each of `count` equal
+// parts of their order. A hash varies the place within each part, because a constant stride could
+// always hit the same spot of a regular mesh.
 struct Sample {
   std::size_t count, triangles;
 
@@ -39,6 +43,8 @@ struct Sample {
   }
 };
 
+// Returns triangle `t` of a body in the form that the motion needs. The last argument only selects
+// the overload.
 Triangle hullOf(const PosedBody& /*earlier*/, const PosedBody& body, std::uint32_t t,
                 const Triangle* /*as*/) {
   return body.triangle(t);
@@ -53,7 +59,8 @@ Aabb setBoxOf(const MovingBox& box, const Vec3f& common_motion) {
   return sweptBox(box, common_motion);
 }
 
-// A working set of sampled triangles without what bodies share: three vertices each.
+// Adds a sampled triangle to the set, with three vertices of its own. A full WorkingSet shares
+// vertices between triangles; here that would take longer than it saves.
 void add(const Triangle& t, WorkingSet& set) {
   set.vertices.insert(set.vertices.end(), t.v, t.v + 3);
 }
@@ -62,8 +69,10 @@ void add(const MovingTriangle& t, WorkingSet& set) {
   add(t.to, set);
 }
 
-// Those of the sample from `next` on that are of the body, whose triangles begin at `first`; of
-// them those that are finite and meet a partner's box.
+// Adds the sampled triangles of one body whose vertices are finite and whose box meets the box of a
+// partner. `first`: the number of the body's first triangle. `next`: the sample's first element
+// that is not of an earlier body; it is moved on to the next body. Prefetches vertices, because
+// sampled triangles are far apart in memory.
 template <class Hull>
 void addSampled(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, const Sample& sample,
                 std::size_t first, std::size_t& next, WorkingSet& set) {
@@ -96,7 +105,8 @@ std::size_t trianglesThatTakePart(const Scene& scene) {
   return count;
 }
 
-// A body that may touch itself has all of its triangles looked at, wherever the others are.
+// Returns whether some triangles may be culled by their partners' boxes. A body that may touch
+// itself keeps all of its triangles, wherever the others are.
 bool needsBoxes(const Scene& scene) {
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (scene.takesPart(id) && !scene.pairEnabled(id, id)) return true;
@@ -104,6 +114,7 @@ bool needsBoxes(const Scene& scene) {
   return false;
 }
 
+// Returns the sampled triangles of all bodies. It is incomplete if the limit was over.
 template <class Hull>
 WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes,
                       const CycleLimit& limit) {
@@ -130,53 +141,60 @@ WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes
   return set;
 }
 
-std::size_t sampleSize(Look look, std::size_t triangles, std::size_t most_seeds) {
-  constexpr std::size_t kGlance = 256, kLeastSample = 2048, kEachSeed = 4;
-  if (look == Look::kAll) return triangles;
-  return std::min(triangles,
-                  look == Look::kGlance ? kGlance : std::max(kLeastSample, kEachSeed * most_seeds));
+// Returns how many of `triangles` triangles an inspection examines.
+std::size_t sampleSize(Inspection inspection, std::size_t triangles, std::size_t most_seeds) {
+  constexpr std::size_t kBrief = 256, kLeastSample = 2048, kEachSeed = 4;
+  if (inspection == Inspection::kAll) return triangles;
+  return std::min(triangles, inspection == Inspection::kBrief
+                                 ? kBrief
+                                 : std::max(kLeastSample, kEachSeed * most_seeds));
 }
 
+// Returns the box that decides to which partitions a triangle belongs.
 Aabb reachOf(const Triangle& t) { return boxOf(t); }
-Aabb reachOf(const MovingTriangle& t) { return shareBox(boxOf(t), 0); }
+Aabb reachOf(const MovingTriangle& t) { return partitionBox(boxOf(t), 0); }
 
-// Without margins and pads: who is wrong by one or two loses nothing.
+// Removes triangles that do not reach into the partition. It ignores margins and pads, which change
+// the estimates little.
 template <class Hull>
-void keepShare(const WorkingSet& set, const SceneShare& share, std::vector<TriangleIndex>& list) {
-  if (share.isWhole()) return;
+void keepPartition(const WorkingSet& set, const ScenePartition& partition,
+                   std::vector<TriangleIndex>& list) {
+  if (partition.isWhole()) return;
   const auto elsewhere = [&](TriangleIndex t) {
-    return !share.reaches(reachOf(set.posed<Hull>(t)));
+    return !partition.reaches(reachOf(set.posed<Hull>(t)));
   };
   list.erase(std::remove_if(list.begin(), list.end(), elsewhere), list.end());
 }
 
 template <class Hull>
-ColdStart measureAs(const Scene& scene, const SceneShare& share, const Options& options,
-                    const ClusterCountPolicy& policy, Look look, BodyBoxes& boxes,
+ColdStart measureAs(const Scene& scene, const ScenePartition& partition, const Options& options,
+                    const ClusterCountPolicy& policy, Inspection inspection, BodyBoxes& boxes,
                     const CycleLimit& limit) {
   const std::size_t triangles = trianglesThatTakePart(scene);
   const std::size_t most_seeds = clusterCountFor(options.clusters, policy, triangles, 0);
-  const Sample sample{sampleSize(look, triangles, most_seeds), triangles};
+  const Sample sample{sampleSize(inspection, triangles, most_seeds), triangles};
   ColdStart start;
   const WorkingSet set = sampledSet<Hull>(scene, sample, boxes, limit);
   SizeSplit split;
   if (sample.count > 0) split.spare = split.spare * sample.count / triangles;
   if (!limit.wasOver()) splitBySize(set, split, limit);
   if (limit.wasOver()) return start;
-  keepShare<Hull>(set, share, split.regular);
-  keepShare<Hull>(set, share, split.large);
+  keepPartition<Hull>(set, partition, split.regular);
+  keepPartition<Hull>(set, partition, split.oversized);
   const auto ofAll = [&](std::size_t sampled) {
     return sample.count == 0 ? 0 : sampled * triangles / sample.count;
   };
   start.scale = split.scale;
   start.size_rule = split.rule;
   start.regular = ofAll(split.regular.size());
-  start.large = ofAll(split.large.size());
+  start.oversized = ofAll(split.oversized.size());
   start.seeds.resize(
       std::max<std::size_t>(1, clusterCountFor(options.clusters, policy, start.regular, 0)));
-  if (look == Look::kSample && sample.count < triangles &&
-      start.seeds.size() > split.regular.size()) {  // some would come twice
-    return measureAs<Hull>(scene, share, options, policy, Look::kAll, boxes, limit);
+  // With fewer sampled triangles than seeds, some seeds would coincide. So all triangles are
+  // examined.
+  if (inspection == Inspection::kSample && sample.count < triangles &&
+      start.seeds.size() > split.regular.size()) {
+    return measureAs<Hull>(scene, partition, options, policy, Inspection::kAll, boxes, limit);
   }
   for (std::size_t g = 0; g < start.seeds.size() && !split.regular.empty(); ++g) {
     const TriangleIndex t = split.regular[seedOf(g, start.seeds.size(), split.regular.size())];
@@ -187,13 +205,14 @@ ColdStart measureAs(const Scene& scene, const SceneShare& share, const Options& 
 
 }  // namespace
 
-ColdStart SceneMeasurer::measure(const Scene& scene, const SceneShare& share,
+ColdStart SceneMeasurer::measure(const Scene& scene, const ScenePartition& partition,
                                  const Options& options, const ClusterCountPolicy& policy,
-                                 Look look, const CycleLimit& limit) {
-  BodyBoxes& boxes = look == Look::kGlance ? boxes_at_a_glance_ : boxes_;
+                                 Inspection inspection, const CycleLimit& limit) {
+  BodyBoxes& boxes = inspection == Inspection::kBrief ? brief_boxes_ : boxes_;
   return options.motion == Motion::kSwept
-             ? measureAs<MovingTriangle>(scene, share, options, policy, look, boxes, limit)
-             : measureAs<Triangle>(scene, share, options, policy, look, boxes, limit);
+             ? measureAs<MovingTriangle>(scene, partition, options, policy, inspection, boxes,
+                                         limit)
+             : measureAs<Triangle>(scene, partition, options, policy, inspection, boxes, limit);
 }
 
 }  // namespace deformable_contact_monitor

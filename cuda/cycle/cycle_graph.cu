@@ -1,3 +1,5 @@
+// Enqueues the steps of a cycle on one main stream and three branches, and records them as a CUDA
+// graph. The steps that can run side by side are on different branches; events order them.
 #include <type_traits>
 
 #include "cuda/cycle/cycle_graph.cuh"
@@ -6,59 +8,62 @@ namespace deformable_contact_monitor {
 namespace {
 
 enum StepNumber {
-  kIdentities,
-  kPose,
+  kVertexIdentities,
+  kTransform,
   kAssign,
-  kIds,
+  kEntryIds,
   kBins,
   kSort,
-  kLarge,
+  kOversized,
   kCluster,
   kFrames,
   kSweep,
-  kPairs,
-  kJudge,
+  kSweepTriangles,
+  kNarrowPhase,
   kStepCount
 };
 
-// Where a step runs: on the cycle's own stream, or beside it.
-enum Branch { kMain = -1, kIdentityBranch, kAdaptBranch, kLargeBranch, kBranchCount };
+// The stream that a step runs on: the cycle's own stream, or one of the branches.
+enum Branch { kMain = -1, kIdentityBranch, kAdaptBranch, kOversizedBranch, kBranchCount };
 
-constexpr unsigned behind(StepNumber step) { return 1U << step; }
+constexpr unsigned after(StepNumber step) { return 1U << step; }
 
+// One launch of the cycle. A step starts when the earlier steps of its own branch and the steps in
+// `after` (a bit for each StepNumber) have ended.
 struct Step {
   Stage stage;
   Launch launch;
   Branch branch;
-  unsigned behind;  // steps of other branches that must be over; those ahead on its own are
+  unsigned after;
 };
 
-// A cycle, in an order in which the steps may also run one after the other. On its stream
-// launchAssign stands right behind launchPose, launchSweep behind launchSort, launchPairs behind
-// launchSweep, and launchPoseIds behind launchPoseIdentities, for they start early.
+// Lists the steps of a cycle, in an order in which they may also run one after the other. Some
+// launches use programmatic dependent launch, so they must directly follow another one on their
+// stream: launchAssign follows launchTransform, launchSweep follows launchSort,
+// launchSweepTriangles follows launchSweep, and launchEntryIds follows launchVertexIdentities.
 constexpr Step kList[kStepCount] = {
-    {Stage::kTransform, launchPoseIdentities, kIdentityBranch, 0},
-    {Stage::kTransform, launchPose, kMain, 0},
+    {Stage::kTransform, launchVertexIdentities, kIdentityBranch, 0},
+    {Stage::kTransform, launchTransform, kMain, 0},
     {Stage::kAssign, launchAssign, kMain, 0},
-    {Stage::kTransform, launchPoseIds, kIdentityBranch, 0},
-    {Stage::kAssign, launchAssignBins, kAdaptBranch, behind(kAssign)},
+    {Stage::kTransform, launchEntryIds, kIdentityBranch, 0},
+    {Stage::kAssign, launchAssignBins, kAdaptBranch, after(kAssign)},
     {Stage::kSort, launchSort, kMain, 0},
-    {Stage::kOversized, launchLarge, kLargeBranch, behind(kSort) | behind(kIds)},
+    {Stage::kOversized, launchOversized, kOversizedBranch, after(kSort) | after(kEntryIds)},
     {Stage::kCluster, launchCluster, kAdaptBranch, 0},
-    {Stage::kSort, launchSortFrames, kAdaptBranch, behind(kSort)},
+    {Stage::kSort, launchSortFrames, kAdaptBranch, after(kSort)},
     {Stage::kSweep, launchSweep, kMain, 0},
-    {Stage::kSweep, launchPairs, kMain, behind(kIds)},
-    {Stage::kNarrowPhase, launchJudge, kMain, behind(kLarge) | behind(kBins)},
+    {Stage::kSweep, launchSweepTriangles, kMain, after(kEntryIds)},
+    {Stage::kNarrowPhase, launchNarrowPhase, kMain, after(kOversized) | after(kBins)},
 };
 
-// Steps whose end somebody on another branch waits for.
+// Returns the steps whose end another branch waits for, as bits. Only these record an event.
 constexpr unsigned awaited() {
-  unsigned steps = behind(kFrames);  // the end of the cycle does
-  for (const Step& step : kList) steps |= step.behind;
+  unsigned steps = after(kFrames);  // the end of the cycle waits for the last step of that branch
+  for (const Step& step : kList) steps |= step.after;
   return steps;
 }
 
-// They hold addresses and numbers alone.
+// Returns the arrays' addresses and sizes as bytes, for comparison.
 std::vector<unsigned char> bytesOf(const CycleArrays& cycle) {
   static_assert(std::is_trivially_copyable_v<CycleArrays>);
   const auto* bytes = reinterpret_cast<const unsigned char*>(&cycle);
@@ -98,13 +103,14 @@ void CycleGraph::run(const CycleArrays& cycle, const CycleShape& shape, CudaEven
 }
 
 void CycleGraph::record(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  // Other threads' detectors may allocate meanwhile.
+  // Other threads may allocate memory meanwhile, which the stricter capture modes forbid.
   checkCuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal),
             "cudaStreamBeginCapture");
   cudaGraph_t recorded = nullptr;
   try {
     enqueue(cycle, shape, stream);
-  } catch (...) {  // a stream that went on recording would fail for ever
+  } catch (...) {
+    // Ends the capture after a failure too, or every later use of the stream would fail.
     cudaStreamEndCapture(stream, &recorded);
     cudaGraphDestroy(recorded);
     throw;
@@ -122,8 +128,10 @@ void CycleGraph::record(const CycleArrays& cycle, const CycleShape& shape, cudaS
   is_recorded_ = true;
 }
 
-// Where the steps are the same, only their arguments have to be changed; false if they are not. By
-// their number scenes with and without clusters are told apart: the driver would call it an error.
+// Updates the arguments of the instantiated graph if the recorded steps are the same, which is
+// faster than instantiating it again. Returns false if they differ. Scenes with and without
+// clusters differ in the number of nodes. That number is compared first, because the driver would
+// report the difference as an error.
 bool CycleGraph::update(cudaGraph_t recorded) const {
   if (graph_ == nullptr || !(graph_shape_ == shape_)) return false;
   if (nodesOf(recorded) != graph_nodes_) return false;
@@ -136,10 +144,12 @@ bool CycleGraph::update(cudaGraph_t recorded) const {
   const cudaError_t status = cudaGraphExecUpdate(graph_, recorded, &node, &result);
 #endif
   if (status == cudaSuccess) return true;
-  cudaGetLastError();  // another graph: no error
+  cudaGetLastError();  // the graphs differ, which is no failure
   return false;
 }
 
+// Enqueues all steps. A branch is forked from the main stream by its first step, and joined where a
+// step of the main stream waits for it.
 void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   static_assert(kStepCount == kSteps && kBranchCount == kBranches);
   started_.record(stream);
@@ -149,11 +159,11 @@ void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cuda
     cudaStream_t on = stream;
     if (step.branch != kMain) {
       on = branch_[step.branch].get();
-      if ((forked >> step.branch & 1) == 0 && step.behind == 0) started_.makeWait(on);
+      if ((forked >> step.branch & 1) == 0 && step.after == 0) started_.makeWait(on);
       forked |= 1U << step.branch;
     }
     for (int other = 0; other < s; ++other) {
-      if ((step.behind >> other & 1) != 0) done_[other].makeWait(on);
+      if ((step.after >> other & 1) != 0) done_[other].makeWait(on);
     }
     step.launch(cycle, shape, on);
     if ((awaited() >> s & 1) != 0) done_[s].record(on);

@@ -1,4 +1,4 @@
-// The steps of a cycle in order: as a CUDA graph, or one after the other with their times.
+// Runs the steps of a cycle on the device: as a CUDA graph, or one after the other with timing.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace deformable_contact_monitor {
 
-// One recorded cycle and the streams of its branches.
+// Owns one recorded graph and the streams of its branches. For one thread at a time.
 class CycleGraph {
  public:
   CycleGraph() = default;
@@ -18,38 +18,41 @@ class CycleGraph {
   CycleGraph& operator=(const CycleGraph&) = delete;
   ~CycleGraph() { forget(); }
 
-  // Runs a cycle; records `start` as its work begins. What comes for the first time is launched
-  // step by step; the second time it is recorded, for that takes longer than one cycle gains.
+  // Enqueues a cycle, and records `start` when its work begins. A cycle with new arrays or a new
+  // shape is launched step by step. If the next cycle has the same ones, the steps are recorded as
+  // a graph, which later cycles launch. Recording costs more than one cycle gains, so it waits for
+  // the second use. Throws CudaError.
   void run(const CycleArrays& cycle, const CycleShape& shape, CudaEvent& start,
            cudaStream_t stream);
 
-  // Runs the steps one by one.
+  // Enqueues the steps one by one and records an event between them.
   void runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
-  // What they took, once the stream has been waited for.
+  // Returns the times of the steps of runTimed() [ms]. The stream must have been waited for.
   StageTimes times() const;
 
  private:
-  // Beside the stream itself.
   static constexpr int kBranches = 3;
   static constexpr int kSteps = 12;
 
-  // What came last, bit by bit: arrays that moved, or count otherwise, are others.
+  // Returns whether arrays and shape are those of the last cycle, compared byte by byte.
   bool isLast(const CycleArrays& cycle, const CycleShape& shape) const;
   void record(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
   bool update(cudaGraph_t recorded) const;
   void forget();
-  // The steps, on `stream` and the branches.
+  // Enqueues the steps on `stream` and the branches.
   void enqueue(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
   CycleShape shape_;
-  std::vector<unsigned char> arrays_;  // the bytes of the last cycle's
-  bool is_recorded_ = false;           // the last cycle, in graph_
+  std::vector<unsigned char> arrays_;  // of the last cycle, as bytes
+  bool is_recorded_ = false;           // graph_ holds the last cycle's steps
   cudaGraphExec_t graph_ = nullptr;
   CycleShape graph_shape_;
   std::size_t graph_nodes_ = 0;
   CudaStream branch_[kBranches];
-  CudaEvent started_, done_[kSteps];  // done_: of each step
-  CudaEvent mark_[kSteps + 1];        // before each step of a timed run, and behind the last
+  // The start of a cycle, and the end of each of its steps.
+  CudaEvent started_, done_[kSteps];
+  // Before each step of a timed run, and after the last one.
+  CudaEvent mark_[kSteps + 1];
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,3 +1,5 @@
+// Decides pairs of swept motion on the host with exact arithmetic, and merges those that are
+// contacts into the device's sorted list.
 #include <algorithm>
 
 #include "core/common/parallel.h"
@@ -8,7 +10,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Whether it is a contact, and when.
+// Returns whether a pair is a contact, and sets the time interval of the contact. It starts from
+// what the device found out. If the straight paths do not meet, the pad may still make the pair a
+// contact; `times.high` is then -1.
 bool decideOne(const OpenPair& pair, bool wants_time, ContactTimes& times) {
   SweptVerdict quick;
   quick.part = PartVerdict::kOpen;
@@ -39,7 +43,7 @@ void OpenPairs::decide(const CycleArrays& cycle, std::uint32_t count, const Opti
             "cudaMemcpyAsync to the host");
   checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
   decided_.assign(count, {0, 0, {0, 0}});
-  constexpr std::size_t kBlock = 4;  // some 0.1 ms
+  constexpr std::size_t kBlock = 4;  // takes about 0.1 ms, after which the limit is checked
   parallelBlocks(limit, count, kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const OpenPair& pair = pairs_[i];
@@ -54,7 +58,8 @@ void OpenPairs::decide(const CycleArrays& cycle, std::uint32_t count, const Opti
   }
 }
 
-// From the back, so that only what comes behind the first of them moves.
+// Merges the contacts of the host, sorted, into the list of the device. It goes from the back, so
+// that only contacts after the first new one are moved.
 void OpenPairs::addTo(const DeviceScene& scene, const Options& options, DetectionResult& result) {
   if (contacts_.empty()) return;
   std::sort(contacts_.begin(), contacts_.end(), [](const Contact& x, const Contact& y) {

@@ -1,4 +1,4 @@
-// Pairs of swept motion that the device leaves open, decided on the host.
+// Decides on the host the pairs of swept motion for which the device's arithmetic does not suffice.
 #pragma once
 
 #include <cstdint>
@@ -12,32 +12,33 @@
 
 namespace deformable_contact_monitor {
 
-// Of one detector and one cycle; of several passes, if need be.
+// Belongs to one detector. Collects such pairs over one cycle, which may have several passes.
 class OpenPairs {
  public:
   void clear() {
     contacts_.clear();
     taken_ = 0;
   }
-  // How many came since clear().
+  // Returns how many pairs were fetched since clear().
   std::uint64_t taken() const { return taken_; }
 
-  // Fetches the first `count` of contacts.open_pairs, once the cycle that left them is over, and
-  // decides them on threads; those that the limit leaves no time for are left out.
+  // Fetches the first `count` of contacts.open_pairs and decides them on several threads. The
+  // stream must have been waited for. Pairs for which the limit leaves no time are left out.
   void decide(const CycleArrays& cycle, std::uint32_t count, const Options& options,
               const CycleLimit& limit, cudaStream_t stream);
 
-  // Adds the contacts among them to a sorted list.
+  // Adds those pairs that are contacts to the sorted lists of the result.
   void addTo(const DeviceScene& scene, const Options& options, DetectionResult& result);
 
  private:
   struct Contact {
-    std::uint64_t lower, higher;  // numbers of the triangles
+    std::uint64_t lower, higher;  // numbers of the two triangles
     ContactTimes times;
   };
 
   PinnedBuffer<OpenPair> pairs_;
-  std::vector<Contact> decided_;  // one for each pair; those that are none have equal numbers
+  // One element for each pair; lower == higher marks a pair that is no contact.
+  std::vector<Contact> decided_;
   std::vector<Contact> contacts_;
   std::uint64_t taken_ = 0;
 };

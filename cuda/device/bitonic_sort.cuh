@@ -1,4 +1,4 @@
-// A sort in shared memory.
+// Sorts keys in shared memory, by one thread block.
 #pragma once
 
 #include <cstdint>
@@ -7,19 +7,21 @@
 
 namespace deformable_contact_monitor {
 
-// This lane's key and that of the lane `apart` from it: which of them it has from now on.
+// Compares the key of this lane with that of the lane `apart` from it, and returns the one that
+// this lane keeps. Called by a whole warp.
 __device__ inline std::uint32_t exchanged(std::uint32_t key, unsigned apart, bool ascends) {
   const std::uint32_t other = __shfl_xor_sync(kFullWarp, key, apart);
   return ((laneId() & apart) == 0) == ascends ? min(key, other) : max(key, other);
 }
 
-// K. Batcher's bitonic sort by a block, whose threads all call it with the same: each `part` of the
-// first `whole` keys, ascending. Both are powers of two, part >= 64, and the block has whole / 2
-// threads at least. All of the block have seen to their keys, and may read all keys then.
-// A lane holds two keys 32 places apart, for a warp is done with its 64 places faster in registers.
+// Sorts each `part` of the first `whole` keys in ascending order, by K. Batcher's bitonic sort.
+// Both numbers are powers of two, part >= 64. All threads of the block call it with the same
+// arguments; the block has at least whole / 2 threads. It synchronises the block before the first
+// read and after the last write of the keys. Each lane holds two keys, 32 places apart: a warp
+// sorts its 64 places in registers, which is faster than in shared memory.
 __device__ inline void bitonicSort(std::uint32_t* key, unsigned whole, unsigned part) {
   const unsigned at = 2 * (threadIdx.x - laneId()) + laneId();
-  const bool mine = at < whole;  // of the whole warp
+  const bool mine = at < whole;  // the same for all lanes of a warp
   const auto ascends = [part](unsigned run, unsigned i) { return run == part || (i & run) == 0; };
   std::uint32_t low = 0, high = 0;
   const auto load = [&] {
@@ -37,6 +39,7 @@ __device__ inline void bitonicSort(std::uint32_t* key, unsigned whole, unsigned 
   };
   load();
   for (unsigned run = 2; run <= part; run *= 2) {
+    // Partners that are more than 32 places apart are exchanged in shared memory.
     if (run > 2 * kWarp) {
       store();
       for (unsigned apart = run / 2; apart > kWarp; apart /= 2) {
@@ -52,6 +55,7 @@ __device__ inline void bitonicSort(std::uint32_t* key, unsigned whole, unsigned 
       }
       load();
     }
+    // Partners that are 32 places apart are the two keys of one lane.
     if (run > kWarp && (low > high) == ascends(run, at)) {
       const std::uint32_t swapped = low;
       low = high;

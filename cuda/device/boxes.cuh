@@ -1,16 +1,17 @@
-// Boxes that many threads grow together.
+// Bounding boxes that many threads grow at once, by atomic operations.
 #pragma once
 
 #include <cstdint>
 
 #include "core/predicates/aabb.h"
-#include "core/rules/ordered_bits.h"
+#include "core/rules/intervals.h"
 #include "cuda/device/warp.cuh"
 
 namespace deformable_contact_monitor {
 
-// Such a box: the ordered bits of its least x, y, z turned round, then those of its greatest; so
-// each side grows by atomicMax, and zeros are the empty box.
+// A shared box consists of six words: the inverted ordered bits of the least x, y, z, then the
+// ordered bits of the greatest x, y, z. So every side grows by atomicMax, and six zeros are the
+// empty box.
 constexpr unsigned kSides = 6;
 
 __device__ inline Aabb boxOf(const std::uint32_t* sides) {
@@ -19,7 +20,7 @@ __device__ inline Aabb boxOf(const std::uint32_t* sides) {
           {fromOrderedBits(sides[3]), fromOrderedBits(sides[4]), fromOrderedBits(sides[5])}};
 }
 
-// Of a block, in shared memory. All its threads make each of the calls.
+// A box of a thread block, in shared memory. All threads of the block make each call.
 struct BlockBox {
   std::uint32_t sides[kSides];
 
@@ -27,7 +28,8 @@ struct BlockBox {
     if (threadIdx.x < kSides) sides[threadIdx.x] = 0;
     __syncthreads();
   }
-  // A warp's boxes take one atomic for each side.
+  // Grows the box by a box of each thread, which may be empty. A warp combines its boxes first, so
+  // that it needs one atomic for each side.
   __device__ void include(const Aabb& box) {
     const bool counts = !box.empty();
     for (int k = 0; k < 3; ++k) {
@@ -41,6 +43,7 @@ struct BlockBox {
     __syncthreads();
   }
   __device__ Aabb get() const { return boxOf(sides); }
+  // Grows a box in global memory by this one.
   __device__ void addTo(std::uint32_t* box) const {
     if (threadIdx.x < kSides && sides[threadIdx.x] != 0) {
       atomicMax(&box[threadIdx.x], sides[threadIdx.x]);

@@ -1,4 +1,4 @@
-// CUDA failures as exceptions.
+// Reports CUDA failures as exceptions.
 #pragma once
 
 #include "core/backend_error.h"
@@ -6,8 +6,8 @@
 
 namespace deformable_contact_monitor {
 
-// A call into CUDA failed, or there is something that the CUDA backend cannot do; what() names the
-// call and CUDA's reason.
+// Thrown when a CUDA call fails, or when the CUDA backend does not support what it is asked for.
+// what() names the call and CUDA's reason.
 class DCM_EXPORT CudaError : public BackendError {
  public:
   using BackendError::BackendError;

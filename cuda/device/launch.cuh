@@ -1,4 +1,5 @@
-// How many blocks a kernel takes, and kernels that are launched before the one ahead has ended.
+// Launches kernels. Programmatic dependent launch lets a kernel start before the previous one in
+// its stream has ended, which hides the latency of the launch.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -7,23 +8,25 @@
 
 #include "cuda/device/check.cuh"
 
-// Recorded graphs know of early launches from CUDA 12.3 on. Below, every launch is a plain one.
-constexpr int kEarlyLaunchesFrom = 12030;
-#define DCM_EARLY_LAUNCHES (CUDART_VERSION >= 12030)
+// CUDA graphs support programmatic dependent launch from CUDA 12.3 on. Older versions use plain
+// launches.
+constexpr int kDependentLaunchesFrom = 12030;
+#define DCM_DEPENDENT_LAUNCHES (CUDART_VERSION >= 12030)
 
 namespace deformable_contact_monitor {
 
 struct DeviceTraits {
   unsigned multiprocessors = 1;
-  bool overlaps_launches = false;  // programmatic dependent launch
+  bool dependent_launches = false;  // programmatic dependent launch
 
-  // Whether a driver of that version (as cudaDriverGetVersion() says it, which may be older than
-  // the runtime) records early launches for devices of that compute capability.
-  static bool overlapsLaunches(int driver_version, int capability_major) {
-    return DCM_EARLY_LAUNCHES && driver_version >= kEarlyLaunchesFrom && capability_major >= 9;
+  // Returns whether a driver of that version (from cudaDriverGetVersion(), and perhaps older than
+  // the runtime) records dependent launches for devices of that compute capability.
+  static bool supportsDependentLaunches(int driver_version, int capability_major) {
+    return DCM_DEPENDENT_LAUNCHES && driver_version >= kDependentLaunchesFrom &&
+           capability_major >= 9;
   }
 
-  // Of the device with that number; throws CudaError.
+  // Returns the traits of the device with that number. Throws CudaError.
   static DeviceTraits of(int device) {
     const auto get = [device](cudaDeviceAttr attribute) {
       int value = 0;
@@ -34,15 +37,16 @@ struct DeviceTraits {
     traits.multiprocessors = static_cast<unsigned>(get(cudaDevAttrMultiProcessorCount));
     int driver = 0;
     checkCuda(cudaDriverGetVersion(&driver), "cudaDriverGetVersion");
-    traits.overlaps_launches = overlapsLaunches(driver, get(cudaDevAttrComputeCapabilityMajor));
+    traits.dependent_launches =
+        supportsDependentLaunches(driver, get(cudaDevAttrComputeCapabilityMajor));
     return traits;
   }
   bool operator==(const DeviceTraits& o) const {
-    return multiprocessors == o.multiprocessors && overlaps_launches == o.overlaps_launches;
+    return multiprocessors == o.multiprocessors && dependent_launches == o.dependent_launches;
   }
 };
 
-// How many blocks of a kernel the device holds at once.
+// Returns how many blocks of a kernel the device can run at the same time.
 template <class Kernel>
 unsigned blocksInOneWave(Kernel kernel, unsigned threads, std::size_t shared_bytes,
                          const DeviceTraits& device) {
@@ -53,13 +57,16 @@ unsigned blocksInOneWave(Kernel kernel, unsigned threads, std::size_t shared_byt
   return device.multiprocessors * static_cast<unsigned>(each > 0 ? each : 1);
 }
 
-// Launches a kernel that begins with awaitKernelAhead(), right behind another kernel of the stream.
-// The device may start it once all blocks of that one have ended or called letNextStart().
+// Launches a kernel by programmatic dependent launch. It must begin with awaitPreviousKernel(), and
+// directly follow another kernel in the stream. The device may start it once all blocks of that
+// kernel have ended or called letNextKernelStart().
 template <class Argument>
-void launchEarly(void (*kernel)(Argument), dim3 blocks, unsigned threads, std::size_t shared_bytes,
-                 const DeviceTraits& device, cudaStream_t stream, const Argument& argument) {
-#if DCM_EARLY_LAUNCHES
-  // Code for older devices, which newer ones may run too, does not await anything.
+void launchDependent(void (*kernel)(Argument), dim3 blocks, unsigned threads,
+                     std::size_t shared_bytes, const DeviceTraits& device, cudaStream_t stream,
+                     const Argument& argument) {
+#if DCM_DEPENDENT_LAUNCHES
+  // Code that was compiled for older architectures may run on newer devices too, but it does not
+  // wait for the previous kernel. So it must not be launched early.
   cudaFuncAttributes code{};
   checkCuda(cudaFuncGetAttributes(&code, kernel), "cudaFuncGetAttributes");
   const bool awaits = code.ptxVersion >= 90;
@@ -72,7 +79,7 @@ void launchEarly(void (*kernel)(Argument), dim3 blocks, unsigned threads, std::s
   config.dynamicSmemBytes = shared_bytes;
   config.stream = stream;
   config.attrs = &early;
-  config.numAttrs = device.overlaps_launches && awaits ? 1 : 0;
+  config.numAttrs = device.dependent_launches && awaits ? 1 : 0;
   checkCuda(cudaLaunchKernelEx(&config, kernel, argument), "cudaLaunchKernelEx");
 #else
   static_cast<void>(device);
@@ -83,17 +90,18 @@ void launchEarly(void (*kernel)(Argument), dim3 blocks, unsigned threads, std::s
 #endif
 }
 
-// Until the kernel ahead has ended and all that it wrote can be read; before anything else.
-__device__ inline void awaitKernelAhead() {
-#if DCM_EARLY_LAUNCHES && __CUDA_ARCH__ >= 900
+// Waits until the previous kernel has ended and all that it wrote can be read. Must come before the
+// kernel reads any of that.
+__device__ inline void awaitPreviousKernel() {
+#if DCM_DEPENDENT_LAUNCHES && __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
 #endif
 }
 
-// In a kernel that was itself launched early, only after awaitKernelAhead(): else what comes next
-// could overtake the kernel before this one.
-__device__ inline void letNextStart() {
-#if DCM_EARLY_LAUNCHES && __CUDA_ARCH__ >= 900
+// Lets the next kernel of the stream start. A kernel that is itself a dependent launch must call
+// awaitPreviousKernel() first; else the next kernel could overtake the one before this one.
+__device__ inline void letNextKernelStart() {
+#if DCM_DEPENDENT_LAUNCHES && __CUDA_ARCH__ >= 900
   cudaTriggerProgrammaticLaunchCompletion();
 #endif
 }

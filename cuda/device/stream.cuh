@@ -1,4 +1,4 @@
-// Streams and events.
+// Owns CUDA streams and events.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -7,7 +7,7 @@
 
 namespace deformable_contact_monitor {
 
-// A stream of its own, so that nothing waits for the default one.
+// Owns a stream that does not synchronise with the default stream.
 class CudaStream {
  public:
   CudaStream() {
@@ -18,11 +18,11 @@ class CudaStream {
   ~CudaStream() { cudaStreamDestroy(stream_); }
 
   cudaStream_t get() const { return stream_; }
-  // Whether all that was put into it is done.
+  // Returns whether all work in the stream is done.
   bool isIdle() const {
     const cudaError_t status = cudaStreamQuery(stream_);
     if (status == cudaErrorNotReady) {
-      cudaGetLastError();  // no error
+      cudaGetLastError();  // a busy stream is no error
       return false;
     }
     checkCuda(status, "cudaStreamQuery");
@@ -34,6 +34,7 @@ class CudaStream {
   cudaStream_t stream_ = nullptr;
 };
 
+// Owns an event that marks a point in a stream and its time.
 class CudaEvent {
  public:
   CudaEvent() { checkCuda(cudaEventCreate(&event_), "cudaEventCreate"); }
@@ -42,13 +43,13 @@ class CudaEvent {
   ~CudaEvent() { cudaEventDestroy(event_); }
 
   void record(cudaStream_t stream) { checkCuda(tryRecord(stream), "cudaEventRecord"); }
-  // For streams of others, which may not do.
+  // Records without a check, for streams of the user, where the call may fail.
   cudaError_t tryRecord(cudaStream_t stream) { return cudaEventRecord(event_, stream); }
-  // Makes what is put into the stream from now on wait for what was before the record.
+  // Makes work that is enqueued in the stream from now on wait for the recorded point.
   void makeWait(cudaStream_t stream) const {
     checkCuda(cudaStreamWaitEvent(stream, event_), "cudaStreamWaitEvent");
   }
-  // [ms], of two events that have passed.
+  // Returns the time between two events that have passed [ms].
   static double between(const CudaEvent& start, const CudaEvent& end) {
     float ms = 0;
     checkCuda(cudaEventElapsedTime(&ms, start.event_, end.event_), "cudaEventElapsedTime");

@@ -1,4 +1,4 @@
-// Small tools for warps.
+// Computes sums, maxima and reservations over the threads of a warp or a block.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@ constexpr unsigned kFullWarp = 0xffffffffU;
 
 __device__ inline unsigned laneId() { return threadIdx.x % kWarp; }
 
+// Returns the greatest x of all lanes. Called by a whole warp.
 __device__ inline std::uint32_t warpMost(std::uint32_t x) {
 #if __CUDA_ARCH__ >= 800
   return __reduce_max_sync(kFullWarp, x);
@@ -19,13 +20,15 @@ __device__ inline std::uint32_t warpMost(std::uint32_t x) {
 #endif
 }
 
+// Returns the sum of x over all lanes, in each of them. Called by a whole warp.
 template <class T>
 __device__ inline T warpSum(T x) {
   for (unsigned o = kWarp / 2; o > 0; o /= 2) x += __shfl_xor_sync(kFullWarp, x, o);
   return x;
 }
 
-// The sum of x over the lanes before this one; `total` becomes that over all.
+// Returns the sum of x over the lanes before this one; `total` becomes the sum over all lanes.
+// Called by a whole warp.
 __device__ inline std::uint32_t warpPrefix(std::uint32_t x, std::uint32_t& total) {
   std::uint32_t sum = x;
   for (unsigned o = 1; o < kWarp; o *= 2) {
@@ -47,10 +50,27 @@ __device__ inline Counter warpReserve(Counter* counter, bool wanted) {
   return __shfl_sync(kFullWarp, base, 0) + __popc(mask & ((1U << laneId()) - 1));
 }
 
-// Adds up over a whole warp, with at most one atomic.
+// Counts the lanes of a whole warp for which `counted` holds, with at most one atomic.
 __device__ inline void warpCount(std::uint32_t* counter, bool counted) {
   const unsigned mask = __ballot_sync(kFullWarp, counted);
   if (mask != 0 && laneId() == 0) atomicAdd(counter, __popc(mask));
+}
+
+// Returns the sum of x over the threads before this one; `total` becomes the sum over all. Called
+// by the whole block of kThreads threads, in whole warps.
+template <unsigned kThreads>
+__device__ std::uint32_t blockPrefix(std::uint32_t x, std::uint32_t& total) {
+  __shared__ std::uint32_t warp_total[kThreads / kWarp];
+  std::uint32_t before = warpPrefix(x, total);
+  __syncthreads();  // other threads may still read the last call's totals
+  if (laneId() == 0) warp_total[threadIdx.x / kWarp] = total;
+  __syncthreads();
+  total = 0;
+  for (unsigned w = 0; w < kThreads / kWarp; ++w) {
+    before += w < threadIdx.x / kWarp ? warp_total[w] : 0;
+    total += warp_total[w];
+  }
+  return before;
 }
 
 }  // namespace deformable_contact_monitor

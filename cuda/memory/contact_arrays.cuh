@@ -1,4 +1,5 @@
-// Candidates and contacts (stages sweep, large, judge, output).
+// Declares the arrays of candidates and contacts, for the stages sweep, oversized, narrow_phase and
+// output.
 #pragma once
 
 #include <cstdint>
@@ -9,71 +10,72 @@
 
 namespace deformable_contact_monitor {
 
-// Two members for the judge, and what is known of them.
+// A pair of tile entries for the narrow phase, with what the earlier filters found out.
 struct DeviceCandidate {
-  MemberIndex a, b;
-  // Two bits for each of 3 + 3 sides (side + 1), then three for each triangle's shared vertices. In
-  // swept motion see stages/swept_pairs.cuh.
+  TileEntryIndex a, b;
+  // Two bits (side + 1) for each of the three vertices of either triangle, then three bits for the
+  // shared vertices of either triangle. In swept motion see stages/swept_pairs.cuh.
   std::uint32_t facts;
 };
 
-// What is known of a candidate in swept motion, while its features are looked at. Times are bits of
-// floats that are not negative: their order is that of the floats.
+// The state of a candidate in swept motion, while its features are examined. Times are stored as
+// bits of non-negative floats, which have the same order as the floats.
 struct alignas(16) SweptState {
-  std::uint32_t low, high;  // of the features that meet; those of 2: none does yet
-  std::uint32_t open_low;   // before which no open feature meets
-  std::uint32_t bits;       // of open features, and more: see stages/swept_pairs.cuh
+  std::uint32_t low, high;  // of the features that meet; 2 if none does yet
+  std::uint32_t open_low;   // no open feature meets before this time
+  std::uint32_t bits;       // which features are open, and flags: see stages/swept_pairs.cuh
 };
 
-// A pair that the device leaves to the host.
+// A pair of swept motion that the device leaves to the host.
 struct OpenPair {
   MovingTriangle a, b;
   TriangleIndex triangle_a, triangle_b;
-  std::uint32_t shared;  // bits: vertices of a, of b << 3
-  std::uint32_t open;    // SweptVerdict::open
-  float low, high;       // SweptVerdict's
+  std::uint32_t shared;  // bits of the shared vertices of a, and of b << 3
+  std::uint32_t open;    // as in SweptVerdict::open
+  float low, high;       // as in SweptVerdict
   std::uint32_t meets_at_end;
-  float pad_m;  // of the two bodies
+  float pad_m;  // of the two bodies together [m]
 };
 
-// Of a contact in swept motion, beside its key. A pad alone makes it: then `high` is negative.
+// The time interval of a contact in swept motion, stored beside its key. `high` is negative if only
+// the pad makes the pair a contact.
 struct alignas(8) ContactTimes {
   float low, high;
 };
 
-// What stage judge counts in swept motion; zero at the beginning of
-// a cycle and of each pass.
+// Lengths of the lists of the narrow phase in swept motion, see stages/narrow_phase_moving.cuh.
+// They are zero at the beginning of a cycle and of each pass.
 struct alignas(128) SweptCounters {
   alignas(128) std::uint32_t touching;   // candidates for the static predicates
-  alignas(128) std::uint32_t moving;     // for the fixed directions
-  alignas(128) std::uint32_t robust;     // for the static predicates in full
-  alignas(128) std::uint32_t featured;   // for their features
-  alignas(128) std::uint32_t left;       // of those with features that float32 leaves open
-  alignas(128) std::uint32_t beyond;     // of those that share vertices, left by float32
-  alignas(128) std::uint32_t dismissed;  // no contacts, where a pad may make them some
+  alignas(128) std::uint32_t moving;     // pairs for the fixed directions
+  alignas(128) std::uint32_t robust;     // pairs for the robust static predicates
+  alignas(128) std::uint32_t featured;   // pairs for the test of their features
+  alignas(128) std::uint32_t left;       // pairs with features that float32 leaves open
+  alignas(128) std::uint32_t beyond;     // pairs that share vertices, left open by float32
+  alignas(128) std::uint32_t dismissed;  // pairs that only a pad may make contacts
 };
 
 struct ContactArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
   DeviceArray<DeviceCandidate, Place> candidates{*this, &CycleSizes::candidates};
-  // Places of candidates for the full verdict; from the end backwards, of those that share
-  // vertices.
+  // Places of candidates that need the full verdict. Those that share vertices are stored from the
+  // end of the array backwards.
   DeviceArray<Place, Place> open{*this, &CycleSizes::candidates};
-  // The lower triangle's number << CycleParams::index_bits | the higher one's.
+  // Keys: the lower triangle's number << CycleParams::index_bits | the higher triangle's number.
   DeviceArray<std::uint64_t, Place> contacts{*this, &CycleSizes::contacts};
   DeviceArray<float, Place> separations_m{*this, &CycleSizes::contacts};
 
-  // Of each triangle, how many contacts it is the lower triangle of; zero but in stage output. And
-  // the place of the first of them in `rows`.
+  // The number of contacts whose lower triangle is this one; it is zero except in stage output.
+  // `row_begin` is the place of the first of them in `rows`.
   DeviceArray<std::uint32_t, TriangleIndex> row_count{*this, &CycleSizes::triangles, 1};
   DeviceArray<Place, TriangleIndex> row_begin{*this, &CycleSizes::triangles, 1};
-  // The contacts with those of one lower triangle together, and where they stand in `contacts`.
+  // The contacts grouped by their lower triangle, and their places in `contacts`.
   DeviceArray<std::uint64_t, Place> rows{*this, &CycleSizes::contacts};
   DeviceArray<Place, Place> row_from{*this, &CycleSizes::contacts};
-  DeviceArray<std::uint32_t, Place> row_too_long{*this, 1U};  // not 0: no order was made
+  DeviceArray<std::uint32_t, Place> row_too_long{*this, 1U};  // 1 if a row was too long
 
-  // In swept motion: what the candidates' stations are, as places of candidates.
+  // Lists of candidates' places in swept motion; see stages/narrow_phase_moving.cuh.
   DeviceArray<SweptState, Place> states{*this, &CycleSizes::swept_candidates};
   DeviceArray<Place, Place> first_list{*this, &CycleSizes::swept_candidates};
   DeviceArray<Place, Place> second_list{*this, &CycleSizes::swept_candidates};

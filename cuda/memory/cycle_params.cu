@@ -5,14 +5,16 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// As many buckets for each group as there are, in powers of two.
+// Returns CycleParams::bucket_shift: kBuckets are divided among `groups` groups, and each gets the
+// greatest power of two that fits.
 std::uint32_t bucketShift(std::uint32_t groups) {
   std::uint32_t shift = kAxisBits;
   for (std::uint32_t buckets = 2; buckets * std::max(groups, 1U) <= kBuckets; buckets *= 2) --shift;
   return shift;
 }
 
-// The fewer units a scene has, the smaller they must be to share them out evenly.
+// Returns how many columns a work unit has. A small scene has few units, so they must be small to
+// give all warps equal work.
 std::uint32_t unitColumns(std::uint32_t triangles) {
   constexpr std::uint32_t kFewTriangles = 1000000, kManyTriangles = 10000000;
   if (triangles < kFewTriangles) return kLeastUnitColumns;
@@ -31,12 +33,13 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   const bool swept = options.motion == Motion::kSwept;
   p.margins = any.margins && !swept ? 1 : 0;
   p.pads = any.pads && swept ? 1 : 0;
-  // Elsewhere pairs that are apart may be near, or less than certainty is asked for.
-  p.settles = !swept && !any.margins && options.predicates != Predicates::kFast ? 1 : 0;
-  const bool few_sharers =
+  // The sweep can decide pairs only if there are no margins, within which pairs that are apart may
+  // be contacts too, and if the user asks for certain verdicts.
+  p.decides = !swept && !any.margins && options.predicates != Predicates::kFast ? 1 : 0;
+  const bool few_adjacent =
       options.adjacent == AdjacentPairs::kSkip || options.predicates == Predicates::kExact;
-  constexpr std::uint32_t kMany = 300000;  // triangles: then those left are worth two steps
-  p.leaves_few = p.settles != 0 && few_sharers && triangles < kMany ? 1 : 0;
+  constexpr std::uint32_t kMany = 300000;  // triangles; above it two kernels are faster
+  p.leaves_few = p.decides != 0 && few_adjacent && triangles < kMany ? 1 : 0;
   p.first_times = options.first_times ? 1 : 0;
   p.group_count = std::min(groups, kMostGroups);
   p.groups_exact = groups <= kMostGroups ? 1 : 0;
@@ -48,16 +51,16 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   return p;
 }
 
-void tell(const CycleCounters& counted, std::uint32_t clusters, Counters& told) {
+void reportCounters(const CycleCounters& counted, std::uint32_t clusters, Counters& told) {
   told.rejected = counted.rejected;
   told.culled = counted.culled;
   told.clustered = counted.clustered;
-  told.large = counted.large;
+  told.large = counted.oversized;
   told.clusters = counted.clustered > 0 ? clusters : 0;
-  told.cluster_entries = counted.members;
+  told.cluster_entries = counted.cluster_entries;
   told.largest_cluster = counted.largest_cluster;
   told.interval_overlaps = counted.interval_overlaps;
-  told.candidates = counted.settled + counted.judged;
+  told.candidates = counted.decided + counted.examined;
   told.exact = counted.exact;
   told.undecided = counted.undecided;
 }

@@ -1,4 +1,4 @@
-// The settings of a cycle, and what it counts.
+// Declares the settings of a cycle and its counters, as the kernels see them.
 #pragma once
 
 #include <cstdint>
@@ -6,21 +6,22 @@
 #include "core/detector.h"
 #include "core/options.h"
 #include "core/rules/scene_scale.h"
-#include "core/rules/size_rule.h"
 #include "cuda/partitions/scene_partition.h"
 
 namespace deformable_contact_monitor {
 
-// Groups of bodies that the sweeps tell apart. Scenes with more groups share the last.
+// The number of groups of bodies that the sweeps distinguish. In a scene with more groups, all
+// further ones share the last number.
 constexpr std::uint32_t kMostGroups = 32;
-// Buckets along a cluster's first axis, divided evenly among the groups.
+// The number of buckets along a cluster's first axis, divided evenly among the groups.
 constexpr std::uint32_t kBuckets = 1024;
-// Positions along an axis have so many bits before they become buckets.
+// The number of bits of a position along an axis, from which the bucket is computed.
 constexpr std::uint32_t kAxisBits = 15;
-// What work units' columns are counted in, and the most that one has.
+// The number of columns of a work unit is a multiple of the first, and at most the second.
 constexpr std::uint32_t kLeastUnitColumns = 8, kMostUnitColumns = 64;
 
-// Settings of a cycle; not part of a recorded graph.
+// The settings of a cycle. They are not part of a recorded graph, so they may change in every
+// cycle.
 struct CycleParams {
   SceneScale scale;
   SizeRule size;
@@ -28,69 +29,72 @@ struct CycleParams {
   float fuzzifier;
   AdjacentPairs adjacent;
   Predicates predicates;
-  std::uint32_t margins;       // some body that takes part has one
+  std::uint32_t margins;       // 1 if some body that takes part has a margin
   std::uint32_t group_count;   // <= kMostGroups
-  std::uint32_t bucket_shift;  // from kAxisBits along the first axis to a bucket of a group
-  std::uint32_t groups_exact;  // no two groups of bodies share a number
-  std::uint32_t pass, passes;  // this pass makes the steps of stage pairs, and the blocks of the
-                               // large list, whose number % passes == pass
+  std::uint32_t bucket_shift;  // from a position of kAxisBits bits to a bucket of a group
+  std::uint32_t groups_exact;  // 1 if no two groups of bodies share a number
+  // The number of this pass, and of all passes. This pass makes the steps of the sweep and the
+  // blocks of the oversized stage whose number % passes == pass.
+  std::uint32_t pass, passes;
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
-  std::uint32_t index_bits;    // of a triangle's number in a contact's key
-  std::uint32_t any_self;      // some body has contacts with itself
-  std::uint32_t fans;          // certified ones settle pairs that share vertices
-  std::uint32_t limited;       // the host may end the cycle early (stages/cut_off.cuh)
-  std::uint32_t first_times;   // in swept motion: they are asked for
-  std::uint32_t pads;          // in swept motion: some body that takes part has one
-  SceneShare share;            // of this device: pairs beside it are not looked for
-  std::uint32_t settles;       // the sweep gives the verdicts of which float32 is certain
-  std::uint32_t leaves_few;    // and leaves few to the judge: flat fans are certified, or skipped
+  std::uint32_t index_bits;    // of a triangle's number, in the key of a contact
+  std::uint32_t any_self;      // 1 if some body may have contacts with itself
+  std::uint32_t fans;          // 1 if certified fans decide pairs that share vertices
+  std::uint32_t limited;       // 1 if the host may end the cycle early (stages/cut_off.cuh)
+  std::uint32_t first_times;   // in swept motion: 1 if the user asks for contact times
+  std::uint32_t pads;          // in swept motion: 1 if some body that takes part has a pad
+  ScenePartition partition;    // of this device: other pairs are not detected
+  std::uint32_t decides;       // 1 if the sweep decides pairs where float32 is certain
+  // 1 if the sweep leaves so few pairs to the narrow phase that one kernel for all is fastest.
+  std::uint32_t leaves_few;
 
   DCM_HD std::uint32_t bucketsOfGroup() const { return 1U << (kAxisBits - bucket_shift); }
 };
 
-// Whether some body that takes part has a margin; in swept motion, a pad.
+// States whether some body that takes part has a margin, and in swept motion a pad.
 struct BodyLengths {
   bool margins, pads;
 };
 
-// For a scene of `triangles` triangles whose bodies fall into `groups` groups. Scale and size rule
-// are left as they are by default.
+// Returns the settings for a scene of `triangles` triangles whose bodies fall into `groups` groups.
+// Scale, size rule and partition keep their defaults.
 CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::uint32_t groups,
                         const BodyLengths& any);
 
-// Counters that many warps add to keep apart, in memory lines of their own.
+// The size of a memory line [bytes]. Counters that many warps add to have a line each.
 constexpr unsigned kLine = 128;
 
-// Work done, sizes wanted, and what did not fit; zero at the start of a cycle. Counts go on beyond
-// capacities, so they say what is needed.
+// Counts the work of a cycle, the sizes that it wants, and what did not fit. All are zero at the
+// start of a cycle. Counts go on beyond the capacities, so they tell how much room is needed.
 struct alignas(kLine) CycleCounters {
-  std::uint32_t rejected, culled, clustered, large;
-  std::uint32_t largest_cluster;  // its triangles
-  std::uint32_t bin_overflow;     // entries did not fit into some bin
-  std::uint32_t bins_wanted;      // entries that next cycle's bins want room for
+  std::uint32_t rejected, culled, clustered, oversized;
+  std::uint32_t largest_cluster;  // the number of its triangles
+  std::uint32_t bin_overflow;     // 1 if entries did not fit into some bin
+  std::uint32_t bins_wanted;      // entries for which the next cycle's bins need room
   std::uint32_t exact, undecided;
   std::uint32_t blocks_done;
-  std::uint32_t cut_off;       // some work was given up, for the host wanted the cycle to end
-  std::uint32_t open_pairs;    // in swept motion: left to the host
-  unsigned long long members;  // of the clusters: triangles
+  std::uint32_t cut_off;               // 1 if work was given up because the host ended the cycle
+  std::uint32_t open_pairs;            // in swept motion: pairs that are left to the host
+  unsigned long long cluster_entries;  // the triangles of all clusters, added up
   unsigned long long interval_overlaps;
-  unsigned long long settled;   // pairs with a verdict from the sweep: never candidates
-  unsigned long long judged;    // all passes' candidates
-  unsigned long long unjudged;  // those that there was no room for: no verdict on them
+  unsigned long long decided;     // pairs that the sweep decided; they are no candidates
+  unsigned long long examined;    // the candidates of all passes
+  unsigned long long unexamined;  // candidates without room, which get no verdict
   alignas(kLine) std::uint32_t far_vertices;
   alignas(kLine) std::uint32_t list_words;
   alignas(kLine) std::uint32_t units;
   alignas(kLine) std::uint32_t units_taken;
   alignas(kLine) std::uint32_t tile_pairs;
-  alignas(kLine) std::uint32_t crowded_pairs;
+  alignas(kLine) std::uint32_t dense_pairs;
   alignas(kLine) std::uint32_t pairs_taken;
   alignas(kLine) unsigned long long candidates;
-  alignas(kLine) std::uint32_t open;     // in contacts.open from its front on
-  alignas(kLine) std::uint32_t sharing;  // and from its end backwards
+  alignas(kLine) std::uint32_t open;           // on contacts.open, from its front on
+  alignas(kLine) std::uint32_t open_adjacent;  // on contacts.open, from its end backwards
   alignas(kLine) unsigned long long contacts;
 };
 
-// What users are told of them; `clusters`: how many the cycle had. The rest of `told` stays.
-void tell(const CycleCounters& counted, std::uint32_t clusters, Counters& told);
+// Copies the counters that users get to `told`, and leaves its other counters alone. `clusters`:
+// the number of clusters in the cycle.
+void reportCounters(const CycleCounters& counted, std::uint32_t clusters, Counters& told);
 
 }  // namespace deformable_contact_monitor

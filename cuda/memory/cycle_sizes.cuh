@@ -1,4 +1,4 @@
-// How much room a cycle has, and how that grows.
+// Keeps the sizes of the device arrays, and decides how they grow.
 #pragma once
 
 #include <cstddef>
@@ -8,47 +8,50 @@
 
 namespace deformable_contact_monitor {
 
-// Capacities of the arrays in CycleArrays.
+// The capacities of the arrays in CycleArrays, in elements.
 struct CycleSizes {
-  // For the scene, as DeviceScene lays it out; those of fans where certificates are asked for.
+  // Sizes of the scene, which DeviceScene sets. Those of fans are set only if certified fans are
+  // needed.
   std::uint32_t bodies = 0, partners = 0, pair_words = 0;
   std::uint32_t vertices = 0, triangles = 0, vertex_blocks = 0, triangle_blocks = 0;
   std::uint32_t tiles = 0, slots = 0;
   std::uint32_t identity_slots = 0, fan_vertices = 0, fan_places = 0;
-  // Of what a cycle finds. Those of candidates and contacts share a memory limit by halves; the
-  // others grow by need.
+  // Sizes of what a cycle finds. Candidates and contacts may use half of the memory limit each; the
+  // others grow as needed.
   std::uint32_t clusters = 0, samples = 0;
-  std::uint32_t entries = 0, list_words = 0, units = 0, tile_pairs = 0, crowded_pairs = 0;
+  std::uint32_t entries = 0, list_words = 0, units = 0, tile_pairs = 0, dense_pairs = 0;
   std::uint32_t candidates = 0, contacts = 0;
-  // In swept motion as those above, otherwise nothing or what was there; and pairs for the host.
+  // Sizes for swept motion. They are equal to those above in swept motion, and stay as they are
+  // otherwise. The last one is the room for pairs that are left to the host.
   bool swept = false;
   std::uint32_t swept_bodies = 0, swept_vertices = 0, swept_slots = 0;
   std::uint32_t swept_candidates = 0, swept_contacts = 0, open_pairs = 0;
 
-  // Brings the sizes for swept motion up to the others, if `swept`; wherever those have changed.
+  // Sets the sizes for swept motion to the others, if `swept`. Call it after each change of those.
   void follow();
 
-  // A size to at least `needed`; if it grows beyond what it was once, by half as much again.
+  // Raises a size to at least `needed`. A size that was set before grows by half as much again.
   static void raise(std::uint32_t& size, std::uint64_t needed);
 
-  // For another number of clusters, where the rest of the scene stays: a guess.
+  // Estimates the sizes for another number of clusters in the same scene.
   void prepareClusters(std::uint32_t count);
 
-  // For so many triangles in so many clusters, and the tiles that there are: a guess. None shrinks
-  // but the number of clusters.
+  // Estimates the sizes for `clustered` triangles in `cluster_count` clusters, and the scene's
+  // tiles. No size shrinks, except the number of clusters.
   void prepare(std::uint32_t clustered, std::uint32_t cluster_count,
                std::uint64_t memory_limit_bytes);
 
-  // Whether all that a cycle counted has room.
+  // Returns whether all that a cycle counted has room.
   bool hold(const CycleCounters& counters) const;
 
-  // After a cycle that counted so. True if some capacity grew; candidates and contacts do not
-  // beyond the limit. Throws CudaError where the places of members would not fit their bits.
+  // Grows the sizes after a cycle with these counters. Returns whether some size grew; candidates
+  // and contacts stay within the limit. Throws CudaError if a list would need more places than its
+  // indices can address.
   bool growFor(const CycleCounters& counters, std::uint64_t memory_limit_bytes);
 
-  // After a cycle that fitted: doubles what is nearly full, so that the next ones fit as well; but
-  // nothing beyond its limit.
-  void growAhead(const CycleCounters& counters, std::uint64_t memory_limit_bytes);
+  // Doubles sizes that are nearly full after a cycle that fitted, so that the next cycles fit as
+  // well. Sizes stay within the limit.
+  void growInAdvance(const CycleCounters& counters, std::uint64_t memory_limit_bytes);
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// Owning device and pinned memory.
+// Owns arrays in device memory and in page-locked host memory.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -12,8 +12,9 @@
 
 namespace deformable_contact_monitor {
 
-// A device array on the current device, of one stream, which outlives it: other streams have to
-// wait for that one, and it for them, where they use it.
+// Owns an array on the current device. It belongs to one stream, which must outlive it. Work in
+// other streams that uses the array must be ordered by events, after its allocation and before its
+// release.
 template <class T>
 class DeviceBuffer {
  public:
@@ -34,7 +35,8 @@ class DeviceBuffer {
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return size_ * sizeof(T); }
 
-  // To at least `size` elements; then they are uninitialised, whatever they were. True if it moved.
+  // Grows to at least `size` elements. If it grows, the contents are lost and the address changes.
+  // Returns whether it grew.
   bool grow(std::size_t size, cudaStream_t stream) {
     if (size <= size_) return false;
     release();
@@ -70,8 +72,8 @@ class DeviceBuffer {
   cudaStream_t stream_ = nullptr;
 };
 
-// Page-locked host memory, which copies run from and to while the host goes on; kernels may write
-// to it too. Not to grow or to end while the device works on it.
+// Owns an array in page-locked host memory. Copies from and to it run while the host goes on, and
+// kernels may access it. It must not grow or end while the device uses it.
 template <class T>
 class PinnedBuffer {
  public:
@@ -87,7 +89,7 @@ class PinnedBuffer {
   const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t size() const { return size_; }
 
-  // To at least `size` elements, uninitialised.
+  // Grows to at least `size` elements. If it grows, the contents are lost.
   void grow(std::size_t size) {
     if (size <= size_) return;
     release();

@@ -1,17 +1,19 @@
+// Grows the arrays of a DeviceMemory within one piece of memory. Arrays that grow are copied to the
+// unused end of the piece; if there is no room, all arrays move to a new piece.
 #include "cuda/memory/device_memory.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Elements that go elsewhere.
+// A copy of an array to its new place, in words of 16 bytes.
 struct Move {
   const uint4* from;
   uint4* to;
   std::size_t words;
 };
 
-// As many as a kernel takes as its argument. Dozens of small arrays move at a time, and a copy of
-// the driver's takes as long for each of them as this for all.
+// The argument of one kernel that makes many copies. Dozens of small arrays move at a time, and a
+// copy by the driver takes as long for each of them as one kernel takes for all.
 struct Moves {
   static constexpr unsigned kMost = 128;
   Move moves[kMost];
@@ -20,7 +22,7 @@ struct Moves {
 
 constexpr unsigned kThreads = 256, kBlocksEach = 64;
 
-// A row of blocks for each move.
+// Makes the copies: each row of blocks of the grid (blockIdx.y) makes one.
 __global__ void __launch_bounds__(kThreads) moveKernel(Moves moves) {
   const Move move = moves.moves[blockIdx.y];
   const std::size_t stride = gridDim.x * kThreads;
@@ -44,7 +46,7 @@ unsigned char* DeviceMemory::place(const Array& array, std::uint32_t rows) {
 }
 
 void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
-  if (!isToGrow(sizes)) return;
+  if (!mustGrow(sizes)) return;
   std::size_t growing = 0, all = 0;
   for (const Array& array : arrays_) {
     const std::uint32_t rows = array.rowsFor(sizes);
@@ -54,8 +56,8 @@ void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
   const bool moves = used_ + growing > memory_.size();
   DeviceBuffer<unsigned char> other;
   if (moves) {
-    // So that some arrays find room later on without another allocation; what grew once may do so
-    // again.
+    // Allocates more than is needed, so that arrays can grow later without another allocation. A
+    // scene that grew once may do so again.
     other.grow(all + all / (memory_.size() == 0 ? 8 : 2), stream);
     checkCuda(cudaMemsetAsync(other.data(), 0, other.size(), stream), "cudaMemsetAsync");
     other.swap(memory_);
@@ -66,7 +68,7 @@ void DeviceMemory::grow(const CycleSizes& sizes, cudaStream_t stream) {
     const std::uint32_t rows = array.rowsFor(sizes);
     if (!moves && rows <= *array.rows) continue;
     unsigned char* const to = place(array, rows);
-    if (*array.rows > 0) {  // in whole words: what is behind the last row is zeros in both places
+    if (*array.rows > 0) {  // copies whole words: beyond the last row both places have zeros
       const std::size_t words = (*array.rows * array.row_bytes + sizeof(uint4) - 1) / sizeof(uint4);
       kept.moves[kept.count++] = {static_cast<const uint4*>(*array.data),
                                   reinterpret_cast<uint4*>(to), words};

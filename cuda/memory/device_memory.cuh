@@ -1,5 +1,5 @@
-// Arrays on the device that are declared once: element, index and size stand where the array does,
-// and room, bytes and the kernels' view follow from that.
+// Declares arrays on the device. Each array is declared in one place, with its element, index and
+// size; allocation, growth and the kernels' view follow from the declaration.
 #pragma once
 
 #include <algorithm>
@@ -13,30 +13,30 @@
 
 namespace deformable_contact_monitor {
 
-// In place of a number: there is none.
+// Stands for "no index".
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-// How many rows an array has: `rows` of the sizes (null: none) and `more`.
+// The number of rows of an array: the field `rows` of CycleSizes (null: none) plus `more`.
 struct ArraySize {
   std::uint32_t CycleSizes::*rows;
   std::uint32_t more;
 };
 
-// Owns the memory of the arrays that were declared with it: one piece for all of them, for to
-// allocate takes longer than a cycle. One detector's; one thread at a time.
+// Owns the memory of all arrays that were declared with it. It is one piece, because an allocation
+// takes longer than a cycle. Belongs to one detector; for one thread at a time.
 class DeviceMemory {
  public:
   DeviceMemory() = default;
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
-  // Every array to at least its size; what is new of one that grows is zeros, the rest stays, in
-  // `stream`, always the same one. Then arrays may have moved, and copies of them are of no use any
-  // more. Throws CudaError; then all is as it was.
+  // Grows every array to at least its size. New rows are zeros, and the others keep their contents.
+  // The copies are enqueued in `stream`, which must be the same one in all calls. Arrays may move,
+  // so copies of their structs are invalid afterwards. Throws CudaError; then nothing has changed.
   void grow(const CycleSizes& sizes, cudaStream_t stream);
 
-  // Whether some array is not of that size yet.
-  bool isToGrow(const CycleSizes& sizes) const {
+  // Returns whether some array has fewer rows than these sizes ask for.
+  bool mustGrow(const CycleSizes& sizes) const {
     return std::any_of(arrays_.begin(), arrays_.end(),
                        [&sizes](const Array& array) { return array.rowsFor(sizes) > *array.rows; });
   }
@@ -47,7 +47,7 @@ class DeviceMemory {
   friend class ArrayGroup;
 
   struct Array {
-    void** data;  // the two in the array itself
+    void** data;  // points to the array's own fields `data_` and `rows_`
     std::uint32_t* rows;
     std::size_t row_bytes;
     ArraySize size;
@@ -57,21 +57,22 @@ class DeviceMemory {
     }
   };
 
-  // What so many rows take, up to where the next array may begin [bytes].
+  // Returns the memory of `rows` rows, padded to where the next array may begin [bytes].
   static std::size_t bytesOf(const Array& array, std::uint32_t rows) {
     constexpr std::size_t kAlignment = 256;
     return (rows * array.row_bytes + kAlignment - 1) / kAlignment * kAlignment;
   }
-  // Behind what is in use of the memory, which has room for it and is zero there; returns where.
+  // Takes room for an array from the unused end of the memory, which is zero. Returns its address.
   unsigned char* place(const Array& array, std::uint32_t rows);
 
   std::vector<Array> arrays_;
   DeviceBuffer<unsigned char> memory_;
-  std::size_t used_ = 0;  // of it, places that arrays have left included [bytes]
+  // Bytes in use, including places that arrays have left.
+  std::size_t used_ = 0;
 };
 
-// What arrays are declared in: a struct of them derives from this, and lives as long as the memory
-// does, in one place. Kernels get a copy of it.
+// The base of structs in which arrays are declared. Such a struct must live as long as the memory
+// does and must not be moved on the host. Kernels get a copy of it.
 class ArrayGroup {
  public:
   explicit ArrayGroup(DeviceMemory& memory) : memory_(&memory) {}
@@ -84,18 +85,19 @@ class ArrayGroup {
     memory_->arrays_.push_back({data, rows, row_bytes, size});
   }
 
-  DeviceMemory* memory_;  // of use on the host alone
+  DeviceMemory* memory_;  // for the host only
 };
 
-// Elements T on the device, kRow of them for each Id. On the host it only says where they are.
+// An array on the device, with kRow elements T for each Id. On the host it only knows its address
+// and size.
 template <class T, class Id, unsigned kRow = 1>
 class DeviceArray {
  public:
-  // As many rows as `rows` of the sizes says, and `more`.
+  // Declares an array with as many rows as the field `rows` of the sizes, plus `more`.
   DeviceArray(ArrayGroup& group, std::uint32_t CycleSizes::*rows, std::uint32_t more = 0) {
     group.enlist(&data_, &rows_, kRow * sizeof(T), {rows, more});
   }
-  // Always so many rows.
+  // Declares an array with a fixed number of rows.
   DeviceArray(ArrayGroup& group, std::uint32_t fixed) {
     group.enlist(&data_, &rows_, kRow * sizeof(T), {nullptr, fixed});
   }
@@ -104,12 +106,12 @@ class DeviceArray {
     static_assert(kRow == 1, "several elements for each index: see row()");
     return static_cast<T*>(data_)[i.value];
   }
-  // The kRow elements of one index.
+  // Returns the kRow elements of one index.
   __device__ T* row(Id i) const { return static_cast<T*>(data_) + std::size_t{i.value} * kRow; }
 
-  // Rows that there is room for.
+  // Returns the number of rows that there is room for.
   __host__ __device__ std::uint32_t size() const { return rows_; }
-  // The device's address of the first element: for copies, and where places have no type.
+  // Returns the device's address of the first element.
   __host__ __device__ T* data() const { return static_cast<T*>(data_); }
 
  private:
@@ -117,10 +119,10 @@ class DeviceArray {
   std::uint32_t rows_ = 0;
 };
 
-// A place in an array whose elements have no name of their own.
+// The index of arrays whose elements have no index type of their own.
 using Place = Index<struct PlaceTag>;
 
-// Page-locked memory of the host, through which kernels and the host tell each other things.
+// Points to page-locked memory of the host, through which kernels and the host exchange values.
 template <class T>
 class PinnedPointer {
  public:

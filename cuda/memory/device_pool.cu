@@ -9,10 +9,11 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// For a scene of some 100 000 triangles that grows: its arrays are in two places then.
+// The reserve suffices for a scene of some 100 000 triangles that grows, with its arrays in two
+// places at a time.
 constexpr std::uint64_t kReservedBytes = std::uint64_t{128} << 20;
 
-// Old drivers do not know the question.
+// Returns whether the device has memory pools. Old drivers do not know the attribute.
 bool hasPools(int device) {
   int has = 0;
   const bool known =
@@ -46,11 +47,12 @@ DevicePool::DevicePool(int device) {
             "cudaMemPoolSetAttribute");
   try {
     reserve();
-  } catch (const CudaError&) {  // it does without
+  } catch (const CudaError&) {
+    // The pool works without a reserve too, only slower.
   }
 }
 
-// What was taken once stays with the pool.
+// Allocates the reserve once and frees it, so that the pool keeps it.
 void DevicePool::reserve() {
   CudaStream stream;
   giveBack(take(kReservedBytes, stream.get()), stream.get());

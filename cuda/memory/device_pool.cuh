@@ -1,4 +1,4 @@
-// Memory of a device, taken and given back in the order of a stream.
+// Allocates and frees device memory in the order of a stream.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -7,28 +7,28 @@
 
 namespace deformable_contact_monitor {
 
-// What a process has of one device's memory. Any thread.
+// The memory that this process holds on one device. All functions may be called by any thread.
 class DevicePool {
  public:
-  // The current device's: the same one always, which outlives everything.
+  // Returns the pool of the current device. It is the same one in all calls and is never destroyed.
   static DevicePool& ofCurrentDevice();
 
   explicit DevicePool(int device);
   DevicePool(const DevicePool&) = delete;
   DevicePool& operator=(const DevicePool&) = delete;
 
-  // For what comes behind this in the stream. Throws CudaError where there is no more. The first
-  // 128 MiB that are in use at a time were taken when the pool was made; beyond, and on devices
-  // that have no pools, to allocate takes longer than a cycle.
+  // Allocates for work that is enqueued in the stream after this call. Throws CudaError if the
+  // memory is exhausted. The first 128 MiB in use at a time were reserved when the pool was made;
+  // allocating more than that, or on devices that have no pools, takes longer than a cycle.
   void* take(std::size_t bytes, cudaStream_t stream);
 
-  // Others may have it once what is in the stream is over.
+  // Frees the memory once the work in the stream is over.
   void giveBack(void* memory, cudaStream_t stream);
 
  private:
   void reserve();
 
-  cudaMemPool_t pool_ = nullptr;  // none: memory comes piece by piece
+  cudaMemPool_t pool_ = nullptr;  // null if the device has no pools: then cudaMalloc is used
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,3 +1,6 @@
+// Keeps the scene on the device. "Laying out" numbers the bodies, vertices, triangles and tiles; it
+// is repeated only if bodies, topologies or enabled pairs change. Vertices and poses are sent when
+// they change.
 #include <algorithm>
 #include <cstring>
 #include <string>
@@ -7,13 +10,12 @@
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_copy.cuh"
 #include "cuda/memory/pinned_pages.cuh"
-#include "cuda/stages/fan_rings.cuh"
 #include "cuda/stages/tiles.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// From page-locked memory, which may go once the stream has been waited for.
+// Adds a copy from page-locked memory, which must stay until the stream has been waited for.
 template <class T>
 void add(const T* from, std::size_t count, T* to, HostCopies& copies) {
   if (count > 0) copies.add(static_cast<const T*>(reachedAt(from)), count, to);
@@ -24,14 +26,14 @@ void add(const SceneTables::List<T>& from, T* to, HostCopies& copies) {
   add(from.data(), from.size(), to, copies);
 }
 
-// Where the device reaches a body's vertices or triangles, of which the first number is `first` of
-// all: in `staged`, where they are not in page-locked memory themselves.
+// Returns the device's address of a body's vertices or triangles. If these are not in page-locked
+// memory, they are copied to `staged` first, at number `first` of `all` numbers.
 template <class List, class T>
 const T* reached(const List& numbers, std::size_t first, std::size_t all, PinnedBuffer<T>& staged) {
   const void* from = reachedAt(numbers.data());
   if (from == nullptr) {
     constexpr std::size_t kPiece = std::size_t{1} << 14;
-    staged.grow(all);  // once for all of them, or it would go while it is in use
+    staged.grow(all);  // for all bodies at once: growing frees memory that copies may still read
     T* const its = staged.data() + first;
     parallelBlocks(numbers.size(), kPiece, [&](std::size_t, std::size_t begin, std::size_t end) {
       std::copy_n(numbers.data() + begin, end - begin, its + begin);
@@ -60,7 +62,8 @@ std::vector<DeviceScene::LaidOutBody> DeviceScene::bodiesOf(const Scene& scene) 
   return bodies;
 }
 
-// Pairs that were switched off and on again are the same ones.
+// Returns whether the layout fits this scene. Pairs that were disabled and enabled again do not
+// need another layout.
 bool DeviceScene::isLaidOut(const Scene& scene) const {
   if (!laid_out_) return false;
   if (pairs_revision_ != scene.pairsRevision() && pairs_ != scene.enabledPairs()) return false;
@@ -80,7 +83,7 @@ DeviceScene::Change DeviceScene::layOut(const Scene& scene, Motion motion, bool 
   return change;
 }
 
-// Both in the order of their bodies.
+// Compares two layouts, both in the order of the bodies.
 DeviceScene::Change DeviceScene::changeOf(const std::vector<LaidOutBody>& before,
                                           const std::vector<LaidOutBody>& now) {
   Change change{true};
@@ -103,14 +106,14 @@ DeviceScene::Change DeviceScene::changeOf(const std::vector<LaidOutBody>& before
 
 DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
-  laid_out_ = has_fans_ = bodies_sent_ = false;  // until all of it is there
+  laid_out_ = has_fans_ = bodies_sent_ = false;  // until the new layout is complete
   pairs_ = scene.enabledPairs();
   tables_ = SceneTables(scene);
   laid_out_bodies_ = bodiesOf(scene);
   const auto same =
       std::mismatch(laid_out_bodies_.begin(), laid_out_bodies_.end(), before.begin(), before.end());
   const auto first = static_cast<std::uint32_t>(same.first - laid_out_bodies_.begin());
-  grouped_ = std::min(grouped_, first);
+  tiled_ = std::min(tiled_, first);
   arrays_.body_count = static_cast<std::uint32_t>(tables_.bodies.size());
   arrays_.pair_row = tables_.pair_row;
   arrays_.triangle_count = tables_.triangle_count;
@@ -124,7 +127,7 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   CycleSizes::raise(sizes_.triangle_blocks, tables_.triangle_blocks.size());
   CycleSizes::raise(sizes_.tiles, tables_.tile_count);
   sizes_.slots = kWarp * sizes_.tiles;
-  sizes_.identity_slots = 16;  // a power of two, as is what it may have been before
+  sizes_.identity_slots = 16;  // must be a power of two
   while (tables_.any_self && sizes_.identity_slots < 4 * tables_.vertex_count)
     sizes_.identity_slots *= 2;
   vertices_.resize(scene.bodyCount());
@@ -136,7 +139,8 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   return changeOf(before, laid_out_bodies_);
 }
 
-// Those of the bodies from first_new_ on.
+// Adds copies of the triangles' vertex numbers, for the bodies from first_new_ on. Earlier bodies
+// have them on the device already.
 void DeviceScene::addCorners(const Scene& scene, HostCopies& copies) {
   for (std::uint32_t i = first_new_; i < tables_.taking_part.size(); ++i) {
     const HostList<std::uint32_t>& local = scene.body(tables_.taking_part[i]).mesh.triangles;
@@ -164,32 +168,33 @@ void DeviceScene::sendLayout(const Scene& scene, cudaStream_t stream) {
   laid_out_ = true;
 }
 
-// What small things are sent through has room for as many as the device.
+// Grows the arrays, and the page-locked buffers through which bodies are sent.
 void DeviceScene::growArrays(cudaStream_t stream) {
   memory_.grow(sizes_, stream);
   staged_bodies_.grow(sizes_.bodies);
   if (sizes_.swept) staged_earlier_bodies_.grow(sizes_.bodies);
 }
 
-void DeviceScene::group(cudaStream_t stream) {
-  if (grouped_ >= tables_.bodies.size()) return;
-  const DeviceBody& first = tables_.bodies[grouped_];
-  UngroupedBodies bodies{BodyIndex(grouped_), first.first_triangle, first.first_tile, 0};
-  for (std::size_t i = grouped_; i < tables_.bodies.size(); ++i) {
+void DeviceScene::makeTiles(cudaStream_t stream) {
+  if (tiled_ >= tables_.bodies.size()) return;
+  const DeviceBody& first = tables_.bodies[tiled_];
+  UntiledBodies bodies{BodyIndex(tiled_), first.first_triangle, first.first_tile, 0};
+  for (std::size_t i = tiled_; i < tables_.bodies.size(); ++i) {
     bodies.most_triangles = std::max(bodies.most_triangles, tables_.bodies[i].triangle_count);
   }
-  launchGroup(arrays_, bodies, scratch_, stream);
-  if (grouped_ == 0) deformed_ = 0;
-  grouped_ = arrays_.body_count;
+  launchTiles(arrays_, bodies, scratch_, stream);
+  if (tiled_ == 0) deformed_ = 0;
+  tiled_ = arrays_.body_count;
 }
 
-void DeviceScene::groupAgain(cudaStream_t stream) {
-  if (deformed_ < kGroupedFor) return;
-  grouped_ = 0;
-  group(stream);
+void DeviceScene::makeTilesAgain(cudaStream_t stream) {
+  if (deformed_ < kCyclesOfTiles) return;
+  tiled_ = 0;
+  makeTiles(stream);
 }
 
-// Vertices of bodies without contacts with themselves have no ring.
+// Sets the sizes of the vertex rings. Vertices of bodies without contacts with themselves have no
+// ring.
 void DeviceScene::sizeFans(const Scene& scene) {
   std::uint64_t places = 0;
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
@@ -287,7 +292,7 @@ void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
     body.margin_m = swept ? grownPad(from.pad_m) : from.margin_m;
     body.slack = scaledSlack(body.margin_m, scale);
-    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): what means the same may be sent again
+    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): a needless copy does no harm
     bodies_sent_ = bodies_sent_ && std::memcmp(&staged_bodies_[i], &body, sizeof body) == 0;
     staged_bodies_[i] = body;
   }

@@ -1,4 +1,4 @@
-// The scene on the device: what changed goes up, the rest stays.
+// Keeps a copy of the scene on the device, and sends only what has changed.
 #pragma once
 
 #include <cstdint>
@@ -14,65 +14,68 @@
 
 namespace deformable_contact_monitor {
 
-// Bodies of which some pair is enabled, and what is constant while topology and pairs are. Their
-// vertices and triangles are numbered through, in the bodies' order.
+// Holds the bodies that are in some enabled pair, and tables that stay while topology and pairs do.
+// The vertices and triangles of all bodies are numbered consecutively, in the bodies' order.
+// Belongs to one detector. A cycle calls layOut(), sendLayout(), sendVertices(), sendBodies(),
+// makeTiles() and findFans().
 class DeviceScene {
  public:
-  // Fills in `arrays`, whose memory it makes grow by `sizes`. All must outlive this. `device`: the
-  // current one's number.
+  // Fills in `arrays`, whose memory it grows to `sizes`. All arguments must outlive this. `device`
+  // is the number of the current device.
   DeviceScene(int device, DeviceMemory& memory, CycleSizes& sizes, SceneArrays& arrays)
       : device_(device), memory_(memory), sizes_(sizes), arrays_(arrays) {}
 
-  // What laying the scene out changed.
+  // The difference between the layout and the one before it.
   struct Change {
     bool any = false;
-    // Triangles that there were not before: of bodies that were not there, or have more of them.
+    // New triangles: of new bodies, or of bodies that have more than before.
     std::uint64_t more_triangles = 0;
-    std::uint64_t fewer_triangles = 0;     // that there are not any more, the same way
-    std::uint64_t replaced_triangles = 0;  // of bodies that have as many, but others
+    std::uint64_t fewer_triangles = 0;     // triangles that are gone, counted in the same way
+    std::uint64_t replaced_triangles = 0;  // triangles of a body whose topology changed
   };
 
-  // Lays the scene out anew if other pairs are enabled, or the topology of a body of theirs
-  // changed; `fans`: certificates are asked for. The sizes grow, nothing comes to the device yet.
-  // Throws CudaError if it is too large.
+  // Lays the scene out anew if the enabled pairs or the topology of their bodies have changed.
+  // `fans`: whether certified fans are needed. Sizes grow, but nothing is sent yet. Throws
+  // CudaError if the scene is too large.
   Change layOut(const Scene& scene, Motion motion, bool fans);
 
-  // The arrays to their sizes; sends what was laid out, from the first body on that has changed. It
-  // may not be laid out anew before that has arrived.
+  // Grows the arrays and sends the layout, from the first changed body on. The next layOut() must
+  // not be called before this has arrived.
   void sendLayout(const Scene& scene, cudaStream_t stream);
 
-  // Once bodies are sent: the triangles by tiles, where a layout has changed.
-  void group(cudaStream_t stream);
-  // Behind a cycle, where nobody waits for it: the same where bodies may have another shape by now,
-  // that is, vertices were sent in so many cycles since.
-  static constexpr std::uint32_t kGroupedFor = 64;
-  void groupAgain(cudaStream_t stream);
+  // Groups the triangles of new and changed bodies into tiles. Call it after the bodies were sent.
+  void makeTiles(cudaStream_t stream);
+  // Rebuilds all tiles if vertices were sent in kCyclesOfTiles cycles since the last time, because
+  // the bodies may have deformed. Call it when nobody waits for the stream.
+  static constexpr std::uint32_t kCyclesOfTiles = 64;
+  void makeTilesAgain(cudaStream_t stream);
 
-  // Once bodies are sent: what certificates need, where a layout with `fans` did not find it
-  // before.
+  // Builds the vertex rings that certified fans need, unless the layout has them already. Call it
+  // after the bodies were sent.
   void findFans(cudaStream_t stream);
 
-  // Sends vertices that changed, with `copies`; those that are on the device are copied there, in
-  // the stream. Throws std::invalid_argument, naming the body, where they cannot be read.
+  // Sends vertices that have changed, with `copies`. Vertices that are on the device already are
+  // copied there, in the stream. Throws std::invalid_argument, naming the body, if they cannot be
+  // read.
   void sendVertices(const Scene& scene, Motion motion, HostCopies& copies, cudaStream_t stream);
-  // What was sent may not have arrived: all vertices and bodies are to be sent again.
+  // Makes the next cycle send all vertices and bodies, because earlier copies may not have arrived.
   void forgetSent();
 
-  // Whether the scene that was laid out has vertices on the device.
+  // Returns whether the scene that was laid out has vertices on the device.
   bool anyFromDevice() const { return any_from_device_; }
-  // That scene, with all of them brought to the host: takes milliseconds.
+  // Returns the scene with all vertices brought to the host, which takes milliseconds.
   Scene onHost(const Scene& scene, cudaStream_t stream) const;
 
-  // Sends all poses, and margins or pads, with `copies`. `scale`: of the clustering.
+  // Sends all poses, and margins or pads, with `copies`. `scale`: the scale of the clusters.
   void sendBodies(const Scene& scene, Motion motion, const SceneScale& scale, HostCopies& copies);
 
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return tables_.group_count; }
   bool anySelf() const { return tables_.any_self; }
-  // Scene::anyMargin() and anyPad() of the scene that was sent.
+  // Returns Scene::anyMargin() and anyPad() of the scene that was sent.
   BodyLengths anyLengths() const { return any_; }
 
-  // What results call two triangles of the scene.
+  // Returns a pair of triangles as body ids and triangle numbers of those bodies.
   TrianglePair pairOf(TriangleIndex a, TriangleIndex b) const {
     const ListedBody body_a = bodyOf(tables_.listed.data(), arrays_.body_count, a);
     const ListedBody body_b = bodyOf(tables_.listed.data(), arrays_.body_count, b);
@@ -80,7 +83,7 @@ class DeviceScene {
   }
 
  private:
-  // A body on the device, and what it was laid out for.
+  // One body of the layout, and the topology that it was laid out with.
   struct LaidOutBody {
     BodyId id;
     std::uint64_t topology_revision;
@@ -108,18 +111,18 @@ class DeviceScene {
   CycleSizes& sizes_;
   SceneArrays& arrays_;
 
-  bool laid_out_ = false;  // what is below is on the device, but for these tables
+  bool laid_out_ = false;  // everything of the layout is on the device
   SceneTables tables_;
-  std::uint32_t first_new_ = 0;       // body whose corners are the first to be sent
-  std::uint32_t grouped_ = 0;         // so are the tiles of so many bodies
-  std::uint32_t deformed_ = 0;        // cycles since then that sent vertices
-  bool has_fans_ = false;             // so are the rings
-  bool bodies_sent_ = false;          // so is what staged_bodies_ holds
+  std::uint32_t first_new_ = 0;       // the first body whose corners must be sent
+  std::uint32_t tiled_ = 0;           // the number of bodies that have tiles
+  std::uint32_t deformed_ = 0;        // cycles that sent vertices since the tiles were built
+  bool has_fans_ = false;             // the vertex rings are on the device
+  bool bodies_sent_ = false;          // the bodies in staged_bodies_ are on the device
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
   std::vector<std::pair<BodyId, BodyId>> pairs_;
-  std::vector<LaidOutBody> laid_out_bodies_;  // per body on the device
-  std::vector<std::uint64_t> vertices_;       // revisions on the device, per body of the scene
-  std::vector<std::uint64_t> earlier_;        // the same of Body::earlier; 0: none
+  std::vector<LaidOutBody> laid_out_bodies_;  // for each body on the device
+  std::vector<std::uint64_t> vertices_;       // revisions on the device, for each body of the scene
+  std::vector<std::uint64_t> earlier_;        // the same for Body::earlier; 0 if not sent
   bool any_from_device_ = false;
   BodyLengths any_{};
 

@@ -11,7 +11,7 @@ cudaStream_t streamOf(const Body& body) {
 }
 
 [[noreturn]] void refuse(const Body& body, const std::string& what) {
-  cudaGetLastError();  // or the next check of it would report what was found out here
+  cudaGetLastError();  // clears the error; the next check would report it again
   throw std::invalid_argument(body.name + ": " + what);
 }
 

@@ -1,4 +1,4 @@
-// Vertices that somebody else keeps on the device (Scene::setDeviceVertices).
+// Copies vertices that the user keeps on the device (Scene::setDeviceVertices).
 #pragma once
 
 #include "core/scene.h"
@@ -6,15 +6,16 @@
 
 namespace deformable_contact_monitor {
 
-// Throws std::invalid_argument, naming the body, unless its device_vertices are where the current
-// device, `device`, can copy them from, and their stream is one that it can wait for. CudaError
-// where CUDA fails.
+// Checks that the current device, whose number is `device`, can copy the body's device_vertices and
+// wait for their stream. Throws std::invalid_argument, naming the body, if it cannot, and CudaError
+// if CUDA fails.
 void requireReadable(const Body& body, int device);
 
 class DeviceVertexCopier {
  public:
-  // Copies device_vertices of a body that is readable: in `stream`, behind what is in their own one
-  // by now. Throws std::invalid_argument, naming the body, if that is another device's.
+  // Copies a body's device_vertices in `stream`, ordered after the work that is now in their own
+  // stream. requireReadable() must have accepted the body. Throws std::invalid_argument, naming the
+  // body, if their stream belongs to another device.
   void copy(const Body& body, float* to, cudaStream_t stream);
 
  private:

@@ -9,6 +9,9 @@ namespace {
 constexpr unsigned kThreads = 256, kWordsEach = 4;
 constexpr std::uint32_t kWordsOfBlock = kThreads * kWordsEach;
 
+// Makes all copies of the list. Each block finds its copy by its number, and copies up to
+// kWordsOfBlock words, four for each thread. It loads all four before it stores any, because each
+// load from the host's memory takes long.
 __global__ void __launch_bounds__(kThreads) copyKernel(HostCopyList copies) {
   unsigned k = 0;
   while (k + 1 < copies.count && copies.first_block[k + 1] <= blockIdx.x) ++k;

@@ -1,4 +1,4 @@
-// From the host's memory to the device by a kernel, and what else a cycle begins with.
+// Copies from the host's memory to the device, and clears device memory, by one kernel.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -8,26 +8,26 @@
 
 namespace deformable_contact_monitor {
 
-// As many copies as a kernel takes as its argument.
+// The argument of the kernel: a list of copies, of kMost at most.
 struct HostCopyList {
   static constexpr unsigned kMost = 16;
   const std::uint32_t* from[kMost];  // null: zeros
   std::uint32_t* to[kMost];
   std::uint32_t words[kMost];
-  std::uint32_t plus[kMost];         // to each word
-  std::uint32_t first_block[kMost];  // of those that make it
+  std::uint32_t plus[kMost];         // added to each word
+  std::uint32_t first_block[kMost];  // the first block that makes the copy
   unsigned count = 0;
 };
 
-// Copies that one kernel makes, for a launch takes longer than most of them do. The driver's own
-// copies run on an engine of their own, and kernels behind one may begin some 5 us later.
+// Collects copies that one kernel makes, because a launch takes longer than most copies do. Copies
+// by the driver run on an engine of their own, which can delay the next kernels by some 5 us.
 class HostCopies {
  public:
   explicit HostCopies(cudaStream_t stream) : stream_(stream) {}
 
-  // `count` elements of whole words. `from`: the device's memory, or where it reaches page-locked
-  // memory (reachedAt()), which may go once the stream has been waited for. Where there are many
-  // copies, launches those ahead.
+  // Adds a copy of `count` elements, whose size is a multiple of 4 bytes. `from` is device memory,
+  // or the device's address of page-locked memory (reachedAt()), which must stay until the stream
+  // has been waited for. If the list is full, its copies are launched first.
   template <class T>
   void add(const T* from, std::size_t count, T* to) {
     constexpr std::size_t kBytes = sizeof(T), kWordBytes = sizeof(std::uint32_t);
@@ -36,22 +36,22 @@ class HostCopies {
              reinterpret_cast<std::uint32_t*>(to));
   }
 
-  // The same of numbers, each of which becomes larger by `first`.
+  // Adds a copy of numbers, and adds `first` to each of them.
   template <class Index>
   void addNumbers(const std::uint32_t* from, std::size_t count, Index* to, std::uint32_t first) {
     static_assert(sizeof(Index) == sizeof(std::uint32_t));
     addWords(from, count, reinterpret_cast<std::uint32_t*>(to), first);
   }
 
-  // `count` elements become zeros.
+  // Sets `count` elements to zero.
   template <class T>
   void addZeros(std::size_t count, T* to) {
     add(static_cast<const T*>(nullptr), count, to);
   }
 
-  // What was added goes into the stream. What was not launched is not copied.
+  // Enqueues one kernel that makes the copies added so far.
   void launch();
-  // What was added and not launched is forgotten.
+  // Drops the copies that were added and not launched.
   void forget() { list_.count = blocks_ = 0; }
 
  private:

@@ -1,4 +1,5 @@
-// How the host ends what the device is doing: a word of its own memory that kernels look at.
+// Lets the host stop a running cycle: kernels poll a word in the host's memory
+// (stages/cut_off.cuh).
 #pragma once
 
 #include <chrono>
@@ -12,17 +13,17 @@
 
 namespace deformable_contact_monitor {
 
-// One detector's; one thread at a time.
+// Belongs to one detector; for one thread at a time.
 class HostStop {
  public:
-  // While the device is idle.
+  // Clears the word. Call it while the device is idle.
   void clear() { word_[0] = 0; }
   void set() { static_cast<volatile std::uint32_t&>(word_[0]) = 1; }
-  // Not 0: kernels are to give up their rest.
+  // Returns the word. If it is not 0, kernels give up the work that they have not begun.
   std::uint32_t* word() { return word_.data(); }
 
-  // Waits for the stream, and sets the word once the limit is over. With a limit, the host sleeps
-  // now and then where that takes long.
+  // Waits for the stream, and sets the word once the limit is over. If a limit is set, it polls the
+  // stream, and after 2 ms sleeps between two polls.
   void wait(CudaStream& stream, const CycleLimit& limit) {
     constexpr double kAwakeMs = 2;
     constexpr std::chrono::microseconds kSleep(50);

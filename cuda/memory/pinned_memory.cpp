@@ -17,7 +17,7 @@ namespace {
 // For as many as a scene of some 100 000 triangles needs in a process.
 constexpr std::size_t kReservedBytes = std::size_t{16} << 20;
 
-// Pages that are lent out in pieces. They are aligned to more than anybody asks for.
+// Page-locked pages that are handed out in pieces, aligned to more than any type needs.
 struct Chunk {
   explicit Chunk(std::size_t bytes) : pages(bytes), pieces(pages.data(), pages.bytes()) {}
 
@@ -72,7 +72,7 @@ class PinnedMemory : public std::pmr::memory_resource {
   std::list<Chunk> chunks_;
 };
 
-class LentMemory : public std::pmr::memory_resource {
+class PinnedOrPlainMemory : public std::pmr::memory_resource {
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
     try {
       return pinnedMemory().allocate(bytes, alignment);
@@ -110,8 +110,8 @@ std::pmr::memory_resource& pinnedMemory() {
   return *memory;
 }
 
-std::pmr::memory_resource& lentMemory() {
-  static auto* const memory = new LentMemory;
+std::pmr::memory_resource& pinnedOrPlainMemory() {
+  static auto* const memory = new PinnedOrPlainMemory;
   return *memory;
 }
 

@@ -12,6 +12,6 @@ namespace deformable_contact_monitor {
 std::pmr::memory_resource& pinnedMemory();
 
 // The same for what the host alone needs to reach: plain memory where there is no other.
-std::pmr::memory_resource& lentMemory();
+std::pmr::memory_resource& pinnedOrPlainMemory();
 
 }  // namespace deformable_contact_monitor

@@ -15,7 +15,8 @@ constexpr std::size_t kHugePage = std::size_t{2} << 20;
 // For so many, from a place on that a huge page may begin at.
 std::size_t mappedBytes(std::size_t bytes) { return bytes + kHugePage; }
 
-// Whether kernels reach what was locked afterwards, by the host's address, on every device.
+// Returns whether kernels of every device can use the host's address of memory that is page-locked
+// after its allocation.
 bool canLockPages() {
   int devices = 0;
   if (cudaGetDeviceCount(&devices) != cudaSuccess) devices = 0;
@@ -50,7 +51,8 @@ PinnedPages::PinnedPages(std::size_t bytes) {
   const std::size_t ahead = kHugePage - reinterpret_cast<std::uintptr_t>(mapped_) % kHugePage;
   data_ = static_cast<char*>(mapped_) + ahead % kHugePage;
   madvise(data_, bytes_, MADV_HUGEPAGE);  // small pages do, too
-  // What a fork shares moves at the next write, and devices would not know where to.
+  // Excludes the pages from forks: a page that a fork shares moves at the next write, and a device
+  // would go on using the old one.
   madvise(mapped_, mappedBytes(bytes_), MADV_DONTFORK);
   const cudaError_t locked =
       cudaHostRegister(data_, bytes_, cudaHostRegisterMapped | cudaHostRegisterPortable);

@@ -25,7 +25,7 @@ class PinnedPages {
   void* mapped_ = nullptr;  // where the system's pages begin; null: CUDA has made them
 };
 
-// Where the device reaches memory of the host; null if it does not.
+// Returns the device's address of page-locked host memory, or null if the device cannot reach it.
 const void* reachedAt(const void* memory);
 
 }  // namespace deformable_contact_monitor

@@ -18,16 +18,16 @@ void* ReservedMemory::take(std::size_t bytes) {
   const auto [begin, size] = *found;
   free_.erase(found);
   if (size > bytes) free_.emplace(begin + bytes, size - bytes);
-  lent_.emplace(begin, bytes);
+  taken_.emplace(begin, bytes);
   return begin;
 }
 
 bool ReservedMemory::giveBack(void* piece) {
-  const auto found = lent_.find(static_cast<char*>(piece));
-  if (found == lent_.end()) return false;
+  const auto found = taken_.find(static_cast<char*>(piece));
+  if (found == taken_.end()) return false;
   char* begin = found->first;
   std::size_t bytes = found->second;
-  lent_.erase(found);
+  taken_.erase(found);
   const auto next = free_.lower_bound(begin);
   if (next != free_.begin()) {
     const auto before = std::prev(next);

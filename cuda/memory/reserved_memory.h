@@ -1,4 +1,4 @@
-// One piece of memory that is there from the start, lent out in smaller ones.
+// Hands out pieces of one block of memory.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace deformable_contact_monitor {
 
-// Of any memory: it does not look into it. One thread at a time.
+// Manages any kind of memory, for it never reads or writes it. For one thread at a time.
 class ReservedMemory {
  public:
   // Alignment of the pieces, of those that memory begins at included.
@@ -18,17 +18,17 @@ class ReservedMemory {
   // The first place that has room; null if none does.
   void* take(std::size_t bytes);
 
-  // Whether a piece is one of its own, which it then has back.
+  // Takes a piece back. Returns false if it is not one of this block.
   bool giveBack(void* piece);
 
-  // Whether no piece is lent.
-  bool isWhole() const { return lent_.empty(); }
+  // Returns whether no piece is in use.
+  bool isWhole() const { return taken_.empty(); }
 
  private:
   using Pieces = std::map<char*, std::size_t>;  // where they begin, and their bytes
 
   Pieces free_;  // none touches another
-  Pieces lent_;
+  Pieces taken_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,5 @@
-// The scene on the device (stage pose): bodies of which some pair is enabled, with their vertices
-// and triangles numbered through.
+// Declares the arrays of the scene: the bodies that are in some enabled pair, with their vertices,
+// triangles and tiles. The stages transform and assign read them.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -12,41 +12,45 @@
 
 namespace deformable_contact_monitor {
 
-// A body that takes part, as uploaded each cycle.
+// A body that takes part. Uploaded in each cycle in which one has changed.
 struct DeviceBody {
   RigidTransform pose;
-  // What boxes grow by [m]: the margin, or in swept motion the pad and a little; and [scaled].
+  // The distance by which boxes are inflated: margin_m in metres, slack in the scale of the
+  // clusters. It is the margin, or in swept motion a little more than the pad.
   float margin_m, slack;
   std::uint32_t identity_pose;
-  std::uint32_t has_self;  // contacts with itself are enabled
+  std::uint32_t has_self;  // 1 if contacts with itself are enabled
   std::uint32_t first_vertex, vertex_count;
   std::uint32_t first_triangle, triangle_count, first_tile;
   std::uint32_t group;
-  std::uint32_t partner_begin, partner_count;  // other bodies: in SceneArrays::partners
+  // The other bodies of its enabled pairs: a range of SceneArrays::partners.
+  std::uint32_t partner_begin, partner_count;
 };
 
-// Where a body was at the beginning of the step; in swept motion, as uploaded each cycle.
+// The state of a body at the beginning of the time interval. Uploaded in each cycle of swept
+// motion.
 struct EarlierBody {
   RigidTransform pose;
   std::uint32_t identity_pose;
-  std::uint32_t is_still;      // it has no earlier state
-  std::uint32_t has_vertices;  // of its own: in SceneArrays::earlier_received
+  std::uint32_t is_still;      // 1 if it has no earlier state
+  std::uint32_t has_vertices;  // 1 if it has earlier vertices: in SceneArrays::earlier_received
   float pad_m;
 };
 
-// A block of a body's vertices or triangles, by their numbers.
+// A range of a body's vertices or triangles, for one thread block.
 struct BodyBlock {
   BodyIndex body;
   std::uint32_t first, count;
 };
 
-// What a body's triangles are called in results.
+// Maps triangle numbers on the device to those in results.
 struct alignas(8) ListedBody {
-  std::uint32_t first_triangle;  // the number of its first one
+  std::uint32_t first_triangle;  // the number of the body's first triangle
   std::uint32_t id;              // a BodyId
 };
 
-// Of `count` bodies in the order of their triangles: the one that a triangle is of.
+// Returns the body of a triangle by a binary search in `count` bodies, which are in the order of
+// their triangles.
 __host__ __device__ inline ListedBody bodyOf(const ListedBody* bodies, std::uint32_t count,
                                              TriangleIndex triangle) {
   std::uint32_t first = 0;
@@ -58,23 +62,23 @@ __host__ __device__ inline ListedBody bodyOf(const ListedBody* bodies, std::uint
   return bodies[first];
 }
 
-// A vertex for which the lists of neighbours did not do.
+// A vertex whose nearest prototype could not be found in the lists of neighbours.
 struct alignas(8) FarVertex {
   VertexIndex vertex;
   BodyIndex body;
 };
 
-// In SceneArrays::vertex_id: other vertices equal this one.
+// A flag in SceneArrays::vertex_id: other vertices are equal to this one.
 constexpr std::uint32_t kRepeated = std::uint32_t{1} << 31;
-// There too, instead of a number: the vertex lies on that side of the share, by more than its
-// body's margin. So no triangle reaches in that has all of its vertices on one side; for others
-// they are identified where triangles get their ids.
-constexpr std::uint32_t kBelowShare = ~std::uint32_t{0}, kAboveShare = kBelowShare - 1;
+// Values of SceneArrays::vertex_id for a vertex that lies below or above the partition by more than
+// its body's margin. A triangle whose three vertices are on one side does not reach into the
+// partition. For other triangles, such vertices are identified when the tile entries get their ids.
+constexpr std::uint32_t kBelowPartition = ~std::uint32_t{0}, kAbovePartition = kBelowPartition - 1;
 
 struct SceneArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
-  // How much of the arrays is in use.
+  // The parts of the arrays that are in use.
   std::uint32_t body_count = 0, pair_row = 0;
   std::uint32_t vertex_block_count = 0, triangle_block_count = 0, triangle_count = 0;
   std::uint32_t tile_count = 0;
@@ -83,43 +87,46 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<DeviceBody, BodyIndex> bodies{*this, &CycleSizes::bodies};
   DeviceArray<ListedBody, BodyIndex> listed_bodies{*this, &CycleSizes::bodies};
   DeviceArray<BodyIndex, Place> partners{*this, &CycleSizes::partners};
-  // Per group: which groups its bodies meet, as bits.
+  // For each group, the groups that its bodies may touch, as bits.
   DeviceArray<std::uint32_t, Place> group_mask{*this, kMostGroups};
-  // Bodies x bodies bits, rows of pair_row words.
+  // A matrix of bodies x bodies bits, in rows of pair_row words.
   DeviceArray<std::uint32_t, Place> pair_enabled{*this, &CycleSizes::pair_words};
   DeviceArray<BodyBlock, Place> vertex_blocks{*this, &CycleSizes::vertex_blocks};
   DeviceArray<BodyBlock, Place> triangle_blocks{*this, &CycleSizes::triangle_blocks};
-  // The bodies' triangles by tiles (stages/group.cuh); kNone in slots without one.
+  // The bodies' triangles, grouped into tiles (stages/tiles.cuh); kNone in slots without a
+  // triangle.
   DeviceArray<BodyIndex, TileIndex> tile_body{*this, &CycleSizes::tiles};
-  DeviceArray<TriangleIndex, MemberIndex> slot_triangle{*this, &CycleSizes::slots};
-  // What that goes by: where most of a body's vertices are, in its frame [m]; the triangles' keys,
-  // and where they are sorted.
+  DeviceArray<TriangleIndex, TileEntryIndex> slot_triangle{*this, &CycleSizes::slots};
+  // The inputs of tiling: the range of most of a body's vertices, in its frame [m], and the
+  // triangles' keys along the space-filling curve, before and after they are sorted.
   DeviceArray<Aabb, BodyIndex> body_ranges{*this, &CycleSizes::bodies};
   DeviceArray<std::uint64_t, Place> curve_keys{*this, &CycleSizes::triangles};
   DeviceArray<std::uint64_t, Place> sorted_keys{*this, &CycleSizes::triangles};
-  // x y z in the body's frame [m].
+  // x, y, z in the body's frame [m], as received from the user.
   DeviceArray<float, VertexIndex, 3> received{*this, &CycleSizes::vertices};
   DeviceArray<VertexIndex, TriangleIndex, 3> corners{*this, &CycleSizes::triangles};
-  // x, y, z in the scene frame [m]; w: nearest prototype * 2 + tied.
+  // x, y, z in the scene frame [m]; w holds the bits of (nearest prototype * 2 + tied).
   DeviceArray<float4, VertexIndex> posed{*this, &CycleSizes::vertices};
   DeviceArray<FarVertex, Place> far_vertices{*this, &CycleSizes::vertices};
-  // In swept motion the same at the beginning of the step, and what all bodies move by [m]: any
-  // vector would do, it is taken off the present state ahead of boxes and clusters, never verdicts.
+  // The state at the beginning of the time interval, in swept motion, and the motion that all
+  // bodies have in common [m]. Any vector gives correct results: it is subtracted from the present
+  // state for boxes and clusters, never for verdicts.
   DeviceArray<EarlierBody, BodyIndex> earlier_bodies{*this, &CycleSizes::swept_bodies};
   DeviceArray<float, VertexIndex, 3> earlier_received{*this, &CycleSizes::swept_vertices};
   DeviceArray<float4, VertexIndex> earlier_posed{*this, &CycleSizes::swept_vertices};
   DeviceArray<Vec3f, Place> common_motion{*this, 1U};
-  // Of the bodies' finite vertices, see cuda/device/boxes.cuh; zero at the start of a cycle.
-  // Outside of one, as received.
+  // Bounding boxes of the bodies' finite vertices, see cuda/device/boxes.cuh. They are zero at the
+  // start of a cycle, and outside of a cycle they bound the vertices as received.
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
-  // Equal iff of one body and equal as received: the number of one of those vertices, and in its
-  // own place, where there are others, kRepeated.
+  // The identity of a vertex: equal for two vertices of a body if and only if they are equal as
+  // received. It is the number of one of these vertices; at that vertex kRepeated is set if there
+  // are others.
   DeviceArray<VertexIndex, VertexIndex> vertex_id{*this, &CycleSizes::vertices};
-  // Of bodies that have contacts with themselves, where CycleParams::fans: 1 for a vertex whose fan
-  // is certified, as far as its own ring tells.
+  // 1 for each vertex whose fan is certified, as far as the vertex's own ring shows. Only for
+  // bodies that may touch themselves, and if CycleParams::fans is set.
   DeviceArray<std::uint32_t, VertexIndex> fan_certified{*this, &CycleSizes::vertices};
-  // VertexFans of all bodies that have contacts with themselves, once certificates are asked for;
-  // and what counts the triangles around each vertex meanwhile.
+  // The vertex rings of all bodies that may touch themselves, if certified fans are needed.
+  // `fan_count` counts the triangles around each vertex while the rings are built.
   DeviceArray<Place, VertexIndex> fan_begin{*this, &CycleSizes::fan_vertices};
   DeviceArray<VertexIndex, Place> fan_ring{*this, &CycleSizes::fan_places};
   DeviceArray<std::uint32_t, VertexIndex> fan_count{*this, &CycleSizes::fan_vertices};

@@ -9,7 +9,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr std::uint32_t kBlock = 128;
-// Places of members are kept in 29 bits; a triangle may have several.
+// Limits the scene: places of tile entries have 29 bits, and a triangle may have several entries.
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 27;
 
 void addBlocks(SceneTables::List<BodyBlock>& blocks, BodyIndex body, std::uint32_t first,
@@ -57,7 +57,8 @@ void SceneTables::addPairs(const Scene& scene, const BodyGroups& groups, BodyInd
   bodies.push_back(body);
 }
 
-// Lists that grew would ask for page-locked memory again and again.
+// Reserves room for all lists, because growing them step by step would allocate page-locked memory
+// several times. Throws CudaError if the scene is too large.
 void SceneTables::makeRoom(const Scene& scene) {
   std::uint64_t vertices = 0, triangles = 0;
   for (const BodyId id : taking_part) {

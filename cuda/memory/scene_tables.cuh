@@ -1,19 +1,20 @@
-// What the device gets of a scene's make-up, tabulated on the host.
+// Builds tables on the host that describe a scene for the device.
 #pragma once
 
 #include <cstdint>
 #include <memory_resource>
 #include <vector>
 
-#include "core/common/body_groups.h"
+#include "core/common/scene_queries.h"
 #include "core/scene.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/pinned_memory.cuh"
 
 namespace deformable_contact_monitor {
 
-// Bodies of which some pair is enabled: which pairs those are, and their vertices, triangles and
-// tiles numbered through, in the bodies' order. What is for the device lies in pinnedMemory().
+// Describes the bodies that are in some enabled pair: which pairs those are, and the consecutive
+// numbers of their vertices, triangles and tiles. Lists that are sent to the device lie in
+// pinnedMemory().
 struct SceneTables {
   template <class T>
   using List = std::pmr::vector<T>;
@@ -22,12 +23,12 @@ struct SceneTables {
   // Throws CudaError if the scene is too large.
   explicit SceneTables(const Scene& scene);
 
-  std::vector<BodyId> taking_part;           // bodies of the scene, per body on the device
-  std::vector<DeviceBody> bodies;            // the same; poses and margins are not filled in
-  List<ListedBody> listed{&pinnedMemory()};  // the same
+  std::vector<BodyId> taking_part;           // the scene's id of each body on the device
+  std::vector<DeviceBody> bodies;            // for each of them; poses and margins are not set
+  List<ListedBody> listed{&pinnedMemory()};  // for each of them
   List<BodyIndex> partners{&pinnedMemory()};
   List<std::uint32_t> group_mask{&pinnedMemory()};
-  List<std::uint32_t> pair_enabled{&pinnedMemory()};  // pair_row words a body
+  List<std::uint32_t> pair_enabled{&pinnedMemory()};  // pair_row words for each body
   List<BodyBlock> vertex_blocks{&pinnedMemory()}, triangle_blocks{&pinnedMemory()};
   std::uint32_t pair_row = 0, group_count = 0;
   std::uint32_t vertex_count = 0, triangle_count = 0, tile_count = 0;

@@ -1,3 +1,6 @@
+// Merges sorted lists of contacts. The lists are cut into parts at common contacts, so that several
+// threads can merge the parts at once. Each part is merged by runs: as many contacts of one
+// partition as come before the next contact of any other one.
 #include "cuda/partitions/merged_partitions.h"
 
 #include <algorithm>
@@ -5,30 +8,35 @@
 #include <cstdint>
 
 #include "core/common/parallel.h"
+#include "core/common/work_counters.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-using Shares = std::vector<const DetectionResult*>;
+using PartResults = std::vector<const DetectionResult*>;
 
-// A part of the whole list: from where to where in each share's, and where it begins.
+// One part of the merged list: contacts [begin[s], end[s]) of each partition s. Its first contact
+// has place `to` in the merged list.
 struct Part {
   std::vector<std::size_t> begin, end;
   std::size_t to = 0;
 };
 
-// Calls take(share, first, count, to) for runs of contacts of one share, in the order of the whole.
+// Calls take(partition, first, count, to) for each run of a part, in the order of the merged list.
+// A run consists of contacts [first, first + count) of one partition; its first contact has place
+// `to` in the merged list.
 template <class Take>
-void forEachRun(const Shares& shares, const Part& part, const Take& take) {
+void forEachRun(const PartResults& partitions, const Part& part, const Take& take) {
   std::vector<std::size_t> at = part.begin;
   std::size_t to = part.to;
   while (true) {
     const TrianglePair* least = nullptr;
-    const TrianglePair* next = nullptr;  // of the other shares
+    // The least contact among the other partitions: the run ends before it.
+    const TrianglePair* next = nullptr;
     std::size_t from = 0;
-    for (std::size_t s = 0; s < shares.size(); ++s) {
+    for (std::size_t s = 0; s < partitions.size(); ++s) {
       if (at[s] == part.end[s]) continue;
-      const TrianglePair* const head = &shares[s]->contacts[at[s]];
+      const TrianglePair* const head = &partitions[s]->contacts[at[s]];
       if (least == nullptr || *head < *least) {
         next = least;
         least = head;
@@ -38,7 +46,7 @@ void forEachRun(const Shares& shares, const Part& part, const Take& take) {
       }
     }
     if (least == nullptr) return;
-    const HostList<TrianglePair>& contacts = shares[from]->contacts;
+    const HostList<TrianglePair>& contacts = partitions[from]->contacts;
     const std::size_t first = at[from];
     std::size_t last = part.end[from];
     if (next != nullptr) {
@@ -51,21 +59,22 @@ void forEachRun(const Shares& shares, const Part& part, const Take& take) {
   }
 }
 
-// Cuts the lists at the same contacts, so that the parts of the whole can be written at once.
-std::vector<Part> cutIntoParts(const Shares& shares) {
+// Cuts all lists before the same contacts, so that the parts are independent of each other. The
+// cuts are every kOfOnePart contacts of the longest list. Other lists are cut by a binary search.
+std::vector<Part> cutIntoParts(const PartResults& partitions) {
   constexpr std::size_t kOfOnePart = 1 << 13;
-  const auto size = [](const DetectionResult* share) { return share->contacts.size(); };
+  const auto size = [](const DetectionResult* partition) { return partition->contacts.size(); };
   const DetectionResult& longest = **std::max_element(
-      shares.begin(), shares.end(),
+      partitions.begin(), partitions.end(),
       [&](const DetectionResult* a, const DetectionResult* b) { return size(a) < size(b); });
   std::vector<Part> parts;
-  std::vector<std::size_t> begin(shares.size(), 0);
+  std::vector<std::size_t> begin(partitions.size(), 0);
   std::size_t to = 0;
   for (std::size_t cut = kOfOnePart;; cut += kOfOnePart) {
     const bool last = cut >= longest.contacts.size();
     Part part{begin, {}, to};
-    for (std::size_t s = 0; s < shares.size(); ++s) {
-      const HostList<TrianglePair>& contacts = shares[s]->contacts;
+    for (std::size_t s = 0; s < partitions.size(); ++s) {
+      const HostList<TrianglePair>& contacts = partitions[s]->contacts;
       const auto from = contacts.begin() + static_cast<std::ptrdiff_t>(begin[s]);
       const auto until =
           last ? contacts.end() : std::lower_bound(from, contacts.end(), longest.contacts[cut]);
@@ -78,60 +87,61 @@ std::vector<Part> cutIntoParts(const Shares& shares) {
   }
 }
 
-// Whether each contact of each share has an item in that list.
+// Returns whether the optional list `list` has one item for each contact, in every partition.
 template <class List>
-bool isThere(const Shares& shares, List DetectionResult::*list) {
-  return std::all_of(shares.begin(), shares.end(), [list](const DetectionResult* share) {
-    return (share->*list).size() == share->contacts.size();
-  });
+bool isThere(const PartResults& partitions, List DetectionResult::*list) {
+  return std::all_of(partitions.begin(), partitions.end(),
+                     [list](const DetectionResult* partition) {
+                       return (partition->*list).size() == partition->contacts.size();
+                     });
 }
 
+// Merges lists of DetectionResult that run parallel to `contacts`. The parts are found once, from
+// the contacts, and hold for all of these lists.
 class ListMerger {
  public:
-  ListMerger(const Shares& shares, DetectionResult& whole)
-      : shares_(shares), whole_(whole), parts_(cutIntoParts(shares)) {
-    for (const DetectionResult* share : shares) total_ += share->contacts.size();
+  ListMerger(const PartResults& partitions, DetectionResult& whole)
+      : partitions_(partitions), whole_(whole), parts_(cutIntoParts(partitions)) {
+    for (const DetectionResult* partition : partitions) total_ += partition->contacts.size();
   }
 
+  // Fills in a list of the merged result, on several threads. Leaves it alone if some partition
+  // does not have that list.
   template <class List>
   void merge(List DetectionResult::*list) const {
-    if (!isThere(shares_, list)) return;
+    if (!isThere(partitions_, list)) return;
     (whole_.*list).resize(total_);
     parallelBlocks(parts_.size(), 1, [&](std::size_t block, std::size_t, std::size_t) {
-      forEachRun(shares_, parts_[block],
-                 [&](std::size_t share, std::size_t first, std::size_t count, std::size_t to) {
-                   std::copy_n((shares_[share]->*list).begin() + static_cast<std::ptrdiff_t>(first),
-                               count, (whole_.*list).begin() + static_cast<std::ptrdiff_t>(to));
+      forEachRun(partitions_, parts_[block],
+                 [&](std::size_t partition, std::size_t first, std::size_t count, std::size_t to) {
+                   std::copy_n(
+                       (partitions_[partition]->*list).begin() + static_cast<std::ptrdiff_t>(first),
+                       count, (whole_.*list).begin() + static_cast<std::ptrdiff_t>(to));
                  });
     });
   }
 
  private:
-  const Shares& shares_;
+  const PartResults& partitions_;
   DetectionResult& whole_;
   const std::vector<Part> parts_;
   std::size_t total_ = 0;
 };
 
-void addCounters(const Counters& share, Counters& whole) {
-  // Every device looks at all triangles for these.
-  whole.rejected = share.rejected;
-  whole.posed = share.posed;
-  whole.culled = share.culled;
-  whole.clustered += share.clustered;
-  whole.large += share.large;
-  whole.clusters += share.clusters;
-  whole.cluster_entries += share.cluster_entries;
-  whole.largest_cluster = std::max(whole.largest_cluster, share.largest_cluster);
-  whole.interval_overlaps += share.interval_overlaps;
-  whole.candidates += share.candidates;
-  whole.exact += share.exact;
-  whole.undecided += share.undecided;
+void addCounters(const Counters& part, Counters& whole) {
+  // Each device transforms and culls all triangles of the scene, so these three are equal in all
+  // partitions and are not added up.
+  whole.rejected = part.rejected;
+  whole.posed = part.posed;
+  whole.culled = part.culled;
+  whole.clusters += part.clusters;
+  addWork(part, whole);
 }
 
-void addTimes(const DetectionResult& share, DetectionResult& whole) {
-  whole.detect_ms = std::max(whole.detect_ms, share.detect_ms);
-  for (const auto& its : share.stages_ms) {
+// Takes the longest time of each stage [ms], because the devices work at the same time.
+void addTimes(const DetectionResult& partition, DetectionResult& whole) {
+  whole.detect_ms = std::max(whole.detect_ms, partition.detect_ms);
+  for (const auto& its : partition.stages_ms) {
     const auto found = std::find_if(whole.stages_ms.begin(), whole.stages_ms.end(),
                                     [&](const auto& stage) { return stage.first == its.first; });
     if (found == whole.stages_ms.end()) {
@@ -144,16 +154,17 @@ void addTimes(const DetectionResult& share, DetectionResult& whole) {
 
 }  // namespace
 
-void mergeShares(const std::vector<const DetectionResult*>& shares, DetectionResult& whole) {
-  for (const DetectionResult* share : shares) {
-    addCounters(share->counters, whole.counters);
-    addTimes(*share, whole);
-    whole.left_out += share->left_out;
-    whole.memory_bytes += share->memory_bytes;
-    whole.started_cold = whole.started_cold || share->started_cold;
-    if (share->cut_off) whole.cutOff(share->cut_off_because);
+void mergePartitions(const std::vector<const DetectionResult*>& partitions,
+                     DetectionResult& whole) {
+  for (const DetectionResult* partition : partitions) {
+    addCounters(partition->counters, whole.counters);
+    addTimes(*partition, whole);
+    whole.left_out += partition->left_out;
+    whole.memory_bytes += partition->memory_bytes;
+    whole.started_cold = whole.started_cold || partition->started_cold;
+    if (partition->cut_off) whole.cutOff(partition->cut_off_because);
   }
-  const ListMerger lists(shares, whole);
+  const ListMerger lists(partitions, whole);
   lists.merge(&DetectionResult::contacts);
   lists.merge(&DetectionResult::separations_m);
   lists.merge(&DetectionResult::geometry);

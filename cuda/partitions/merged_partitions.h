@@ -1,4 +1,4 @@
-// From what each of several devices found in its share to the result of the cycle.
+// Merges the results of several devices, each of one partition, into the result of the cycle.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,10 @@
 
 namespace deformable_contact_monitor {
 
-// Into `whole`, which has begun its cycle: the union of the lists, which have no contact in common,
-// in their order. Work adds up, and triangles that reach into several shares count in each; times
-// are those of the device that took longest.
-void mergeShares(const std::vector<const DetectionResult*>& shares, DetectionResult& whole);
+// Merges `partitions` into `whole`, for which DetectionResult::begin() was called. The lists of the
+// partitions must be sorted and have no contact in common; the merged list is sorted too. Counters
+// of work add up, so a triangle that reaches into several partitions counts in each of them. Times
+// are those of the device that took longest [ms].
+void mergePartitions(const std::vector<const DetectionResult*>& partitions, DetectionResult& whole);
 
 }  // namespace deformable_contact_monitor

@@ -1,3 +1,6 @@
+// Computes the bounds of the partitions from weighted samples of the vertices. The samples are
+// sorted along the axis, and each partition gets an equal part of their total weight. A sample's
+// weight estimates the time that a device spends on the material around it.
 #include "cuda/partitions/partition_bounds.h"
 
 #include <algorithm>
@@ -22,9 +25,9 @@ std::size_t verticesThatTakePart(const Scene& scene) {
 
 }  // namespace
 
-// Vertices of bodies that take part are numbered through; sample k is number k * vertices /
-// samples.
-void ShareBounds::place(const Scene& scene, std::size_t vertices) {
+// Sets the places of all samples in the scene frame [m]. The vertices of bodies that take part are
+// numbered consecutively; sample k is vertex k * vertices / samples.
+void PartitionBounds::place(const Scene& scene, std::size_t vertices) {
   std::size_t k = 0, first = 0;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (!scene.takesPart(id)) continue;
@@ -41,23 +44,26 @@ void ShareBounds::place(const Scene& scene, std::size_t vertices) {
   }
 }
 
-// By how long the shares took in which the samples are.
-void ShareBounds::weigh() {
+// Multiplies each sample's weight by a factor that grows with the time that its partition took.
+// Samples keep their weights while they move, so the bounds follow slow material.
+void PartitionBounds::weigh() {
   if (took_ms_.empty()) return;
   const double mean =
       std::accumulate(took_ms_.begin(), took_ms_.end(), 0.0) / static_cast<double>(took_ms_.size());
   for (Sample& sample : samples_) {
-    for (std::size_t s = 0; s < shares_.size() && mean > 0; ++s) {
-      if (!shares_[s].has(sample.place)) continue;
-      // Not all of it at once: what is next to a border is not all that was in the share.
+    for (std::size_t s = 0; s < partitions_.size() && mean > 0; ++s) {
+      if (!partitions_[s].has(sample.place)) continue;
+      // Applies only part of the correction. Material near a bound may take less time than the rest
+      // of its partition does, so a full correction could move the bound too far.
       sample.weight *= std::clamp(std::sqrt(took_ms_[s] / mean), 0.8, 1.25);
       break;
     }
   }
 }
 
-// A few far-off vertices count for nothing.
-int ShareBounds::widestAxis() const {
+// Returns the axis along which the samples spread widest. It ignores the outermost sixteenth at
+// either end, so that a few far-off vertices do not decide.
+int PartitionBounds::widestAxis() const {
   int widest = 0;
   float width = -1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -77,22 +83,22 @@ int ShareBounds::widestAxis() const {
   return widest;
 }
 
-const std::vector<SceneShare>& ShareBounds::cut(const Scene& scene, std::size_t count) {
+const std::vector<ScenePartition>& PartitionBounds::cut(const Scene& scene, std::size_t count) {
   const std::size_t vertices = verticesThatTakePart(scene);
-  const bool another = vertices != vertices_ || count != shares_.size();
-  if (!another && ++cycles_ < kCyclesOfACut) return shares_;
+  const bool another = vertices != vertices_ || count != partitions_.size();
+  if (!another && ++cycles_ < kCyclesOfACut) return partitions_;
   if (another) {
     samples_.assign(std::min(vertices, kMostSamples), Sample());
   } else {
     weigh();
   }
   place(scene, vertices);
-  const int axis = another ? widestAxis() : shares_.front().axis;
+  const int axis = another ? widestAxis() : partitions_.front().axis;
   vertices_ = vertices;
   cycles_ = 0;
   took_ms_.clear();
 
-  std::vector<std::pair<float, double>> along;  // place and weight
+  std::vector<std::pair<float, double>> along;  // place on the axis [m], weight
   double sum = 0;
   for (const Sample& sample : samples_) {
     if (!isFinite(sample.place)) continue;
@@ -100,22 +106,27 @@ const std::vector<SceneShare>& ShareBounds::cut(const Scene& scene, std::size_t 
     sum += sample.weight;
   }
   std::sort(along.begin(), along.end());
-  shares_.assign(count, SceneShare{axis, -INFINITY, INFINITY});
-  std::size_t share = 1;
+  partitions_.assign(count, ScenePartition{axis, -INFINITY, INFINITY});
+  std::size_t partition = 1;
   double before = 0;
   for (const auto& [where, weight] : along) {
-    for (; share < count && before >= sum * static_cast<double>(share) / static_cast<double>(count);
-         ++share) {
-      shares_[share - 1].high = shares_[share].low = where;
+    for (; partition < count &&
+           before >= sum * static_cast<double>(partition) / static_cast<double>(count);
+         ++partition) {
+      partitions_[partition - 1].high = partitions_[partition].low = where;
     }
     before += weight;
   }
-  // Without samples, or where rounding leaves a bound: nothing is beyond the last of them.
-  for (; share < count; ++share) shares_[share - 1].high = shares_[share].low = INFINITY;
-  return shares_;
+  // Bounds that are left have no sample beyond them. This happens without samples, or when rounding
+  // leaves the last bound open. Their partitions are empty.
+  for (; partition < count; ++partition)
+    partitions_[partition - 1].high = partitions_[partition].low = INFINITY;
+  return partitions_;
 }
 
-void ShareBounds::note(const std::vector<double>& took_ms) {
+// Keeps the shortest time of each partition since the last cut, because single cycles may be slow
+// for other reasons.
+void PartitionBounds::note(const std::vector<double>& took_ms) {
   if (took_ms_.empty()) took_ms_ = took_ms;
   for (std::size_t s = 0; s < took_ms.size(); ++s) {
     took_ms_[s] = std::min(took_ms_[s], took_ms[s]);

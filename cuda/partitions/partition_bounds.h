@@ -1,4 +1,4 @@
-// Where the shares of several devices begin and end.
+// Chooses the bounds of the partitions of several devices.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,23 @@
 
 namespace deformable_contact_monitor {
 
-// Cuts the scene across the axis along which most of it is widest, so that all devices take as
-// long; any cut is right. A sample of the vertices carries weights, which grow where a device took
-// longer than the others, and so follow the material as it moves.
-class ShareBounds {
+// Cuts the scene by planes across its widest axis, and moves the planes until all devices take
+// equally long. Any cut gives correct results. Samples of the vertices carry weights, which grow
+// where a device took longer than the others did. For one thread at a time.
+class PartitionBounds {
  public:
-  // Shares for `count` devices in the next cycle, from low to high: those of the last one, but once
-  // in a while and where the scene or the count is another one. Reads the vertices on the host.
-  const std::vector<SceneShare>& cut(const Scene& scene, std::size_t count);
+  // Returns the partitions of `count` devices for the next cycle, from low to high. They stay the
+  // same for some cycles, and are cut anew then, or at once if the scene's size or `count` has
+  // changed. Reads the vertices on the host.
+  const std::vector<ScenePartition>& cut(const Scene& scene, std::size_t count);
 
-  // What each of the shares took in that cycle [ms].
+  // Notes how long each partition took in the last cycle, in the order of cut() [ms].
   void note(const std::vector<double>& took_ms);
 
  private:
   struct Sample {
-    Vec3f place;  // at the last cut, in the scene frame [m]; NaN: it has none
+    // The position in the scene frame at the last cut [m]; NaN if it is not known.
+    Vec3f place;
     double weight = 1;
   };
 
@@ -32,11 +34,12 @@ class ShareBounds {
   void weigh();
   int widestAxis() const;
 
-  std::vector<Sample> samples_;  // of vertices evenly spread
-  std::size_t vertices_ = 0;     // of the scene they are of
+  std::vector<Sample> samples_;  // of vertices that are evenly spread over their order
+  std::size_t vertices_ = 0;     // of the scene that the samples are from
   int cycles_ = 0;               // since the last cut
-  std::vector<double> took_ms_;  // the least of each share since then; empty: not known
-  std::vector<SceneShare> shares_;
+  // The shortest time of each partition since the last cut [ms]; empty if no time is known.
+  std::vector<double> took_ms_;
+  std::vector<ScenePartition> partitions_;
 };
 
 }  // namespace deformable_contact_monitor

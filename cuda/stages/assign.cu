@@ -1,11 +1,11 @@
-// Stage assign: every tile into each cluster that one of its triangles may share a contact in. A
-// warp for each tile, a lane for each of its triangles.
-#include "core/rules/sampling.h"
+// Stage assign: culls triangles, and puts every tile into each cluster in which one of its
+// triangles may have a contact (core/rules/half_space.h). One warp works on each tile, and one lane
+// on each of its triangles. Most tiles lie inside one cluster; the others go through BorderTile.
+#include "core/rules/clustering.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/corners.cuh"
 #include "cuda/stages/cut_off.cuh"
-#include "cuda/stages/reach.cuh"
 #include "cuda/stages/stages.cuh"
 #include "cuda/stages/swept_pairs.cuh"
 
@@ -18,7 +18,7 @@ constexpr unsigned kWarps = kThreads / kWarp;
 __device__ float lowest(float x) { return fromOrderedBits(~warpMost(~orderedBits(x))); }
 __device__ float highest(float x) { return fromOrderedBits(warpMost(orderedBits(x))); }
 
-// By a whole warp: the box of all lanes' boxes, which may be empty.
+// Returns the box of all lanes' boxes, which may be empty. Called by a whole warp.
 __device__ Aabb warpBox(const Aabb& box) {
   Aabb all;
   all.min = {lowest(box.min.x), lowest(box.min.y), lowest(box.min.z)};
@@ -26,21 +26,22 @@ __device__ Aabb warpBox(const Aabb& box) {
   return all;
 }
 
-// By a whole warp: what `v` is in that lane.
+// Returns `v` of another lane. Called by a whole warp.
 __device__ Vec3f laneVector(const Vec3f& v, int lane) {
   return {__shfl_sync(kFullWarp, v.x, lane), __shfl_sync(kFullWarp, v.y, lane),
           __shfl_sync(kFullWarp, v.z, lane)};
 }
 
-// Of a body's partners, one for each lane; the body itself beyond the last.
+// Returns one of a body's partners for each lane, or the body itself beyond the last partner.
 __device__ BodyIndex partnerOfLane(const SceneArrays& scene, BodyIndex b, const DeviceBody& body,
                                    std::uint32_t first) {
   const std::uint32_t p = first + laneId();
   return p < body.partner_count ? scene.partners[Place(body.partner_begin + p)] : b;
 }
 
-// By a whole warp: whether this lane's box meets that of one of the body's partners that meets the
-// body's own; `all`: the box of all lanes' boxes; `partner`: partnerOfLane() of the first ones.
+// Returns whether this lane's box meets the box of a partner that meets the body's own box. `all`:
+// the box of all lanes' boxes. `partner`: partnerOfLane() of the first partners. Called by a whole
+// warp.
 __device__ bool meetsPartner(const SceneArrays& scene, BodyIndex b, const Aabb& box,
                              const Aabb& all, BodyIndex partner) {
   const DeviceBody& body = scene.bodies[b];
@@ -61,7 +62,9 @@ __device__ bool meetsPartner(const SceneArrays& scene, BodyIndex b, const Aabb& 
   return meets;
 }
 
-// As MemberBox has it; `box`: of all that it passes, inflated.
+// Returns the box of a tile entry as TileEntryBox describes it. `box`: the inflated box of all that
+// the triangle passes. In swept motion the pads are added to both states before the boxes are
+// joined.
 template <int kStates>
 __device__ Aabb passedBox(const CycleArrays& c, const Corners<kStates>& corners, float margin_m,
                           const Aabb& box) {
@@ -70,6 +73,8 @@ __device__ Aabb passedBox(const CycleArrays& c, const Corners<kStates>& corners,
                   c.scene.common_motion[Place(0)]);
 }
 
+// Stores the triangle's centroid as a sample for fuzzy c-means, if its number is one of those that
+// are sampled. Triangles that are not regular become empty samples.
 template <int kStates>
 __device__ void takeSample(const CycleArrays& c, TriangleIndex t, bool regular,
                            const Corners<kStates>& corners) {
@@ -85,26 +90,31 @@ __device__ void takeSample(const CycleArrays& c, TriangleIndex t, bool regular,
   c.clusters.samples[Place(sampling.sampleOf(t.value))] = sample;
 }
 
+// Adds a tile to the bin of a cluster. A bin that is full only counts; the host then repeats the
+// cycle with larger bins.
 __device__ void putEntry(const CycleArrays& c, std::uint32_t cluster, TileIndex tile) {
   const ClusterIndex g(cluster);
-  const Bin bin = c.members.bins[g];
-  const std::uint32_t place = atomicAdd(&c.members.count(g), 1U);
+  const Bin bin = c.tiles.bins[g];
+  const std::uint32_t place = atomicAdd(&c.tiles.count(g), 1U);
   if (place < bin.capacity) {
-    c.members.entries[EntryIndex(bin.begin + place)] = tile;
+    c.tiles.bin_entries[EntryIndex(bin.begin + place)] = tile;
   } else {
     c.counters().bin_overflow = 1;
   }
 }
 
-// The clusters of a tile that may be in several: those that the rule admits one of its live
-// triangles to, by a whole warp. `kPoints`: of each triangle.
+// Finds the clusters of a tile that may be in several: those to which the half-space rule admits at
+// least one of its live triangles. All calls are made by a whole warp. `kPoints`: the number of
+// points of each triangle.
 template <int kPoints>
 class BorderTile {
  public:
-  // Of the clusters near a prototype and itself, which many tiles have no more of.
+  // The most clusters that findListed() finds: those on a prototype's list of neighbours, and its
+  // own.
   static constexpr unsigned kMostFound = kMostNeighbours + 1;
 
-  // The rule of this lane's triangle, which is live or not; `found`: of the warp, in shared memory.
+  // `rule` and `live` are those of this lane's triangle. `near`: a prototype near the tile, the
+  // same in all lanes. `found`: shared memory of the warp for kMostFound clusters.
   __device__ BorderTile(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule, bool live,
                         std::uint32_t near, std::uint32_t* found)
       : view_(view), rule_(rule), live_(live), near_(near), found_(found) {
@@ -119,10 +129,11 @@ class BorderTile {
     reach2_ = mostOf(reach2);
   }
 
-  // Whether the list of `near` has all clusters of the tile.
+  // Returns whether the list of `near` contains all clusters of the tile.
   __device__ bool isListed() const { return view_.list_reach[near_] > radius_; }
 
-  // The clusters on that list, and `near`, into `found`; returns how many they are.
+  // Writes the admitted clusters among `near` and its neighbours to `found`. Returns their number.
+  // The list is sorted by distance, so it stops where neighbours are too far away.
   __device__ std::uint32_t findListed() const {
     std::uint32_t count = 0;
     const auto add = [&](std::uint32_t g) {
@@ -143,7 +154,7 @@ class BorderTile {
     return count;
   }
 
-  // visit(cluster) for each of all clusters, ascending, in all lanes.
+  // Calls visit(cluster) for each admitted one of all clusters, in ascending order, in all lanes.
   template <class Visit>
   __device__ void forEachOfAll(const Visit& visit) const {
     for (std::uint32_t first = 0; first < view_.count; first += kWarp) {
@@ -156,22 +167,25 @@ class BorderTile {
   }
 
  private:
-  // Of all lanes' numbers, as bits, the most; none is negative, and NaN is more than any.
+  // Returns the greatest of all lanes' floats, given as bits. None may be negative; NaN counts as
+  // the greatest.
   __device__ static float mostOf(std::uint32_t bits) { return __uint_as_float(warpMost(bits)); }
 
-  // False only where the rule admits none of the triangles: their points lie in the box, so none is
-  // nearer to the prototype, as roundings are monotone; and farther than any of them reaches their
-  // first competitors keep them out.
+  // Returns false only if the rule admits none of the triangles. All their points lie in the box,
+  // so none of them is nearer to the prototype than the box is, because rounding is monotone. If
+  // the box is farther away than any point reaches, the first competitor of each triangle keeps it
+  // out.
   __device__ bool mayAdmit(const Vec3f& prototype) const {
     const Vec3f nearest{least(most(prototype.x, box_.min.x), box_.max.x),
                         least(most(prototype.y, box_.min.y), box_.max.y),
                         least(most(prototype.z, box_.min.z), box_.max.z)};
     return !(squaredDistance(nearest, prototype) > reach2_);
   }
+  // Returns whether the rule admits a live triangle of some lane to the prototype's cluster.
   __device__ bool admits(const Vec3f& prototype) const {
     return __any_sync(kFullWarp, live_ && rule_.admits(prototype)) != 0;
   }
-  // visit(lane) for each of the lanes `within` whose prototype the rule admits.
+  // Calls visit(lane) for each lane in the bit mask `within` whose prototype the rule admits.
   template <class Visit>
   __device__ void forEachAdmitted(const Vec3f& prototype, unsigned within,
                                   const Visit& visit) const {
@@ -187,22 +201,27 @@ class BorderTile {
   const std::uint32_t near_;
   std::uint32_t* const found_;
   float radius_;
-  Aabb box_;      // of the live triangles, as the rule has them [scaled]
-  float reach2_;  // the most of their points
+  // The box of the points of all live triangles [scaled].
+  Aabb box_;
+  float reach2_;  // the greatest squared reach of a point
 };
 
-// By a whole warp: room for a list of `length` clusters; kNone if there is none.
+// Reserves room for a list of `length` clusters; returns kNone if there is none. Called by a whole
+// warp.
 __device__ std::uint32_t reserveList(const CycleArrays& c, std::uint32_t length) {
   std::uint32_t place = 0;
   if (laneId() == 0) {
     place = atomicAdd(&c.counters().list_words, length + 1);
-    if (place + length + 1 > c.members.lists.size()) place = kNone;
-    if (place != kNone) c.members.lists[Place(place)] = length;
+    if (place + length + 1 > c.tiles.lists.size()) place = kNone;
+    if (place != kNone) c.tiles.lists[Place(place)] = length;
   }
   return __shfl_sync(kFullWarp, place, 0);
 }
 
-// By a whole warp: the tile into all its clusters; returns where their list is.
+// Puts the tile into all its clusters. Returns the place of their list, which is in ascending
+// order: findListed() returns them unordered, so each lane counts how many are less than its own.
+// If the list of neighbours does not reach far enough, all clusters are tested. Called by a whole
+// warp.
 template <int kPoints>
 __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
                                       const BorderTile<kPoints>& border, std::uint32_t* found) {
@@ -213,7 +232,7 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
       const std::uint32_t g = found[i];
       std::uint32_t rank = 0;
       for (std::uint32_t k = 0; k < length; ++k) rank += found[k] < g ? 1 : 0;
-      if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
+      if (list != kNone) c.tiles.lists[Place(list + 1 + rank)] = g;
       putEntry(c, g, tile);
     }
     return list;
@@ -225,7 +244,7 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
   std::uint32_t rank = 0;
   border.forEachOfAll([&](std::uint32_t g) {
     if (laneId() == 0) {
-      if (list != kNone) c.members.lists[Place(list + 1 + rank)] = g;
+      if (list != kNone) c.tiles.lists[Place(list + 1 + rank)] = g;
       putEntry(c, g, tile);
     }
     ++rank;
@@ -233,8 +252,8 @@ __device__ std::uint32_t assignBorder(const CycleArrays& c, TileIndex tile,
   return list;
 }
 
-// By a whole warp: a tile of which some triangle is live; returns where the list of its clusters
-// is.
+// Assigns a tile that has live triangles. Returns the place of the list of its clusters. If all
+// live triangles lie inside the same cluster, that cluster is the only one. Called by a whole warp.
 template <int kStates>
 __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsigned live,
                                     const Corners<kStates>& corners, float slack,
@@ -256,37 +275,38 @@ __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsign
   return assignBorder(c, tile, BorderTile<3 * kStates>(view, rule, mine, near, found), found);
 }
 
-// A warp for each tile: reads scene.corners, scene.posed, scene.body_boxes; writes members.members,
-// members.boxes and members.tiles; adds to members.entries, members.lists and members.large. In
-// swept motion (kStates == 2) the earlier states too, to members.earlier.
+// One warp for each tile. Reads scene.corners, scene.posed and scene.body_boxes; writes
+// tiles.entries, tiles.boxes and tiles.states; adds to tiles.bin_entries, tiles.lists and
+// tiles.oversized. In swept motion (kStates == 2) it also writes the earlier states, to
+// tiles.earlier.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   __shared__ std::uint32_t found[kWarps][BorderTile<3 * kStates>::kMostFound];
   const std::uint32_t warp = threadIdx.x / kWarp;
   const TileIndex tile(blockIdx.x * kWarps + warp);
   const bool is_tile = tile.value < c.scene.tile_count;
-  // What the kernel ahead does not write.
+  // Reads data that the previous kernel does not write, before it waits for that kernel.
   const BodyIndex b = is_tile ? c.scene.tile_body[tile] : BodyIndex(0);
   const DeviceBody& body = c.scene.bodies[b];
-  const MemberIndex slot(tile.value * kWarp + laneId());
+  const TileEntryIndex slot(tile.value * kWarp + laneId());
   const TriangleIndex named = is_tile ? c.scene.slot_triangle[slot] : TriangleIndex(kNone);
   const bool there = named.value != kNone;
   const TriangleIndex t(there ? named.value : 0);
   const VertexIndex* const corner = c.scene.corners.row(t);
   const VertexIndex vertices[3] = {corner[0], corner[1], corner[2]};
-  const SceneShare share = c.params().share;
+  const ScenePartition partition = c.params().partition;
   const SizeRule size = c.params().size;
   const BodyIndex partner = partnerOfLane(c.scene, b, body, 0);
-  awaitKernelAhead();
-  letNextStart();
+  awaitPreviousKernel();
+  letNextKernelStart();
   if (!is_tile) return;
   const Corners<kStates> corners(c.scene, vertices);
   const bool finite = there && corners.isFinite();
   const Aabb box = finite ? inflated(corners.box(c), body.margin_m) : Aabb();
   bool near = finite;
   if (body.has_self == 0) near = meetsPartner(c.scene, b, box, warpBox(box), partner) && finite;
-  const bool here = near && (share.isWhole() || corners.reachesInto(share, body.margin_m));
-  const bool large = here && size.isLarge(box);
+  const bool here = near && (partition.isWhole() || corners.reachesInto(partition, body.margin_m));
+  const bool large = here && size.isOversized(box);
   const bool regular = here && !large;
   const unsigned live = __ballot_sync(kFullWarp, regular);
   warpCount(&c.counters().rejected, there && !finite);
@@ -294,28 +314,74 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   warpCount(&c.counters().clustered, regular);
   if (there) takeSample(c, t, regular, corners);
   if (__any_sync(kFullWarp, here) == 0) {
-    if (laneId() == 0) c.members.tiles[tile] = {Aabb(), 0, kNone};
+    if (laneId() == 0) c.tiles.states[tile] = {Aabb(), 0, kNone};
     return;
   }
   if (here) {
-    c.members.members[slot] = {corners.posed(), t, b, body.group};
-    if (kStates > 1) c.members.earlier[slot].posed = corners.earlier();
+    c.tiles.entries[slot] = {corners.posed(), t, b, body.group};
+    if (kStates > 1) c.tiles.earlier[slot].posed = corners.earlier();
   }
-  c.members.boxes[slot] = MemberBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb());
-  if (large) c.members.large[Place(atomicAdd(&c.counters().large, 1U))] = slot;
+  c.tiles.boxes[slot] = TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb());
+  if (large) c.tiles.oversized[Place(atomicAdd(&c.counters().oversized, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
-  const std::uint32_t list = live == 0 || c.together()
+  const std::uint32_t list = live == 0 || c.usesBruteForce()
                                  ? kNone
                                  : assignTile(c, tile, live, corners, body.slack, found[warp]);
-  if (laneId() == 0) c.members.tiles[tile] = {all, live, list};
+  if (laneId() == 0) c.tiles.states[tile] = {all, live, list};
 }
 
 }  // namespace
 
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   const auto kernel = shape.swept ? assignKernel<2> : assignKernel<1>;
-  launchEarly(kernel, (cycle.scene.tile_count + kWarps - 1) / kWarps, kThreads, 0, shape.device,
-              stream, cycle);
+  launchDependent(kernel, (cycle.scene.tile_count + kWarps - 1) / kWarps, kThreads, 0, shape.device,
+                  stream, cycle);
+}
+
+namespace {
+
+constexpr unsigned kScanThreads = 1024;
+
+// Returns how many places a cluster's bin should have, with some to spare.
+__device__ std::uint32_t wantedPlaces(const CycleArrays& c, ClusterIndex bin) {
+  const std::uint32_t count = c.tiles.count(bin);
+  constexpr std::uint32_t kSpare = 32;
+  // Decreases slowly after a peak, so that a scene that swings to and fro fits.
+  const std::uint32_t before = c.tiles.bins[bin].wanted;
+  return max(count + count / 4 + kSpare, before - before / 32);
+}
+
+// Computes the bins of the next cycle, in one block: reads tiles.counts, and writes tiles.next_bins
+// by an exclusive sum of the capacities. Spare room is divided among all bins, because a bin that
+// overflows costs a whole cycle.
+__global__ void __launch_bounds__(kScanThreads) binsKernel(CycleArrays c) {
+  const std::uint32_t bins = c.clusters.count, room = c.tiles.bin_entries.size();
+  std::uint32_t mine = 0, wanted;
+  for (ClusterIndex g(threadIdx.x); g.value < bins; g.value += kScanThreads) {
+    mine += wantedPlaces(c, g);
+  }
+  blockPrefix<kScanThreads>(mine, wanted);
+  const std::uint32_t more = wanted < room ? (room - wanted) / bins : 0;
+  std::uint32_t begin = 0;
+  for (std::uint32_t first = 0; first < bins; first += kScanThreads) {
+    const ClusterIndex g(first + threadIdx.x);
+    const std::uint32_t its = g.value < bins ? wantedPlaces(c, g) : 0;
+    const std::uint32_t capacity = g.value < bins ? its + more : 0;
+    std::uint32_t sum;
+    const std::uint32_t before = blockPrefix<kScanThreads>(capacity, sum);
+    // Cuts bins that do not fit; the host then enlarges the array.
+    const std::uint32_t place = min(begin + before, room);
+    if (g.value < bins) c.tiles.next_bins[g] = {place, min(capacity, room - place), its};
+    begin += sum;
+  }
+  if (threadIdx.x == 0) c.counters().bins_wanted = wanted;
+}
+
+}  // namespace
+
+void launchAssignBins(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
+  if (cycle.usesBruteForce()) return;
+  binsKernel<<<1, kScanThreads, 0, stream>>>(cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,6 +1,7 @@
-// Stage cluster, for the next cycle: fuzzy c-means on this cycle's samples, and the prototypes'
-// lists of neighbours. All of it steers speed alone.
-#include "core/rules/fcm_powers.h"
+// Stage cluster, for the next cycle: makes steps of fuzzy c-means with this cycle's samples, and
+// builds the prototypes' lists of neighbours. It also makes new prototypes from samples, before a
+// cycle whose clusters are new. All of this affects speed only, never results.
+#include "core/rules/clustering.h"
 #include "cuda/device/check.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/stages.cuh"
@@ -11,20 +12,20 @@ namespace {
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
 
-// A warp for each of clusters.samples: adds to clusters.membership_sums. Memberships in the nearest
-// prototype and its neighbours; in the others they are small, and taken as none.
+// One warp for each of clusters.samples: computes the sample's memberships and adds them to
+// clusters.membership_sums. It considers only the nearest prototype and that prototype's 63 nearest
+// neighbours, because other memberships are negligible. Each lane takes kEach prototypes.
 __global__ void __launch_bounds__(kThreads) membershipKernel(CycleArrays c) {
   const std::uint32_t s = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
   if (s >= c.clusters.sample_count) return;
   const Sample sample = c.clusters.samples[Place(s)];
   if (sample.near.value == kNone) return;
   const FuzzyPowers powers{c.params().fuzzifier};
-  constexpr unsigned kEach = 2;  // of the nearest ones
+  constexpr unsigned kEach = 2;  // of the prototypes
   ClusterIndex cluster[kEach];
   Vec3f away[kEach];
   float d2[kEach], least2 = INFINITY;
   for (unsigned k = 0; k < kEach; ++k) {
-    // The nearest stands before its neighbours.
     const unsigned place = laneId() + k * kWarp;
     Vec3f prototype = c.clusters.live_prototypes[sample.near];
     cluster[k] = sample.near;
@@ -61,7 +62,7 @@ __global__ void __launch_bounds__(kThreads) membershipKernel(CycleArrays c) {
   }
 }
 
-// A thread for each of clusters.prototypes: moves it by clusters.membership_sums.
+// One thread for each of clusters.prototypes: moves it by clusters.membership_sums.
 __global__ void __launch_bounds__(kThreads) moveKernel(CycleArrays c) {
   const ClusterIndex g(blockIdx.x * kThreads + threadIdx.x);
   if (g.value >= c.clusters.count) return;
@@ -71,8 +72,9 @@ __global__ void __launch_bounds__(kThreads) moveKernel(CycleArrays c) {
   if (isFinite(moved)) c.clusters.prototypes[g] = moved;
 }
 
-// A warp for each of clusters.prototypes: writes clusters.live_prototypes. One that coincides with
-// an earlier one would only share its triangles: it is put where it is nobody's.
+// One warp for each of clusters.prototypes: writes clusters.live_prototypes. A prototype that
+// coincides with an earlier one would get the same triangles again, so it is moved so far away that
+// no triangle is near it.
 __global__ void __launch_bounds__(kThreads) retireKernel(CycleArrays c) {
   const ClusterIndex g((blockIdx.x * kThreads + threadIdx.x) / kWarp);
   if (g.value >= c.clusters.count) return;
@@ -98,7 +100,8 @@ __device__ std::uint32_t blockSum(std::uint32_t x) {
   return sum;
 }
 
-// Squared distances of one prototype from the others, as bits, which order as they do.
+// Computes squared distances of one prototype from the others, as bits. Bits of non-negative floats
+// have the same order as the floats.
 struct DistanceBits {
   const ClusterArrays& clusters;
   ClusterIndex from;
@@ -109,14 +112,15 @@ struct DistanceBits {
   }
 };
 
-// By a whole block: bits of a squared distance within which there are many other prototypes, but
-// not more than a list holds. By bisection, starting from last cycle's.
+// Returns the bits of a squared distance within which there are many other prototypes, but not more
+// than a list holds. It starts at the last cycle's distance, because little changes from cycle to
+// cycle, and bisects. Called by a whole block.
 __device__ std::uint32_t listBound(const DistanceBits& bits) {
   constexpr std::uint32_t kEnough = 3 * kMostNeighbours / 4, kInfinityBits = 0x7f800000U;
-  std::uint32_t low = 0, high = kInfinityBits;  // too few within low; too many within high
-  std::uint32_t step = 1U << 20;  // an eighth of an octave; nearby first, for little has changed
+  std::uint32_t low = 0, high = kInfinityBits;  // too few within `low`, too many within `high`
+  std::uint32_t step = 1U << 20;  // an eighth of an octave; it doubles until both bounds are known
   const float reach = bits.clusters.list_reach[bits.from];
-  std::uint32_t bound = __float_as_uint(reach * reach);  // infinite or zero: from nowhere
+  std::uint32_t bound = __float_as_uint(reach * reach);  // zero or infinite if not known
   if (!(bound > low && bound < high)) bound = __float_as_uint(1e-2F);
   while (true) {
     std::uint32_t within = 0;
@@ -134,8 +138,9 @@ __device__ std::uint32_t listBound(const DistanceBits& bits) {
   }
 }
 
-// A block for each of clusters.live_prototypes: writes its clusters.neighbours, neighbour_cluster
-// and list_reach.
+// One block for each of clusters.live_prototypes: writes its clusters.neighbours, neighbour_cluster
+// and list_reach. It collects the neighbours in any order; then each thread finds the rank of its
+// neighbour by counting those that are nearer.
 __global__ void __launch_bounds__(kThreads) neighbourKernel(CycleArrays c) {
   const ClusterIndex g(blockIdx.x);
   const DistanceBits bits{c.clusters, g, c.clusters.live_prototypes[g]};
@@ -181,7 +186,7 @@ void movePrototypes(const CycleArrays& cycle, cudaStream_t stream) {
 }  // namespace
 
 void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  if (cycle.together()) return;
+  if (cycle.usesBruteForce()) return;
   for (int i = 0; i < shape.refinements; ++i) {
     movePrototypes(cycle, stream);
     launchClusterLists(cycle, stream);
@@ -192,6 +197,66 @@ void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream) {
   const std::uint32_t count = cycle.clusters.count;
   retireKernel<<<(count + kWarps - 1) / kWarps, kThreads, 0, stream>>>(cycle);
   neighbourKernel<<<count, kThreads, 0, stream>>>(cycle);
+}
+
+namespace {
+
+constexpr unsigned kSeedThreads = 1024;
+
+// Sets the prototypes g for which seedOf(g, clusters, centroids) is `place` to `centroid`.
+__device__ void putSeeds(const ClusterArrays& clusters, std::uint32_t centroids,
+                         std::uint32_t place, const Vec3f& centroid) {
+  const std::uint64_t count = clusters.count;
+  const auto guess = static_cast<std::uint32_t>(place * count / centroids);
+  std::uint32_t g = guess > 0 ? guess - 1 : 0;
+  while (g < count && seedOf(g, count, centroids) < place) ++g;
+  for (; g < count && seedOf(g, count, centroids) == place; ++g) {
+    clusters.prototypes[ClusterIndex(g)] = centroid;
+  }
+}
+
+// Makes the prototypes from the first `count` of clusters.samples, in one block. They are evenly
+// spread over the samples that are not empty.
+__global__ void __launch_bounds__(kSeedThreads)
+    seedKernel(ClusterArrays clusters, std::uint32_t count) {
+  const std::uint32_t each = (count + kSeedThreads - 1) / kSeedThreads;
+  const std::uint32_t first = min(count, threadIdx.x * each), end = min(count, first + each);
+  const auto isThere = [&](std::uint32_t s) {
+    return clusters.samples[Place(s)].near.value != kNone;
+  };
+  std::uint32_t mine = 0, all;
+  for (std::uint32_t s = first; s < end; ++s) mine += isThere(s) ? 1 : 0;
+  std::uint32_t place = blockPrefix<kSeedThreads>(mine, all);
+  for (std::uint32_t s = first; s < end; ++s) {
+    if (isThere(s)) putSeeds(clusters, all, place++, clusters.samples[Place(s)].centroid);
+  }
+}
+
+// One thread for each new cluster: sets a default frame, a list of neighbours without reach, and an
+// empty bin.
+__global__ void __launch_bounds__(kSeedThreads) startKernel(CycleArrays c) {
+  const ClusterIndex g(blockIdx.x * kSeedThreads + threadIdx.x);
+  if (g.value >= c.clusters.count) return;
+  ClusterFrame frame{};
+  for (int k = 0; k < 3; ++k) {
+    frame.axes.axis[k] = {k == 0 ? 1.0F : 0.0F, k == 1 ? 1.0F : 0.0F, k == 2 ? 1.0F : 0.0F};
+    frame.along[k] = Quantiser(-1, 1);
+  }
+  c.sweep.frames[g] = frame;
+  c.clusters.list_reach[g] = 0;
+  c.tiles.next_bins[g] = Bin{};
+}
+
+}  // namespace
+
+void launchClusterSeeds(const CycleArrays& cycle, std::uint32_t samples, cudaStream_t stream) {
+  seedKernel<<<1, kSeedThreads, 0, stream>>>(cycle.clusters, samples);
+}
+
+void launchClusterStart(const CycleArrays& cycle, cudaStream_t stream) {
+  startKernel<<<(cycle.clusters.count + kSeedThreads - 1) / kSeedThreads, kSeedThreads, 0,
+                stream>>>(cycle);
+  launchClusterLists(cycle, stream);
 }
 
 }  // namespace deformable_contact_monitor

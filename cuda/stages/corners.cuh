@@ -1,4 +1,5 @@
-// A triangle's vertices as the stage pose left them.
+// Reads the results of stage transform for stage assign: a triangle's vertices with their nearest
+// prototypes, and the boxes of bodies.
 #pragma once
 
 #include "core/rules/common_motion.h"
@@ -7,8 +8,9 @@
 
 namespace deformable_contact_monitor {
 
-// A triangle as the stage pose left it: posed vertices [m] and their nearest prototypes. With
-// kStates == 2 those at the beginning of the step come first.
+// A triangle as stage transform leaves it: its vertices in the scene frame [m] and their nearest
+// prototypes. With kStates == 2 (swept motion) the vertices at the beginning of the time interval
+// come first.
 template <int kStates>
 struct Corners {
   static constexpr int kPoints = 3 * kStates, kPresent = kPoints - 3;
@@ -30,15 +32,16 @@ struct Corners {
     }
     return finite;
   }
-  // Of all that it passes, but for the common motion [m].
+  // Returns the box of all places that the triangle passes, minus the common motion [m].
   __device__ Aabb box(const CycleArrays& c) const {
     if (kStates == 1) return boxOf(posed());
     return sweptBox(MovingBox{boxOf(earlier()), boxOf(posed())}, c.scene.common_motion[Place(0)]);
   }
-  // Of all that it passes, for the shares; `grown`: by its body's margin or pad [m].
-  __device__ bool reachesInto(const SceneShare& share, float grown_m) const {
-    if (kStates == 1) return share.reaches(inflated(boxOf(posed()), grown_m));
-    return share.reaches(shareBox({boxOf(earlier()), boxOf(posed())}, grown_m));
+  // Returns whether the box of all places that the triangle passes reaches into the partition.
+  // `grown_m`: the margin or pad of its body [m].
+  __device__ bool reachesInto(const ScenePartition& partition, float grown_m) const {
+    if (kStates == 1) return partition.reaches(inflated(boxOf(posed()), grown_m));
+    return partition.reaches(partitionBox({boxOf(earlier()), boxOf(posed())}, grown_m));
   }
 
  private:
@@ -49,7 +52,8 @@ struct Corners {
   }
 };
 
-// The vertices for the clusters [scaled].
+// The vertices as the clusters use them [scaled]. In swept motion the common motion is subtracted
+// from the present state.
 template <int kStates>
 struct ScaledCorners {
   Vec3f v[3 * kStates];
@@ -62,5 +66,22 @@ struct ScaledCorners {
     for (int k = 3; k < 3 * kStates; ++k) v[k] = after.apply(corners.v[k]);
   }
 };
+
+// Returns the box of a body's finite vertices, inflated by its margin [m].
+__device__ inline Aabb bodyBox(const SceneArrays& scene, BodyIndex body) {
+  return inflated(boxOf(scene.body_boxes.row(body)), scene.bodies[body].margin_m);
+}
+
+// Returns whether no triangle of the body can be in contact with any other one.
+__device__ inline bool isOutOfReach(const SceneArrays& scene, BodyIndex b) {
+  const DeviceBody& body = scene.bodies[b];
+  if (body.has_self != 0) return false;
+  const Aabb own = bodyBox(scene, b);
+  for (unsigned p = 0; p < body.partner_count; ++p) {
+    const BodyIndex partner = scene.partners[Place(body.partner_begin + p)];
+    if (intersects(own, bodyBox(scene, partner))) return false;
+  }
+  return true;
+}
 
 }  // namespace deformable_contact_monitor

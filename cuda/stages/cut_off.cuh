@@ -1,5 +1,5 @@
-// How kernels learn that the cycle is to end early: the host sets a word in its own memory, whoever
-// sees that sets counters().cut_off, and all give up what they have not begun.
+// Lets kernels end a cycle early. The host sets a word in its own memory. The first thread that
+// sees it sets counters().cut_off, and all threads give up the work that they have not begun.
 #pragma once
 
 #include "cuda/device/warp.cuh"
@@ -7,9 +7,10 @@
 
 namespace deformable_contact_monitor {
 
-// To be asked ahead of each piece of work, which takes well below a millisecond. `ask_host`: looks
-// into the host's memory too, which takes a microsecond or two and a share of the bus: for one
-// thread in hundreds, but always for some that run as long as the others.
+// Returns whether the cycle is cut off. Each thread asks before each piece of work, which takes
+// well below a millisecond. `ask_host`: also reads the host's memory. That takes a microsecond or
+// two and uses the bus, so only one thread in hundreds does it. Some thread that does must run as
+// long as the others do.
 __device__ inline bool isCutOff(const CycleArrays& c, bool ask_host) {
   if (c.params().limited == 0) return false;
   volatile std::uint32_t& cut_off = c.counters().cut_off;
@@ -21,22 +22,22 @@ __device__ inline bool isCutOff(const CycleArrays& c, bool ask_host) {
   return true;
 }
 
-// The same for a whole warp.
+// Does the same for a whole warp: its first lane asks for all lanes.
 __device__ inline bool warpIsCutOff(const CycleArrays& c, bool ask_host) {
   if (c.params().limited == 0) return false;
   const int cut_off = laneId() == 0 && isCutOff(c, ask_host) ? 1 : 0;
   return __shfl_sync(kFullWarp, cut_off, 0) != 0;
 }
 
-// One warp in so many asks the host, where all of a kernel's warps run as long.
+// One warp in so many asks the host, in kernels whose warps all run equally long.
 constexpr std::uint32_t kWarpsPerAsker = 32;
 
-// For a thread whose steps are short: asks once in so many of them.
+// Asks once in so many steps, for threads whose steps are short.
 class PacedCutOff {
  public:
   __device__ PacedCutOff(const CycleArrays& c, bool asks_host) : c_(c), asks_host_(asks_host) {}
 
-  // To be asked after so many more steps.
+  // Returns whether the cycle is cut off. `steps`: how many were made since the last call.
   __device__ bool isOver(std::uint32_t steps) {
     constexpr std::uint32_t kSteps = 2048;
     done_ += steps;

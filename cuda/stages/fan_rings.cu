@@ -1,16 +1,19 @@
-// Which triangles are around each vertex: found when the scene is laid out, for stage pose.
+// Finds the ring of triangles around each vertex when a scene is laid out. Stage transform
+// certifies fans from these rings. The kernels count the triangles of each vertex, reserve places
+// by a prefix sum, fill them, and order each ring.
 #include <cub/device/device_scan.cuh>
 
 #include "core/rules/fan_order.h"
-#include "cuda/stages/fan_rings.cuh"
+#include "cuda/stages/tiles.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
 
-// A thread for each vertex, a block for each of scene.vertex_blocks: a ring has a place more than
-// triangles; where no body touches itself there is none. And one for the end of the last ring.
+// One thread for each vertex, one block for each of scene.vertex_blocks: starts the count of
+// places. A ring has one place more than triangles. Vertices of bodies that do not touch themselves
+// have no ring. One more element holds the end of the last ring.
 __global__ void __launch_bounds__(kThreads) beginKernel(SceneArrays scene) {
   const BodyBlock block = scene.vertex_blocks[Place(blockIdx.x)];
   if (threadIdx.x >= block.count) return;
@@ -19,7 +22,8 @@ __global__ void __launch_bounds__(kThreads) beginKernel(SceneArrays scene) {
   if (blockIdx.x == gridDim.x - 1 && threadIdx.x == block.count - 1) scene.fan_count[v + 1] = 0;
 }
 
-// A thread for each triangle, a block for each of scene.triangle_blocks: adds to scene.fan_count.
+// One thread for each triangle, one block for each of scene.triangle_blocks: adds to
+// scene.fan_count.
 __global__ void __launch_bounds__(kThreads) countKernel(SceneArrays scene) {
   const BodyBlock block = scene.triangle_blocks[Place(blockIdx.x)];
   if (threadIdx.x >= block.count || scene.bodies[block.body].has_self == 0) return;
@@ -27,8 +31,8 @@ __global__ void __launch_bounds__(kThreads) countKernel(SceneArrays scene) {
   for (int k = 0; k < 3; ++k) atomicAdd(&scene.fan_count[corner[k]], 1U);
 }
 
-// The same: puts the triangle's number into the rings of its corners, in any order, and counts
-// their vertices' triangles down to one.
+// One thread for each triangle: puts its number into the rings of its corners, in any order. Counts
+// scene.fan_count down to one, which leaves the first place of each ring free.
 __global__ void __launch_bounds__(kThreads) fillKernel(SceneArrays scene) {
   const BodyBlock block = scene.triangle_blocks[Place(blockIdx.x)];
   if (threadIdx.x >= block.count || scene.bodies[block.body].has_self == 0) return;
@@ -40,7 +44,8 @@ __global__ void __launch_bounds__(kThreads) fillKernel(SceneArrays scene) {
   }
 }
 
-// The edges opposite to v of the triangles in its ring, by their numbers: as the host has them.
+// Finds the edges opposite to v of the triangles in its ring, in the order of the triangles'
+// numbers, as on the host. Sorts `triangles` by insertion, because rings are short.
 __device__ void findEdges(const SceneArrays& scene, VertexIndex v, std::uint32_t* triangles,
                           std::uint32_t count, FanEdge* edges) {
   for (std::uint32_t i = 1; i < count; ++i) {
@@ -51,7 +56,8 @@ __device__ void findEdges(const SceneArrays& scene, VertexIndex v, std::uint32_t
   }
   for (std::uint32_t i = 0; i < count; ++i) {
     const VertexIndex* const corner = scene.corners.row(TriangleIndex(triangles[i]));
-    // A corner that comes twice has two edges in two neighbouring places.
+    // A triangle that uses the vertex twice is twice in the ring, and has a different edge each
+    // time.
     std::uint32_t turn = i > 0 && triangles[i - 1] == triangles[i] ? 1 : 0;
     if (i > 1 && triangles[i - 2] == triangles[i]) ++turn;
     int k = 0;
@@ -60,8 +66,8 @@ __device__ void findEdges(const SceneArrays& scene, VertexIndex v, std::uint32_t
   }
 }
 
-// A thread for each vertex, a block for each of scene.vertex_blocks: from the triangles in a ring
-// to the ring.
+// One thread for each vertex, one block for each of scene.vertex_blocks: replaces the triangles in
+// the ring by the ordered ring of vertices (core/rules/fan_order.h).
 __global__ void __launch_bounds__(kThreads) orderKernel(SceneArrays scene) {
   const BodyBlock block = scene.vertex_blocks[Place(blockIdx.x)];
   if (threadIdx.x >= block.count || scene.bodies[block.body].has_self == 0) return;

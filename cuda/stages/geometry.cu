@@ -1,7 +1,7 @@
-// Stage output: the geometry of sorted contacts, by the rule that the host has.
+// Stage output: computes the geometry of sorted contacts, by the same rule as on the host.
 #include "core/rules/geometry_of_pair.h"
 #include "cuda/device/check.cuh"
-#include "cuda/stages/geometry.cuh"
+#include "cuda/stages/rows.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -18,10 +18,12 @@ __device__ Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triang
   return posed;
 }
 
+// One thread for each sorted contact: reads its triangles in the scene frame and writes its
+// geometry.
 __global__ void __launch_bounds__(kThreads)
     geometryKernel(CycleArrays c, SortedContacts sorted, PairGeometry* geometry) {
   const std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  // Where some row is too long, nothing has been written to the keys.
+  // If some row is too long, the keys have not been written.
   if (c.contacts.row_too_long[Place(0)] != 0) return;
   if (i >= sorted.most || i >= c.listedContacts()) return;
   const unsigned bits = c.params().index_bits;

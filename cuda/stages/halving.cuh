@@ -1,24 +1,28 @@
-// halvedVerdict (core/predicates/swept_feature.h) as steps of a lane, so that a warp's lanes begin
-// another feature wherever one is done. Intervals that wait are bits, not polynomials: where one
-// has its turn it is made again from the whole step, which is rare, and no stack lies in memory.
+// Runs halvedVerdict (core/predicates/swept_feature.h) step by step: it halves the time interval of
+// a feature until a sign is certain. Each lane of a warp can begin another feature as soon as one
+// is done. Intervals that wait are kept as bits, not as polynomials. When such an interval is due,
+// which is rare, it is computed again from the whole interval. So no stack is needed in memory.
 #pragma once
 
 #include "core/predicates/swept_feature.h"
 
 namespace deformable_contact_monitor {
 
+// The outcome of a step.
 enum class HalvingStep {
   kGoesOn,
-  kGoesBack,  // to an interval that has waited: goBack() is to be called
-  kApart,     // there is none left
-  kMeets,     // in the interval
-  kOpen,      // the interval is
+  kGoesBack,  // to an interval that has waited; the caller must call goBack()
+  kApart,     // no interval is left: the feature does not meet
+  kMeets,     // the feature meets in the current interval
+  kOpen,      // the current interval cannot be decided
 };
 
+// The state of one lane: its feature, the current interval and the intervals that wait.
 template <class Real>
 class Halving {
  public:
-  // Of a feature with coplanarity `d`, not of one sign; false if it never meets.
+  // Begins a feature with coplanarity `d`, whose sign must not be certain. Returns false if the
+  // feature never meets.
   __device__ bool begin(const Feature& feature, const Cubic<Real>& d) {
     kind_ = feature.kind;
     piece_.d = d;
@@ -27,8 +31,8 @@ class Halving {
     return detail::setOrientations(feature, piece_);
   }
 
-  // Looks at the interval that has its turn. `narrow`: the width from which on one will do to meet
-  // in; `until`: later ones are of no use; `most`: intervals that may be looked at.
+  // Examines the current interval. `narrow`: a meeting interval of at most this width is a result.
+  // `until`: intervals that begin later are of no use. `most`: the most intervals to examine.
   __device__ HalvingStep step(float narrow, float until, int most,
                               const detail::ErrorsOfHalving<Real>& errors) {
     if (low() > until) return HalvingStep::kApart;
@@ -52,14 +56,15 @@ class Halving {
       return HalvingStep::kGoesOn;
     }
     if (waiting_ == 0) return HalvingStep::kApart;
-    const int back = __ffs(static_cast<int>(waiting_)) - 1;  // to the last one that waits
+    const int back =
+        __ffs(static_cast<int>(waiting_)) - 1;  // levels up to the last interval that waits
     level_ -= back;
     path_ = path_ >> back | 1;
     waiting_ = waiting_ >> back & ~1U;
     return HalvingStep::kGoesBack;
   }
 
-  // From the whole step, as begin() left it, to the interval that has its turn.
+  // Computes the current interval again from the whole interval, after step() returned kGoesBack.
   __device__ void goBack(const Feature& feature, const Cubic<Real>& d) {
     piece_.d = d;
     detail::setOrientations(feature, piece_);
@@ -78,7 +83,7 @@ class Halving {
   __device__ float low() const { return static_cast<float>(path_) * width(); }
 
  private:
-  // The piece becomes its left half.
+  // Replaces the piece by its left half, and sets `right` to the right one.
   __device__ void halve(const detail::ErrorsOfHalving<Real>& errors,
                         detail::FeaturePiece<Real>& right) {
     piece_.d.halve(errors.d, piece_.d, right.d);
@@ -88,8 +93,8 @@ class Halving {
   FeatureKind kind_;
   detail::FeaturePiece<Real> piece_;
   int level_, pieces_;
-  std::uint32_t path_;     // of the interval: its number among those of its width
-  std::uint32_t waiting_;  // bit k: the right half of k levels up waits
+  std::uint32_t path_;     // the number of the current interval among those of its width
+  std::uint32_t waiting_;  // bit k: the right half, k levels up, waits
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,6 @@
-// Stage judge in swept motion, third part: triangles that share vertices.
+// Stage narrow_phase in swept motion, third part: decides pairs of triangles that share vertices.
+// Such a pair is a contact only if it meets beyond the shared vertices. A float32 filter comes
+// first; the rest is decided in double, or left to the host.
 #include "core/predicates/swept_adjacency.h"
 #include "cuda/stages/narrow_phase_moving.cuh"
 
@@ -12,7 +14,9 @@ __device__ SharedVertices sharedOf(const DeviceCandidate& candidate) {
   return sharedByBits(bits & 7, bits >> 3);
 }
 
-// In float32, whether the two certainly do not meet beyond what they share.
+// Returns whether float32 is certain that the triangles do not meet beyond their shared vertices.
+// With two shared vertices, it tests whether the two remaining vertices can become coplanar with
+// the shared edge. With one, it tests whether a plane separates the triangles around that vertex.
 __device__ bool certainlyNotBeyond(const MovingTriangle& a, const MovingTriangle& b,
                                    const SharedVertices& shared) {
   const SharedSplit split(a, b, shared);
@@ -30,9 +34,10 @@ __device__ bool certainlyNotBeyond(const MovingTriangle& a, const MovingTriangle
                                                                split.rest_b);
 }
 
-// The pairs at the end of contacts.open; what is left comes to first_list.
-__global__ void __launch_bounds__(kThreads) sharersKernel(CycleArrays c) {
-  forEachByWarp(c, c.counters().sharing, [&](Place k, bool there) {
+// One thread for each pair at the end of contacts.open: adds pairs that float32 leaves open to
+// first_list.
+__global__ void __launch_bounds__(kThreads) adjacentKernel(CycleArrays c) {
+  forEachByWarp(c, c.counters().open_adjacent, [&](Place k, bool there) {
     Place i(0);
     bool left = false;
     if (there) {
@@ -44,11 +49,13 @@ __global__ void __launch_bounds__(kThreads) sharersKernel(CycleArrays c) {
   });
 }
 
-// A thread for each of contacts.first_list.
+// One thread for each of contacts.first_list: decides the pair in double, adds it to the contacts,
+// or leaves it to the host.
 __global__ void __launch_bounds__(kThreads) beyondKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const std::uint32_t count = sweptCounters(c).beyond;
-  // Few pairs are spread over many warps, for their long paths differ.
+  // Spreads few pairs over many warps, because the lanes of a warp wait for each other's longest
+  // path.
   const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
   const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
   const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
@@ -76,8 +83,9 @@ __global__ void __launch_bounds__(kThreads) beyondKernel(CycleArrays c) {
 
 }  // namespace
 
-void launchSharers(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  launchList(sharersKernel, kThreads, cycle, shape, stream);
+void launchNarrowPhaseAdjacent(const CycleArrays& cycle, const CycleShape& shape,
+                               cudaStream_t stream) {
+  launchList(adjacentKernel, kThreads, cycle, shape, stream);
   launchList(beyondKernel, kThreads, cycle, shape, stream);
 }
 

@@ -1,5 +1,6 @@
-// Stage judge in swept motion, second part: the features of what is left, a thread each: in
-// float32, then in double, then by integers; the rest is the host's.
+// Stage narrow_phase in swept motion, second part: examines the features (vertex against face, edge
+// against edge) of the pairs that the first part leaves. One thread works on one feature at a time:
+// first in float32, then in double, then by the signs of integers. The rest is left to the host.
 #include "cuda/stages/halving.cuh"
 #include "cuda/stages/narrow_phase_moving.cuh"
 
@@ -8,15 +9,16 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
-constexpr unsigned kHungry = 20;  // idle lanes from which on a warp looks for more features
+// A warp with at least so many idle lanes fetches more features.
+constexpr unsigned kHungry = 20;
 
 // One feature of a candidate.
 struct FeatureTask {
   Place candidate;
-  std::uint32_t index;  // as featureOf has them
+  std::uint32_t index;  // as in featureOf()
 };
 
-// Of one warp, in shared memory; `size` is the same in all lanes.
+// A queue of one warp, in shared memory; `size` is the same in all lanes.
 struct TaskQueue {
   FeatureTask* items;
   unsigned size;
@@ -27,7 +29,8 @@ struct TaskQueue {
     size += __popc(mask);
     __syncwarp();
   }
-  // For lanes that have none; true in those that get one.
+  // Gives a task to each idle lane, as long as there are some. Returns true in the lanes that get
+  // one.
   __device__ bool pop(bool idle, FeatureTask& task) {
     const unsigned mask = __ballot_sync(kFullWarp, idle);
     const unsigned rank = __popc(mask & ((1U << laneId()) - 1));
@@ -39,17 +42,17 @@ struct TaskQueue {
   }
 };
 
-__device__ MovingPoint pointAt(const CycleArrays& c, MemberIndex at, int i) {
-  return {c.members.earlier[at].posed.v[i], c.members.members[at].posed.v[i]};
+__device__ MovingPoint pointAt(const CycleArrays& c, TileEntryIndex at, int i) {
+  return {c.tiles.earlier[at].posed.v[i], c.tiles.entries[at].posed.v[i]};
 }
 
-// As featureOf, without the triangles in registers: they would be indexed by numbers that the
-// compiler does not know.
+// Returns a feature as featureOf() does, but reads its points from memory. Triangles in registers
+// could not be indexed by a number that is only known at run time.
 __device__ Feature featureAt(const CycleArrays& c, const FeatureTask& task) {
   const DeviceCandidate pair = c.contacts.candidates[task.candidate];
   const int index = static_cast<int>(task.index);
   if (index < 6) {
-    const MemberIndex face = index < 3 ? pair.a : pair.b, other = index < 3 ? pair.b : pair.a;
+    const TileEntryIndex face = index < 3 ? pair.a : pair.b, other = index < 3 ? pair.b : pair.a;
     return {FeatureKind::kVertexFace,
             {pointAt(c, face, 0), pointAt(c, face, 1), pointAt(c, face, 2),
              pointAt(c, other, index < 3 ? index : index - 3)}};
@@ -62,34 +65,36 @@ __device__ Feature featureAt(const CycleArrays& c, const FeatureTask& task) {
 
 __device__ bool hasMet(const SweptState& state) { return state.high <= __float_as_uint(1.0F); }
 
-// What others may change meanwhile.
+// Reads a value that other threads may change meanwhile.
 __device__ float highOf(const CycleArrays& c, Place candidate) {
   const volatile std::uint32_t& high = c.contacts.states[candidate].high;
   return __uint_as_float(high);
 }
 
+// Lowers the pair's time interval to that of a feature that meets, if it is earlier. Many threads
+// may do so at the same time.
 __device__ void addMeeting(const CycleArrays& c, Place candidate, const FeatureVerdict& verdict) {
   SweptState& state = c.contacts.states[candidate];
   atomicMin(&state.low, __float_as_uint(verdict.low));
   atomicMin(&state.high, __float_as_uint(verdict.high));
 }
 
-// The features of a list of pairs that bits of their states name, for one warp: a pair a lane, and
-// one feature of each at a time. Edges against edges come first, for they are more likely to meet,
-// and with the first that does a pair may be settled.
+// Hands out the features that bits of SweptState name, for the pairs of a list, to one warp. Each
+// lane has one pair and hands out one feature at a time. Edges against edges come first: they are
+// more likely to meet, and the first feature that meets may decide the pair.
 class FeatureSource {
  public:
-  // `bits_at`: from which on they lie in SweptState::bits.
+  // `bits_at`: the lowest of these bits in SweptState::bits.
   __device__ FeatureSource(const CycleArrays& c, const DeviceArray<Place, Place>& list,
                            std::uint32_t count, unsigned bits_at)
       : c_(c), list_(list), count_(count), bits_at_(bits_at), warps_(gridDim.x * kWarps) {
-    pairs_ = max(1U, min(kWarp, count / warps_));  // few pairs are spread over many warps
+    pairs_ = max(1U, min(kWarp, count / warps_));  // spreads few pairs over many warps
     first_ = (blockIdx.x * kThreads + threadIdx.x) / kWarp * pairs_;
     more_ = first_ < count_;
   }
   __device__ bool hasMore() const { return more_; }
 
-  // By the whole warp: the lane's next one; false if it has none.
+  // Sets `task` to the lane's next feature; returns false if it has none. Called by the whole warp.
   __device__ bool next(FeatureTask& task) {
     if (__ballot_sync(kFullWarp, rest_ != 0) == 0) takePairs();
     const bool has = rest_ != 0;
@@ -126,8 +131,8 @@ class FeatureSource {
   std::uint32_t rest_ = 0;
 };
 
-// Whether a pair is settled already.
-__device__ bool isSettled(const CycleArrays& c, Place candidate, bool wants_time) {
+// Returns whether a pair needs no more features: one has met, and the time is not asked for.
+__device__ bool isDecided(const CycleArrays& c, Place candidate, bool wants_time) {
   return !wants_time && highOf(c, candidate) <= 1;
 }
 
@@ -136,8 +141,10 @@ struct HalvingLimits {
   int most_pieces;
 };
 
-// Halves the features of a source but for those of pairs that are settled; takes(task, feature's
-// coplanarity) may turn one down, and finish(task, verdict) is told the others' verdicts.
+// Halves the features of a source (halving.cuh), except those of pairs that are decided.
+// takes(task, coplanarity) may reject a feature; finish(task, verdict) gets the verdicts on the
+// others. Lanes that are done wait until kHungry are idle; then all of them get new features from a
+// queue, so that the code that begins features runs on many lanes at once.
 template <class Real, class Takes, class Finish>
 __device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
                               const HalvingLimits& limits, const Takes& takes,
@@ -155,7 +162,7 @@ __device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
     if (idle >= kHungry) {
       if (queue.size < idle && source.hasMore()) {
         FeatureTask found{};
-        const bool wanted = source.next(found) && !isSettled(c, found.candidate, limits.wants_time);
+        const bool wanted = source.next(found) && !isDecided(c, found.candidate, limits.wants_time);
         queue.push(wanted, found);
         continue;
       }
@@ -199,7 +206,8 @@ __device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
   }
 }
 
-// Whether no part of it can have a certain sign.
+// Returns whether all coefficients are within the error bound, so that no part of the cubic can
+// have a certain sign.
 template <class Real>
 __device__ bool isLost(const Cubic<Real>& d) {
   bool lost = true;
@@ -207,8 +215,8 @@ __device__ bool isLost(const Cubic<Real>& d) {
   return lost;
 }
 
-// A thread for each of contacts.second_list: which of its features are left by their boxes and the
-// signs of their cubics.
+// One thread for each of contacts.second_list: marks the features that their boxes and the signs of
+// their cubics leave open.
 __global__ void __launch_bounds__(kThreads) signsKernel(CycleArrays c) {
   forEachByWarp(c, sweptCounters(c).featured, [&](Place k, bool there) {
     if (!there) return;
@@ -226,13 +234,13 @@ __global__ void __launch_bounds__(kThreads) signsKernel(CycleArrays c) {
   });
 }
 
-// The features that are left of contacts.second_list, in float32; pairs with open ones come to
+// Examines the features that signsKernel left, in float32. Pairs with open features are added to
 // first_list.
 __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   const bool fast = params.predicates == Predicates::kFast;
-  const int most_in_float = wants_time ? 64 : 16;  // double goes on
+  const int most_in_float = wants_time ? 64 : 16;  // double continues
   const auto leaveOpen = [&c, fast](const FeatureTask& task, float low) {
     SweptState& state = c.contacts.states[task.candidate];
     const std::uint32_t before = atomicOr(&state.bits, 1U << task.index);
@@ -256,7 +264,7 @@ __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
       });
 }
 
-// The open features of contacts.first_list, in double.
+// Examines the open features of contacts.first_list in double.
 __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
@@ -274,7 +282,8 @@ __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
       });
 }
 
-// A thread for each feature of contacts.first_list: what double leaves open, by integers.
+// One thread for each feature of contacts.first_list that double leaves open: removes those that
+// integer arithmetic proves not to meet.
 __global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   if (params.predicates != Predicates::kExact) return;
@@ -282,7 +291,7 @@ __global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
   while (source.hasMore()) {
     if (warpIsCutOff(c, false)) return;
     FeatureTask task{};
-    if (source.next(task) && !isSettled(c, task.candidate, params.first_times != 0) &&
+    if (source.next(task) && !isDecided(c, task.candidate, params.first_times != 0) &&
         integerSigns(featureAt(c, task)) == IntegerSigns::kNoRootWithin) {
       atomicAnd(&c.contacts.states[task.candidate].bits, ~(1U << task.index));
     }
@@ -290,12 +299,13 @@ __global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
   }
 }
 
-// A thread for each of contacts.second_list: what its features told.
+// One thread for each of contacts.second_list: combines the verdicts on its features. The pair is a
+// contact, is left to the host, or is listed for the test of its pad.
 __global__ void __launch_bounds__(kThreads) verdictKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   const bool exact = params.predicates == Predicates::kExact;
-  const bool cut_off = c.counters().cut_off != 0;  // some features may not have had their turn
+  const bool cut_off = c.counters().cut_off != 0;  // some features may not have been examined
   forEachByWarp(c, sweptCounters(c).featured, [&](Place k, bool there) {
     Place i(0);
     bool meets = false, undecided = false, for_host = false;
@@ -332,7 +342,8 @@ __global__ void __launch_bounds__(kThreads) verdictKernel(CycleArrays c) {
 
 }  // namespace
 
-void launchFeatures(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+void launchNarrowPhaseFeatures(const CycleArrays& cycle, const CycleShape& shape,
+                               cudaStream_t stream) {
   launchList(signsKernel, kThreads, cycle, shape, stream);
   launchList(featureKernel, kThreads, cycle, shape, stream);
   launchList(doubleKernel, kThreads, cycle, shape, stream);

@@ -1,16 +1,17 @@
-// Stage judge in swept motion, first part: what boxes, planes, the static predicates at both ends
-// and fixed directions settle; last part: pads.
+// Stage narrow_phase in swept motion, first part: tests candidates by moving boxes and planes, by
+// the static predicates at both ends of the time interval, and by fixed directions. The last part,
+// for pads, is here too. narrow_phase_moving.cuh describes the lists between the kernels.
 #include "core/predicates/swept_pad.h"
-#include "cuda/stages/leave_counters.cuh"
+#include "cuda/stages/found_pairs.cuh"
 #include "cuda/stages/narrow_phase_moving.cuh"
-#include "cuda/stages/report.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
 
-// Moving boxes, then moving planes. Those left keep the sides that the planes told.
+// Returns whether moving boxes and moving planes leave a pair open. If so, `facts` gets the sides
+// that the planes found.
 __device__ bool planesLeave(const MovingTriangle& a, const MovingTriangle& b,
                             std::uint32_t& facts) {
   if (areApart(boxOf(a), boxOf(b))) return false;
@@ -27,7 +28,8 @@ __device__ bool planesLeave(const MovingTriangle& a, const MovingTriangle& b,
   return true;
 }
 
-// A thread for each of contacts.candidates.
+// One thread for each of contacts.candidates: adds pairs that planes leave, and pairs that share
+// vertices, to contacts.open.
 __global__ void __launch_bounds__(kThreads) planesKernel(CycleArrays c) {
   const std::uint32_t count = candidateCount(c);
   forEachByWarp(c, count, [&](Place i, bool there) {
@@ -46,7 +48,9 @@ __global__ void __launch_bounds__(kThreads) planesKernel(CycleArrays c) {
   });
 }
 
-// A thread for each that the planes left: the static predicates' filters at both ends.
+// One thread for each pair that the planes left: applies the filters of the static predicates at
+// both ends. A pair that meets at the start is a contact at time 0. A pair that meets at the end is
+// one too, unless its time is asked for. Pairs that stay open are added to first_list.
 __global__ void __launch_bounds__(kThreads) staticKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   forEachByWarp(c, c.counters().open, [&](Place k, bool there) {
@@ -85,7 +89,8 @@ __global__ void __launch_bounds__(kThreads) staticKernel(CycleArrays c) {
   });
 }
 
-// A thread for each that they left: fixed directions.
+// One thread for each pair of first_list: tests fixed separating directions. What they leave goes
+// to third_list if a static filter left an end open, else to second_list.
 __global__ void __launch_bounds__(kThreads) directionsKernel(CycleArrays c) {
   forEachByWarp(c, sweptCounters(c).moving, [&](Place k, bool there) {
     Place i(0);
@@ -103,7 +108,8 @@ __global__ void __launch_bounds__(kThreads) directionsKernel(CycleArrays c) {
   });
 }
 
-// A thread for each whose static filters left something open.
+// One thread for each pair of third_list: decides the ends that the static filters left open. Adds
+// contacts, and pairs that are still open to second_list.
 __global__ void __launch_bounds__(kThreads) robustKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   forEachByWarp(c, sweptCounters(c).robust, [&](Place k, bool there) {
@@ -117,7 +123,7 @@ __global__ void __launch_bounds__(kThreads) robustKernel(CycleArrays c) {
       const DeviceCandidate candidate = c.contacts.candidates[i];
       const MovingTriangle a = movingAt(c, candidate.a), b = movingAt(c, candidate.b);
       const bool still = isStill(a) && isStill(b);
-      // Once for the start, then for the end: one place in the code.
+      // Tests the start, then the end, in a loop: so the code of the predicate exists only once.
       for (int end = 0; end < 2 && !meets; ++end) {
         if ((candidate.facts & (end == 0 ? kStartOpen : kEndOpen)) == 0) continue;
         const KnownSides sides = unpackSides(candidate.facts >> (end * kEndShift));
@@ -146,8 +152,8 @@ __global__ void __launch_bounds__(kThreads) robustKernel(CycleArrays c) {
   });
 }
 
-// A thread for each of contacts.dismissed: whether a pad may make it a contact. The last kernel of
-// a cycle.
+// One thread for each of contacts.dismissed: tests whether a pad makes the pair a contact. This is
+// the last kernel of a cycle, so it also copies the counters to the host.
 __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c) {
   const std::uint32_t count = c.params().pads == 0 ? 0 : sweptCounters(c).dismissed;
   forEachByWarp(c, count, [&](Place k, bool there) {
@@ -156,27 +162,28 @@ __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c) {
     if (there) {
       i = c.contacts.dismissed[k];
       const DeviceCandidate pair = c.contacts.candidates[i];
-      const float pad_m = padOf(c, c.members.members[pair.a], c.members.members[pair.b]);
+      const float pad_m = padOf(c, c.tiles.entries[pair.a], c.tiles.entries[pair.b]);
       if (pad_m > 0) verdict = withinPad(movingAt(c, pair.a), movingAt(c, pair.b), pad_m);
     }
     reportMoving(c, verdict.may_touch, i, {verdict.first_low, -1});
   });
-  leaveCounters(c, gridDim.x);
+  writeFinalCounters(c, gridDim.x);
 }
 
 }  // namespace
 
-void launchJudgeMoving(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+void launchNarrowPhaseMoving(const CycleArrays& cycle, const CycleShape& shape,
+                             cudaStream_t stream) {
   launchList(planesKernel, kThreads, cycle, shape, stream);
   launchList(staticKernel, kThreads, cycle, shape, stream);
   launchList(directionsKernel, kThreads, cycle, shape, stream);
   launchList(robustKernel, kThreads, cycle, shape, stream);
-  launchFeatures(cycle, shape, stream);
-  if (shape.sharers) launchSharers(cycle, shape, stream);
+  launchNarrowPhaseFeatures(cycle, shape, stream);
+  if (shape.adjacent) launchNarrowPhaseAdjacent(cycle, shape, stream);
   if (shape.pads) {
     launchList(padKernel, kThreads, cycle, shape, stream);
   } else {
-    padKernel<<<1, kThreads, 0, stream>>>(cycle);  // leaves the counters alone
+    padKernel<<<1, kThreads, 0, stream>>>(cycle);  // only copies the counters
   }
 }
 

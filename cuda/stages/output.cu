@@ -1,14 +1,17 @@
+// Brings sorted contacts to the host. The device writes them directly into page-locked memory, so
+// the transfer can be enqueued before the host knows their number.
 #include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <vector>
 
-#include "cuda/stages/geometry.cuh"
 #include "cuda/stages/output.cuh"
+#include "cuda/stages/rows.cuh"
 
 namespace deformable_contact_monitor {
 
-// With room to spare, or contacts that creep up would allocate in every cycle.
+// Allocates more than is needed, because a slowly growing number of contacts would otherwise
+// allocate in every cycle.
 void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts, cudaStream_t stream) {
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
   if (count > contacts.capacity()) {
@@ -22,7 +25,7 @@ void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts, cudaS
   if (!fields_.geometry) return;
   geometry_.grow(room_);
   if (geometry_on_device_.grow(room_, stream)) {
-    // More of it goes to the host than there are contacts.
+    // Clears the array, because fetches may copy more elements than there are contacts.
     checkCuda(cudaMemsetAsync(geometry_on_device_.data(), 0, geometry_on_device_.bytes(), stream),
               "cudaMemsetAsync");
   }
@@ -76,7 +79,7 @@ void ContactOutput::write(const CycleArrays& cycle, TrianglePairs& contacts, cud
   }
 }
 
-// Geometry of the first `most` contacts.
+// Computes the geometry of the first `most` contacts and fetches it.
 void ContactOutput::describe(const CycleArrays& cycle, std::uint32_t most, cudaStream_t stream) {
   described_ = 0;
   if (!fields_.geometry) return;
@@ -99,7 +102,7 @@ void ContactOutput::list(std::uint32_t count, DetectionResult& result) const {
   if (fields_.times()) listTimes(count, result);
 }
 
-// What a pad alone makes a contact has a negative time.
+// Copies times and flags. A contact that only a pad makes has a negative `high`.
 void ContactOutput::listTimes(std::uint32_t count, DetectionResult& result) const {
   if (fields_.first_times) result.first_times.resize(count);
   if (fields_.within_pad) result.within_pad.resize(count);

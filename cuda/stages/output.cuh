@@ -1,4 +1,4 @@
-// Stage output: contacts from the device's unsorted list to the result's sorted one.
+// Stage output: sorts the contacts on the device and brings them into the result on the host.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace deformable_contact_monitor {
 
-// Of a sorted list, each contact once. A cycle that is cut off while lists of clusters have no room
-// finds some twice: triangles without a list are as if each of their clusters were the only one.
+// Removes repeated contacts from a sorted list. A cycle that is cut off before lists of clusters
+// have room finds some pairs several times: a triangle without a list counts as if it were in one
+// cluster only.
 void dropRepeated(DetectionResult& result);
 
-// What comes with each contact.
+// States which fields are wanted for each contact.
 struct ContactFields {
   bool separations, geometry;
   bool first_times, within_pad;  // in swept motion
@@ -22,25 +23,27 @@ struct ContactFields {
   bool times() const { return first_times || within_pad; }
 };
 
+// Belongs to one detector; for one thread at a time.
 class ContactOutput {
  public:
-  // `blocks`: as many as a launch may well have.
+  // `blocks`: the number of blocks of each launch.
   explicit ContactOutput(unsigned blocks) : blocks_(blocks) {}
 
-  // Behind what is in the stream: the device brings the contacts into their order and writes them
-  // to `contacts`, which lie in pinnedMemory(), as far as there is room: for `expected` at least,
-  // and for more if there once were. Geometry of up to `most_described`. The stream must have been
-  // waited for since the last fetch.
+  // Enqueues the sort of the contacts and their transfer to `contacts`, which must be in
+  // pinnedMemory(). There is room for at least `expected` contacts, and for more if there once was;
+  // others are not written. Geometry comes with up to `most_described` contacts. The stream must
+  // have been waited for since the last fetch.
   void fetch(const CycleArrays& cycle, const ContactFields& fields, std::uint32_t expected,
              std::uint32_t most_described, TrianglePairs& contacts, cudaStream_t stream);
-  // Once the stream has been waited for: whether the fetch brought the first `count` with all that
-  // is asked for.
+  // Returns whether the fetch brought the first `count` contacts with all fields. The stream must
+  // have been waited for.
   bool has(std::uint32_t count) const {
     return too_long_[0] == 0 && count <= room_ && (!fields_.geometry || count <= described_);
   }
-  // Makes room for so many contacts, while the device does not write any.
+  // Makes room for `count` contacts. The device must not be writing contacts.
   void makeRoom(std::uint32_t count, TrianglePairs& contacts, cudaStream_t stream);
-  // Where the fetch did not: brings the first `count`, or any, where they have to be sorted.
+  // Brings the first `count` contacts if fetch() did not. If rows were too long, it sorts and
+  // brings any `count` of them.
   void fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
                   TrianglePairs& contacts, cudaStream_t stream);
 
@@ -49,7 +52,8 @@ class ContactOutput {
            rows_.bytes();
   }
 
-  // The first `count` of them, once the stream has been waited for; fewer, if no more came.
+  // Copies the first `count` contacts to the result, or fewer if fewer came. The stream must have
+  // been waited for.
   void list(std::uint32_t count, DetectionResult& result) const;
 
  private:
@@ -67,7 +71,7 @@ class ContactOutput {
   PinnedBuffer<ContactTimes> times_;
   PinnedBuffer<PairGeometry> geometry_;
   PinnedBuffer<std::uint32_t> too_long_{1};
-  bool gathered_ = false;  // into rows, by the last fetch
+  bool gathered_ = false;  // the last fetch grouped contacts into rows
   std::uint32_t room_ = 0, described_ = 0;
   ContactFields fields_{false, false, false, false};
 };

@@ -1,5 +1,7 @@
-// Stage output: rows instead of a sort. A triangle meets few others, so that counting finds a
-// contact's place in its row, and the rows' lengths say where they begin.
+// Stage output: orders the contacts. Contacts with the same lower triangle form a row. A prefix sum
+// of the rows' lengths tells where each row begins. A triangle meets few others, so counting the
+// lesser keys of its row finds a contact's place faster than a sort does. If a row is too long for
+// that, all contacts are sorted.
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
@@ -15,6 +17,7 @@ __device__ TriangleIndex lowerOf(const CycleArrays& c, std::uint64_t key) {
   return TriangleIndex(static_cast<std::uint32_t>(key >> c.params().index_bits));
 }
 
+// One thread for each contact: counts the contacts of each row.
 __global__ void __launch_bounds__(kThreads) countKernel(CycleArrays c) {
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
   std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
@@ -24,7 +27,8 @@ __global__ void __launch_bounds__(kThreads) countKernel(CycleArrays c) {
   }
 }
 
-// Counts the rows down again, so that the next cycle finds zeros.
+// One thread for each contact: puts it into its row, in any order. Counts the rows down again, so
+// that the next cycle finds zeros.
 __global__ void __launch_bounds__(kThreads) scatterKernel(CycleArrays c) {
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
   for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
@@ -38,7 +42,7 @@ __global__ void __launch_bounds__(kThreads) scatterKernel(CycleArrays c) {
   }
 }
 
-// As TrianglePair.
+// Returns a contact in the layout of TrianglePair.
 __device__ uint4 pairOf(const CycleArrays& c, std::uint64_t key) {
   const ListedBody* const bodies = c.scene.listed_bodies.data();
   const std::uint64_t mask = (std::uint64_t{1} << c.params().index_bits) - 1;
@@ -48,7 +52,8 @@ __device__ uint4 pairOf(const CycleArrays& c, std::uint64_t key) {
   return {body_a.id, a.value - body_a.first_triangle, body_b.id, b.value - body_b.first_triangle};
 }
 
-// A contact, which stands at `from` in contacts.contacts, to its place in the order.
+// Writes a contact to its place in the order. `from`: its place in contacts.contacts, where its
+// times and separation are.
 __device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place from,
                          std::uint64_t key, std::uint32_t place) {
   if (place >= out.room) return;
@@ -61,7 +66,8 @@ __device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place f
   if (out.separations_on_device != nullptr) out.separations_on_device[place] = separation_m;
 }
 
-// A contact that stands there twice has two places.
+// One thread for each contact: finds its place in its row by counting the lesser keys, and writes
+// it there. A contact that was found twice gets two places.
 __global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOutput out) {
   const bool too_long = c.contacts.row_too_long[Place(0)] != 0;
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
@@ -82,7 +88,7 @@ __global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOu
   }
 }
 
-// A warp for each contact: all of them are one row.
+// One warp for each contact: does the same for few contacts, as if all of them were one row.
 __global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, OrderedOutput out) {
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads / kWarp;
   if (blockIdx.x == 0 && threadIdx.x == 0) {
@@ -101,6 +107,7 @@ __global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, Ordere
   }
 }
 
+// Numbers the contacts before the sort, to find their times and separations afterwards.
 __global__ void __launch_bounds__(kThreads) numberKernel(Place* places, std::uint32_t count) {
   const std::uint32_t stride = gridDim.x * kThreads;
   for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {

@@ -1,47 +1,50 @@
-// Stage output: contacts in the order of the result, on the device.
+// Stage output, on the device: writes contacts in the order of the result, and computes their
+// geometry.
 #pragma once
 
 #include <cuda_runtime.h>
 
 #include <cstdint>
 
+#include "core/pair_geometry.h"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
 
-// Counting takes each of a row's contacts as many steps as there are: longer ones are sorted.
+// The longest row whose order is found by counting, which takes a quadratic number of steps.
+// Contacts with a longer row are sorted.
 constexpr std::uint32_t kLongestRow = 2048;
 
-// Where contacts are written to in their order; what is null is left out.
+// The addresses to which ordered contacts are written. Fields whose address is null are left out.
 struct OrderedOutput {
-  // In mapped memory of the host, for the first `room` contacts.
+  // In mapped memory of the host, with room for the first `room` contacts.
   uint4* pairs;  // TrianglePairs
   float* separations_m;
   ContactTimes* times;
   std::uint32_t room;
-  std::uint32_t* too_long;  // becomes 1, and nothing is written, where some row is; else 0
-  // On the device, for as many.
+  std::uint32_t* too_long;  // set to 1 if some row is too long and nothing was written, else to 0
+  // On the device, with the same room.
   std::uint64_t* keys;
   float* separations_on_device;
 };
 
-// The contacts by their lower triangles, in contacts.rows and row_from. All behind what is in the
-// stream; `blocks`: of the launches.
+// Groups the contacts by their lower triangles, in contacts.rows and row_from, and orders them. All
+// calls enqueue work in the stream. `blocks`: the number of blocks of each launch.
 class ContactRows {
  public:
-  // Of all contacts, in any order within a row.
+  // Groups all contacts, in any order within a row.
   void gather(const CycleArrays& cycle, unsigned blocks, cudaStream_t stream);
-  // Behind gather(): finds each contact's place in its row by counting, and writes it there. Rows
-  // that are too long for that are left: see `too_long`.
+  // Finds each contact's place in its row by counting, and writes it there. Call it after gather().
+  // Writes nothing if some row is too long: see `too_long`.
   void write(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
              cudaStream_t stream) const;
-  // Of contacts that are as few as in a row: writes them without gather(); more of them are too
-  // long.
+  // Writes at most kLongestRow contacts in their order, without gather(). If there are more, it
+  // writes nothing and sets `too_long`.
   static void writeFew(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
                        cudaStream_t stream);
-  // For any rows: sorts the first `count` contacts of contacts.contacts, and writes them.
+  // Sorts the first `count` contacts of contacts.contacts and writes them, whatever their rows are.
   void sortAndWrite(const CycleArrays& cycle, std::uint32_t count, unsigned index_bits,
                     const OrderedOutput& out, unsigned blocks, cudaStream_t stream);
 
@@ -53,5 +56,16 @@ class ContactRows {
   DeviceBuffer<unsigned char> scratch_;
   DeviceBuffer<Place> places_;
 };
+
+// Sorted contacts on the device, with the keys of ContactArrays::contacts.
+struct SortedContacts {
+  const std::uint64_t* keys;
+  const float* separations_m;  // null if all of them intersect
+  std::uint32_t most;          // the number of contacts to describe, if there are so many
+};
+
+// Enqueues the computation of each contact's geometry. Reads scene.corners and scene.posed.
+void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted, PairGeometry* geometry,
+                    cudaStream_t stream);
 
 }  // namespace deformable_contact_monitor

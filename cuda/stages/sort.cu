@@ -1,4 +1,6 @@
-// Stage sort: each cluster's tiles along its principal axes, sorted by where they begin.
+// Stage sort: projects each cluster's tiles onto the cluster's principal axes and sorts them by
+// where they begin along the first axis. The order is by buckets only, which is enough for the
+// sweep. It then cuts the sweep into work units of similar size.
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/stages.cuh"
@@ -10,12 +12,13 @@ constexpr unsigned kThreads = 256;
 constexpr unsigned kWarps = kThreads / kWarp;
 static_assert(kBuckets % kThreads == 0);
 
-// Of a tile along one axis, quantised.
+// The interval of a tile along one axis, quantised.
 struct PackedInterval {
   std::uint32_t lo, hi;
 };
 
-// `box` [scaled]: it has all points of the tile, and its margin.
+// Returns the interval of a box along an axis. `box` [scaled] contains all points of the tile, and
+// its margin. The corners that are extreme along the axis follow from the signs of the axis.
 __device__ PackedInterval boxAlong(const Quantiser& quantiser, const Vec3f& axis, const Aabb& box) {
   const Vec3f ends[2] = {{axis.x < 0 ? box.max.x : box.min.x, axis.y < 0 ? box.max.y : box.min.y,
                           axis.z < 0 ? box.max.z : box.min.z},
@@ -25,12 +28,12 @@ __device__ PackedInterval boxAlong(const Quantiser& quantiser, const Vec3f& axis
   return {quantiser(along.lo), quantiser(along.hi)};
 }
 
-// What a thread finds of the tiles of a cluster.
+// The sums that a thread collects over the tiles of a cluster.
 struct ClusterSums {
   Moments moments;
   std::uint32_t triangles = 0;
 
-  // As if evenly spread over the box.
+  // Adds a box as if the material were evenly spread over it.
   __device__ void add(const Aabb& box, const Vec3f& about) {
     moments.add((box.min + box.max) * 0.5F - about);
     const Vec3f size = box.max - box.min;
@@ -40,11 +43,11 @@ struct ClusterSums {
   }
 };
 
-// Projects a tile. Returns its bucket, of the groups'.
+// Projects a tile and stores its packed box. Returns its bucket among those of all groups.
 __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& params,
                                      const ClusterFrame& frame, EntryIndex at, ClusterSums& sums) {
-  const TileIndex tile = c.members.entries[at];
-  const TileState state = c.members.tiles[tile];
+  const TileIndex tile = c.tiles.bin_entries[at];
+  const TileState state = c.tiles.states[tile];
   const std::uint32_t group = c.scene.bodies[c.scene.tile_body[tile]].group;
   const Aabb box{params.scale.apply(state.box.min), params.scale.apply(state.box.max)};
   sums.add(box, frame.centre);
@@ -58,7 +61,8 @@ __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& pa
   return group * params.bucketsOfGroup() + first;
 }
 
-// Turns counts into places from `first` on, by the whole block.
+// Replaces the counts of the buckets by their first places, from `first` on: an exclusive prefix
+// sum. Called by the whole block.
 __device__ void scanBuckets(std::uint32_t* place, std::uint32_t first) {
   __shared__ std::uint32_t warp_total[kWarps];
   constexpr unsigned kEach = kBuckets / kThreads;
@@ -76,7 +80,7 @@ __device__ void scanBuckets(std::uint32_t* place, std::uint32_t first) {
   __syncthreads();
 }
 
-// The sum of all threads' moments, by the whole block.
+// Stores the sum of all threads' moments. Called by the whole block.
 __device__ void storeMoments(Moments m, Moments* out) {
   __shared__ double part[kWarps][10];
   double* const term[10] = {&m.sum[0],     &m.sum[1],     &m.sum[2],     &m.product[0],
@@ -95,7 +99,7 @@ __device__ void storeMoments(Moments m, Moments* out) {
   }
 }
 
-// Puts a projected tile to its place in the order.
+// Copies a projected tile to the next place of its bucket.
 __device__ void layOut(const CycleArrays& c, const CycleParams& params, EntryIndex at,
                        std::uint32_t* place) {
   const uint4 projected = c.sweep.projected[at];
@@ -108,7 +112,8 @@ __device__ void layOut(const CycleArrays& c, const CycleParams& params, EntryInd
   c.sweep.tiles[to] = tile;
 }
 
-// Cuts the rows of group `rows` into chunks of a warp, and each chunk's partners into units.
+// Cuts the rows of group `rows` into chunks of 32, and the partners of each chunk into work units.
+// Warps take the chunks in turn. Called by the whole block.
 __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
                          const std::uint32_t* bucket_begin, std::uint32_t buckets,
                          std::uint32_t rows) {
@@ -141,7 +146,8 @@ __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
   }
 }
 
-// By the whole block: projects the cluster's tiles, and counts them by buckets.
+// Projects the cluster's tiles, and counts the tiles of each bucket in `place`. Called by the whole
+// block.
 __device__ void projectTiles(const CycleArrays& c, const CycleParams& params, ClusterIndex g,
                              std::uint32_t first, std::uint32_t count, std::uint32_t* place) {
   __shared__ std::uint32_t triangles;
@@ -154,23 +160,24 @@ __device__ void projectTiles(const CycleArrays& c, const CycleParams& params, Cl
   }
   const std::uint32_t of_warp = warpSum(sums.triangles);
   if (laneId() == 0) atomicAdd(&triangles, of_warp);
-  storeMoments(sums.moments, &c.sweep.moments[g]);  // waits for the block
+  storeMoments(sums.moments, &c.sweep.moments[g]);  // synchronises the block
   if (threadIdx.x == 0 && triangles > 0) {
-    atomicAdd(&c.counters().members, 1ULL * triangles);
+    atomicAdd(&c.counters().cluster_entries, 1ULL * triangles);
     atomicMax(&c.counters().largest_cluster, triangles);
   }
 }
 
-// A block for each cluster: reads its entries; writes its part of the arrays of `sweep`, by a
-// counting sort into buckets, and adds to sweep.units.
+// One block for each cluster: sorts its entries into buckets by a counting sort, writes its part of
+// the arrays of `sweep`, and adds to sweep.units.
 __global__ void __launch_bounds__(kThreads) sortKernel(CycleArrays c) {
-  letNextStart();  // the kernel ahead has ended: this one is launched the usual way
-  // While tiles are put into their buckets, each bucket's place moves on to where the next begins.
+  letNextKernelStart();  // the previous kernel has ended, for this launch is a plain one
+  // While tiles are put into their buckets, the place of each bucket moves on to where the next
+  // bucket begins. So the array is shifted by one element.
   __shared__ std::uint32_t bucket_begin[kBuckets + 1];
   std::uint32_t* const place = bucket_begin + 1;
   const ClusterIndex g(blockIdx.x);
-  const std::uint32_t first = c.members.bins[g].begin;
-  const std::uint32_t count = c.members.present(g);
+  const std::uint32_t first = c.tiles.bins[g].begin;
+  const std::uint32_t count = c.tiles.present(g);
   const CycleParams params = c.params();
   for (unsigned k = threadIdx.x; k < kBuckets; k += kThreads) place[k] = 0;
   projectTiles(c, params, g, first, count, place);
@@ -190,13 +197,15 @@ __global__ void __launch_bounds__(kThreads) sortKernel(CycleArrays c) {
   }
 }
 
+// Returns a quantiser for the range of 2.5 standard deviations around the mean. Points outside the
+// range are clamped, which is correct but less selective.
 __device__ Quantiser around(double mean, double variance) {
   const double reach = 2.5 * sqrt(variance > 0 ? variance : 0);
   return {static_cast<float>(mean - reach), static_cast<float>(mean + reach)};
 }
 
-// A thread for each cluster: reads sweep.moments, writes sweep.frames. A cluster without members
-// keeps its frame.
+// One thread for each cluster: reads sweep.moments, and writes the principal axes and extents to
+// sweep.frames. A cluster without entries keeps its frame.
 __global__ void __launch_bounds__(kWarp) frameKernel(CycleArrays c) {
   const ClusterIndex g(blockIdx.x * kWarp + threadIdx.x);
   if (g.value >= c.clusters.count) return;
@@ -225,12 +234,12 @@ __global__ void __launch_bounds__(kWarp) frameKernel(CycleArrays c) {
 }  // namespace
 
 void launchSort(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
-  if (cycle.together()) return;
+  if (cycle.usesBruteForce()) return;
   sortKernel<<<cycle.clusters.count, kThreads, 0, stream>>>(cycle);
 }
 
 void launchSortFrames(const CycleArrays& cycle, const CycleShape& /*shape*/, cudaStream_t stream) {
-  if (cycle.together()) return;
+  if (cycle.usesBruteForce()) return;
   frameKernel<<<(cycle.clusters.count + kWarp - 1) / kWarp, kWarp, 0, stream>>>(cycle);
 }
 

@@ -1,5 +1,7 @@
-// The stages of a cycle, as launches into a stream. None allocates or waits for the device. What of
-// them must stand right behind what is said in CycleGraph's list of steps.
+// Declares the stages of a cycle as functions that enqueue them into a stream. None of them
+// allocates or waits for the device. "Directly after" another launch means that nothing may be
+// enqueued in between, because programmatic dependent launch is used; CycleGraph's list of steps
+// keeps to it. cuda/README.md has the stages in their order.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -10,20 +12,21 @@
 
 namespace deformable_contact_monitor {
 
-// What a cycle consists of; with the arrays, all that a recorded graph depends on.
+// States which steps a cycle consists of. A recorded graph depends on this and on the arrays, and
+// on nothing else.
 struct CycleShape {
   DeviceTraits device;
-  bool identify = false;    // some body has contacts with itself
-  int refinements = 0;      // of the prototypes, for the next cycle
-  bool swept = false;       // motion: each launch then works on both states
-  bool sharers = false;     // triangles that share vertices may be contacts
-  bool pads = false;        // in swept motion: some body has one
-  bool fans = false;        // certified ones settle pairs of triangles that share vertices
-  bool leaves_few = false;  // CycleParams::leaves_few
+  bool identify = false;    // some body may have contacts with itself
+  int refinements = 0;      // steps of fuzzy c-means, for the next cycle
+  bool swept = false;       // swept motion: each launch works on both states
+  bool adjacent = false;    // triangles that share vertices may be contacts
+  bool pads = false;        // in swept motion: some body has a pad
+  bool fans = false;        // certified fans decide pairs that share vertices
+  bool leaves_few = false;  // as in CycleParams::leaves_few
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
-           swept == o.swept && sharers == o.sharers && pads == o.pads && fans == o.fans &&
+           swept == o.swept && adjacent == o.adjacent && pads == o.pads && fans == o.fans &&
            leaves_few == o.leaves_few;
   }
 };
@@ -31,83 +34,88 @@ struct CycleShape {
 // One of the launches below.
 using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 
-// pose: finds vertices that are equal as received, where some body has contacts with itself, and
-// those whose fans are certified: reads scene.received; writes scene.vertex_id and
-// scene.fan_certified. At one moment, of one of several shares, but for vertices that lie beside
-// it.
-void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// transform: finds vertices that are equal as received, where some body has contacts with itself,
+// and those whose fans are certified. Reads scene.received; writes scene.vertex_id and
+// scene.fan_certified. If the detector has one of several partitions, it skips vertices that lie
+// beside it (not in swept motion).
+void launchVertexIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// Ahead of a cycle: what it adds to becomes zero, that is, the counters, the members' counts, the
-// boxes of the bodies and the table of vertices; and the bins that the last cycle sized are taken
-// over. Beside what the host sends: a kernel of its own would be waited for.
+// Adds what must be zero before a cycle to `copies`: the counters, the bins' counts, the boxes of
+// the bodies and the table of vertices. It also makes the bins that the last cycle sized the
+// current ones. The kernel that copies from the host does this too, because another kernel would
+// delay the cycle.
 void addClearing(const CycleArrays& cycle, const CycleShape& shape, HostCopies& copies);
 
-// pose: brings the vertices into the scene frame and bounds the bodies, and finds each vertex's
-// nearest prototype: reads scene.received; writes scene.posed, scene.body_boxes.
-void launchPose(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// transform: brings the vertices into the scene frame and bounds the bodies. It also finds each
+// vertex's nearest prototype, which stage assign needs. Reads scene.received; writes scene.posed
+// and scene.body_boxes.
+void launchTransform(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// pose: gives triangles the ids of their vertices, but for those that lie beside the share: reads
-// scene.vertex_id and scene.fan_certified; writes members.ids. On a stream of its own right behind
-// launchPoseIdentities.
-void launchPoseIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// transform: gives tile entries the ids of their vertices, except entries that lie beside the
+// partition. Reads scene.vertex_id and scene.fan_certified; writes tiles.ids. Runs on a branch,
+// directly after launchVertexIdentities.
+void launchEntryIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// assign: drops triangles that are not finite or outside every partner's box; puts the others into
-// their tiles, and these into their clusters' bins, or on the large list; takes samples. Reads
-// scene.posed, scene.corners; writes members.members, members.boxes, members.tiles,
-// members.entries, members.lists, clusters.samples. Right behind launchPose.
+// assign: culls triangles that are not finite or outside every partner's box. Puts the others into
+// their tiles, and the tiles into their clusters' bins; oversized triangles go to a list of their
+// own. Takes samples for the clusters. Reads scene.posed and scene.corners; writes tiles.entries,
+// tiles.boxes, tiles.states, tiles.bin_entries, tiles.lists, tiles.oversized and clusters.samples.
+// Directly after launchTransform.
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// assign, for the next cycle: how much room each bin is to have. Reads members.counts; writes
-// members.next_bins.
+// assign, for the next cycle: computes how much room each bin is to have. Reads tiles.counts;
+// writes tiles.next_bins.
 void launchAssignBins(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // sort: projects each cluster's tiles onto the cluster's frame, sorts them along its first axis,
-// and cuts the sweep into work units. Reads members.entries; writes the arrays of `sweep`.
+// and cuts the sweep into work units. Reads tiles.bin_entries; writes the arrays of `sweep`.
 void launchSort(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// sort, for the next cycle: principal axes and extents of each cluster, as they are now. Reads
+// sort, for the next cycle: computes the principal axes and extents of each cluster. Reads
 // sweep.moments; writes sweep.frames.
 void launchSortFrames(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// cluster, for the next cycle: shape.refinements steps of fuzzy c-means on this cycle's samples,
-// and the prototypes' lists of neighbours. Reads clusters.samples; writes the others of `clusters`.
+// cluster, for the next cycle: makes shape.refinements steps of fuzzy c-means on this cycle's
+// samples, and the prototypes' lists of neighbours. Reads clusters.samples; writes the other arrays
+// of `clusters`.
 void launchCluster(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
-// The lists alone.
+// Makes only the lists of neighbours.
 void launchClusterLists(const CycleArrays& cycle, cudaStream_t stream);
 
-// cluster, ahead of a cycle: new prototypes, from the first `samples` of clusters.samples; where
-// none of those is a sample, they stay what they are.
+// cluster, before a cycle: makes new prototypes from the first `samples` of clusters.samples.
+// Prototypes stay as they are if all of these samples are empty.
 void launchClusterSeeds(const CycleArrays& cycle, std::uint32_t samples, cudaStream_t stream);
-// With new prototypes, the rest of what a cycle knows of its clusters: lists, frames, bins.
+// Resets what a cycle knows of its clusters, for new prototypes: lists, frames and bins.
 void launchClusterStart(const CycleArrays& cycle, cudaStream_t stream);
 
-// sweep: pairs of tiles whose intervals, packed boxes and boxes intersect, and which this cluster
-// owns. Reads the arrays of `sweep`; writes sweep.tile_pairs and sweep.crowded_pairs. Right behind
-// launchSort.
+// sweep: finds the pairs of tiles whose intervals, packed boxes and boxes intersect, each in one
+// cluster. Reads the arrays of `sweep`; writes sweep.tile_pairs and sweep.dense_pairs. Directly
+// after launchSort.
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// The same in place of launchSort and launchSweep where CycleArrays::together(): every tile against
-// every other. Right behind launchAssign.
-void launchTogether(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// sweep: does the same by brute force, instead of launchSort and launchSweep, where
+// CycleArrays::usesBruteForce(): tests every tile against every other. Directly after launchAssign.
+void launchBruteForceTiles(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// sweep: pairs of triangles of these tiles, and of tiles of bodies that have contacts with
-// themselves, whose boxes intersect are filtered by planes; the rest are contacts where float32 is
-// certain of it, candidates where it is not. Reads both lists and the arrays of `members`; writes
-// contacts.candidates and contacts.contacts, and where it leaves few also contacts.open. In several
-// passes each 32 pairs of triangles have their turn in one. Right behind launchSweep or
-// launchTogether.
-void launchPairs(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// sweep, second part: tests these pairs of tiles triangle by triangle, and the tiles of bodies that
+// may have contacts with themselves. Pairs of triangles whose boxes intersect are filtered by
+// planes. A pair that is left is a contact if float32 is certain of it, and else a candidate. Reads
+// both lists and the arrays of `tiles`; writes contacts.candidates and contacts.contacts, and with
+// shape.leaves_few also contacts.open. If there are several passes, each group of 32 pairs of
+// triangles belongs to one of them. Directly after launchSweep.
+void launchSweepTriangles(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// large: the same for the pairs with a triangle of the large list. Reads the arrays of `members`;
-// writes the same. In several passes each of its largeBlocks() blocks has its turn in one.
-void launchLarge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
-std::uint32_t largeBlocks(const CycleArrays& cycle);
+// oversized: does the same for the pairs with an oversized triangle. Reads the arrays of `tiles`;
+// writes the same lists. If there are several passes, each of its oversizedBlocks() blocks belongs
+// to one of them.
+void launchOversized(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+std::uint32_t oversizedBlocks(const CycleArrays& cycle);
 
-// judge: verdicts on the candidates; the last block leaves the counters on the host. Reads
-// contacts.candidates; writes contacts.contacts and separations_m.
-void launchJudge(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+// narrow_phase: makes the verdicts on the candidates; the last block copies the counters to the
+// host. Reads contacts.candidates; writes contacts.contacts and separations_m.
+void launchNarrowPhase(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
-// Before another pass over the work units: drops the candidates; before the `first`, the contacts.
+// Prepares another pass: drops the candidates, and before the `first` pass the contacts.
 void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream);
 
 }  // namespace deformable_contact_monitor

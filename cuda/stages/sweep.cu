@@ -1,57 +1,60 @@
-// Stage sweep: pairs of tiles. Warps take work units; what their packed boxes leave goes through a
-// short queue, so that every test runs on full warps.
+// Stage sweep, first part: finds pairs of tiles whose boxes meet. Each warp takes work units, tests
+// packed boxes along the cluster's axes, and puts the hits into a short queue. Full warps then test
+// boxes in the scene frame and apply the deduplication rule.
 #include "core/rules/deduplication.h"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
 #include "cuda/stages/stages.cuh"
-#include "cuda/stages/tile_pairs.cuh"
-#include "cuda/stages/warp_queue.cuh"
+#include "cuda/stages/sweep_parts.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
-constexpr unsigned kBlocksEach = 7;  // of a multiprocessor, as registers allow
+// Blocks on each multiprocessor, as far as registers allow.
+constexpr unsigned kBlocksEach = 7;
 
-// A row and a column of a unit that meet along the cluster's axes: lane of the row | column << 5.
+// A row and a column of a unit that meet along the cluster's axes: the row's lane in the lowest
+// five bits, and the column above them.
 using Hit = std::uint16_t;
 static_assert(kMostUnitColumns << 5 <= 1U << 16);
 
-// How many columns of each row are swept at once.
+// The number of columns of each row that are swept at once.
 constexpr std::uint32_t kStep = 16;
 constexpr unsigned kHitCapacity = kWarp * (kStep + 1);
 constexpr unsigned kPairCapacity = 2 * kWarp;
 
 struct WarpMemory {
-  TilePair crowded[kPairCapacity], others[kPairCapacity];
+  TilePair dense[kPairCapacity], others[kPairCapacity];
   Hit hits[kHitCapacity];
 };
 
-// A unit takes less than a fifth of a millisecond. One in so many asks whether the cycle is cut
-// off; if so, the counter of units, which every warp looks at for its next one, is set beyond all
-// units.
+// One unit in so many asks whether the cycle is cut off; a unit takes less than 0.2 ms. If it is
+// cut off, the counter from which all warps take their next unit is set beyond all units.
 constexpr std::uint32_t kUnitsPerAsker = 256;
 constexpr std::uint32_t kGivenUp = 1U << 30;
 
+// The work of one warp. All lanes make each call.
 class Sweeper {
  public:
   __device__ Sweeper(const CycleArrays& c, WarpMemory& memory)
-      : c_(c), hits_{memory.hits}, crowded_{memory.crowded}, others_{memory.others} {}
+      : c_(c), hits_{memory.hits}, dense_{memory.dense}, others_{memory.others} {}
 
-  // Each part has one place in this loop: the code must fit the instruction cache.
+  // Runs the part that has enough work for a full warp, until nothing is left. Each part is called
+  // from one place only, so that the code fits the instruction cache.
   __device__ void run() {
     bool more_units = true;
     while (true) {
       const bool swept = step_ >= longest_;
       const bool last = swept && !more_units && hits_.size == 0;
-      if (crowded_.size >= kWarp || (last && crowded_.size > 0)) {
-        leave(crowded_, &c_.counters().crowded_pairs, c_.sweep.crowded_pairs);
+      if (dense_.size >= kWarp || (last && dense_.size > 0)) {
+        leave(dense_, &c_.counters().dense_pairs, c_.sweep.dense_pairs);
       } else if (others_.size >= kWarp || (last && others_.size > 0)) {
         leave(others_, &c_.counters().tile_pairs, c_.sweep.tile_pairs);
       } else if (hits_.size >= kWarp || (swept && hits_.size > 0)) {
-        screenHits();
+        filterHits();
       } else if (!swept) {
         sweepColumns();
       } else if (more_units) {
@@ -63,8 +66,9 @@ class Sweeper {
   }
 
  private:
-  // The first units are dealt out; the others go to whoever is free, and not before: who asked
-  // ahead would keep a unit from others that have nothing to do.
+  // Returns the number of the next unit. The first units are assigned in a fixed way, the others go
+  // to any warp that is free. A warp does not ask in advance, because it would keep a unit from
+  // warps that have nothing to do.
   __device__ std::uint32_t nextTurn() {
     const std::uint32_t dealt = gridDim.x * kWarps;
     std::uint32_t turn = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
@@ -74,7 +78,7 @@ class Sweeper {
     }
     return turn;
   }
-  // Into unit_; false if there is none left, or the cycle is cut off.
+  // Reads the next unit into unit_. Returns false if none is left or the cycle is cut off.
   __device__ bool fetchUnit() {
     const std::uint32_t turn = nextTurn();
     const std::uint32_t all = min(c_.counters().units, c_.sweep.units.size());
@@ -86,6 +90,8 @@ class Sweeper {
     unit_ = c_.sweep.units[Place(turn)];
     return true;
   }
+  // Takes the next unit: each lane gets one row and its range of columns. Returns false if there is
+  // none.
   __device__ bool takeUnit() {
     if (!fetchUnit()) return false;
     const CycleParams& params = c_.params();
@@ -103,9 +109,9 @@ class Sweeper {
     return true;
   }
 
-  // Up to a step of columns for each of the rows.
+  // Tests up to kStep columns of each row, one row for each lane, and queues the hits.
   __device__ void sweepColumns() {
-    // A row that is done reads on from its end; places beyond the last member are there.
+    // A row that is done reads beyond its end; the array has places beyond the last entry.
     const PackedBox* columns = c_.sweep.boxes.data() + min(begin_ + step_, end_);
     unsigned mask = 0;
 #pragma unroll
@@ -129,26 +135,27 @@ class Sweeper {
     __syncwarp();
   }
 
-  // Boxes in the scene frame, and owners.
-  __device__ void screenHits() {
+  // Tests the boxes of queued hits in the scene frame, and whether this cluster reports the pair.
+  __device__ void filterHits() {
     Hit hit = 0;
     bool kept = hits_.pop(hit);
     const SortedIndex row = unit_.first_row + (hit & 31U);
     const SortedIndex column(__shfl_sync(kFullWarp, begin_, hit & 31) + (hit >> 5));
     TilePair pair{};
-    bool crowded = false;
+    bool dense = false;
     if (kept) {
       pair = {c_.sweep.tiles[row], c_.sweep.tiles[column]};
-      const TileState a = c_.members.tiles[pair.a], b = c_.members.tiles[pair.b];
-      crowded = isCrowded(a.box, b.box);
+      const TileState a = c_.tiles.states[pair.a], b = c_.tiles.states[pair.b];
+      dense = isDense(a.box, b.box);
       kept = intersects(a.box, b.box) &&
-             ownsPair(unit_.cluster.value, c_.members.clustersOf(a), c_.members.clustersOf(b));
+             reportsPair(unit_.cluster.value, c_.tiles.clustersOf(a), c_.tiles.clustersOf(b));
     }
-    crowded_.push(kept && crowded, pair);
-    others_.push(kept && !crowded, pair);
+    dense_.push(kept && dense, pair);
+    others_.push(kept && !dense, pair);
   }
 
-  // Few of the hits are kept: by full warps, or all would wait for the two counters.
+  // Writes up to a warp of queued pairs to their list. Few hits are kept, so the queue makes one
+  // addition to the counter serve many pairs.
   template <class Pairs>
   __device__ void leave(WarpQueue<TilePair>& queue, std::uint32_t* counter, const Pairs& to) {
     TilePair pair{};
@@ -159,18 +166,18 @@ class Sweeper {
 
   const CycleArrays& c_;
   WarpQueue<Hit> hits_;
-  WarpQueue<TilePair> crowded_, others_;
-  WorkUnit unit_{};  // of no rows before the first
+  WarpQueue<TilePair> dense_, others_;
+  WorkUnit unit_{};  // has no rows before the first unit
   PackedBox box_{};
-  std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // of this lane's row's columns
+  std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // columns of this lane's row
   std::uint32_t step_ = 0, longest_ = 0;
 };
 
-// Warps for sweep.units: reads the arrays of `sweep` and members.tiles, adds to
-// sweep.tile_pairs and sweep.crowded_pairs.
+// Warps take sweep.units. Reads the arrays of `sweep` and tiles.states; adds to sweep.tile_pairs
+// and sweep.dense_pairs.
 __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays c) {
-  awaitKernelAhead();
-  letNextStart();
+  awaitPreviousKernel();
+  letNextKernelStart();
   __shared__ WarpMemory memory[kWarps];
   Sweeper sweeper(c, memory[threadIdx.x / kWarp]);
   sweeper.run();
@@ -179,9 +186,9 @@ __global__ void __launch_bounds__(kThreads, kBlocksEach) sweepKernel(CycleArrays
 }  // namespace
 
 void launchSweep(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
-  if (cycle.together()) return launchTogether(cycle, shape, stream);
-  launchEarly(sweepKernel, blocksInOneWave(sweepKernel, kThreads, 0, shape.device), kThreads, 0,
-              shape.device, stream, cycle);
+  if (cycle.usesBruteForce()) return launchBruteForceTiles(cycle, shape, stream);
+  launchDependent(sweepKernel, blocksInOneWave(sweepKernel, kThreads, 0, shape.device), kThreads, 0,
+                  shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,61 +1,64 @@
-// Pairs in swept motion: from boxes that meet to candidates (stages sweep and large), and what the
-// judge knows of a candidate.
+// Filters pairs in swept motion, in the stages sweep and oversized, and defines the facts that the
+// narrow phase gets with a candidate.
 #pragma once
 
 #include "core/predicates/swept_intersection.h"
 #include "core/rules/common_motion.h"
-#include "cuda/stages/screen.cuh"
+#include "cuda/stages/pair_filter.cuh"
 
 namespace deformable_contact_monitor {
 
-__device__ inline MovingTriangle movingAt(const CycleArrays& c, MemberIndex at) {
-  return {c.members.earlier[at].posed, c.members.members[at].posed};
+__device__ inline MovingTriangle movingAt(const CycleArrays& c, TileEntryIndex at) {
+  return {c.tiles.earlier[at].posed, c.tiles.entries[at].posed};
 }
 
-// A box grown by what the body's boxes grow by, and a little, for pads of two bodies are added up
-// and taken off in another order elsewhere.
+// Returns a box grown by its body's pad and a little more. The sum of two pads is rounded
+// differently where a pair is tested, and the extra covers the difference.
 __device__ inline Aabb grown(const Aabb& box, float by_m) {
   return inflated(inflated(box, by_m), by_m * 1e-6F);
 }
 
-// Of two members' bodies [m].
-__device__ inline float padOf(const CycleArrays& c, const Member& a, const Member& b) {
+// Returns the pad of two entries' bodies [m].
+__device__ inline float padOf(const CycleArrays& c, const TileEntry& a, const TileEntry& b) {
   return pairPad(c.scene.earlier_bodies[a.body].pad_m, c.scene.earlier_bodies[b.body].pad_m);
 }
 
-// A triangle at both ends of the step, with its body's pad.
+// Return the boxes of a triangle at both ends of the time interval, grown by its body's pad [m].
 __device__ inline MovingBox paddedBox(const CycleArrays& c, const MovingTriangle& t, float pad_m) {
   const MovingBox box = boxOf(t);
   if (c.params().pads == 0) return box;
   return {grown(box.from, pad_m), grown(box.to, pad_m)};
 }
-__device__ inline MovingBox movingBoxAt(const CycleArrays& c, MemberIndex at) {
-  return paddedBox(c, movingAt(c, at), c.scene.bodies[c.members.members[at].body].margin_m);
+__device__ inline MovingBox movingBoxAt(const CycleArrays& c, TileEntryIndex at) {
+  return paddedBox(c, movingAt(c, at), c.scene.bodies[c.tiles.entries[at].body].margin_m);
 }
 
-// Of a member, for the shares: as Corners::reachesInto() has it.
-__device__ inline Aabb shareBoxAt(const CycleArrays& c, MemberIndex at) {
-  return shareBox(boxOf(movingAt(c, at)), c.scene.bodies[c.members.members[at].body].margin_m);
+// Returns the box of a tile entry that decides its partition, the same as in
+// Corners::reachesInto().
+__device__ inline Aabb partitionBoxAt(const CycleArrays& c, TileEntryIndex at) {
+  return partitionBox(boxOf(movingAt(c, at)), c.scene.bodies[c.tiles.entries[at].body].margin_m);
 }
 
-// As screenPair, of two members in swept motion; by moving boxes.
-__device__ inline bool screenMovingPair(const CycleArrays& c, MemberIndex at_a, MemberIndex at_b,
-                                        std::uint32_t shared_a, std::uint32_t shared_b,
-                                        DeviceCandidate& candidate) {
-  const Member& a = c.members.members[at_a];
-  const Member& b = c.members.members[at_b];
+// Does what filterPair does for two entries in swept motion, by moving boxes.
+__device__ inline bool filterMovingPair(const CycleArrays& c, TileEntryIndex at_a,
+                                        TileEntryIndex at_b, std::uint32_t shared_a,
+                                        std::uint32_t shared_b, DeviceCandidate& candidate) {
+  const TileEntry& a = c.tiles.entries[at_a];
+  const TileEntry& b = c.tiles.entries[at_b];
   if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body, b.body)) return false;
-  // The lesser triangle first, so that times do not depend on who found the pair.
+  // Puts the triangle with the lesser number first, so that the computed times do not depend on how
+  // the pair was found.
   candidate = a.triangle < b.triangle
                   ? DeviceCandidate{at_a, at_b, (shared_a | shared_b << 3) << kSharedShift}
                   : DeviceCandidate{at_b, at_a, (shared_b | shared_a << 3) << kSharedShift};
-  const SceneShare& share = c.params().share;
-  if (!share.isWhole() && !share.owns(shareBoxAt(c, at_a), shareBoxAt(c, at_b))) return false;
+  const ScenePartition& partition = c.params().partition;
+  if (!partition.isWhole() && !partition.owns(partitionBoxAt(c, at_a), partitionBoxAt(c, at_b)))
+    return false;
   return !areApart(movingBoxAt(c, at_a), movingBoxAt(c, at_b));
 }
 
-// DeviceCandidate::facts in swept motion: sides at t = 0 and shared vertices as packFacts has them,
-// sides at t = 1, and what the static filters left open.
+// DeviceCandidate::facts in swept motion has the sides at t = 0 and the shared vertices as in
+// packFacts(), then the sides at t = 1, and then which ends the static filters left open.
 constexpr unsigned kEndShift = 18;
 constexpr std::uint32_t kStartOpen = 1U << 30, kEndOpen = 1U << 31;
 
@@ -77,12 +80,13 @@ __device__ inline KnownSides unpackSides(std::uint32_t packed) {
   return sides;
 }
 
-// SweptState::bits: of open features, of those that are to be halved, and what else is known.
+// SweptState::bits has a bit for each open feature, then a bit for each feature to be halved, and
+// then two flags.
 constexpr std::uint32_t kFeatureBits = (1U << kFeatures) - 1;
 constexpr unsigned kLeftAt = kFeatures;
 constexpr std::uint32_t kMeetsAtEnd = 1U << 30, kUndecided = 1U << 31;
 static_assert(2 * kFeatures <= 30, "bits are not shared");
 
-constexpr std::uint32_t kNever = 0x40000000U;  // 2 as a float's bits
+constexpr std::uint32_t kNever = 0x40000000U;  // the bits of 2.0F: after any time in [0, 1]
 
 }  // namespace deformable_contact_monitor

@@ -1,6 +1,7 @@
-// Which triangles share a tile: found on the device when a scene was laid out, and now and then
-// anew, for bodies deform. Along a curve first, which brings together some thousands that lie
-// together; those are halved, for tiles cut from the curve overlap each other more.
+// Makes the tiles before a cycle: groups of up to 32 triangles of a body that lie close to each
+// other. Tiles are made when a scene is laid out, and now and then anew, because bodies deform.
+// Triangles are first sorted along a space-filling curve. Each 2048 consecutive ones are then
+// halved again and again, because tiles cut directly from the curve overlap more.
 #include <cub/device/device_radix_sort.cuh>
 
 #include "core/rules/space_curve.h"
@@ -14,8 +15,8 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 
-// A key: the triangle's number in the lowest bits; above, its place on the curve through its body,
-// in so many steps for each triangle, behind all of the bodies ahead.
+// A key has the triangle's number in its lowest bits. Above are its body and its place on the curve
+// through its body, with 2^kStepBits steps for each triangle.
 constexpr int kTriangleBits = 27, kStepBits = 7;
 
 __device__ TriangleIndex triangleOf(std::uint64_t key) {
@@ -27,10 +28,10 @@ __device__ Vec3f receivedAt(const SceneArrays& scene, VertexIndex i) {
   return {v[0], v[1], v[2]};
 }
 
-// As received; non-finite where a vertex is.
+// Returns the centroid of a triangle as received. It is not finite if a vertex is not.
 __device__ Vec3f centroidOf(const SceneArrays& scene, TriangleIndex t) {
   const VertexIndex* const corner = scene.corners.row(t);
-  constexpr float kThird = 1 / 3.0F;  // of each: their sum may have no float32
+  constexpr float kThird = 1 / 3.0F;  // applied to each vertex, because their sum may overflow
   return receivedAt(scene, corner[0]) * kThird + receivedAt(scene, corner[1]) * kThird +
          receivedAt(scene, corner[2]) * kThird;
 }
@@ -39,15 +40,15 @@ struct Stretch {
   float low, high;
 };
 
-constexpr unsigned kRangeThreads = 512, kMostLooked = 2 * kRangeThreads;
+constexpr unsigned kRangeThreads = 512, kMostSampled = 2 * kRangeThreads;
 
-// By a block, with such keys: where seven of eight of a body's vertices are along an axis; of some
-// of them.
+// Returns the range along an axis that holds seven eighths of a body's vertices, estimated from up
+// to kMostSampled of them. `key`: shared memory for the sort. Called by a whole block.
 __device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& body, int axis,
                                  std::uint32_t* key) {
-  const std::uint32_t every = body.vertex_count / kMostLooked + 1;
+  const std::uint32_t every = body.vertex_count / kMostSampled + 1;
   unsigned finite = 0;
-  for (unsigned place = threadIdx.x; place < kMostLooked; place += kRangeThreads) {
+  for (unsigned place = threadIdx.x; place < kMostSampled; place += kRangeThreads) {
     const std::uint32_t i = place * every;
     const bool there = i < body.vertex_count;
     const float x = there ? receivedAt(scene, VertexIndex(body.first_vertex + i))[axis] : INFINITY;
@@ -55,7 +56,7 @@ __device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& bod
     key[place] = counts ? orderedBits(x) : ~std::uint32_t{0};
     finite += static_cast<unsigned>(__syncthreads_count(counts ? 1 : 0));
   }
-  bitonicSort(key, kMostLooked, kMostLooked);
+  bitonicSort(key, kMostSampled, kMostSampled);
   Stretch most{0, 0};
   if (finite > 0) {
     const unsigned few = finite / 16;
@@ -66,10 +67,10 @@ __device__ Stretch stretchOfMost(const SceneArrays& scene, const DeviceBody& bod
   return most;
 }
 
-// A block for each body from `first` on: writes scene.body_ranges, beyond which vertices are far
-// off; one of those would leave the others few cells of the curve.
+// One block for each body from `first` on: writes scene.body_ranges. Vertices outside the range are
+// ignored by the curve: a single far-off vertex would leave only few cells for all others.
 __global__ void __launch_bounds__(kRangeThreads) rangeKernel(SceneArrays scene, BodyIndex first) {
-  __shared__ std::uint32_t key[kMostLooked];
+  __shared__ std::uint32_t key[kMostSampled];
   const BodyIndex b(first.value + blockIdx.x);
   const DeviceBody& body = scene.bodies[b];
   if (body.triangle_count <= TileHalving::kMost) return;  // it needs no curve
@@ -82,7 +83,8 @@ __global__ void __launch_bounds__(kRangeThreads) rangeKernel(SceneArrays scene, 
                           {x.high + more, y.high + more, z.high + more}};
 }
 
-// A thread for each vertex, a block for each of scene.vertex_blocks: adds to scene.body_boxes.
+// One thread for each vertex, one block for each of scene.vertex_blocks: adds vertices within the
+// range to scene.body_boxes, in which the curve runs.
 __global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene, BodyIndex first) {
   const BodyBlock block = scene.vertex_blocks[Place(blockIdx.x)];
   if (block.body < first) return;
@@ -98,7 +100,8 @@ __global__ void __launch_bounds__(kThreads) boxKernel(SceneArrays scene, BodyInd
   box.addTo(scene.body_boxes.row(block.body));
 }
 
-// A thread for each triangle, a block for each of scene.triangle_blocks: writes scene.curve_keys.
+// One thread for each triangle, one block for each of scene.triangle_blocks: writes
+// scene.curve_keys.
 __global__ void __launch_bounds__(kThreads) keyKernel(SceneArrays scene, BodyIndex first) {
   const BodyBlock block = scene.triangle_blocks[Place(blockIdx.x)];
   if (block.body < first || threadIdx.x >= block.count) return;
@@ -111,7 +114,8 @@ __global__ void __launch_bounds__(kThreads) keyKernel(SceneArrays scene, BodyInd
   scene.curve_keys[Place(t.value)] = place << kTriangleBits | t.value;
 }
 
-// Up to so many tiles of a body are made together; its chunks have numbers of their own.
+// The most tiles that one block makes. The triangles of these tiles are a chunk of a body; chunks
+// are numbered through all bodies.
 constexpr unsigned kChunkTiles = TileHalving::kMost / kWarp;
 
 __device__ std::uint32_t firstChunk(const SceneArrays& scene, std::uint32_t body) {
@@ -127,8 +131,9 @@ __device__ BodyIndex bodyOfChunk(const SceneArrays& scene, std::uint32_t chunk) 
   return BodyIndex(first);
 }
 
-// A block for each chunk from that one on: writes scene.tile_body and scene.slot_triangle.
-// `sorted`: the keys, from that triangle on; null: bodies are of one chunk each.
+// One block for each chunk from `first_chunk` on: writes scene.tile_body and scene.slot_triangle.
+// `sorted`: the sorted keys from triangle `first_triangle` on; null if all bodies have one chunk
+// only.
 __global__ void __launch_bounds__(TileHalving::kThreads)
     tileKernel(SceneArrays scene, std::uint32_t first_chunk, const std::uint64_t* sorted,
                std::uint32_t first_triangle) {
@@ -137,7 +142,7 @@ __global__ void __launch_bounds__(TileHalving::kThreads)
   const BodyIndex b = bodyOfChunk(scene, number);
   const DeviceBody& body = scene.bodies[b];
   const std::uint32_t chunk = number - firstChunk(scene, b.value);
-  const std::uint32_t first = chunk * TileHalving::kMost;  // of the body's, along the curve
+  const std::uint32_t first = chunk * TileHalving::kMost;  // its first triangle, along the curve
   if (first >= body.triangle_count) return;
   const std::uint32_t count = min(body.triangle_count - first, TileHalving::kMost);
   const auto triangleAt = [&](std::uint32_t i) {
@@ -153,13 +158,14 @@ __global__ void __launch_bounds__(TileHalving::kThreads)
   for (std::uint32_t slot = threadIdx.x; slot < slots; slot += TileHalving::kThreads) {
     const std::uint32_t i = halving.triangleAt(slot);
     const TriangleIndex triangle = i < count ? triangleAt(i) : TriangleIndex(kNone);
-    scene.slot_triangle[MemberIndex(first_tile * kWarp + slot)] = triangle;
+    scene.slot_triangle[TileEntryIndex(first_tile * kWarp + slot)] = triangle;
     if (slot % kWarp == 0) scene.tile_body[TileIndex(first_tile + slot / kWarp)] = b;
   }
 }
 
-// The keys of those bodies, sorted, in one of the two arrays.
-const std::uint64_t* sortAlongCurves(const SceneArrays& scene, const UngroupedBodies& bodies,
+// Computes the keys of these bodies and sorts them. Returns the one of the two key arrays that has
+// the result.
+const std::uint64_t* sortAlongCurves(const SceneArrays& scene, const UntiledBodies& bodies,
                                      DeviceBuffer<unsigned char>& scratch, cudaStream_t stream) {
   checkCuda(cudaMemsetAsync(scene.body_boxes.data(), 0,
                             scene.body_count * kSides * sizeof(std::uint32_t), stream),
@@ -187,7 +193,7 @@ const std::uint64_t* sortAlongCurves(const SceneArrays& scene, const UngroupedBo
 
 }  // namespace
 
-void launchGroup(const SceneArrays& scene, const UngroupedBodies& bodies,
+void launchTiles(const SceneArrays& scene, const UntiledBodies& bodies,
                  DeviceBuffer<unsigned char>& scratch, cudaStream_t stream) {
   if (bodies.first_triangle == scene.triangle_count) return;
   const std::uint64_t* sorted = nullptr;

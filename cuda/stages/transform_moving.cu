@@ -1,18 +1,16 @@
-// Stage pose in swept motion: both states of the vertices, and what all of them move by.
+// Stage transform in swept motion: transforms both states of the vertices, and estimates the motion
+// that all of them have in common. Boxes and clusters ignore the common motion, so that boxes do
+// not grow when the whole scene moves.
 #include "core/rules/common_motion.h"
 #include "core/rules/posed_vertex.h"
 #include "core/rules/vertex_hash.h"
 #include "cuda/device/launch.cuh"
-#include "cuda/stages/cut_off.cuh"
-#include "cuda/stages/reach.cuh"
 #include "cuda/stages/transform_parts.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr unsigned kThreads = 128;
-
-// As received in the earlier state.
+// Returns a vertex as received in the earlier state.
 __device__ Vec3f earlierReceivedAt(const SceneArrays& scene, const EarlierBody& body,
                                    VertexIndex i) {
   if (body.has_vertices == 0) return receivedAt(scene, i);
@@ -33,7 +31,7 @@ __device__ MovingPoint posedAt(const SceneArrays& scene, BodyIndex b, VertexInde
 
 __device__ bool isFiniteAlways(const MovingPoint& p) { return isFinite(p.from) && isFinite(p.to); }
 
-// The middle one of the numbers of a warp's lanes, by a bitonic sort.
+// Returns the median of the lanes' numbers, by a bitonic sort. Called by a whole warp.
 __device__ float warpMedian(float x) {
   for (unsigned size = 2; size <= kWarp; size *= 2) {
     for (unsigned step = size / 2; step > 0; step /= 2) {
@@ -46,7 +44,8 @@ __device__ float warpMedian(float x) {
   return __shfl_sync(kFullWarp, x, kWarp / 2);
 }
 
-// By a warp: the median of 32 vertices' motions, evenly spread; or 0 where that is no gain.
+// Returns the median of the motions of 32 vertices that are evenly spread, or 0 if subtracting it
+// would not halve the motions. Called by a whole warp.
 __device__ Vec3f sampledMotion(const SceneArrays& scene) {
   const BodyBlock block = scene.vertex_blocks[Place(
       static_cast<std::uint32_t>(std::uint64_t{scene.vertex_block_count} * laneId() / kWarp))];
@@ -59,9 +58,9 @@ __device__ Vec3f sampledMotion(const SceneArrays& scene) {
   return isFinite(common) && 2 * without < with ? common : Vec3f{};
 }
 
-// A warp: writes scene.common_motion.
+// One warp: writes scene.common_motion.
 __global__ void __launch_bounds__(kWarp) commonMotionKernel(CycleArrays c) {
-  letNextStart();
+  letNextKernelStart();
   const Vec3f motion = sampledMotion(c.scene);
   if (laneId() == 0) c.scene.common_motion[Place(0)] = motion;
 }
@@ -72,7 +71,8 @@ __device__ void putEarlier(const SceneArrays& scene, VertexIndex i, const Vec3f&
       make_float4(v.x, v.y, v.z, __uint_as_float(nearest.cluster << 1 | (nearest.tied ? 1U : 0U)));
 }
 
-// Where a vertex is for the clusters at both ends of the step [scaled].
+// A vertex at both ends of the time interval, as the clusters use it [scaled]. The common motion is
+// subtracted from the later state.
 struct ScaledPoint {
   Vec3f from, to;
 
@@ -83,8 +83,8 @@ struct ScaledPoint {
   }
 };
 
-// As poseKernel in pose.cu, for both states: writes scene.earlier_posed too.
-__global__ void __launch_bounds__(kThreads) poseMovingKernel(CycleArrays c) {
+// Does what transformKernel in transform.cu does, for both states: writes scene.earlier_posed too.
+__global__ void __launch_bounds__(kTransformThreads) transformMovingKernel(CycleArrays c) {
   const BodyBlock block = c.scene.vertex_blocks[Place(blockIdx.x)];
   const DeviceBody& body = c.scene.bodies[block.body];
   const bool inside = threadIdx.x < block.count;
@@ -92,8 +92,8 @@ __global__ void __launch_bounds__(kThreads) poseMovingKernel(CycleArrays c) {
   const MovingPoint p = posedAt(c.scene, block.body, i);
   const bool wanted = inside && isFiniteAlways(p);
   std::uint32_t start = __float_as_uint(c.scene.posed[i].w) >> 1;
-  awaitKernelAhead();
-  letNextStart();
+  awaitPreviousKernel();
+  letNextKernelStart();
   const PrototypesView view = c.clusters.view();
   const ScaledPoint scaled(c, p);
   NearestSearch from, to;
@@ -103,9 +103,10 @@ __global__ void __launch_bounds__(kThreads) poseMovingKernel(CycleArrays c) {
     to = nearestOfAll(view, scaled.to);
   } else if (wanted) {
     if (start >= view.count) start = 0;
-    from.cluster = to.cluster = start;  // and tied, where this share has next to nothing to do
-    const SceneShare& share = c.params().share;
-    if (share.has(p.from) || share.has(p.to)) {
+    // A vertex outside the partition keeps this guess, as in transform.cu.
+    from.cluster = to.cluster = start;
+    const ScenePartition& partition = c.params().partition;
+    if (partition.has(p.from) || partition.has(p.to)) {
       found = nearestListed(view, scaled.to, start, body.slack, to);
       found = nearestListed(view, scaled.from, to.cluster, body.slack, from) && found;
     }
@@ -126,39 +127,26 @@ __global__ void __launch_bounds__(kThreads) poseMovingKernel(CycleArrays c) {
   }
 }
 
-// As farKernel in pose.cu, for both states.
-__global__ void __launch_bounds__(kThreads) farMovingKernel(CycleArrays c) {
-  awaitKernelAhead();
-  letNextStart();
-  const std::uint32_t count = c.counters().far_vertices;
-  const std::uint32_t warps = gridDim.x * (kThreads / kWarp);
-  const std::uint32_t each = min(kWarp, (count + warps - 1) / warps);
-  const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
-  for (std::uint32_t first = warp * each; first < count; first += warps * each) {
-    if (first >= warps * each && warpIsCutOff(c, warp % kWarpsPerAsker == 0)) return;
-    const std::uint32_t k = first + laneId();
-    const bool mine = laneId() < each && k < count;
-    const FarVertex far = mine ? c.scene.far_vertices[Place(k)] : FarVertex{};
-    unsigned rest = __ballot_sync(kFullWarp, mine && !isOutOfReach(c.scene, far.body));
-    for (; rest != 0; rest &= rest - 1) {
-      const int lane = __ffs(static_cast<int>(rest)) - 1;
-      const VertexIndex i(__shfl_sync(kFullWarp, far.vertex.value, lane));
-      const BodyIndex body(__shfl_sync(kFullWarp, far.body.value, lane));
-      const float4 to = c.scene.posed[i], from = c.scene.earlier_posed[i];
-      const MovingPoint p{{from.x, from.y, from.z}, {to.x, to.y, to.z}};
-      const ScaledPoint scaled(c, p);
-      const NearestSearch nearest_to = nearestByWarp(c.clusters.view(), scaled.to);
-      const NearestSearch nearest_from = nearestByWarp(c.clusters.view(), scaled.from);
-      const float slack = c.scene.bodies[body].slack;
-      if (laneId() != 0) continue;
-      putPosed(c.scene, i, p.to, nearest_to.result(scaled.to, slack));
-      putEarlier(c.scene, i, p.from, nearest_from.result(scaled.from, slack));
-    }
-  }
+// Does what farKernel in transform.cu does, for both states.
+__global__ void __launch_bounds__(kTransformThreads) farMovingKernel(CycleArrays c) {
+  awaitPreviousKernel();
+  letNextKernelStart();
+  forEachFarVertex(c, [&c](VertexIndex i, BodyIndex body) {
+    const float4 to = c.scene.posed[i], from = c.scene.earlier_posed[i];
+    const MovingPoint p{{from.x, from.y, from.z}, {to.x, to.y, to.z}};
+    const ScaledPoint scaled(c, p);
+    const NearestSearch nearest_to = nearestByWarp(c.clusters.view(), scaled.to);
+    const NearestSearch nearest_from = nearestByWarp(c.clusters.view(), scaled.from);
+    const float slack = c.scene.bodies[body].slack;
+    if (laneId() != 0) return;
+    putPosed(c.scene, i, p.to, nearest_to.result(scaled.to, slack));
+    putEarlier(c.scene, i, p.from, nearest_from.result(scaled.from, slack));
+  });
 }
 
-// As identifyKernel in pose.cu: vertices are one that are equal as received in both states.
-__global__ void __launch_bounds__(kThreads) identifyMovingKernel(CycleArrays c) {
+// Does what identify() in vertex_identity.cu does. Vertices are equal if they are equal as received
+// in both states.
+__global__ void __launch_bounds__(kTransformThreads) identifyMovingKernel(CycleArrays c) {
   const BodyBlock block = c.scene.vertex_blocks[Place(blockIdx.x)];
   if (threadIdx.x >= block.count) return;
   const DeviceBody& body = c.scene.bodies[block.body];
@@ -188,19 +176,15 @@ __global__ void __launch_bounds__(kThreads) identifyMovingKernel(CycleArrays c) 
 
 }  // namespace
 
-void launchPoseMovingIdentities(const CycleArrays& cycle, cudaStream_t stream) {
-  identifyMovingKernel<<<cycle.scene.vertex_block_count, kThreads, 0, stream>>>(cycle);
+void launchMovingVertexIdentities(const CycleArrays& cycle, cudaStream_t stream) {
+  identifyMovingKernel<<<cycle.scene.vertex_block_count, kTransformThreads, 0, stream>>>(cycle);
 }
 
-void launchPoseMoving(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+void launchTransformMoving(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   commonMotionKernel<<<1, kWarp, 0, stream>>>(cycle);
-  launchEarly(poseMovingKernel, cycle.scene.vertex_block_count, kThreads, 0, shape.device, stream,
-              cycle);
-  if (cycle.clusters.count <= kFewPrototypes) return;  // none is far
-
-  constexpr unsigned kFarBlocksEach = 4;  // of a multiprocessor
-  launchEarly(farMovingKernel, kFarBlocksEach * shape.device.multiprocessors, kThreads, 0,
-              shape.device, stream, cycle);
+  launchDependent(transformMovingKernel, cycle.scene.vertex_block_count, kTransformThreads, 0,
+                  shape.device, stream, cycle);
+  launchFar(farMovingKernel, cycle, shape, stream);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,5 @@
-// Stage pose, beside the posing: which vertices are equal, which fans are certified, and the ids of
-// triangles' vertices.
+// Stage transform, on a branch beside the transformation: finds which vertices are equal and which
+// fans are certified, and gives tile entries the ids of their vertices.
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/posed_vertex.h"
 #include "core/rules/vertex_hash.h"
@@ -12,19 +12,20 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-// A closed ring of a usual mesh has seven points. Of blocks with more, some are fetched again and
-// again.
+// The room for ring points of a block. A closed ring of a usual mesh has seven points; points
+// beyond the room are computed again each time that they are needed.
 constexpr std::uint32_t kStagedPoints = 10 * kThreads;
 
 __device__ Vec3f posedAt(const SceneArrays& scene, const DeviceBody& body, VertexIndex i) {
   return posedVertex(body.pose, body.identity_pose != 0, receivedAt(scene, i));
 }
 
-// As isFanCertified() wants it. The points of a block's rings, which follow one another, are
-// fetched all at once: one after the other each would be waited for.
+// The ring of a vertex, as isFanCertified() needs it. The rings of a block are consecutive in
+// memory, and all their points are fetched at once, because the latencies of single reads would add
+// up.
 class RingOfVertex {
  public:
-  // `staged`: the points of the rings' places from `first` on.
+  // `staged`: the points of the ring places from `first` on.
   __device__ RingOfVertex(const SceneArrays& scene, const DeviceBody& body, const Vec3f* staged,
                           Place first, VertexIndex i)
       : scene_(scene),
@@ -49,8 +50,9 @@ class RingOfVertex {
   Place first_, begin_, end_;
 };
 
-// The vertex whose number + 1 is in scene.identity_table for all that equal `v`: `i`, which does,
-// where there was none. Slots are filled once and never emptied, so a reader sees all it needs.
+// Returns the vertex that stands for all vertices that equal `v`. Searches scene.identity_table, an
+// open-addressing hash table, and enters `i` itself if there is none yet. Slots are filled once and
+// never emptied, so the search is correct while other threads add vertices.
 __device__ VertexIndex firstEqual(const SceneArrays& scene, BodyIndex b, VertexIndex i,
                                   const Vec3f& v) {
   const DeviceBody& body = scene.bodies[b];
@@ -66,17 +68,18 @@ __device__ VertexIndex firstEqual(const SceneArrays& scene, BodyIndex b, VertexI
   }
 }
 
-// A vertex's number, or on which side of the share it is.
+// Returns a vertex's number, or kBelowPartition or kAbovePartition if it lies outside the
+// partition.
 __device__ std::uint32_t numberOrSide(const CycleArrays& c, const DeviceBody& body, VertexIndex i) {
-  const SceneShare& share = c.params().share;
-  if (share.isWhole()) return i.value;
+  const ScenePartition& partition = c.params().partition;
+  if (partition.isWhole()) return i.value;
   const Vec3f v = posedAt(c.scene, body, i);
   const Aabb box = inflated(Aabb{v, v}, body.margin_m);
-  if (share.isBelow(box)) return kBelowShare;
-  return share.isAbove(box) ? kAboveShare : i.value;
+  if (partition.isBelow(box)) return kBelowPartition;
+  return partition.isAbove(box) ? kAbovePartition : i.value;
 }
 
-// A thread for each vertex of the block: writes scene.vertex_id.
+// One thread for each vertex of the block: writes scene.vertex_id.
 __device__ void identify(const CycleArrays& c, const BodyBlock& block) {
   if (threadIdx.x >= block.count) return;
   const SceneArrays& scene = c.scene;
@@ -87,14 +90,14 @@ __device__ void identify(const CycleArrays& c, const BodyBlock& block) {
   const std::uint32_t number = wanted ? numberOrSide(c, body, i) : i.value;
   scene.vertex_id[i] = VertexIndex(number);
   if (!wanted || number != i.value) return;
-  __threadfence();  // who finds this vertex adds to that
+  __threadfence();  // a thread that finds this vertex changes its entry afterwards
   const VertexIndex first = firstEqual(scene, block.body, i, v);
   if (first == i) return;
   scene.vertex_id[i] = first;
   atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[first]), kRepeated);
 }
 
-// The same: writes scene.fan_certified.
+// One thread for each vertex of the block: writes scene.fan_certified.
 __device__ void certifyFans(const CycleArrays& c, const BodyBlock& block, Vec3f* staged) {
   const SceneArrays& scene = c.scene;
   const DeviceBody& body = scene.bodies[block.body];
@@ -111,11 +114,12 @@ __device__ void certifyFans(const CycleArrays& c, const BodyBlock& block, Vec3f*
   const VertexIndex i(block.first + threadIdx.x);
   const Vec3f v = posedAt(scene, body, i);
   const RingOfVertex ring(scene, body, staged, first, i);
-  scene.fan_certified[i] = c.params().share.has(v) && isFanCertified(v, ring) ? 1 : 0;
+  scene.fan_certified[i] = c.params().partition.has(v) && isFanCertified(v, ring) ? 1 : 0;
 }
 
-// A block for each of scene.vertex_blocks, and where fans are asked for another one: side by side,
-// for both spend their time waiting. They read scene.received, so as not to wait for scene.posed.
+// One block for each of scene.vertex_blocks, and if fans are needed a second one. Both kinds of
+// blocks run side by side, because they spend most time waiting for memory. They read
+// scene.received, so that they do not have to wait for scene.posed.
 __global__ void __launch_bounds__(kThreads) identityKernel(CycleArrays c) {
   __shared__ Vec3f staged[kStagedPoints];
   const std::uint32_t blocks = c.scene.vertex_block_count;
@@ -126,47 +130,49 @@ __global__ void __launch_bounds__(kThreads) identityKernel(CycleArrays c) {
   }
 }
 
-// A vertex's id, of what scene.vertex_id has of it; with kFanCertified where that is so: no vertex
-// of another index has the same place in the mesh, so its ring tells of all triangles there.
+// Returns a vertex's id from its entry in scene.vertex_id, with kFanCertified if its fan is
+// certified. A certified fan counts only if no other vertex is equal to this one: then its ring has
+// all triangles at that place.
 __device__ std::uint32_t idOf(const CycleArrays& c, BodyIndex body, VertexIndex v,
                               std::uint32_t id) {
-  if (id >= kAboveShare) return firstEqual(c.scene, body, v, receivedAt(c.scene, v)).value;
+  if (id >= kAbovePartition) return firstEqual(c.scene, body, v, receivedAt(c.scene, v)).value;
   const bool certified = c.params().fans != 0 && id == v.value && c.scene.fan_certified[v] != 0;
   return certified ? id | kFanCertified : id & ~kRepeated;
 }
 
-// A thread for each slot of a tile: reads scene.vertex_id and scene.fan_certified; writes the ids
-// of the triangle's vertices to members.ids, unless it is beside the share.
+// One thread for each slot of a tile: reads scene.vertex_id and scene.fan_certified; writes the ids
+// of the triangle's vertices to tiles.ids, unless the triangle lies beside the partition.
 __global__ void __launch_bounds__(kThreads) slotIdsKernel(CycleArrays c) {
-  const MemberIndex slot(blockIdx.x * kThreads + threadIdx.x);
+  const TileEntryIndex slot(blockIdx.x * kThreads + threadIdx.x);
   if (slot.value >= c.scene.tile_count * kWarp) return;
   const TriangleIndex t = c.scene.slot_triangle[slot];
   if (t.value == kNone) return;
   const BodyIndex body = c.scene.tile_body[TileIndex(slot.value / kWarp)];
   const VertexIndex* const row = c.scene.corners.row(t);
   const VertexIndex v[] = {row[0], row[1], row[2]};
-  awaitKernelAhead();
+  awaitPreviousKernel();
   const uint3 id = {c.scene.vertex_id[v[0]].value, c.scene.vertex_id[v[1]].value,
                     c.scene.vertex_id[v[2]].value};
-  if (id.x >= kAboveShare && id.x == id.y && id.x == id.z) return;
-  c.members.ids[slot] = make_uint4(idOf(c, body, v[0], id.x), idOf(c, body, v[1], id.y),
-                                   idOf(c, body, v[2], id.z), 0);
+  if (id.x >= kAbovePartition && id.x == id.y && id.x == id.z) return;
+  c.tiles.ids[slot] = make_uint4(idOf(c, body, v[0], id.x), idOf(c, body, v[1], id.y),
+                                 idOf(c, body, v[2], id.z), 0);
 }
 
 }  // namespace
 
-void launchPoseIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+void launchVertexIdentities(const CycleArrays& cycle, const CycleShape& shape,
+                            cudaStream_t stream) {
   if (!shape.identify) return;
-  if (shape.swept) return launchPoseMovingIdentities(cycle, stream);
+  if (shape.swept) return launchMovingVertexIdentities(cycle, stream);
   const unsigned blocks = (shape.fans ? 2 : 1) * cycle.scene.vertex_block_count;
   identityKernel<<<blocks, kThreads, 0, stream>>>(cycle);
 }
 
-void launchPoseIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+void launchEntryIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (!shape.identify) return;
   const unsigned slots = cycle.scene.tile_count * kWarp;
-  launchEarly(slotIdsKernel, (slots + kThreads - 1) / kThreads, kThreads, 0, shape.device, stream,
-              cycle);
+  launchDependent(slotIdsKernel, (slots + kThreads - 1) / kThreads, kThreads, 0, shape.device,
+                  stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

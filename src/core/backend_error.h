@@ -1,4 +1,4 @@
-// Failures of a backend, by what helps against them.
+// Failures of a backend, classified by what helps against them.
 #pragma once
 
 #include <stdexcept>
@@ -9,13 +9,13 @@
 namespace deformable_contact_monitor {
 
 enum class BackendFault {
-  kTransient,      // out of memory, device busy: made anew later, it may work
-  kSticky,         // this process will never get an answer from the device again
-  kSceneTooLarge,  // not the device's fault: smaller scenes go on
-  kUnavailable,    // no such device, no driver, not in this build
+  kTransient,      // out of memory or device busy: a new detector may work later
+  kSticky,         // the device will never work again in this process
+  kSceneTooLarge,  // the device works, and smaller scenes do too
+  kUnavailable,    // no such device, no driver, or not part of this build
 };
 
-// what() is one line that names the call and the backend's own reason.
+// what() is one line with the call that failed and the backend's own reason.
 class DCM_EXPORT BackendError : public std::runtime_error {
  public:
   BackendError(BackendFault fault, const std::string& what)

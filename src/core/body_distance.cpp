@@ -5,11 +5,12 @@
 namespace deformable_contact_monitor {
 
 PairDecision decide(const BodyDistance& distance, float margin_m, float tolerance_m) {
-  // Between a distance rounded upwards and downwards: in parts, and four of the least float32.
+  // The largest difference between a distance rounded upwards and the same rounded downwards: a
+  // part of it, or four times the least float32.
   constexpr float kRounding = 0x1p-20F, kLeastRounding = 6e-45F;
   if (distance.low_m > margin_m) return PairDecision::kNone;
   if (distance.high_m <= tolerance_m) return PairDecision::kContact;
-  // By nearVerdict() (predicates/narrow_phase.h).
+  // Listed contacts were decided by nearVerdict() (predicates/narrow_phase.h).
   if (distance.is_listed) {
     return distance.contact_count > 0 ? PairDecision::kNear : PairDecision::kNone;
   }

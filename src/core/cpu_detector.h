@@ -1,4 +1,4 @@
-// The CPU backend: the detector's stages on threads.
+// The CPU backend, which runs the stages of detection on threads.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 namespace deformable_contact_monitor {
 
 struct CpuSettings {
-  // Upper bound of the memory that the lists of contacts may take [bytes]. Beyond it contacts are
-  // counted, and left out of the result's list.
+  // Upper bound of the memory for lists of contacts [bytes]. Contacts beyond it are counted
+  // (DetectionResult::left_out), but not listed.
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30;
 };
 
-// On threads of its own arena of TBB: see Options::threads.
+// Makes a detector that runs on threads of its own TBB arena (see Options::threads).
 DCM_EXPORT std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings = CpuSettings());
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,7 @@
 #include "core/detector.h"
 
+#include <utility>
+
 namespace deformable_contact_monitor {
 
 void DetectionResult::begin(const Scene& scene, const Options& options, bool is_guaranteed) {
@@ -29,6 +31,15 @@ void DetectionResult::begin(const Scene& scene, const Options& options, bool is_
 void DetectionResult::cutOff(const std::string& because) {
   if (!cut_off) cut_off_because = because;
   cut_off = true;
+}
+
+void DetectionResult::swap(DetectionResult& other) {
+  // A pmr container is moved without a copy only within one memory resource.
+  if (contacts.get_allocator() != other.contacts.get_allocator()) {
+    other.contacts.clear();
+    other.contacts.moveTo(*contacts.get_allocator().resource());
+  }
+  std::swap(*this, other);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// The detector's interface: every backend and every reference stands behind it.
+// The interface of all detectors, and their results.
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@
 
 namespace deformable_contact_monitor {
 
-// (body_a, triangle_a) < (body_b, triangle_b), lexicographically.
+// Two triangles, with (body_a, triangle_a) < (body_b, triangle_b) lexicographically.
 struct DCM_EXPORT TrianglePair {
   std::uint32_t body_a, triangle_a, body_b, triangle_b;
 
-  // Uninitialised: to resize a list that is about to be filled costs nothing.
+  // Leaves the members uninitialised, so that resizing a list that will be filled costs nothing.
   TrianglePair() {}
   TrianglePair(std::uint32_t in_body_a, std::uint32_t in_triangle_a, std::uint32_t in_body_b,
                std::uint32_t in_triangle_b)
@@ -45,98 +45,104 @@ struct DCM_EXPORT TrianglePair {
 
 using TrianglePairs = HostList<TrianglePair>;
 
-// When two triangles touch first, as parts [0, 1] of a step: certainly not before `low`, and
-// certainly at some time in [low, high]; at most 2^-20 apart where predicates are exact. 0 and 0:
-// at the step's beginning.
+// When two triangles touch first, as parts [0, 1] of the time interval: certainly not before `low`,
+// and certainly at some time in [low, high]. With exact predicates these are at most 2^-20 apart.
+// Both are 0 if the triangles touch at the beginning.
 struct FirstContact {
   float low, high;
 };
 
-// What is certain of the distance of two bodies, body_a < body_b [m], scene frame. Triangles that
-// were rejected take no part.
+// Bounds of the distance of two bodies, body_a < body_b, in the scene frame [m]. Rejected triangles
+// take no part.
 struct DCM_EXPORT BodyDistance {
   BodyId body_a = 0, body_b = 0;
-  float low_m = 0;  // no two points of their triangles are nearer; 0: nothing is known
-  // Two points of the witness's triangles are at most so far apart; 0: these intersect, by the
-  // exact verdict. +inf: there is no witness, and what follows means nothing.
+  float low_m = 0;  // no two points of their triangles are nearer than this; 0: nothing is known
+  // Two points of the witness's triangles are at most so far apart. 0: these triangles intersect,
+  // decided exactly. +inf: there is no witness, and the next three members mean nothing.
   float high_m = std::numeric_limits<float>::infinity();
   TrianglePair witness{0, 0, 0, 0};
-  // Those two points, each within 2^-22 of its own largest coordinate [m]; where the triangles
-  // intersect, near what they have in common.
+  // Those two points [m], each with an error of at most 2^-22 of its largest coordinate. If the
+  // triangles intersect, the points are near their intersection.
   Vec3f point_a, point_b;
   bool is_listed = false;           // all contacts of the pair are in DetectionResult::contacts
-  std::uint32_t contact_count = 0;  // how many of the pair's are there
+  std::uint32_t contact_count = 0;  // how many contacts of the pair are in that list
 };
 
-// Work done in one cycle [triangles or pairs]; of one meaning on every backend, and 0 where one
-// does not do that work. CUDA puts tiles of up to 32 triangles into clusters: a cluster's triangles
-// are those of its tiles, and what its sweeps visit are pairs of triangles of tiles that meet.
+// Work done in one cycle [triangles or pairs]. Counters mean the same on every backend, and are 0
+// if a backend does not do that work. CUDA puts tiles of up to 32 triangles into clusters, so the
+// triangles of a cluster are those of its tiles, and its sweeps visit all pairs of triangles of two
+// tiles that overlap.
 struct DCM_EXPORT Counters {
-  std::uint64_t triangles = 0;        // in the scene
-  std::uint64_t rejected = 0;         // left out for a non-finite vertex
-  std::uint64_t posed = 0;            // of bodies whose vertices were brought into the scene frame
-  std::uint64_t culled = 0;           // of enabled pairs, but outside every partner's box
-  std::uint64_t clustered = 0;        // assigned to clusters
-  std::uint64_t large = 0;            // very large or far off: on the list of their own
-  std::uint64_t clusters = 0;         // in use
+  std::uint64_t triangles = 0;  // in the scene
+  std::uint64_t rejected = 0;   // left out for a non-finite vertex
+  std::uint64_t posed = 0;      // of bodies whose vertices were transformed to the scene frame
+  std::uint64_t culled = 0;     // in enabled pairs, but outside the boxes of all partners
+  std::uint64_t clustered = 0;  // assigned to clusters
+  std::uint64_t large = 0;      // very large or far away, so handled as oversized triangles
+  std::uint64_t clusters = 0;   // in use
   std::uint64_t cluster_entries = 0;  // sum of the clusters' sizes
   std::uint64_t largest_cluster = 0;
-  std::uint64_t interval_overlaps = 0;  // pairs that the sweeps along the principal axes visited
-  std::uint64_t candidates = 0;         // pairs that came to the predicates
-  std::uint64_t exact = 0;              // of them, undecided by the floating-point filters
-  std::uint64_t undecided = 0;  // of the contacts: assumed to be some, by conservative predicates
+  std::uint64_t interval_overlaps = 0;  // pairs visited by sweeps along principal axes
+  std::uint64_t candidates = 0;         // pairs passed to the predicates
+  std::uint64_t exact = 0;              // candidates that floating-point filters did not decide
+  std::uint64_t undecided = 0;          // contacts that conservative predicates only assume
 };
 
 struct DCM_EXPORT DetectionResult {
   TrianglePairs contacts;  // sorted, each once
-  // Distance of each contact's triangles [m], 0 where they intersect, above 0 elsewhere. There iff
-  // Scene::anyMargin(): some body that takes part has a margin. Empty otherwise: then all of them
-  // intersect. Empty too in swept motion, which knows no margins.
+  // Distance of each contact's triangles [m]: 0 if they intersect, else above 0. Empty unless
+  // Scene::anyMargin(); then all contacts intersect. Empty in swept motion, which ignores margins.
   std::vector<float> separations_m;
-  // Of each contact, if options.geometry; else empty. Empty too if the limits left no time for all
-  // of it: that alone is no cut-off, for the list is what it is.
+  // Geometry of each contact, if options.geometry is set; else empty. Also empty if the limits left
+  // no time for all of it. That alone does not set cut_off, because the list is complete.
   std::vector<PairGeometry> geometry;
-  // Of each contact, if options.first_times; else empty. A contact that a pad alone makes (see
-  // within_pad) has the time before which it is certainly none, and 1.
+  // First time of each contact, if options.first_times is set; else empty. For a contact within the
+  // pads only (see within_pad), `low` is the time before which it is certainly none, and `high`
+  // is 1.
   std::vector<FirstContact> first_times;
-  // Of each contact, there iff motion is swept and Scene::anyPad(): 1 if it is none on the straight
-  // ways but may be one within the pads.
+  // For each contact, 1 if it is not a contact on the straight lines, but may be one within the
+  // pads; else 0. Empty unless motion is swept and Scene::anyPad().
   std::vector<std::uint8_t> within_pad;
-  // Bodies that take part in swept motion without an earlier state: they stood still.
+  // Bodies that take part in swept motion without an earlier state. They count as standing still.
   std::vector<BodyId> without_step;
-  // Of each enabled pair of two bodies, ascending, where a bounded detector looked at bounds
-  // (bounded_detector.h); else empty. Of a pair that is not listed, `contacts` holds what was seen
-  // to intersect on the way.
+  // Bounds of each enabled pair of two bodies, ascending, if a pool with tilings decided by bounds
+  // (detector_pool.h); else empty. Of a pair that is not listed, `contacts` has those that were
+  // found on the way.
   std::vector<BodyDistance> distances;
-  // Contacts that were found and counted but are not in the list: the backend's memory limit was
-  // reached, or no time was left to sort them. Which ones is arbitrary.
+  // How many contacts were found, but are not in the list, because the backend's memory limit was
+  // reached or no time was left to sort them. Which ones are missing is arbitrary.
   std::uint64_t left_out = 0;
-  // Pairs found are contacts, but others may be missing: time or memory ran out.
+  // Time or memory ran out: listed pairs are contacts, but others may be missing.
   bool cut_off = false;
-  std::string cut_off_because;  // kNoTime, "stopped", "memory_limit_mib"; empty: it was not
-  bool guaranteed = false;      // the settings in force cannot lose a contact; a cycle cut off may
-  bool started_cold = false;    // nothing of earlier cycles was of use, so this one took longer
+  std::string cut_off_because;  // kNoTime, "stopped" or "memory_limit_mib"; empty: it was not
+  bool guaranteed = false;      // the settings lose no contact; a cut-off still may
+  bool started_cold = false;    // no data of earlier cycles could be used, so it took longer
   Counters counters;
-  // Times [ms] of the stages (core/common/stages.h) in their order. A backend on which stages
-  // overlap gives several as one ("transform_to_narrow_phase"), one that has other stages gives
-  // those.
+  // Times of the stages in their order [ms]. A backend whose stages overlap reports several of them
+  // as one ("transform_to_narrow_phase"). A backend with other stages reports those.
   std::vector<std::pair<std::string, double>> stages_ms;
-  double detect_ms = 0;            // vertices in the backend's memory to contacts there
-  std::uint64_t memory_bytes = 0;  // in use on a device; 0 where that is not counted
-  double round_trip_ms = 0;        // scene on the host to sorted contacts on the host
+  double detect_ms = 0;            // from vertices to contacts, both in the backend's memory
+  std::uint64_t memory_bytes = 0;  // in use on a device; 0: it is not counted
+  double round_trip_ms = 0;        // from the scene to sorted contacts, both on the host
 
-  // Forgets the last cycle, counts the scene's triangles and looks for bodies without a step: so
-  // every backend begins a cycle.
+  // Begins a cycle, in every backend: clears the last result, counts the scene's triangles and
+  // finds bodies without an earlier state.
   void begin(const Scene& scene, const Options& options, bool is_guaranteed);
 
-  // Whether it was cut off by its deadline.
+  // Returns whether the deadline ended the cycle early.
   bool isOutOfTime() const { return cut_off && cut_off_because == kNoTime; }
 
-  // Says that the cycle was cut off; the first reason stays.
+  // Records that the cycle was cut off. The first reason is kept.
   void cutOff(const std::string& because);
+
+  // Exchanges the contents of two results without a copy of the contacts. If their contacts lie in
+  // different memory resources, the contacts of `other` are dropped first: use it only where
+  // `other` has served its purpose.
+  void swap(DetectionResult& other);
 };
 
-// A detector keeps buffers and prototypes from cycle to cycle. One thread at a time.
+// Finds contacts in scenes. It keeps buffers and prototypes from cycle to cycle. One thread at a
+// time.
 class DCM_EXPORT Detector {
  public:
   Detector() = default;
@@ -144,26 +150,31 @@ class DCM_EXPORT Detector {
   Detector& operator=(const Detector&) = delete;
   virtual ~Detector() = default;
 
-  // "cpu", "cuda", "fcl", "brute_force".
+  // Returns "cpu", "cuda", "fcl" or "brute_force".
   virtual std::string backend() const = 0;
 
-  // Finds every contact of the scene's enabled pairs. The result belongs to the detector: no copy
-  // is made, and it is valid until the next call or the detector's end.
-  // A cycle that ends early, by options.limits, is no error: see cut_off. The next one is as if it
-  // had not been.
-  // Throws std::invalid_argument, listing all problems(options), and where a body's vertices are on
-  // a device that this backend cannot read; a std::runtime_error (BackendError) where it fails.
+  // Finds every contact of the scene's enabled pairs. The result belongs to the detector and is
+  // valid until the next call or the detector's end. A cycle that options.limits end early is not
+  // an error (see DetectionResult::cut_off), and does not affect the next one. Throws
+  // std::invalid_argument with all problems(options), or if a body's vertices are on a device that
+  // this backend cannot read. Throws a std::runtime_error (BackendError) if the backend fails.
   virtual const DetectionResult& detect(const Scene& scene, const Options& options) = 0;
 
-  // With default options.
+  // Does the same with default options.
   const DetectionResult& detect(const Scene& scene) { return detect(scene, Options()); }
 
-  // Memory from which this backend reads meshes soonest, for Scene::useMemory(). It is the
-  // process's own, outlives all detectors, and any backend and the user may read it; it is good
-  // for as long as nobody calls cudaDeviceReset().
+  // Hands the result of the last detect() over to `result`, so that a caller can keep it without a
+  // copy while the detector goes on. The detector takes the old contents of `result` in exchange
+  // and reuses their memory. Call it at most once after each detect() that returned; the reference
+  // that detect() returned then refers to those old contents.
+  virtual void swapResult(DetectionResult& result) = 0;
+
+  // Returns the memory from which this backend reads meshes fastest, for Scene::useMemory(). It
+  // belongs to the process and outlives all detectors. Any backend and the user may read it. It is
+  // valid until somebody calls cudaDeviceReset().
   virtual std::pmr::memory_resource& vertexMemory() { return *std::pmr::new_delete_resource(); }
 
-  // Forgets what earlier cycles left (warm starts); exact results never depend on it.
+  // Forgets what earlier cycles left for warm starts. Exact results never depend on that.
   virtual void reset() = 0;
 };
 

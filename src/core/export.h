@@ -1,7 +1,8 @@
-// What leaves the shared libraries.
+// Marks what the shared libraries export.
 #pragma once
 
-// Everything else stays inside: a program whose own flags contract or reorder floating point, and
-// which makes a copy of an inline function of ours, does not change the one that verdicts come
-// from. What headers that are not installed mark so is for our CUDA library alone.
+// Everything else is hidden. A program may be compiled with flags that contract or reorder floating
+// point operations, and may contain its own copies of our inline functions. Hiding ours keeps the
+// linker from replacing them with those copies, so results stay exact. Private headers use the mark
+// for what our CUDA library needs from the core.
 #define DCM_EXPORT __attribute__((visibility("default")))

@@ -1,4 +1,4 @@
-// Marks functions that both backends run. Empty where the compiler is not nvcc.
+// Marks functions that both backends run. The marks are empty if the compiler is not nvcc.
 #pragma once
 
 #ifdef __CUDACC__
@@ -7,10 +7,12 @@
 #define DCM_HD
 #endif
 
-// For rare, long code: keeps the common path small on the host and compilation short on the device.
+// Marks functions with long code that runs rarely. Not inlining them keeps the common path small on
+// the host, and compilation short on the device.
 #define DCM_RARE __attribute__((noinline))
 
-// Ahead of a loop in long, rare code: keeps it short on the device.
+// Stands before a loop in long code that runs rarely. Not unrolling it keeps the code short on the
+// device.
 #ifdef __CUDA_ARCH__
 #define DCM_ROLLED _Pragma("unroll 1")
 #else

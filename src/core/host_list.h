@@ -1,4 +1,4 @@
-// Arrays on the host that may lie in memory of a backend's choice.
+// Lists on the host whose memory a backend may provide.
 #pragma once
 
 #include <memory_resource>
@@ -8,8 +8,13 @@
 
 namespace deformable_contact_monitor {
 
-// A vector whose memory a backend may lend, so that its device reads or writes it without a copy in
-// between. Copies are in plain memory, as a std::vector of their own if one likes.
+// A std::pmr::vector whose memory a backend may provide, so that its device reads or writes the
+// list without another copy. Copies use plain memory.
+//
+// It derives from the vector instead of being an alias for two reasons: it converts from and to
+// std::vector, in which programs keep their meshes, and it can move to other memory. It adds no
+// member, so slicing or deleting it as its base class loses nothing. Elements whose default
+// constructor does nothing (TrianglePair) stay uninitialised when the list grows.
 template <class T>
 class HostList : public std::pmr::vector<T> {
  public:
@@ -26,15 +31,15 @@ class HostList : public std::pmr::vector<T> {
   HostList(const std::vector<T>& list) : Vector(list.begin(), list.end()) {}  // NOLINT(google-*)
   operator std::vector<T>() const { return {this->begin(), this->end()}; }    // NOLINT(google-*)
 
-  // From now on it lies there; `memory` outlives it.
+  // Moves the elements to `memory`, which must outlive the list, and stays there.
   void moveTo(std::pmr::memory_resource& memory) {
     HostList moved(*this, &memory);
     this->~HostList();
     new (this) HostList(std::move(moved));
   }
 
-  // After this no memory is taken as it becomes that one by a move, wherever both lie. As it grows
-  // it gets some to spare, for a backend's memory takes its time to come.
+  // Reserves memory so that assigning `list` by a move does not allocate, whatever memory both use.
+  // Reserves some more than needed, because allocations from a backend are slow.
   void makeRoomFor(const HostList& list) {
     const bool is_copied = this->get_allocator() != list.get_allocator();
     if (is_copied && list.size() > this->capacity()) this->reserve(list.size() + list.size() / 4);

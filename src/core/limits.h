@@ -1,4 +1,4 @@
-// When a cycle is to end early.
+// Limits that end a detection cycle early.
 #pragma once
 
 #include <atomic>
@@ -7,15 +7,16 @@
 
 namespace deformable_contact_monitor {
 
-// Why a cycle ended early (DetectionResult::cut_off_because): its deadline had come.
+// The reason for a cycle that ended early because of its deadline
+// (DetectionResult::cut_off_because).
 constexpr const char* kNoTime = "no time";
 
-// By default never: then results are the same from run to run. Else the detector gives up within
-// some 10 ms and says so in its result (DetectionResult::cut_off).
+// By default a cycle has no limit, and results are the same from run to run. When a limit is
+// reached, the detector gives up within about 10 ms and sets DetectionResult::cut_off.
 struct Limits {
-  SteadyTime deadline = SteadyTime::max();  // max(): none
-  // The cycle ends once it is true, which any thread may set; it outlives the detection. Null:
-  // none.
+  SteadyTime deadline = SteadyTime::max();  // max(): there is none
+  // The cycle ends once this is true. Any thread may set it. It must outlive the detection. Null:
+  // there is none.
   const std::atomic<bool>* stop = nullptr;
 
   bool any() const { return stop != nullptr || deadline != SteadyTime::max(); }

@@ -1,4 +1,4 @@
-// Picks the reader and refuses what none of them should see.
+// Chooses the reader by the file's name, and rejects files that no reader should get.
 #include "core/mesh_file.h"
 
 #include <cerrno>
@@ -16,7 +16,7 @@ namespace {
 
 using Reader = TriangleMesh (*)(const std::string& path, std::string_view content);
 
-// Null: the name does not tell.
+// Returns the reader for the file name's ending; null if there is none.
 Reader readerFor(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (equalIgnoringCase(ending, ".obj")) return readObj;
@@ -30,7 +30,7 @@ std::string readWhole(const std::string& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (error) throw std::runtime_error(path + ": " + error.message());
-  // A pipe or a device could keep the reader waiting for ever.
+  // A pipe or a device could make the reader wait for ever, so only regular files are read.
   if (!std::filesystem::is_regular_file(status)) {
     throw std::runtime_error(path + (std::filesystem::is_directory(status)
                                          ? ": is a directory, not a mesh file"

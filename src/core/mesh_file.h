@@ -1,4 +1,5 @@
-// Mesh files to meshes, bit by bit: triangle ids are file order.
+// Reads mesh files. Nothing is changed on the way, so the index of a triangle is its place in the
+// file.
 #pragma once
 
 #include <string>
@@ -8,15 +9,15 @@
 
 namespace deformable_contact_monitor {
 
-// Reads OBJ, PLY (ascii, both endians, float or double), STL (ascii, binary) or OFF; the format is
-// the file name's ending, STL's flavour its content. Polygons are fanned from their first vertex;
-// nothing is welded, removed or scaled. A coordinate is the nearest float32 of its text or double
-// (beyond float32's range: infinity), and non-finite ones are kept.
-// Throws std::runtime_error, "<path>: <what>" or "<path>:<line>: <what>", if the file cannot be
-// read, is malformed or holds no triangle.
+// Reads an OBJ, PLY (ascii, both endians, float or double), STL (ascii, binary) or OFF file. The
+// file name's ending tells the format, and the content tells binary STL from ascii. Polygons become
+// fans of triangles around their first vertex. Vertices are not welded, removed or scaled. A
+// coordinate becomes the nearest float32 of its text or double; beyond float32's range that is
+// infinity. Non-finite coordinates are kept. Throws std::runtime_error, "<path>: <what>" or
+// "<path>:<line>: <what>", if the file cannot be read, is malformed or has no triangle.
 DCM_EXPORT TriangleMesh readMeshFile(const std::string& path);
 
-// Whether the name ends like one of these formats.
+// Returns whether the name ends like one of these formats.
 DCM_EXPORT bool isMeshFileName(const std::string& path);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// Where and how the triangles of a contact touch.
+// The geometry of a contact: where and how its triangles touch.
 #pragma once
 
 #include <cstdint>
@@ -9,29 +9,31 @@ namespace deformable_contact_monitor {
 
 // Sums of these are PairGeometry::flags, as in ContactGeometry.msg.
 enum GeometryFlag : std::uint8_t {
-  kCoplanar = 1,             // they intersect, and lie in one plane or on one line
-  kNormalUndefined = 2,      // they lie on one line: every direction across it is as good
-  kSeparationUndefined = 4,  // it is beyond the largest float32, which stands for it
-  kDegenerate = 8,           // a triangle without area
-  kNormalNotUnique = 16,     // one of several that are as short, within a part in 2^22
+  kCoplanar = 1,             // the triangles intersect, and lie in one plane or on one line
+  kNormalUndefined = 2,      // they lie on one line, so no direction across it is preferred
+  kSeparationUndefined = 4,  // the separation exceeds the largest float32, and is set to that
+  kDegenerate = 8,           // one of the triangles has no area
+  kNormalNotUnique = 16,     // another normal would part them as well, within a part in 2^22
 };
 
-// In the scene frame; all numbers are finite. The same bits on every backend; with a and b swapped
-// the normal is negated, the closest points are swapped, and the rest is the same.
+// The geometry of one contact in the scene frame. All numbers are finite, and have the same bits on
+// every backend. If a and b are swapped, the normal changes its sign, the closest points are
+// swapped, and everything else stays the same.
 struct PairGeometry {
-  // Of triangles that intersect: ends of all that they have in common, or of its longest chord
-  // where they are coplanar; equal where they touch at a point. Within 2^-22 of their own largest
-  // coordinate (2^-148 m where that is less) on both triangles. Of triangles that are apart: the
-  // closest points of a and of b, within as much and a part in 2^24 of the smaller triangle's
-  // longest edge [m].
+  // For triangles that intersect: the ends of their intersection segment, or of the longest chord
+  // of their intersection if they are coplanar; equal if they touch in a point. The points lie on
+  // both triangles within 2^-22 of their largest coordinate (or 2^-148 m, if that is more). For
+  // triangles that are apart: the closest points of a and of b, with the same error plus 2^-24 of
+  // the smaller triangle's longest edge [m].
   Vec3f point_a, point_b;
-  // Unit vector from a to b: b moves along it to get clear. Either side where coplanar. Zero where
-  // undefined.
+  // Unit vector from a to b: moving b along it separates the triangles. It points to either side if
+  // they are coplanar, and is zero if it is undefined.
   Vec3f normal;
-  // > 0: distance, to the bit the contact's in DetectionResult::separations_m; <= 0: minus the
-  // length of the shortest translation that parts them, right to a part in 2^23; 0 where coplanar
-  // [m]. Never > 0 for a contact of exact predicates at separation 0; what other predicates list
-  // although it is apart has its true distance here.
+  // Above 0, the distance [m], with the same bits as in DetectionResult::separations_m. Otherwise
+  // minus the length of the shortest translation that separates the triangles, with a relative
+  // error of 2^-23; 0 if they are coplanar. With exact predicates it is never above 0 for a contact
+  // whose separation is 0. Other predicates may list triangles that are apart; these have their
+  // true distance here.
   float separation_m = 0;
   std::uint8_t flags = 0;
 };

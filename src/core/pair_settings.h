@@ -1,18 +1,19 @@
-// The settings that verdicts on pairs of triangles depend on.
+// The settings on which the decision about a pair of triangles depends.
 #pragma once
 
 namespace deformable_contact_monitor {
 
-// Pairs of one body's triangles that share a vertex (bit-equal coordinates as received).
+// The treatment of pairs of triangles of one body that share a vertex (equal coordinates as
+// received).
 enum class AdjacentPairs {
-  kBeyondShared,  // a contact iff they meet beyond the hull of the shared points
+  kBeyondShared,  // a contact iff they intersect outside the convex hull of their shared vertices
   kSkip,          // never a contact
 };
 
 enum class Predicates {
   kExact,         // the pair set equals the definition for every finite float32 input
-  kConservative,  // a verdict that double arithmetic cannot decide counts as contact
-  kFast,          // float32 only: may err either way
+  kConservative,  // a pair that double arithmetic cannot decide counts as a contact
+  kFast,          // float32 only: may be wrong in both directions
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,15 +1,17 @@
-// The pose of a body in the scene frame.
+// Rigid transforms, such as the pose of a body in the scene frame.
 #pragma once
 
 #include "core/export.h"
 
 namespace deformable_contact_monitor {
 
-// p_scene = rotation * p_body + translation; rotation row-major, [m].
+// Transforms points: p_scene = rotation * p_body + translation. The rotation is row-major, the
+// translation in [m].
 struct DCM_EXPORT RigidTransform {
   double rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double translation[3] = {0, 0, 0};
 
+  // Returns whether all numbers are exactly those of the identity.
   bool isIdentity() const {
     constexpr double kIdentity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     for (int i = 0; i < 9; ++i) {

@@ -1,4 +1,4 @@
-// What a detector looks at: bodies, their poses, and which pairs of bodies matter.
+// The input of a detector: bodies, their poses, and which pairs of bodies to check.
 #pragma once
 
 #include <cstddef>
@@ -17,94 +17,96 @@ namespace deformable_contact_monitor {
 
 using BodyId = std::uint32_t;
 
-// Vertices in the memory of a CUDA device: see Scene::setDeviceVertices().
+// Vertices in the memory of a CUDA device (see Scene::setDeviceVertices()).
 struct DCM_EXPORT DeviceVertices {
-  const float* xyz;  // as many as the mesh has, x y z each [m]
+  const float* xyz;  // as many vertices as the mesh has, x y z each [m]
   void* stream;      // a cudaStream_t; null: the legacy default stream
 };
 
-// Where a body was at the beginning of a step. Each vertex, in the scene frame and rounded to
-// float32 there, moves from its place then to its present one on a straight line.
+// The state of a body at the beginning of the time interval of swept motion. Each vertex moves on a
+// straight line in the scene frame, from its place then to its present one, both rounded to
+// float32.
 struct DCM_EXPORT EarlierState {
   RigidTransform pose;
-  // In the body's frame then, as many as the mesh has [m]. Empty: the present ones.
+  // Vertices in the body's frame, as many as the mesh has [m]. Empty: the present vertices.
   HostList<float> vertices;
 };
 
 struct DCM_EXPORT Body {
   std::string name;
   TriangleMesh mesh;  // in the body's frame
-  // In place of mesh.vertices, which then only say how many there are.
+  // Replaces mesh.vertices, which then only tell how many vertices there are.
   std::optional<DeviceVertices> device_vertices;
   RigidTransform pose;  // scene frame from body frame; identity leaves the vertices untouched
   float margin_m = 0;   // a pair of bodies counts at a distance <= the larger of its two margins
-  // What follows is for swept motion alone. No earlier state: the body stands still in this step.
+  // The next two are for swept motion only. A body without an earlier state stands still.
   std::optional<EarlierState> earlier;
-  // Its points' true ways are at most this far from the straight ones. Those of two bodies add up.
+  // How far the true path of a point may be from its straight line [m]. The pads of two bodies add
+  // up.
   float pad_m = 0;
-  // Revisions say what changed since a detector last looked; they only grow, and equal ones, of
-  // whatever scene, mean equal data.
+  // Revisions tell a detector what changed since its last cycle. They only grow. Equal revisions
+  // mean equal data, even in different scenes.
   std::uint64_t topology_revision = 0;
   std::uint64_t vertices_revision = 0;
   std::uint64_t earlier_revision = 0;  // of earlier->vertices
 };
 
-// Plain data, for one thread at a time. Pairs of bodies, and a body with itself, are off until
-// they are switched on. Every refusal is a std::invalid_argument that names the body and leaves the
-// scene as it was.
+// Bodies and enabled pairs of bodies, for one thread at a time. Pairs of bodies, and a body with
+// itself, are disabled until they are enabled. Functions throw std::invalid_argument, naming the
+// body, for bad values, and leave the scene as it was.
 class DCM_EXPORT Scene {
  public:
-  // From now on meshes lie in `memory`, which outlives this: a detector's vertexMemory(), which
-  // spares it a copy. Copies of the scene are in plain memory.
+  // Stores meshes in `memory` from now on, which must outlive the scene. With a detector's
+  // vertexMemory(), that detector needs one copy less. Copies of the scene use plain memory.
   void useMemory(std::pmr::memory_resource& memory);
 
-  // Adds a body (its mesh may be empty, to be set later); ids count up from 0.
+  // Adds a body. Its mesh may be empty and be set later. Returns its id; ids count up from 0.
   BodyId addBody(std::string name, TriangleMesh mesh);
 
   // Replaces vertices and triangles. The body has no earlier state then.
   void setMesh(BodyId id, TriangleMesh mesh);
 
-  // Replaces the vertices: `count` of them, x y z each [m]; must be as many as before. A copy: the
-  // caller's may go.
+  // Replaces the vertices by a copy of `count` vertices, x y z each [m]. The number must be the
+  // same as before.
   void setVertices(BodyId id, const float* xyz, std::size_t count);
 
-  // As setVertices(), but they are in the memory of a CUDA device (or managed memory), and stay
-  // there: no copy is made before a detector reads them. It reads behind what is in `stream` by
-  // then, so that kernels which still write the vertices are waited for, whatever the limits.
-  // Whoever writes there again, once detect() has returned, calls this again ahead of the next
-  // detect(); memory and stream must live until the body has other vertices or is looked at no
-  // more. The CUDA backend alone reads them, on its own device; detect() of any other throws
-  // std::invalid_argument, naming the body, if the body takes part. Refuses null, but for a body
-  // without vertices.
+  // Does what setVertices() does with vertices in the memory of a CUDA device, or managed memory.
+  // They stay there: no copy is made before a detector reads them. The detector waits for all work
+  // that is in `stream` at that time, such as kernels that still write the vertices, whatever the
+  // limits are. After detect() has returned, the memory may be written again; call this function
+  // again before the next detect(). Memory and stream must live until the body gets other vertices,
+  // or until no detector reads it any more. Only the CUDA backend reads them, on its own device.
+  // detect() of other backends throws std::invalid_argument, naming the body, if the body takes
+  // part. Throws for a null pointer, unless the body has no vertices.
   void setDeviceVertices(BodyId id, const float* device_xyz, std::size_t count,
                          void* stream = nullptr);
 
-  // Refuses a pose with a non-finite number.
+  // Sets the pose. Throws for non-finite numbers.
   void setPose(BodyId id, const RigidTransform& pose);
 
-  // [m], finite and >= 0.
+  // Sets the margin [m], finite and >= 0.
   void setMargin(BodyId id, float margin_m);
 
-  // Body::earlier. Refuses a pose with a non-finite number, and another number of vertices than the
-  // mesh has (but for none: the present ones).
+  // Sets Body::earlier. Throws for non-finite numbers in the pose, and for another number of
+  // vertices than the mesh has. No vertices at all mean the present ones.
   void setEarlier(BodyId id, const RigidTransform& pose, HostList<float> vertices = {});
   void clearEarlier(BodyId id);
 
-  // Body::pad_m: [m], finite and >= 0.
+  // Sets Body::pad_m [m], finite and >= 0.
   void setPad(BodyId id, float pad_m);
 
-  // a == b: contacts of the body with itself.
+  // Enables or disables a pair. With a == b: contacts of the body with itself.
   void setPairEnabled(BodyId a, BodyId b, bool enabled);
   bool pairEnabled(BodyId a, BodyId b) const;
-  // All of them, (a, b) with a <= b, ascending.
+  // Returns all enabled pairs (a, b) with a <= b, ascending.
   std::vector<std::pair<BodyId, BodyId>> enabledPairs() const;
-  // Whether some pair of the body, or the body with itself, is enabled.
+  // Returns whether some pair of the body, or the body with itself, is enabled.
   bool takesPart(BodyId id) const;
-  // Whether some body that takes part has a margin.
+  // Returns whether some body that takes part has a margin.
   bool anyMargin() const;
-  // Whether some body that takes part has a pad.
+  // Returns whether some body that takes part has a pad.
   bool anyPad() const;
-  // Like the bodies' revisions: of the enabled pairs and the number of bodies.
+  // Returns a revision, like those of Body, of the enabled pairs and the number of bodies.
   std::uint64_t pairsRevision() const { return pairs_revision_; }
 
   std::size_t bodyCount() const { return bodies_.size(); }

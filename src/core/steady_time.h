@@ -1,4 +1,4 @@
-// Seconds, and times of the clock that nobody sets.
+// Times of the steady clock, which never jumps, and conversions from and to seconds.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ inline double toSeconds(SteadyTime::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-// Until now [s].
+// Returns the time from then until now [s].
 inline double secondsSince(SteadyTime then) {
   return toSeconds(std::chrono::steady_clock::now() - then);
 }

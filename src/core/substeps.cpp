@@ -5,11 +5,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/ccd/body_motion.h"
 #include "core/ccd/merged_steps.h"
-#include "core/ccd/turning_scene.h"
-#include "core/common/rejected_triangles.h"
+#include "core/ccd/sub_step_scene.h"
+#include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
 
 namespace deformable_contact_monitor {
@@ -27,9 +28,9 @@ void validate(const Scene& scene, const std::vector<BodyPath>& paths, double tol
   for (BodyId id = 0; id < paths.size(); ++id) validate(paths[id], scene.body(id).name);
 }
 
-// Of the bodies that turn.
-std::vector<std::optional<BodyMotion>> turningMotions(const Scene& scene,
-                                                      const std::vector<BodyPath>& paths) {
+// Returns the motions of the bodies that rotate, one per body of the scene; the others are empty.
+std::vector<std::optional<BodyMotion>> rotatingMotions(const Scene& scene,
+                                                       const std::vector<BodyPath>& paths) {
   std::vector<std::optional<BodyMotion>> motions(scene.bodyCount());
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     const Body& body = scene.body(id);
@@ -40,12 +41,12 @@ std::vector<std::optional<BodyMotion>> turningMotions(const Scene& scene,
                                   "cannot be looked at");
     }
     const BodyMotion motion(body, paths[id]);
-    if (motion.bends()) motions[id] = motion;
+    if (motion.rotates()) motions[id] = motion;
   }
   return motions;
 }
 
-// Of bodies that take part, in one of the two states.
+// Counts the rejected triangles of all bodies that take part, in either state.
 std::uint64_t countRejected(const Scene& step) {
   std::uint64_t count = 0;
   for (const RejectedTriangles& of_body : rejectedTriangles(step, Motion::kSwept)) {
@@ -54,7 +55,7 @@ std::uint64_t countRejected(const Scene& step) {
   return count;
 }
 
-// Whether the scene's own poses are the paths' ends.
+// Returns whether the scene's poses already are the ends of the paths.
 bool hasEndsOf(const Scene& scene, const std::vector<BodyPath>& paths) {
   for (BodyId id = 0; id < paths.size(); ++id) {
     if (paths[id].empty()) continue;
@@ -67,6 +68,7 @@ bool hasEndsOf(const Scene& scene, const std::vector<BodyPath>& paths) {
   return true;
 }
 
+// Sets the scene's poses to the ends of the paths.
 void setEnds(const std::vector<BodyPath>& paths, Scene* scene) {
   for (BodyId id = 0; id < paths.size(); ++id) {
     if (paths[id].empty()) continue;
@@ -77,14 +79,14 @@ void setEnds(const std::vector<BodyPath>& paths, Scene* scene) {
   }
 }
 
-// Leaves the pairs that move straight: a body that turns with itself alone, in its own frame.
-// Returns whether there are any.
+// Leaves only pairs whose bodies move straight. A body that rotates moves straight in its own
+// frame, so it stays enabled with itself, with identity poses. Returns whether any pair is left.
 bool keepStraightPairs(const std::vector<std::optional<BodyMotion>>& motions, Scene* scene) {
   bool any = false;
   for (const auto& [a, b] : scene->enabledPairs()) {
-    const bool turns = a != b && (motions[a] || motions[b]);
-    if (turns) scene->setPairEnabled(a, b, false);
-    any = any || !turns;
+    const bool rotates = a != b && (motions[a] || motions[b]);
+    if (rotates) scene->setPairEnabled(a, b, false);
+    any = any || !rotates;
   }
   for (BodyId id = 0; id < scene->bodyCount(); ++id) {
     if (!motions[id]) continue;
@@ -112,19 +114,27 @@ const StepResult& SubStepDetector::detect(const Scene& scene, const std::vector<
   }
   const Scene& step = own_ends ? scene : step_;
   std::vector<std::optional<BodyMotion>> motions(scene.bodyCount());
-  if (tolerance_m > 0) motions = turningMotions(step, paths);
+  if (tolerance_m > 0) motions = rotatingMotions(step, paths);
   if (std::none_of(motions.begin(), motions.end(), [](const auto& m) { return m.has_value(); })) {
-    result_.detection = detector_.detect(step, swept);
+    detector_.detect(step, swept);
+    detector_.swapResult(result_.detection);
   } else {
-    detectTurning(step, motions, tolerance_m, swept);
+    detectRotating(step, motions, tolerance_m, swept);
   }
   result_.detection.round_trip_ms = watch.elapsedMs();
   return result_;
 }
 
-void SubStepDetector::detectTurning(const Scene& step,
-                                    const std::vector<std::optional<BodyMotion>>& motions,
-                                    double tolerance_m, const Options& options) {
+void SubStepDetector::swapResult(StepResult& result) {
+  result_.detection.swap(result.detection);
+  std::swap(result_.sub_steps, result.sub_steps);
+  std::swap(result_.pad_m, result.pad_m);
+  std::swap(result_.outlying, result.outlying);
+}
+
+void SubStepDetector::detectRotating(const Scene& step,
+                                     const std::vector<std::optional<BodyMotion>>& motions,
+                                     double tolerance_m, const Options& options) {
   MergedSteps merged;
   bool guaranteed = true;
   straight_ = step;
@@ -133,20 +143,20 @@ void SubStepDetector::detectTurning(const Scene& step,
     guaranteed = part.guaranteed;
     merged.add(part, 0, 1);
   }
-  TurningScene turning(step, motions, tolerance_m, &turning_);
-  const std::vector<double> cuts = turning.cuts(kMostSubSteps);
+  SubStepScene sub_steps(step, motions, tolerance_m, &rotating_);
+  const std::vector<double> cuts = sub_steps.cuts(kMostSubSteps);
   for (std::size_t i = 0; i + 1 < cuts.size() && !merged.isCutOff(); ++i) {
-    turning.moveTo(cuts[i], cuts[i + 1]);
-    result_.pad_m = std::max(result_.pad_m, turning.largestPad());
-    const DetectionResult& part = detector_.detect(turning_, options);
+    sub_steps.moveTo(cuts[i], cuts[i + 1]);
+    result_.pad_m = std::max(result_.pad_m, sub_steps.largestPad());
+    const DetectionResult& part = detector_.detect(rotating_, options);
     guaranteed = guaranteed && part.guaranteed;
     merged.add(part, cuts[i], cuts[i + 1]);
   }
   result_.sub_steps = static_cast<int>(cuts.size()) - 1;
-  result_.outlying = turning.outlying();
+  result_.outlying = sub_steps.outlying();
   result_.detection.begin(step, options, guaranteed);
   merged.write(options.first_times, step.anyPad() || result_.pad_m > 0, &result_.detection);
-  std::uint64_t& rejected = result_.detection.counters.rejected;  // of some part, at most
+  std::uint64_t& rejected = result_.detection.counters.rejected;  // the largest number of a part
   if (rejected > 0) rejected = std::max(rejected, countRejected(step));
 }
 

@@ -1,43 +1,30 @@
-// Contacts of a step in which bodies turn: their points' true ways are arcs. The step is cut into
-// sub-steps until straight lines are close enough, and what is left of the arc is a pad.
+// Continuous collision detection of bodies that rotate. Their points move on arcs, and detectors
+// know only straight lines. So the time interval is cut into sub-steps, until straight lines are
+// close enough to the arcs, and the remaining deviation becomes a pad around each body.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "core/body_path.h"
 #include "core/detector.h"
 #include "core/export.h"
 #include "core/options.h"
-#include "core/rigid_transform.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
 
-// Where a body was at a part [0, 1] of the step.
-struct DCM_EXPORT PoseSample {
-  double at;
-  RigidTransform pose;
-};
-
-// A body's way: between samples its origin moves on a straight line and its rotation turns about
-// one axis, by the smaller angle, both evenly (as tf2 interpolates). Ascending; the first at 0 and
-// the last at 1: these two stand for Body::earlier's pose and Body::pose. If the body has earlier
-// vertices, it deforms on this way: in its own frame they move straight to the present ones.
-// Empty: the body's vertices move straight in the scene frame from Scene's earlier state to the
-// present one.
-using BodyPath = std::vector<PoseSample>;
-
 struct DCM_EXPORT StepResult {
-  // Of the whole step: options.motion is swept in it. Counters, times and left_out are sums (a pair
-  // that is found in several sub-steps counts in each) or, of sizes, the largest. Times of a first
-  // contact are those on the straight ways, rounded outwards; a contact that no straight way makes
-  // is within_pad.
+  // The result of the whole interval, with swept motion. Counters, times and left_out are sums over
+  // the sub-steps (a pair that is found in several counts in each); sizes are the largest ones.
+  // Times of a first contact are those on the straight lines, rounded outwards. A contact that no
+  // straight line makes is within_pad.
   DetectionResult detection;
-  int sub_steps = 1;  // of pairs with a body that turns
-  float pad_m = 0;    // of the two bodies of such a pair: the largest sum; 0: none turns
-  // Bodies that move straight, some of their vertices so far off that rounding them in sub-steps
-  // would cost more than the tolerance, and 16 times as far as any body that turns: in sub-steps
-  // the triangles of these take no part, and count as rejected.
+  int sub_steps = 1;  // for pairs with a body that rotates
+  float pad_m = 0;    // the largest sum of the pads of such a pair [m]; 0: no body rotates
+  // Bodies that do not rotate and have vertices so far away that rounding them in sub-steps would
+  // cost more than the tolerance, and at least 16 times as far as any body that rotates. In
+  // sub-steps the triangles of these vertices take no part, and count as rejected.
   std::vector<BodyId> outlying;
 };
 
@@ -45,37 +32,42 @@ constexpr int kMostSubSteps = 64;
 
 class BodyMotion;
 
-// Keeps copies of scenes from step to step. One thread at a time.
+// Keeps copies of scenes from call to call. One thread at a time.
 class DCM_EXPORT SubStepDetector {
  public:
-  // The detector must outlive this.
+  // The detector must outlive this object.
   explicit SubStepDetector(Detector& detector) : detector_(detector) {}
 
-  // Every contact of the step from the bodies' earlier states to their present ones. `paths`: one a
-  // body.
+  // Finds every contact in the interval from the bodies' earlier states to their present ones.
+  // `paths`: one per body.
   //
-  // A body turns if its path takes some point further from its straight line than rounding to
-  // float32 does. Pairs with such a body are looked at in sub-steps, in each of which no point of
-  // either deviates by more than `tolerance_m`; there are at most kMostSubSteps, with larger
-  // deviations if need be. What is left of these, and half an ulp of each coordinate, is added to
-  // the two bodies' pads, so that the true motion's contacts are all found. Other pairs, and all
-  // with tolerance_m 0, move straight in one step, exactly. A body that turns moves straight in its
-  // own frame, so there, in one step, are its contacts with itself looked for.
+  // A body rotates if its path takes some point further from its straight line than rounding to
+  // float32 does. Pairs with such a body are detected in sub-steps. In each of them no point of
+  // either body deviates by more than `tolerance_m`; but there are at most kMostSubSteps, and if
+  // these are not enough, deviations are larger. The deviation, and half an ulp of each coordinate,
+  // are added to the pads of both bodies, so all contacts of the true motion are found.
+  // All other pairs move straight in one step, exactly; with tolerance_m 0 all pairs do. A body
+  // that rotates moves straight in its own frame, so its contacts with itself are found there, in
+  // one step.
   //
-  // Limits hold for the whole. Errors as of Detector::detect(); and std::invalid_argument at
-  // another number of paths, at a tolerance that is not finite and >= 0, and, naming the body, at a
-  // path that is not as BodyPath says and at vertices on a device of a body that turns, or that
-  // moves beside one. The result belongs to this, until the next call.
+  // Limits hold for the whole call. Throws as Detector::detect() does. Also throws
+  // std::invalid_argument for another number of paths, for a tolerance that is not finite and >= 0,
+  // and, naming the body, for a path that breaks the rules of BodyPath, and for vertices on a
+  // device if the body rotates or is in a pair with one that does. The result belongs to this
+  // object and is valid until the next call.
   const StepResult& detect(const Scene& scene, const std::vector<BodyPath>& paths,
                            double tolerance_m, const Options& options);
 
+  // Hands the result of the last detect() over to `result`, as Detector::swapResult() does.
+  void swapResult(StepResult& result);
+
  private:
-  void detectTurning(const Scene& step, const std::vector<std::optional<BodyMotion>>& motions,
-                     double tolerance_m, const Options& options);
+  void detectRotating(const Scene& step, const std::vector<std::optional<BodyMotion>>& motions,
+                      double tolerance_m, const Options& options);
 
   Detector& detector_;
   StepResult result_;
-  Scene step_, straight_, turning_;
+  Scene step_, straight_, rotating_;
 };
 
 }  // namespace deformable_contact_monitor

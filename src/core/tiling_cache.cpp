@@ -10,32 +10,29 @@
 #include <utility>
 #include <vector>
 
-#include "core/bounds/limited_tiling.h"
-#include "core/common/cycle_limit.h"
-
 namespace deformable_contact_monitor {
 namespace {
 
-// A tiling that is to be made, or was.
+// A tiling that was ordered from the thread. The caller and the thread share it.
 struct Order {
-  TriangleMesh mesh;                     // the thread's, until it is done
-  std::atomic<bool> stop{false};         // nobody wants it any more
-  std::shared_ptr<const Tiling> tiling;  // null: not there yet, or never
+  TriangleMesh mesh;                     // only the thread reads it; emptied when it is done
+  std::atomic<bool> stop{false};         // set by the caller, who then ignores the result
+  std::shared_ptr<const Tiling> tiling;  // null: it is not done, or failed
 };
 
-// Null where there is no memory for it. Whoever stops an order looks at no result.
+// Makes an ordered tiling. Returns null if there is not enough memory.
 std::shared_ptr<const Tiling> tilingOf(const Order& order) {
   Limits limits;
   limits.stop = &order.stop;
-  const CycleLimit limit(limits);
   try {
-    return std::make_shared<const Tiling>(tilingBySurface(order.mesh, limit));
+    return std::make_shared<const Tiling>(tilingBySurface(order.mesh, limits));
   } catch (const std::exception&) {
     return nullptr;
   }
 }
 
-// The thread, which makes what is ordered, the newest first. Others call from one thread.
+// Owns the thread that makes the ordered tilings, the newest order first. All public functions are
+// called from one thread.
 class Worker {
  public:
   ~Worker() {
@@ -47,7 +44,7 @@ class Worker {
     if (thread_.joinable()) thread_.join();
   }
 
-  // An order of which nobody else is left is not begun.
+  // Queues an order. It is dropped if its last other owner is gone before the thread begins it.
   void take(const std::shared_ptr<Order>& order) {
     if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
     {
@@ -77,7 +74,7 @@ class Worker {
     }
   }
 
-  // Null at the end.
+  // Waits for an order. Returns null when the thread must end.
   std::shared_ptr<Order> next() {
     std::unique_lock<std::mutex> lock(mutex_);
     works_ = false;
@@ -95,8 +92,9 @@ class Worker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::weak_ptr<Order>> orders_;
-  bool works_ = false, ends_ = false;
-  std::thread thread_;  // the last: it uses the others
+  bool works_ = false;  // the thread makes a tiling
+  bool ends_ = false;   // the thread must end
+  std::thread thread_;  // the last member, because it uses the others
 };
 
 }  // namespace
@@ -126,12 +124,12 @@ class TilingCache::State {
   void wait() { worker_.wait(); }
 
  private:
-  // Topologies that are never asked for again end a round too.
+  // A round ends after so many calls, even if no topology is asked for twice.
   static constexpr std::size_t kMostCalls = 1 << 16;
 
   struct Known {
-    std::uint64_t round = 0;  // the last that asked for it
-    std::uint32_t calls = 0;
+    std::uint64_t round = 0;  // the last round in which it was asked for
+    std::uint32_t calls = 0;  // how often it was asked for
     std::shared_ptr<Order> order;
   };
 
@@ -139,7 +137,8 @@ class TilingCache::State {
     if (known.order != nullptr) known.order->stop = true;
   }
 
-  // What three rounds did not ask for. A round ends where something is asked for again.
+  // Forgets what was not asked for in three rounds. A round ends when a topology is asked for that
+  // was asked for in it already: callers ask for each body once per cycle.
   void forget() {
     for (auto i = known_.begin(); i != known_.end();) {
       const bool is_old = i->second.round + 3 < round_;
@@ -151,7 +150,7 @@ class TilingCache::State {
   std::unordered_map<std::uint64_t, Known> known_;  // by topology_revision
   std::uint64_t round_ = 1;
   std::size_t calls_ = 0;  // in this round
-  Worker worker_;          // the last: its end waits for orders that are stopped
+  Worker worker_;          // destroyed first, which waits for orders that are stopped
 };
 
 TilingCache::TilingCache() : state_(std::make_unique<State>()) {}

@@ -1,4 +1,4 @@
-// Tilings of bodies, made on a thread of their own while detection goes on without.
+// Tilings of bodies, made on a thread of their own while detection goes on without them.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace deformable_contact_monitor {
 
-// Keeps one by topology_revision. One thread at a time asks. Its end waits for the thread, which
-// stops within some milliseconds.
+// Keeps one tiling for each Body::topology_revision. One thread at a time calls it. Its destructor
+// waits for the thread, which stops within a few milliseconds.
 class DCM_EXPORT TilingCache {
  public:
-  // So often a topology is asked for before its tiling is begun.
+  // How often a topology must be asked for before its tiling is begun. Topologies that change all
+  // the time never get one.
   static constexpr std::uint32_t kSettledAfter = 4;
 
   TilingCache();
@@ -22,12 +23,12 @@ class DCM_EXPORT TilingCache {
   TilingCache(const TilingCache&) = delete;
   TilingCache& operator=(const TilingCache&) = delete;
 
-  // By surface, of the mesh as it is when that is begun; null while it is being made, and for good
-  // where memory or threads do not suffice. To be asked for each body in every cycle: what some
-  // cycles do not ask for is forgotten.
+  // Returns the body's tiling by surface, of the mesh as it was when the tiling was begun. Returns
+  // null while it is being made, and for good if memory or threads are not enough. Call it for each
+  // body in every cycle: what several cycles do not ask for is forgotten.
   std::shared_ptr<const Tiling> of(const Body& body) noexcept;
 
-  // Waits until all that was begun is there: for tests and benchmarks.
+  // Waits until all tilings that were begun are made. For tests and benchmarks.
   void wait();
 
  private:

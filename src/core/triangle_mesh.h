@@ -1,4 +1,4 @@
-// A triangle mesh as it was received: flat arrays, nothing welded, nothing removed.
+// A triangle mesh as it was received, as flat arrays. Nothing is welded or removed.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,14 @@ struct DCM_EXPORT TriangleMesh {
   HostList<float> vertices;           // x y z per vertex [m]; may hold NaN or infinity
   HostList<std::uint32_t> triangles;  // three vertex indices per triangle
 
-  // From now on it lies there; `memory` outlives it.
+  // Moves both arrays to `memory`, which must outlive the mesh, and stays there.
   void moveTo(std::pmr::memory_resource& memory) {
     vertices.moveTo(memory);
     triangles.moveTo(memory);
   }
 
-  // Becomes that one, but stays where it lies. Without memory for that it is as it was.
+  // Takes the contents of `mesh`, but keeps its own memory resource. If there is not enough memory,
+  // throws std::bad_alloc and stays as it was.
   void become(TriangleMesh&& mesh) {
     vertices.makeRoomFor(mesh.vertices);
     triangles.makeRoomFor(mesh.triangles);
@@ -38,9 +39,9 @@ struct DCM_EXPORT TriangleMesh {
   }
 };
 
-// Throws std::invalid_argument, beginning with `name`, if an array's size is no multiple of three,
-// an index is out of range, or there are 2^31 vertices or triangles or more. Non-finite vertices
-// are no error here: the detector leaves their triangles out and counts them.
+// Throws std::invalid_argument, whose text begins with `name`, if the size of an array is not a
+// multiple of three, an index is out of range, or there are 2^31 vertices or triangles or more.
+// Non-finite vertices are not an error: the detector leaves their triangles out and counts them.
 DCM_EXPORT void validate(const TriangleMesh& mesh, const std::string& name);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// Points and vectors as plain structs, the same on host and device.
+// Points and vectors as plain structs, for host and device.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,8 @@
 
 namespace deformable_contact_monitor {
 
-// Unlike fmin and fmax these compile to one instruction; a NaN may win, so callers rule it out.
+// Return the lesser and the greater of two numbers. Unlike fmin and fmax they compile to one
+// instruction. The result for NaN is unspecified, so callers exclude it.
 template <class Real>
 DCM_HD inline Real least(Real a, Real b) {
   return b < a ? b : a;
@@ -23,7 +24,7 @@ struct Vec3f {
   DCM_HD float operator[](int axis) const { return axis == 0 ? x : (axis == 1 ? y : z); }
 };
 
-// Equality of coordinates; -0 equals 0.
+// Compares coordinates; -0 equals 0.
 DCM_HD inline bool operator==(const Vec3f& a, const Vec3f& b) {
   return a.x == b.x && a.y == b.y && a.z == b.z;
 }
@@ -39,7 +40,8 @@ DCM_HD inline float dot(const Vec3f& a, const Vec3f& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// x - x is 0 for a finite x, NaN otherwise: one test for all three.
+// Returns whether all coordinates are finite. x - x is 0 for a finite x and NaN otherwise, so one
+// comparison checks all three.
 DCM_HD inline bool isFinite(const Vec3f& v) {
   return (v.x - v.x) + (v.y - v.y) + (v.z - v.z) == 0.0F;
 }

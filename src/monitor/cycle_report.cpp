@@ -1,9 +1,10 @@
-// What one detection cycle hands to everything that is published from it.
+// Questions about a cycle's report that several readers ask.
 #include "monitor/cycle_report.h"
 
 #include <algorithm>
 
-#include "core/common/rejected_triangles.h"
+#include "core/common/scene_queries.h"
+#include "core/limits.h"
 
 namespace deformable_contact_monitor {
 
@@ -12,8 +13,8 @@ bool hasGeometry(const CycleReport& report) {
          report.result->geometry.size() == report.result->contacts.size();
 }
 
-// They are looked for only where the detector says that there are any.
 void noteRejected(CycleReport* report) {
+  // To count them takes a pass over all triangles, so it is done only where there are any.
   if (report->result->counters.rejected == 0) return;
   const std::vector<RejectedTriangles> rejected = rejectedTriangles(*report->scene);
   for (BodyId id = 0; id < report->bodies.size(); ++id) {
@@ -23,12 +24,16 @@ void noteRejected(CycleReport* report) {
   }
 }
 
-void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report) {
-  report->containment = nullptr;
-  const DetectionResult& result = *report->result;
-  const bool knows_apart = !result.cut_off || !result.distances.empty();
-  if (!knows_apart || result.left_out > 0) return;
-  report->containment = &finder->find(*report->scene, result, limit);
+bool touches(const DetectionResult& result, std::size_t contact) {
+  return result.separations_m.empty() || result.separations_m[contact] <= 0;
+}
+
+std::set<std::pair<BodyId, BodyId>> touchingBodies(const DetectionResult& result) {
+  std::set<std::pair<BodyId, BodyId>> bodies;
+  for (std::size_t i = 0; i < result.contacts.size(); ++i) {
+    if (touches(result, i)) bodies.insert({result.contacts[i].body_a, result.contacts[i].body_b});
+  }
+  return bodies;
 }
 
 std::string stepProblem(const CycleReport& report) {
@@ -39,11 +44,11 @@ std::string stepProblem(const CycleReport& report) {
 }
 
 bool isOutOfTime(const CycleReport& report) {
-  const bool step_is =
+  const bool is_interval_cut_off =
       std::any_of(report.sweeps.begin(), report.sweeps.end(), [](const SweepReport& sweep) {
         return sweep.result != nullptr && sweep.result->detection.isOutOfTime();
       });
-  return step_is || (report.result != nullptr && report.result->isOutOfTime()) ||
+  return is_interval_cut_off || (report.result != nullptr && report.result->isOutOfTime()) ||
          (report.containment != nullptr && report.containment->cut_off_because == kNoTime);
 }
 

@@ -1,18 +1,25 @@
-// What one detection cycle hands to everything that is published from it.
+// The report of one detection cycle. Everything that the monitor publishes, draws or counts comes
+// from it.
+//
+// MonitorScene::makeReport() begins a report with the bodies and pairs of the cycle,
+// StepPlanner::plan() adds the time intervals that end with the cycle, and CycleDetection::run()
+// adds what was found. After that a report is only read.
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 #include <std_msgs/Header.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/analysis/containment.h"
-#include "core/common/cycle_limit.h"
 #include "core/detector.h"
 #include "core/options.h"
 #include "core/scene.h"
@@ -22,69 +29,75 @@ namespace deformable_contact_monitor {
 
 enum class BodyKind : std::uint8_t { kLink = 0, kDeformable = 1 };
 
-// How the monitor treats a pair of bodies. Pairs of classes that are off do not appear.
+// A pair of bodies that the monitor reports. Pairs of classes that are switched off have no entry.
 struct MonitoredPair {
-  BodyId a = 0, b = 0;   // a <= b; a == b: self contact
-  bool allowed = false;  // ALLOWED: not computed
+  BodyId a = 0, b = 0;   // a <= b; a == b is self-contact
+  bool allowed = false;  // the pair is reported as ALLOWED and is not computed
 };
 
+// The status of one body in a cycle.
 struct BodyStatus {
   std::string name;
   BodyKind kind = BodyKind::kLink;
-  ros::Time stamp;                // of the data used; zero: none
-  std::uint32_t topology_id = 0;  // links: 0
-  std::string unknown_because;    // empty: nothing is wrong with it
-  bool triggered = false;         // this is its cycle
-  std::uint64_t rejected = 0;     // triangles that took no part for a vertex that is not finite
+  ros::Time stamp;                // of the data in use; zero if there is none
+  std::uint32_t topology_id = 0;  // of the mesh in use; 0 for links
+  std::string unknown_because;    // why the body cannot be used; empty if it can
+  bool triggered = false;         // the cycle was started for this body
+  std::uint64_t rejected = 0;     // triangles left out because a vertex is not finite
 };
 
-// Objects that are held, each with the links that may touch it meanwhile.
+// The objects that the robot holds, by name, each with the names of the links that may touch it.
 using AttachedObjects = std::map<std::string, std::vector<std::string>>;
 
-// How a body came from where it was at the beginning of a step to where it is in the cycle.
+// The motion of one body through a time interval that ends with a cycle.
 struct StepBody {
-  bool takes_part = false;  // in some pair of the step
-  std::string skipped;      // why none of its pairs has a step; empty: nothing is wrong with it
-  RigidTransform pose;      // then
-  DeformableMesh::ConstPtr mesh;  // whose vertices it had then; null: the present ones
-  BodyPath path;                  // between the two poses; empty: its vertices move straight
-  std::uint64_t rejected = 0;     // triangles with a vertex that is not finite, then or now
+  bool takes_part = false;        // some pair of the interval contains this body
+  std::string skipped;            // why none of its pairs has an interval; empty if they have one
+  RigidTransform pose;            // at the beginning of the interval
+  DeformableMesh::ConstPtr mesh;  // with its vertices at the beginning; null if they are the same
+  BodyPath path;                  // between the two poses; empty if vertices move on straight lines
+  std::uint64_t rejected = 0;     // triangles with a vertex that is not finite at begin or end
 };
 
-// Swept motion: the step from a previous cycle, of some that triggered this one.
+// Continuous collision detection (motion: swept): one time interval that ends with the cycle. It
+// begins at an earlier cycle of the bodies that triggered this one.
 struct SweepReport {
-  ros::Time from;                 // of that cycle; zero: there is no step, see `bodies`
-  std::vector<BodyId> triggered;  // whose step it is, ascending; of the robot's own: all links
-  // Of the cycle's: those that were looked at in it and are this step's. Each pair is at most one
-  // step's. Those with a body that is skipped have none.
+  ros::Time from;                 // stamp of the earlier cycle; zero if there is no interval
+  std::vector<BodyId> triggered;  // bodies whose interval this is, ascending; all links together
+  // The enabled pairs of the cycle that belong to this interval. A pair belongs to at most one
+  // interval. It has no verdict if one of its bodies is skipped.
   std::vector<MonitoredPair> pairs;
-  std::vector<StepBody> bodies;        // by BodyId
-  const StepResult* result = nullptr;  // null: there is no step, or the detection failed
-  std::string problem;                 // why that failed
+  std::vector<StepBody> bodies;              // indexed by BodyId
+  std::shared_ptr<const StepResult> result;  // null without an interval and after a failure
+  std::string problem;                       // why the detection failed; empty if it did not
   double compute_s = 0;
 };
 
+// The report of one cycle. It owns the lists of contacts, which stay valid as long as the report or
+// a copy of it lives. The scene is the exception: it belongs to the monitor, and is that of the
+// report only until the next cycle is prepared.
 struct CycleReport {
-  std_msgs::Header header;  // stamp T of the triggering mesh, frame_id = reference_frame
-  std::uint64_t cycle = 0;
+  std_msgs::Header header;  // stamp of the mesh that triggered the cycle, and the reference frame
+  std::uint64_t cycle = 0;  // number of the cycle, counted from 1
   std::vector<BodyStatus> bodies;  // indexed by BodyId: links in URDF order, then objects
   std::vector<MonitoredPair> pairs;
   AttachedObjects attached;
-  // Of this cycle's bodies, in the scene frame; null when no detection ran (every pair UNKNOWN).
+  // The bodies as the detector saw them, and what it found at the stamp. Both are null if no
+  // detection ran or if it failed; then every pair of the cycle is UNKNOWN.
   const Scene* scene = nullptr;
-  const DetectionResult* result = nullptr;
-  // Null where it was not looked for: it is not asked for, or contacts are missing.
-  const Containment* containment = nullptr;
-  // Swept: what the steps that end with this cycle found; `result` is of its stamp alone.
+  std::shared_ptr<const DetectionResult> result;
+  // The parts that lie within other bodies. It is null if they were not asked for, or if contacts
+  // are missing.
+  std::shared_ptr<const Containment> containment;
   Motion motion = Motion::kInstant;
-  std::vector<SweepReport> sweeps;
-  Options options;
-  std::string backend;
-  ros::Time now;  // when it was over, by the same clock
+  std::vector<SweepReport> sweeps;  // motion: swept; the time intervals that end with this cycle
+  Options options;                  // of the detection, without the limits of this cycle
+  std::string backend;              // that ran
+  ros::Time now;                    // when the cycle was over, by the same clock as the stamp
 };
 
-// Whether it is a cycle of that pair: one of its objects triggered it, or it is the robot's own and
-// the pair is one of links.
+// Returns whether a cycle decides about this pair: one of the pair's objects triggered the cycle,
+// or the robot's own cycle ran and both bodies are links.
 inline bool isOfCycle(const std::vector<BodyStatus>& bodies, const MonitoredPair& pair) {
   const BodyStatus &a = bodies.at(pair.a), &b = bodies.at(pair.b);
   if (a.kind == BodyKind::kLink && b.kind == BodyKind::kLink) return a.triggered;
@@ -92,23 +105,24 @@ inline bool isOfCycle(const std::vector<BodyStatus>& bodies, const MonitoredPair
          (b.kind == BodyKind::kDeformable && b.triggered);
 }
 
-// Whether the parameters ask for geometry, and the result has it of every contact.
+// Returns whether the parameters ask for contact geometry and the result has it for every contact.
 bool hasGeometry(const CycleReport& report);
 
-// After the detection: which bodies' triangles took no part, and which bodies are UNKNOWN for a
-// pose that makes vertices infinite.
+// Counts the rejected triangles of each body after a detection, and marks bodies as UNKNOWN whose
+// pose makes vertices infinite. Needs the report's scene and result.
 void noteRejected(CycleReport* report);
 
-// After the detection, what is within what: not where contacts are missing, since who touches a
-// surface is not known there. Where the result has distances, a part said to be within a body that
-// is not apart from it by those may touch it as well.
-void noteInside(const CycleLimit& limit, ContainmentFinder* finder, CycleReport* report);
+// Returns whether the two triangles of a contact touch; otherwise they are only near.
+bool touches(const DetectionResult& result, std::size_t contact);
 
-// Why the detection of a step failed; empty: none did.
+// Returns the pairs of bodies with triangles that touch.
+std::set<std::pair<BodyId, BodyId>> touchingBodies(const DetectionResult& result);
+
+// Returns why the detection of a time interval failed; empty if none did.
 std::string stepProblem(const CycleReport& report);
 
-// Whether a detection, of the stamp or of a step, or what was looked for after it, was cut off by
-// its deadline.
+// Returns whether a deadline cut off the detection at the stamp or in an interval, or the search
+// for parts within other bodies.
 bool isOutOfTime(const CycleReport& report);
 
 }  // namespace deformable_contact_monitor

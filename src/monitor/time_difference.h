@@ -1,4 +1,6 @@
-// Differences of ROS times that no stamp, however senseless, can break.
+// Computes differences of ROS times without an exception, whatever the stamps are.
+//
+// ros::Duration throws beyond 68 years, and any publisher may send such stamps.
 #pragma once
 
 #include <ros/time.h>
@@ -8,16 +10,17 @@
 
 namespace deformable_contact_monitor {
 
-// a - b [ns]. ros::Duration throws beyond 68 years, and any publisher may send such stamps.
+// Returns a - b [ns].
 inline std::int64_t nanosecondsBetween(const ros::Time& a, const ros::Time& b) {
   return static_cast<std::int64_t>(a.toNSec()) - static_cast<std::int64_t>(b.toNSec());
 }
 
+// Returns a - b [s].
 inline double secondsBetween(const ros::Time& a, const ros::Time& b) {
   return 1e-9 * static_cast<double>(nanosecondsBetween(a, b));
 }
 
-// Cut off where ros::Duration ends.
+// Returns the duration nearest to so many seconds that ros::Duration can hold.
 inline ros::Duration toDuration(double seconds) {
   constexpr double kLimit = 2147483646;
   return ros::Duration(std::clamp(seconds, -kLimit, kLimit));

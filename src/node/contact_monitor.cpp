@@ -1,4 +1,8 @@
-// The monitor: how it is set up, and what its callbacks do.
+// Sets the monitor up and implements its callbacks.
+//
+// The constructor first makes what can fail (parameters, robot, detector), then subscribes,
+// advertises and starts the threads. The destructor stops whoever calls into shared members before
+// these go.
 #include "node/contact_monitor.h"
 
 #include <xmlrpcpp/XmlRpcException.h>
@@ -11,16 +15,16 @@
 #include <utility>
 
 #include "cuda/detector_choice.h"
-#include "monitor/diagnostics/backend_status.h"
+#include "monitor/diagnostics/watches.h"
 #include "monitor/input/mesh_subscription.h"
-#include "monitor/rules/attach_object.h"
+#include "monitor/rules/rule_texts.h"
 #include "monitor/time_difference.h"
 #include "node/cycle_publisher.h"
-#include "node/monitor_sink.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// Reads all parameters of the private namespace at once, and logs names that nothing reads.
 MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   ros::param::get(private_node.getNamespace(), tree);
@@ -28,38 +32,35 @@ MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   MonitorParameters parameters = parseParameters(tree, &warnings);
   for (const std::string& warning : warnings) ROS_WARN_STREAM(warning);
   if (parameters.objects.empty()) {
-    ROS_WARN("~objects is empty: there is nothing to monitor");
+    ROS_WARN("~objects is empty, so no object is monitored; list objects with their topics there");
   }
   return parameters;
 }
 
-MeshMailboxes makeMeshMailboxes(const MonitorParameters& parameters) {
-  MeshMailboxes mailboxes;
-  for (const ObjectParameters& object : parameters.objects) mailboxes.emplace_back(object.name);
-  return mailboxes;
-}
-
-// The loop dies with its thread.
-std::thread startThread(Mailbox& mailbox, std::unique_ptr<DetectionLoop> loop) {
-  return std::thread([&mailbox, loop = std::move(loop)] {
+// Runs the loop until it is asked to stop. The thread owns the loop, which ends with it.
+std::thread startThread(LoopRequests& requests, std::unique_ptr<DetectionLoop> loop) {
+  return std::thread([&requests, loop = std::move(loop)] {
     SteadyTime wake_time = std::chrono::steady_clock::now();
-    while (mailbox.wait(wake_time)) wake_time = loop->step();
+    while (requests.wait(wake_time)) wake_time = loop->step();
   });
 }
 
 }  // namespace
 
+// Members are made in the order of their declaration. Callbacks may arrive as soon as something is
+// subscribed or advertised, so everything that they use exists by then.
 ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : node_(node),
       private_node_(private_node),
       parameters_(readParameters(private_node)),
-      mailbox_(parameters_.allowed_contacts),
-      mesh_mailboxes_(makeMeshMailboxes(parameters_)),
+      requests_(parameters_.allowed_contacts),
+      meshes_(makeMeshInputs(parameters_)),
       transforms_(buffer_, node),
       states_(parameters_, private_node),
       robot_source_(parameters_, node, private_node, [this] { noteRobot(); }),
-      diagnostics_(parameters_, mesh_mailboxes_, robot_source_, node, private_node),
+      diagnostics_(parameters_, meshes_, robot_source_, node, private_node),
       master_watch_(private_node.resolveName("contacts")) {
+  // Making the loop makes the detector, which may fail. The detection thread does not run yet.
   std::unique_ptr<DetectionLoop> loop = makeLoop();
   subscribeToMeshes();
   advertiseServices();
@@ -67,47 +68,52 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       ros::WallDuration(1), [this](const ros::WallTimerEvent&) { diagnostics_.publish(); });
   ros::NodeHandle watch_node(node_);
   watch_node.setCallbackQueue(&watch_queue_);
-  watch_timer_ = watch_node.createWallTimer(ros::WallDuration(1),
-                                            [this](const ros::WallTimerEvent&) { lookAround(); });
+  watch_timer_ = watch_node.createWallTimer(
+      ros::WallDuration(1), [this](const ros::WallTimerEvent&) { checkInputsAndMaster(); });
   ros::NodeHandle reconfigure_node(private_node_);
   reconfigure_node.setCallbackQueue(&watch_queue_);
-  reconfigure_ = std::make_unique<Reconfigure>(
-      parameters_, reconfigure_node, [this](const LiveParameters& live) { mailbox_.change(live); });
+  reconfigure_ =
+      std::make_unique<Reconfigure>(parameters_, reconfigure_node,
+                                    [this](const LiveParameters& live) { requests_.change(live); });
   watch_spinner_.start();
-  thread_ = startThread(mailbox_, std::move(loop));
+  thread_ = startThread(requests_, std::move(loop));
   states_thread_ = std::thread([this] { keepStatesFresh(); });
 }
 
+// Timers and spinners stop first, because their callbacks use the mailbox and the diagnostics. The
+// robot source ends a reload that runs, which its spinner would wait for.
 ContactMonitor::~ContactMonitor() {
   watch_timer_.stop();
   watch_spinner_.stop();
   robot_source_.stop();
   reload_spinner_.stop();
   diagnostics_timer_.stop();
-  mailbox_.stop();
+  requests_.stop();
   thread_.join();
   states_thread_.join();
 }
 
-// A state becomes too old at a time of the ROS clock, which may run fast or jump: it is looked at.
+// Polls, because a state gets too old at a time of the ROS clock, which may run fast or jump.
 void ContactMonitor::keepStatesFresh() {
   constexpr std::chrono::milliseconds kPeriod(10);
-  while (!mailbox_.stopped()) {
+  while (!requests_.stopped()) {
     states_.beat(diagnostics_.whySilent());
     std::this_thread::sleep_for(kPeriod);
   }
 }
 
-// Once a second, in the thread that may wait for the ROS master.
-void ContactMonitor::lookAround() {
+// Runs once a second in the thread that may wait for the ROS master.
+void ContactMonitor::checkInputsAndMaster() {
   try {
     warnOfInputs();
-    lookAtMaster();
+    checkMaster();
   } catch (const XmlRpc::XmlRpcException& error) {
-    ROS_WARN_STREAM("the ROS master's answer cannot be read: " << error.getMessage());
+    ROS_WARN_STREAM("the answer of the ROS master cannot be read: " << error.getMessage());
   }
 }
 
+// Collects what is known of each object's input. A disabled monitor ignores its meshes, so it does
+// not warn.
 void ContactMonitor::warnOfInputs() {
   if (!diagnostics_.isEnabled()) return;
   const std::map<std::string, std::string> types = publishedTypes();
@@ -118,8 +124,8 @@ void ContactMonitor::warnOfInputs() {
     input.topic = subscribers_[i].getTopic();
     input.wanted_type = messageType(parameters_.objects[i].type);
     input.required = parameters_.objects[i].required;
-    input.received = mesh_mailboxes_[i].counters().received;
-    std::tie(input.refusal, input.oddity) = diagnostics_.meshProblems(i);
+    input.received = meshes_[i].counters().received;
+    std::tie(input.refusal, input.anomaly) = diagnostics_.meshProblems(i);
     input.publishers = subscribers_[i].getNumPublishers();
     const auto type = types.find(input.topic);
     if (type != types.end()) input.type = type->second;
@@ -131,33 +137,36 @@ void ContactMonitor::warnOfInputs() {
   }
 }
 
-void ContactMonitor::lookAtMaster() {
+// Asks every 3 s, because a restarted master is rare and an answer costs the master time.
+void ContactMonitor::checkMaster() {
   constexpr std::chrono::seconds kPeriod(3);
   const auto now = std::chrono::steady_clock::now();
   if (now < master_due_) return;
   master_due_ = now + kPeriod;
-  if (!master_watch_.isForgotten()) return;
+  if (!master_watch_.isUnregistered()) return;
   ROS_ERROR(
-      "the ROS master was started anew and does not know this node: nobody finds its topics. Load "
-      "its parameters there and start it again");
-  diagnostics_.recordForgotten();
-  is_forgotten_ = true;
+      "the ROS master was restarted, and this node is no longer registered with it, so nobody "
+      "finds "
+      "its topics. Load the node's parameters again and restart the node");
+  diagnostics_.recordUnregistered();
+  is_unregistered_ = true;
 }
 
+// Gives the loop its sources, its clocks, its detector and its sink, which the loop's thread uses.
+// With a tolerance or a budget, the CPU backend keeps tiles of bodies from cycle to cycle.
 std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
-  auto publisher = std::make_unique<CyclePublisher>(parameters_, private_node_, states_, latest_);
   return std::make_unique<DetectionLoop>(
       parameters_,
-      LoopSources{mailbox_, mesh_mailboxes_, buffer_, [this] { return robot_source_.newest(); }},
+      LoopSources{requests_, meshes_, buffer_, [this] { return robot_source_.newest(); }},
       LoopTime{std::chrono::steady_clock::now, ros::Time::now},
       makeDetector(
           parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda,
           [this](const BackendState& state) { noteBackend(state); },
           tradesAccuracy(parameters_) ? std::make_shared<TilingCache>() : nullptr),
-      std::make_unique<MonitorSink>(std::move(publisher), diagnostics_));
+      std::make_unique<CyclePublisher>(parameters_, private_node_, states_, diagnostics_));
 }
 
-// Called by the detector: at first here, then by the detection thread.
+// Is called by the detector: first in the constructor's thread, later in the detection thread.
 void ContactMonitor::noteBackend(const BackendState& state) {
   diagnostics_.recordBackend(state);
   const BackendStatus status = backendStatus(parameters_.backend, state);
@@ -166,34 +175,39 @@ void ContactMonitor::noteBackend(const BackendState& state) {
   } else if (!status.summary.empty()) {
     ROS_WARN_STREAM(status.summary);
   } else {
-    ROS_INFO("contacts are found with CUDA again");
+    ROS_INFO("contacts are computed with CUDA again");
   }
 }
 
+// A mesh goes to its object's mailbox as it is; the detection thread examines it. A topic that
+// begins with '~' is in the private namespace, any other relative one in the node's.
 void ContactMonitor::subscribeToMeshes() {
-  for (std::size_t i = 0; i < mesh_mailboxes_.size(); ++i) {
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
     const ObjectParameters& object = parameters_.objects[i];
-    const MeshReceiver store = [this, i](const ReceivedMesh& mesh) {
+    const MeshReceiver store = [this, i](const IncomingMesh& mesh) {
       const bool is_first =
-          mesh.stamped_on_receipt && mesh_mailboxes_[i].counters().stamped_on_receipt == 0;
+          mesh.stamped_on_receipt && meshes_[i].counters().stamped_on_receipt == 0;
       if (is_first) {
-        ROS_WARN_STREAM("object '" << parameters_.objects[i].name
-                                   << "': its messages have no stamp and are stamped on receipt, "
-                                      "so the time that they were under way is not seen");
+        ROS_WARN_STREAM("object '"
+                        << parameters_.objects[i].name
+                        << "': its messages have no stamp and are stamped on receipt, so "
+                           "their transport time is not known; publish a type with a "
+                           "stamp if you can");
       }
-      mesh_mailboxes_[i].store(mesh);
-      mailbox_.wake();
+      meshes_[i].store(mesh);
+      requests_.wake();
     };
     const bool is_private = object.topic.empty() || object.topic.front() == '~';
     const std::string topic = object.topic.empty() ? "objects/" + object.name + "/mesh"
                               : is_private         ? object.topic.substr(1)
                                                    : object.topic;
-    ros::SubscribeOptions options = meshSubscription(topic, object, parameters_.max_mesh_bytes,
-                                                     store, [this] { mailbox_.expect(); });
+    ros::SubscribeOptions options =
+        meshSubscription(topic, object, parameters_.max_mesh_bytes, store);
     subscribers_.push_back((is_private ? private_node_ : node_).subscribe(options));
   }
 }
 
+// Serves ~reload_robot in a thread of its own, all others in the callbacks' thread.
 void ContactMonitor::advertiseServices() {
   ros::NodeHandle reload_node(private_node_);
   reload_node.setCallbackQueue(&reload_queue_);
@@ -207,11 +221,12 @@ void ContactMonitor::advertiseServices() {
   reload_spinner_.start();
 }
 
+// A failed call changes nothing. roscpp's services report failure without a text, so it is logged.
 bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
                                         SetAllowedContacts::Response& response) {
   try {
     response.rules =
-        mailbox_.changeAllowedContacts({request.replace != 0, request.remove, request.rules});
+        requests_.changeAllowedContacts({request.replace != 0, request.remove, request.rules});
   } catch (const std::invalid_argument& error) {
     ROS_ERROR_STREAM("~set_allowed_contacts: " << error.what() << "; no rule was changed");
     return false;
@@ -219,13 +234,14 @@ bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
   return true;
 }
 
+// The answer says what holds now, or why nothing was changed.
 bool ContactMonitor::attachObject(AttachObject::Request& request,
                                   AttachObject::Response& response) {
   response.message = attachProblem(request.object, request.links, parameters_.objects,
                                    robot_source_.newest().get());
   response.success = response.message.empty();
   if (response.success) {
-    response.message = describeHeld(mailbox_.attach(request.object, request.links));
+    response.message = describeHeld(requests_.attach(request.object, request.links));
     ROS_INFO_STREAM(response.message);
   } else {
     ROS_ERROR_STREAM("~attach_object: " << response.message << "; nothing was changed");
@@ -233,18 +249,20 @@ bool ContactMonitor::attachObject(AttachObject::Request& request,
   return true;
 }
 
-// Another robot may lack links of the one before.
+// Releases objects from links that a new robot lacks.
 void ContactMonitor::noteRobot() {
-  for (const std::string& held : mailbox_.releaseFromOthers(robot_source_.newest()->link_names)) {
-    ROS_WARN_STREAM("the robot has changed and lacks a link that held something: " << held);
+  for (const std::string& held : requests_.releaseFromOthers(robot_source_.newest()->link_names)) {
+    ROS_WARN_STREAM(
+        "the new robot lacks a link that held an object, which is released from it: " << held);
   }
-  mailbox_.wake();
+  requests_.wake();
 }
 
+// Answers with the states as they are now, and with the contacts of the newest cycle, if any.
 bool ContactMonitor::getContacts(GetContacts::Request& /*request*/,
                                  GetContacts::Response& response) {
   response.states = states_.states();
-  const boost::shared_ptr<const ContactArray> latest = latest_.get();
+  const boost::shared_ptr<const ContactArray> latest = states_.contacts();
   response.available = latest != nullptr;
   if (!response.available) return true;
   response.contacts = *latest;
@@ -252,22 +270,25 @@ bool ContactMonitor::getContacts(GetContacts::Request& /*request*/,
   return true;
 }
 
+// Takes effect when the detection thread takes the request, which may be after the answer.
 bool ContactMonitor::setEnabled(std_srvs::SetBool::Request& request,
                                 std_srvs::SetBool::Response& response) {
-  mailbox_.setEnabled(request.data);
+  requests_.setEnabled(request.data);
   response.success = true;
   response.message = request.data ? "enabled" : "disabled: every pair is UNKNOWN";
   return true;
 }
 
+// Asks the detection thread to discard everything that it knows, as after a jump of ROS time.
 bool ContactMonitor::requestReset(std_srvs::Trigger::Request& /*request*/,
                                   std_srvs::Trigger::Response& response) {
-  mailbox_.requestReset();
+  requests_.requestReset();
   response.success = true;
-  response.message = "meshes, transforms and contact states are forgotten";
+  response.message = "meshes, transforms and contact states are discarded";
   return true;
 }
 
+// If the new robot cannot be used, the monitor keeps the old one.
 bool ContactMonitor::reloadRobot(std_srvs::Trigger::Request& /*request*/,
                                  std_srvs::Trigger::Response& response) {
   try {

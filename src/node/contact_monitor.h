@@ -1,4 +1,7 @@
-// The monitor: meshes and transforms in, contacts out.
+// Connects ROS to the monitor: meshes and transforms come in, contacts go out.
+//
+// README.md in this folder shows the threads. The detection loop has one of its own; callbacks
+// reach it through members that both share, each of which guards itself.
 #pragma once
 
 #include <deformable_contact_monitor/AttachObject.h>
@@ -18,11 +21,10 @@
 
 #include "core/steady_time.h"
 #include "monitor/cycle/detection_loop.h"
-#include "monitor/cycle/mailbox.h"
-#include "monitor/input/mesh_mailbox.h"
+#include "monitor/cycle/loop_requests.h"
+#include "monitor/input/mesh_input.h"
 #include "monitor/rules/parameters.h"
 #include "node/input_warnings.h"
-#include "node/latest_contacts.h"
 #include "node/master_watch.h"
 #include "node/node_diagnostics.h"
 #include "node/reconfigure.h"
@@ -32,25 +34,29 @@
 
 namespace deformable_contact_monitor {
 
-// Connects topics, services and timers with the detection loop. The loop belongs to a thread of its
-// own; callbacks reach it through what both share, and each such member guards itself. The same
-// class serves node and nodelet.
+// Owns everything from subscribers to publishers. Node and nodelet use the same class. The
+// constructor starts all threads, the destructor ends them.
 class ContactMonitor {
  public:
-  // Reads the parameters of `private_node` and starts. Throws std::runtime_error, saying all that
-  // is wrong, if they or the robot cannot be used.
+  // Reads the parameters of `private_node` and starts. Throws std::runtime_error, whose text lists
+  // all problems, if they or the robot cannot be used.
   ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
   ContactMonitor(const ContactMonitor&) = delete;
   ContactMonitor& operator=(const ContactMonitor&) = delete;
   ~ContactMonitor();
 
-  // The ROS master was started anew and does not know this node: nobody finds it, and only a new
-  // process can register again. Any thread.
-  bool isForgotten() const { return is_forgotten_; }
+  // Returns whether the ROS master was restarted and no longer knows this node. Nobody finds the
+  // node then, and only a new process can register again. Any thread.
+  bool isUnregistered() const { return is_unregistered_; }
 
  private:
+  // Parts of the constructor.
+  std::unique_ptr<DetectionLoop> makeLoop();
   void subscribeToMeshes();
   void advertiseServices();
+
+  // Services. Each returns false only if roscpp shall report a failure without an answer. All but
+  // reloadRobot() run in the thread of the callbacks; reloadRobot() runs in the reload thread.
   bool setAllowedContacts(SetAllowedContacts::Request& request,
                           SetAllowedContacts::Response& response);
   bool attachObject(AttachObject::Request& request, AttachObject::Response& response);
@@ -58,45 +64,53 @@ class ContactMonitor {
   bool setEnabled(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool requestReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool reloadRobot(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+
+  // Called by the robot source after each new robot (in a callback thread), and by the detector
+  // when its backend changes.
   void noteRobot();
-  std::unique_ptr<DetectionLoop> makeLoop();
   void noteBackend(const BackendState& state);
+
+  // Runs in the states thread until the requests stop. Lets states become UNKNOWN when they are too
+  // old.
   void keepStatesFresh();
-  void lookAround();
+
+  // Run in the watch thread, once a second.
+  void checkInputsAndMaster();
   void warnOfInputs();
-  void lookAtMaster();
+  void checkMaster();
 
   ros::NodeHandle node_, private_node_;
   const MonitorParameters parameters_;
 
-  // Shared by the callbacks and the loop.
-  Mailbox mailbox_;
-  MeshMailboxes mesh_mailboxes_;
+  // Shared by the callbacks and the detection loop. The order matters: a member may refer to those
+  // above it, and is destroyed before them.
+  LoopRequests requests_;
+  MeshInputs meshes_;
   tf2::BufferCore buffer_;
   TransformInput transforms_;  // fills the buffer, in a thread of its own
   StatePublisher states_;
-  LatestContacts latest_;
   RobotSource robot_source_;
   NodeDiagnostics diagnostics_;
 
-  // Reading a robot takes long, if its files are bad; messages go on meanwhile.
+  // ~reload_robot has a queue of its own: a robot with bad files takes long to read, and messages
+  // must go on meanwhile.
   ros::CallbackQueue reload_queue_;
   ros::AsyncSpinner reload_spinner_{1, &reload_queue_};
 
-  // The ROS master is asked in a thread of its own: it may take long.
+  // The ROS master is asked in a thread of its own, because an answer may take long.
   ros::CallbackQueue watch_queue_;
   ros::AsyncSpinner watch_spinner_{1, &watch_queue_};
   InputWarnings input_warnings_{std::chrono::steady_clock::now()};
   MasterWatch master_watch_;
   SteadyTime master_due_;
-  std::atomic<bool> is_forgotten_{false};
-  std::unique_ptr<Reconfigure> reconfigure_;  // it writes to the master
+  std::atomic<bool> is_unregistered_{false};
+  std::unique_ptr<Reconfigure> reconfigure_;  // writes to the master
 
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer diagnostics_timer_, watch_timer_;
-  std::thread thread_;         // of the loop
-  std::thread states_thread_;  // waits for no detection
+  std::thread thread_;         // runs the detection loop
+  std::thread states_thread_;  // publishes states that get too old, also during a detection
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,5 @@
-// The monitor as a nodelet: meshes of publishers in the same process come without a copy. A crash
-// takes the whole manager down.
+// Runs the monitor as a nodelet, that is, as a plug-in of a nodelet manager. Publishers in the same
+// process pass meshes by pointer, so they arrive without a copy. A crash ends the whole manager.
 #include <nodelet/nodelet.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
@@ -11,14 +11,15 @@
 
 namespace deformable_contact_monitor {
 
-// Callbacks come through a queue of its own. Of a nodelet with one on the manager's queues, the
-// manager's threads hold the last reference when it is unloaded: it would outlive that, with all
-// its topics and services.
+// Uses a callback queue and a thread of its own. On the manager's queues, the manager's threads
+// would hold the last reference when the nodelet is unloaded, and it would live on with all its
+// topics and services.
 class ContactMonitorNodelet : public nodelet::Nodelet {
  public:
   ~ContactMonitorNodelet() override { spinner_.stop(); }
 
  private:
+  // Is called once, by a thread of the manager. An exception tells the manager that loading failed.
   void onInit() override {
     try {
       ros::NodeHandle node(getNodeHandle()), private_node(getPrivateNodeHandle());

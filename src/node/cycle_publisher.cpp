@@ -1,13 +1,20 @@
-// Publishes what a cycle found.
+// Publishes what the detection loop reports. Contacts and states go out first and at the same time,
+// because controllers wait for them. Patches follow, and markers, which are for people, come last.
 #include "node/cycle_publisher.h"
 
+#include <deformable_contact_monitor/ContactPatches.h>
+#include <deformable_contact_monitor/SweptContacts.h>
+#include <ros/console.h>
+
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <chrono>
+#include <cstdint>
 
 #include "core/common/parallel.h"
-#include "monitor/markers/held_markers.h"
+#include "monitor/markers/contact_markers.h"
 #include "monitor/messages/contact_messages.h"
-#include "monitor/messages/swept_messages.h"
+#include "monitor/state/pair_state.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -22,57 +29,112 @@ MarkerOptions markerOptions(const MonitorParameters& parameters) {
 }  // namespace
 
 CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node,
-                               StatePublisher& states, LatestContacts& latest)
+                               StatePublisher& states, NodeDiagnostics& diagnostics)
     : states_(states),
-      latest_(latest),
+      diagnostics_(diagnostics),
       max_contacts_(parameters.max_contacts),
       marker_lifetime_s_(parameters.marker_lifetime_s),
-      marker_rate_(parameters.marker_rate_hz),
       markers_(markerOptions(parameters)),
-      patches_(private_node),
       patch_markers_(markerOptions(parameters)),
+      marker_rate_(parameters.marker_rate_hz),
       contacts_publisher_(private_node.advertise<ContactArray>("contacts", 2)),
+      patches_publisher_(private_node.advertise<ContactPatches>("contact_patches", 2)),
       markers_publisher_(private_node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
       robot_publisher_(private_node.advertise<LinkMeshes>("robot_meshes", 1, true)) {
   if (parameters.motion == Motion::kInstant) return;
-  constexpr std::uint32_t kStepsInACycle = 16;
-  swept_publisher_ = private_node.advertise<SweptContacts>("swept_contacts", kStepsInACycle);
+  constexpr std::uint32_t kIntervalsOfACycle = 16;
+  swept_publisher_ = private_node.advertise<SweptContacts>("swept_contacts", kIntervalsOfACycle);
 }
 
-CyclePublisher::Published CyclePublisher::publish(CycleReport* report) {
-  Published out;
-  report->now = ros::Time::now();
+SteadyTime CyclePublisher::sendCycle(const CycleReport& report, SteadyTime start,
+                                     SteadyTime mesh_arrival) {
+  const SteadyTime states_out = publishContactsAndStates(report);
+  CycleTimes times;
+  times.states_s = toSeconds(states_out - mesh_arrival);
+  publishPatches(report);
+  times.latency_s = secondsSince(mesh_arrival);
+  publishMarkers(report);
+  checkBodies(report);
+  times.work_s = secondsSince(start);
+  diagnostics_.recordCycle(report, *states_.contacts(), times);
+  diagnostics_.recordTrade(report, times.states_s);
+  return states_out;
+}
+
+void CyclePublisher::sendHeartbeat(const CycleReport& report) {
+  publishContactsAndStates(report);
+  diagnostics_.recordCycle(report, *states_.contacts(), CycleTimes());
+}
+
+// Makes and publishes both messages at the same time, in two threads, because ~contacts may hold
+// many pairs and must not delay ~contact_states. Returns when the states were out; the contacts are
+// out on return.
+SteadyTime CyclePublisher::publishContactsAndStates(const CycleReport& report) {
+  boost::shared_ptr<const ContactArray> contacts;
+  SteadyTime states_out;
   parallelBoth(
       [&] {
-        out.contacts =
-            boost::make_shared<const ContactArray>(toContactArray(*report, max_contacts_));
-        contacts_publisher_.publish(out.contacts);
-        for (const SweepReport& sweep : report->sweeps) {
+        contacts = boost::make_shared<const ContactArray>(toContactArray(report, max_contacts_));
+        contacts_publisher_.publish(contacts);
+        for (const SweepReport& sweep : report.sweeps) {
           swept_publisher_.publish(boost::make_shared<const SweptContacts>(
-              toSweptContacts(*report, sweep, max_contacts_)));
+              toSweptContacts(report, sweep, max_contacts_)));
         }
       },
-      [&] { out.states_out = states_.publish(*report); });
-  latest_.set(out.contacts);
-  return out;
+      [&] { states_out = states_.publish(report); });
+  states_.setContacts(contacts);
+  return states_out;
 }
 
-void CyclePublisher::publishStates(CycleReport* report) {
-  report->now = ros::Time::now();
-  states_.publish(*report);
+// Publishes the patches while somebody listens, also if there is none. Does not publish if no
+// detection ran or if contacts have no geometry, because the subscriber came too late: an empty
+// message would look like no contact.
+void CyclePublisher::publishPatches(const CycleReport& report) {
+  has_patches_ = false;
+  if (!wantsGeometry() || report.result == nullptr) return;
+  const DetectionResult& result = *report.result;
+  if (result.geometry.size() != result.contacts.size()) return;
+  patches_ = patch_finder_.find(*report.scene, result);
+  // With a tolerance, the contacts of a pair may be listed only in part. Patches of these would
+  // look as if they were all.
+  const auto is_part = [&report](const Patch& patch) {
+    const auto distance = distanceOf(report, {patch.body_a, patch.body_b, false}, 0);
+    return distance && !distance->bounds->is_listed;
+  };
+  patches_.erase(std::remove_if(patches_.begin(), patches_.end(), is_part), patches_.end());
+  patch_tracker_.assign(*report.scene, &patches_);
+  has_patches_ = true;
+  patches_publisher_.publish(
+      boost::make_shared<const ContactPatches>(toContactPatches(report, patches_)));
 }
 
+// Publishes the markers if somebody listens, at most at the marker rate.
 void CyclePublisher::publishMarkers(const CycleReport& report) {
   if (markers_publisher_.getNumSubscribers() == 0) return;
   if (!marker_rate_->isDue(report, std::chrono::steady_clock::now())) return;
   visualization_msgs::MarkerArray markers = markers_.make(report);
-  patch_markers_.add(report, patches_.newest(), &markers);
+  patch_markers_.add(report, has_patches_ ? &patches_ : nullptr, &markers);
   addHeldMarkers(report, marker_lifetime_s_, &markers);
   markers_publisher_.publish(markers);
 }
 
-void CyclePublisher::publishRobot(const RobotGeometry& robot) {
+// Warns of bodies with an unlikely size or place, and of surfaces that are not closed.
+void CyclePublisher::checkBodies(const CycleReport& report) {
+  for (const auto& [object, anomaly] : size_check_.look(report, std::chrono::steady_clock::now())) {
+    diagnostics_.recordAnomaly(object, anomaly);
+  }
+  if (report.containment == nullptr) return;
+  for (const std::string& line : open_bodies_.look(report)) ROS_WARN_STREAM(line);
+  diagnostics_.recordOpenBodies(open_bodies_.list());
+}
+
+void CyclePublisher::sendRobot(const RobotGeometry& robot) {
   robot_publisher_.publish(toLinkMeshes(robot, ros::Time::now()));
+}
+
+void CyclePublisher::recordReset(const std::string& reason) {
+  patch_tracker_.forget();  // patches get new ids
+  diagnostics_.recordReset(reason);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,5 @@
-// Warnings on the console about input that is missing, refused or odd.
+// Decides which warnings about input are due. Every object has its own timer, so a warning about
+// one object neither delays nor repeats that about another.
 #include "node/input_warnings.h"
 
 #include <sstream>
@@ -6,9 +7,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::chrono::seconds kPeriod(5);  // of a warning, and what counts as missing
+constexpr std::chrono::seconds kPeriod(5);  // between warnings, and until a mesh is missing
 
-// Who publishes on the topic, and what.
+// Returns who publishes what on the topic, so that a wrong name or type shows.
 std::string describePublishers(const InputStatus& input) {
   const std::string& wanted = input.wanted_type;
   std::string text = " on " + input.topic + ", on which ";
@@ -23,13 +24,15 @@ std::vector<std::string> InputWarnings::look(const std::vector<InputStatus>& inp
                                              const ros::Time& ros_time, bool is_simulated,
                                              SteadyTime now) {
   std::vector<std::string> warnings;
+  // Without a clock no mesh can be used, so warnings about missing meshes would only distract.
   const bool is_silent = isClockSilent(ros_time, is_simulated, now);
   if (is_silent && now >= clock_due_) {
     clock_due_ = now + kPeriod;
     std::ostringstream text;
     text << "use_sim_time is set, but /clock is silent for " << toSeconds(now - clock_moved_)
          << " s (" << (ros_time.isZero() ? "it never came" : "it stands still")
-         << "): nothing can be said about contacts without it";
+         << "); contacts cannot be computed without it. Start its publisher, or set use_sim_time "
+            "to false";
     warnings.push_back(text.str());
   }
   for (const InputStatus& input : inputs) {
@@ -46,13 +49,15 @@ std::vector<std::string> InputWarnings::look(const std::vector<InputStatus>& inp
   return warnings;
 }
 
+// Wall time always advances, so only simulated time is watched. The clock counts as moved whenever
+// its value differs from the last one, also when it jumps back.
 bool InputWarnings::isClockSilent(const ros::Time& ros_time, bool is_simulated, SteadyTime now) {
   if (!is_simulated || ros_time != ros_time_) clock_moved_ = now;
   ros_time_ = ros_time;
   return now - clock_moved_ >= kPeriod;
 }
 
-// Empty: nothing is wrong.
+// Returns the worst problem of the object's input; empty if there is none.
 std::string InputWarnings::describe(const InputStatus& input, const Watch& watch,
                                     SteadyTime now) const {
   std::ostringstream text;
@@ -63,8 +68,8 @@ std::string InputWarnings::describe(const InputStatus& input, const Watch& watch
     text << "no mesh for " << toSeconds(now - watch.changed) << " s" << describePublishers(input);
   } else if (!input.refusal.empty()) {
     text << "mesh refused: " << input.refusal << "; it came" << describePublishers(input);
-  } else if (!input.oddity.empty()) {
-    text << input.oddity;
+  } else if (!input.anomaly.empty()) {
+    text << input.anomaly;
   } else {
     return "";
   }

@@ -1,4 +1,5 @@
-// Warnings on the console about input that is missing, refused or odd.
+// Decides which warnings about input are due: meshes that are missing, rejected or anomalous, and a
+// simulated clock that is silent.
 #pragma once
 
 #include <ros/time.h>
@@ -13,34 +14,39 @@
 
 namespace deformable_contact_monitor {
 
-// What is known of one object's meshes.
+// Describes what is known about one object's meshes.
 struct InputStatus {
   std::string object, topic;        // the topic is resolved
   std::string wanted_type;          // of its messages
-  bool required = true;             // else it may be missing
+  bool required = true;             // false: it may be missing
   std::uint64_t received = 0;       // messages, since the start
-  std::string refusal, oddity;      // of the newest; empty: none
+  std::string refusal, anomaly;     // of the newest message; empty: none
   std::uint32_t publishers = 0;     // connected
-  std::optional<std::string> type;  // that is published; nothing: none is
+  std::optional<std::string> type;  // of the published messages, if the master knows one
 };
 
-// Says what is wrong, every 5 s for as long as it is. One thread at a time. Reads no clock.
+// Repeats a warning every 5 s while its reason lasts. Not safe for use by several threads. Reads no
+// clock.
 class InputWarnings {
  public:
   explicit InputWarnings(SteadyTime start) : start_(start), clock_moved_(start) {}
 
-  // To be called about once a second; the warnings that are due, of as many lines. While ROS time
-  // (`is_simulated`: that of /clock) stands still, that is the one warning about what is missing.
+  // Returns the warnings that are due, one per line. Call it about once a second. While simulated
+  // time (`is_simulated`, from /clock) stands still, a warning about it replaces those about
+  // missing meshes.
   std::vector<std::string> look(const std::vector<InputStatus>& inputs, const ros::Time& ros_time,
                                 bool is_simulated, SteadyTime now);
 
  private:
+  // Remembers when an object's meshes last arrived, and when its next warning may come.
   struct Watch {
     std::uint64_t received = 0;
     SteadyTime changed, due;
   };
 
+  // Returns whether /clock has stood still for 5 s.
   bool isClockSilent(const ros::Time& ros_time, bool is_simulated, SteadyTime now);
+  // Returns the text of the object's warning; empty if nothing is wrong.
   std::string describe(const InputStatus& input, const Watch& watch, SteadyTime now) const;
 
   const SteadyTime start_;

@@ -1,4 +1,4 @@
-// What the ROS master says, asked without waiting for it.
+// Asks the ROS master for topics, and whether it still knows this node.
 #include "node/master_watch.h"
 
 #include <ros/master.h>
@@ -12,7 +12,8 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-// Nothing if there is no answer. ros::master::getTopics() would wait for one, beyond shutdown.
+// Returns the answer, or nothing if there is none. ros::master::getTopics() would wait for one,
+// even after a shutdown.
 std::optional<XmlRpcValue> ask(const std::string& method, const std::string& argument = "") {
   XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
@@ -21,6 +22,7 @@ std::optional<XmlRpcValue> ask(const std::string& method, const std::string& arg
   return payload;
 }
 
+// XmlRpcValue has no const access, hence the references here and below.
 bool contains(XmlRpcValue& names, const std::string& name) {
   for (int i = 0; i < names.size(); ++i) {
     if (static_cast<std::string&>(names[i]) == name) return true;
@@ -28,7 +30,8 @@ bool contains(XmlRpcValue& names, const std::string& name) {
   return false;
 }
 
-// In the state that the master hands out: lists of publishers, subscribers, services, by topic.
+// Returns whether the node publishes on the topic. `state` is what getSystemState() returns: lists
+// of publishers, subscribers and services; each entry is a topic and a list of nodes.
 bool isPublisher(XmlRpcValue& state, const std::string& topic, const std::string& node) {
   XmlRpcValue& publishers = state[0];
   for (int i = 0; i < publishers.size(); ++i) {
@@ -50,16 +53,16 @@ std::map<std::string, std::string> publishedTypes() {
   return types;
 }
 
-bool MasterWatch::isForgotten() {
-  constexpr int kSure = 2;
+bool MasterWatch::isUnregistered() {
+  constexpr int kSure = 2;  // one answer may come while the node registers
   std::optional<XmlRpcValue> state = ask("getSystemState");
   if (!state) return false;
   if (isPublisher(*state, topic_, ros::this_node::getName())) {
     was_known_ = true;
-    looks_unknown_ = 0;
+    unknown_in_a_row_ = 0;
     return false;
   }
-  return was_known_ && ++looks_unknown_ >= kSure;
+  return was_known_ && ++unknown_in_a_row_ >= kSure;
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,7 @@
-// What the ROS master says, asked without waiting for it to come back. An answer that is none
-// throws XmlRpc::XmlRpcException.
+// Asks the ROS master for topics, and whether it still knows this node.
+//
+// The master is a process of its own, which is asked over XML-RPC. Nothing here waits for a master
+// that is away. An answer that cannot be read throws XmlRpc::XmlRpcException.
 #pragma once
 
 #include <map>
@@ -8,26 +10,26 @@
 
 namespace deformable_contact_monitor {
 
-// The types of the topics that somebody publishes on, by topic; empty if the master is away. Any
-// thread, but it may take a while.
+// Returns the type of each topic that has publishers; empty if the master is away. May be called by
+// any thread, and may take a while.
 std::map<std::string, std::string> publishedTypes();
 
-// Whether the master still knows this node. A master that was started anew knows nobody: no new
-// subscriber finds the node then, nor does the node find new publishers, and roscpp cannot register
-// a node again. One thread at a time.
+// Finds out whether the master still knows this node. A restarted master knows nobody: new
+// subscribers do not find the node, the node does not find new publishers, and roscpp cannot
+// register a node again. Not safe for use by several threads.
 class MasterWatch {
  public:
-  // `topic`: one that this node advertises, resolved.
+  // Takes the resolved name of a topic that this node advertises.
   explicit MasterWatch(std::string topic) : topic_(std::move(topic)) {}
 
-  // Asks the master; whether it has been there for two looks in a row without knowing that this
-  // node, which it knew, publishes on the topic.
-  bool isForgotten();
+  // Asks the master. Returns true if the master knew this node as a publisher of the topic before,
+  // and has answered twice in a row that it does not.
+  bool isUnregistered();
 
  private:
   const std::string topic_;
   bool was_known_ = false;
-  int looks_unknown_ = 0;
+  int unknown_in_a_row_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

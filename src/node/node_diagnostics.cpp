@@ -1,44 +1,56 @@
-// The monitor's health on /diagnostics.
+// Publishes the monitor's health on /diagnostics. Each describe function fills one status.
 #include "node/node_diagnostics.h"
 
 #include "core/steady_time.h"
-#include "monitor/diagnostics/backend_status.h"
+#include "monitor/diagnostics/watches.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters,
-                                 const MeshMailboxes& mailboxes, const RobotSource& robot,
-                                 const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters, const MeshInputs& meshes,
+                                 const RobotSource& robot, const ros::NodeHandle& node,
+                                 const ros::NodeHandle& private_node)
     : parameters_(parameters),
-      mailboxes_(mailboxes),
+      meshes_(meshes),
       robot_(robot),
       updater_(node, private_node, private_node.getNamespace()),
-      watches_(mailboxes.size()),
+      watches_(meshes.size()),
       trade_(parameters.detector.tolerance_m, parameters.budget_ms / 1e3) {
   updater_.setHardwareID("none");
-  updater_.add("status", this, &NodeDiagnostics::describeStatus);
-  for (std::size_t i = 0; i < mailboxes_.size(); ++i) {
-    updater_.add("mesh:" + parameters_.objects[i].name,
-                 [this, i](Status& status) { describeMesh(i, status); });
+  add("status", [this](Status& status) { describeStatus(status); });
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
+    add("mesh:" + parameters_.objects[i].name,
+        [this, i](Status& status) { describeMesh(i, status); });
   }
-  updater_.add("tf", this, &NodeDiagnostics::describeTransforms);
-  updater_.add("timing", this, &NodeDiagnostics::describeTiming);
-  updater_.add("output", this, &NodeDiagnostics::describeOutput);
-  updater_.add("allowed", this, &NodeDiagnostics::describeAllowed);
+  add("tf", [this](Status& status) { transforms_.describe(status, Clock::now()); });
+  add("timing", [this](Status& status) { timing_.describe(status, Clock::now()); });
+  add("output", [this](Status& status) { describeOutput(status); });
+  add("allowed", [this](Status& status) { describeAllowed(status); });
   if (parameters_.motion == Motion::kSwept) {
-    updater_.add("motion", this, &NodeDiagnostics::describeMotion);
+    add("motion", [this](Status& status) { motion_.describe(status); });
   }
-  if (tradesAccuracy(parameters_)) updater_.add("trade", this, &NodeDiagnostics::describeTrade);
+  if (tradesAccuracy(parameters_)) {
+    add("trade", [this](Status& status) { trade_.describe(status); });
+  }
 }
 
+void NodeDiagnostics::add(const std::string& name, const std::function<void(Status&)>& describe) {
+  updater_.add(name, [this, describe](Status& status) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    describe(status);
+  });
+}
+
+// The record functions only copy under the mutex, so they never delay the detection thread, which
+// calls most of them. describe functions run in the callbacks' thread.
 void NodeDiagnostics::recordStart() {
   const std::lock_guard<std::mutex> lock(mutex_);
   timing_.start(Clock::now());
 }
 
+// A cycle that runs for longer than this is the likely reason; otherwise no mesh came.
 std::string NodeDiagnostics::whySilent() const {
   constexpr double kLongS = 0.1;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -47,6 +59,8 @@ std::string NodeDiagnostics::whySilent() const {
   return "busy: a cycle has been running for " + std::to_string(running_s) + " s";
 }
 
+// Keeps what the status `output` shows, and not the pairs, of which there may be millions. With a
+// tolerance, `guaranteed` means that the other settings lose no contact.
 void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray& sent,
                                   const CycleTimes& times) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -72,21 +86,16 @@ void NodeDiagnostics::recordTrade(const CycleReport& report, double answer_s) {
   trade_.record(report, answer_s);
 }
 
-void NodeDiagnostics::recordMesh(std::size_t object, const MeshCounters& counters) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  watches_[object].counters = counters;
-}
-
-void NodeDiagnostics::recordOddity(const std::string& object, const std::string& oddity) {
+void NodeDiagnostics::recordAnomaly(const std::string& object, const std::string& anomaly) {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (std::size_t i = 0; i < watches_.size(); ++i) {
-    if (parameters_.objects[i].name == object) watches_[i].oddity = oddity;
+    if (parameters_.objects[i].name == object) watches_[i].anomaly = anomaly;
   }
 }
 
 std::pair<std::string, std::string> NodeDiagnostics::meshProblems(std::size_t object) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return {watches_[object].counters.refusal, watches_[object].oddity};
+  return {meshes_[object].counters().problem, watches_[object].anomaly};
 }
 
 bool NodeDiagnostics::isEnabled() const {
@@ -130,8 +139,9 @@ void NodeDiagnostics::recordRules(const RulesInForce& rules) {
   rules_ = rules;
 }
 
-void NodeDiagnostics::describeStatus(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+// Shows the robot, the backend, and errors of both. mergeSummary() keeps the worst
+// level and joins the texts of all problems.
+void NodeDiagnostics::describeStatus(Status& status) const {
   status.summary(DiagnosticStatus::OK, "monitoring");
   if (!enabled_) status.summary(DiagnosticStatus::WARN, "disabled by ~set_enabled");
   if (parameters_.pair_classes.needRobot()) {
@@ -159,9 +169,9 @@ void NodeDiagnostics::describeStatus(Status& status) {
   }
   const BackendStatus backend = backendStatus(parameters_.backend, backend_state_);
   if (backend.level != DiagnosticStatus::OK) status.mergeSummary(backend.level, backend.summary);
-  if (is_forgotten_) {
+  if (is_unregistered_) {
     status.mergeSummary(DiagnosticStatus::ERROR,
-                        "the ROS master does not know this node any more: start it again");
+                        "this node is no longer registered with the ROS master: restart it");
   }
   status.add("backend", backend_);
   status.add("backend asked for", toString(parameters_.backend));
@@ -172,73 +182,53 @@ void NodeDiagnostics::describeStatus(Status& status) {
   if (parameters_.containment) status.add("not closed", open_bodies_);
 }
 
+// Computes the rate since the last publication. Of several problems, the most serious one is the
+// summary; a missing object is an error only if it is required.
 void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
   MeshWatch& watch = watches_[object];
-  const MeshCounters& counters = watch.counters;
-  const ArrivalCounters arrived = mailboxes_[object].counters();
+  const MeshCounters meshes = meshes_[object].counters();
   const double rate_hz =
-      static_cast<double>(arrived.received - watch.received) / secondsSince(watch.when);
-  watch.received = arrived.received;
+      static_cast<double>(meshes.received - watch.received) / secondsSince(watch.when);
+  watch.received = meshes.received;
   watch.when = Clock::now();
 
   const auto bad =
       parameters_.objects[object].required ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
-  if (arrived.received == 0) {
+  if (meshes.received == 0) {
     status.summary(bad, "no mesh received yet");
-  } else if (!counters.refusal.empty()) {
-    status.summary(bad, "mesh refused: " + counters.refusal);
+  } else if (!meshes.problem.empty()) {
+    status.summary(bad, "mesh refused: " + meshes.problem);
   } else if (rate_hz == 0) {
     status.summary(bad, "no mesh within the last second");
   } else if (rate_hz * parameters_.max_mesh_age_s < 1) {
     status.summary(DiagnosticStatus::WARN,
-                   "slower than max_mesh_age_s: UNKNOWN between its meshes; raise max_mesh_age_s");
+                   "slower than max_mesh_age_s, so UNKNOWN between meshes; raise max_mesh_age_s");
   } else if (rate_hz < parameters_.diagnostic_min_rate_hz) {
     status.summary(DiagnosticStatus::WARN, "rate below diagnostic_min_rate_hz");
   } else {
-    status.summary(DiagnosticStatus::OK, arrived.stamped_on_receipt > 0
+    status.summary(DiagnosticStatus::OK, meshes.stamped_on_receipt > 0
                                              ? "meshes arrive, stamped on receipt"
                                              : "meshes arrive");
   }
-  if (!watch.oddity.empty()) status.mergeSummary(DiagnosticStatus::WARN, watch.oddity);
+  if (!watch.anomaly.empty()) status.mergeSummary(DiagnosticStatus::WARN, watch.anomaly);
   status.add("rate [Hz]", rate_hz);
-  if (!counters.stamp.isZero()) {
-    status.add("age of newest [s]", secondsBetween(ros::Time::now(), counters.stamp));
+  if (!meshes.newest.isZero()) {
+    status.add("age of newest [s]", secondsBetween(ros::Time::now(), meshes.newest));
   }
-  status.add("received", arrived.received);
-  status.add("stamped on receipt", arrived.stamped_on_receipt);
-  status.add("dropped", arrived.dropped + counters.dropped);
-  status.add("refused", counters.refused);
-  status.add("topology changes", counters.topology_changes);
+  status.add("received", meshes.received);
+  status.add("stamped on receipt", meshes.stamped_on_receipt);
+  status.add("dropped", meshes.dropped);
+  status.add("refused", meshes.rejected);
+  status.add("topology changes", meshes.topology_changes);
 }
 
-void NodeDiagnostics::describeTransforms(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  transforms_.describe(status, Clock::now());
-}
-
-void NodeDiagnostics::describeTiming(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  timing_.describe(status, Clock::now());
-}
-
-void NodeDiagnostics::describeMotion(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  motion_.describe(status);
-}
-
-void NodeDiagnostics::describeTrade(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  trade_.describe(status);
-}
-
-void NodeDiagnostics::describeOutput(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+// Tells whether the newest ~contacts is complete, and why not.
+void NodeDiagnostics::describeOutput(Status& status) const {
   if (cycles_ == 0) {
     status.summary(DiagnosticStatus::WARN, "nothing published yet");
     return;
   }
-  // A tolerance was asked for, and that it leaves pairs of triangles out is no fault.
+  // Pairs of triangles that a tolerance leaves out are no fault, because it was asked for.
   const bool is_whole = output_.guaranteed && output_.skipped.empty() && !output_.truncated &&
                         !output_.timed_out && output_.rejected_triangles == 0;
   status.summary(DiagnosticStatus::OK, output_.complete ? "complete" : "within tolerance_m");
@@ -251,8 +241,8 @@ void NodeDiagnostics::describeOutput(Status& status) {
   status.add("age [s]", output_.age.toSec());
 }
 
-void NodeDiagnostics::describeAllowed(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+// Shows the rules in force by their source, attached objects, and each body's margin and partners.
+void NodeDiagnostics::describeAllowed(Status& status) const {
   status.summaryf(DiagnosticStatus::OK, "%zu of %zu pairs may touch", rules_.allowedPairs(),
                   rules_.pairs);
   const std::string problem = robot_.srdfProblem();

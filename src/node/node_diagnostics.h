@@ -1,4 +1,7 @@
-// The monitor's health on /diagnostics.
+// Publishes the monitor's health on /diagnostics.
+//
+// The watches of monitor/diagnostics follow the health; this class guards them with a mutex, adds
+// what only the node knows (inputs, robot, rules, backend), and publishes once a second.
 #pragma once
 
 #include <deformable_contact_monitor/ContactArray.h>
@@ -7,96 +10,98 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/fallback_detector.h"
+#include "core/backend_choice.h"
+#include "core/steady_time.h"
 #include "monitor/cycle_report.h"
-#include "monitor/diagnostics/motion_watch.h"
-#include "monitor/diagnostics/timing_watch.h"
-#include "monitor/diagnostics/trade_watch.h"
-#include "monitor/diagnostics/transform_watch.h"
-#include "monitor/input/mesh_mailbox.h"
+#include "monitor/diagnostics/watches.h"
+#include "monitor/input/mesh_input.h"
 #include "monitor/rules/parameters.h"
-#include "monitor/rules/rules_in_force.h"
+#include "monitor/rules/rule_texts.h"
 #include "node/robot_source.h"
 
 namespace deformable_contact_monitor {
 
-// Kinds of status: status, mesh:<object>, tf, timing, output, allowed; in swept motion, motion;
-// with a tolerance or a budget, trade. Threads may call every function at any time.
+// Publishes the statuses `status`, `mesh:<object>`, `tf`, `timing`, `output` and `allowed`; in
+// swept motion also `motion`, with a tolerance or a budget also `trade`. The record functions note
+// what happens; publish() turns it into messages. Every function may be called by any thread.
 class NodeDiagnostics {
  public:
   // All arguments but the handles must outlive this.
-  NodeDiagnostics(const MonitorParameters& parameters, const MeshMailboxes& mailboxes,
+  NodeDiagnostics(const MonitorParameters& parameters, const MeshInputs& meshes,
                   const RobotSource& robot, const ros::NodeHandle& node,
                   const ros::NodeHandle& private_node);
 
-  // A cycle begins.
+  // Notes that a cycle begins.
   void recordStart();
-  // A cycle ended.
+  // Notes that a cycle ended, and what was published from it.
   void recordCycle(const CycleReport& report, const ContactArray& sent, const CycleTimes& times);
-  // Of such a cycle: `answer_s` from the arrival of that mesh until its states were out.
+  // Notes how long [s] it took from the arrival of the cycle's mesh until the states were out. Does
+  // nothing without a tolerance and a budget.
   void recordTrade(const CycleReport& report, double answer_s);
-  // The last mesh of this object was looked at: what is counted since the start.
-  void recordMesh(std::size_t object, const MeshCounters& counters);
-  // What is odd about the size or place of this object; empty: nothing.
-  void recordOddity(const std::string& object, const std::string& oddity);
+  // Takes what is anomalous about the size or place of an object, as one line of text; an empty
+  // text ends the anomaly.
+  void recordAnomaly(const std::string& object, const std::string& anomaly);
+  // Notes which transforms the last cycle looked up, and which of them were missing.
   void recordTransforms(const TransformReport& report);
-  // A detection that failed; empty: it did not.
+  // Takes why a detection failed; empty: it did not.
   void recordDetectorError(const std::string& error);
-  // The backend that was asked for fails, or works again.
+  // Takes the backend's state when it fails, or works again.
   void recordBackend(const BackendState& state);
+  // Notes that meshes, transforms and states were discarded, and why. Counts the resets.
   void recordReset(const std::string& reason);
-  // Bodies that are not closed, by name; empty: all are that were looked at.
+  // Takes the names of bodies that are not closed; empty: all examined bodies are closed.
   void recordOpenBodies(const std::string& bodies);
+  // Notes whether the monitor is enabled, and which rules are in force.
   void recordEnabled(bool enabled);
   void recordRules(const RulesInForce& rules);
+  // Notes that the ROS master no longer knows this node.
+  void recordUnregistered() { is_unregistered_ = true; }
 
-  // Why no cycle has ended lately: for states that have become too old.
+  // Returns why no cycle has ended lately, for states that have become too old.
   std::string whySilent() const;
 
-  // The ROS master does not know this node any more.
-  void recordForgotten() { is_forgotten_ = true; }
-
-  // Why the object's newest mesh was refused, and what is odd about the newest that was not; empty:
-  // nothing.
+  // Returns why the object's newest mesh was rejected, and what is anomalous about the newest mesh
+  // that was not; empty: nothing.
   std::pair<std::string, std::string> meshProblems(std::size_t object) const;
+  // Returns false after ~set_enabled has switched the monitor off.
   bool isEnabled() const;
 
-  // To be called once a second.
+  // Publishes all statuses. Call it once a second.
   void publish() { updater_.force_update(); }
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
   using Clock = std::chrono::steady_clock;
 
-  void describeStatus(Status& status);
+  // Adds a status that `describe` fills while the mutex is held.
+  void add(const std::string& name, const std::function<void(Status&)>& describe);
+  // Each of these functions fills the status of the same name. The caller holds the mutex.
+  void describeStatus(Status& status) const;
   void describeMesh(std::size_t object, Status& status);
-  void describeTransforms(Status& status);
-  void describeTiming(Status& status);
-  void describeOutput(Status& status);
-  void describeAllowed(Status& status);
-  void describeMotion(Status& status);
-  void describeTrade(Status& status);
+  void describeOutput(Status& status) const;
+  void describeAllowed(Status& status) const;
 
+  // Follows one object's meshes.
   struct MeshWatch {
-    MeshCounters counters;
-    std::string oddity;
-    std::uint64_t received = 0;  // at the last publication
+    std::string anomaly;
+    std::uint64_t received = 0;  // at the last publication, which was at `when`
     Clock::time_point when = Clock::now();
   };
 
   const MonitorParameters& parameters_;
-  const MeshMailboxes& mailboxes_;
+  const MeshInputs& meshes_;
   const RobotSource& robot_;
   diagnostic_updater::Updater updater_;
 
-  std::atomic<bool> is_forgotten_{false};
+  std::atomic<bool> is_unregistered_{false};
 
-  mutable std::mutex mutex_;        // guards what follows
+  mutable std::mutex mutex_;        // guards the members below
   std::vector<MeshWatch> watches_;  // by object
   bool enabled_ = true;
   std::string backend_, detector_error_, last_reset_, open_bodies_;

@@ -1,4 +1,4 @@
-// dynamic_reconfigure of the parameters that may change while the monitor runs.
+// Offers the parameters that may change while the monitor runs to dynamic_reconfigure.
 #include "node/reconfigure.h"
 
 #include <ros/console.h>
@@ -10,10 +10,11 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Ranges are the server's, which is the config file's: it leaves NaN alone.
-double usable(const char* name, double value, double in_force, std::vector<std::string>* refused) {
+// Returns `value` if it is finite; else adds a line to `rejected` and returns `in_force`.
+// dynamic_reconfigure's server clamps all other numbers to the ranges of ContactMonitor.cfg.
+double usable(const char* name, double value, double in_force, std::vector<std::string>* rejected) {
   if (std::isfinite(value)) return value;
-  refused->push_back(std::string(name) + " must be finite");
+  rejected->push_back(std::string(name) + " must be finite");
   return in_force;
 }
 
@@ -40,16 +41,17 @@ void fill(const LiveParameters& live, ContactMonitorConfig* config) {
   config->refresh_period = live.refresh_period;
 }
 
+// Starts from the values of the request and replaces those that cannot be used.
 LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParameters& in_force,
-                          bool has_robot, std::vector<std::string>* refused) {
+                          bool has_robot, std::vector<std::string>* rejected) {
   LiveParameters live;
-  live.margin_m = usable("margin_m", config.margin_m, in_force.margin_m, refused);
-  live.max_rate_hz = usable("max_rate_hz", config.max_rate_hz, in_force.max_rate_hz, refused);
+  live.margin_m = usable("margin_m", config.margin_m, in_force.margin_m, rejected);
+  live.max_rate_hz = usable("max_rate_hz", config.max_rate_hz, in_force.max_rate_hz, rejected);
   live.robot_rate_hz =
-      usable("robot_rate_hz", config.robot_rate_hz, in_force.robot_rate_hz, refused);
+      usable("robot_rate_hz", config.robot_rate_hz, in_force.robot_rate_hz, rejected);
   live.marker_rate_hz =
-      usable("marker_rate_hz", config.marker_rate_hz, in_force.marker_rate_hz, refused);
-  live.overlap = usable("overlap", config.overlap, in_force.overlap, refused);
+      usable("marker_rate_hz", config.marker_rate_hz, in_force.marker_rate_hz, rejected);
+  live.overlap = usable("overlap", config.overlap, in_force.overlap, rejected);
   live.clusters = config.clusters;
   live.iterations = config.iterations;
   live.refresh_period = config.refresh_period;
@@ -57,20 +59,22 @@ LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParamete
   try {
     live.predicates = toPredicates(config.predicates);
   } catch (const std::invalid_argument& error) {
-    refused->push_back(std::string("predicates: ") + error.what());
+    rejected->push_back(std::string("predicates: ") + error.what());
   }
   live.pair_classes = classesOf(config);
   if (!has_robot && live.pair_classes.needRobot()) {
-    refused->push_back(
-        "robot_deformable and robot_self need the robot, which is read at start alone: have one of "
-        "them in ~pair_classes then");
+    rejected->push_back(
+        "robot_deformable and robot_self need the robot, which is loaded at start only if one of "
+        "them "
+        "is in ~pair_classes; add it there and restart the node");
     live.pair_classes = in_force.pair_classes;
   }
   return live;
 }
 
-// A class has a list of its own on the parameter server. With that kept up to date, what holds is
-// found there by whoever dumps it, and by a node that is started again.
+// The classes are flags here, but a list (pair_classes) among the parameters. change() keeps that
+// list up to date as well, so that a dump of the parameters and a restarted node have the values in
+// force.
 Reconfigure::Reconfigure(const MonitorParameters& parameters, const ros::NodeHandle& private_node,
                          std::function<void(const LiveParameters&)> apply)
     : private_node_(private_node),
@@ -87,10 +91,11 @@ Reconfigure::Reconfigure(const MonitorParameters& parameters, const ros::NodeHan
   });
 }
 
+// Writes the values in force back to `config`, which is the answer of the service.
 void Reconfigure::change(ContactMonitorConfig* config) {
-  std::vector<std::string> refused;
-  const LiveParameters live = fromConfig(*config, in_force_, has_robot_, &refused);
-  for (const std::string& line : refused) ROS_ERROR_STREAM("~set_parameters: " << line);
+  std::vector<std::string> rejected;
+  const LiveParameters live = fromConfig(*config, in_force_, has_robot_, &rejected);
+  for (const std::string& line : rejected) ROS_ERROR_STREAM("~set_parameters: " << line);
   if (!(live.pair_classes == in_force_.pair_classes)) {
     private_node_.setParam("pair_classes", namesOf(live.pair_classes));
   }

@@ -1,4 +1,4 @@
-// Where the robot's link meshes come from: robot_description, or a topic.
+// Provides the robot's link meshes, from robot_description or from a topic.
 #include "node/robot_source.h"
 
 #include <ros/console.h>
@@ -15,6 +15,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Compares all that detection depends on. A robot that is sent again must not start a new scene.
 bool same(const RobotGeometry& a, const RobotGeometry& b) {
   return a.srdf == b.srdf &&
          std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
@@ -25,6 +26,7 @@ bool same(const RobotGeometry& a, const RobotGeometry& b) {
                     });
 }
 
+// Logs each link with its size, then what is suspicious about the robot and its SRDF.
 void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
   for (const LinkGeometry& link : robot.links) {
     if (link.problem.empty()) {
@@ -35,7 +37,7 @@ void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
   }
   for (const std::string& warning : geometryWarnings(robot)) ROS_WARN_STREAM(warning);
   if (robot.srdf == Srdf()) return;
-  ROS_INFO_STREAM("links may touch each other by the SRDF of '"
+  ROS_INFO_STREAM("the SRDF allows contacts between links of robot '"
                   << robot.srdf.robot << "': " << robot.srdf.disabled.size() << " pairs, "
                   << robot.srdf.disabled_links.size() << " links by default");
   for (const std::string& warning : srdfWarnings(robot.srdf, robot.name, robot.link_names)) {
@@ -87,12 +89,13 @@ void RobotSource::reload() {
   srdf_problem_.clear();
 }
 
-// The root is "" to a nodelet's handle, and nothing is found from there.
+// Returns "/" for the root. A nodelet's handle calls it "", from where ros::param::search() finds
+// nothing.
 std::string RobotSource::searchNamespace() const {
   return node_.getNamespace().empty() ? "/" : node_.getNamespace();
 }
 
-// Without rules where there is none to be read.
+// Returns an SRDF without rules if there is none to read.
 Srdf RobotSource::loadSrdf() const {
   if (parameters_.srdf == kSrdfNone) return {};
   if (parameters_.srdf != kSrdfAuto) {
@@ -107,7 +110,7 @@ Srdf RobotSource::loadSrdf() const {
   if (!ros::param::search(searchNamespace(), name, found) || !ros::param::has(found)) return {};
   if (!node_.getParam(found, xml)) {
     throw std::runtime_error("parameter '" + found +
-                             "' is no text; set ~srdf to none to ignore it");
+                             "' is not a text; set ~srdf to none to ignore it");
   }
   try {
     return readSrdf(xml);
@@ -116,30 +119,31 @@ Srdf RobotSource::loadSrdf() const {
   }
 }
 
-// Who named a file relies on it; a parameter that happens to be there stops nobody: without its
-// rules more is looked at, never less.
+// A user who names a file relies on it, so the node does not start without it. A parameter that
+// happens to exist is different: without its rules, more pairs are monitored, never fewer.
 void RobotSource::loadFirstSrdf() {
   try {
     srdf_ = loadSrdf();
   } catch (const std::runtime_error& error) {
     if (parameters_.srdf != kSrdfAuto) throw;
-    ROS_ERROR_STREAM("the SRDF is not used, no link may touch another by it: " << error.what());
+    ROS_ERROR_STREAM("the SRDF is not used, so its rules allow no contacts: " << error.what());
     srdf_problem_ = error.what();
   }
 }
 
+// Searches for the parameter upwards from the node's namespace, as other ROS nodes do.
 RobotGeometry RobotSource::loadFromDescription() const {
   const std::string& name = parameters_.robot_description;
   std::string found, urdf;
   const std::string from = searchNamespace();
   if (!ros::param::search(from, name, found) || !node_.getParam(found, urdf)) {
-    throw std::runtime_error("no text parameter '" + name + "' in " + from +
-                             " or above: load the URDF there, or set ~robot_source to topic");
+    throw std::runtime_error("there is no text parameter '" + name + "' in " + from +
+                             " or above; load the URDF there, or set ~robot_source to topic");
   }
   RobotGeometry robot;
   try {
     MeshReading reading;
-    // Before ros::ok() says so, a shutdown waits for the service's callback.
+    // ros::ok() would be too late: it changes after the shutdown has waited for this callback.
     reading.stop = [this] { return is_stopped_ || ros::isShuttingDown(); };
     robot = loadRobotGeometry(urdf, parameters_.geometry, makeRosResolver(), reading);
   } catch (const std::invalid_argument& error) {
@@ -149,6 +153,7 @@ RobotGeometry RobotSource::loadFromDescription() const {
   return robot;
 }
 
+// Applies ~links and ~ignored_links to the links that were sent. A bad message changes nothing.
 void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
   try {
     RobotGeometry sent = fromLinkMeshes(*message);
@@ -160,12 +165,14 @@ void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
     checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM("link meshes refused, the robot stays as it was: " << error.what());
+    ROS_ERROR_STREAM(
+        "the link meshes are rejected, and the robot stays as it was: " << error.what());
     const std::lock_guard<std::mutex> lock(mutex_);
     problem_ = error.what();
   }
 }
 
+// Logs before taking the lock, because logging may block and newest() must not wait for it.
 bool RobotSource::use(RobotGeometry robot) {
   const std::shared_ptr<const RobotGeometry> old = newest();
   const bool is_new = !old || !same(*old, robot);

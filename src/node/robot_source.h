@@ -1,4 +1,4 @@
-// Where the robot's link meshes come from: robot_description, or a topic.
+// Provides the robot's link meshes, from robot_description or from a topic.
 #pragma once
 
 #include <deformable_contact_monitor/LinkMeshes.h>
@@ -15,42 +15,48 @@
 
 namespace deformable_contact_monitor {
 
+// Holds the newest robot, with the rules of its SRDF. Every function may be called by any thread.
 class RobotSource {
  public:
-  // With robot_source urdf, loads the robot; throws std::runtime_error if there is none, it is
-  // malformed, or (strict_geometry) a link has no usable geometry; ReadingStopped if ROS shuts down
-  // meanwhile. With robot_source topic, subscribes to ~robot_link_meshes, a latched topic that may
-  // come late, again and changed. Either has the rules of the SRDF. One that ~srdf names and that
-  // cannot be used is an error of that kind, too; one that was merely found is a srdfProblem().
-  // `changed` is called from a callback thread after a new robot is there; the parameters must
-  // outlive this.
+  // Loads the robot (robot_source: urdf), or subscribes to the latched topic ~robot_link_meshes
+  // (robot_source: topic), which may come late, and again with changed meshes. Throws
+  // std::runtime_error if the robot is missing or malformed, if a link has no usable geometry
+  // (strict_geometry), or if the SRDF that ~srdf names cannot be used; an SRDF that was only found
+  // becomes a srdfProblem(). Throws ReadingStopped if ROS shuts down meanwhile. `changed` is called
+  // from a callback thread after each new robot. The parameters must outlive this.
   RobotSource(const MonitorParameters& parameters, const ros::NodeHandle& node,
               ros::NodeHandle private_node, std::function<void()> changed);
 
-  // The newest robot, null while there is none; another object means another robot. Any thread.
+  // Returns the newest robot, null while there is none. A new object means a new robot.
   std::shared_ptr<const RobotGeometry> newest() const;
 
-  // Why the latest one that was offered is not in use; empty: it is. Any thread.
+  // Returns why the latest robot that was offered is not used; empty if it is.
   std::string problem() const;
 
-  // Why links touch without an SRDF's rules although there is one; empty: they do not. Any thread.
+  // Returns why an SRDF that was found is not used; empty if there is no such problem.
   std::string srdfProblem() const;
 
-  // Reads robot_description and the SRDF again. Throws as the constructor does, also at an SRDF
-  // that was merely found, and then keeps the robot; also if the robot comes from a topic. A bad
-  // mesh file may keep it waiting for kMaxRobotTime.
+  // Loads robot_description and the SRDF again. Throws as the constructor does, and also if an SRDF
+  // that was only found cannot be used, or if the robot comes from a topic; then the robot stays as
+  // it was. A bad mesh file may take up to kMaxRobotTime.
   void reload();
 
-  // Ends a reload that is under way, as ROS's shutdown does, and every later one. Any thread.
+  // Ends a reload that runs, like a shutdown of ROS, and rejects every later one.
   void stop() { is_stopped_ = true; }
 
  private:
+  // Loads and checks the robot of robot_description, without its SRDF. Throws std::runtime_error.
   RobotGeometry loadFromDescription() const;
+  // Returns the namespace from which parameters are searched for upwards.
   std::string searchNamespace() const;
+  // Loads what ~srdf says. Throws std::runtime_error if it exists and cannot be used.
   Srdf loadSrdf() const;
+  // Loads the first SRDF. If it was only found (srdf: auto) and is bad, the node starts without it.
   void loadFirstSrdf();
+  // Takes a robot from the topic.
   void receive(const LinkMeshes::ConstPtr& message);
-  // Keeps the robot unless it is what is there already; returns whether it did.
+  // Keeps the robot unless it equals the newest one. Returns whether the robot is new. Either way,
+  // the problem of an earlier robot is forgotten.
   bool use(RobotGeometry robot);
 
   const MonitorParameters& parameters_;
@@ -59,10 +65,10 @@ class RobotSource {
   std::atomic<bool> is_stopped_{false};
   ros::Subscriber subscriber_;
 
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  // guards the members below
   std::shared_ptr<const RobotGeometry> robot_;
   std::string problem_, srdf_problem_;
-  Srdf srdf_;  // of robots that come from a topic
+  Srdf srdf_;  // rules of robots that come from a topic
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,23 +1,14 @@
-// Publishes how the pairs stand: after each cycle, and while none ends.
+// Publishes the states of all pairs after each cycle, and while no cycle ends.
 #include "node/state_publisher.h"
 
 #include <boost/make_shared.hpp>
+#include <chrono>
+#include <utility>
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr std::chrono::seconds kLongestSilence(1);
-
-StateRules stateRules(const MonitorParameters& parameters) {
-  StateRules rules;
-  rules.debounce_on_cycles = parameters.debounce_on_cycles;
-  rules.debounce_off_cycles = parameters.debounce_off_cycles;
-  rules.max_age_s = parameters.max_mesh_age_s;
-  rules.tolerated_rejects = parameters.tolerated_rejects;
-  rules.since_survives_s = parameters.since_survives_s;
-  rules.tolerance_m = parameters.detector.tolerance_m;
-  return rules;
-}
 
 }  // namespace
 
@@ -26,6 +17,7 @@ StatePublisher::StatePublisher(const MonitorParameters& parameters, ros::NodeHan
       states_publisher_(private_node.advertise<ContactStates>("contact_states", 2)),
       events_publisher_(private_node.advertise<ContactEvent>("contact_events", 100)) {}
 
+// The tracker has a lock of its own. mutex_ is taken only for making and sending messages.
 SteadyTime StatePublisher::publish(const CycleReport& report) {
   tracker_.update(report);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -40,6 +32,8 @@ void StatePublisher::forget(const std::string& body, const std::string& reason) 
   publishLocked(now, now);
 }
 
+// Publishes if a state expired, or if nothing was published for a second, so that subscribers can
+// tell a quiet monitor from a dead one.
 void StatePublisher::beat(const std::string& why) {
   const ros::Time now = ros::Time::now();
   const bool expired = tracker_.expire(now, why);
@@ -54,6 +48,17 @@ ContactStates StatePublisher::states() const {
   return tracker_.states(now, now);
 }
 
+void StatePublisher::setContacts(boost::shared_ptr<const ContactArray> contacts) {
+  const std::lock_guard<std::mutex> lock(contacts_mutex_);
+  contacts_ = std::move(contacts);
+}
+
+boost::shared_ptr<const ContactArray> StatePublisher::contacts() const {
+  const std::lock_guard<std::mutex> lock(contacts_mutex_);
+  return contacts_;
+}
+
+// The caller holds mutex_.
 void StatePublisher::publishLocked(const ros::Time& stamp, const ros::Time& now) {
   last_ = std::chrono::steady_clock::now();
   states_publisher_.publish(boost::make_shared<const ContactStates>(tracker_.states(stamp, now)));

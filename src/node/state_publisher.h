@@ -1,6 +1,9 @@
-// Publishes how the pairs stand: after each cycle, and while none ends.
+// Publishes the states of all pairs after each cycle, and while no cycle ends. Answers
+// ~get_contacts.
 #pragma once
 
+#include <deformable_contact_monitor/ContactArray.h>
+#include <deformable_contact_monitor/ContactStates.h>
 #include <ros/node_handle.h>
 
 #include <mutex>
@@ -13,33 +16,43 @@
 
 namespace deformable_contact_monitor {
 
-// Threads may call every function at any time.
+// The part of the output that several threads use: the detection thread publishes cycles, a timer
+// thread lets states expire, and services read what holds now. Any thread may call any function.
 class StatePublisher {
  public:
   StatePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node);
 
-  // ~contact_states and ~contact_events after a report; waits for no other thread's report. Returns
-  // when they were out.
+  // Publishes ~contact_states and ~contact_events after a cycle. Returns when the messages were
+  // out.
   SteadyTime publish(const CycleReport& report);
 
-  // What is known of the pairs of `body`, or of all if it is empty, is forgotten.
+  // Forgets the states of the pairs of `body`, or of all if it is empty, and publishes that.
   void forget(const std::string& body, const std::string& reason);
 
-  // To be called some hundred times a second: publishes where a state has become too old, which
-  // makes it UNKNOWN, because of `why`, and once a second.
+  // Publishes the states if one of them has become too old, and at least once a second. A state
+  // that is too old becomes UNKNOWN because of `why`. Call it some hundred times a second.
   void beat(const std::string& why);
 
-  // As they stand now.
+  // Returns the states as they are now.
   ContactStates states() const;
 
+  // Keeps the contacts that were published last; null before the first cycle.
+  void setContacts(boost::shared_ptr<const ContactArray> contacts);
+  boost::shared_ptr<const ContactArray> contacts() const;
+
  private:
+  // Publishes the states with the stamp `stamp`, as they are at `now` (ROS time), then the new
+  // events. The caller holds mutex_.
   void publishLocked(const ros::Time& stamp, const ros::Time& now);
 
   ContactStateTracker tracker_;
   const ros::Publisher states_publisher_, events_publisher_;
 
-  std::mutex mutex_;  // so that messages go out in the order in which they were made
-  SteadyTime last_;
+  std::mutex mutex_;  // makes messages go out in the order in which they were made
+  SteadyTime last_;   // when the last states were published
+
+  mutable std::mutex contacts_mutex_;
+  boost::shared_ptr<const ContactArray> contacts_;
 };
 
 }  // namespace deformable_contact_monitor

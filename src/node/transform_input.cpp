@@ -1,4 +1,4 @@
-// Transforms from /tf and /tf_static into the buffer, but for those that would spoil it.
+// Puts transforms from /tf and /tf_static into the buffer, except those that would spoil it.
 #include "node/transform_input.h"
 
 #include <ros/console.h>
@@ -9,10 +9,12 @@
 namespace deformable_contact_monitor {
 
 bool isUsableStamp(const ros::Time& stamp, const ros::Time& now) {
-  constexpr double kMaxAheadS = 5;  // half of what tf2 keeps
+  constexpr double kMaxAheadS = 5;  // tf2 keeps 10 s
   return now.isZero() || secondsBetween(stamp, now) <= kMaxAheadS;
 }
 
+// Subscribes to both topics and starts the thread. Static transforms hold at all times, so their
+// stamps are not checked.
 TransformInput::TransformInput(tf2::BufferCore& buffer, const ros::NodeHandle& node)
     : buffer_(buffer), node_(node), spinner_(1, &queue_) {
   node_.setCallbackQueue(&queue_);
@@ -30,6 +32,7 @@ void TransformInput::subscribe(const std::string& topic, bool is_static) {
       topic, 100, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 
+// A transform that tf2 rejects does not affect the others of its message.
 void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>& event,
                              bool is_static) {
   const ros::Time now = ros::Time::now();
@@ -37,16 +40,17 @@ void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>&
     const ros::Time& stamp = transform.header.stamp;
     if (!is_static && !isUsableStamp(stamp, now)) {
       ++left_out_;
-      ROS_WARN_STREAM_THROTTLE(1, "TF of '" << transform.child_frame_id << "' from "
-                                            << event.getPublisherName() << " is left out: stamped "
-                                            << secondsBetween(stamp, now)
-                                            << " s ahead of the clock");
+      ROS_WARN_STREAM_THROTTLE(1, "the transform of '"
+                                      << transform.child_frame_id << "' from "
+                                      << event.getPublisherName() << " is ignored: its stamp is "
+                                      << secondsBetween(stamp, now)
+                                      << " s ahead of the clock; check the publisher's clock");
       continue;
     }
     try {
       buffer_.setTransform(transform, event.getPublisherName(), is_static);
     } catch (const tf2::TransformException& error) {
-      ROS_WARN_STREAM_THROTTLE(1, "TF refused: " << error.what());
+      ROS_WARN_STREAM_THROTTLE(1, "a transform is rejected: " << error.what());
     }
   }
 }

@@ -1,4 +1,4 @@
-// Transforms from /tf and /tf_static into the buffer, but for those that would spoil it.
+// Puts transforms from /tf and /tf_static into the buffer, except those that would spoil it.
 #pragma once
 
 #include <ros/callback_queue.h>
@@ -14,20 +14,24 @@
 
 namespace deformable_contact_monitor {
 
-// Whether a transform of that stamp may go into the buffer at `now` (zero: no clock yet). tf2 keeps
-// what lies within some seconds of the newest: one from far ahead would shut out all that follow.
+// Returns whether a transform with that stamp may enter the buffer at `now` (zero: no clock yet).
+// tf2 keeps transforms within some seconds of the newest one, so a stamp from far ahead of the
+// clock would exclude all that follow.
 bool isUsableStamp(const ros::Time& stamp, const ros::Time& now);
 
+// Subscribes in a thread of its own, so that transforms arrive while other callbacks are busy.
 class TransformInput {
  public:
-  // Fills the buffer, which must outlive this, in a thread of its own.
+  // Fills the buffer, which must outlive this.
   TransformInput(tf2::BufferCore& buffer, const ros::NodeHandle& node);
 
-  // Transforms from far ahead of the clock, which were left out. Any thread.
+  // Returns how many transforms from far ahead of the clock were left out. Any thread.
   std::uint64_t leftOut() const { return left_out_; }
 
  private:
+  // Subscribes to a topic of transforms; a static one holds transforms without time.
   void subscribe(const std::string& topic, bool is_static);
+  // Puts each transform of a message into the buffer. Runs in this class's own thread.
   void receive(const ros::MessageEvent<const tf2_msgs::TFMessage>& event, bool is_static);
 
   tf2::BufferCore& buffer_;

@@ -1,3 +1,5 @@
+// Converts numpy arrays, and what numpy can make arrays of, to the core's lists. Types and shapes
+// are checked first, because numpy would convert silently, for example texts to numbers.
 #include "python/array_arguments.h"
 
 #include <algorithm>
@@ -10,9 +12,11 @@ namespace deformable_contact_monitor {
 namespace py = pybind11;
 namespace {
 
+// Returns the shape as Python shows it, for example (3, 2).
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
 
-// An argument, by the names that a refusal gives.
+// An argument of a Python call, with the names that error messages give. Every check throws
+// std::invalid_argument.
 struct Argument {
   const std::string& body;
   const char* name;
@@ -21,9 +25,11 @@ struct Argument {
     throw std::invalid_argument(body + ": " + name + " " + what);
   }
 
+  // Returns the value as an array of any type and shape; copies nothing if it is an array.
   py::array toArray(py::handle value) const {
     py::array array = py::array::ensure(value);
     if (array) return array;
+    // numpy cannot read device memory, so the message names the function that can.
     if (py::hasattr(value, "__cuda_array_interface__")) {
       refuse("is in a device's memory; set_device_vertices takes vertices from there");
     }
@@ -37,6 +43,7 @@ struct Argument {
     }
   }
 
+  // Requires the shape (n, 3); n may be 0.
   void requireRowsOfThree(const py::array& array) const {
     if (array.ndim() != 2 || array.shape(1) != 3) {
       refuse("has shape " + shapeOf(array) + ", must be (n, 3)");
@@ -44,9 +51,11 @@ struct Argument {
   }
 };
 
+// Letters of numpy's dtype.kind.
 constexpr const char* kReal = "fiu";
 constexpr const char* kIntegers = "iu";
 
+// Converts indices of any integer type to uint32, and names the first triangle that does not fit.
 template <class Index>
 std::vector<std::uint32_t> narrowed(const py::array& array, std::size_t vertex_count,
                                     const std::string& body) {
@@ -54,6 +63,7 @@ std::vector<std::uint32_t> narrowed(const py::array& array, std::size_t vertex_c
   if (!plain) throw py::error_already_set();
   const Index* const from = plain.data();
   const auto size = static_cast<std::size_t>(plain.size());
+  // Nothing can be lost, so the values are copied at once.
   if (std::is_same<Index, std::uint32_t>::value) return {from, from + size};
   std::vector<std::uint32_t> indices(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -67,6 +77,7 @@ std::vector<std::uint32_t> narrowed(const py::array& array, std::size_t vertex_c
   return indices;
 }
 
+// Copies real numbers of exactly this shape.
 void copyReal(const Argument& argument, py::handle value, const std::vector<Py_ssize_t>& shape,
               double* to) {
   const py::array array = argument.toArray(value);
@@ -82,6 +93,7 @@ void copyReal(const Argument& argument, py::handle value, const std::vector<Py_s
 
 }  // namespace
 
+// ensure() returns the same array if it has the right layout.
 VertexArray toVertexArray(py::handle vertices, const std::string& body) {
   const Argument argument{body, "vertices"};
   const py::array array = argument.toArray(vertices);
@@ -92,11 +104,13 @@ VertexArray toVertexArray(py::handle vertices, const std::string& body) {
   return plain;
 }
 
+// Makes one copy, which the mesh then owns. numpy has rounded to the nearest float32 before.
 std::vector<float> toVertices(py::handle vertices, const std::string& body) {
   const VertexArray array = toVertexArray(vertices, body);
   return {array.data(), array.data() + array.size()};
 }
 
+// Chooses the widest type of the same sign, so that no index is rounded or wraps around.
 std::vector<std::uint32_t> toTriangles(py::handle triangles, std::size_t vertex_count,
                                        const std::string& body) {
   const Argument argument{body, "triangles"};
@@ -111,6 +125,7 @@ std::vector<std::uint32_t> toTriangles(py::handle triangles, std::size_t vertex_
   return narrowed<std::uint64_t>(array, vertex_count, body);
 }
 
+// Reads both arrays as float64, which RigidTransform keeps.
 RigidTransform toPose(py::handle rotation, py::handle translation, const std::string& body) {
   RigidTransform pose;
   copyReal({body, "rotation"}, rotation, {3, 3}, pose.rotation);

@@ -1,5 +1,7 @@
-// What callers pass as arrays, checked and brought into the core's layout. Every refusal is a
-// std::invalid_argument that names the body and the argument and says what was given.
+// Checks arrays that callers pass, and converts them to the core's layout. Every function throws
+// std::invalid_argument that names the body and the argument, and says what was given.
+//
+// Arrays that fit already are not copied: the caller's memory is read directly.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -12,24 +14,27 @@
 
 namespace deformable_contact_monitor {
 
-// C-contiguous, aligned, native numbers: the caller's own memory where it is that already.
+// An array of C order with aligned native numbers. It shares the caller's memory if that fits
+// already.
 constexpr int kPlain = pybind11::array::c_style | pybind11::array::forcecast |
                        pybind11::detail::npy_api::NPY_ARRAY_ALIGNED_;
 using VertexArray = pybind11::array_t<float, kPlain>;
 
-// Anything that numpy takes for an array: its own arrays, lists, tensors in host memory.
-// Vertices: real numbers of shape (n, 3); what is not float32 is rounded to the nearest one.
+// Converts vertices: real numbers of shape (n, 3). Other types are rounded to the nearest float32.
+// Here and below, an argument may be anything that numpy converts to an array: an array, a list, or
+// a tensor in host memory.
 VertexArray toVertexArray(pybind11::handle vertices, const std::string& body);
 
-// The same, as a mesh has them.
+// Converts vertices [m], with the same checks, to the list x y z x y z ... that a mesh has.
 std::vector<float> toVertices(pybind11::handle vertices, const std::string& body);
 
-// Triangles: integers of shape (m, 3). Refuses an index that would not survive as uint32; of the
-// others, those beyond the vertices are left to validate().
+// Converts triangles: integers of shape (m, 3). Rejects an index that does not fit into uint32.
+// validate() rejects those beyond the vertices.
 std::vector<std::uint32_t> toTriangles(pybind11::handle triangles, std::size_t vertex_count,
                                        const std::string& body);
 
-// Real numbers of shapes (3, 3) and (3,).
+// Converts a rotation, shape (3, 3), and a translation, shape (3,) [m], both of real numbers.
+// Whether they are finite is checked by Scene::setPose().
 RigidTransform toPose(pybind11::handle rotation, pybind11::handle translation,
                       const std::string& body);
 

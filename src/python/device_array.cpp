@@ -1,3 +1,5 @@
+// Reads and checks __cuda_array_interface__, a Python dict that describes an array on a CUDA
+// device: its shape, type, strides, address, and the stream that writes it.
 #include "python/device_array.h"
 
 #include <stdexcept>
@@ -9,7 +11,7 @@ namespace {
 
 constexpr int kOldestVersion = 2;  // before it, no stride and no pointer meant other things
 
-// The interface of an argument, by the names that a refusal gives.
+// The __cuda_array_interface__ of an argument, with the names that error messages give.
 class Interface {
  public:
   Interface(py::handle vertices, const std::string& body) : body_(body) {
@@ -25,16 +27,18 @@ class Interface {
     }
   }
 
+  // Throws with the body's name.
   [[noreturn]] void refuse(const std::string& what) const {
     throw std::invalid_argument(body_ + ": vertices: its __cuda_array_interface__ " + what);
   }
 
-  // None where the field is missing.
+  // Returns a field; None if it is missing.
   py::object field(const char* name) const {
     if (!fields_.contains(name)) return py::none();
     return fields_[name];
   }
 
+  // Converts a field, or throws with its name and value.
   template <class T>
   T as(const char* name, const py::object& value) const {
     try {
@@ -44,12 +48,14 @@ class Interface {
     }
   }
 
+  // Returns a field that must be a tuple.
   py::tuple tuple(const char* name) const {
     py::object value = field(name);
     if (!py::isinstance<py::tuple>(value)) refuse(std::string("has ") + name + " " + shown(name));
     return value;
   }
 
+  // Returns a field that must be a tuple of integers.
   std::vector<std::int64_t> numbers(const char* name) const {
     std::vector<std::int64_t> values;
     for (const py::handle value : tuple(name)) {
@@ -58,6 +64,7 @@ class Interface {
     return values;
   }
 
+  // Returns a field as Python shows it.
   std::string shown(const char* name) const { return py::repr(field(name)); }
 
  private:
@@ -65,21 +72,24 @@ class Interface {
   py::dict fields_;
 };
 
-// The interface has addresses as integers.
+// Converts an address, which the interface holds as an integer, to a pointer.
 template <class T>
 T* toPointer(std::uintptr_t address) {
   return reinterpret_cast<T*>(address);  // NOLINT(performance-no-int-to-ptr)
 }
 
+// Strides may be absent, which means C order.
 void requireContiguous(const Interface& interface, std::size_t count) {
   if (interface.field("strides").is_none() || count == 0) return;
   const std::vector<std::int64_t> strides = interface.numbers("strides");
   const auto size = static_cast<std::int64_t>(sizeof(float));
+  // A single row may have any row stride.
   if (strides.size() != 2 || strides[1] != size || (count > 1 && strides[0] != 3 * size)) {
     interface.refuse("has strides " + interface.shown("strides") + ", must be contiguous");
   }
 }
 
+// The values 1 and 2 are CUDA's handles of the default streams; 0 is ambiguous and is rejected.
 void* toStream(const Interface& interface, std::optional<std::uintptr_t> given) {
   if (given) return toPointer<void>(*given);
   const py::object stream = interface.field("stream");
@@ -91,6 +101,7 @@ void* toStream(const Interface& interface, std::optional<std::uintptr_t> given) 
 
 }  // namespace
 
+// Checks the fields in the order in which they are most often wrong.
 DeviceArray toDeviceArray(py::handle vertices, std::optional<std::uintptr_t> stream,
                           const std::string& body) {
   const Interface interface(vertices, body);

@@ -1,4 +1,6 @@
-// Arrays in the memory of a CUDA device, by the interface that CuPy, Numba and PyTorch share.
+// Arrays in the memory of a CUDA device, through the interface that CuPy, Numba and PyTorch share.
+//
+// Vertices stay on the device; only the address, the size and the stream are read here.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -10,7 +12,7 @@
 
 namespace deformable_contact_monitor {
 
-// As Scene::setDeviceVertices() takes it; the array owns the memory.
+// An argument of Scene::setDeviceVertices(). The Python array owns the memory.
 struct DeviceArray {
   const float* xyz;  // null: there are none
   std::size_t count;
@@ -18,9 +20,9 @@ struct DeviceArray {
 };
 
 // Reads `vertices`' __cuda_array_interface__, version 2 or later: (n, 3) float32, contiguous.
-// `stream`, where given, goes before the interface's own; 1 and 2 are the legacy and the
-// per-thread default stream, as there. Calls no CUDA. Every refusal is a std::invalid_argument that
-// names body and argument and says what was given.
+// `stream` takes precedence over the interface's own stream; 1 and 2 are the legacy and the
+// per-thread default stream. Makes no CUDA call. Throws std::invalid_argument that names the body
+// and the argument, and says what was given.
 DeviceArray toDeviceArray(pybind11::handle vertices, std::optional<std::uintptr_t> stream,
                           const std::string& body);
 

@@ -1,4 +1,7 @@
 // The compiled part of the Python package deformable_contact.
+//
+// It binds the classes of python_scene, python_detector and python_result, and the function
+// read_mesh. Docstrings stand beside the functions that they describe.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <unistd.h>
@@ -31,7 +34,8 @@ of its text or double.
 Raises OSError where the file cannot be opened; ValueError, "path: what" or "path:line: what", where
 it is no mesh or holds no triangle.)";
 
-// (n, 3), without a copy.
+// Returns the list as an array of shape (n, 3) without a copy: the array owns the moved list, and
+// deletes it when Python releases the array.
 template <class List>
 py::array_t<typename List::value_type> toRowsOfThree(List values) {
   auto* const owned = new List(std::move(values));
@@ -40,7 +44,8 @@ py::array_t<typename List::value_type> toRowsOfThree(List values) {
                                                 owner);
 }
 
-// Throws what Python's open() would.
+// Throws the exception that Python's open() would throw for this file: FileNotFoundError,
+// PermissionError or IsADirectoryError.
 void requireReadable(const std::string& path) {
   std::error_code no_file;
   const bool is_directory = std::filesystem::is_directory(path, no_file);
@@ -50,6 +55,8 @@ void requireReadable(const std::string& path) {
   throw py::error_already_set();
 }
 
+// Accepts text, bytes and path objects, as open() does. Other Python threads run while the file is
+// read.
 py::tuple readMesh(const py::object& path) {
   PyObject* bytes = nullptr;
   if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
@@ -68,6 +75,7 @@ py::tuple readMesh(const py::object& path) {
 
 }  // namespace
 
+// The package __init__.py imports the names of this module.
 PYBIND11_MODULE(_core, module) {
   module.doc() = kModuleText;
   module.attr("__version__") = DCM_VERSION;
@@ -75,6 +83,7 @@ PYBIND11_MODULE(_core, module) {
   bindScene(module);
   bindDetector(module);
   module.def("read_mesh", &readMesh, py::arg("path"), kReadMeshText);
+  // Users then see deformable_contact.Scene and not deformable_contact._core.Scene.
   for (const char* name : {"Detector", "Result", "Scene", "read_mesh"}) {
     module.attr(name).attr("__module__") = "deformable_contact";
   }

@@ -1,3 +1,5 @@
+// Implements the Python class Detector: checks the arguments, runs detections without Python's
+// global lock, and copies results into Python objects.
 #include "python/python_detector.h"
 
 #include <pybind11/stl.h>
@@ -54,6 +56,7 @@ CPU instead), or where another thread uses this detector.)";
 constexpr int kMaxDevice = 1023;
 constexpr std::int64_t kMaxMemoryMib = 1 << 20;
 
+// Reads the name of a value, or throws with all names.
 AdjacentPairs toAdjacentPairs(const std::string& name) {
   for (const AdjacentPairs adjacent : {AdjacentPairs::kBeyondShared, AdjacentPairs::kSkip}) {
     if (name == toString(adjacent)) return adjacent;
@@ -61,6 +64,7 @@ AdjacentPairs toAdjacentPairs(const std::string& name) {
   throw std::invalid_argument("adjacent_pairs '" + name + "' is none of beyond_shared, skip");
 }
 
+// Reads the name of a value, or throws with all names.
 Motion toMotion(const std::string& name) {
   for (const Motion motion : {Motion::kInstant, Motion::kSwept}) {
     if (name == toString(motion)) return motion;
@@ -68,6 +72,7 @@ Motion toMotion(const std::string& name) {
   throw std::invalid_argument("motion '" + name + "' is none of instant, swept");
 }
 
+// Checks the ranges that CudaSettings cannot hold.
 CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib) {
   const auto require = [](const char* name, std::int64_t value, std::int64_t low,
                           std::int64_t high) {
@@ -85,7 +90,9 @@ CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib) {
   return settings;
 }
 
+// Returns the time at which a cycle ends early; the far future without a limit.
 SteadyTime deadlineIn(std::optional<double> max_time_s) {
+  // Longer times would overflow the clock [s].
   constexpr double kForEver = 1e8;
   if (!max_time_s) return SteadyTime::max();
   if (!(*max_time_s >= 0)) {
@@ -97,6 +104,7 @@ SteadyTime deadlineIn(std::optional<double> max_time_s) {
                                                 std::chrono::duration<double>(*max_time_s));
 }
 
+// Collects the keyword arguments of Detector().
 std::unique_ptr<PythonDetector> makePythonDetector(
     const std::string& backend, std::int64_t device, std::int64_t memory_limit_mib,
     const std::string& adjacent_pairs, const std::string& predicates, float overlap, int clusters,
@@ -122,12 +130,14 @@ std::unique_ptr<PythonDetector> makePythonDetector(
                                           toSettings(device, memory_limit_mib), options);
 }
 
+// Returns the text of repr().
 std::string describe(const PythonDetector& detector) {
   return "<Detector: backend " + detector.backend() + ">";
 }
 
 }  // namespace
 
+// A backend that was asked for by name must work; "auto" tries CUDA again later.
 PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& settings,
                                const Options& options)
     : options_(options) {
@@ -140,12 +150,16 @@ PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& setting
   update();
 }
 
+// Releases Python's global lock while it detects, so that other Python threads run. The scene is
+// locked against changes meanwhile. The result is copied after the lock is held again, because
+// making numpy arrays needs it.
 PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> max_time_s) {
   requireUnused();
   Options options = options_;
   options.limits.deadline = deadlineIn(max_time_s);
   const DetectionResult* result = nullptr;
   {
+    // From here on, changes of the scene throw.
     const PythonScene::Looking looking(scene);
     // Ends with the global lock taken again, whatever detect() throws.
     struct Detecting {
@@ -162,20 +176,24 @@ PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> ma
   return {*result, backend_, scene->scene(), options_};
 }
 
+// Forgets everything that a warm start needs.
 void PythonDetector::reset() {
   requireUnused();
   detector_->reset();
 }
 
+// One detector cannot run two detections at once.
 void PythonDetector::requireUnused() const {
   if (detecting_) throw std::runtime_error("the detector is in use by another thread's detect()");
 }
 
+// Copies backend and problem while no detection runs, so that Python may read them at any time.
 void PythonDetector::update() {
   backend_ = detector_->backend();
   backend_problem_ = state_.problem;
 }
 
+// Arguments are in the order of the stub file.
 void bindDetector(py::module& module) {
   using Self = PythonDetector;
   const Options options;

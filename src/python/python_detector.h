@@ -1,4 +1,6 @@
-// The detector of the Python module.
+// The class Detector of the Python module.
+//
+// A detector keeps its warm start between calls, so use one detector for one sequence of scenes.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -13,30 +15,36 @@
 
 namespace deformable_contact_monitor {
 
-// A detector and its options. For threads that hold Python's global lock, which is released while
-// it detects; another thread's call is refused then (std::runtime_error).
+// A detector and its options. Callers must hold Python's global lock, which is released during a
+// detection. A call from another thread in that time throws std::runtime_error.
 class PythonDetector {
  public:
-  // Throws std::invalid_argument, listing all problems(options); a std::runtime_error where the
-  // backend was asked for by name and cannot be used.
+  // Throws std::invalid_argument with all problems(options), and std::runtime_error if a backend
+  // that was asked for by name cannot be used.
   PythonDetector(BackendChoice choice, const CudaSettings& settings, const Options& options);
   PythonDetector(const PythonDetector&) = delete;
   PythonDetector& operator=(const PythonDetector&) = delete;
 
-  // `max_time_s`: the cycle ends early then; none: never.
+  // Finds all contacts of the scene's enabled pairs. `max_time_s` is the time after which the cycle
+  // ends early [s]; nothing: never. Throws std::invalid_argument if it is negative.
   PythonResult detect(PythonScene* scene, std::optional<double> max_time_s);
 
+  // Makes the next cycle a cold start.
   void reset();
 
+  // Returns the name of the backend that ran last.
   const std::string& backend() const { return backend_; }
-  // Why CUDA is not used or not for every scene, one line; empty: it is, or was not asked for.
+  // Returns why CUDA is not used, or not for every scene, in one line. Empty: it is used, or was
+  // not asked for.
   const std::string& backendProblem() const { return backend_problem_; }
 
  private:
+  // Throws std::runtime_error if another thread's detection uses this detector.
   void requireUnused() const;
-  // Takes over what the detector says of itself.
+  // Copies what the detector reports about itself.
   void update();
 
+  // The options of every detection, which the constructor has checked.
   Options options_;
   BackendState state_;  // written while detecting
   std::unique_ptr<Detector> detector_;

@@ -1,3 +1,5 @@
+// Copies a DetectionResult into numpy arrays and Python lists, and binds the class Result. Lists of
+// plain structs are copied in one piece; assertions make sure that their memory is a table of rows.
 #include "python/python_result.h"
 
 #include <algorithm>
@@ -16,6 +18,7 @@ static_assert(sizeof(TrianglePair) == 4 * sizeof(std::uint32_t) &&
                   std::is_standard_layout<TrianglePair>::value,
               "a list of pairs is a table of four columns");
 
+// Returns (k, 4) uint32: body_a, triangle_a, body_b, triangle_b.
 py::array pairTable(const TrianglePairs& contacts) {
   const auto* const from = reinterpret_cast<const std::uint32_t*>(contacts.data());
   return py::array_t<std::uint32_t>({contacts.size(), std::size_t{4}}, from);
@@ -25,18 +28,21 @@ static_assert(sizeof(FirstContact) == 2 * sizeof(float) &&
                   std::is_standard_layout<FirstContact>::value,
               "a list of times is a table of two columns");
 
+// Returns (k, 2) float32: low, high.
 py::array timeTable(const std::vector<FirstContact>& times) {
   const auto* const from = reinterpret_cast<const float*>(times.data());
   return py::array_t<float>({times.size(), std::size_t{2}}, from);
 }
 
+// numpy's bool has one byte, as the flags do.
 py::array_t<bool> flagList(const std::vector<std::uint8_t>& flags) {
   py::array_t<bool> list(std::vector<std::size_t>{flags.size()});
   std::copy(flags.begin(), flags.end(), list.mutable_data());
   return list;
 }
 
-// Records of the wire format, which the members are in the order of, without what pads them.
+// Returns records of the wire format. Its fields have the order and the types of PairGeometry's
+// members, but no padding at the end, so each record is copied without it.
 py::array geometryTable(const std::vector<PairGeometry>& geometry) {
   constexpr std::size_t kBytes = offsetof(PairGeometry, flags) + sizeof(PairGeometry::flags);
   static_assert(kBytes == 41 && std::is_standard_layout<PairGeometry>::value,
@@ -50,12 +56,14 @@ py::array geometryTable(const std::vector<PairGeometry>& geometry) {
   return table;
 }
 
-// The tools' and the node's word: undecided pairs are in the list, so nothing is missing.
+// Defines completeness as the tools and the node do. Undecided pairs are in the list as contacts,
+// so they do not make it incomplete.
 bool isComplete(const DetectionResult& result) {
   return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0 &&
          !result.cut_off;
 }
 
+// Returns the counters by their names.
 py::dict toDict(const Counters& counters) {
   py::dict dict;
   dict["triangles"] = counters.triangles;
@@ -74,11 +82,13 @@ py::dict toDict(const Counters& counters) {
   return dict;
 }
 
+// Returns the text of repr().
 std::string describe(const PythonResult& result) {
   return "<Result: " + std::to_string(result.pairs.shape(0)) + " contacts, " +
          (result.complete ? "complete" : "not complete") + ">";
 }
 
+// Returns (x, y, z).
 py::tuple toTuple(const Vec3f& v) { return py::make_tuple(v.x, v.y, v.z); }
 
 constexpr const char* kDistancesText = R"(What is certain of the distance of pairs of two bodies.
@@ -160,6 +170,7 @@ PythonDistance::PythonDistance(const BodyDistance& in_distance, const Scene& sce
   state = toString(decide(distance, margin_m, tolerance_m));
 }
 
+// Copies everything: the detector overwrites its result in the next cycle.
 PythonResult::PythonResult(const DetectionResult& result, const std::string& in_backend,
                            const Scene& scene, const Options& options)
     : pairs(pairTable(result.contacts)),
@@ -179,6 +190,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       round_trip_ms(result.round_trip_ms),
       counters(toDict(result.counters)) {
   const bool swept = options.motion == Motion::kSwept;
+  // Separations exist only with margins; swept motion has no margins.
   if (scene.anyMargin() && !swept) {
     separations = py::array_t<float>(result.separations_m.size(), result.separations_m.data());
   }
@@ -196,6 +208,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
 
 namespace {
 
+// Adds the class BodyDistance.
 void bindDistance(py::module& module) {
   using Self = PythonDistance;
   const auto field = [](auto member) {

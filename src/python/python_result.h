@@ -1,4 +1,6 @@
-// The result of the Python module.
+// The class Result of the Python module.
+//
+// Lists become numpy arrays, which own their memory.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -10,28 +12,32 @@
 
 namespace deformable_contact_monitor {
 
-// What is certain of the distance of two bodies.
+// The bounds of the distance of two bodies, and the state that follows from them.
 struct PythonDistance {
+  // Decides the state by the bodies' margins and the tolerance [m].
   PythonDistance(const BodyDistance& in_distance, const Scene& scene, float tolerance_m);
 
   BodyDistance distance;
   std::string state;  // "none", "near", "contact", "unknown"
 };
 
-// A copy of a result, as Python's own objects: it outlives detector and scene.
+// A copy of a result as Python objects. It outlives detector and scene.
 struct PythonResult {
-  // What scene and options give is there, however few the contacts are: separations, geometry,
+  // The lists that scene and options ask for exist even without contacts: separations, geometry,
   // first_times, within_pad.
   PythonResult(const DetectionResult& result, const std::string& in_backend, const Scene& scene,
                const Options& options);
 
+  // The contacts, in ascending order. All arrays below have a row for each of them.
   pybind11::array pairs;         // (k, 4) uint32
   pybind11::object separations;  // (k,) float32, or None
   pybind11::object geometry;     // (k,) of deformable_contact._wire.GEOMETRY, or None
   pybind11::object first_times;  // (k, 2) float32, or None
   pybind11::object within_pad;   // (k,) bool, or None
-  pybind11::list without_step;   // ids
-  pybind11::list distances;      // PythonDistance
+  // Lists of bodies or pairs of bodies.
+  pybind11::list without_step;  // ids
+  pybind11::list distances;     // PythonDistance
+  // How the cycle went, as in DetectionResult.
   bool complete, guaranteed, cut_off, started_cold;
   std::string cut_off_because, backend;
   std::uint64_t left_out, memory_bytes;

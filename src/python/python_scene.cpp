@@ -1,3 +1,5 @@
+// Implements the Python class Scene. Each function converts and checks its arguments first, and
+// changes the scene last.
 #include "python/python_scene.h"
 
 #include <pybind11/stl.h>
@@ -12,6 +14,7 @@ namespace deformable_contact_monitor {
 namespace py = pybind11;
 namespace {
 
+// Checks both arrays before anything is changed.
 TriangleMesh toMesh(py::handle vertices, py::handle triangles, const std::string& body) {
   TriangleMesh mesh;
   mesh.vertices = toVertices(vertices, body);
@@ -93,23 +96,27 @@ a == b: contacts of the body with itself.)";
 
 }  // namespace
 
+// The checks of the core follow: indices beyond the vertices, and the body's name.
 BodyId PythonScene::addBody(const std::string& name, py::handle vertices, py::handle triangles) {
   TriangleMesh mesh = toMesh(vertices, triangles, name);
   return changeable().addBody(name, std::move(mesh));
 }
 
+// Vertices on the host replace those on a device.
 void PythonScene::setMesh(std::int64_t id, py::handle vertices, py::handle triangles) {
   TriangleMesh mesh = toMesh(vertices, triangles, nameOf(id));
   changeable().setMesh(checkedId(id), std::move(mesh));
   device_arrays_.erase(checkedId(id));
 }
 
+// The array's memory is copied by the core.
 void PythonScene::setVertices(std::int64_t id, py::handle vertices) {
   const VertexArray array = toVertexArray(vertices, nameOf(id));
   changeable().setVertices(checkedId(id), array.data(), static_cast<std::size_t>(array.shape(0)));
   device_arrays_.erase(checkedId(id));
 }
 
+// Keeps the Python object, so that the device memory stays valid.
 void PythonScene::setDeviceVertices(std::int64_t id, py::object vertices,
                                     std::optional<std::uintptr_t> stream) {
   const DeviceArray array = toDeviceArray(vertices, stream, nameOf(id));
@@ -117,15 +124,18 @@ void PythonScene::setDeviceVertices(std::int64_t id, py::object vertices,
   device_arrays_[checkedId(id)] = std::move(vertices);
 }
 
+// The pose maps the body's coordinates to the scene's.
 void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle translation) {
   const RigidTransform pose = toPose(rotation, translation, nameOf(id));
   changeable().setPose(checkedId(id), pose);
 }
 
+// The core checks the value, here and in the functions below.
 void PythonScene::setMargin(std::int64_t id, float margin_m) {
   changeable().setMargin(checkedId(id), margin_m);
 }
 
+// Without vertices, the body was rigid; without a pose, it did not move.
 void PythonScene::setEarlier(std::int64_t id, py::handle vertices, py::handle rotation,
                              py::handle translation) {
   const std::string& name = nameOf(id);
@@ -135,6 +145,7 @@ void PythonScene::setEarlier(std::int64_t id, py::handle vertices, py::handle ro
   }
   const RigidTransform pose =
       rotation.is_none() ? scene_.body(checkedId(id)).pose : toPose(rotation, translation, name);
+  // An empty list means that the vertices did not change.
   HostList<float> earlier;
   if (!vertices.is_none()) earlier = toVertices(vertices, name);
   if (!vertices.is_none() && earlier.empty() && scene_.body(checkedId(id)).mesh.vertexCount() > 0) {
@@ -157,12 +168,14 @@ bool PythonScene::pairEnabled(std::int64_t a, std::int64_t b) const {
   return scene_.pairEnabled(checkedId(a), checkedId(b));
 }
 
+// The order is that of the ids.
 std::vector<std::string> PythonScene::names() const {
   std::vector<std::string> names;
   for (const Body& body : scene_.bodies()) names.push_back(body.name);
   return names;
 }
 
+// Every change goes through here, so that no detector sees half of it.
 Scene& PythonScene::changeable() {
   if (lookers_ > 0) {
     throw std::runtime_error(
@@ -171,7 +184,8 @@ Scene& PythonScene::changeable() {
   return scene_;
 }
 
-// As Scene's own refusal, for ids that no BodyId can hold too.
+// Checks before narrowing, because a number that BodyId cannot hold would otherwise wrap around to
+// the id of another body.
 BodyId PythonScene::checkedId(std::int64_t id) const {
   if (id < 0 || static_cast<std::uint64_t>(id) >= scene_.bodyCount()) {
     throw std::invalid_argument("body " + std::to_string(id) + " does not exist; there are " +

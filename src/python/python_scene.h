@@ -1,4 +1,7 @@
-// The scene of the Python module.
+// The class Scene of the Python module.
+//
+// The class follows the C++ Scene. Arguments are checked before anything changes, so a failed call
+// leaves the scene as it was.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -15,33 +18,45 @@
 
 namespace deformable_contact_monitor {
 
-// A scene whose changes are refused (std::runtime_error) while a detector in another thread looks
-// at it. Ids are as callers give them: what is no body is refused by name. For threads that hold
-// Python's global lock.
+// A scene that cannot change while a detector in another thread uses it: changes throw
+// std::runtime_error then. Ids are checked, and errors name a wrong one. Callers must hold Python's
+// global lock.
 class PythonScene {
  public:
+  // Adds a body and returns its id. Ids count up from 0. Arrays are as in array_arguments.h.
   BodyId addBody(const std::string& name, pybind11::handle vertices, pybind11::handle triangles);
+  // Replaces vertices [m] and triangles.
   void setMesh(std::int64_t id, pybind11::handle vertices, pybind11::handle triangles);
+  // Replaces the vertices [m]. Their number must stay the same.
   void setVertices(std::int64_t id, pybind11::handle vertices);
-  // The array lives until the body has other vertices.
+  // Replaces the vertices by an array in device memory, which is read but not copied (see
+  // device_array.h). Keeps the array alive until the body gets other vertices.
   void setDeviceVertices(std::int64_t id, pybind11::object vertices,
                          std::optional<std::uintptr_t> stream);
+  // Sets the pose: p_scene = rotation p_body + translation [m].
   void setPose(std::int64_t id, pybind11::handle rotation, pybind11::handle translation);
+  // Sets the distance up to which triangles of the body count as contacts [m].
   void setMargin(std::int64_t id, float margin_m);
-  // None: as it is now.
+  // Sets where the body was at the beginning of the interval: vertices [m] in the body's frame, and
+  // the pose. None means the body's present value. Rotation and translation must be given together.
   void setEarlier(std::int64_t id, pybind11::handle vertices, pybind11::handle rotation,
                   pybind11::handle translation);
+  // Removes the earlier state, so that the body does not move in the next interval.
   void clearEarlier(std::int64_t id);
+  // Sets the motion bound of the body [m]: how far its path may be from the straight one.
   void setPad(std::int64_t id, float pad_m);
+  // Enables or disables contacts of two bodies; a == b is self-contact.
   void setPairEnabled(std::int64_t a, std::int64_t b, bool enabled);
 
+  // These functions only read, so they also work during a detection.
   bool pairEnabled(std::int64_t a, std::int64_t b) const;
   std::vector<std::pair<BodyId, BodyId>> enabledPairs() const { return scene_.enabledPairs(); }
   std::size_t bodyCount() const { return scene_.bodyCount(); }
   std::size_t triangleCount() const { return scene_.triangleCount(); }
   std::vector<std::string> names() const;
 
-  // While one of these lives, the scene is looked at and stays as it is.
+  // Locks the scene against changes as long as it lives. Several detectors may hold such locks at
+  // once. The counter needs no mutex, because Python's global lock protects it.
   class Looking {
    public:
     explicit Looking(PythonScene* scene) : scene_(scene) { ++scene_->lookers_; }
@@ -53,11 +68,13 @@ class PythonScene {
     PythonScene* scene_;
   };
 
+  // Returns the scene for reading. Hold a Looking while another thread may run Python code.
   const Scene& scene() const { return scene_; }
 
  private:
-  // Throws std::runtime_error if somebody looks at it.
+  // Throws std::runtime_error if a detector uses the scene.
   Scene& changeable();
+  // Returns the id, or throws std::invalid_argument if no body has it.
   BodyId checkedId(std::int64_t id) const;
   const std::string& nameOf(std::int64_t id) const { return scene_.body(checkedId(id)).name; }
 

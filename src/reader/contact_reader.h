@@ -1,5 +1,8 @@
-// How to read ~contact_states safely: what is not known, too old or missing never counts as free.
-// contact_reader.py of the Python package behaves alike; both are tested by one table of cases.
+// Reads ~contact_states safely: a state that is unknown, too old or missing never counts as free.
+//
+// A program stores each message in a ContactReader, and asks it whether a body may move, or how far
+// its nearest neighbour is. contact_reader.py of the Python package behaves alike; one table of
+// test cases checks both.
 #pragma once
 
 #include <deformable_contact_monitor/ContactState.h>
@@ -17,18 +20,20 @@
 
 namespace deformable_contact_monitor {
 
+// The conditions under which a body may move.
 struct ReaderRules {
-  // [s] > 0. A state whose own stamp is longer ago is not known, and nothing is where no message
-  // came for so long. More than the period of the slowest mesh; more than 1 s where every pair may
-  // be allowed, for the monitor then speaks once a second.
+  // How long a state is valid after its own stamp [s], > 0. If no message arrives for so long,
+  // nothing is known. Choose more than the period of the slowest mesh. Choose more than 1 s if
+  // every pair may be ALLOWED, because the monitor then publishes only once a second.
   double max_age_s = 0.5;
-  // [m] >= 0. A NEAR pair lets its bodies move while it is certainly farther apart than this;
-  // infinity: never.
+  // A NEAR pair lets its bodies move if its certain distance is larger than this [m], >= 0;
+  // infinity: a NEAR pair never does.
   double clearance_m = std::numeric_limits<double>::infinity();
-  // Whether a body that is in no state may move; else nothing is known of it.
+  // True: a body that is in no state may move. False: nothing is known of such a body.
   bool unlisted_may_move = false;
 };
 
+// Says whether a body may move, and if not, why.
 struct MoveAnswer {
   bool yes = false;
   std::string because;  // why not; empty: yes
@@ -36,9 +41,9 @@ struct MoveAnswer {
   explicit operator bool() const { return yes; }
 };
 
-// The distance of a pair [m] that is certain, >= 0; 0 where it touches, or nothing is known;
-// infinity where the pair is ALLOWED, and of NONE: nothing is within the monitor's margin.
-// `tolerance_m`: of the message.
+// Returns a distance [m], >= 0, below which the pair certainly is not. Returns 0 if the pair
+// touches or nothing is known; infinity if it is ALLOWED, or NONE without a distance, because then
+// nothing is within the monitor's margin. `tolerance_m` is that of the message.
 inline double certainDistance(const ContactState& state, double tolerance_m) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double separation = state.min_separation;
@@ -51,23 +56,24 @@ inline double certainDistance(const ContactState& state, double tolerance_m) {
   return std::max(0.0, separation - tolerance_m);
 }
 
-// The newest states, and what may be concluded from them at a time. A body is named as in the
-// monitor's output (a link or an object); "*" means all of them, thus every pair. Times are ROS
-// times. One thread at a time.
+// Keeps the newest states and answers questions about them. A body is named as in the monitor's
+// output (a link or an object); "*" means all bodies, thus every pair. All times are ROS times; the
+// caller passes the present one. Not safe for use by several threads.
 class ContactReader {
  public:
-  // ROS time may differ by so much between this process and the monitor's [s]: states stamped
-  // farther ahead are not known.
+  // The clocks of this process and of the monitor may differ by this much [s]. A state that is
+  // stamped farther ahead counts as unknown.
   static constexpr double kClockSlackS = 0.1;
 
-  // Throws std::invalid_argument.
+  // Throws std::invalid_argument if a rule is out of range.
   explicit ContactReader(const ReaderRules& rules = ReaderRules()) : rules_(rules) {
     if (!(rules.max_age_s > 0)) throw std::invalid_argument("max_age_s must be above 0");
     if (!(rules.clearance_m >= 0)) throw std::invalid_argument("clearance_m must not be below 0");
   }
 
-  // A message that came at `now`. One that is older than what is there (a lower cycle, or an older
-  // stamp of the same cycle) is ignored, unless ROS time was reset or the monitor began anew.
+  // Takes a message that arrived at `now`. An older message than the stored one (a lower cycle, or
+  // an older stamp of the same cycle) is ignored, unless ROS time was reset or the monitor was
+  // restarted.
   void store(const ContactStates& states, const ros::Time& now) {
     if (is_there_ && now < received_) forget("ROS time went back");
     if (is_there_ && seconds(newest_.header.stamp, now) <= kClockSlackS && isOlder(states)) return;
@@ -78,15 +84,16 @@ class ContactReader {
     is_there_ = true;
   }
 
-  // Nothing is known until the next message.
+  // Discards the states. Until the next message, every answer is no, because of `because`.
   void forget(const std::string& because) {
     is_there_ = false;
     newest_ = ContactStates();
     nothing_because_ = because;
   }
 
-  // Yes only if the body is listed and each pair with it is known, fresh, and NONE, ALLOWED or
-  // NEAR beyond clearance_m; else no, because of the first pair that speaks against it.
+  // Returns yes only if the body is listed and each of its pairs is known, fresh, and NONE,
+  // ALLOWED, or NEAR with a certain distance above clearance_m. Otherwise returns no and names the
+  // first pair that forbids it.
   MoveAnswer mayMove(const std::string& body, const ros::Time& now) const {
     std::string because = silence(now);
     bool is_listed = false;
@@ -104,7 +111,8 @@ class ContactReader {
     return {because.empty(), because};
   }
 
-  // The least certainDistance() of its pairs [m], for a speed; 0 where anything is not known.
+  // Returns the least certainDistance() of the body's pairs [m], from which a speed may be
+  // computed; 0 if one of them is not known.
   double nearest(const std::string& body, const ros::Time& now) const {
     if (!silence(now).empty()) return 0;
     double least = std::numeric_limits<double>::infinity();
@@ -118,8 +126,8 @@ class ContactReader {
     return is_listed || rules_.unlisted_may_move ? least : 0;
   }
 
-  // Its pairs that are known to touch, or to have touched since their last cycle. None is no reason
-  // to move: ask mayMove().
+  // Returns the body's pairs that are known to touch, or to have touched since their last cycle. An
+  // empty list does not mean that the body may move: ask mayMove() for that.
   std::vector<ContactState> contacts(const std::string& body, const ros::Time& now) const {
     std::vector<ContactState> touching;
     if (!silence(now).empty()) return touching;
@@ -131,15 +139,17 @@ class ContactReader {
     return touching;
   }
 
-  // As stored last; empty before that. Old and unknown states are among them.
+  // Returns the last stored message, which may hold old and unknown states; empty before the first
+  // message.
   const ContactStates& newest() const { return newest_; }
 
+  // Returns whether the state is about that body; "*" matches every state.
   static bool concerns(const ContactState& state, const std::string& body) {
     return body == "*" || state.body_a == body || state.body_b == body;
   }
 
  private:
-  // a - b [s]; ros::Duration throws beyond 68 years.
+  // Returns a - b [s]. ros::Duration would throw if they are more than 68 years apart.
   static double seconds(const ros::Time& a, const ros::Time& b) {
     return 1e-9 * static_cast<double>(static_cast<std::int64_t>(a.toNSec()) -
                                       static_cast<std::int64_t>(b.toNSec()));
@@ -151,12 +161,14 @@ class ContactReader {
     return buffer;
   }
 
+  // Returns whether a message is older than the stored one. A monitor that was restarted begins at
+  // cycle 0 again, but its stamps are newer than all before.
   bool isOlder(const ContactStates& states) const {
     if (states.cycle == newest_.cycle) return states.header.stamp < newest_.header.stamp;
     return states.cycle < newest_.cycle && states.header.stamp <= latest_stamp_;
   }
 
-  // Why nothing at all is known; empty: something is.
+  // Returns why nothing at all is known; empty if something is.
   std::string silence(const ros::Time& now) const {
     if (now.isZero()) return "ROS time is zero";
     if (!is_there_) return nothing_because_;
@@ -165,7 +177,7 @@ class ContactReader {
     return silent_s > rules_.max_age_s ? text("no states came for %.3f s", silent_s) : "";
   }
 
-  // Why the state is not known; empty: it is.
+  // Returns why the state is not known; empty if it is.
   std::string doubt(const ContactState& state, const ros::Time& now) const {
     if (state.state == ContactState::UNKNOWN) return "UNKNOWN: " + state.reason;
     if (state.state > ContactState::PASSED)
@@ -179,7 +191,7 @@ class ContactReader {
     return is_apart && !is_number ? "its distance is no number" : "";
   }
 
-  // Why a state that is known lets its bodies not move; empty: it does.
+  // Returns why a known state forbids its bodies to move; empty if it does not.
   std::string obstacle(const ContactState& state) const {
     if (state.state == ContactState::CONTACT) return "CONTACT";
     if (state.state == ContactState::PASSED) return "PASSED";

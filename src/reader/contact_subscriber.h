@@ -1,4 +1,4 @@
-// A ContactReader that subscribes ~contact_states of a monitor and asks at the present ROS time.
+// Subscribes to a monitor's ~contact_states, and asks a ContactReader at the present ROS time.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -13,12 +13,12 @@
 
 namespace deformable_contact_monitor {
 
-// Needs somebody to spin. Threads may call every function at any time. ROS time that stands still
-// lets nothing grow old here: a program that moves a robot in real time watches that, too, or heeds
-// contact_guard, which does.
+// Needs a spinner that runs its callback. Any thread may call any function at any time. If ROS time
+// stands still, no state grows old here. A program that moves a robot in real time must therefore
+// watch the clock as well, or obey contact_guard, which does.
 class ContactSubscriber {
  public:
-  // `topic`: such as "contact_monitor/contact_states".
+  // Subscribes to `topic`, such as "contact_monitor/contact_states".
   ContactSubscriber(ros::NodeHandle node, const std::string& topic,
                     const ReaderRules& rules = ReaderRules())
       : reader_(rules),
@@ -27,6 +27,7 @@ class ContactSubscriber {
   ContactSubscriber(const ContactSubscriber&) = delete;
   ContactSubscriber& operator=(const ContactSubscriber&) = delete;
 
+  // These functions answer as those of ContactReader do.
   MoveAnswer mayMove(const std::string& body) const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return reader_.mayMove(body, ros::Time::now());

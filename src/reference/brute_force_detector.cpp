@@ -1,19 +1,91 @@
-// Every pair of triangles, one by one: closed boxes, then the exact predicates, then the distance.
+// Compares every pair of triangles, one by one: closed boxes first, then the exact predicates, then
+// the distance.
+//
+// It has no clusters, no sweep and no float32 filter, so that a mistake in one of these shows as a
+// difference to this result. During a time interval it asks for the verdict on every pair.
 #include "reference/brute_force_detector.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
-#include "core/common/host_vertices.h"
+#include "core/common/contact_geometry.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/posed_body.h"
+#include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
-#include "core/cpu/geometry.h"
+#include "core/detector.h"
 #include "core/predicates/narrow_phase.h"
+#include "core/predicates/swept_exact.h"
+#include "core/predicates/swept_pad.h"
+#include "core/predicates/swept_triangle.h"
 #include "core/rules/margins.h"
-#include "reference/brute_force_sweep.h"
 #include "reference/posed_triangles.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// A triangle of a body during the time interval.
+struct MovingBodyTriangle {
+  std::uint32_t index;      // in the body's mesh
+  MovingTriangle received;  // in the body's frames
+  MovingTriangle moving;    // in the scene frame
+};
+
+// Returns the triangles of a body in ascending order of index. Triangles with a vertex that is not
+// finite in either state are left out. A body without an earlier state stands still. Once the limit
+// is over, some are missing.
+std::vector<MovingBodyTriangle> movingTriangles(const Body& body, const CycleLimit& limit);
+
+// A contact in continuous detection.
+struct SweptContact {
+  FirstContact first;
+  // True if the triangles come within their pads, but do not meet on the straight lines.
+  bool within_pad;
+};
+
+// Returns the contact of a pair, or nothing. Adds to the counters candidates, exact and undecided.
+std::optional<SweptContact> sweptContactOf(const MovingBodyTriangle& a, const MovingBodyTriangle& b,
+                                           bool same_body, float pad_m, const Options& options,
+                                           Counters& counters);
+
+std::vector<MovingBodyTriangle> movingTriangles(const Body& body, const CycleLimit& limit) {
+  const PosedBody from = PosedBody::earlier(body), to(body);
+  const auto count = static_cast<std::uint32_t>(body.mesh.triangleCount());
+  std::vector<MovingBodyTriangle> triangles;
+  PacedLimit pace(limit, 1 << 14);
+  for (std::uint32_t t = 0; t < count && !pace.over(); ++t) {
+    const MovingTriangle moving{from.triangle(t), to.triangle(t)};
+    if (isFinite(moving)) triangles.push_back({t, {from.received(t), to.received(t)}, moving});
+  }
+  return triangles;
+}
+
+std::optional<SweptContact> sweptContactOf(const MovingBodyTriangle& a, const MovingBodyTriangle& b,
+                                           bool same_body, float pad_m, const Options& options,
+                                           Counters& counters) {
+  SharedVertices shared;
+  if (same_body) shared = sharedTrajectories(a.received, b.received);
+  if (shared.any && options.adjacent == AdjacentPairs::kSkip) return std::nullopt;
+  PredicateState state{options.predicates};
+  const SweptVerdict verdict =
+      sweptVerdict(a.moving, b.moving, shared, options.adjacent, options.first_times, state);
+  ++counters.candidates;
+  counters.exact += state.exact > 0;
+  if (verdict.part == PartVerdict::kMeet) {
+    counters.undecided += state.undecided;
+    return SweptContact{{verdict.first_low, verdict.first_high}, false};
+  }
+  // Triangles that share a vertex are always within their pads, so only the straight lines count.
+  if (pad_m == 0 || shared.any) return std::nullopt;
+  const PadVerdict pad = withinPad(a.moving, b.moving, pad_m);
+  if (!pad.may_touch) return std::nullopt;
+  // They may touch from first_low on; when they do is not known.
+  return SweptContact{{pad.first_low, 1}, true};
+}
+
+// Compares closed boxes. It is written independently of predicates/aabb.h.
 bool boxesIntersect(const Triangle& a, const Triangle& b) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto range = [axis](const Triangle& t) {
@@ -25,20 +97,24 @@ bool boxesIntersect(const Triangle& a, const Triangle& b) {
   return true;
 }
 
+// A contact that was found, before sorting.
 struct Found {
   TrianglePair pair;
   float separation_m;
 };
 
+// A contact that was found in continuous detection, before sorting.
 struct FoundSwept {
   TrianglePair pair;
   SweptContact contact;
 };
 
+// A detector that is slow and simple. It gives the same contacts as the backends.
 class BruteForceDetector : public Detector {
  public:
   std::string backend() const override { return "brute_force"; }
   void reset() override {}
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     requireValid(options);
@@ -53,6 +129,7 @@ class BruteForceDetector : public Detector {
   }
 
  private:
+  // Selects discrete or continuous detection.
   void find(const Scene& scene, const Options& options, const CycleLimit& limit) {
     if (options.motion == Motion::kSwept) {
       sweep(scene, options, limit);
@@ -61,6 +138,7 @@ class BruteForceDetector : public Detector {
     }
   }
 
+  // Compares every pair of triangles of every enabled pair of bodies, for discrete detection.
   void detectAtOnce(const Scene& scene, const Options& options, const CycleLimit& limit) {
     found_.clear();
     const std::vector<std::vector<PosedTriangle>> bodies = posedBodies(scene, limit);
@@ -73,6 +151,7 @@ class BruteForceDetector : public Detector {
     writeGeometry(scene, options, result_);
   }
 
+  // Does the same for continuous detection.
   void sweep(const Scene& scene, const Options& options, const CycleLimit& limit) {
     std::vector<std::vector<MovingBodyTriangle>> bodies(scene.bodyCount());
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
@@ -86,6 +165,7 @@ class BruteForceDetector : public Detector {
     for (const auto& [a, b] : scene.enabledPairs()) {
       const float pad_m = pairPad(scene.body(a).pad_m, scene.body(b).pad_m);
       for (std::size_t i = 0; i < bodies[a].size(); ++i) {
+        // In one body, a triangle is not compared with itself, and each pair comes once.
         for (std::size_t j = a == b ? i + 1 : 0; j < bodies[b].size() && !pace.over(); ++j) {
           const auto contact =
               sweptContactOf(bodies[a][i], bodies[b][j], a == b, pad_m, options, result_.counters);
@@ -105,6 +185,7 @@ class BruteForceDetector : public Detector {
     }
   }
 
+  // Returns the finite triangles of all bodies that take part, and counts the rejected ones.
   std::vector<std::vector<PosedTriangle>> posedBodies(const Scene& scene, const CycleLimit& limit) {
     std::vector<std::vector<PosedTriangle>> bodies(scene.bodyCount());
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
@@ -117,6 +198,7 @@ class BruteForceDetector : public Detector {
     return bodies;
   }
 
+  // Tests the triangles of two bodies, or of one body with itself.
   void compare(BodyId a, const std::vector<PosedTriangle>& of_a, BodyId b,
                const std::vector<PosedTriangle>& of_b, const Options& options,
                const CycleLimit& limit) {
@@ -132,9 +214,10 @@ class BruteForceDetector : public Detector {
     }
   }
 
-  // Asks no filter before the predicates, so that a fault of theirs would show.
+  // Asks no filter before the predicates, so that a mistake in a filter would show.
   Verdict verdictOn(const PosedTriangle& a, const PosedTriangle& b, bool same_body,
                     const Options& options) {
+    // With a margin, triangles may be in contact although their boxes are apart.
     if (margin_m_ == 0 && !boxesIntersect(a.posed, b.posed)) return {};
     PairFacts facts;
     facts.margin_m = margin_m_;
@@ -148,6 +231,7 @@ class BruteForceDetector : public Detector {
     return verdict;
   }
 
+  // Sorts the contacts and copies them to the result.
   void writeContacts(const Scene& scene) {
     std::sort(found_.begin(), found_.end(),
               [](const Found& x, const Found& y) { return x.pair < y.pair; });

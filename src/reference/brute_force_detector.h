@@ -1,4 +1,5 @@
-// Every pair of triangles, one by one, with the same predicates and margins: slow and simple.
+// A detector that compares every pair of triangles with the same predicates and margins. It is slow
+// and simple; tests compare the backends with it.
 #pragma once
 
 #include <memory>
@@ -7,6 +8,9 @@
 
 namespace deformable_contact_monitor {
 
+// Returns a detector for discrete and continuous detection, with margins and pads. It ignores
+// `tolerance_m`. It uses one thread, and its time grows with the product of the triangle counts.
+// The vertices of bodies must be on the host.
 std::unique_ptr<Detector> makeBruteForceDetector();
 
 }  // namespace deformable_contact_monitor

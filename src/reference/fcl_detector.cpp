@@ -1,8 +1,11 @@
-// FCL's bounding volume hierarchies behind the detector's interface.
+// Uses FCL's bounding volume hierarchies behind the detector's interface. Each cycle builds a model
+// of every body from its posed triangles and collides the models of all enabled pairs. It does not
+// refit the models of the last cycle, so its time includes building them.
 #include "reference/fcl_detector.h"
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
+#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
 #include <fcl/narrowphase/detail/traversal/collision/mesh_collision_traversal_node.h>
 #include <fcl/narrowphase/detail/traversal/collision_node.h>
 
@@ -10,17 +13,36 @@
 #include <limits>
 #include <vector>
 
-#include "core/common/host_vertices.h"
+#include "core/common/contact_geometry.h"
+#include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
-#include "core/cpu/geometry.h"
 #include "reference/posed_triangles.h"
 
 namespace deformable_contact_monitor {
+
+namespace {
+
+// FCL computes in double here, so the conversion is exact.
+fcl::Vector3d toFcl(const Vec3f& v) { return {v.x, v.y, v.z}; }
+
+Vec3d fromFcl(const fcl::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+FclClosestPoints fclClosestPoints(const Triangle& a, const Triangle& b) {
+  const fcl::Vector3d of_a[3] = {toFcl(a.v[0]), toFcl(a.v[1]), toFcl(a.v[2])};
+  const fcl::Vector3d of_b[3] = {toFcl(b.v[0]), toFcl(b.v[1]), toFcl(b.v[2])};
+  fcl::Vector3d on_a, on_b;
+  const double distance =
+      fcl::detail::TriangleDistance<double>::triDistance(of_a, of_b, on_a, on_b);
+  return {fromFcl(on_a), fromFcl(on_b), distance};
+}
+
 namespace {
 
 using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
 
-// One body's finite triangles; FCL's triangle k is triangles[k].
+// Holds one body's finite triangles and FCL's model of them. FCL's triangle k is triangles[k].
 struct FclBody {
   std::vector<PosedTriangle> triangles;
   Model model;
@@ -38,20 +60,23 @@ struct FclBody {
   }
 };
 
-// What fcl::collide() runs, but for the limit.
+// Runs the same traversal as fcl::collide(), with a limit added.
 class Traversal : public fcl::detail::MeshCollisionTraversalNodeOBBRSS<double> {
  public:
   explicit Traversal(const CycleLimit& limit) : pace_(limit, 512) {}
+  // FCL asks this between its tests. The clock is read once in 512 times.
   bool canStop() const override { return pace_.over(); }
 
  private:
   mutable PacedLimit pace_;
 };
 
+// Builds a model of each body in every cycle, and collides all enabled pairs.
 class FclDetector : public Detector {
  public:
   std::string backend() const override { return "fcl"; }
   void reset() override {}
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     requireValid(options);
@@ -83,6 +108,7 @@ class FclDetector : public Detector {
     result_.stages_ms.emplace_back("collide", watch.lapMs());
 
     std::sort(result_.contacts.begin(), result_.contacts.end());
+    // A pair of a body with itself was found from both sides.
     result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
                            result_.contacts.end());
     if (scene.anyMargin()) result_.separations_m.assign(result_.contacts.size(), 0);
@@ -93,10 +119,12 @@ class FclDetector : public Detector {
   }
 
  private:
+  // Collides two models, or a model with itself, and adds the pairs of triangles.
   void collide(const FclBody& body_a, BodyId a, const FclBody& body_b, BodyId b,
                const CycleLimit& limit) {
     if (body_a.triangles.empty() || body_b.triangles.empty()) return;
     fcl::CollisionRequest<double> request;
+    // FCL stops after one contact unless it is asked for all.
     request.num_max_contacts = std::numeric_limits<std::size_t>::max();
     fcl::CollisionResult<double> found;
     const fcl::Transform3d identity = fcl::Transform3d::Identity();
@@ -109,7 +137,7 @@ class FclDetector : public Detector {
       const PosedTriangle* first = &body_a.triangles[static_cast<std::size_t>(contact.b1)];
       const PosedTriangle* second = &body_b.triangles[static_cast<std::size_t>(contact.b2)];
       if (a == b) {
-        // A model against itself meets every pair twice, and every triangle itself.
+        // FCL visits each pair of a model with itself twice, and each triangle with itself.
         if (first == second || sharedVertices(first->received, second->received).any) continue;
         if (second->index < first->index) std::swap(first, second);
       }

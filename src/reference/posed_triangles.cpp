@@ -1,3 +1,5 @@
+// Poses the triangles of a body one by one, with the same rounding to float32 as the backends.
+// Detectors can only be compared if they start from the same numbers.
 #include "reference/posed_triangles.h"
 
 #include "core/common/posed_body.h"

@@ -1,4 +1,5 @@
-// What the references share: finite triangles of a body, received and posed.
+// Lists the finite triangles of a body, as received and in the scene frame. All reference backends
+// start from these.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +13,15 @@
 
 namespace deformable_contact_monitor {
 
+// One triangle of a body.
 struct PosedTriangle {
   std::uint32_t index;  // in the body's mesh
   Triangle received;    // body frame
   Triangle posed;       // scene frame
 };
 
-// In ascending order of index; triangles with a non-finite vertex are left out. Not all where the
-// limit was over.
+// Returns the triangles of a body in ascending order of index. Triangles with a vertex that is not
+// finite are left out. Once the limit is over, some are missing.
 std::vector<PosedTriangle> finiteTriangles(const Body& body, const CycleLimit& limit);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// How large a robot's links are, and what is odd about them, though usable.
+// Warns about links that are usable but unusual: their size, triangles, non-finite vertices.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,15 +9,18 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Links outside these sizes are rare. A wrong unit is the usual reason: a mesh in millimetres that
+// is read as metres is 1000 times too long.
 constexpr double kLargestLink_m = 10;
 constexpr double kSmallestLink_m = 1e-3;
 constexpr std::size_t kManyTriangles = 200000;
 
 struct Extent {
-  double largest_m = 0;        // of the bounding box's sides; 0: no finite vertex
+  double largest_m = 0;        // longest side of the bounding box; 0: no finite vertex
   std::size_t non_finite = 0;  // vertices
 };
 
+// Measures the finite vertices and counts the others.
 Extent measure(const TriangleMesh& mesh) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double low[3] = {kInfinity, kInfinity, kInfinity};

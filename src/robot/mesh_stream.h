@@ -1,6 +1,6 @@
-// What read_link_mesh writes to its standard output: a header, then either the vertices (three
-// doubles each) and triangles (three std::uint32_t each) or the text of a refusal. In this
-// machine's byte order, for both ends are of one build.
+// The format in which read_link_mesh writes to its standard output: a header, then either the
+// vertices (three doubles each) and triangles (three std::uint32_t each), or the text that says why
+// the file was rejected. The byte order is this machine's, since both ends are of one build.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,15 @@
 
 namespace deformable_contact_monitor {
 
+// Tells this format and its version, in case another program is found under the reader's name.
 constexpr std::uint64_t kMeshStreamStart = 0x316873656d6d6364;  // "dcmmesh1"
 
+// Begins every answer. It has no padding, so it is written and read as it is in memory.
 struct MeshStreamHeader {
   std::uint64_t start = kMeshStreamStart;
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t refusal_bytes = 0;  // 0: a mesh follows, else as many characters
+  std::uint64_t refusal_bytes = 0;  // 0: a mesh follows; else the length of the text
 };
 static_assert(sizeof(MeshStreamHeader) == 32, "no padding");
 
@@ -24,7 +26,7 @@ using StreamVertex = Eigen::Vector3d;
 using StreamTriangle = std::array<std::uint32_t, 3>;
 static_assert(sizeof(StreamVertex) == 24 && sizeof(StreamTriangle) == 12, "no padding");
 
-// Whether a mesh of this size is within kMaxMeshMib.
+// Returns whether a mesh of this size takes at most max_bytes, without overflow.
 constexpr bool fitsMeshLimit(std::uint64_t vertices, std::uint64_t triangles,
                              std::uint64_t max_bytes) {
   return vertices <= max_bytes / sizeof(StreamVertex) &&

@@ -1,4 +1,4 @@
-// Names that were mistyped: which one may have been meant.
+// Suggests a known name for one that was mistyped.
 #include "robot/nearest_name.h"
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::size_t kLongest = 100;  // edits cost the product of both lengths
+constexpr std::size_t kLongest = 100;  // the time is the product of both lengths
 
-// Levenshtein's, row by row.
+// Returns the Levenshtein distance of two names, computed row by row.
 std::size_t editCount(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0U);
@@ -26,6 +26,8 @@ std::size_t editCount(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+// Suggests a known name only if at most a third of the longer name's letters, and one more, must be
+// edited. The first of several names that are equally near is suggested.
 std::string nearestNameHint(const std::string& name, const std::vector<std::string>& known) {
   if (name.size() > kLongest) return "";
   const std::string* nearest = nullptr;

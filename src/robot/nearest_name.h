@@ -1,4 +1,4 @@
-// Names that were mistyped: which one may have been meant.
+// Suggests a known name for one that was mistyped.
 #pragma once
 
 #include <string>
@@ -6,8 +6,9 @@
 
 namespace deformable_contact_monitor {
 
-// " (did you mean 'hand'?)" with the name that the fewest edits (a letter added, left out or
-// replaced) lead to; empty if all are too different, or the name is longer than 100 bytes.
+// Returns " (did you mean 'hand'?)" with the known name that needs the fewest edits (a letter
+// added, left out or replaced); empty if all are too different, or the name is longer than 100
+// bytes.
 std::string nearestNameHint(const std::string& name, const std::vector<std::string>& known);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// The primitives of URDF as triangles.
+// Makes the triangles of URDF's primitives: box, cylinder, sphere.
 #include "robot/primitives.h"
 
 #include <cmath>
@@ -14,6 +14,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint32_t kCylinderSides = 64;
 constexpr int kSphereDivisions = 3;
 
+// Throws std::invalid_argument, which names the length, if it is not finite and greater than zero.
 void requirePositive(double size_m, const char* what) {
   if (std::isfinite(size_m) && size_m > 0) return;
   std::ostringstream text;
@@ -21,6 +22,8 @@ void requirePositive(double size_m, const char* what) {
   throw std::invalid_argument(text.str());
 }
 
+// Returns the regular icosahedron whose vertices are on the unit sphere. Its vertices are the
+// corners of three rectangles whose sides have the golden ratio g.
 SourceMesh makeIcosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
   SourceMesh mesh;
@@ -34,7 +37,8 @@ SourceMesh makeIcosahedron() {
   return mesh;
 }
 
-// Every triangle of the unit sphere into four; the edges' midpoints are moved onto the sphere.
+// Divides every triangle of the unit sphere into four and moves the edges' midpoints onto the
+// sphere. Both triangles at an edge use the same midpoint, so the mesh stays closed.
 SourceMesh divide(const SourceMesh& coarse) {
   SourceMesh fine;
   fine.vertices = coarse.vertices;
@@ -79,6 +83,7 @@ SourceMesh makeCylinder(double radius_m, double length_m) {
     mesh.vertices.emplace_back(x, y, -length_m / 2);
     mesh.vertices.emplace_back(x, y, length_m / 2);
   }
+  // The centres of the caps come after the vertices of the sides.
   const std::uint32_t bottom = 2 * kCylinderSides, top = bottom + 1;
   mesh.vertices.emplace_back(0, 0, -length_m / 2);
   mesh.vertices.emplace_back(0, 0, length_m / 2);

@@ -1,4 +1,4 @@
-// The primitives of URDF as triangles.
+// Makes triangle meshes of the primitives of URDF [m].
 #pragma once
 
 #include <Eigen/Core>
@@ -7,20 +7,21 @@
 
 namespace deformable_contact_monitor {
 
-// All of them are centred at the origin, closed (every edge belongs to two triangles, once in each
-// direction) and wound counter-clockwise seen from outside. Vertices lie on the true surface, so
-// curved surfaces are approached from within. They throw std::invalid_argument, naming the size, if
-// one is not finite and greater than zero.
+// All meshes are centred at the origin, closed (every edge belongs to two triangles, once in each
+// direction) and wound counter-clockwise seen from outside. Vertices lie on the true surface, so a
+// curved surface contains its mesh. The functions throw std::invalid_argument, naming the size, if
+// a size is not finite and greater than zero.
 
-// 8 vertices, 12 triangles.
+// Returns a box whose edges, of these lengths, are along the axes. It has 8 vertices and 12
+// triangles.
 SourceMesh makeBox(const Eigen::Vector3d& size_m);
 
-// Around the z axis: 64 sides, each cap fanned from its centre; 256 triangles. The surface is off
-// by at most 0.13 % of the radius.
+// Returns a cylinder along z with 64 sides, and caps that are fans around their centres. It has 256
+// triangles. The mesh is at most 0.13 % of the radius inside the true surface.
 SourceMesh makeCylinder(double radius_m, double length_m);
 
-// An icosahedron divided three times; 642 vertices, 1280 triangles. The surface is off by at most
-// 0.5 % of the radius.
+// Returns an icosahedron whose triangles are divided three times. It has 642 vertices and 1280
+// triangles. The mesh is at most 0.5 % of the radius inside the true surface.
 SourceMesh makeSphere(double radius_m);
 
 }  // namespace deformable_contact_monitor

@@ -1,7 +1,11 @@
-// A running read_link_mesh.
+// Starts read_link_mesh, reads its answer within a deadline, and says how it ended. It uses
+// posix_spawn and a pipe. The process is killed with the object, so no reader outlives the call
+// that needs it.
 #include "robot/reader_process.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
+#include <link.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
@@ -10,31 +14,67 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
-#include "robot/link_mesh_file.h"
+#include "robot/link_mesh_files.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using std::chrono::milliseconds;
+namespace fs = std::filesystem;
 
-// How late a stop or a deadline may be seen.
+constexpr char kProgram[] = "read_link_mesh";
+constexpr char kPackage[] = "deformable_contact_monitor";
+
+// Returns the folder of the program or shared library that contains this function, without symbolic
+// links; empty if it is unknown.
+fs::path thisFolder() {
+  std::error_code error;
+  Dl_info info;
+  link_map* object = nullptr;
+  const int found = dladdr1(reinterpret_cast<const void*>(&thisFolder), &info,
+                            reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP);
+  const bool is_library = found != 0 && object != nullptr && *object->l_name != '\0';
+  const fs::path file = is_library ? object->l_name : "/proc/self/exe";
+  return fs::canonical(file, error).parent_path();
+}
+
+// Returns the folders in which the program may be, in the order in which they are tried.
+std::vector<fs::path> places() {
+  std::vector<fs::path> folders;
+  const fs::path here = thisFolder();
+  if (!here.empty()) folders = {here, here / kPackage};
+  const char* workspaces = std::getenv("CMAKE_PREFIX_PATH");
+  std::istringstream list(workspaces == nullptr ? "" : workspaces);
+  for (std::string workspace; std::getline(list, workspace, ':');) {
+    if (!workspace.empty()) folders.push_back(fs::path(workspace) / "lib" / kPackage);
+  }
+  return folders;
+}
+
+// A stop or a deadline is noticed at most this much later.
 constexpr milliseconds kPollTime{20};
 
-// A process that was killed is gone in no time, unless a file system keeps hold of it. Then it is
-// left to the kernel.
+// A killed process ends at once, unless a file system blocks it. After this time it is left to the
+// kernel.
 constexpr milliseconds kExitTime{1000};
 
+// Throws an error with the system's text for `error`.
 [[noreturn]] void failed(int error, const std::string& what) {
   throw std::system_error(error, std::generic_category(), what);
 }
 
+// Holds the attributes of the new process: it has its own process group and default signals, and
+// its output goes to our pipe.
 class SpawnSettings {
  public:
   explicit SpawnSettings(int output) {
@@ -67,10 +107,24 @@ class SpawnSettings {
 
 }  // namespace
 
+std::string findReaderProgram() {
+  std::string looked;
+  for (const fs::path& folder : places()) {
+    const fs::path program = folder / kProgram;
+    std::error_code error;
+    if (fs::is_regular_file(program, error) && access(program.c_str(), X_OK) == 0) return program;
+    looked += (looked.empty() ? "" : ", ") + folder.string();
+  }
+  throw std::runtime_error(std::string("the program ") + kProgram +
+                           ", which reads mesh files, is missing; it was looked for in " + looked);
+}
+
 ReaderProcess::ReaderProcess(const std::string& program, const std::string& mesh_file,
                              milliseconds max_time, std::function<bool()> stop)
     : max_time_(max_time), deadline_(Clock::now() + max_time), stop_(std::move(stop)) {
   int ends[2];
+  // O_CLOEXEC keeps the pipe from other programs that this process starts. If one of them held the
+  // writing end, the pipe would not end with the reader.
   if (pipe2(ends, O_CLOEXEC) != 0) failed(errno, "no pipe to its reader");
   output_ = ends[0];
   try {
@@ -98,6 +152,8 @@ void ReaderProcess::start(const std::string& program, const std::string& mesh_fi
 
 ReaderProcess::~ReaderProcess() {
   if (process_ > 0) {
+    // Kills the whole process group. Reading the exit status removes the ended process from the
+    // system.
     kill(-process_, SIGKILL);
     exitStatus();
   }
@@ -109,6 +165,7 @@ void ReaderProcess::read(void* to, std::size_t bytes) {
   while (bytes > 0) {
     waitForOutput();
     const ssize_t count = ::read(output_, at, bytes);
+    // The pipe has ended, and the answer is not complete.
     if (count == 0) throwHowItEnded();
     if (count < 0 && errno != EINTR) failed(errno, "its reader's answer was lost");
     if (count > 0) {
@@ -143,6 +200,7 @@ void ReaderProcess::throwHowItEnded() {
                              " and gave no answer");
   }
   const int signal = WTERMSIG(*status);
+  // The kernel sends this signal at the limit of processor time that the reader sets for itself.
   if (signal == SIGXCPU) {
     throw std::runtime_error("takes more than " + std::to_string(kMaxCpuS) +
                              " s of the processor to read");
@@ -152,7 +210,9 @@ void ReaderProcess::throwHowItEnded() {
       " (signal " + std::to_string(signal) + ", " + strsignal(signal) + ")");
 }
 
-// Of a process that has ended or is about to; nothing if it does not end, or if others took it.
+// Returns the exit status of a process that has ended or is about to end; nothing if it does not
+// end, or if somebody else has read its status. waitpid() has no timeout, so it is called again and
+// again with growing pauses.
 std::optional<int> ReaderProcess::exitStatus() {
   const Clock::time_point last_try = Clock::now() + kExitTime;
   std::chrono::microseconds pause{50};

@@ -1,4 +1,6 @@
-// Mesh URIs to local paths.
+// Turns the URIs of mesh files into local paths. Only local files are supported: package:// is
+// looked up by rospack, and file:// and absolute paths are used as they are. Other schemes, such as
+// http://, are rejected.
 #include <ros/package.h>
 
 #include <algorithm>
@@ -8,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "robot/robot_geometry.h"
+#include "robot/link_mesh_files.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -20,7 +22,7 @@ bool startsWith(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
 
-// %20 and the like; a '%' that begins no such code stands for itself.
+// Decodes codes such as %20; a '%' that begins no code is kept.
 std::string percentDecoded(const std::string& text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -38,8 +40,10 @@ std::string percentDecoded(const std::string& text) {
   return decoded;
 }
 
+// Returns the folder of a ROS package. Throws if rospack does not know the package.
 std::string packagePath(const std::string& package) {
-  // getPath() alone would print on stderr, and take the name as part of a command line.
+  // getPath() prints to stderr for an unknown package and puts the name into a command line, so the
+  // name is compared with the list of all packages first.
   std::vector<std::string> packages;
   ros::package::getAll(packages);
   if (std::find(packages.begin(), packages.end(), package) == packages.end()) {
@@ -50,6 +54,7 @@ std::string packagePath(const std::string& package) {
   return ros::package::getPath(package);
 }
 
+// Returns the path of a URI, whether or not there is a file.
 std::string toPath(const std::string& uri) {
   if (startsWith(uri, kPackageScheme)) {
     const std::size_t slash = std::min(uri.find('/', kPackageScheme.size()), uri.size());
@@ -58,6 +63,7 @@ std::string toPath(const std::string& uri) {
   }
   if (startsWith(uri, kFileScheme)) {
     std::string path = uri.substr(kFileScheme.size());
+    // A file URI may name this machine as its host (RFC 8089).
     if (startsWith(path, "localhost/")) path.erase(0, std::string("localhost").size());
     if (!startsWith(path, "/")) throw std::runtime_error("file:// must be followed by /");
     return percentDecoded(path);

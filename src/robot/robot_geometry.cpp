@@ -1,4 +1,6 @@
-// Robot description to one triangle mesh per link.
+// Loads the geometry of a robot's links: reads the URDF, then all mesh files, then builds one mesh
+// for each link. The mesh files are read together, before any link is built, because reading them
+// takes the most time and can be done in parallel. Files of links that are left out are not read.
 #include "robot/robot_geometry.h"
 
 #include <algorithm>
@@ -9,11 +11,11 @@
 #include "robot/nearest_name.h"
 #include "robot/primitives.h"
 #include "robot/source_mesh.h"
-#include "robot/urdf_document.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// Builds the mesh of one link from its elements. An element that fails is named in the problem.
 class GeometryLoader {
  public:
   GeometryLoader(const LinkMeshFiles& files, const std::function<bool()>& stop)
@@ -43,6 +45,7 @@ class GeometryLoader {
   }
 
  private:
+  // Returns the file or the primitive in words, for messages and LinkGeometry::source.
   static std::string describe(const urdf::Geometry& geometry) {
     std::ostringstream text;
     if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) {
@@ -58,6 +61,8 @@ class GeometryLoader {
     return text.str();
   }
 
+  // Adds the triangles of one element. A mesh is scaled in its own frame first, and then placed at
+  // the element's origin. A negative scale is allowed; it mirrors the mesh.
   void append(const UrdfElement& element, LinkMeshBuilder& builder) {
     if (!element.origin.matrix().allFinite()) {
       throw std::invalid_argument("its origin is not finite");
@@ -90,6 +95,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+// Throws std::invalid_argument if an option names links that the robot lacks, with similar names.
 void requireLinks(const std::vector<std::string>& names, const char* option,
                   const UrdfDocument& document) {
   std::vector<std::string> links;
@@ -105,6 +111,7 @@ void requireLinks(const std::vector<std::string>& names, const char* option,
   }
 }
 
+// Returns the URIs of all mesh files of these links. A URI may be there several times.
 std::vector<std::string> meshUris(const std::vector<const UrdfLink*>& links) {
   std::vector<std::string> uris;
   for (const UrdfLink* link : links) {

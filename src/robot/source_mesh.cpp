@@ -1,4 +1,4 @@
-// Triangles as a file or a primitive gives them, in double, before a link's origins and scales.
+// Joins source meshes into the mesh of a link, in which equal vertices are stored once.
 #include "robot/source_mesh.h"
 
 #include <cstring>
@@ -14,6 +14,8 @@ constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
 
+// Mixes the bits of three coordinates. The factor is 2^64 divided by the golden ratio, an odd
+// number whose multiples are spread evenly (Knuth's multiplicative hashing).
 std::size_t LinkMeshBuilder::BitsHash::operator()(const Bits& bits) const {
   std::uint64_t hash = 0;
   for (const std::uint32_t word : bits) {
@@ -39,11 +41,13 @@ void LinkMeshBuilder::append(const SourceMesh& mesh, const Eigen::Affine3d& link
       mesh_.triangleCount() + mesh.triangles.size() >= kMaxCount) {
     throw std::length_error("more than 2^31 vertices or triangles");
   }
+  // A mirroring transform turns triangles inside out. Swapping two corners turns them back.
   const bool mirrors = link_from_source.linear().determinant() < 0;
   std::vector<std::uint32_t> indices(mesh.vertices.size(), kUnused);
   for (std::array<std::uint32_t, 3> triangle : mesh.triangles) {
     if (mirrors) std::swap(triangle[1], triangle[2]);
     for (const std::uint32_t corner : triangle) {
+      // Only vertices that a triangle uses are transformed and stored.
       std::uint32_t& index = indices.at(corner);
       if (index == kUnused) index = indexOf(link_from_source * mesh.vertices[corner]);
       mesh_.triangles.push_back(index);

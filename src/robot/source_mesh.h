@@ -1,4 +1,4 @@
-// Triangles as a file or a primitive gives them, in double, before a link's origins and scales.
+// Triangles of a file or a primitive, in double, before a link's origins and scales are applied.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,8 +11,9 @@
 
 namespace deformable_contact_monitor {
 
+// Holds triangles as indices into a list of vertices. Vertices may be stored several times.
 struct SourceMesh {
-  std::vector<Eigen::Vector3d> vertices;                // [m], as long as no scale says otherwise
+  std::vector<Eigen::Vector3d> vertices;                // [m], unless a scale is applied later
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
 };
 
@@ -21,8 +22,8 @@ struct SourceMesh {
 // by bit are stored once, which changes no triangle.
 class LinkMeshBuilder {
  public:
-  // A mirroring transform turns the winding round, so that outside stays outside. Throws
-  // std::length_error beyond 2^31 vertices or triangles.
+  // Adds the triangles of a mesh. If the transform mirrors, their winding is reversed, so that
+  // outside stays outside. Throws std::length_error beyond 2^31 vertices or triangles.
   void append(const SourceMesh& mesh, const Eigen::Affine3d& link_from_source);
 
   const TriangleMesh& mesh() const { return mesh_; }
@@ -33,6 +34,7 @@ class LinkMeshBuilder {
     std::size_t operator()(const Bits& bits) const;
   };
 
+  // Returns the index of the vertex, after rounding, and adds it if it is new.
   std::uint32_t indexOf(const Eigen::Vector3d& vertex);
 
   TriangleMesh mesh_;

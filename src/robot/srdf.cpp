@@ -1,4 +1,6 @@
-// Which links of a robot may touch each other, as its SRDF says.
+// Reads the rules of an SRDF that say which links may touch each other. Groups, states and end
+// effectors are not needed here and are skipped. Reading does not check whether the links exist;
+// srdfWarnings() compares them with those of the robot.
 #include "robot/srdf.h"
 
 #include <tinyxml2.h>
@@ -8,7 +10,7 @@
 #include <tuple>
 
 #include "robot/nearest_name.h"
-#include "robot/read_link_mesh/regular_file.h"
+#include "robot/regular_file.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -20,7 +22,7 @@ using tinyxml2::XMLElement;
   throw std::invalid_argument("SRDF, line " + std::to_string(line) + ": " + what);
 }
 
-// It goes into messages and diagnostics.
+// Returns `text`, which goes into messages and diagnostics. A control character is an error.
 std::string checked(const char* text, int line) {
   const auto is_forbidden = [](unsigned char c) {
     return c < 0x20 && c != '\t' && c != '\n' && c != '\r';
@@ -30,6 +32,7 @@ std::string checked(const char* text, int line) {
   return copy;
 }
 
+// Returns the value of an attribute that must be there and must not be empty.
 std::string required(const XMLElement& element, const char* attribute) {
   const char* value = element.Attribute(attribute);
   if (value == nullptr || *value == '\0') {
@@ -38,6 +41,7 @@ std::string required(const XMLElement& element, const char* attribute) {
   return checked(value, element.GetLineNum());
 }
 
+// Reads the two links of a rule, and its reason if it has one.
 Srdf::Pair readPair(const XMLElement& element) {
   Srdf::Pair pair{required(element, "link1"), required(element, "link2"), ""};
   const char* reason = element.Attribute("reason");
@@ -45,7 +49,7 @@ Srdf::Pair readPair(const XMLElement& element) {
   return pair;
 }
 
-// Adds to `text` the names that are not known.
+// Appends the names that are not known to `text`, with the nearest known name.
 void addUnknown(const std::set<std::string>& names, const std::set<std::string>& known,
                 std::string* text) {
   constexpr std::size_t kShown = 20;

@@ -1,4 +1,4 @@
-// Which links of a robot may touch each other, as its SRDF says.
+// The rules of a robot's SRDF: which of its links may touch each other.
 #pragma once
 
 #include <set>
@@ -7,9 +7,11 @@
 
 namespace deformable_contact_monitor {
 
-// What MoveIt reads for its collision checks. The order of a pair's links does not matter. A pair
-// in `disabled` beats one in `enabled`, which beats `disabled_links`.
+// Holds the elements that MoveIt reads for its collision checks. The order of a pair's links does
+// not matter. A pair in `disabled` has precedence over one in `enabled`, which has precedence over
+// `disabled_links`.
 struct Srdf {
+  // A pair of links with a rule of its own.
   struct Pair {
     std::string a, b;    // links
     std::string reason;  // "Adjacent", "Never", ...; may be empty
@@ -23,20 +25,20 @@ struct Srdf {
   bool operator==(const Srdf& other) const;
 };
 
-// So large a document, and so many pairs and links in it, are read at most.
+// readSrdf() rejects a document that is larger than this or has more rules.
 constexpr std::size_t kMaxSrdfBytes = std::size_t{16} << 20U;
 constexpr std::size_t kMostSrdfRules = 100000;
 
-// Other elements, at whatever place, are left out and cost nothing if they are malformed. Throws
+// Reads an SRDF document. Other elements are ignored, also where they are malformed. Throws
 // std::invalid_argument, "SRDF, line N: <what>".
 Srdf readSrdf(const std::string& xml);
 
-// Of a file, whose name, `path`, begins every message. Throws std::runtime_error if it is not a
-// regular file or cannot be read, and as readSrdf().
+// Reads an SRDF file. Every error message begins with `path`. Throws std::runtime_error if it is
+// not a regular file or cannot be read, and the errors of readSrdf().
 Srdf readSrdfFile(const std::string& path);
 
-// One line for each of: it is of another robot than `robot` (empty: nobody knows), and it names
-// links that are not among `links`, the first of them listed.
+// Returns one line for each of these facts: the SRDF is for another robot than `robot` (empty: not
+// known), and it names links that are not among `links` (the first of them are listed).
 std::vector<std::string> srdfWarnings(const Srdf& srdf, const std::string& robot,
                                       const std::set<std::string>& links);
 

@@ -1,18 +1,83 @@
-// A URDF's links in document order, their geometry as urdfdom reads it.
+// Copies the geometry out of a URDF's text, has urdfdom parse the copy, and sorts its messages.
 #include "robot/urdf_document.h"
 
 #include <console_bridge/console.h>
+#include <tinyxml2.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <mutex>
 #include <stdexcept>
-
-#include "robot/urdf_text.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Keeps what urdfdom would print.
+using tinyxml2::XMLAttribute;
+using tinyxml2::XMLDocument;
+using tinyxml2::XMLElement;
+
+// Takes the place of '%'. A document cannot contain this character: checked() rejects it.
+constexpr char kPercentGuard = '\x1f';
+
+[[noreturn]] void fail(int line, const std::string& what) {
+  throw std::invalid_argument("robot description, line " + std::to_string(line) + ": " + what);
+}
+
+// Returns `text`, guarded. Control characters, which XML forbids, are an error.
+std::string checked(const char* text, int line) {
+  const auto is_forbidden = [](unsigned char c) {
+    return c < 0x20 && c != '\t' && c != '\n' && c != '\r';
+  };
+  const std::string copy = text;
+  if (std::any_of(copy.begin(), copy.end(), is_forbidden)) fail(line, "a control character");
+  return guarded(copy);
+}
+
+// Copies the element and its attributes, not its children.
+XMLElement* copyElement(const XMLElement& from, tinyxml2::XMLNode& to) {
+  XMLElement* copy = to.GetDocument()->NewElement(checked(from.Name(), from.GetLineNum()).c_str());
+  to.InsertEndChild(copy);
+  for (const XMLAttribute* a = from.FirstAttribute(); a != nullptr; a = a->Next()) {
+    copy->SetAttribute(checked(a->Name(), a->GetLineNum()).c_str(),
+                       checked(a->Value(), a->GetLineNum()).c_str());
+  }
+  return copy;
+}
+
+// Copies the element with all its descendants. Text between elements is left out.
+void copyTree(const XMLElement& from, tinyxml2::XMLNode& to) {
+  XMLElement* copy = copyElement(from, to);
+  for (const XMLElement* e = from.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    copyTree(*e, *copy);
+  }
+}
+
+// Returns the element's name. Throws if it has none.
+const char* requireName(const XMLElement& element) {
+  const char* name = element.Attribute("name");
+  if (name == nullptr || *name == '\0') {
+    fail(element.GetLineNum(), std::string(element.Name()) + " without a name");
+  }
+  return name;
+}
+
+// Copies a link with its elements of one kind. Each copied element keeps only origin and geometry.
+UrdfText::Link copyLink(const XMLElement& from, const char* kind, tinyxml2::XMLNode& to) {
+  UrdfText::Link link{requireName(from), from.GetLineNum(), 0};
+  XMLElement* copy = copyElement(from, to);
+  for (const XMLElement* e = from.FirstChildElement(kind); e != nullptr;
+       e = e->NextSiblingElement(kind)) {
+    ++link.elements;
+    XMLElement* element = copyElement(*e, *copy);
+    for (const char* part : {"origin", "geometry"}) {
+      const XMLElement* child = e->FirstChildElement(part);
+      if (child != nullptr) copyTree(*child, *element);
+    }
+  }
+  return link;
+}
+
+// Collects the messages that urdfdom would print.
 class MessageCollector : public console_bridge::OutputHandler {
  public:
   MessageCollector() { console_bridge::useOutputHandler(this); }
@@ -28,6 +93,7 @@ class MessageCollector : public console_bridge::OutputHandler {
   std::vector<std::string> messages_;
 };
 
+// The robot as urdfdom read it, and the errors that it reported.
 struct Parsed {
   urdf::ModelInterfaceSharedPtr model;  // null: refused
   std::vector<std::string> messages;
@@ -55,11 +121,13 @@ std::string joined(const std::vector<std::string>& messages) {
   return text.empty() ? "urdfdom refuses it without a reason" : text;
 }
 
+// Returns whether a message names a link or joint. urdfdom writes names in brackets or quotes.
 bool mentions(const std::string& text, const std::string& name) {
   return text.find("[" + name + "]") != std::string::npos ||
          text.find("'" + name + "'") != std::string::npos;
 }
 
+// Throws the error of a whole document, with the line of the link or joint that the reason names.
 [[noreturn]] void refuse(const UrdfText& text, const std::string& reason) {
   std::string where;
   for (const UrdfText::Link& link : text.links) {
@@ -71,17 +139,17 @@ bool mentions(const std::string& text, const std::string& name) {
   throw std::invalid_argument("robot description" + where + ": " + reason);
 }
 
-// What urdfdom said of one link: the messages since it left the link before, up to the one that
+// Returns urdfdom's messages about one link: those after the previous link's, up to the one that
 // names this link.
-std::string complaintAbout(const std::string& link, const std::vector<std::string>& messages) {
-  std::vector<std::string> complaint;
+std::string messagesAbout(const std::string& link, const std::vector<std::string>& messages) {
+  std::vector<std::string> selected;
   for (const std::string& message : messages) {
-    complaint.push_back(message);
+    selected.push_back(message);
     if (message.find("for Link [") == std::string::npos) continue;
     if (mentions(message, link)) break;
-    complaint.clear();
+    selected.clear();
   }
-  return joined(complaint);
+  return joined(selected);
 }
 
 Eigen::Affine3d toEigen(const urdf::Pose& pose) {
@@ -103,6 +171,53 @@ std::vector<UrdfElement> convert(const Elements& elements) {
 
 }  // namespace
 
+std::string guarded(std::string text) {
+  std::replace(text.begin(), text.end(), '%', kPercentGuard);
+  return text;
+}
+
+std::string unguarded(std::string text) {
+  std::replace(text.begin(), text.end(), kPercentGuard, '%');
+  return text;
+}
+
+UrdfText readUrdfText(const std::string& urdf_xml, GeometryKind kind) {
+  if (urdf_xml.empty()) throw std::invalid_argument("robot description: is empty");
+  XMLDocument document;
+  if (document.Parse(urdf_xml.data(), urdf_xml.size()) != tinyxml2::XML_SUCCESS) {
+    fail(std::max(document.ErrorLineNum(), 1),
+         std::string("not well-formed XML: ") + document.ErrorName());
+  }
+  const XMLElement* robot = document.FirstChildElement("robot");
+  if (robot == nullptr) fail(1, "there is no element 'robot'");
+  requireName(*robot);
+
+  UrdfText text;
+  XMLDocument copy;
+  XMLElement* robot_copy = copyElement(*robot, copy);
+  const char* element = kind == GeometryKind::kCollision ? "collision" : "visual";
+  std::map<std::string, int> link_lines;
+  for (const XMLElement* e = robot->FirstChildElement("link"); e != nullptr;
+       e = e->NextSiblingElement("link")) {
+    text.links.push_back(copyLink(*e, element, *robot_copy));
+    const auto [first, is_new] = link_lines.emplace(text.links.back().name, e->GetLineNum());
+    if (!is_new) {
+      fail(e->GetLineNum(), "link '" + first->first + "' is there twice, first in line " +
+                                std::to_string(first->second));
+    }
+  }
+  if (text.links.empty()) fail(robot->GetLineNum(), "the robot has no links");
+  for (const XMLElement* e = robot->FirstChildElement("joint"); e != nullptr;
+       e = e->NextSiblingElement("joint")) {
+    text.joint_lines.emplace(requireName(*e), e->GetLineNum());
+    copyTree(*e, *robot_copy);
+  }
+  tinyxml2::XMLPrinter printer(nullptr, true);
+  copy.Print(&printer);
+  text.xml = printer.CStr();
+  return text;
+}
+
 UrdfDocument readUrdf(const std::string& urdf_xml, GeometryKind kind) {
   const UrdfText text = readUrdfText(urdf_xml, kind);
   const Parsed parsed = parse(text.xml);
@@ -122,7 +237,7 @@ UrdfDocument readUrdf(const std::string& urdf_xml, GeometryKind kind) {
     if (link.elements.size() != entry.elements) {
       link.elements.clear();
       link.problem = "robot description, line " + std::to_string(entry.line) + ": " +
-                     complaintAbout(entry.name, parsed.messages);
+                     messagesAbout(entry.name, parsed.messages);
     }
     document.links.push_back(std::move(link));
   }

@@ -1,21 +1,51 @@
-// A URDF's links in document order, their geometry as urdfdom reads it.
+// Reads a URDF's links in document order, with their geometry as urdfdom understands it.
+//
+// urdfdom stops at the first element that it dislikes and prints its messages. So the document is
+// first copied without everything that geometry does not need (readUrdfText), then urdfdom parses
+// the copy, and its messages become the problem of the link that they name (readUrdf).
 #pragma once
 
 #include <urdf_model/link.h>
 
 #include <Eigen/Geometry>
+#include <map>
 #include <string>
 #include <vector>
 
-#include "robot/robot_geometry.h"
-
 namespace deformable_contact_monitor {
 
+enum class GeometryKind { kCollision, kVisual };
+
+// The part of a URDF that says where each link's geometry is, as text that is safe for urdfdom.
+struct UrdfText {
+  struct Link {
+    std::string name;
+    int line = 0;
+    std::size_t elements = 0;  // collision or visual elements
+  };
+
+  std::string xml;          // robot, links with one kind of geometry, joints; guarded (see below)
+  std::vector<Link> links;  // document order, names unique and not empty
+  std::map<std::string, int> joint_lines;
+};
+
+// urdfdom 3.0.1 passes text of the document to printf as a format, so no '%' may reach it.
+// `guarded` replaces each '%' by a character that XML forbids, `unguarded` restores it.
+std::string guarded(std::string text);
+std::string unguarded(std::string text);
+
+// Parses and checks the document. The parts that geometry does not depend on (materials, inertia,
+// plugins, the other kind of geometry, comments) are left out, so they may be malformed.
+// Throws std::invalid_argument, "robot description, line N: <what>".
+UrdfText readUrdfText(const std::string& urdf_xml, GeometryKind kind);
+
+// One collision or visual element of a link.
 struct UrdfElement {
   Eigen::Affine3d origin = Eigen::Affine3d::Identity();  // link from geometry [m]
   urdf::GeometrySharedPtr geometry;                      // never null
 };
 
+// A link with all its elements of the kind that was asked for.
 struct UrdfLink {
   std::string name;
   std::vector<UrdfElement> elements;  // document order
@@ -28,10 +58,10 @@ struct UrdfDocument {
   std::vector<UrdfLink> links;  // document order
 };
 
-// Throws std::invalid_argument, naming element and line where there is one, if the document is not
-// a robot. A link whose elements are malformed has a problem, and the others go on. Nothing is
-// printed. Any thread, but it waits for other callers, and takes console_bridge's handler
-// meanwhile.
+// Reads a robot description. A link whose elements are malformed gets a problem, and the others are
+// read on. Throws std::invalid_argument, naming element and line where there is one, if the
+// document is not a robot. Prints nothing. Thread-safe: callers wait for each other, because the
+// parser's messages go through console_bridge's one handler.
 UrdfDocument readUrdf(const std::string& urdf_xml, GeometryKind kind);
 
 }  // namespace deformable_contact_monitor

@@ -60,7 +60,7 @@ Measured measureDetector(int repeats, Detector* detector, Scene* scene, const Op
   });
 }
 
-// What geometry adds to the round trip.
+// Measures how much geometry adds to the round trip.
 void geometryRows() {
   Scene scene = selfScene(readMeshFile(testDataFile("cloth-ball/cloth_ball92.ply")));
   for (const int threads : {1, 2}) {
@@ -155,7 +155,7 @@ void oneThreadRows() {
       measureDetector(200, robot_detector.get(), &robot, options, true));
 }
 
-// With the argument "geometry" or "swept": these rows alone.
+// The argument "geometry" or "swept" selects these rows alone.
 int run(const std::string& only) {
   std::printf("| scene | what | median ms | least ms | pairs |\n|---|---|---|---|---|\n");
   if (only.empty()) oneThreadRows();

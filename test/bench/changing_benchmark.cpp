@@ -61,7 +61,7 @@ void printFirstOfProcess() {
               made_ms, first_ms, second_ms);
 }
 
-// Of new detectors; the scene's body 0 moves between two states.
+// Measures first cycles of new detectors. The scene's body 0 moves between two states.
 void printFirstCycles(const std::string& name, const TriangleMesh& a, const TriangleMesh& b,
                       const Options& options) {
   constexpr int kRepeats = 9;

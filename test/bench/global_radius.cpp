@@ -78,20 +78,20 @@ ClusterAssignment<Triangle> assignByGlobalRadius(const WorkingSet& set, const Si
   }
   list_begin.push_back(static_cast<std::uint32_t>(assignment.lists.size()));
 
-  assignment.member_begin.assign(prototypes.size() + 1, 0);
-  for (const std::uint32_t g : assignment.lists) ++assignment.member_begin[g + 1];
+  assignment.entry_begin.assign(prototypes.size() + 1, 0);
+  for (const std::uint32_t g : assignment.lists) ++assignment.entry_begin[g + 1];
   for (std::size_t g = 0; g < prototypes.size(); ++g) {
-    assignment.member_begin[g + 1] += assignment.member_begin[g];
+    assignment.entry_begin[g + 1] += assignment.entry_begin[g];
   }
-  assignment.members.resize(assignment.lists.size());
-  std::vector<std::uint32_t> next = assignment.member_begin;
+  assignment.entries.resize(assignment.lists.size());
+  std::vector<std::uint32_t> next = assignment.entry_begin;
   for (std::size_t i = 0; i < split.regular.size(); ++i) {
     const TriangleIndex t = split.regular[i];
-    const ClusterMember<Triangle> member{
+    const ClusterEntry<Triangle> entry{
         set.posed(t),  set.vertexIds(t), t,
         set.bodyOf(t), list_begin[i],    list_begin[i + 1] - list_begin[i]};
     for (std::uint32_t k = list_begin[i]; k < list_begin[i + 1]; ++k) {
-      assignment.members[next[assignment.lists[k]]++] = member;
+      assignment.entries[next[assignment.lists[k]]++] = entry;
     }
   }
   return assignment;

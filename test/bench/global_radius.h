@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/cpu/assign.h"
-#include "core/cpu/prototypes.h"
+#include "core/cpu/cluster.h"
 #include "core/cpu/size_split.h"
 #include "core/cpu/transform.h"
 

@@ -29,7 +29,7 @@ struct Span {
   float low, high;
 };
 
-// Where the triangle with projections p and distances d crosses the common line.
+// Returns where the triangle with projections p and distances d crosses the common line.
 Span spanOn(const Vec3f& p, const Vec3f& d) {
   const auto cut = [](float p0, float p1, float d0, float d1) {
     return p0 + (p1 - p0) * d0 / (d0 - d1);

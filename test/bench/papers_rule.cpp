@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/common/body_groups.h"
+#include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
 #include "core/cpu/cluster.h"
 #include "core/cpu/fuzzy_clustering.h"
-#include "core/cpu/oversized.h"
+#include "core/cpu/pair_stages.h"
 #include "core/cpu/sweep.h"
 #include "core/mesh_file.h"
 #include "global_radius.h"
@@ -32,9 +32,9 @@ using Assign = std::function<ClusterAssignment<Triangle>(const SizeSplit&, const
 
 // The papers have no list of large triangles.
 SizeSplit withoutLargeList(const WorkingSet& set, SizeSplit split) {
-  split.regular.insert(split.regular.end(), split.large.begin(), split.large.end());
+  split.regular.insert(split.regular.end(), split.oversized.begin(), split.oversized.end());
   std::sort(split.regular.begin(), split.regular.end());
-  split.large.clear();
+  split.oversized.clear();
   double reach = 0;
   for (const Aabb& box : set.boxes) {
     for (const Vec3f& corner : {box.min, box.max}) {
@@ -86,12 +86,12 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
     output = CycleOutput<Triangle>(input);
     ClusterSweeper<Triangle> sweeper(input, buffers, output);
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) sweeper.sweep(ClusterIndex(g));
-    sweepLargeTriangles(input, output);
+    sweepOversized(input, output);
     sweep_ms.push_back(watch.lapMs());
-    entries = assignment.members.size();
+    entries = assignment.entries.size();
     for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) {
-      largest = std::max<std::size_t>(largest,
-                                      assignment.member_begin[g + 1] - assignment.member_begin[g]);
+      largest =
+          std::max<std::size_t>(largest, assignment.entry_begin[g + 1] - assignment.entry_begin[g]);
     }
   }
   Contacts contacts;

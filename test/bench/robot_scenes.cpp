@@ -52,7 +52,7 @@ std::string dataOf(const std::string& url) {
   return "robots/" + url.substr((url.find(of_moveit) == 0 ? of_moveit : package).size());
 }
 
-// Of collision shapes meshes alone.
+// Only meshes of the collision shapes are used.
 void addLink(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose, Scene* scene) {
   if (link->collision != nullptr && link->collision->geometry->type == urdf::Geometry::MESH) {
     const auto& mesh = static_cast<const urdf::Mesh&>(*link->collision->geometry);

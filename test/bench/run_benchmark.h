@@ -10,7 +10,7 @@
 
 namespace deformable_contact_monitor {
 
-// As runTool(); without test data it says so, and exits with 0.
+// Runs a benchmark like runTool(). Without test data it prints that and exits with 0.
 inline int runBenchmark(const std::string& name, const std::function<int()>& body) {
   if (testDataIsThere()) return runTool(name, body);
   std::printf("SKIPPED: no test data at %s\n", testDataDir().c_str());

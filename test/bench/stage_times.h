@@ -11,7 +11,7 @@
 
 namespace deformable_contact_monitor {
 
-// Of several cycles of one detector.
+// Collects the stage times of several cycles of one detector.
 struct StageTimes {
   std::vector<std::string> names;  // of the last cycle, in its order
   std::map<std::string, std::vector<double>> ms;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/lane_screen.h"
+#include "core/cpu/moving_pair_filter.h"
 #include "core/mesh_file.h"
 #include "core/predicates/swept_exact.h"
 #include "moving_meshes.h"
@@ -19,7 +19,7 @@ struct Candidate {
   SharedVertices shared;
 };
 
-// Of processor time.
+// Returns processor time.
 double millisecondsSince(std::clock_t start) {
   return 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
@@ -120,7 +120,8 @@ void printFilters(std::vector<Candidate> pairs) {
   std::printf("%zu features meet; integer signs alone settle %zu\n", met, with_integers);
 }
 
-// What the CPU does: the filters in vector lanes, then verdicts on what they leave.
+// Runs what the CPU backend does: the filters in vector lanes, then verdicts on the remaining
+// pairs.
 void printScreen(const std::vector<Candidate>& pairs, bool wants_time) {
   std::vector<MovingTriangles> meet;
   for (const Candidate& pair : pairs) {
@@ -129,14 +130,14 @@ void printScreen(const std::vector<Candidate>& pairs, bool wants_time) {
   constexpr std::size_t kPart = 1 << 14;
   std::vector<Candidate> open;
   std::size_t meeting = 0;
-  LaneScreen screen;
+  MovingPairFilter filter;
   const std::clock_t start = std::clock();
   for (std::size_t begin = 0; begin < meet.size(); begin += kPart) {
     const std::size_t end = std::min(meet.size(), begin + kPart);
     const std::vector<MovingTriangles> part(&meet[begin], &meet[begin] + (end - begin));
-    screen.screen(part, wants_time);
-    meeting += screen.meeting().size();
-    for (const std::uint32_t i : screen.open()) open.push_back({part[i].a, part[i].b, {}});
+    filter.filter(part, wants_time);
+    meeting += filter.meeting().size();
+    for (const std::uint32_t i : filter.open()) open.push_back({part[i].a, part[i].b, {}});
   }
   std::printf("in lanes%s: of %zu pairs %zu in contact, %zu open, %.1f ms\n",
               wants_time ? ", with times" : "", meet.size(), meeting, open.size(),

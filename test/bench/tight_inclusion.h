@@ -6,7 +6,7 @@
 
 namespace deformable_contact_monitor {
 
-// As its users call it: breadth first, to 1e-6, at most a million steps.
+// Calls it as its users do: breadth first, to 1e-6, at most a million steps.
 bool meetsByTightInclusion(const Feature& feature);
 
 }  // namespace deformable_contact_monitor

@@ -14,10 +14,9 @@
 #include <vector>
 
 #include "core/body_distance.h"
-#include "core/bounded_detector.h"
 #include "core/common/stopwatch.h"
-#include "core/cpu_detector.h"
 #include "core/mesh_file.h"
+#include "cuda/detector_choice.h"
 #include "moving_scene.h"
 #include "robot_scenes.h"
 #include "run_benchmark.h"
@@ -44,7 +43,8 @@ struct Run {
   Options options;
   double budget_ms = 0;  // 0: none
   std::shared_ptr<TilingCache> tilings = std::make_shared<TilingCache>();
-  std::unique_ptr<Detector> detector = makeBoundedDetector(makeCpuDetector(), tilings);
+  std::unique_ptr<Detector> detector =
+      makeDetector(BackendChoice::kCpu, WithoutCuda::kRefuse, CudaSettings(), nullptr, tilings);
   std::vector<double> times_ms;
   std::size_t decided = 0, pairs = 0, contacts = 0, missed = 0, listed = 0;
   std::vector<std::pair<std::string, double>> stages_ms;

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kStates = 20;
 
-// In the scene frame.
+// The vertices are in the scene frame.
 void writeOff(const std::filesystem::path& file, const TriangleMesh& mesh,
               const RigidTransform& pose) {
   std::string text = "OFF\n" + std::to_string(mesh.vertexCount()) + " " +

@@ -1,13 +1,13 @@
 // Prints what it costs that objects take turns: cycles of a monitor with four cloths over a plate,
-// all with one detector, and each set of pairs with its own (makePairSetDetector).
+// all with one detector, and each set of pairs with its own (makeDetectorPool).
 #include <cstdio>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "core/common/pair_set_detector.h"
 #include "core/cpu_detector.h"
+#include "core/detector_pool.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "scenes.h"
@@ -50,7 +50,7 @@ const DetectionResult& takeTurn(Turns& turns, std::size_t turn, Detector& detect
   return detector.detect(turns.scene, Options());
 }
 
-// Whether the contacts are those of `reference`.
+// Returns whether the contacts equal those of `reference`.
 bool printRow(const std::string& name, Turns turns, Detector& detector, Detector& reference) {
   std::vector<double> round_trip_ms;
   std::size_t cold_starts = 0;
@@ -77,7 +77,9 @@ bool printBackend(const std::string& backend,
     const Turns turns = makeTurns(n, of_one_size);
     const auto reference = makeCpuDetector();
     equal &= printRow(name + ", one detector", turns, *make(), *reference);
-    equal &= printRow(name + ", by pairs", turns, *makePairSetDetector(make), *reference);
+    PoolSettings settings;
+    settings.cpu = make;
+    equal &= printRow(name + ", by pairs", turns, *makeDetectorPool(settings), *reference);
   }
   return equal;
 }

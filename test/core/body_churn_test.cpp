@@ -130,7 +130,7 @@ class Churn {
     scene_.setPairEnabled(id, id, !scene_.pairEnabled(id, id));
     return "self-contacts of body " + std::to_string(id);
   }
-  // What comes may be far from all clusters.
+  // Adds bodies in another place, which may be far from all clusters.
   std::string otherAway() {
     const BodyId id = anySmall(), other = anySmall();
     scene_.setMesh(id, clothGrid(2, 0.3F, 40, 0.1F));

@@ -1,7 +1,7 @@
 // Counters mean the same on every backend.
 #include <gtest/gtest.h>
 
-#include "core/common/rejected_triangles.h"
+#include "core/common/scene_queries.h"
 #include "detector_suite.h"
 #include "scenes.h"
 
@@ -111,7 +111,7 @@ TEST_P(CountersTest, UndecidedIsContactsThatNoFilterDecides) {
   EXPECT_EQ(0U, result.counters.exact);
 }
 
-// Which pairs come to the predicates is each backend's own, but none is counted as more than one.
+// Each backend decides for itself which pairs reach the predicates, but counts none twice.
 TEST_P(CountersTest, ExactAndUndecidedAreAmongCandidatesAndContacts) {
   Scene scene;  // one upon the other: edge lies along edge
   const BodyId lower = scene.addBody("lower", clothGrid(12, 1, 0, 0));

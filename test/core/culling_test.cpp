@@ -25,7 +25,8 @@ RigidTransform shifted(double x) {
 
 class Culling : public DetectorSuite {
  protected:
-  // Of a cold start: the work, unlike the result, depends on what earlier cycles left.
+  // Returns the counters of a cold start. Unlike the result, the work depends on what earlier
+  // cycles left.
   Counters counters(const Scene& scene) {
     detector_->reset();
     return detector_->detect(scene, Options()).counters;

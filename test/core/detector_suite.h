@@ -28,16 +28,17 @@ inline std::ostream& operator<<(std::ostream& out, const Backend& backend) {
   return out << backend.name;
 }
 
-// Of CUDA; with $DCM_TEST_SHARES as so many devices, which are all the first one.
+// Returns a CUDA detector. If $DCM_TEST_PARTITIONS is set, it uses that many devices, which are all
+// the first one.
 inline std::unique_ptr<Detector> makeCudaOrShares() {
   CudaSettings settings;
-  const char* shares = std::getenv("DCM_TEST_SHARES");
+  const char* shares = std::getenv("DCM_TEST_PARTITIONS");
   settings.devices.assign(shares == nullptr ? 0 : std::strtoul(shares, nullptr, 10), 0);
   settings.shared_from_triangles = 0;
   return makeCudaDetector(settings);
 }
 
-// What users get. The CUDA backend joins where there is a device for it.
+// Returns the backends that users get. CUDA is among them if there is a device.
 inline std::vector<Backend> productBackends() {
   std::vector<Backend> backends = {{"cpu", [] { return makeCpuDetector(); }}};
   try {
@@ -49,7 +50,7 @@ inline std::vector<Backend> productBackends() {
   return backends;
 }
 
-// And brute force, for small scenes only.
+// Returns the same and brute force, for small scenes only.
 inline std::vector<Backend> allBackends() {
   std::vector<Backend> backends = productBackends();
   backends.push_back({"brute_force", makeBruteForceDetector});

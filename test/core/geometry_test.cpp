@@ -7,9 +7,8 @@
 #include <cstring>
 #include <random>
 
-#include "core/common/pair_set_detector.h"
 #include "core/common/posed_body.h"
-#include "core/fallback_detector.h"
+#include "core/detector_pool.h"
 #include "core/rules/geometry_of_pair.h"
 #include "detector_suite.h"
 #include "random_scenes.h"
@@ -104,7 +103,7 @@ TEST_P(Geometry, IsTheRulesInRandomScenes) {
   expectRulesGeometry(large, detector_->detect(large, withGeometry()));
 }
 
-// What predicates below exact list although it is apart, is said to be apart.
+// Pairs that predicates below exact list although they are apart must be reported as apart.
 TEST_P(Geometry, MakesNothingUp) {
   std::size_t apart = 0;
   for (const Predicates predicates : {Predicates::kConservative, Predicates::kFast}) {
@@ -178,11 +177,13 @@ TEST_P(Geometry, StaysInStepWhereACycleEndsEarly) {
 // Detectors that have others do the work.
 TEST_P(Geometry, IsPassedOn) {
   const Scene scene = twoCloths(0.01F);
-  const auto make = GetParam().make;
-  const auto sets = makePairSetDetector(make, PairSetLimits());
-  expectRulesGeometry(scene, sets->detect(scene, withGeometry()));
-  const auto fallback = makeFallbackDetector(make, make, nullptr, std::nullopt);
-  expectRulesGeometry(scene, fallback->detect(scene, withGeometry()));
+  PoolSettings settings;
+  settings.cpu = GetParam().make;
+  const auto on_cpu = makeDetectorPool(settings);
+  expectRulesGeometry(scene, on_cpu->detect(scene, withGeometry()));
+  settings.device = GetParam().make;
+  const auto on_device = makeDetectorPool(settings);
+  expectRulesGeometry(scene, on_device->detect(scene, withGeometry()));
 }
 
 INSTANTIATE_TEST_SUITE_P(, Geometry, ::testing::ValuesIn(allBackends()), backendName);

@@ -1,4 +1,4 @@
-// What must not change the result: the order of things, where the scene is, and how large.
+// Changes that must not change the result: orders, the place of the scene, and its scale.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

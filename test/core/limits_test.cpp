@@ -226,8 +226,8 @@ TEST_P(ProductLimitsTest, SoDoTheStagesWithinOneCluster) {
   }
 }
 
-// Triangles as large as the scene, among small ones: most pairs are those of the large list.
-TEST_P(ProductLimitsTest, SoDoesTheListOfLargeTriangles) {
+// Triangles as large as the scene, among small ones: most pairs are those of oversized ones.
+TEST_P(ProductLimitsTest, SoDoesTheStageOversized) {
   TriangleMesh mesh = clothGrid(300, 1, 0.3F, 0.2F);
   const TriangleMesh large = crossingTriangles(2500);
   const auto first = static_cast<std::uint32_t>(mesh.vertexCount());

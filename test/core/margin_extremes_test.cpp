@@ -247,7 +247,7 @@ TEST_P(MarginExtremes, FarVerticesByExactDistances) {
   }
 }
 
-// Whether separations are there depends on bodies that take part, not on others.
+// The result has separations depending on the bodies that take part, not on others.
 TEST_P(MarginExtremes, SeparationsAreThereByOneRule) {
   Scene scene = twoCloths(6, 0);
   EXPECT_TRUE(detector_->detect(scene, Options()).separations_m.empty());

@@ -44,7 +44,8 @@ std::uint64_t pairsOf(const Scene& scene) {
   return pairs;
 }
 
-// What is listed is right, and what is not is counted, unless the result is cut off.
+// Checks that all listed pairs are right, and that the others are counted unless the result is cut
+// off.
 ::testing::AssertionResult isPartOf(const DetectionResult& all, const DetectionResult& part) {
   const ::testing::AssertionResult ordered = isOrdered(part.contacts);
   if (!ordered) return ordered;
@@ -64,7 +65,7 @@ std::uint64_t pairsOf(const Scene& scene) {
   return sameBits(separations_m, part.separations_m);
 }
 
-// By conservative predicates: what is more than the contacts is undecided.
+// Checks conservative predicates: pairs that are no contacts are counted as undecided.
 ::testing::AssertionResult holdsAll(const DetectionResult& exact, const DetectionResult& found) {
   const ::testing::AssertionResult ordered = isOrdered(found.contacts);
   if (!ordered || found.left_out > 0 || found.cut_off) return ordered;

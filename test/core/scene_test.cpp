@@ -121,7 +121,7 @@ TEST_F(SceneTest, RefusesEarlierStatesThatDoNotFit) {
   }
   EXPECT_NE(refusal([&] { scene_.setEarlier(7, {}); }), "");
   EXPECT_NE(refusal([&] { scene_.clearEarlier(7); }), "");
-  // What is refused leaves the one before.
+  // A rejected state leaves the earlier one in place.
   EXPECT_EQ(refusal([&] { scene_.setEarlier(cloth_, {}, fitting); }), "");
   EXPECT_NE(refusal([&] { scene_.setEarlier(cloth_, {}, std::vector<float>(12)); }), "");
   ASSERT_TRUE(scene_.body(cloth_).earlier);

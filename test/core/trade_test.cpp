@@ -1,4 +1,5 @@
-// What speed may cost, and what must cost nothing: overlap, cluster counts, outliers.
+// Tests what settings for speed may cost, and what must cost nothing: overlap, numbers of clusters,
+// outliers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,13 +32,13 @@ void addTriangle(const Triangle& triangle, TriangleMesh* mesh) {
 
 class Trade : public DetectorSuite {
  protected:
-  // Of a few cycles' warm start.
+  // Returns the counters after a few warm cycles.
   Counters settled(const Scene& scene, const Options& options) {
     for (int cycle = 0; cycle < 4; ++cycle) detector_->detect(scene, options);
     return detector_->detect(scene, options).counters;
   }
-  // What is in clusters are tiles of triangles (Counters, Options::overlap): in more of them each,
-  // and so fewer pairs are lost.
+  // On CUDA the entries of clusters are tiles of triangles (Counters, Options::overlap). Each
+  // triangle is in more clusters then, so that fewer pairs are lost.
   bool inTiles() const { return std::string(GetParam().name) == "cuda"; }
 };
 

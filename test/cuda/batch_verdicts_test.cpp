@@ -47,10 +47,10 @@ bool deviceIsThere() {
   }
 }
 
-constexpr std::size_t kPairs = 200000;
+constexpr std::size_t kSweepTriangles = 200000;
 
 TEST(BatchVerdicts, AreTheHostsOrSayWhyNot) {
-  const std::vector<VerdictQuestion> pairs = hardPairs(kPairs);
+  const std::vector<VerdictQuestion> pairs = hardPairs(kSweepTriangles);
   if (!deviceIsThere()) {
     EXPECT_FALSE(isCudaRequired());
     EXPECT_THROW(batchVerdicts(pairs, AdjacentPairs::kSkip, Predicates::kExact, 0), CudaError);
@@ -107,13 +107,13 @@ std::vector<VerdictQuestion> nearPairs(std::size_t count, float margin_m) {
 TEST(BatchVerdicts, SeparationsAreTheHostsBitByBit) {
   if (!deviceIsThere()) return;
   for (const float margin_m : {1e-40F, 1e-30F, 1e-3F, 1.0F, 1e30F, 3e38F}) {
-    const std::vector<VerdictQuestion> pairs = nearPairs(kPairs, margin_m);
+    const std::vector<VerdictQuestion> pairs = nearPairs(kSweepTriangles, margin_m);
     const auto verdicts =
         batchVerdicts(pairs, AdjacentPairs::kBeyondShared, Predicates::kExact, margin_m);
     std::size_t near = 0, wrong = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       PredicateState state;
-      // In the other order.
+      // Swaps the triangles of each pair.
       const Verdict host =
           pairVerdict(pairs[i].b, pairs[i].a, false, AdjacentPairs::kBeyondShared, margin_m, state);
       wrong += host.contact != (verdicts[i].contact == 1) ||

@@ -1,4 +1,4 @@
-// What the CUDA backend keeps of a scene that changes, and what it makes anew.
+// Tests what the CUDA backend keeps of a scene that changes, and what it builds anew.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -51,9 +51,9 @@ TEST_F(ChangingScenes, ASmallChangeIsNoColdStart) {
   EXPECT_TRUE(known.detect().started_cold) << "it is of another size";
 }
 
-// Each of them alone is no reason to look at the scene again, all of them are: or its clusters
-// would be those of a scene that is long gone.
-TEST_F(ChangingScenes, SmallChangesAddUpToALook) {
+// A small change is no reason to inspect the scene again. Many of them add up, because the clusters
+// would otherwise fit the scene less and less.
+TEST_F(ChangingScenes, SmallChangesAddUpToAnInspection) {
   if (!hasDevice()) return;
   KnownCloth known;
   Scene& scene = known.scene;

@@ -111,7 +111,7 @@ TEST_P(ContactOutput, HasRowsOfAnyLength) {
   }
 }
 
-// What the detector gave belongs to the caller once it is copied.
+// A copied result belongs to the caller.
 TEST_P(ContactOutput, CopiesOutliveTheDetector) {
   if (!detector_) return;
   const Scene scene = selfScene(clothGrid(40, 1, 0, 0.3F));
@@ -123,7 +123,7 @@ TEST_P(ContactOutput, CopiesOutliveTheDetector) {
 }
 
 // The device reads vertices where the scene has them, and nobody notices.
-TEST_P(ContactOutput, VerticesMayLieInMemoryThatIsLent) {
+TEST_P(ContactOutput, VerticesMayLieInTheDetectorsMemory) {
   if (!detector_) return;
   Scene scene = selfScene(clothGrid(50, 1, 0, 0.3F));
   scene.useMemory(detector_->vertexMemory());

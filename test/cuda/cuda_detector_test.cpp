@@ -1,4 +1,4 @@
-// What is special to the CUDA backend; that its results are right, the detector suite shows.
+// Tests what is special to the CUDA backend; the detector suite shows that its results are correct.
 #include "cuda/cuda_detector.h"
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ TEST(CudaDetector, WithLittleMemoryTheCountStaysExactAndTheListIsPartOfIt) {
 }
 
 // Random triangles in a box, every vertex within a unit of the first.
-Scene crowdedScene(int count, float margin_m) {
+Scene denseScene(int count, float margin_m) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0, 1);
   TriangleMesh mesh;
@@ -90,7 +90,7 @@ TEST(CudaDetector, PassesThatOutgrowTheListOfContactsStartAgain) {
     const auto detector = makeOrSayWhy(settings);
     if (detector == nullptr) return;
     for (const bool with_huge : {false, true}) {
-      Scene scene = crowdedScene(500, margin_m);
+      Scene scene = denseScene(500, margin_m);
       if (with_huge) {  // they are on the large list, whose blocks take turns too
         scene.addBody("huge", {{-99, -99, 1.5F, 199, -99, 1.4F, 50, 199, 1.6F, -99, 99, 1, 199, 99,
                                 1.1F, 50, -199, 0.9F},
@@ -112,11 +112,11 @@ TEST(CudaDetector, PassesThatOutgrowTheListOfContactsStartAgain) {
   }
 }
 
-// Not even one work unit's candidates fit: what was judged is true, and the rest is said. With a
-// margin the sweep itself settles nothing.
+// Not even one work unit's candidates fit: what was examined is true, and the rest is said. With a
+// margin the sweep itself decides nothing.
 TEST(CudaDetector, WithNextToNoMemoryTheResultIsCutOffAndSaysSo) {
   for (const float margin_m : {0.001F, 0.05F}) {
-    Scene scene = crowdedScene(500, margin_m);
+    Scene scene = denseScene(500, margin_m);
     scene.addBody("huge", {{-99, -99, 1.5F, 199, -99, 1.4F, 50, 199, 1.6F}, {0, 1, 2}});
     scene.setPairEnabled(0, 1, true);
     const auto all = makeCpuDetector()->detect(scene, Options()).contacts;
@@ -145,7 +145,7 @@ TEST(CudaDetector, IsWholeAgainOnceTheMemoryDoes) {
   settings.memory_limit_bytes = 64;
   const auto detector = makeOrSayWhy(settings);
   if (detector == nullptr) return;
-  EXPECT_TRUE(detector->detect(crowdedScene(500, 0.05F), Options()).cut_off);
+  EXPECT_TRUE(detector->detect(denseScene(500, 0.05F), Options()).cut_off);
   const Scene crossing =
       pairScene(meshOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}),
                 meshOf({{{{0.2F, 0.2F, -1}, {0.2F, 0.3F, 1}, {0.3F, 0.2F, 1}}}}));
@@ -186,7 +186,7 @@ TEST(CudaDetector, SeveralInOneProcessOnThreadsOfTheirOwn) {
   EXPECT_EQ(wrong, std::vector<int>(wrong.size(), 0));
 }
 
-// What a warm start remembers does not fit after a jump: it must cost time, never contacts.
+// The state of a warm start does not fit after a jump: it must cost time, never contacts.
 TEST(CudaDetector, ScenesThatJumpGrowAndShrink) {
   const auto detector = makeOrSayWhy();
   if (detector == nullptr) return;

@@ -14,7 +14,7 @@ COMMANDS = sys.argv.pop(1)
 
 # In the others no number decides twice: sweep and oversized look at each pair once, tiles makes each
 # key once, fan_rings and rows have whole numbers alone.
-MAY_CONTRACT = {"assign_bins.cu", "fan_rings.cu", "oversized.cu", "output.cu", "pairs.cu",
+MAY_CONTRACT = {"fan_rings.cu", "oversized.cu", "output.cu", "sweep_triangles.cu",
                 "rows.cu", "sweep.cu", "tiles.cu", "brute_force_tiles.cu"}
 
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/cpu_detector.h"
+#include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "pair_sets.h"
 #include "scenes.h"

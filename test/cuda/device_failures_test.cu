@@ -1,4 +1,5 @@
-// What a device that fails costs: out of memory, some cycles on the CPU; a dead context, CUDA.
+// Tests what a failing device costs: some cycles on the CPU when memory runs out, CUDA for good
+// when the context is dead.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 #include <vector>
 
 #include "core/cpu_detector.h"
-#include "core/fallback_detector.h"
+#include "core/detector_pool.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/detector_choice.h"
 #include "cuda/device/check.cuh"
@@ -69,14 +70,20 @@ class MemoryHog {
 Scene smallScene() { return pairScene(clothGrid(20, 1, 0, 0.1F), clothGrid(20, 1, 0.01F, 0)); }
 Scene wideScene() { return pairScene(clothGrid(400, 1, 0, 0.1F), clothGrid(400, 1, 0.01F, 0)); }
 
-// With a clock that the test moves.
+// Uses a clock that the test moves.
 struct Monitored {
   std::chrono::steady_clock::time_point now{std::chrono::hours(3)};
-  std::vector<BackendState> told;
-  std::unique_ptr<Detector> detector =
-      makeFallbackDetector([] { return makeCudaDetector(); }, [] { return makeCpuDetector(); },
-                           [this](const BackendState& state) { told.push_back(state); },
-                           RetryTimes{5, 60, [this] { return now; }});
+  std::vector<BackendState> reported;
+  std::unique_ptr<Detector> detector = makeDetectorPool(settings());
+
+  PoolSettings settings() {
+    PoolSettings pool;
+    pool.device = [] { return makeCudaDetector(); };
+    pool.cpu = [] { return makeCpuDetector(); };
+    pool.changed = [this](const BackendState& state) { reported.push_back(state); };
+    pool.retry = RetryTimes{5, 60, [this] { return now; }};
+    return pool;
+  }
 
   // A cycle finds what the CPU finds. Returns the backend that ran.
   std::string detect(const Scene& scene) {
@@ -107,16 +114,16 @@ TEST(DeviceFailures, AfterOutOfMemoryCudaComesBack) {
   {
     const MemoryHog hog;
     EXPECT_EQ(monitored.detect(wideScene()), "cpu");
-    ASSERT_EQ(monitored.told.size(), 1U);
-    EXPECT_EQ(monitored.told[0].fault, BackendFault::kTransient);
-    EXPECT_TRUE(monitored.told[0].tried_again);
+    ASSERT_EQ(monitored.reported.size(), 1U);
+    EXPECT_EQ(monitored.reported[0].fault, BackendFault::kTransient);
+    EXPECT_TRUE(monitored.reported[0].tried_again);
     monitored.now += std::chrono::seconds(5);
     EXPECT_EQ(monitored.detect(wideScene()), "cpu") << "still none";
   }
   EXPECT_EQ(monitored.detect(wideScene()), "cpu") << "it is not time yet";
   monitored.now += std::chrono::seconds(10);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(monitored.detect(wideScene()), "cuda");
-  EXPECT_TRUE(monitored.told.back().problem.empty());
+  EXPECT_TRUE(monitored.reported.back().problem.empty());
 }
 
 // Keeps every multiprocessor to itself for so long.
@@ -173,7 +180,7 @@ TEST(DeviceFailures, ABusyDeviceCostsTimeAndNothingElse) {
   std::printf("while others had the device: %d cycles in time, %d cut off\n", in_time, late);
   EXPECT_GT(in_time + late, 0);
   EXPECT_EQ(monitored.detect(smallScene()), "cuda") << "nothing was wrong with it";
-  EXPECT_TRUE(monitored.told.empty());
+  EXPECT_TRUE(monitored.reported.empty());
 }
 
 __global__ void writeToNowhere(int* nowhere) { *nowhere = 1; }
@@ -193,12 +200,12 @@ void killContextAndGoOn(bool by_address) {
     if (monitored.detect(smallScene()) != "cpu") problems += 2;
     monitored.now += std::chrono::hours(1);
   }
-  if (monitored.told.size() != 1 || monitored.told[0].fault != BackendFault::kSticky ||
-      monitored.told[0].tried_again) {
+  if (monitored.reported.size() != 1 || monitored.reported[0].fault != BackendFault::kSticky ||
+      monitored.reported[0].tried_again) {
     problems += 16;
   }
-  for (const BackendState& state : monitored.told) {
-    std::fprintf(stderr, "told: %s\n", state.problem.c_str());
+  for (const BackendState& state : monitored.reported) {
+    std::fprintf(stderr, "reported: %s\n", state.problem.c_str());
   }
   if (testing::Test::HasFailure()) problems += 32;
   monitored.detector.reset();  // may neither throw nor hang
@@ -210,9 +217,9 @@ bool hasTwoDevices() {
   return hasDevice() && cudaGetDeviceCount(&count) == cudaSuccess && count > 1;
 }
 
-// Two devices that share each cycle, with what is told of them.
+// Two devices that divide each cycle, and the states that they report.
 struct Pair {
-  std::vector<BackendState> told;
+  std::vector<BackendState> reported;
   std::unique_ptr<Detector> detector;
 
   Pair() {
@@ -220,7 +227,7 @@ struct Pair {
     settings.devices = {0, 1};
     settings.shared_from_triangles = 0;
     detector = makeDetector(BackendChoice::kCuda, WithoutCuda::kTryAgain, settings,
-                            [this](const BackendState& state) { told.push_back(state); });
+                            [this](const BackendState& state) { reported.push_back(state); });
   }
   bool finds(const Scene& scene) {
     const auto expected = makeCpuDetector()->detect(scene, Options()).contacts;
@@ -228,8 +235,8 @@ struct Pair {
     return found && detector->backend() == "cuda";
   }
   bool lostOne(BackendFault fault) const {
-    return told.size() == 1 && told[0].partly && told[0].fault == fault &&
-           told[0].problem.find("CUDA device 1: ") == 0;
+    return reported.size() == 1 && reported[0].partly && reported[0].fault == fault &&
+           reported[0].problem.find("CUDA device 1: ") == 0;
   }
 };
 
@@ -255,11 +262,12 @@ void killOneOfTwoAndGoOn() {
   for (int i = 0; i < 3; ++i) {
     if (!samePairs(expected, pair.detector->detect(wideScene(), Options()).contacts)) problems += 2;
   }
-  const bool told_once = pair.told.size() == 1 && pair.told[0].fault == BackendFault::kSticky &&
-                         pair.detector->backend() == (pair.told[0].partly ? "cuda" : "cpu");
-  if (!told_once) problems += 16;
-  for (const BackendState& state : pair.told) {
-    std::fprintf(stderr, "told: %s\n", state.problem.c_str());
+  const bool reported_once = pair.reported.size() == 1 &&
+                             pair.reported[0].fault == BackendFault::kSticky &&
+                             pair.detector->backend() == (pair.reported[0].partly ? "cuda" : "cpu");
+  if (!reported_once) problems += 16;
+  for (const BackendState& state : pair.reported) {
+    std::fprintf(stderr, "reported: %s\n", state.problem.c_str());
   }
   if (testing::Test::HasFailure()) problems += 32;
   pair.detector.reset();
@@ -269,7 +277,7 @@ void killOneOfTwoAndGoOn() {
 TEST(DeviceFailures, OfTwoDevicesADeadOneCostsNoContact) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";
   if (!hasTwoDevices()) return;
-  EXPECT_EXIT(killOneOfTwoAndGoOn(), testing::ExitedWithCode(0), "told: ");
+  EXPECT_EXIT(killOneOfTwoAndGoOn(), testing::ExitedWithCode(0), "reported: ");
 }
 
 // In processes of their own, started afresh: a forked one cannot use CUDA.
@@ -277,7 +285,8 @@ TEST(DeviceFailures, ADeadContextIsSticky) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";
   if (!hasDevice()) return;
   for (const bool by_address : {true, false}) {
-    EXPECT_EXIT(killContextAndGoOn(by_address), testing::ExitedWithCode(0), "told: ") << by_address;
+    EXPECT_EXIT(killContextAndGoOn(by_address), testing::ExitedWithCode(0), "reported: ")
+        << by_address;
   }
 }
 

@@ -45,7 +45,7 @@ Options swept() {
   return options;
 }
 
-// Without a detector where there is no device; then nothing but the refusal is looked at.
+// Has no detector where there is no device; then only the error is tested.
 class SweptCuda : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -97,13 +97,13 @@ TEST_F(SweptCuda, FirstTimesAreAsNarrowAsPromisedAndOverlapTheCpus) {
   Options options = swept();
   options.first_times = true;
   const DetectionResult& found = detector_->detect(scene, options);
-  const DetectionResult& told = cpu_->detect(scene, options);
-  ASSERT_TRUE(samePairs(told.contacts, found.contacts));
+  const DetectionResult& on_cpu = cpu_->detect(scene, options);
+  ASSERT_TRUE(samePairs(on_cpu.contacts, found.contacts));
   ASSERT_EQ(found.first_times.size(), found.contacts.size());
-  EXPECT_EQ(found.within_pad, told.within_pad);
+  EXPECT_EQ(found.within_pad, on_cpu.within_pad);
   std::size_t by_pad = 0;
   for (std::size_t i = 0; i < found.contacts.size(); ++i) {
-    const FirstContact &a = found.first_times[i], &b = told.first_times[i];
+    const FirstContact &a = found.first_times[i], &b = on_cpu.first_times[i];
     EXPECT_LE(a.low, b.high);
     EXPECT_LE(b.low, a.high);
     by_pad += found.within_pad[i];

@@ -36,8 +36,8 @@ class OnDevice {
     device_scene_.sendVertices(scene, Motion::kInstant, copies, stream_.get());
     device_scene_.sendBodies(scene, Motion::kInstant, SceneScale(), copies);
     copies.launch();
-    device_scene_.group(stream_.get());
-    device_scene_.groupAgain(stream_.get());
+    device_scene_.makeTiles(stream_.get());
+    device_scene_.makeTilesAgain(stream_.get());
     slots_ = fetch(arrays_.scene.slot_triangle.data(), std::size_t{kWarp} * tileCount());
     bodies_ = fetch(arrays_.scene.tile_body.data(), tileCount());
   }
@@ -155,7 +155,7 @@ TEST_F(TileSlots, FollowBodiesThatComeAndGoAndChange) {
   }
 }
 
-// Of a scene of it alone.
+// Returns the tiles of a scene of this body alone.
 std::vector<std::uint32_t> slotsOf(const TriangleMesh& mesh) {
   Scene scene;
   add(&scene, mesh);
@@ -223,7 +223,7 @@ TEST_F(TileSlots, AreMadeAnewWhenABodyHasBeenDeformedForAWhile) {
     v[0] = radius * std::cos(angle);
     v[2] = radius * std::sin(angle);
   }
-  for (std::uint32_t cycle = 1; cycle < DeviceScene::kGroupedFor; ++cycle) {
+  for (std::uint32_t cycle = 1; cycle < DeviceScene::kCyclesOfTiles; ++cycle) {
     scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
     found.send(scene);
     ASSERT_EQ(found.slots(), before) << cycle;

@@ -18,7 +18,6 @@
 #include "recorded_bytes.h"
 #include "scratch_file.h"
 #include "tools/bags/bag_cycles.h"
-#include "tools/bags/bag_index.h"
 #include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_setup.h"
 #include "tools/evaluate_bag/evaluation_run.h"

@@ -6,7 +6,7 @@
 
 #include "byte_source.h"
 #include "fuzz_target.h"
-#include "robot/link_mesh_file.h"
+#include "robot/link_mesh_files.h"
 #include "robot/mesh_stream.h"
 #include "scratch_file.h"
 #include "text_writer.h"

@@ -8,7 +8,7 @@
 
 #include "fuzz_target.h"
 #include "mesh_writer.h"
-#include "robot/link_mesh_file.h"
+#include "robot/link_mesh_files.h"
 #include "robot/read_link_mesh/assimp_mesh.h"
 #include "scratch_file.h"
 

@@ -1,5 +1,5 @@
 // Messages of a mesh, of any type that an object may have, from their bytes on the wire to the
-// states of bodies: roscpp's reading behind our check, the mailbox, the rules of acceptance, the
+// states of bodies: roscpp's reading behind our check, the adapters, the rules of acceptance, the
 // scene, the CPU backend.
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/message_event.h>
@@ -69,9 +69,9 @@ class Monitor {
         inputs_(makeMeshInputs(parameters_)),
         lookup_(buffer_, parameters_.reference_frame),
         subscription_(meshSubscription("/cloth", parameters_.objects[0], kMaxBytes,
-                                       [this](const ReceivedMesh& mesh) {
-                                         was_mesh_ = mesh.refusal.empty();
-                                         mailbox_.store(mesh);
+                                       [this](const IncomingMesh& mesh) {
+                                         was_mesh_ = mesh.problem.empty();
+                                         inputs_[0].store(mesh);
                                        })),
         detector_(makeCpuDetector()),
         tracker_(StateRules()) {
@@ -80,7 +80,7 @@ class Monitor {
     addStaticTransform("hand", 0.5, &buffer_);
   }
 
-  // Returns whether the bytes were a mesh. Some calls find the mailbox full: the node was busy.
+  // Returns whether the bytes were a mesh. Some calls leave the mesh waiting, as a busy node does.
   bool arrive(Bytes bytes, const ros::Time& now, bool is_busy) {
     ros::SubscriptionCallbackHelperDeserializeParams wire;
     wire.buffer = bytes.data();
@@ -101,23 +101,24 @@ class Monitor {
 
  private:
   void runCycle(const ros::Time& now) {
-    const std::optional<ArrivedMesh> mesh = mailbox_.take();
-    requireThat(mesh.has_value(), "a message did not arrive");
-    const Acceptance answer = inputs_[0].accept(*mesh, now);
-    requireThat((answer == Acceptance::kRefused) == !inputs_[0].counters().refusal.empty() ||
+    IncomingMesh mesh;
+    const Acceptance answer = inputs_[0].take(now, &mesh);
+    requireThat(answer != Acceptance::kNothing, "a message did not arrive");
+    requireThat((answer == Acceptance::kRejected) == !inputs_[0].counters().problem.empty() ||
                     answer == Acceptance::kDropped,
-                "a refusal without a reason");
+                "a mesh was rejected without a reason");
     CycleTrigger trigger;
     trigger.objects = {0};
-    const ros::Time& stamp = mesh->message->header.stamp;
+    const ros::Time& stamp = mesh.stamp();
     scene_.prepare(stamp, trigger, inputs_, lookup_);
     CycleReport report = scene_.makeReport(stamp, ++cycle_);
     report.scene = &scene_.scene();
     report.now = now;
     report.options = parameters_.detector;
     if (scene_.looksAtAny()) {
-      requireThat(answer != Acceptance::kRefused, "a refused mesh was looked at");
-      report.result = &detectChecked(detector_.get(), scene_.scene(), parameters_.detector);
+      requireThat(answer != Acceptance::kRejected, "a rejected mesh was looked at");
+      report.result = std::make_shared<const DetectionResult>(
+          detectChecked(detector_.get(), scene_.scene(), parameters_.detector));
       noteRejected(&report);
     }
     tracker_.update(report);
@@ -139,7 +140,6 @@ class Monitor {
   const MonitorParameters parameters_;
   MonitorScene scene_;
   MeshInputs inputs_;
-  MeshMailbox mailbox_{"cloth"};
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;
   const ros::SubscribeOptions subscription_;

@@ -1,4 +1,4 @@
-"""A subscriber that reads nothing once it is connected, by a socket of its own."""
+"""A subscriber that connects and then reads nothing; it speaks TCPROS over a plain socket."""
 import socket
 import struct
 

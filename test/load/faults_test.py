@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Publisher, TF source, monitor and master are killed and come back, the clock jumps, and the disk
-is full: what is not known any more is UNKNOWN by its deadline, all else goes on, and all is known
-again."""
+"""Kills publisher, TF source, monitor and master and starts them again, lets the clock jump, and
+fills the disk. What is no longer known must be UNKNOWN by its deadline, everything else must go
+on, and everything must be known again afterwards."""
 import json
 import os
 import threading

@@ -1,4 +1,4 @@
-"""SIGINT at random moments of a monitor's life: it must end soon, with exit code 0."""
+"""Sends SIGINT at random moments of a monitor's life. It must end soon, with exit code 0."""
 import collections
 import math
 import os

@@ -1,4 +1,4 @@
-// What the load is made of: links in a square array, and a deforming mesh through each of them.
+// Makes the load: links in a square array, and a deforming mesh through each of them.
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>

@@ -1,5 +1,5 @@
-"""A ROS master, monitors and load clients of their own, beside whatever else runs on the machine.
-Needs a devel space, Python and ROS; no launch files. What was started here ends with it."""
+"""Starts a ROS master, monitors and load clients, separate from whatever else runs on the machine,
+and ends them. Needs a devel space, Python and ROS, but no launch files."""
 import json
 import os
 import re

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The scenarios of `run` that need no GPU, a few seconds each; and SIGINT at some random moments.
-What is asserted is what the monitor promises on any machine, however busy."""
+"""Runs the scenarios of `run` that need no GPU for a few seconds each, and sends SIGINT at some
+random moments. Checks what the monitor promises on any machine, however busy."""
 import json
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""Memory and processor time of a running process, from /proc."""
+"""Reads memory and processor time of a running process from /proc."""
 import os
 import statistics
 import time

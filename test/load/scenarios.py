@@ -1,4 +1,4 @@
-"""What a monitor is loaded with, and what came of it."""
+"""Defines the scenarios of load, runs them and judges the result."""
 import collections
 import sys
 import time

@@ -1,4 +1,4 @@
-// What a monitor's ~contact_states tell of it: how soon, how often, and how much is UNKNOWN.
+// Measures a monitor by its ~contact_states: latency, frequency, and the share that is UNKNOWN.
 #include "states_watch.h"
 
 #include <deformable_contact_monitor/ContactStates.h>

@@ -1,4 +1,4 @@
-// What a monitor's ~contact_states tell of it: how soon, how often, and how much is UNKNOWN.
+// Measures a monitor by its ~contact_states: latency, frequency, and the share that is UNKNOWN.
 #pragma once
 
 #include <ros/callback_queue.h>
@@ -15,29 +15,30 @@
 
 namespace deformable_contact_monitor {
 
-// A message that is kept as it came: reading ten thousand states at each cycle costs more than
+// A message that stays serialized. Reading ten thousand states at each cycle would cost more than
 // the monitor's own work on them.
 struct RawStates {
   std::vector<std::uint8_t> bytes;
 };
 
-// Watches in a thread of its own, from the first message on. Threads may call every function.
+// Receives in a thread of its own, from the first message on. Every function may be called from any
+// thread.
 class StatesWatch {
  public:
   explicit StatesWatch(const std::string& monitor);
 
-  // What came before this counts no more.
+  // Forgets all figures so far, such as those of warming up.
   void beginAgain();
 
-  // A mesh with this stamp goes out now. Stamps are looked for in what comes.
+  // Notes that a mesh with this stamp is sent now. Its latency ends with the states of that stamp.
   void noteSent(const ros::Time& stamp);
 
-  // Since the last call: messages, longest silence [s], times [ms] from sending a mesh to
-  // the states of its stamp.
+  // Returns figures since the last call: the number of messages, the longest silence [s], and the
+  // latencies [ms] from sending a mesh to the states of its stamp.
   nlohmann::json takeLatest();
 
-  // Of all: as above, and the share of time in which an object's pairs were UNKNOWN, the mean of
-  // its pairs, by object.
+  // Returns the same figures since the start or beginAgain(), and for each object the share of time
+  // in [0, 1] in which its pairs were UNKNOWN, as the mean of its pairs.
   nlohmann::json summary() const;
 
  private:

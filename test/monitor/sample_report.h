@@ -1,6 +1,7 @@
 // A small report to be converted: one link, one link that nobody touches, one cloth.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,15 +39,23 @@ struct SampleReport {
     result.detect_ms = 1;
     result.round_trip_ms = 2.5;
     report.scene = &scene;
-    report.result = &result;
+    report.result = owned_result;
     report.backend = "cpu";
     report.now = report.header.stamp + ros::Duration(0.25);
   }
   SampleReport(const SampleReport&) = delete;
   SampleReport& operator=(const SampleReport&) = delete;
 
+  // Gives the report a containment, which tests may change afterwards.
+  Containment& addContainment() {
+    const auto containment = std::make_shared<Containment>();
+    report.containment = containment;
+    return *containment;
+  }
+
   Scene scene;
-  DetectionResult result;
+  const std::shared_ptr<DetectionResult> owned_result = std::make_shared<DetectionResult>();
+  DetectionResult& result = *owned_result;  // the report's, to be changed by tests
   CycleReport report;
 };
 

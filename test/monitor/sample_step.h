@@ -1,6 +1,7 @@
 // A small report with a step that ends with it.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,7 +26,7 @@ struct SampleStep : SampleReport {
     sweep.pairs = {{0, 2, false}, {1, 2, false}};
     sweep.bodies.resize(3);
     for (StepBody& body : sweep.bodies) body.takes_part = true;
-    sweep.result = &step;
+    sweep.result = owned_step;
     sweep.compute_s = 0.005;
     report.sweeps.push_back(std::move(sweep));
   }
@@ -39,7 +40,8 @@ struct SampleStep : SampleReport {
     sweep().bodies[2].skipped = why;
   }
 
-  StepResult step;
+  const std::shared_ptr<StepResult> owned_step = std::make_shared<StepResult>();
+  StepResult& step = *owned_step;  // the report's, to be changed by tests
 };
 
 }  // namespace deformable_contact_monitor

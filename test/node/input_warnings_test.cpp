@@ -1,4 +1,4 @@
-// Which warnings about input are due, and what they say.
+// Tests which warnings about input are due, and what they say.
 #include "node/input_warnings.h"
 
 #include <gtest/gtest.h>
@@ -106,7 +106,7 @@ TEST_F(InputWarningsTest, ARefusalIsNamedAtOnceAndThenEveryFiveSeconds) {
 
 TEST_F(InputWarningsTest, WhatIsOddIsNamed) {
   InputStatus input = cloth();
-  input.oddity = "its mesh is 800 m long";
+  input.anomaly = "its mesh is 800 m long";
   EXPECT_EQ(lookAt(input, 0, 4, true),
             std::vector<std::string>{"object 'cloth': its mesh is 800 m long"});
 }

@@ -1,4 +1,4 @@
-// What dynamic_reconfigure offers and takes: the same values and ranges as the parameters.
+// Tests that dynamic_reconfigure offers and accepts the values and ranges of the parameters.
 #include "node/reconfigure.h"
 
 #include <gtest/gtest.h>
@@ -51,19 +51,19 @@ LiveParameters parse(const XmlRpc::XmlRpcValue& tree) {
 TEST(Reconfigure, ValuesComeAndGoUnchanged) {
   Config config;
   fill(unusual(), &config);
-  Strings refused;
-  expectSame(fromConfig(config, LiveParameters(), true, &refused), unusual());
-  EXPECT_TRUE(refused.empty());
+  Strings rejected;
+  expectSame(fromConfig(config, LiveParameters(), true, &rejected), unusual());
+  EXPECT_TRUE(rejected.empty());
 }
 
 TEST(Reconfigure, DefaultsAreTheParameters) {
-  Strings refused;
-  expectSame(fromConfig(Config::__getDefault__(), unusual(), true, &refused),
+  Strings rejected;
+  expectSame(fromConfig(Config::__getDefault__(), unusual(), true, &rejected),
              parse(XmlRpc::XmlRpcValue()));
-  EXPECT_TRUE(refused.empty());
+  EXPECT_TRUE(rejected.empty());
 }
 
-// They go to the parameter server, where people look.
+// People look at these numbers on the parameter server.
 TEST(Reconfigure, StartValuesAreTheNumbersThatWereWritten) {
   XmlRpc::XmlRpcValue tree;
   for (const double number : {0.01, 0.05, 0.123456, 0.9, 1.0, 1.0 / 3}) {
@@ -75,7 +75,8 @@ TEST(Reconfigure, StartValuesAreTheNumbersThatWereWritten) {
   }
 }
 
-// Of every number on offer: its ends are good parameters, and what lies beyond is not.
+// Checks for every number that the ends of its range are good parameters, and that numbers beyond
+// are not.
 TEST(Reconfigure, RangesAreTheParameters) {
   const auto accepted = [](const std::string& name, const XmlRpc::XmlRpcValue& value) {
     XmlRpc::XmlRpcValue tree;
@@ -117,14 +118,14 @@ TEST(Reconfigure, WhatCannotBeUsedStaysAsItIs) {
   config.overlap = std::numeric_limits<double>::infinity();
   config.predicates = "sloppy";
   config.clusters = 12;
-  Strings refused;
-  const LiveParameters live = fromConfig(config, unusual(), true, &refused);
+  Strings rejected;
+  const LiveParameters live = fromConfig(config, unusual(), true, &rejected);
   EXPECT_EQ(live.margin_m, 0.5);
   EXPECT_EQ(live.overlap, 0.75);
   EXPECT_EQ(live.predicates, Predicates::kConservative);
   EXPECT_EQ(live.clusters, 12) << "the others go on";
-  EXPECT_EQ(refused, (Strings{"margin_m must be finite", "overlap must be finite",
-                              "predicates: no predicates are called 'sloppy'"}));
+  EXPECT_EQ(rejected, (Strings{"margin_m must be finite", "overlap must be finite",
+                               "predicates: no predicates are called 'sloppy'"}));
 }
 
 TEST(Reconfigure, AClassOfTheRobotNeedsTheRobotThatWasReadAtStart) {
@@ -132,14 +133,14 @@ TEST(Reconfigure, AClassOfTheRobotNeedsTheRobotThatWasReadAtStart) {
   fill(unusual(), &config);
   LiveParameters in_force = unusual();
   in_force.pair_classes = {false, true, true, false};
-  Strings refused;
-  EXPECT_TRUE(fromConfig(config, in_force, false, &refused).pair_classes == in_force.pair_classes);
-  EXPECT_EQ(refused.size(), 1U);
+  Strings rejected;
+  EXPECT_TRUE(fromConfig(config, in_force, false, &rejected).pair_classes == in_force.pair_classes);
+  EXPECT_EQ(rejected.size(), 1U);
   config.robot_self = false;
-  refused.clear();
-  EXPECT_TRUE(fromConfig(config, in_force, false, &refused).pair_classes ==
+  rejected.clear();
+  EXPECT_TRUE(fromConfig(config, in_force, false, &rejected).pair_classes ==
               (PairClasses{false, true, false, false}));
-  EXPECT_TRUE(refused.empty());
+  EXPECT_TRUE(rejected.empty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which transforms may go into the buffer.
+// Tests which transforms may enter the buffer.
 #include "node/transform_input.h"
 
 #include <gtest/gtest.h>

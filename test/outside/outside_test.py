@@ -17,11 +17,11 @@ WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror"
 KNOWN_PAIRS = "0 0 1 0\n0 1 1 0\n"
 PUBLIC_HEADERS = {
     "core": {
-        "backend_error.h", "body_distance.h", "bounded_detector.h", "cpu/cpu_detector.h",
-        "detector.h", "export.h", "fallback_detector.h", "host_list.h", "limits.h",
-        "mesh_files/mesh_file.h", "options.h", "pair_geometry.h", "predicates/host_device.h",
-        "predicates/pair_settings.h", "predicates/vector3.h", "rules/rigid_transform.h", "scene.h",
-        "steady_time.h", "substeps.h", "tiling.h", "tiling_cache.h", "triangle_mesh.h"},
+        "backend_choice.h", "backend_error.h", "body_distance.h", "body_path.h", "cpu_detector.h",
+        "detector.h", "detector_pool.h", "export.h", "host_device.h", "host_list.h", "limits.h",
+        "mesh_file.h", "options.h", "pair_geometry.h", "pair_settings.h", "rigid_transform.h",
+        "scene.h", "steady_time.h", "substeps.h", "tiling.h", "tiling_cache.h",
+        "triangle_mesh.h", "vector3.h"},
     "cuda": {"cuda_detector.h", "detector_choice.h"},
 }
 
@@ -49,13 +49,13 @@ if WITH_ROS:  # test/ros/controllers.py uses them
 LIBRARIES = "core", "cuda"
 
 
-class OutsideTest(unittest.TestCase):
+class OutsideProject(unittest.TestCase):
+    """Builds the outside project in a folder of its own."""
+
     @classmethod
     def setUpClass(cls):
         cls.folder = Path(tempfile.mkdtemp(prefix="outside_test_"))
         cls.addClassCleanup(shutil.rmtree, str(cls.folder))
-        cls.prefix = cls.folder / "installed"
-        run(cached("CMAKE_COMMAND"), "--install", BUILD, "--prefix", cls.prefix)
 
     def build(self, name, library_from, *options):
         """Builds the outside project with this tree's tools, and runs what it made."""
@@ -74,6 +74,16 @@ class OutsideTest(unittest.TestCase):
         self.assertEqual([line for line in lines if line.startswith("cloth")], ["cloth 0 cloth 1"])
         self.assertEqual(len(lines), 5)
         return build
+
+
+class OutsideTest(OutsideProject):
+    """Uses the library installed, in the devel space and as a component of catkin."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.prefix = cls.folder / "installed"
+        run(cached("CMAKE_COMMAND"), "--install", BUILD, "--prefix", cls.prefix)
 
     def find_package(self, name, prefix):
         return self.build(name, "package", "-DCMAKE_PREFIX_PATH=%s" % prefix,
@@ -124,6 +134,14 @@ class OutsideTest(unittest.TestCase):
         inside = r"::(dot|cross|operator[-+*]|apply|posedVertex|orientation\w*|\w*[vV]erdict\w*)\("
         self.assertEqual([name for name in ours if re.search(inside, name)], [])
 
+    def test_the_example_is_the_one_of_the_readme(self):
+        self.assertIn((HERE / "example.cpp").read_text(),
+                      (SOURCE / "src/core/README.md").read_text())
+
+
+class SubprojectTest(OutsideProject):
+    """Uses the library as a subproject, which compiles all of it again."""
+
     def test_as_a_subproject(self):
         build = self.build("as_subproject", SOURCE, "-DWITH_CUDA=OFF", "-DBUILD_TESTING=ON",
                            "-DCMAKE_CXX_FLAGS=-O0 -ffast-math " + WARNINGS)
@@ -144,10 +162,6 @@ class OutsideTest(unittest.TestCase):
         self.assertIn("CMAKE_BUILD_TYPE:STRING=\n", (build / "CMakeCache.txt").read_text())
         run(cached("CMAKE_COMMAND"), "--install", build, "--prefix", self.folder / "nothing")
         self.assertFalse((self.folder / "nothing").exists())
-
-    def test_the_example_is_the_one_of_the_readme(self):
-        self.assertIn((HERE / "example.cpp").read_text(),
-                      (SOURCE / "src/core/README.md").read_text())
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 // Uses all of the library that is public. Ends with 0 if it does what its headers say; prints the
 // contacts.
+#include <deformable_contact_monitor/core/backend_choice.h>
 #include <deformable_contact_monitor/core/backend_error.h>
 #include <deformable_contact_monitor/core/cpu_detector.h>
-#include <deformable_contact_monitor/core/fallback_detector.h>
+#include <deformable_contact_monitor/core/detector_pool.h>
 #include <deformable_contact_monitor/core/mesh_file.h>
 #include <deformable_contact_monitor/core/options.h>
 #include <deformable_contact_monitor/core/scene.h>

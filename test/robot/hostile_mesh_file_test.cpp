@@ -4,6 +4,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstring>
 
 #include "robot/robot_geometry.h"
@@ -126,19 +127,21 @@ class HostileMeshFile : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
+// Assimp follows such nodes until its stack overflows. The reader process crashes, and its parent
+// says so.
 TEST_F(HostileMeshFile, ANodeThatInstancesItself) {
   Collada collada;
   collada.nodes = "<node id=\"a\">" + kGeometry + instance("a") + "</node>";
-  EXPECT_EQ(refusal("t.dae", collada.text()), "line 1: node 'a' instances itself");
+  EXPECT_NE(refusal("t.dae", collada.text()), "");
 }
 
 TEST_F(HostileMeshFile, ANodeThatInstancesWhatItIsIn) {
   Collada collada;
   collada.nodes = "<node id=\"a\">" + kGeometry + "<node>" + instance("a") + "</node></node>";
-  EXPECT_EQ(refusal("t.dae", collada.text()), "line 1: node 'a' instances itself");
+  EXPECT_NE(refusal("t.dae", collada.text()), "");
   // Assimp takes names where there is no such id.
   collada.nodes = "<node name=\"a\">" + kGeometry + "<node>" + instance("a") + "</node></node>";
-  EXPECT_EQ(refusal("t.dae", collada.text()), "line 1: node '' instances itself");
+  EXPECT_NE(refusal("t.dae", collada.text()), "");
 }
 
 TEST_F(HostileMeshFile, NodesThatInstanceEachOther) {
@@ -146,7 +149,7 @@ TEST_F(HostileMeshFile, NodesThatInstanceEachOther) {
   collada.nodes = "<node>" + instance("a") + "</node>";
   collada.libraries = "<library_nodes><node id=\"a\">" + instance("b") + "</node><node id=\"b\">" +
                       instance("a") + kGeometry + "</node></library_nodes>";
-  EXPECT_EQ(refusal("t.dae", collada.text()), "line 1: node 'a' instances itself");
+  EXPECT_NE(refusal("t.dae", collada.text()), "");
 }
 
 TEST_F(HostileMeshFile, InstancesOfInstances) {
@@ -154,9 +157,9 @@ TEST_F(HostileMeshFile, InstancesOfInstances) {
   collada.nodes = "<node>" + instance("n0") + "</node>";
   collada.libraries = chainOfNodes(10, 10);
   ASSERT_LT(collada.text().size(), 5000U);
-  EXPECT_EQ(refusal("t.dae", collada.text()), "line 1: instances come to more than 100000 nodes");
+  EXPECT_NE(refusal("t.dae", collada.text()), "");  // 10^10 nodes
   collada.libraries = chainOfNodes(100'000, 1);
-  EXPECT_EQ(refusal("t.dae", collada.text()), "line 1: nodes are more than 200 deep");
+  EXPECT_NE(refusal("t.dae", collada.text()), "");
 }
 
 TEST_F(HostileMeshFile, InstancesWithinReasonAreRead) {
@@ -174,19 +177,22 @@ TEST_F(HostileMeshFile, InstancesWithinReasonAreRead) {
   }
 }
 
-TEST_F(HostileMeshFile, ASkinThatDeformsItself) {
+// Assimp follows such skins for ever, until its time is over.
+TEST_F(HostileMeshFile, SkinsThatDeformThemselves) {
+  MeshReading reading;
+  reading.file_time = std::chrono::milliseconds(300);
   Collada collada;
   collada.nodes = "<node><instance_controller url=\"#c\"/></node>";
-  collada.libraries = "<library_controllers>" + skin("c", "c") + "</library_controllers>";
-  EXPECT_EQ(refusal("t.dae", collada.text()), "line 1: controller 'c' deforms itself");
-}
-
-TEST_F(HostileMeshFile, SkinsThatDeformEachOther) {
-  Collada collada;
-  collada.nodes = "<node><instance_controller url=\"#c\"/></node>";
-  collada.libraries = "<library_controllers>" + skin("e", "c") + skin("c", "d") + skin("d", "c") +
-                      "</library_controllers>";
-  EXPECT_NE(refusal("t.dae", collada.text()).find("deforms itself"), std::string::npos);
+  for (const std::string& skins : {skin("c", "c"), skin("c", "d") + skin("d", "c")}) {
+    collada.libraries = "<library_controllers>" + skins + "</library_controllers>";
+    const std::string path = folder_.write("t.dae", collada.text());
+    try {
+      readLinkMeshFile(path, reading);
+      ADD_FAILURE() << "it was read";
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), path + ": takes longer than 0.3 s to read");
+    }
+  }
   collada.libraries = "<library_controllers>" + skin("c", "g") + "</library_controllers>";
   expectTheTriangle("u.dae", collada.text());
 }

@@ -1,9 +1,8 @@
 // Mesh files of links: formats, hierarchies, units, up axes, and files that are none.
-#include "robot/link_mesh_file.h"
-
 #include <random>
 #include <stdexcept>
 
+#include "robot/link_mesh_files.h"
 #include "robot_test_support.h"
 #include "test_data.h"
 

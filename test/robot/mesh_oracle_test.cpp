@@ -5,7 +5,7 @@
 #include <memory>
 #include <set>
 
-#include "robot/link_mesh_file.h"
+#include "robot/link_mesh_files.h"
 #include "robot_test_support.h"
 #include "test_data.h"
 

@@ -1,5 +1,7 @@
 // When the program read_link_mesh is missing, dies, hangs or talks nonsense. Shell scripts stand
 // in.
+#include "robot/reader_process.h"
+
 #include <signal.h>
 
 #include <algorithm>
@@ -8,9 +10,8 @@
 #include <cmath>
 #include <thread>
 
-#include "robot/link_mesh_file.h"
+#include "robot/link_mesh_files.h"
 #include "robot/mesh_stream.h"
-#include "robot/reader_program.h"
 #include "robot_test_support.h"
 
 namespace deformable_contact_monitor {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""One moving box as a message of each type that an object may have: the same contacts, whatever it
-comes as."""
+"""Sends one moving box as a message of each type that an object may have. The contacts must be the
+same for all types."""
 import os
 import sys
 import time

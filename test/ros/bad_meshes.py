@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Nothing to see, the same again and again, and bad input: it is named, and costs nobody else's
-data. Beside the monitor runs one that lacks a link's mesh file, and one without objects."""
+"""Sends no mesh, the same mesh again and again, and bad meshes. The monitor must name what is
+wrong, and no other object may be affected. Two more monitors run: one that lacks the mesh file
+of a link, and one without objects."""
 import io
 import struct
 import sys

@@ -1,4 +1,4 @@
-"""The robot of two_boxes.urdf: where its links stand, and what the oracle says."""
+"""A scene with the robot of two_boxes.urdf: where its links are, and which pairs are expected."""
 from monitor_test_support import grid, oracle_pairs, posed_links
 
 REFERENCE_FRAME = "base"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A Panda nears a cloth, as far and as fast as contact_guard lets it, and leaves."""
+"""Moves a Panda towards a cloth, as far and as fast as contact_guard lets it, and away again."""
 import re
 import sys
 import unittest

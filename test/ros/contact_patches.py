@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Patches come while somebody listens, also empty, with ids that stay, and with markers."""
+"""Checks the contact patches: they are published while somebody subscribes, also when there are
+none, and have ids that persist, and markers."""
 import math
 import sys
 import unittest

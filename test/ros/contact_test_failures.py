@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""contact_test as rostest runs it: each of its failures, in exit code, result file and words."""
+"""Runs contact_test as rostest does, and checks the exit code, result file and text of each
+failure."""
 import concurrent.futures
 import os
 import socket

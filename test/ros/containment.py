@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What is within a closed surface is a contact that says so; an open one holds nothing, and is
-named in the diagnostics."""
+"""Checks bodies inside others: what is inside a closed surface is a contact that says so. An open
+surface contains nothing, and the diagnostics name it."""
 import sys
 import unittest
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""README.md's examples for controllers, as they stand: the C++ one is built as another's project.
-The test speaks as the monitor."""
+"""Runs README.md's examples for controllers unchanged. Builds the C++ one as a package of its own,
+and plays the monitor for both."""
 import importlib.util
 import pathlib
 import re

@@ -1,5 +1,5 @@
-"""A Panda above a cloth, whose joints move as a contact_guard lets them, and the programs around it,
-which can be killed and started again."""
+"""A Panda above a cloth, whose joints move as a contact_guard lets them, and the programs around
+it, which can be killed and started again."""
 import os
 import signal
 import subprocess

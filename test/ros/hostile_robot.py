@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A robot whose mesh files do harm: its other links go on, so does all else while they are read,
-and Ctrl-C ends the node meanwhile."""
+"""Loads a robot whose mesh files do harm. Its other links must be usable, everything else must go
+on while the files are read, and Ctrl-C must end the node meanwhile."""
 import glob
 import math
 import os
@@ -142,7 +142,7 @@ class HostileRobot(unittest.TestCase):
         until_frames_are_seen(cycle)
         contacts = cycle()
         self.assertEqual(touching(pairs_of(contacts)), {"good"})
-        self.assertTrue(any("node 'a' instances itself" in text for text in contacts.skipped),
+        self.assertTrue(any("its reader crashed" in text for text in contacts.skipped),
                         contacts.skipped)
         states = monitor.states_at(contacts.header.stamp)
         self.assertEqual(states["good", "cloth"], ContactState.CONTACT)

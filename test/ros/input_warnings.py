@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the console says about meshes that are missing, refused, of another type or in
+"""Checks the warnings on the console about meshes that are missing, rejected, of another type or in
 millimetres."""
 import sys
 import time

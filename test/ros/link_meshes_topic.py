@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The Panda's link meshes from a topic: late, sent again, changed, and refused; then the T-shirt's
-pairs are the oracle's for what was sent last."""
+"""Sends the Panda's link meshes on a topic: late, again, changed, and bad ones that are rejected.
+The pairs of the T-shirt must be the oracle's for the link meshes sent last."""
 import sys
 import unittest
 

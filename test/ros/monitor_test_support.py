@@ -1,5 +1,5 @@
-"""What the rostests share: the monitor's output as it comes, meshes and transforms to feed it, and
-the oracle's contacts. Every wait is bounded."""
+"""Shared by the rostests: logs of the monitor's output, meshes and transforms to send, and the
+oracle's contacts. Every wait has a time limit."""
 import os
 import subprocess
 import tempfile
@@ -29,7 +29,7 @@ def executable(name):
 
 
 def wait_until(condition, what):
-    """Polls; for what has no message of its own."""
+    """Polls the condition. For what no message announces."""
     deadline = time.monotonic() + WAIT_S
     while not condition():
         if time.monotonic() > deadline:
@@ -38,7 +38,7 @@ def wait_until(condition, what):
 
 
 class Log:
-    """All messages of a topic since it was made."""
+    """Keeps all messages of a topic since it subscribed."""
 
     def __init__(self, topic, message_type):
         self.topic = topic
@@ -57,7 +57,7 @@ class Log:
             return len(self.messages)
 
     def wait(self, what, wanted=lambda message: True, since=0):
-        """The first message from number `since` on that is wanted."""
+        """Returns the first wanted message from number `since` on; waits for it if need be."""
         deadline = time.monotonic() + WAIT_S
         with self.condition:
             while True:
@@ -72,7 +72,7 @@ class Log:
 
 
 class Monitor:
-    """Output of the monitor with that name."""
+    """Logs the output of the monitor with that name."""
 
     def __init__(self, name="/contact_monitor"):
         self.name = name
@@ -131,7 +131,7 @@ def mesh_message(name, stamp, frame, mesh, topology_id=1, keyframe=True):
 
 
 class Transforms:
-    """Publishes transforms, and knows what tf2 makes of them."""
+    """Publishes transforms, and computes poses from them by tf2, as the monitor must."""
 
     def __init__(self, listeners=1):
         self.buffer = tf2_py.BufferCore(rospy.Duration(1000))
@@ -171,7 +171,7 @@ class MeshPublisher:
 
 
 class RawMesh(DeformableMesh):
-    """Bytes that go out as a DeformableMesh, whatever they are."""
+    """Sends any bytes as a DeformableMesh."""
 
     def __init__(self, data):
         DeformableMesh.__init__(self)
@@ -182,7 +182,7 @@ class RawMesh(DeformableMesh):
 
 
 def peak_memory_mib(node):
-    """The most that the process of that node ever took."""
+    """Returns the peak memory [MiB] of the process of that node."""
     api = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(node))
     pid = api.getPid("/test")[2]
     with open(f"/proc/{pid}/status") as status:
@@ -210,7 +210,7 @@ def grid(cells, size_m, height_m=0.0):
 
 
 def now(after=None):
-    """A stamp of now, later than `after`."""
+    """Returns the current time, or the next millisecond after `after` if that is later."""
     stamp = rospy.Time.now()
     return stamp if after is None or stamp > after else after + rospy.Duration(0, 1000000)
 
@@ -226,7 +226,7 @@ def until_frames_are_seen(cycle):
 
 
 def pairs_of(contacts):
-    """{(body, triangle, body, triangle)}; a pair that is there twice is an error."""
+    """Returns {(body, triangle, body, triangle)}. Fails if a pair is there twice."""
     pairs = [(contacts.bodies[p.body_a], p.triangle_a, contacts.bodies[p.body_b], p.triangle_b)
              for p in contacts.pairs]
     if len(set(pairs)) != len(pairs) or contacts.pair_count != len(pairs):
@@ -235,7 +235,7 @@ def pairs_of(contacts):
 
 
 def oracle_pairs(links, name, mesh):
-    """What pairs_of() must be for {link: posed mesh} and the object's posed mesh."""
+    """Returns what pairs_of() must be for {link: posed mesh} and the object's posed mesh."""
     robot, origins = merged(list(links.values()))
     names = list(links)
     with tempfile.TemporaryDirectory() as folder:

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The ROS master is killed and started anew, which roscpp never notices: the monitor ends and says
-why, so that respawn helps; a nodelet says so. The test has masters of its own and no node."""
+"""Kills the ROS master and starts it anew, which roscpp does not notice. The monitor must end and
+say why, so that respawn helps; the nodelet must say so as well. The test starts its own masters
+and is no node."""
 import os
 import re
 import signal
@@ -13,7 +14,7 @@ import xmlrpc.client
 WAIT_S = 60  # of wall time; far longer than anything takes, also on a busy machine
 HERE = os.path.dirname(os.path.abspath(__file__))
 DEVEL = os.path.join(os.environ["DCM_BINARY_DIR"], "devel")
-SAID = "was started anew and does not know this node"
+SAID = "was restarted, and this node is no longer registered with it"
 
 
 def free_port():

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A Panda's finger goes through a cloth between two meshes. Instant motion says NONE twice; swept
-motion says PASSED, with the exact oracle's pairs."""
+"""Moves a Panda's finger through a cloth between two meshes. With instant motion both states are
+NONE; with swept motion the state is PASSED, with the exact oracle's pairs."""
 import os
 import subprocess
 import sys

@@ -1,4 +1,5 @@
-"""The Panda and the T-shirt of the shared data: where the links are, and what the oracle says."""
+"""A scene with the Panda and the T-shirt of the shared data: where the links are, and which pairs
+are expected."""
 import os
 import xml.etree.ElementTree as ElementTree
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The Panda and a moving T-shirt: pairs are the oracle's on meshes posed independently."""
+"""Moves the Panda and a T-shirt. The pairs must be the oracle's on meshes that the test transforms
+itself."""
 import sys
 import unittest
 

@@ -1,4 +1,4 @@
-"""Monitors that a test plays, to have them send exactly what it wants."""
+"""Plays a monitor, so that a test decides what it sends."""
 import threading
 import time
 

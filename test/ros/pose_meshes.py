@@ -1,5 +1,5 @@
-"""Meshes in and out of files, and posed in the scene frame: written anew for the tests, so that it
-can be held against what the monitor does. A mesh is (vertices float32 [n, 3], triangles [m, 3])."""
+"""Reads, writes and transforms meshes. Shares no code with the monitor, so that tests can compare
+the two. A mesh is (vertices float32 [n, 3], triangles [m, 3])."""
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np

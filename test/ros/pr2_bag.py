@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""A real PR2's recorded transforms, replayed with --clock, and a cloth through its right gripper:
-it touches the fingers alone, and pairs are the oracle's at every stamp."""
+"""Replays the recorded transforms of a real PR2 with --clock, and sends a cloth through its right
+gripper. The cloth must touch the fingers only, and the pairs must be the oracle's at every
+stamp."""
 import os
 import subprocess
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Margins, classes and rates are changed while the monitor runs, as rqt_reconfigure would."""
+"""Changes margins, pair classes and rates while the monitor runs, as rqt_reconfigure would."""
 import math
 import sys
 import threading

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A scene that was monitored live is recorded, evaluated and replayed, also in a loop and with a
-pause: the pairs are the same, and the oracle's, at every stamp that was processed."""
+"""Records a scene that was monitored live, evaluates it and replays it, also in a loop and with a
+pause. The pairs must be the same, and the oracle's, at every stamp that was processed."""
 import csv
 import os
 import shutil

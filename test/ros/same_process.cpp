@@ -17,10 +17,10 @@ constexpr std::size_t kMaxBytes = 1000;
 class SameProcess : public ::testing::Test {
  protected:
   SameProcess() {
-    for (std::vector<ReceivedMesh>* received : {&first_, &second_}) {
+    for (std::vector<IncomingMesh>* received : {&first_, &second_}) {
       ros::SubscribeOptions options =
           meshSubscription("/cloth", ObjectParameters(), kMaxBytes,
-                           [received](const ReceivedMesh& mesh) { received->push_back(mesh); });
+                           [received](const IncomingMesh& mesh) { received->push_back(mesh); });
       subscribers_.push_back(node_.subscribe(options));
     }
     spinUntil([this] { return publisher_.getNumSubscribers() > 0; });
@@ -45,16 +45,16 @@ class SameProcess : public ::testing::Test {
   ros::NodeHandle node_;
   ros::Publisher publisher_ = node_.advertise<DeformableMesh>("/cloth", 1);
   std::vector<ros::Subscriber> subscribers_;
-  std::vector<ReceivedMesh> first_, second_;
+  std::vector<IncomingMesh> first_, second_;
 };
 
 TEST_F(SameProcess, AMeshComesWithoutACopyToEachSubscriber) {
   auto message = boost::make_shared<DeformableMesh>();
   message->vertices.resize(9);
   publish(message);
-  for (const ReceivedMesh& received : {first_.at(0), second_.at(0)}) {
+  for (const IncomingMesh& received : {first_.at(0), second_.at(0)}) {
     EXPECT_EQ(received.message, message);
-    EXPECT_EQ(received.refusal, "");
+    EXPECT_EQ(received.problem, "");
   }
 }
 
@@ -63,10 +63,10 @@ TEST_F(SameProcess, ALargeOneIsRefusedAndNotKept) {
   message->header.stamp = ros::Time(50);
   message->vertices.resize(kMaxBytes);
   publish(message);
-  for (const ReceivedMesh& received : {first_.at(0), second_.at(0)}) {
+  for (const IncomingMesh& received : {first_.at(0), second_.at(0)}) {
     EXPECT_NE(received.message, message);
     EXPECT_EQ(received.message->header.stamp, ros::Time(50));
-    EXPECT_NE(received.refusal.find("max_mesh_mib"), std::string::npos) << received.refusal;
+    EXPECT_NE(received.problem.find("max_mesh_mib"), std::string::npos) << received.problem;
   }
 }
 

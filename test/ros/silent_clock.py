@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""use_sim_time is set, and no clock comes; it comes; it stands still."""
+"""Sets use_sim_time without a clock, then starts the clock, then stops it."""
 import sys
 import threading
 import time

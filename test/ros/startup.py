@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How the monitor starts: as a nodelet; and not at all, saying all that is wrong, with parameters
-or a robot that it cannot use."""
+"""Starts the monitor as a nodelet, and with parameters or a robot that it cannot use: it must then
+refuse to start and name everything that is wrong."""
 import re
 import subprocess
 import sys
@@ -82,7 +82,7 @@ class Startup(unittest.TestCase):
 
         found, = status(Log("/diagnostics", DiagnosticArray).wait("the status", status))
         self.assertEqual(found.level, DiagnosticStatus.ERROR)
-        self.assertIn("contacts are found on the CPU, for CUDA cannot be used: ", found.message)
+        self.assertIn("contacts are computed on the CPU, because CUDA cannot be used: ", found.message)
         self.assertEqual(values(found)["backend asked for"], "cuda")
         self.assertNotEqual(values(found)["backend problem"], "")
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""What a tolerance and a budget make of states, against exact distances of all triangles: NONE is
-certain, CONTACT within the tolerance, what is not decided in time UNKNOWN, with what is certain."""
+"""Compares states under a tolerance and a time budget with the exact distances of all triangles.
+NONE must be certain and CONTACT within the tolerance. What is not decided in time must be
+UNKNOWN, with bounds that hold."""
 import collections
 import math
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Transforms that are late, that never come, and a clock that jumps back. The test is the clock."""
+"""Sends transforms late or never, and lets the clock jump back. The test publishes the clock."""
 import sys
 import time
 import unittest

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Who may touch whom, on the Panda: its SRDF, as Python's own XML reader reads it, and what it
-holds."""
+"""Checks the rules of allowed contact on the Panda: those of its SRDF, which Python's XML reader
+reads as well, and those of attached objects."""
 import sys
 import threading
 import time

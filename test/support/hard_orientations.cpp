@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "core/predicates/float32_filters.h"
 #include "core/predicates/orientation.h"
-#include "core/predicates/plane_filter.h"
 
 namespace deformable_contact_monitor {
 namespace {

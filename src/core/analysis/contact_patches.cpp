@@ -1,3 +1,6 @@
+// Joins contacts to patches with a union-find over vertices. Its items are the vertices that
+// contacts use; equal vertices are one item. Each contact joins all vertices of its two triangles.
+// Two contacts are in the same patch iff their vertices end up in the same set.
 #include "core/analysis/contact_patches.h"
 
 #include <algorithm>
@@ -22,7 +25,8 @@ using ContactList = std::vector<std::uint32_t>;  // places in DetectionResult::c
 
 double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
-// By pair of bodies, ascending. Those of a pair mostly follow one another.
+// Returns the contacts of each pair of bodies, ascending. Contacts of a pair mostly follow one
+// another in the list.
 std::map<std::pair<BodyId, BodyId>, ContactList> byBodies(const TrianglePairs& pairs) {
   std::map<std::pair<BodyId, BodyId>, ContactList> lists;
   auto last = lists.end();
@@ -34,9 +38,11 @@ std::map<std::pair<BodyId, BodyId>, ContactList> byBodies(const TrianglePairs& p
   return lists;
 }
 
-// Contacts of one patch, added one by one.
+// Sums up the contacts of one patch, which are added one by one. It keeps all normals, because the
+// signs of some are known only at the end.
 class PatchSums {
  public:
+  // `touches`: the triangles intersect, and are not only near.
   void add(const PairGeometry& geometry, bool touches) {
     const Vec3d a = toDouble(geometry.point_a), b = toDouble(geometry.point_b);
     const Vec3d middle = (a + b) * 0.5;
@@ -55,6 +61,7 @@ class PatchSums {
     (is_coplanar ? signless_normals_ : normals_).push_back(toDouble(geometry.normal));
   }
 
+  // Writes the sums to the patch. At least one contact must have been added.
   void finish(Patch* patch) {
     patch->pair_count = count_;
     patch->curve_length_m = curve_length_m_;
@@ -65,7 +72,9 @@ class PatchSums {
   }
 
  private:
+  // Coplanar pairs come last: each takes the sign that agrees with the sum so far.
   void finishNormal(Patch* patch) {
+    // A sum that is shorter than this part of the number of normals counts as zero.
     constexpr double kCancelled = 1e-6;
     Vec3d sum;
     for (const Vec3d& normal : normals_) sum = sum + normal;
@@ -91,6 +100,7 @@ class PatchSums {
   std::vector<Vec3d> normals_, signless_normals_;
 };
 
+// Returns the area of these triangles of a body in the scene frame [m^2].
 double areaOf(const Body& body, const std::vector<std::uint32_t>& triangles) {
   const PosedBody posed(body);
   double area_m2 = 0;
@@ -105,11 +115,12 @@ double areaOf(const Body& body, const std::vector<std::uint32_t>& triangles) {
 
 }  // namespace
 
-// The numbers of vertices that contacts have, which the union-find counts up.
+// Numbers the vertices that contacts use. Numbers are those of the union-find.
 class PatchFinder::Numbering {
  public:
   Numbering(const TriangleMesh& mesh, std::size_t contacts, VertexNumbers* numbers)
       : mesh_(mesh), numbers_(*numbers) {
+    // A contact has at most six vertices in one body. The table is at most half full.
     const std::size_t most = std::min(mesh.vertexCount(), 6 * contacts);
     std::size_t size = 16;
     while (size < 2 * most) size *= 2;
@@ -123,6 +134,8 @@ class PatchFinder::Numbering {
   }
   Numbering(const Numbering&) = delete;
   Numbering& operator=(const Numbering&) = delete;
+  // Resets only what was used, so that the time depends on the contacts and not on the size of the
+  // mesh.
   ~Numbering() {
     for (const std::uint32_t v : numbers_.asked) numbers_.of_vertex[v] = kNone;
     for (const std::uint32_t t : numbers_.joined) numbers_.of_triangle[t] = kNone;
@@ -130,7 +143,7 @@ class PatchFinder::Numbering {
     numbers_.joined.clear();
   }
 
-  // Joins the triangle's vertices; the number of one of them.
+  // Joins the triangle's vertices. Returns the number of one of them.
   std::uint32_t join(std::uint32_t triangle, UnionFind* joined) {
     std::uint32_t& first = numbers_.of_triangle[triangle];
     if (first != kNone) return first;
@@ -143,6 +156,7 @@ class PatchFinder::Numbering {
   }
 
  private:
+  // Returns the number of a vertex. It is a new one unless an equal vertex has a number.
   std::uint32_t number(std::uint32_t v, UnionFind* joined) {
     std::uint32_t& number = numbers_.of_vertex[v];
     if (number != kNone) return number;
@@ -162,7 +176,7 @@ class PatchFinder::Numbering {
   VertexNumbers& numbers_;
 };
 
-// By patch, in the order of their first contacts.
+// Returns the contacts of each patch, in the order of the patches' first contacts.
 std::vector<std::vector<std::uint32_t>> PatchFinder::joinedContacts(const Scene& scene,
                                                                     const TrianglePairs& pairs,
                                                                     const ContactList& contacts) {
@@ -193,7 +207,7 @@ std::vector<std::vector<std::uint32_t>> PatchFinder::joinedContacts(const Scene&
   return patches;
 }
 
-// The triangles of body_a, or of body_b, of these contacts, ascending, each once.
+// Returns the triangles that these contacts have in body_a, or in body_b, ascending, each once.
 std::vector<std::uint32_t> PatchFinder::trianglesOf(const TrianglePairs& pairs,
                                                     const ContactList& contacts,
                                                     std::uint32_t TrianglePair::*triangle) {

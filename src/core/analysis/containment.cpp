@@ -1,3 +1,7 @@
+// Finds components that lie within closed components of other bodies. A component that touches no
+// triangle of a closed surface is on one side of it, so one point decides for all of it. A ray
+// upwards from that point crosses the surface an odd number of times iff the point is inside. Boxes
+// and a tree of points leave few pairs of a point and a triangle for the exact test.
 #include "core/analysis/containment.h"
 
 #include <algorithm>
@@ -8,7 +12,7 @@
 
 #include "core/analysis/point_tree.h"
 #include "core/analysis/posed_components.h"
-#include "core/common/host_vertices.h"
+#include "core/common/scene_queries.h"
 #include "core/predicates/aabb.h"
 #include "core/predicates/ray_crossing.h"
 
@@ -16,26 +20,27 @@ namespace deformable_contact_monitor {
 
 namespace {
 
+// The number of steps between two checks of the limit.
 constexpr std::uint64_t kStepsALook = 1 << 12;
 
 bool contains(const Aabb& outer, const Aabb& inner) {
   return intersects(outer, {inner.min, inner.min}) && intersects(outer, {inner.max, inner.max});
 }
 
-// Components that touch: body, component, body, component.
+// A pair of components that touch, stored as body, component, body, component.
 using Touch = std::array<std::uint32_t, 4>;
 
-// Which components of one body are within closed ones of another.
+// Finds the components of one body that are within closed components of another.
 class PairLook {
  public:
-  // touches(component of inner, component of outer).
+  // `touches`(component of inner, component of outer) tells whether two components touch.
   PairLook(PosedComponents& inner, const PosedComponents& outer, const CycleLimit& limit)
       : inner_(inner),
         outer_(outer),
         pace_(limit, kStepsALook),
         is_inside_(inner.components().count(), false) {}
 
-  // By component of inner. Gives up where the limit is over.
+  // Returns one entry per component of inner. Gives up if the limit is over.
   template <class Touches>
   const std::vector<bool>& find(const Touches& touches) {
     const MeshComponents& outer = outer_.components();
@@ -49,7 +54,8 @@ class PairLook {
   }
 
  private:
-  // Those of inner that may be within the outer component and are not known to be within another.
+  // Lists the components of inner that may be within this component of outer, and are not known to
+  // be within another.
   template <class Touches>
   void choose(std::uint32_t q, const Touches& touches) {
     chosen_.clear();
@@ -61,6 +67,8 @@ class PairLook {
     });
   }
 
+  // Tests the chosen components. An upward ray can meet a triangle only if its point is within the
+  // triangle's box extended down to infinity. If the limit ends the count early, nothing is known.
   void countCrossings(std::uint32_t q) {
     std::vector<Vec3f> points;
     points.reserve(chosen_.size());
@@ -91,11 +99,12 @@ class PairLook {
   std::vector<std::uint32_t> chosen_;
 };
 
+// Returns whether the triangles of a contact intersect. Contacts that are only near do not touch.
 bool touches(const DetectionResult& result, std::size_t contact) {
   return result.separations_m.empty() || result.separations_m[contact] == 0;
 }
 
-// Sorted, each once, and each from both sides.
+// Returns the pairs of components that touch, sorted, each once, and each from both sides.
 template <class ComponentOf>
 std::vector<Touch> touchesOf(const DetectionResult& result, const ComponentOf& component_of) {
   std::vector<Touch> all;
@@ -104,6 +113,7 @@ std::vector<Touch> touchesOf(const DetectionResult& result, const ComponentOf& c
     if (pair.body_a == pair.body_b || !touches(result, i)) continue;
     const Touch touch{pair.body_a, component_of(pair.body_a, pair.triangle_a), pair.body_b,
                       component_of(pair.body_b, pair.triangle_b)};
+    // Contacts are sorted, so many of the same two components follow one another.
     if (!all.empty() && all.back() == touch) continue;
     all.push_back(touch);
   }
@@ -123,7 +133,8 @@ std::vector<Touch> touchesOf(const DetectionResult& result, const ComponentOf& c
 ContainmentFinder::ContainmentFinder() = default;
 ContainmentFinder::~ContainmentFinder() = default;
 
-// The bodies of enabled pairs of different bodies.
+// Updates all bodies that are in an enabled pair of different bodies. Returns false if the limit is
+// over.
 bool ContainmentFinder::prepare(const Scene& scene, const CycleLimit& limit) {
   bodies_.resize(scene.bodyCount());
   for (const auto& [a, b] : scene.enabledPairs()) {
@@ -156,6 +167,7 @@ const Containment& ContainmentFinder::find(const Scene& scene, const DetectionRe
   const std::vector<Touch> touch = touchesOf(result, [this](BodyId id, std::uint32_t t) {
     return bodies_[id]->components().of_triangle[t];
   });
+  // Lists the components of `inner` that are within `outer`.
   const auto look = [&](BodyId inner, BodyId outer) {
     PairLook pair(*bodies_[inner], *bodies_[outer], limit);
     const std::vector<bool>& is_inside = pair.find([&](std::uint32_t p, std::uint32_t q) {
@@ -171,6 +183,7 @@ const Containment& ContainmentFinder::find(const Scene& scene, const DetectionRe
   for (const auto& [a, b] : scene.enabledPairs()) {
     if (limit.over()) break;
     if (a == b || !bodies_[a]->isFinitePosed() || !bodies_[b]->isFinitePosed()) continue;
+    // Either body may have parts within the other.
     look(a, b);
     look(b, a);
   }

@@ -1,4 +1,5 @@
-// Which parts of bodies lie within other bodies without touching them.
+// Finds parts of bodies that lie within other bodies without touching their surface. A collision
+// check of surfaces alone would miss these.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +16,25 @@ namespace deformable_contact_monitor {
 
 class PosedComponents;
 
-// A component of `inner` (mesh_components.h) that touches no triangle of some closed component of
-// `outer` and lies within it: an odd number of that component's triangles is above it.
+// A component of the body `inner` (mesh_components.h) that lies within a closed component of
+// `outer` and touches no triangle of that. It lies within if a ray from it crosses an odd number of
+// the closed component's triangles.
 struct InsidePart {
   BodyId inner = 0, outer = 0;
-  std::uint32_t triangle = 0;  // the least of the part's triangles
+  std::uint32_t triangle = 0;  // the least index of the part's triangles
   Vec3d centroid;              // mean of the corners of its triangles [m], in the scene frame
 };
 
 struct Containment {
-  // By inner, outer, triangle; each part once for each outer body.
+  // The parts are sorted by inner, outer, triangle. Each part is listed once for each outer body.
   std::vector<InsidePart> parts;
   struct Components {
     bool looked_at = false;
-    std::uint32_t all = 0, open = 0;  // nothing is said to be within those that are open
+    std::uint32_t all = 0, open = 0;  // nothing is found within open components
   };
   std::vector<Components> bodies;  // one per body of the scene
-  // Why it ended early, as DetectionResult::cut_off_because; empty: it did not. What is listed
-  // holds also then, but of other pairs nothing is known.
+  // Says why the search ended early, like DetectionResult::cut_off_because. It is empty if the
+  // search did not. Listed parts are right even then, but others may be missing.
   std::string cut_off_because;
 };
 
@@ -44,12 +46,12 @@ class ContainmentFinder {
   ContainmentFinder& operator=(const ContainmentFinder&) = delete;
   ~ContainmentFinder();
 
-  // Looks at the enabled pairs of different bodies. `result`: all contacts of the scene, neither
-  // cut off nor with some left out; of a pair whose contacts are not all there, parts that touch
-  // may be listed, too. Exact where its settings are; a contact that they lost is none here. Bodies
-  // with a vertex that their pose makes infinite are within nothing and hold nothing. The answer is
-  // valid until the next call or the finder's end. Throws std::invalid_argument where the vertices
-  // of a body that takes part are on a device.
+  // Searches the enabled pairs of different bodies. `result` must hold all contacts of the scene,
+  // neither cut off nor with some left out. If contacts of a pair are missing, parts of it that
+  // touch may be listed. The answer is exact if the result is. Bodies with a vertex that their pose
+  // makes infinite are within nothing and contain nothing. The answer is valid until the next call
+  // or the finder's end. Throws std::invalid_argument if the vertices of a body that takes part are
+  // on a device.
   const Containment& find(const Scene& scene, const DetectionResult& result,
                           const CycleLimit& limit);
 

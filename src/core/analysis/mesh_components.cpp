@@ -1,3 +1,6 @@
+// Finds the components of a mesh in three steps: equal vertices are welded, triangles that share an
+// edge are joined with a union-find, and a component is marked as open if one of its edges belongs
+// to an odd number of its triangles.
 #include "core/analysis/mesh_components.h"
 
 #include <algorithm>
@@ -13,24 +16,26 @@ constexpr std::uint32_t kNone = MeshComponents::kNone;
 
 using Corners = std::array<std::uint32_t, 3>;
 
-// With the welded vertices' numbers.
+// Returns the welded vertices of a triangle.
 Corners cornersOf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& vertex,
                   std::size_t t) {
   const std::uint32_t* corner = &mesh.triangles[3 * t];
   return {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
 }
 
+// Returns whether the triangle has a vertex that is not finite.
 bool isRejected(const Corners& c) { return c[0] == kNone || c[1] == kNone || c[2] == kNone; }
 
 bool hasThreeVertices(const Corners& c) { return c[0] != c[1] && c[1] != c[2] && c[2] != c[0]; }
 
-// The edges of a mesh, by open addressing.
+// A hash table of the edges of a mesh, with open addressing. The key of an edge holds its two
+// welded vertices, the lesser one in the upper half. The table is at most half full.
 class EdgeTable {
  public:
   struct Edge {
     std::uint64_t key = kFree;
-    std::uint32_t triangle = 0;  // one that has it
-    bool odd = false;            // an odd number of triangles with three vertices has it
+    std::uint32_t triangle = 0;  // a triangle with this edge
+    bool odd = false;            // an odd number of triangles with three different vertices has it
   };
 
   explicit EdgeTable(std::size_t most_edges) {
@@ -39,7 +44,7 @@ class EdgeTable {
     edges_.resize(size);
   }
 
-  // Edge k of the triangle; its key is kFree if there is no such edge yet.
+  // Returns the place of edge k of the triangle. Its key is kFree if the edge is new.
   Edge& find(const Corners& c, int k, std::uint64_t* key) {
     const std::uint32_t u = c[k], v = c[(k + 1) % 3];
     *key = std::uint64_t{std::min(u, v)} << 32U | std::max(u, v);
@@ -52,13 +57,14 @@ class EdgeTable {
 
   const std::vector<Edge>& edges() const { return edges_; }
 
-  static constexpr std::uint64_t kFree = ~std::uint64_t{0};  // of no edge: its ends would be equal
+  static constexpr std::uint64_t kFree =
+      ~std::uint64_t{0};  // the key of no edge: its ends would be equal
 
  private:
   std::vector<Edge> edges_;
 };
 
-// Joins the triangle with those that have an edge of it.
+// Joins the triangle with the triangles that share an edge with it.
 void addTriangle(const Corners& c, std::uint32_t t, EdgeTable* table, UnionFind* joined) {
   const bool counts = hasThreeVertices(c);
   for (int k = 0; k < 3; ++k) {
@@ -74,6 +80,8 @@ void addTriangle(const Corners& c, std::uint32_t t, EdgeTable* table, UnionFind*
   }
 }
 
+// Marks the components as open that share an edge with this rejected triangle: their surface has a
+// hole where the triangle would be.
 void openBesideRejected(const Corners& c, EdgeTable* table, MeshComponents* components) {
   for (int k = 0; k < 3; ++k) {
     if (c[k] == kNone || c[(k + 1) % 3] == kNone) continue;
@@ -83,7 +91,8 @@ void openBesideRejected(const Corners& c, EdgeTable* table, MeshComponents* comp
   }
 }
 
-// Fills of_triangle, triangles and first; all components are closed so far.
+// Fills of_triangle, triangles and first. Marks all components as closed; open edges are found
+// later.
 void number(const std::vector<bool>& rejected, UnionFind* joined, MeshComponents* components) {
   const auto count = static_cast<std::uint32_t>(rejected.size());
   std::vector<std::uint32_t>& of = components->of_triangle;
@@ -118,6 +127,7 @@ bool BodyComponents::update(const Body& body, const CycleLimit& limit) {
     return true;
   }
   const bool same_triangles = body.topology_revision == topology_revision_;
+  // Stays 0 if the limit ends the update, so that the next call starts again.
   topology_revision_ = 0;
   if (!weld(body.mesh, limit)) return false;
   if (!same_triangles || new_vertex_ != vertex_) {
@@ -129,6 +139,7 @@ bool BodyComponents::update(const Body& body, const CycleLimit& limit) {
   return true;
 }
 
+// Finds the least equal vertex for each vertex of the mesh.
 bool BodyComponents::weld(const TriangleMesh& mesh, const CycleLimit& limit) {
   identity_.identify(mesh.vertices, new_vertex_, limit);
   if (limit.over()) return false;

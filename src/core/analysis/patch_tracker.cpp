@@ -1,3 +1,6 @@
+// Matches the patches of a call with those of the last one by the triangles that they have in
+// common. The arrays owner_a_ and owner_b_ tell to which known patch a triangle belongs, so
+// counting takes one step for each triangle of a patch.
 #include "core/analysis/patch_tracker.h"
 
 #include <algorithm>
@@ -10,6 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
+// Sets the owner of each of these triangles, which are ascending.
 void setOwner(const std::vector<std::uint32_t>& triangles, std::uint32_t owner,
               std::vector<std::uint32_t>* owners) {
   if (!triangles.empty() && owners->size() <= triangles.back()) {
@@ -18,7 +22,7 @@ void setOwner(const std::vector<std::uint32_t>& triangles, std::uint32_t owner,
   for (const std::uint32_t t : triangles) (*owners)[t] = owner;
 }
 
-// Adds 1 for each triangle that has an owner; lists the owners that had none so far.
+// Adds 1 to the count of the owner of each triangle that has one. Lists owners whose count was 0.
 void count(const std::vector<std::uint32_t>& triangles, const std::vector<std::uint32_t>& owners,
            std::vector<std::size_t>* counts, std::vector<std::uint32_t>* counted) {
   for (const std::uint32_t t : triangles) {
@@ -30,6 +34,8 @@ void count(const std::vector<std::uint32_t>& triangles, const std::vector<std::u
 
 }  // namespace
 
+// For a body with itself, a triangle may change from one side of its contacts to the other, so both
+// lists become one.
 PatchTracker::Triangles PatchTracker::trianglesOf(const Patch& patch) {
   if (patch.body_a != patch.body_b) return {patch.triangles_a, patch.triangles_b};
   Triangles all;
@@ -38,7 +44,8 @@ PatchTracker::Triangles PatchTracker::trianglesOf(const Patch& patch) {
   return all;
 }
 
-// A triangle belongs to one known patch of a pair of bodies, at most.
+// Each triangle belongs to at most one known patch of a pair of bodies. Returns how many triangles
+// each new patch shares with each known one, where there are any.
 std::vector<PatchTracker::Overlap> PatchTracker::overlaps(const std::vector<KnownPatch>& known,
                                                           const std::vector<Triangles>& patches) {
   for (std::uint32_t k = 0; k < known.size(); ++k) {
@@ -64,6 +71,7 @@ std::vector<PatchTracker::Overlap> PatchTracker::overlaps(const std::vector<Know
   return found;
 }
 
+// Gives ids to the patches of one pair of bodies: the largest overlaps choose first.
 void PatchTracker::assignOfPair(const Scene& scene, KnownPair* known, Patch* begin, Patch* end) {
   const auto count = static_cast<std::size_t>(end - begin);
   std::vector<Triangles> triangles;
@@ -89,6 +97,8 @@ void PatchTracker::assignOfPair(const Scene& scene, KnownPair* known, Patch* beg
 }
 
 void PatchTracker::assign(const Scene& scene, std::vector<Patch>* patches) {
+  // Triangles have other indices after a change of the mesh, so the patches of that body are
+  // forgotten.
   for (auto known = known_.begin(); known != known_.end();) {
     const auto [a, b] = known->first;
     const bool is_there = a < scene.bodyCount() && b < scene.bodyCount();

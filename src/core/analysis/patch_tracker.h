@@ -1,4 +1,4 @@
-// Patches that keep their ids from cycle to cycle.
+// Gives patches ids that stay the same from cycle to cycle.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,23 @@
 
 namespace deformable_contact_monitor {
 
-// One thread at a time.
+// Remembers the patches of the last call, and recognises them in the next. One thread at a time.
 class PatchTracker {
  public:
-  // Gives each patch an id: that of the patch of the same two bodies, as they were last looked at,
-  // with which it has most triangles in common, and at least one. A patch has one id and an id one
-  // patch: the pairs with most in common are served first (then the lesser id, then the patch that
-  // comes first), so that of a patch that falls apart the larger part keeps the id, and where
-  // patches grow together the larger one's stays. Others have ids of their own that count up from
-  // 1 and do not come again. Sorts the patches by bodies, then by id.
-  // `patches`: all those of the scene's enabled pairs. What is known of a pair of bodies that is
-  // not enabled stays, and is forgotten when the triangles of one of them change.
+  // Gives each patch the id of that patch of the same two bodies, in the last call, with which it
+  // has most triangles in common, if it has any. Each id goes to one patch only: matches with most
+  // triangles in common come first (then the lesser id, then the earlier patch). So if a patch
+  // splits, its larger part keeps the id, and if patches merge, the larger one's id stays. All
+  // other patches get new ids, which count up from 1 and are never used again. Sorts the patches by
+  // bodies, then by id. `patches` must be all patches of the scene's enabled pairs. Pairs of bodies
+  // that are not enabled keep their ids until the triangles of one of the bodies change.
   void assign(const Scene& scene, std::vector<Patch>* patches);
 
-  // What is known is forgotten.
+  // Forgets all ids given so far, but never gives one of them again.
   void forget() { known_.clear(); }
 
  private:
-  // Of a body with itself, all in `a`.
+  // The triangles of a patch. Of a body with itself, all are in `a`.
   struct Triangles {
     std::vector<std::uint32_t> a, b;
   };
@@ -41,6 +40,7 @@ class PatchTracker {
     std::uint64_t topology_a = 0, topology_b = 0;  // revisions
     std::vector<KnownPatch> patches;
   };
+  // Counts the triangles that a known patch and a new one have in common.
   struct Overlap {
     std::size_t triangles = 0;
     std::uint32_t id = 0;  // of a known patch

@@ -1,4 +1,4 @@
-// Points of which those within a box are asked for, again and again.
+// Stores points in a tree, for many queries of the points within a box.
 #pragma once
 
 #include <algorithm>
@@ -13,25 +13,28 @@
 
 namespace deformable_contact_monitor {
 
-// A balanced tree that halves the points along x, y and z in turn, by comparisons alone: equal, far
-// and clustered points cost no more than others. n points: a question takes about n^(2/3) steps at
-// most, and one for each point found.
+// A balanced k-d tree that halves the points along x, y and z in turn. It only compares
+// coordinates, so equal, distant and clustered points cost no more than others. With n points a
+// query takes about n^(2/3) steps at most, and one more for each point found. Any number of threads
+// may query.
 class PointTree {
  public:
-  // Finite points.
+  // Takes finite points.
   explicit PointTree(std::vector<Vec3f> points) : points_(std::move(points)) {
     order_.resize(points_.size());
     std::iota(order_.begin(), order_.end(), 0U);
     halve(0, order_.size(), 0);
   }
 
-  // visit(number) for each point within the closed box, in any order.
+  // Calls visit(index) for each point within the closed box, in any order.
   template <class Visit>
   void visitWithin(const Aabb& box, const Visit& visit) const {
     look(0, order_.size(), 0, box, visit);
   }
 
  private:
+  // Orders the points of [begin, end): the middle one is the median along the axis, points before
+  // it are not greater there, and points after it not less.
   void halve(std::size_t begin, std::size_t end, int axis) {
     if (end - begin < 2) return;
     const std::size_t middle = begin + (end - begin) / 2;

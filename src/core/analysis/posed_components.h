@@ -1,4 +1,4 @@
-// The components of one body, as it is posed.
+// Holds the components of one body in the scene frame, with boxes around them.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,12 @@
 
 namespace deformable_contact_monitor {
 
-// Kept from cycle to cycle. One thread at a time.
+// Poses the components of a body in each cycle, and keeps what does not change between cycles. One
+// thread at a time.
 class PosedComponents {
  public:
-  // The body must outlive what is asked until the next update(). False if the limit was over before
-  // the end.
+  // Begins a cycle. The body must live, unchanged, until the next update(). Returns false if the
+  // limit was over before the end.
   bool update(const Body& body, const CycleLimit& limit) {
     posed_.emplace(body);
     tree_.reset();
@@ -43,18 +44,19 @@ class PosedComponents {
 
   const MeshComponents& components() const { return components_.get(); }
   const PosedBody& posed() const { return *posed_; }
-  // Whether the pose leaves all of its triangles finite that were received so.
+  // Returns whether the pose keeps all triangles finite that were received finite.
   bool isFinitePosed() const { return is_finite_; }
   const Aabb& box() const { return box_; }
   const Aabb& box(std::uint32_t component) const { return boxes_[component]; }
 
-  // A point of the component.
+  // Returns some point of the component [m].
   Vec3f point(std::uint32_t component) const {
     const MeshComponents& of = components();
     return posed_->triangle(of.triangles[of.first[component]]).v[0];
   }
 
-  // Of a point of each component, by component.
+  // Returns a tree of one point of each component, in the order of components. Makes it on the
+  // first call after update().
   const PointTree& tree() {
     if (!tree_) {
       std::vector<Vec3f> points;
@@ -65,7 +67,7 @@ class PosedComponents {
     return *tree_;
   }
 
-  // Mean of the corners of its triangles [m].
+  // Returns the mean of the corners of the component's triangles [m].
   Vec3d centroid(std::uint32_t component) const {
     const MeshComponents& of = components();
     Vec3d sum;

@@ -1,3 +1,7 @@
+// Bounds the regions and tiles of a body. The boxes in the body's own frame are kept until its
+// vertices change. The boxes in the scene frame follow from these by the pose, which takes much
+// less time than reading all vertices again. Vertices are posed only for the tiles that a search
+// opens.
 #include "core/bounds/body_tiles.h"
 
 #include <algorithm>
@@ -5,15 +9,17 @@
 #include <cstring>
 #include <utility>
 
+#include "core/common/lanes.h"
 #include "core/common/parallel.h"
-#include "core/common/posed_box.h"
-#include "core/cpu/lane_box.h"
+#include "core/common/posed_body.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Of the finite ones of some vertices, of all `vertex_count` of which `xyz` has the coordinates;
-// `all_finite` turns false with the first that is not.
+// Returns the box of those of `count` vertices that are finite. `vertex` are their indices, and
+// `xyz` has the coordinates of all `vertex_count` vertices of the mesh. Sets all_finite to false if
+// one of them is not finite. It reads a vertex into four lanes at once; the fourth lane is never
+// used.
 Aabb receivedBox(const float* xyz, std::size_t vertex_count, const std::uint32_t* vertex,
                  std::size_t count, bool& all_finite) {
   FloatLanes low = FloatLanes{} + INFINITY, high = FloatLanes{} - INFINITY, check{};
@@ -27,6 +33,7 @@ Aabb receivedBox(const float* xyz, std::size_t vertex_count, const std::uint32_t
     }
     low = v < low ? v : low;
     high = v > high ? v : high;
+    // This stays 0 for finite numbers, and becomes NaN for infinity and NaN.
     check += v - v;
   }
   if (check[0] + check[1] + check[2] == 0) {
@@ -42,9 +49,12 @@ Aabb receivedBox(const float* xyz, std::size_t vertex_count, const std::uint32_t
   return box;
 }
 
+// Move the ends of a box into the range of finite float32 numbers.
 float atLeastFinite(float low) { return low >= -FLT_MAX ? least(low, FLT_MAX) : -FLT_MAX; }
 float atMostFinite(float high) { return high <= FLT_MAX ? most(high, -FLT_MAX) : FLT_MAX; }
 
+// Returns whether a box ends before the largest float32, so that its pose cannot have made any
+// vertex infinite.
 bool isWithinFloats(const Aabb& box) {
   return least(least(box.min.x, box.min.y), box.min.z) > -FLT_MAX &&
          most(most(box.max.x, box.max.y), box.max.z) < FLT_MAX;
@@ -73,6 +83,7 @@ bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
   return true;
 }
 
+// Makes the boxes in the body's own frame. Returns false if the limit is over.
 bool BodyTiles::receive(const CycleLimit& limit) {
   constexpr std::size_t kBlock = 2;  // regions, some 3 000 vertices
   vertices_revision_ = 0;
@@ -90,6 +101,7 @@ bool BodyTiles::receive(const CycleLimit& limit) {
   return true;
 }
 
+// Makes the boxes of one region and of its tiles. Regions are independent, so threads share them.
 void BodyTiles::receiveRegion(std::size_t region) {
   const TriangleMesh& mesh = body_->mesh;
   bool all_finite = true;
@@ -105,7 +117,8 @@ void BodyTiles::receiveRegion(std::size_t region) {
   finite_regions_[region] = all_finite ? 1 : 0;
 }
 
-// Where a pose may make a vertex infinite, those that stay finite are still within.
+// The box ends at the largest float32, so it holds all finite vertices even if the pose makes
+// others infinite.
 Aabb BodyTiles::posed(const Aabb& received) const {
   if (received.empty() || is_identity_) return received;
   const Aabb box = posedBox(received, body_->pose, false);
@@ -113,6 +126,9 @@ Aabb BodyTiles::posed(const Aabb& received) const {
           {atMostFinite(box.max.x), atMostFinite(box.max.y), atMostFinite(box.max.z)}};
 }
 
+// Several threads may ask for the same tile. The first one makes it while the others spin, which is
+// short. The number of the cycle is stored with release order after the tile is complete, so a
+// thread that reads it with acquire order sees the whole tile.
 const PosedTile& BodyTiles::tile(std::size_t tile) const {
   Slot& slot = slots_[tile];
   if (slot.made.load(std::memory_order_acquire) == cycle_) return *slot.tile;

@@ -1,4 +1,5 @@
-// A body's regions and tiles as they lie in the scene of one cycle.
+// Makes the boxes of a body's regions and tiles in the scene of one cycle. All boxes come from one
+// pass over the vertices. Tiles with posed vertices are made on demand.
 #pragma once
 
 #include <atomic>
@@ -15,32 +16,34 @@
 
 namespace deformable_contact_monitor {
 
-// Keeps what does not change from cycle to cycle. All boxes are [m], in the scene frame, hold the
-// posed float32 vertices of all triangles that are not rejected, and end at the largest float32;
-// empty where there is none.
+// Keeps what does not change from cycle to cycle. All boxes are in the scene frame [m] and hold the
+// posed float32 vertices of all triangles that are not rejected. They end at the largest float32,
+// and are empty if there is no such triangle.
 class BodyTiles {
  public:
-  // Begins a cycle. Returns false if the limit was over: then the rest is of no use in it. The body
-  // must live, unchanged, until the cycle ends; its vertices are on the host. On threads.
+  // Begins a cycle, on the threads of this TBB arena. Returns false if the limit was over; then the
+  // object is of no use in this cycle. The body must live, unchanged, until the cycle ends, and its
+  // vertices must be on the host.
   bool update(const Body& body, std::shared_ptr<const Tiling> tiling, const CycleLimit& limit);
 
-  // What follows may be asked by any number of threads.
+  // Any number of threads may call the following functions.
   const Aabb& box() const { return box_; }
   const std::vector<Aabb>& regions() const { return region_boxes_; }
+  // The tiles of a region are numbered from tileBegin() up to, but not including, tileEnd().
   std::size_t tileBegin(std::size_t region) const { return tiling_->region_begin[region]; }
   std::size_t tileEnd(std::size_t region) const { return tiling_->region_begin[region + 1]; }
   Aabb tileBox(std::size_t tile) const { return posed(received_tiles_[tile]); }
 
-  // Made when it is first asked for in a cycle.
+  // Returns a tile with posed vertices. It is made by the first call in a cycle.
   const PosedTile& tile(std::size_t tile) const;
 
   Triangle posedTriangle(std::uint32_t t) const { return PosedBody(*body_).triangle(t); }
 
-  // Whether certainly no triangle was rejected.
+  // Returns true only if certainly no triangle was rejected.
   bool allFinite() const { return all_finite_; }
 
  private:
-  // A tile's place, made in the cycle of that number, or being made.
+  // A tile, the number of the cycle in which it was made, and a spin lock to make it.
   struct Slot {
     std::unique_ptr<PosedTile> tile;
     std::atomic<std::uint64_t> made{0};
@@ -53,7 +56,7 @@ class BodyTiles {
 
   const Body* body_ = nullptr;
   std::shared_ptr<const Tiling> tiling_;
-  std::uint64_t vertices_revision_ = 0;                  // of what was received; 0: none
+  std::uint64_t vertices_revision_ = 0;                  // of the received boxes; 0: there are none
   std::vector<Aabb> received_tiles_, received_regions_;  // body frame [m]
   std::vector<std::uint8_t> finite_regions_;
   bool received_finite_ = true;

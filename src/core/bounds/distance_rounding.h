@@ -1,4 +1,6 @@
-// Distances in double as bounds in float32.
+// Converts distances in double to bounds in float32 that are certainly not on the wrong side.
+// Results hold distances as float32, and a bound that was rounded to the nearest one could promise
+// more than is true.
 #pragma once
 
 #include <cfloat>
@@ -9,32 +11,33 @@
 
 namespace deformable_contact_monitor {
 
-// The greatest float32 that is not greater, for any distance >= 0; +inf stays.
+// Returns the greatest float32 that is not greater than a distance >= 0. +inf stays.
 inline float roundedDown(double distance_m) {
   if (distance_m > FLT_MAX) return std::isinf(distance_m) ? INFINITY : FLT_MAX;
   const auto rounded = static_cast<float>(distance_m);
   return rounded > distance_m ? std::nextafter(rounded, 0.0F) : rounded;
 }
 
-// The least float32 that is not less.
+// Returns the least float32 that is not less than a distance >= 0.
 inline float roundedUp(double distance_m) {
   if (distance_m > FLT_MAX) return INFINITY;
   const auto rounded = static_cast<float>(distance_m);
   return rounded < distance_m ? std::nextafter(rounded, INFINITY) : rounded;
 }
 
-// The least distance [m] that is greater than the margin as float32; what is farther apart than it
-// is not near by nearVerdict() (predicates/narrow_phase.h) either, which rounds to the nearest.
+// Returns the least float32 that is greater than the margin [m]. Triangles that are at least so far
+// apart are not near by nearVerdict() (predicates/narrow_phase.h) either, which rounds to nearest.
 inline double beyond(float margin_m) {
   return std::nextafter(margin_m, std::numeric_limits<float>::infinity());
 }
 
+// Holds bounds of a distance [m], low_m <= high_m.
 struct DistanceRange {
   float low_m, high_m;
 };
 
-// Of what separation() says, which is right to a part in 2^28. As there, what is apart is so by the
-// least float32 at least.
+// Returns bounds of the true distance from a result of separation(), whose relative error is at
+// most 2^-28. Triangles that are apart have at least the least float32 as their distance.
 inline DistanceRange rangeOf(double separation_m) {
   constexpr float kLeast = 1.4e-45F;
   constexpr double kError = 0x1p-27;

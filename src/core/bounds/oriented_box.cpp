@@ -1,3 +1,6 @@
+// Makes oriented boxes, and bounds the gap between two of them. The gap is measured along the three
+// axes of either box. These are six of the fifteen axes of the separating axis test (Gottschalk,
+// Lin and Manocha: OBBTree, 1996). A lower bound is right without the other nine.
 #include "core/bounds/oriented_box.h"
 
 #include <algorithm>
@@ -6,26 +9,29 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// What follows is computed in double, u = 2^-53, from float32 points; nothing overflows or
-// underflows, for squares of differences of float32 lie between 1e-90 and 1e78. All slacks are many
-// times what the rounding can be, and far below what matters.
+// Everything is computed in double from float32 points; u = 2^-53. Nothing overflows or underflows,
+// because squares of differences of float32 numbers are between 1e-90 and 1e78. All slacks are many
+// times larger than the rounding errors, and far below the sizes that matter.
 //
-// Axes. A normalised vector is as long as 1 within 3 u. Projecting the first axis out twice leaves
-// at most 4 u of it, since no vector is taken that is shorter than kFlat of what it was. The third
-// is the product of two such. So all nine products are right within kAxisError.
+// Axes. A normalised vector has length 1 within 3 u. Removing the part along the first axis twice
+// leaves at most 4 u of it, because a vector that becomes shorter than kFlat times its length is
+// not used. The third axis is the cross product of the first two. So all nine dot products of axes
+// are right within kAxisError.
 constexpr double kFlat = 1e-6;
 
-// Halves. w = p - c, rounded to u |w|; its product with an axis is off by at most 5 u |w|. With
-// axes that are orthogonal but for e = kAxisError, the coordinates of w differ from its products
-// with them by at most 4 e |w|. Moving the centre is off by 4 u (|c| + |w|).
+// Half sizes. w = p - c has an error of u |w|; its dot product with an axis has an error of at most
+// 5 u |w|. The axes are orthogonal within e = kAxisError, so the coordinates of w differ from its
+// dot products with them by at most 4 e |w|. Moving the centre adds an error of 4 u (|c| + |w|).
 constexpr double kBoxSlack = 1e-12;
 
-// Gaps. The sums below are off by at most 30 u times all lengths in them, and b's box reaches e
-// farther along a direction that is longer than 1 by as much.
+// Gaps. The sums below have an error of at most 30 u times all lengths in them. If an axis is
+// longer than 1 by e, box b reaches e farther along it.
 constexpr double kGapSlack = 1e-12;
 
+// Returns a number that is at least the length of v.
 double sizeOf(const Vec3d& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
 
+// Scales a vector to length 1. Returns false if it has no direction.
 bool normalise(Vec3d& v) {
   const double length = std::sqrt(dot(v, v));
   if (!(length > 0)) return false;
@@ -33,7 +39,8 @@ bool normalise(Vec3d& v) {
   return true;
 }
 
-// Any unit vector across `axis`.
+// Returns some unit vector orthogonal to `axis`. It starts from the coordinate axis that is
+// farthest from parallel to `axis`.
 Vec3d across(const Vec3d& axis) {
   const double x = std::fabs(axis.x), y = std::fabs(axis.y), z = std::fabs(axis.z);
   Vec3d least{x <= y && x <= z ? 1.0 : 0.0, 0, 0};
@@ -43,7 +50,8 @@ Vec3d across(const Vec3d& axis) {
   return other;
 }
 
-// The longest difference from the first point, without its part along `normal`.
+// Returns a unit vector along the longest difference of a point from the first point, without its
+// part along `normal`.
 Vec3d widestAcross(const float* x, const float* y, const float* z, std::size_t count,
                    const Vec3d& normal) {
   Vec3d widest;
@@ -66,10 +74,13 @@ Vec3d widestAcross(const float* x, const float* y, const float* z, std::size_t c
   return along;
 }
 
+// The range of points along an axis [m].
 struct Extent {
   double low = INFINITY, high = -INFINITY;
 };
 
+// Returns the range of the points along an axis, relative to the point `from`. Four partial ranges
+// let the compiler use vector instructions.
 Extent extentAlong(const Vec3d& axis, const Vec3d& from, const float* x, const float* y,
                    const float* z, std::size_t count) {
   constexpr std::size_t kLanes = 4;
@@ -91,7 +102,7 @@ Extent extentAlong(const Vec3d& axis, const Vec3d& from, const float* x, const f
           most(most(high[0], high[1]), most(high[2], high[3]))};
 }
 
-// Square of the gaps along a's axes, where `offset` leads from a's centre to b's.
+// Returns the sum of the squared gaps along a's axes [m^2]. `offset` is b's centre - a's centre.
 double squaredGapAlong(const OrientedBox& a, const OrientedBox& b, const Vec3d& offset,
                        double slack) {
   double sum = 0;
@@ -114,6 +125,8 @@ OrientedBox orientedBoxOf(const float* x, const float* y, const float* z, std::s
   if (!normalise(box.axis[0])) box.axis[0] = {0, 0, 1};
   box.axis[1] = widestAcross(x, y, z, count, box.axis[0]);
   box.axis[2] = cross(box.axis[0], box.axis[1]);
+  // Coordinates are taken relative to a point of the box, so that they keep their digits far from
+  // the origin.
   const Vec3d from{x[0], y[0], z[0]};
   Extent extent[3];
   double reach = 0;
@@ -136,7 +149,7 @@ double lowerGap(const OrientedBox& a, const OrientedBox& b) {
                                     a.half[2] + b.half[0] + b.half[1] + b.half[2]);
   const double squared =
       most(squaredGapAlong(a, b, offset, slack), squaredGapAlong(b, a, offset, slack));
-  // Along orthogonal axes: a vector is no shorter than the root of the squares of its parts.
+  // The axes are orthogonal, so a vector's length is the root of the sum of its squared parts.
   return std::sqrt(squared) * (1 - 1e-12);
 }
 

@@ -1,13 +1,112 @@
+// Decides all pairs of a cycle, and then lists their contacts. Threads share the pairs. If there is
+// a deadline, each open pair gets a short turn in each round, so that one hard pair cannot take the
+// time of all others.
 #include "core/bounds/pair_rounds.h"
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 
+#include "core/bounds/distance_rounding.h"
+#include "core/bounds/near_parts.h"
 #include "core/common/parallel.h"
+#include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
+namespace {
+
+// Lists all contacts of one pair of bodies, tile by tile. It is used by one thread.
+class ContactList {
+ public:
+  // The contacts of all lists together must be sorted before `until`. The lists count them in
+  // `all_found`.
+  ContactList(const BodyPair& bodies, const CycleLimit& limit, SteadyTime until,
+              std::atomic<std::size_t>& all_found)
+      : bodies_(bodies),
+        needed_m_(beyond(bodies.margin_m)),
+        limit_(limit),
+        until_(until),
+        all_found_(all_found) {}
+
+  // Finds all contacts of the pair, as exact detectors would, in any order, each once. Returns
+  // false if the limit or the time ended it before that.
+  bool find() {
+    constexpr std::size_t kLook = 16;
+    for (std::size_t r = 0; r < bodies_.a->regions().size(); ++r) {
+      if (r % kLook == 0 && isTime()) return false;
+      regions_.clear();
+      nearRegions(*bodies_.a, r, *bodies_.b, needed_m_, regions_);
+      for (const NearParts& regions : regions_) {
+        if (!addRegions(regions)) return false;
+      }
+    }
+    return true;
+  }
+
+  std::vector<ListedContact> takeContacts() { return std::move(contacts_); }
+
+ private:
+  // Returns whether to stop: the limit is over, or the time that is left is needed to sort and
+  // merge the contacts found so far.
+  bool isTime() const {
+    constexpr std::chrono::nanoseconds kEach(200);  // to sort a contact and to merge it
+    if (limit_.over()) return true;
+    if (until_ == SteadyTime::max()) return false;
+    const auto left = until_ - std::chrono::steady_clock::now();
+    return left < kEach * static_cast<std::int64_t>(all_found_.load(std::memory_order_relaxed));
+  }
+
+  // addRegions() lists the contacts of two regions, and addTiles() those of two tiles. Both return
+  // false if it is time to stop.
+  bool addRegions(const NearParts& regions) {
+    if (isTime()) return false;
+    nearTiles(*bodies_.a, regions.a, *bodies_.b, regions.b, needed_m_, tiles_);
+    for (const NearParts& tiles : tiles_) {
+      if (!addTiles(tiles)) return false;
+    }
+    return true;
+  }
+
+  bool addTiles(const NearParts& tiles) {
+    constexpr std::size_t kLook = 64;  // pairs of triangles, about 10 us
+    const PosedTile &a = bodies_.a->tile(tiles.a), &b = bodies_.b->tile(tiles.b);
+    nearTriangles(a, b, needed_m_, triangles_);
+    if (isTime()) return false;
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      addTriangles(a, b, triangles_[i]);
+      if ((i + 1) % kLook == 0 && isTime()) return false;
+    }
+    return true;
+  }
+
+  // Lists two triangles if they are in contact. It asks the same predicates as the exact detectors.
+  void addTriangles(const PosedTile& a, const PosedTile& b, const NearTriangles& near) {
+    const Triangle triangle_a = a.posed(near.a), triangle_b = b.posed(near.b);
+    PairFacts facts;
+    facts.margin_m = bodies_.margin_m;
+    if (!isCandidate(triangle_a, triangle_b, facts)) return;
+    PredicateState state{Predicates::kExact};
+    const Verdict verdict = candidateVerdict(triangle_a, triangle_b, facts, state);
+    if (!verdict.contact) return;
+    contacts_.push_back({{bodies_.a_id, a.triangle[near.a], bodies_.b_id, b.triangle[near.b]},
+                         verdict.separation_m});
+    all_found_.fetch_add(1, std::memory_order_relaxed);
+  }
+
+  BodyPair bodies_;
+  double needed_m_;  // what is farther apart is no contact
+  const CycleLimit& limit_;
+  SteadyTime until_;
+  std::atomic<std::size_t>& all_found_;
+  std::vector<ListedContact> contacts_;
+  std::vector<NearParts> regions_, tiles_;  // scratch
+  std::vector<NearTriangles> triangles_;
+};
+
+}  // namespace
 
 void PairRounds::begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
                        const std::vector<std::shared_ptr<const Tiling>>& tilings, float tolerance_m,
@@ -17,6 +116,7 @@ void PairRounds::begin(const Scene& scene, const std::vector<std::pair<BodyId, B
   ready_.assign(scene.bodyCount(), false);
   pairs_.clear();
   std::vector<bool> is_new(scene.bodyCount(), true);
+  // Updates the tiles of a body at its first pair. Later pairs get the same answer.
   const auto isReady = [&](BodyId id) {
     if (is_new[id]) {
       if (tiles_[id] == nullptr) tiles_[id] = std::make_unique<BodyTiles>();
@@ -43,6 +143,7 @@ std::vector<PairRounds::Pair*> PairRounds::openPairs() {
 }
 
 void PairRounds::decide(const CycleLimit& limit, SteadyTime until) {
+  // The length of a turn. Without a deadline, a pair is searched to its end in one turn.
   constexpr std::chrono::microseconds kTurn(100);
   const bool in_turns = limit.isSet() || until != SteadyTime::max();
   for (std::vector<Pair*> open = openPairs(); !open.empty(); open = openPairs()) {
@@ -61,10 +162,11 @@ void PairRounds::list(const CycleLimit& limit, SteadyTime until) {
     Pair& pair = pairs_[i];
     if (pair.search == nullptr) return;
     const PairDecision decision = pair.search->decision();
+    // A pair that is certainly apart has no contacts. A pair that is still open had no time.
     if (decision == PairDecision::kNone || decision == PairDecision::kOpen) return;
-    PairList found(until, all_found);
-    pair.is_listed = found.find(bodiesOf(pair), limit);
-    pair.listed = found.contacts();
+    ContactList found(bodiesOf(pair), limit, until, all_found);
+    pair.is_listed = found.find();
+    pair.listed = found.takeContacts();
   });
 }
 
@@ -87,6 +189,7 @@ std::vector<ListedContact> PairRounds::contacts() const {
   std::vector<ListedContact> contacts;
   for (const Pair& pair : pairs_) {
     contacts.insert(contacts.end(), pair.listed.begin(), pair.listed.end());
+    // The search itself has found some contacts. They count where the list is incomplete.
     if (pair.search == nullptr || pair.is_listed) continue;
     for (const TrianglePair& seen : pair.search->contacts()) contacts.push_back({seen, 0});
   }

@@ -1,4 +1,5 @@
-// Pairs of bodies that are decided by their tiles, turn by turn where time is short.
+// Decides the pairs of bodies of one cycle by their tiles, and lists their contacts. If there is a
+// deadline, pairs take turns, so that each gets some of the time.
 #pragma once
 
 #include <memory>
@@ -6,7 +7,6 @@
 #include <vector>
 
 #include "core/bounds/body_tiles.h"
-#include "core/bounds/pair_list.h"
 #include "core/bounds/pair_search.h"
 #include "core/common/cycle_limit.h"
 #include "core/detector.h"
@@ -16,49 +16,59 @@
 
 namespace deformable_contact_monitor {
 
-// Keeps what bodies leave for later cycles. One thread at a time calls it, and it uses those of the
-// arena that it is called in.
+// A pair of triangles in contact.
+struct ListedContact {
+  TrianglePair pair;
+  float separation_m;  // as DetectionResult::separations_m
+};
+
+// Keeps the tiles of bodies for later cycles. One thread at a time calls it, and it uses the
+// threads of the TBB arena in which it is called.
 class PairRounds {
  public:
-  // Begins a cycle with these pairs, ascending, of two different bodies each. `tilings`: per body
-  // of the scene, of those in pairs. The scene must live, unchanged, until the cycle ends.
+  // Begins a cycle with these pairs of two different bodies each, ascending. `tilings`: one per
+  // body of the scene, not null for bodies in pairs. The scene must live, unchanged, until the
+  // cycle ends.
   void begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
              const std::vector<std::shared_ptr<const Tiling>>& tilings, float tolerance_m,
              const CycleLimit& limit);
 
-  // Goes on with those that are open, until none is or the time has come.
+  // Continues the search of pairs that are open, until none is, or `until` or the limit is reached.
   void decide(const CycleLimit& limit, SteadyTime until);
 
-  // Lists contacts of the pairs that are not certainly apart, until what was found is to be sorted.
+  // Lists the contacts of all pairs that are decided and not certainly apart. Stops early enough
+  // that the contacts found so far can be sorted before `until`.
   void list(const CycleLimit& limit, SteadyTime until);
 
-  // Of all pairs, in their order.
+  // Returns what is certain of each pair, in their order.
   std::vector<BodyDistance> distances() const;
 
-  // What was found, sorted, each once.
+  // Returns the contacts that were found, sorted, each once.
   std::vector<ListedContact> contacts() const;
 
-  // Whether triangles of a body, one of some pair, may have been rejected. False too where there
-  // was no time to look.
+  // Returns whether triangles of a body, one of some pair, may have been rejected. Returns false
+  // also where there was no time to look at the body.
   bool mayReject(BodyId id) const { return ready_[id] && !tiles_[id]->allFinite(); }
 
  private:
+  // A pair of bodies, and how far its search and its list of contacts have come.
   struct Pair {
     BodyId a, b;
     float margin_m;
     std::unique_ptr<PairSearch> search;  // null: there was no time to begin it
     std::vector<ListedContact> listed;
-    bool is_listed = false;
+    bool is_listed = false;  // `listed` is complete
   };
 
   BodyPair bodiesOf(const Pair& pair) const {
     return {pair.a, pair.b, tiles_[pair.a].get(), tiles_[pair.b].get(), pair.margin_m};
   }
+  // Returns the pairs that have a search which is not done.
   std::vector<Pair*> openPairs();
 
   float tolerance_m_ = 0;
-  std::vector<std::unique_ptr<BodyTiles>> tiles_;  // per body; null: it has been in no pair
-  std::vector<bool> ready_;                        // per body: its tiles are of this cycle
+  std::vector<std::unique_ptr<BodyTiles>> tiles_;  // per body; null: it was never in a pair
+  std::vector<bool> ready_;                        // per body: its tiles are those of this cycle
   std::vector<Pair> pairs_;
 };
 

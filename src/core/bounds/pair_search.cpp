@@ -1,3 +1,7 @@
+// Searches the distance of two bodies by branch and bound. A heap holds pairs of regions and pairs
+// of tiles, each with a lower bound of its distance. The pair with the least bound is refined next:
+// regions into tiles, tiles into triangles. The nearest two triangles so far are the witness and
+// give the upper bound. The search ends when both bounds decide the pair.
 #include "core/bounds/pair_search.h"
 
 #include <algorithm>
@@ -13,6 +17,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns whether the search has to pause.
 bool isTime(const CycleLimit& limit, SteadyTime until) {
   if (limit.over()) return true;
   return until != SteadyTime::max() && std::chrono::steady_clock::now() >= until;
@@ -23,7 +28,8 @@ bool isTime(const CycleLimit& limit, SteadyTime until) {
 PairSearch::PairSearch(const BodyPair& bodies, float tolerance_m)
     : bodies_(bodies), tolerance_m_(tolerance_m), needed_m_(beyond(bodies.margin_m)) {}
 
-// Where bounds say nothing, tiles come before regions, so that few wait.
+// Orders the heap: the least bound comes first. With equal bounds, such as 0, tiles come before
+// regions, which keeps the heap small.
 bool PairSearch::isLater(const Doubt& x, const Doubt& y) {
   if (x.low_m != y.low_m) return x.low_m > y.low_m;
   if (x.are_tiles != y.are_tiles) return y.are_tiles;
@@ -42,6 +48,7 @@ PairSearch::Doubt PairSearch::pop() {
   return doubt;
 }
 
+// The witness may change many times in one call, so its points are computed once, at the end.
 void PairSearch::advance(const CycleLimit& limit, SteadyTime until) {
   const float before_m = high_m_;
   search(limit, until);
@@ -50,6 +57,8 @@ void PairSearch::advance(const CycleLimit& limit, SteadyTime until) {
 
 void PairSearch::search(const CycleLimit& limit, SteadyTime until) {
   constexpr std::size_t kLook = 16;
+  // All regions of a are compared first. Until then nothing is known of some of them, so distance()
+  // does not give a lower bound.
   const std::size_t region_count = bodies_.a->regions().size();
   while (next_region_ < region_count) {
     parts_.clear();
@@ -90,7 +99,9 @@ BodyDistance PairSearch::distance() const {
   return distance;
 }
 
-// Of all triangles.
+// Returns a lower bound of the distance of all pairs of triangles [m]. It is the least bound of
+// what was left out or done, of the heap, and of the open tiles, whose nearest triangles come
+// first.
 double PairSearch::restLow() const {
   double low_m = settled_m_;
   if (!doubts_.empty()) low_m = least(low_m, doubts_.front().low_m);
@@ -100,12 +111,15 @@ double PairSearch::restLow() const {
   return low_m;
 }
 
+// Replaces two regions by pairs of their tiles. The bound of a part is never less than that of the
+// whole, so the lower bound of the search only grows.
 void PairSearch::lookAtRegions(const Doubt& doubt) {
   settle(nearTiles(*bodies_.a, doubt.a, *bodies_.b, doubt.b, needed_m_, parts_));
   for (const NearParts& parts : parts_)
     push({most(parts.low_m, doubt.low_m), parts.a, parts.b}, true);
 }
 
+// Computes where the witness's triangles are nearest. If they intersect, both points are the same.
 void PairSearch::findPoints() {
   const PairGeometry geometry = geometryOf(bodies_.a->posedTriangle(witness_.triangle_a),
                                            bodies_.b->posedTriangle(witness_.triangle_b), high_m_);
@@ -113,16 +127,18 @@ void PairSearch::findPoints() {
   points_[1] = high_m_ > 0 ? geometry.point_b : geometry.point_a;
 }
 
+// Lists the near triangles of two tiles. The list leaves out what is beyond the margin, and with it
+// each witness that the tolerance alone would allow, so findWitness() is tried from time to time.
 void PairSearch::openTiles(const Doubt& doubt) {
-  constexpr std::uint32_t kInVain = 64;  // some 0.3 ms
+  constexpr std::uint32_t kInVain = 64;  // about 0.3 ms of work
   open_ = doubt;
   if (++opened_ % kInVain == 0 && tolerance_m_ > needed_m_ && findWitness()) return;
   next_triangles_ = 0;
   settle(nearTriangles(bodies_.a->tile(doubt.a), bodies_.b->tile(doubt.b), needed_m_, triangles_));
 }
 
-// Among the open tiles' triangles that are apart, but within the tolerance: it decides the pair
-// where many tiles overlap and none of their triangles touch.
+// Looks for a witness among the open tiles' triangles that are apart, but within the tolerance.
+// This decides pairs in which many tiles overlap while none of their triangles touch.
 bool PairSearch::findWitness() {
   constexpr std::size_t kMost = 8;
   const PosedTile &a = bodies_.a->tile(open_.a), &b = bodies_.b->tile(open_.b);
@@ -134,13 +150,14 @@ bool PairSearch::findWitness() {
   return high_m_ <= tolerance_m_;
 }
 
+// Tests the triangles of the open tiles until these are done, the pair is decided or it is time.
 void PairSearch::lookAtTriangles(const CycleLimit& limit, SteadyTime until) {
-  constexpr std::size_t kLook = 8;  // some 10 us
+  constexpr std::size_t kLook = 8;  // about 10 us of work
   const PosedTile &a = bodies_.a->tile(open_.a), &b = bodies_.b->tile(open_.b);
   while (next_triangles_ < triangles_.size()) {
     const NearTriangles& pair = triangles_[next_triangles_++];
     const double low_m = most(pair.low_m, open_.low_m);
-    if (low_m >= high_m_) {  // and so are all others
+    if (low_m >= high_m_) {  // so are all later pairs
       settle(low_m);
       next_triangles_ = triangles_.size();
       return;
@@ -151,10 +168,13 @@ void PairSearch::lookAtTriangles(const CycleLimit& limit, SteadyTime until) {
   }
 }
 
+// Tests two triangles, and updates the bounds, the witness and the contacts. Only triangles whose
+// boxes overlap (bound 0) can intersect.
 void PairSearch::look(const PosedTile& a, const PosedTile& b, const NearTriangles& pair) {
   const Triangle hull_a = a.posed(pair.a), hull_b = b.posed(pair.b);
   const TrianglePair ids{bodies_.a_id, a.triangle[pair.a], bodies_.b_id, b.triangle[pair.b]};
-  // What is farther apart is no witness, and does not matter to what is certain.
+  // Triangles that are farther apart than this are no better witness, and do not change the
+  // decision.
   const double enough_m = least<double>(high_m_, most<double>(needed_m_, tolerance_m_));
   if (arePlanesApart(hull_a, hull_b, enough_m)) {
     settle(enough_m);

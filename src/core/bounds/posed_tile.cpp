@@ -1,3 +1,5 @@
+// Makes a tile of a body in the scene frame. In most tiles all vertices are finite, and the lists
+// of the tiling are copied as they are. Otherwise the triangles with other vertices are left out.
 #include "core/bounds/posed_tile.h"
 
 #include <algorithm>
@@ -7,7 +9,7 @@ namespace deformable_contact_monitor {
 void PosedTile::make(const Tiling& tiling, std::size_t tile, const PosedBody& body) {
   const std::uint32_t first = tiling.vertex_begin[tile];
   vertex_count = tiling.vertex_begin[tile + 1] - first;
-  float check = 0;  // turns NaN with the first coordinate that is not finite
+  float check = 0;  // becomes NaN with the first coordinate that is not finite
   for (std::size_t i = 0; i < vertex_count; ++i) {
     const Vec3f v = body.vertex(tiling.vertex[first + i]);
     x[i] = v.x;
@@ -32,6 +34,7 @@ void PosedTile::takeAll(const Tiling& tiling, std::size_t tile) {
   }
 }
 
+// Takes the triangles whose vertices are finite, and renumbers the vertices that these still use.
 void PosedTile::takeFinite(const Tiling& tiling, std::size_t tile) {
   constexpr std::uint8_t kUnused = 255;
   std::array<std::uint8_t, 3 * kTriangles> place;
@@ -59,9 +62,10 @@ void PosedTile::takeFinite(const Tiling& tiling, std::size_t tile) {
   }
 }
 
+// The mean normal of the triangles is the direction in which the oriented box is thin.
 void PosedTile::findBoxes() {
   box = Aabb();
-  Vec3d normal;  // the sum of its triangles', by area
+  Vec3d normal;  // the sum of the triangles' normals, weighted by area
   for (std::size_t t = 0; t < count; ++t) {
     const Triangle hull = posed(t);
     const Aabb own = boxOf(hull);

@@ -1,4 +1,4 @@
-// One tile of a body as it lies in the scene.
+// Holds one tile of a body in the scene frame, with the boxes that bound it.
 #pragma once
 
 #include <array>
@@ -13,25 +13,27 @@
 
 namespace deformable_contact_monitor {
 
-// Its triangles whose posed vertices are finite; the others were rejected.
+// Holds those of the tile's triangles whose posed vertices are finite. The others were rejected.
 struct PosedTile {
   static constexpr std::size_t kTriangles = Tiling::kTileTriangles;
 
-  std::size_t count = 0;                           // of triangles; 0: the rest is of no use
-  std::array<std::uint32_t, kTriangles> triangle;  // which of the body's
-  std::array<std::array<std::uint8_t, 3>, kTriangles> corners;  // places among the vertices
-  std::size_t vertex_count = 0;                                 // all of some triangle
+  std::size_t count = 0;                           // of triangles; 0: the other members are not set
+  std::array<std::uint32_t, kTriangles> triangle;  // its index in the body
+  std::array<std::array<std::uint8_t, 3>, kTriangles> corners;  // indices into x, y and z
+  std::size_t vertex_count = 0;                                 // each is a vertex of some triangle
   std::array<float, 3 * kTriangles> x, y, z;                    // scene frame [m]
-  Aabb box;                                                     // of them
-  OrientedBox oriented;                                         // the same
-  // Of each triangle, by axis; beyond `count` as the last one's.
+  Aabb box;                                                     // of the vertices
+  OrientedBox oriented;                                         // of the vertices
+  // Bounds of each triangle by axis. Entries beyond `count` repeat the last triangle's.
   std::array<std::array<float, kTriangles>, 3> low, high;
 
+  // Return a vertex, and a triangle, by its place in this tile.
   Vec3f vertex(std::size_t i) const { return {x[i], y[i], z[i]}; }
   Triangle posed(std::size_t t) const {
     return {{vertex(corners[t][0]), vertex(corners[t][1]), vertex(corners[t][2])}};
   }
 
+  // Reads and poses the vertices of a tile, and makes its boxes.
   void make(const Tiling& tiling, std::size_t tile, const PosedBody& body);
 
  private:

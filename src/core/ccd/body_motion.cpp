@@ -1,3 +1,7 @@
+// Interpolates the path of a body, and bounds how far its points are from straight lines. From one
+// sample to the next the body's origin moves straight and evenly, and the body rotates evenly about
+// a fixed axis. All bounds are computed in double and made a little larger than the rounding
+// errors.
 #include "core/ccd/body_motion.h"
 
 #include <algorithm>
@@ -8,12 +12,12 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Covers what double arithmetic does here, many times over.
+// Covers the rounding errors of double arithmetic in this file, with much to spare.
 constexpr double kSlack = 1 + 1e-7;
-constexpr double kHalfUlp = 1.0 / (1 << 24);       // of 1, in float32
-constexpr double kLargestDefectOfRotation = 1e-3;  // of R^T R from the identity
+constexpr double kHalfUlp = 1.0 / (1 << 24);       // of the number 1 as float32
+constexpr double kLargestDefectOfRotation = 1e-3;  // distance of R^T R from the identity
 
-// The largest distance of R^T R from the identity; bounds the operator norm.
+// Returns the Frobenius norm of R^T R - identity, which bounds its operator norm.
 double defectOf(const double r[9]) {
   double sum = 0;
   for (int i = 0; i < 3; ++i) {
@@ -25,6 +29,7 @@ double defectOf(const double r[9]) {
   return std::sqrt(sum);
 }
 
+// A negative determinant tells that the matrix mirrors.
 double determinant(const double r[9]) {
   return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
          r[2] * (r[3] * r[7] - r[4] * r[6]);
@@ -38,9 +43,9 @@ void multiply(const double a[9], const double b[9], double product[9]) {
   }
 }
 
-// No less than the largest factor by which the matrix m makes a vector longer, whose fourth power
-// is an eigenvalue of (m^T m)^2, and so at most the largest sum of a row of that; and at most 8 %
-// more where m is of a turn about one axis.
+// Returns a bound of the operator norm of m, the largest factor by which m makes a vector longer.
+// Its fourth power is an eigenvalue of (m^T m)^2, and so at most the largest row sum of that
+// matrix. For differences of rotations about one axis the bound is at most 8 % too large.
 double boundOfNorm(const double m[9]) {
   double transposed[9], square[9], fourth[9], most = 0;
   for (int i = 0; i < 9; ++i) transposed[i] = m[3 * (i % 3) + i / 3];
@@ -52,8 +57,9 @@ double boundOfNorm(const double m[9]) {
   return std::sqrt(std::sqrt(most));
 }
 
-// Rodrigues' formula. The axis is a unit vector, or zero.
-void turn(const double axis[3], double angle, double r[9]) {
+// Writes the rotation by an angle [rad] about an axis (Rodrigues' formula). The axis is a unit
+// vector, or zero.
+void rotationAbout(const double axis[3], double angle, double r[9]) {
   const double c = std::cos(angle), s = std::sin(angle);
   const double half = std::sin(angle / 2);
   const double versine = 2 * half * half;  // 1 - c, of small angles too
@@ -68,7 +74,8 @@ void turn(const double axis[3], double angle, double r[9]) {
   r[7] += s * axis[0];
 }
 
-// The unit quaternion x y z w of a rotation, w >= 0 (Shepperd's choice of the largest component).
+// Writes the unit quaternion x y z w of a rotation, w >= 0. Uses Shepperd's method, which divides
+// by the largest component.
 void quaternionOf(const double r[9], double q[4]) {
   const double trace = r[0] + r[4] + r[8];
   const double largest = std::max({trace, r[0], r[4], r[8]});
@@ -88,6 +95,7 @@ void quaternionOf(const double r[9], double q[4]) {
 
 double lengthOf(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
 
+// Returns the vertices of the earlier state. A body that does not deform has the same ones in both.
 const HostList<float>& earlierVertices(const Body& body) {
   const bool others = body.earlier && !body.earlier->vertices.empty();
   return others ? body.earlier->vertices : body.mesh.vertices;
@@ -133,9 +141,12 @@ std::vector<float> verticesBetween(const HostList<float>& from, const HostList<f
   return between;
 }
 
-// Half an ulp of each coordinate, and what float32 cannot tell near 0.
+// The bound is half an ulp of each coordinate, and the spacing of float32 numbers near 0.
 double roundingAt(double distance) { return kSlack * (kHalfUlp * distance + 0x1p-149); }
 
+// Takes axis and angle from the relative rotation. The matrices of samples may be no exact
+// rotations, so the rotated first sample can differ a little from the second. `defect` bounds that
+// difference.
 BodyMotion::Piece BodyMotion::pieceBetween(const RigidTransform& from, const RigidTransform& to) {
   double inverse[9], relative[9], q[4];
   for (int i = 0; i < 9; ++i) inverse[i] = from.rotation[3 * (i % 3) + i / 3];
@@ -145,7 +156,7 @@ BodyMotion::Piece BodyMotion::pieceBetween(const RigidTransform& from, const Rig
   Piece piece{{0, 0, 0}, 2 * std::atan2(sine, q[3]), 0};
   for (int k = 0; k < 3 && sine > 0; ++k) piece.axis[k] = q[k] / sine;
   double turned[9], end[9];
-  turn(piece.axis, piece.angle, turned);
+  rotationAbout(piece.axis, piece.angle, turned);
   multiply(turned, from.rotation, end);
   for (int i = 0; i < 9; ++i) end[i] -= to.rotation[i];
   piece.defect = boundOfNorm(end);
@@ -162,6 +173,7 @@ BodyMotion::BodyMotion(const Body& body, const BodyPath& path) : body_(&body), p
     reach_ = std::max({reach_, lengthOf(x, y, z), lengthOf(u, v, w)});
     change_ = std::max(change_, change);
   }
+  // A sample's matrix may be no exact rotation and may make vectors longer by this factor at most.
   double stretch = 1;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const RigidTransform& pose = path[i].pose;
@@ -177,7 +189,8 @@ BodyMotion::BodyMotion(const Body& body, const BodyPath& path) : body_(&body), p
   if (change_ > 0) rounding_ += roundingAt(reach_);
 }
 
-// The piece that begins at that time or before it; of the whole's end the last one.
+// Returns the piece that contains that time; at a sample the piece that begins there, at 1 the
+// last.
 std::size_t BodyMotion::pieceAt(double at) const {
   const auto next = std::upper_bound(path_->begin(), path_->end() - 1, at,
                                      [](double t, const PoseSample& s) { return t < s.at; });
@@ -192,7 +205,7 @@ RigidTransform BodyMotion::poseAt(double at) const {
   const Piece& piece = pieces_[i];
   const double part = (at - from.at) / (to.at - from.at);
   double turned[9];
-  turn(piece.axis, part * piece.angle, turned);
+  rotationAbout(piece.axis, part * piece.angle, turned);
   RigidTransform pose;
   multiply(turned, from.pose.rotation, pose.rotation);
   for (int k = 0; k < 3; ++k) {
@@ -207,10 +220,11 @@ std::vector<float> BodyMotion::verticesAt(double at) const {
   return verticesBetween(earlierVertices(*body_), body_->mesh.vertices, at);
 }
 
-// A point at distance r from the origin that turns by an angle a in a piece, and moves by d in the
-// body's frame, has |x''| <= a^2 r + 2 a d (time in pieces), and linear interpolation is off by at
-// most an eighth of that. Where samples lie between, the way's own corners are off by what they
-// show, and what lies between them is off from the straight line between them as above.
+// Consider a point at distance r from the body's origin. In one piece it rotates by an angle a and
+// moves by d in the body's frame. With the piece's time in [0, 1], |x''| <= a^2 r + 2 a d, and
+// linear interpolation has an error of at most an eighth of that (`arc`). If samples lie between
+// `from` and `to`, the error is at most the largest deviation of a sample from the straight line
+// (`corner`), plus the largest arc between two of them.
 double BodyMotion::deviation(double from, double to) const {
   const BodyPath& path = *path_;
   const RigidTransform pose_from = poseAt(from), pose_to = poseAt(to);
@@ -225,6 +239,8 @@ double BodyMotion::deviation(double from, double to) const {
   return (arc + corner) * kSlack;
 }
 
+// Bounds how far the body's points at a sample are from the straight line between both ends [m]: by
+// the differences of rotation, of translation, and of the deformation that is rotated with them.
 double BodyMotion::deviationAt(std::size_t sample, double from, const RigidTransform& pose_from,
                                double to, const RigidTransform& pose_to) const {
   const RigidTransform& pose = (*path_)[sample].pose;
@@ -242,6 +258,6 @@ double BodyMotion::deviationAt(std::size_t sample, double from, const RigidTrans
          part * boundOfNorm(rest) * change_ * (to - from);
 }
 
-bool BodyMotion::bends() const { return reach_ > 0 && deviation(0, 1) > rounding_ / 2; }
+bool BodyMotion::rotates() const { return reach_ > 0 && deviation(0, 1) > rounding_ / 2; }
 
 }  // namespace deformable_contact_monitor

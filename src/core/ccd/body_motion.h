@@ -1,61 +1,68 @@
-// How one body moves in a step, and how far its points are from straight lines.
+// The motion of one body along its path in a time interval, and bounds of how far its points are
+// from straight lines.
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
+#include "core/body_path.h"
 #include "core/scene.h"
-#include "core/substeps.h"
 
 namespace deformable_contact_monitor {
 
-// Throws std::invalid_argument, beginning with `name`, at a path that is not as BodyPath says.
+// Throws std::invalid_argument, whose text begins with `name`, for a path that breaks the rules of
+// BodyPath.
 void validate(const BodyPath& path, const std::string& name);
 
+// Returns whether all numbers of two poses are equal.
 bool samePose(const RigidTransform& a, const RigidTransform& b);
 
-// Vertices that move on straight lines: x y z each at a part [0, 1] of the way, rounded to float32
-// once; at 0 and 1 the given ones. As many as the others.
+// Returns vertices (x y z each) that move on straight lines, at a part [0, 1] of the way, rounded
+// to float32 once. At 0 and 1 these are exactly the given ones. Both lists have the same length.
 std::vector<float> verticesBetween(const HostList<float>& from, const HostList<float>& to,
                                    double at);
 
-// How far rounding to float32 moves a point, at most, that is so far from the origin [m].
+// Returns how far, at most, rounding to float32 moves a point at that distance from the origin [m].
 double roundingAt(double distance);
 
-// A view: body and path must outlive it, and be valid. The body has no vertices on a device.
+// A view of a body and its path, which must be valid and must outlive it. The body's vertices must
+// be on the host.
 class BodyMotion {
  public:
   BodyMotion(const Body& body, const BodyPath& path);
 
   const BodyPath& path() const { return *path_; }
 
-  // At a part [0, 1] of the step. That of a sample is the sample's, bit by bit.
+  // Returns the pose at a time in [0, 1]. At the time of a sample it is the sample's, bit by bit.
   RigidTransform poseAt(double at) const;
 
-  // Vertices in the body's own frame, rounded to float32, where they move from one state to the
-  // next on straight lines; empty: they do not move there. Those at 0 and 1 are the given ones.
+  // Returns the vertices in the body's own frame at a time in [0, 1], where they move from the
+  // earlier state to the present one on straight lines, rounded to float32. At 0 and 1 these are
+  // exactly the given ones. Empty if they do not move in that frame.
   std::vector<float> verticesAt(double at) const;
 
-  // Every point of the body is, at all times of [from, to], at most so far [m] from the straight
-  // line between its places at both ends, which it goes along evenly.
+  // Returns a bound [m]: at any time in [from, to], each point of the body is at most so far from
+  // where it would be if it moved straight and evenly between its places at both ends.
   double deviation(double from, double to) const;
 
-  // No point is ever further from the scene's origin [m].
+  // Returns a bound of the distance of any point from the scene's origin, at any time [m].
   double farthest() const { return farthest_; }
 
-  // Rounding to float32 moves no point of the body further than this [m], at any time: half an ulp
-  // of each coordinate, in the scene frame and, of a body that deforms, in its own.
+  // Returns a bound of how far rounding to float32 moves a point, at any time [m]. It is half an
+  // ulp of each coordinate, in the scene frame and, if the body deforms, also in its own frame.
   double rounding() const { return rounding_; }
 
-  // Whether it deviates from straight lines by more than rounding to float32 does.
-  bool bends() const;
+  // Returns whether points deviate from straight lines by more than rounding to float32 moves them.
+  bool rotates() const;
 
  private:
-  // The motion from one sample to the next: R(s) = turn by s * angle about `axis`, times the first
-  // sample's rotation.
+  // The motion from one sample to the next. At part s of it, the rotation is the first sample's,
+  // followed by a rotation by s * angle about `axis`.
   struct Piece {
     double axis[3];
     double angle;   // [rad], [0, pi]
-    double defect;  // of the turned rotation from the second sample's; bounds its operator norm
+    double defect;  // bounds the operator norm of the error against the second sample's rotation
   };
 
   static Piece pieceBetween(const RigidTransform& from, const RigidTransform& to);
@@ -66,9 +73,9 @@ class BodyMotion {
   const Body* body_;
   const BodyPath* path_;
   std::vector<Piece> pieces_;
-  double reach_ = 0;     // of the vertices from the body's origin [m]
+  double reach_ = 0;     // largest distance of a vertex from the body's origin [m]
   double change_ = 0;    // longest way of a vertex in the body's own frame [m]
-  double farthest_ = 0;  // of the scene's origin [m]
+  double farthest_ = 0;  // largest distance of a point from the scene's origin [m]
   double rounding_ = 0;  // [m]
 };
 

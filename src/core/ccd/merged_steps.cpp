@@ -1,13 +1,18 @@
+// Merges the results of sub-steps. Contacts of all parts are sorted, so each new list is merged
+// with the old one in a single pass. Times are rounded outwards, so that they still enclose the
+// true time.
 #include "core/ccd/merged_steps.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "core/common/work_counters.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
-// What double arithmetic may be off by here, and more.
+// Bounds the relative error of the double arithmetic below.
 constexpr double kSlack = 0x1p-50;
 
 float roundedDown(double x) {
@@ -22,26 +27,23 @@ float roundedUp(double x) {
   return std::min(near < most ? std::nextafter(near, 2.0F) : near, 1.0F);
 }
 
-FirstContact inStep(const FirstContact& first, double from, double to) {
+// Converts times within a sub-step into times within the whole interval.
+FirstContact inInterval(const FirstContact& first, double from, double to) {
   if (from == 0 && to == 1) return first;
   return {roundedDown(from + (to - from) * first.low), roundedUp(from + (to - from) * first.high)};
 }
 
+// Adds up the work of the sub-steps. Rejected triangles and clusters are the same ones in each
+// sub-step, so their largest count is taken.
 void addCounters(const Counters& part, Counters& sum) {
   sum.rejected = std::max(sum.rejected, part.rejected);
   sum.posed += part.posed;
   sum.culled += part.culled;
-  sum.clustered += part.clustered;
-  sum.large += part.large;
   sum.clusters = std::max(sum.clusters, part.clusters);
-  sum.cluster_entries += part.cluster_entries;
-  sum.largest_cluster = std::max(sum.largest_cluster, part.largest_cluster);
-  sum.interval_overlaps += part.interval_overlaps;
-  sum.candidates += part.candidates;
-  sum.exact += part.exact;
-  sum.undecided += part.undecided;
+  addWork(part, sum);
 }
 
+// Adds up the times of stages with the same name.
 void addTimes(const DetectionResult& part, DetectionResult& sum) {
   for (const auto& [stage, ms] : part.stages_ms) {
     const auto known = std::find_if(sum.stages_ms.begin(), sum.stages_ms.end(),
@@ -73,7 +75,9 @@ void MergedSteps::addContacts(const DetectionResult& part, double from, double t
     FirstContact first{0, 1};
     if (!part.first_times.empty()) first = part.first_times[i];
     const bool within_pad = !part.within_pad.empty() && part.within_pad[i] != 0;
-    first = inStep(first, from, to);
+    first = inInterval(first, from, to);
+    // It is not known when triangles within their pads touch, or whether they do, so 1 is the only
+    // upper bound.
     if (within_pad) first.high = 1;
     new_.push_back({part.contacts[i], first, within_pad});
   }
@@ -91,7 +95,8 @@ void MergedSteps::addContacts(const DetectionResult& part, double from, double t
   contacts_.swap(both_);
 }
 
-// Times of contacts are those on the straight ways, whatever the pads let be before.
+// A contact on the straight lines replaces one within the pads, even one that came earlier: first
+// times are those on the straight lines.
 MergedSteps::Contact MergedSteps::merged(const Contact& earlier, const Contact& later) {
   if (earlier.within_pad != later.within_pad) return earlier.within_pad ? later : earlier;
   Contact both = earlier;

@@ -1,4 +1,4 @@
-// One result of a step's parts.
+// Merges the results of sub-steps into one result for the whole time interval.
 #pragma once
 
 #include <vector>
@@ -7,16 +7,18 @@
 
 namespace deformable_contact_monitor {
 
-// Collects what detections of parts of a step found: in time, or of other pairs of bodies.
+// Collects the results of several detections. Each of them covered a part of the time interval, or
+// other pairs of bodies.
 class MergedSteps {
  public:
-  // Of swept motion from `from` to `to`, parts [0, 1] of the step. Sorted.
+  // Adds the result of a detection with swept motion in [from, to], parts [0, 1] of the interval.
   void add(const DetectionResult& part, double from, double to);
 
   bool isCutOff() const { return sums_.cut_off; }
 
-  // Into a result that has begun, which says whether the step is `guaranteed`: contacts, each once,
-  // with the earliest of their times, rounded outwards; sums of counters and times.
+  // Writes into a result that has begun and whose `guaranteed` is set: each contact once, with the
+  // earliest of its times, rounded outwards, and the sums of counters and stage times.
+  // `first_times` and `pads` tell which of the lists beside the contacts are wanted.
   void write(bool first_times, bool pads, DetectionResult* result) const;
 
  private:

@@ -1,4 +1,5 @@
-// Whether a cycle is to end early: what every stage asks, again and again.
+// The deadline and stop flag of a cycle, polled by every stage, and work that gives up when they
+// are reached.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +13,8 @@
 
 namespace deformable_contact_monitor {
 
-// Of one cycle. Once it was seen to be over it stays so, and whoever saw it leaves work undone.
-// Any number of threads may ask.
+// The limits of one cycle. Once over() has returned true it always does, and its callers leave work
+// undone. Any number of threads may call it.
 class CycleLimit {
  public:
   explicit CycleLimit(const Limits& limits) : limits_(limits), set_(limits.any()) {}
@@ -22,13 +23,14 @@ class CycleLimit {
 
   bool isSet() const { return set_; }
 
-  // To be asked about once in a millisecond of work; it takes some 50 ns where a limit is set.
+  // Returns whether the cycle must end. Call it about once per millisecond of work: it takes about
+  // 50 ns if a limit is set, and next to nothing otherwise.
   bool over() const { return set_ && (wasOver() || look()); }
 
-  // Whether over() has said so to somebody: only then some work may have been left undone.
+  // Returns whether over() has returned true to some caller. Otherwise no work was left undone.
   bool wasOver() const { return why_.load(std::memory_order_relaxed) != nullptr; }
 
-  // kNoTime, "stopped"; null unless wasOver().
+  // Returns the reason, kNoTime or "stopped"; null unless wasOver().
   const char* why() const { return why_.load(std::memory_order_relaxed); }
 
  private:
@@ -39,18 +41,18 @@ class CycleLimit {
   mutable std::atomic<const char*> why_{nullptr};
 };
 
-// So many contacts a backend still sorts and lists once the limit is over: that takes some 20 ms.
+// How many contacts a backend still sorts and lists once the limit is over. That takes about 20 ms.
 constexpr std::uint32_t kMostListedLate = 1 << 18;
 
-// One that is never over.
+// Returns a limit that is never over.
 const CycleLimit& noLimit();
 
-// For loops of short steps: asks the limit once in so many of them. One thread's.
+// Polls a limit in loops of short steps, once in `steps` of them. For one thread.
 class PacedLimit {
  public:
   PacedLimit(const CycleLimit& limit, std::uint64_t steps) : limit_(limit), steps_(steps) {}
 
-  // To be asked after so many more steps.
+  // Call it after `steps` more steps. Returns whether the loop must end.
   bool over(std::uint64_t steps = 1) {
     if (!limit_.isSet() || over_) return over_;
     done_ += steps;
@@ -66,21 +68,29 @@ class PacedLimit {
   bool over_ = false;
 };
 
-// As to.resize(size), of elements that are about to be written, whatever they were; memory that is
-// new comes page by page. Gives up where the limit is over.
+// Resizes a list whose elements are about to be overwritten, so their values are unspecified. New
+// memory is touched in steps, because the operating system provides it page by page. Gives up if
+// the limit is over; the list is shorter then.
 template <class List>
 void resizeWithin(const CycleLimit& limit, std::size_t size, List& to) {
   constexpr std::size_t kStep = (std::size_t{1} << 20) / sizeof(typename List::value_type) + 1;
   if (to.capacity() < size) {
     to.clear();
-    to.reserve(size + size / 8);  // a scene that grows a little does not allocate each time
+    to.reserve(size + size / 8);  // so a scene that grows slowly does not allocate in each cycle
   }
   if (to.size() > size) to.resize(size);
   while (to.size() < size && !limit.over()) to.resize(std::min(size, to.size() + kStep));
 }
 
-// Calls sort(less), which sorts `size` elements by std::sort or the like; gives up where the limit
-// is over, and leaves any order and values then. Elements must be plain data.
+// Calls sort(less), which sorts `size` elements with std::sort or selects with std::nth_element.
+// Gives up if the limit is over; order and values of the elements are unspecified then. Elements
+// must be plain data.
+//
+// The comparator throws to leave the algorithm. The standard allows that, and no other way out
+// exists: a comparator that changes its answers is undefined behaviour. Sorting in blocks and
+// merging them needs a second list, and the last merges of millions of elements take as long as a
+// deadline; a selection cannot be split like that at all. Without a limit, and for short lists,
+// nothing is added to the algorithm.
 template <class Less, class Sort>
 void sortWithin(const CycleLimit& limit, std::size_t size, const Less& less, const Sort& sort) {
   constexpr std::size_t kSoonSorted = 1 << 14;
@@ -88,7 +98,7 @@ void sortWithin(const CycleLimit& limit, std::size_t size, const Less& less, con
     sort(less);
     return;
   }
-  struct GivenUp {};  // there is no other way out of std::sort
+  struct GivenUp {};
   PacedLimit pace(limit, 1 << 16);
   try {
     sort([&less, &pace](const auto& a, const auto& b) {

@@ -1,5 +1,5 @@
-// Loops on threads. Blocks are a function of the range alone, so results do not depend on how many
-// threads there are.
+// Loops on the threads of the current TBB arena. How a range is divided into blocks depends on the
+// range alone, so results do not depend on the number of threads.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -7,25 +7,23 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <optional>
-#include <thread>
 
 #include "core/common/cycle_limit.h"
 
 namespace deformable_contact_monitor {
 
-// Where what several threads write lies side by side, each thread's is aligned to this: processors
-// hand cache lines to one another in pairs.
+// The alignment of data that different threads write, if it is stored side by side [bytes].
+// Processors move cache lines between cores in pairs, so it is two lines.
 constexpr std::size_t kOwnLines = 128;
 
+// Returns how many blocks of that size a range of n elements has; the last may be shorter.
 inline std::size_t blockCount(std::size_t n, std::size_t block_size) {
   return (n + block_size - 1) / block_size;
 }
 
-// body(block, begin, end) for each block of [0, n).
+// Calls body(block, begin, end) for each block of [0, n), in parallel.
 template <class Body>
 void parallelBlocks(std::size_t n, std::size_t block_size, const Body& body) {
   tbb::parallel_for(std::size_t{0}, blockCount(n, block_size), [&](std::size_t block) {
@@ -33,7 +31,7 @@ void parallelBlocks(std::size_t n, std::size_t block_size, const Body& body) {
   });
 }
 
-// As above, but once the limit is over, blocks that did not begin are left out.
+// Does the same, but skips blocks that have not begun when the limit is over.
 template <class Body>
 void parallelBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_size,
                     const Body& body) {
@@ -42,7 +40,8 @@ void parallelBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_si
   });
 }
 
-// body(begin, end) for each block of [0, n), by this thread and in order, until the limit is over.
+// Calls body(begin, end) for each block of [0, n) in order, on this thread, until the limit is
+// over.
 template <class Body>
 void serialBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_size,
                   const Body& body) {
@@ -51,15 +50,15 @@ void serialBlocks(const CycleLimit& limit, std::size_t n, std::size_t block_size
   }
 }
 
-// What another thread does meanwhile, if there is one for it.
+// A task that runs on another thread, if one is free, while this thread does other work.
 class BesideTask {
  public:
   template <class Work>
   void start(const Work& work) {
     group_.emplace().run(work);
   }
-  // For the end of what was started, if anything was, and throws what that threw. To be called
-  // before this goes.
+  // Waits until the task has ended, if one was started. Throws what the task threw. Must be called
+  // before the object is destroyed.
   void wait() {
     if (group_) group_->wait();
   }
@@ -68,31 +67,7 @@ class BesideTask {
   std::optional<tbb::task_group> group_;
 };
 
-// A thread that is awake for as long as this lives, a millisecond at most, if there is one for it.
-// For who waits for a device, and then goes on in parallel: a thread takes its time to get up, but
-// one that is up soon has the others up.
-class AwakeThread {
- public:
-  AwakeThread() {
-    thread_.run([this] {
-      constexpr std::chrono::milliseconds kMost(1);
-      const auto end = std::chrono::steady_clock::now() + kMost;
-      while (is_wanted_ && std::chrono::steady_clock::now() < end) std::this_thread::yield();
-    });
-  }
-  AwakeThread(const AwakeThread&) = delete;
-  AwakeThread& operator=(const AwakeThread&) = delete;
-  ~AwakeThread() {
-    is_wanted_ = false;
-    thread_.wait();
-  }
-
- private:
-  std::atomic<bool> is_wanted_{true};
-  tbb::task_group thread_;
-};
-
-// Both, at the same time if there are threads for it.
+// Calls both functions, at the same time if a thread is free.
 template <class First, class Second>
 void parallelBoth(const First& first, const Second& second) {
   tbb::parallel_invoke(first, second);

@@ -1,4 +1,4 @@
-// The stages of a cycle, in their order, and their times.
+// The stages of a detection cycle in their order, and how long they take.
 #pragma once
 
 #include <array>
@@ -26,12 +26,12 @@ constexpr std::size_t kStageCount = 8;
 constexpr std::array<const char*, kStageCount> kStageNames = {
     "transform", "cluster", "assign", "sort", "sweep", "oversized", "narrow_phase", "output"};
 
-// What each stage of one cycle took.
+// The time that each stage of one cycle took [ms].
 class StageTimes {
  public:
   void add(Stage stage, double ms) { ms_[static_cast<std::size_t>(stage)] += ms; }
 
-  // All of another's times, each times `share`.
+  // Adds all times of another cycle, multiplied by `share`.
   void add(const StageTimes& other, double share) {
     for (std::size_t s = 0; s < kStageCount; ++s) ms_[s] += share * other.ms_[s];
   }
@@ -40,7 +40,7 @@ class StageTimes {
 
   double totalMs() const { return std::accumulate(ms_.begin(), ms_.end(), 0.0); }
 
-  // [ms] by name, all stages in their order.
+  // Returns the time of each stage by its name [ms], in the order of stages.
   std::vector<std::pair<std::string, double>> byName() const {
     std::vector<std::pair<std::string, double>> times;
     times.reserve(kStageCount);

@@ -1,17 +1,17 @@
-// Wall time, measured in one way everywhere.
+// Measures wall time.
 #pragma once
 
 #include <chrono>
 
 namespace deformable_contact_monitor {
 
-// Runs from its construction on. One thread at a time.
+// Runs from its construction. One thread at a time.
 class Stopwatch {
  public:
-  // Since the construction or the last lap [ms].
+  // Returns the time since the construction or the last lap [ms].
   double elapsedMs() const { return milliseconds(Clock::now() - start_); }
 
-  // As elapsedMs(), and starts anew from this moment.
+  // Returns the same, and starts a new lap.
   double lapMs() {
     const Clock::time_point now = Clock::now();
     const double ms = milliseconds(now - start_);

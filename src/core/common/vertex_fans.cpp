@@ -8,7 +8,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// For each vertex the edges opposite to it: those of v begin at begin[v] - v.
+// Returns the edges opposite to each vertex, grouped by vertex: those of v begin at begin[v] - v.
 std::vector<FanEdge> oppositeEdges(const TriangleMesh& mesh,
                                    const std::vector<std::uint32_t>& begin) {
   std::vector<FanEdge> edges(mesh.triangles.size());

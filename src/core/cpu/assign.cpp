@@ -9,25 +9,28 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr std::size_t kBlock = 2048;
-constexpr std::size_t kLook = 64;  // triangles or vertices between looks at the limit
+constexpr std::size_t kPollPeriod = 64;  // triangles or vertices between two checks of the limit
 constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 
-// Where the k-th point of a hull with these corners is, in arrays of vertices' states.
-template <class Hull>
+// Returns the place of the k-th point of a primitive with these corners in an array of vertex
+// states.
+template <class Primitive>
 std::size_t place(const std::uint32_t corner[3], std::size_t k) {
-  return kStates<Hull> * std::size_t{corner[k % 3]} + k / 3;
+  return kStates<Primitive> * std::size_t{corner[k % 3]} + k / 3;
 }
 
 }  // namespace
 
-template <class Hull>
+template <class Primitive>
 std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale) {
   std::vector<float> slack;
-  for (const Body& body : scene.bodies()) slack.push_back(scaledSlack(growthOf<Hull>(body), scale));
+  for (const Body& body : scene.bodies())
+    slack.push_back(scaledSlack(growthOf<Primitive>(body), scale));
   return slack;
 }
 
-// Fills user_. Triangles of one body may name the same vertex at the same time.
+// Notes which vertices regular triangles use. Several threads may store the same body for the same
+// vertex, hence the atomics.
 void ClusterAssigner::markUsers(const WorkingSet& set, const SizeSplit& split,
                                 const CycleLimit& limit) {
   const std::size_t count = set.vertices.size();
@@ -46,25 +49,26 @@ void ClusterAssigner::markUsers(const WorkingSet& set, const SizeSplit& split,
   parallelBlocks(limit, split.regular.size(), kBlock, markBlock);
 }
 
-template <class Hull>
+// Finds the nearest prototype of each vertex that a regular triangle uses, in each state.
+template <class Primitive>
 void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
                                   const PrototypesView& view, const std::vector<float>& slack,
                                   const CycleLimit& limit) {
   markUsers(set, split, limit);
-  scaled_.resize(kStates<Hull> * set.vertices.size());
-  nearest_.resize(kStates<Hull> * set.vertices.size());
+  scaled_.resize(kStates<Primitive> * set.vertices.size());
+  nearest_.resize(kStates<Primitive> * set.vertices.size());
   const auto findBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
-    PacedLimit pace(limit, kLook);
+    PacedLimit pace(limit, kPollPeriod);
     for (std::size_t i = begin; i < end && !pace.over(); ++i) {
       const std::uint32_t user = user_[i].load(std::memory_order_relaxed);
       if (user == kUnused) continue;
       const auto find = [&](const SceneScale& scale, const Vec3f& vertex, std::size_t at) {
         scaled_[at] = scale.apply(vertex);
-        // What was the nearest last cycle is the best guess, where there was one.
+        // The nearest prototype of the last cycle is the best guess for this one.
         const std::uint32_t start = nearest_[at].cluster < view.count ? nearest_[at].cluster : 0;
         nearest_[at] = nearestPrototype(view, scaled_[at], start, slack[user]);
       };
-      if constexpr (kIsMoving<Hull>) {
+      if constexpr (kIsMoving<Primitive>) {
         find(split.scale, set.earlier[i], 2 * i);
         find(split.scale_after, set.vertices[i], 2 * i + 1);
       } else {
@@ -75,30 +79,33 @@ void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
   parallelBlocks(limit, set.vertices.size(), kBlock, findBlock);
 }
 
-// Fills block.length and block.lists for regular triangles [begin, end).
-template <class Hull>
+// Fills in block.length and block.lists for the regular triangles [begin, end). Most triangles lie
+// inside one Voronoi cell and are done without the rule.
+template <class Primitive>
 void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
                                   const PrototypesView& view, float overlap,
                                   const std::vector<float>& slack, std::size_t begin,
                                   std::size_t end, const CycleLimit& limit, Block& block) const {
   block.length.clear();
   block.lists.clear();
-  PacedLimit pace(limit, kLook);
+  PacedLimit pace(limit, kPollPeriod);
   for (std::size_t i = begin; i < end && !pace.over(); ++i) {
     const TriangleIndex t = split.regular[i];
     const std::uint32_t* corner = set.cornersOf(t);
-    NearestPrototype nearest[kPoints<Hull>];
-    for (std::size_t k = 0; k < kPoints<Hull>; ++k) nearest[k] = nearest_[place<Hull>(corner, k)];
-    if (isInterior<kPoints<Hull>>(nearest)) {
+    NearestPrototype nearest[kPoints<Primitive>];
+    for (std::size_t k = 0; k < kPoints<Primitive>; ++k)
+      nearest[k] = nearest_[place<Primitive>(corner, k)];
+    if (isInterior<kPoints<Primitive>>(nearest)) {
       block.length.push_back(1);
       block.lists.push_back(nearest[0].cluster);
       continue;
     }
-    Vec3f v[kPoints<Hull>];
-    for (std::size_t k = 0; k < kPoints<Hull>; ++k) v[k] = scaled_[place<Hull>(corner, k)];
+    Vec3f v[kPoints<Primitive>];
+    for (std::size_t k = 0; k < kPoints<Primitive>; ++k)
+      v[k] = scaled_[place<Primitive>(corner, k)];
     std::uint32_t first;
     const auto rule =
-        ruleFor<kPoints<Hull>>(view, v, nearest, overlap, slack[set.bodyOf(t).value], first);
+        ruleFor<kPoints<Primitive>>(view, v, nearest, overlap, slack[set.bodyOf(t).value], first);
     const std::size_t before = block.lists.size();
     forEachAdmitted(view, rule, first, [&](std::uint32_t g) { block.lists.push_back(g); });
     std::sort(block.lists.begin() + static_cast<std::ptrdiff_t>(before), block.lists.end());
@@ -106,51 +113,53 @@ void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
   }
 }
 
-template <class Hull>
+// Finds nearest prototypes, lists the clusters of each block of triangles, and gathers the entries.
+template <class Primitive>
 void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
                              const Prototypes& prototypes, float overlap,
-                             ClusterAssignment<Hull>& assignment, const CycleLimit& limit) {
+                             ClusterAssignment<Primitive>& assignment, const CycleLimit& limit) {
   const PrototypesView view = prototypes.view();
-  const std::vector<float> slack = scaledSlacks<Hull>(scene, split.scale);
-  findNearest<Hull>(set, split, view, slack, limit);
+  const std::vector<float> slack = scaledSlacks<Primitive>(scene, split.scale);
+  findNearest<Primitive>(set, split, view, slack, limit);
 
   const std::size_t count = split.regular.size();
   blocks_.resize(blockCount(count, kBlock));
   parallelBlocks(limit, count, kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
-    assignBlock<Hull>(set, split, view, overlap, slack, begin, end, limit, block);
-    block.members.assign(prototypes.size(), 0);
-    for (const std::uint32_t g : block.lists) ++block.members[g];
+    assignBlock<Primitive>(set, split, view, overlap, slack, begin, end, limit, block);
+    block.entries.assign(prototypes.size(), 0);
+    for (const std::uint32_t g : block.lists) ++block.entries[g];
   });
-  if (!limit.wasOver()) collectMembers(set, split, prototypes.size(), limit, assignment);
+  if (!limit.wasOver()) collectEntries(set, split, prototypes.size(), limit, assignment);
 }
 
-// Where each cluster's members begin, and each block's among them. False if the limit was over.
-bool ClusterAssigner::countMembers(std::size_t cluster_count, const CycleLimit& limit,
-                                   std::vector<std::uint32_t>& member_begin) {
-  member_begin.resize(cluster_count + 1);
+// Computes where each cluster's entries begin, and where each block's entries of that cluster
+// begin. Returns false if the limit is over.
+bool ClusterAssigner::countEntries(std::size_t cluster_count, const CycleLimit& limit,
+                                   std::vector<std::uint32_t>& entry_begin) {
+  entry_begin.resize(cluster_count + 1);
   std::uint32_t total = 0;
   PacedLimit pace(limit, 1 << 16);
   for (std::size_t g = 0; g < cluster_count && !pace.over(blocks_.size()); ++g) {
-    member_begin[g] = total;
+    entry_begin[g] = total;
     for (Block& block : blocks_) {
-      const std::uint32_t count = block.members[g];
-      block.members[g] = total;
+      const std::uint32_t count = block.entries[g];
+      block.entries[g] = total;
       total += count;
     }
   }
-  member_begin[cluster_count] = total;
+  entry_begin[cluster_count] = total;
   return !limit.over();
 }
 
-// A counting sort of the (cluster, triangle) pairs by cluster.
-template <class Hull>
-void ClusterAssigner::collectMembers(const WorkingSet& set, const SizeSplit& split,
+// Sorts the (cluster, triangle) pairs by cluster, with a counting sort.
+template <class Primitive>
+void ClusterAssigner::collectEntries(const WorkingSet& set, const SizeSplit& split,
                                      std::size_t cluster_count, const CycleLimit& limit,
-                                     ClusterAssignment<Hull>& assignment) {
-  if (!countMembers(cluster_count, limit, assignment.member_begin)) return;
-  const std::uint32_t total = assignment.member_begin[cluster_count];
-  resizeWithin(limit, total, assignment.members);
+                                     ClusterAssignment<Primitive>& assignment) {
+  if (!countEntries(cluster_count, limit, assignment.entry_begin)) return;
+  const std::uint32_t total = assignment.entry_begin[cluster_count];
+  resizeWithin(limit, total, assignment.entries);
   resizeWithin(limit, total, assignment.lists);
   if (limit.wasOver()) return;
   std::vector<std::uint32_t> list_begin(blocks_.size(), 0);
@@ -165,10 +174,10 @@ void ClusterAssigner::collectMembers(const WorkingSet& set, const SizeSplit& spl
     for (std::size_t i = begin; i < end && !pace.over(block.length[i - begin]); ++i) {
       const TriangleIndex t = split.regular[i];
       const std::uint32_t size = block.length[i - begin];
-      const ClusterMember<Hull> member{
-          set.posed<Hull>(t), set.vertexIds(t), t, set.bodyOf(t), list, size};
+      const ClusterEntry<Primitive> entry{
+          set.posed<Primitive>(t), set.vertexIds(t), t, set.bodyOf(t), list, size};
       for (std::uint32_t k = 0; k < size; ++k) {
-        assignment.members[block.members[assignment.lists[list + k]]++] = member;
+        assignment.entries[block.entries[assignment.lists[list + k]]++] = entry;
       }
       list += size;
     }

@@ -4,16 +4,18 @@
 #include <cstddef>
 
 #include "core/common/parallel.h"
-#include "core/common/posed_box.h"
+#include "core/common/posed_body.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr std::size_t kStep = 12;
 
-// The box of coordinates x y z x y z ..., kStep at a time, which is one loop over vectors.
+// The box of coordinates x y z x y z ..., kStep of them at a time, so that the compiler turns the
+// loop into vector instructions.
 struct FiniteBound {
-  float lo[kStep], hi[kStep], check[kStep] = {};  // check turns NaN with the first that is not
+  float lo[kStep], hi[kStep],
+      check[kStep] = {};  // becomes NaN with the first number that is not finite
 
   FiniteBound() {
     std::fill_n(lo, kStep, INFINITY);
@@ -35,7 +37,8 @@ struct FiniteBound {
   }
 };
 
-// The box of all vertices; false if some coordinate is not finite, then the box is of no use.
+// Computes the box of all vertices. Returns false if some coordinate is not finite; then `box` is
+// unspecified.
 bool boundFinite(const HostList<float>& xyz, const CycleLimit& limit, Aabb& box) {
   constexpr std::size_t kBlock = kStep << 9;
   std::vector<FiniteBound> bounds(blockCount(xyz.size(), kBlock));
@@ -54,7 +57,7 @@ bool boundFinite(const HostList<float>& xyz, const CycleLimit& limit, Aabb& box)
   return true;
 }
 
-// Of one vertex in so many.
+// Computes the box of the finite ones among every `every`-th vertex.
 Aabb boxOfFiniteVertices(const HostList<float>& xyz, std::size_t every, const CycleLimit& limit) {
   constexpr std::size_t kBlock = 1 << 16;
   const std::size_t count = xyz.size() / 3;
@@ -69,12 +72,13 @@ Aabb boxOfFiniteVertices(const HostList<float>& xyz, std::size_t every, const Cy
   return box;
 }
 
+// Selects the part of a stored box that a primitive's box type needs.
 const Aabb& boxAs(const MovingBox& box, const Aabb& /*as*/) { return box.to; }
 const MovingBox& boxAs(const MovingBox& box, const MovingBox& /*as*/) { return box; }
 
 }  // namespace
 
-// False if the limit was over.
+// Updates the box of vertices as received if they have changed. Returns false if the limit is over.
 bool BodyBoxes::updateReceived(std::uint64_t revision, const HostList<float>& xyz,
                                const CycleLimit& limit, ReceivedBox& received) const {
   if (received.vertices_revision == revision) return true;
@@ -82,11 +86,11 @@ bool BodyBoxes::updateReceived(std::uint64_t revision, const HostList<float>& xy
   received = {revision, Aabb(), every == 1};
   if (every == 1) received.all_finite = boundFinite(xyz, limit, received.box);
   if (!received.all_finite) received.box = boxOfFiniteVertices(xyz, every, limit);
-  if (limit.wasOver()) received = ReceivedBox();  // of some vertices alone
+  if (limit.wasOver()) received = ReceivedBox();  // it holds only some of the vertices
   return !limit.wasOver();
 }
 
-template <class Hull>
+template <class Primitive>
 void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
   received_.resize(scene.bodyCount());
   earlier_received_.resize(scene.bodyCount());
@@ -99,12 +103,12 @@ void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
       const Aabb box = posedBox(received.box, pose, pose.isIdentity());
       all_finite_[id] =
           all_finite_[id] && received.all_finite && isFinite(box.min) && isFinite(box.max);
-      return box.empty() ? box : inflated(box, growthOf<Hull>(body));
+      return box.empty() ? box : inflated(box, growthOf<Primitive>(body));
     };
     all_finite_[id] = true;
     if (!updateReceived(body.vertices_revision, body.mesh.vertices, limit, received_[id])) return;
     posed_[id].to = posed(received_[id], body.pose);
-    if (!kIsMoving<Hull>) continue;
+    if (!kIsMoving<Primitive>) continue;
     posed_[id].from = posed_[id].to;
     if (!body.earlier) continue;
     const HostList<float>& earlier = body.earlier->vertices;
@@ -117,9 +121,10 @@ void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
   }
 }
 
-template <class Hull>
-PartnerBoxes<BoxOf<Hull>> BodyBoxes::partnersOf(const Scene& scene, BodyId id) const {
-  using Box = BoxOf<Hull>;
+// Compares the box of one body with those of all bodies that it may touch.
+template <class Primitive>
+PartnerBoxes<BoxOf<Primitive>> BodyBoxes::partnersOf(const Scene& scene, BodyId id) const {
+  using Box = BoxOf<Primitive>;
   PartnerBoxes<Box> partners;
   partners.self = scene.pairEnabled(id, id);
   const Box& own = boxAs(posed_[id], Box());
@@ -128,12 +133,13 @@ PartnerBoxes<BoxOf<Hull>> BodyBoxes::partnersOf(const Scene& scene, BodyId id) c
     const Box& its = boxAs(posed_[other], Box());
     if (!intersects(own, its)) continue;
     partners.boxes.push_back(its);
-    partners.hull.include(its);
+    partners.bound.include(its);
   }
   return partners;
 }
 
-// Exported here, for a template is not visible outside that has arguments which are not.
+// The instantiations are exported here because a template whose arguments are hidden would be
+// hidden too.
 template DCM_EXPORT void BodyBoxes::update<Triangle>(const Scene&, const CycleLimit&);
 template DCM_EXPORT void BodyBoxes::update<MovingTriangle>(const Scene&, const CycleLimit&);
 template DCM_EXPORT PartnerBoxes<Aabb> BodyBoxes::partnersOf<Triangle>(const Scene&, BodyId) const;

@@ -1,4 +1,7 @@
-// Contacts as they are found, in bounded memory.
+// Stores contacts as they are found, in bounded memory.
+//
+// Every thread has a list of its own, made of blocks. All lists of a cycle take their blocks from
+// one ContactRoom; once it is empty, contacts are counted but not stored.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +18,8 @@
 
 namespace deformable_contact_monitor {
 
-// A contact between two triangles of the working set, a < b. Hull: as in hull.h, here and below.
-template <class Hull>
+// A contact between two triangles of the working set, a < b.
+template <class Primitive>
 struct WorkingContact {
   TriangleIndex a, b;
   float separation_m = 0;
@@ -29,24 +32,26 @@ struct WorkingContact<MovingTriangle> {
   bool within_pad;  // as in DetectionResult
 };
 
-// How many contacts all lists of a cycle may hold together. Any number of threads.
+// Limits how many contacts all lists of a cycle hold together. Any number of threads may use it.
 class ContactRoom {
  public:
-  // Upper bound of the memory of the contacts, from where they are found to the result [bytes].
+  // `memory_limit_bytes` bounds the memory of all contacts, from where they are found to the
+  // result.
   ContactRoom(std::uint64_t memory_limit_bytes, std::uint64_t bytes_each)
       : blocks_left_(std::clamp<std::int64_t>(
             static_cast<std::int64_t>(memory_limit_bytes / (kBlock * bytes_each)), 1,
             kMostContacts / kBlock)) {}
 
-  // The list, the one by buckets, a bucket's own, and the result's.
-  template <class Hull>
+  // Returns the memory of one contact [bytes]: in the list, in the buckets, in a sorted bucket and
+  // in the result.
+  template <class Primitive>
   static std::uint64_t bytesEach(bool geometry) {
-    return 3 * sizeof(WorkingContact<Hull>) + sizeof(TrianglePair) +
-           (kIsMoving<Hull> ? sizeof(FirstContact) + 1 : sizeof(float)) +
+    return 3 * sizeof(WorkingContact<Primitive>) + sizeof(TrianglePair) +
+           (kIsMoving<Primitive> ? sizeof(FirstContact) + 1 : sizeof(float)) +
            (geometry ? sizeof(PairGeometry) : 0);
   }
 
-  // Room for so many more; false if there is none.
+  // Takes room for kBlock contacts. Returns false if there is no room.
   bool takeBlock() { return blocks_left_.fetch_sub(1, std::memory_order_relaxed) > 0; }
 
   static constexpr std::int64_t kBlock = 1024;
@@ -57,15 +62,15 @@ class ContactRoom {
   std::atomic<std::int64_t> blocks_left_;
 };
 
-// One thread's. In blocks, so that it never moves.
-template <class Hull>
+// The contacts of one thread. They lie in blocks, so that they never move.
+template <class Primitive>
 class ContactList {
  public:
-  // Null: room without bound.
+  // `room` may be null: then memory is not bounded.
   explicit ContactList(ContactRoom* room = nullptr) : room_(room) {}
 
-  // Counts it, and keeps it if there is room.
-  void add(const WorkingContact<Hull>& contact) {
+  // Stores the contact if there is room, and counts it otherwise.
+  void add(const WorkingContact<Primitive>& contact) {
     if (room_in_block_ == 0 && !makeRoom()) {
       ++left_out_;
       return;
@@ -74,17 +79,18 @@ class ContactList {
     blocks_.back().push_back(contact);
   }
 
-  // All of another's, which must not be used any more.
+  // Moves all contacts of another list to this one. The other list must not be used afterwards.
   void take(ContactList& other) {
     std::move(other.blocks_.begin(), other.blocks_.end(), std::back_inserter(blocks_));
     left_out_ += other.left_out_;
     room_in_block_ = 0;
   }
 
-  const std::vector<std::vector<WorkingContact<Hull>>>& blocks() const { return blocks_; }
+  // Returns the blocks; their order depends on threads, so that the result must be sorted.
+  const std::vector<std::vector<WorkingContact<Primitive>>>& blocks() const { return blocks_; }
   std::size_t size() const {
     std::size_t size = 0;
-    for (const std::vector<WorkingContact<Hull>>& block : blocks_) size += block.size();
+    for (const std::vector<WorkingContact<Primitive>>& block : blocks_) size += block.size();
     return size;
   }
   std::uint64_t leftOut() const { return left_out_; }
@@ -99,7 +105,7 @@ class ContactList {
   }
 
   ContactRoom* room_;
-  std::vector<std::vector<WorkingContact<Hull>>> blocks_;
+  std::vector<std::vector<WorkingContact<Primitive>>> blocks_;
   std::size_t room_in_block_ = 0;
   std::uint64_t left_out_ = 0;
 };

@@ -7,18 +7,16 @@
 #include <optional>
 #include <tuple>
 
-#include "core/common/host_vertices.h"
+#include "core/common/contact_geometry.h"
 #include "core/common/parallel.h"
+#include "core/common/scene_queries.h"
 #include "core/common/stages.h"
 #include "core/common/stopwatch.h"
 #include "core/cpu/assign.h"
 #include "core/cpu/cluster.h"
-#include "core/cpu/cycle_data.h"
 #include "core/cpu/fans.h"
-#include "core/cpu/geometry.h"
 #include "core/cpu/output.h"
-#include "core/cpu/oversized.h"
-#include "core/cpu/prototypes.h"
+#include "core/cpu/pair_stages.h"
 #include "core/cpu/size_split.h"
 #include "core/cpu/sweep.h"
 #include "core/cpu/transform.h"
@@ -26,13 +24,14 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Large ones first, for no thread should begin one when the others are done.
-template <class Hull>
-std::vector<ClusterIndex> clustersBySize(const ClusterAssignment<Hull>& assignment) {
+// Orders clusters by size, the largest first, so that no thread begins a large one when the others
+// are done.
+template <class Primitive>
+std::vector<ClusterIndex> clustersBySize(const ClusterAssignment<Primitive>& assignment) {
   std::vector<ClusterIndex> clusters;
   for (std::uint32_t g = 0; g < assignment.clusterCount(); ++g) clusters.emplace_back(g);
   const auto size = [&assignment](ClusterIndex g) {
-    return assignment.member_begin[g.value + 1] - assignment.member_begin[g.value];
+    return assignment.entry_begin[g.value + 1] - assignment.entry_begin[g.value];
   };
   std::sort(clusters.begin(), clusters.end(), [&size](ClusterIndex a, ClusterIndex b) {
     return size(a) != size(b) ? size(a) > size(b) : a < b;
@@ -40,58 +39,62 @@ std::vector<ClusterIndex> clustersBySize(const ClusterAssignment<Hull>& assignme
   return clusters;
 }
 
-// Each thread takes the next cluster as long as there is one.
-template <class Hull>
-void sweepClusters(const CycleInput<Hull>& input, std::vector<SweepBuffers<Hull>>& buffers,
-                   CycleOutput<Hull>& output) {
+// Sweeps all clusters. Each thread takes the next cluster until none is left.
+template <class Primitive>
+void sweepClusters(const CycleInput<Primitive>& input,
+                   std::vector<SweepBuffers<Primitive>>& buffers, CycleOutput<Primitive>& output) {
   const std::vector<ClusterIndex> clusters = clustersBySize(input.assignment);
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  std::vector<CycleOutput<Hull>> outputs(std::min(threads, clusters.size()),
-                                         CycleOutput<Hull>(input));
+  std::vector<CycleOutput<Primitive>> outputs(std::min(threads, clusters.size()),
+                                              CycleOutput<Primitive>(input));
   if (buffers.size() < outputs.size()) buffers.resize(outputs.size());
   std::atomic<std::size_t> next{0};
   parallelBlocks(outputs.size(), 1, [&](std::size_t thread, std::size_t, std::size_t) {
-    ClusterSweeper<Hull> sweeper(input, buffers[thread], outputs[thread]);
+    ClusterSweeper<Primitive> sweeper(input, buffers[thread], outputs[thread]);
     for (std::size_t i = next++; i < clusters.size() && !input.limit.over(); i = next++) {
       sweeper.sweep(clusters[i]);
     }
   });
-  for (CycleOutput<Hull>& part : outputs) output.take(part);
+  for (CycleOutput<Primitive>& part : outputs) output.take(part);
 }
 
-// Stages that run at the same time on several threads share the wall time as their work was.
+// Adds the times of stages that run at the same time on several threads: each gets its part of the
+// wall time.
 void addShares(const StageTimes& work, double wall_ms, StageTimes& times) {
   const double work_ms = work.totalMs();
   if (work_ms > 0) times.add(work, wall_ms / work_ms);
 }
 
+// The CPU backend. detect() runs the stages one after the other; every stage keeps its buffers for
+// the next cycle.
 class CpuDetector : public Detector {
  public:
   explicit CpuDetector(const CpuSettings& settings) : settings_(settings) {}
   std::string backend() const override { return "cpu"; }
   void reset() override { tracker_.clear(); }
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
-  template <class Hull>
+  template <class Primitive>
   void run(const Scene& scene, const Options& options);
-  template <class Hull>
+  template <class Primitive>
   bool makeClusters(const Scene& scene, const Options& options, const CycleLimit& limit,
                     StageTimes& times);
-  template <class Hull>
+  template <class Primitive>
   void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
                     StageTimes& times);
-  template <class Hull>
+  template <class Primitive>
   void countClusters();
-  template <class Hull>
-  void countPairs(const CycleOutput<Hull>& output);
-  template <class Hull>
-  ClusterAssignment<Hull>& assignment() {
-    return std::get<ClusterAssignment<Hull>>(assignments_);
+  template <class Primitive>
+  void countPairs(const CycleOutput<Primitive>& output);
+  template <class Primitive>
+  ClusterAssignment<Primitive>& assignment() {
+    return std::get<ClusterAssignment<Primitive>>(assignments_);
   }
 
   CpuSettings settings_;
-  std::optional<tbb::task_arena> arena_;  // of so many threads, as of Options::threads
+  std::optional<tbb::task_arena> arena_;  // has as many threads as Options::threads says
   int arena_threads_ = 0;
   WorkingSetBuilder builder_;
   WorkingSet set_;
@@ -107,6 +110,7 @@ class CpuDetector : public Detector {
   DetectionResult result_;
 };
 
+// Runs a cycle in an arena of threads, which is kept as long as their number stays the same.
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   requireHostVertices(scene, backend());
@@ -126,14 +130,15 @@ const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& op
   return result_;
 }
 
-template <class Hull>
+// Runs all stages on triangles at one moment, or on moving ones.
+template <class Primitive>
 void CpuDetector::run(const Scene& scene, const Options& options) {
   const Stopwatch cycle;
   const CycleLimit limit(options.limits);
   StageTimes times;
   result_.begin(scene, options, isGuaranteed(options));
-  if (makeClusters<Hull>(scene, options, limit, times)) {
-    findContacts<Hull>(scene, options, limit, times);
+  if (makeClusters<Primitive>(scene, options, limit, times)) {
+    findContacts<Primitive>(scene, options, limit, times);
   }
   if (limit.wasOver()) result_.cutOff(limit.why());
   result_.stages_ms = times.byName();
@@ -141,68 +146,73 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
   result_.detect_ms = times.totalMs() - times.of(Stage::kOutput);
 }
 
-// The stages ahead of the pairs; false if the limit was over.
-template <class Hull>
+// Runs the stages before pairs come up. Returns false if the limit is over.
+template <class Primitive>
 bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const CycleLimit& limit,
                                StageTimes& times) {
   if (limit.over()) return false;
   Stopwatch watch;
-  builder_.build<Hull>(scene, set_, result_.counters, limit);
-  if (!kIsMoving<Hull> && options.adjacent == AdjacentPairs::kBeyondShared &&
+  builder_.build<Primitive>(scene, set_, result_.counters, limit);
+  if (!kIsMoving<Primitive> && options.adjacent == AdjacentPairs::kBeyondShared &&
       options.predicates == Predicates::kExact && !limit.wasOver()) {
     fans_.certify(scene, set_, limit);
   }
   if (!limit.wasOver()) splitBySize(set_, split_, limit);
   times.add(Stage::kTransform, watch.lapMs());
   if (limit.wasOver()) return false;
-  result_.started_cold = tracker_.update<Hull>(set_, split_, options, limit, prototypes_);
+  result_.started_cold = tracker_.update<Primitive>(set_, split_, options, limit, prototypes_);
   times.add(Stage::kCluster, watch.lapMs());
   if (limit.wasOver()) return false;
-  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment<Hull>(), limit);
+  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment<Primitive>(),
+                   limit);
   times.add(Stage::kAssign, watch.lapMs());
   return !limit.wasOver();
 }
 
-template <class Hull>
+// Runs the stages that find, decide and list pairs.
+template <class Primitive>
 void CpuDetector::findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
                                StageTimes& times) {
   Stopwatch watch;
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlacks<Hull>(scene, split_.scale);
-  ContactRoom room(settings_.memory_limit_bytes, ContactRoom::bytesEach<Hull>(options.geometry));
-  const CycleInput<Hull> input{scene,   set_,  split_, assignment<Hull>(), groups, slack,
-                               options, limit, &room};
-  CycleOutput<Hull> output(input);
-  sweepClusters(input, std::get<std::vector<SweepBuffers<Hull>>>(sweep_buffers_), output);
+  const std::vector<float> slack = scaledSlacks<Primitive>(scene, split_.scale);
+  ContactRoom room(settings_.memory_limit_bytes,
+                   ContactRoom::bytesEach<Primitive>(options.geometry));
+  const CycleInput<Primitive> input{scene,   set_,  split_, assignment<Primitive>(), groups, slack,
+                                    options, limit, &room};
+  CycleOutput<Primitive> output(input);
+  sweepClusters(input, std::get<std::vector<SweepBuffers<Primitive>>>(sweep_buffers_), output);
   addShares(output.work, watch.lapMs(), times);
   output.work = StageTimes();
-  if (!limit.wasOver()) sweepLargeTriangles(input, output);
+  if (!limit.wasOver()) sweepOversized(input, output);
   addShares(output.work, watch.lapMs(), times);
 
-  std::get<ContactWriter<Hull>>(writers_).write(scene, options, set_, output.contacts, limit,
-                                                result_);
+  std::get<ContactWriter<Primitive>>(writers_).write(scene, options, set_, output.contacts, limit,
+                                                     result_);
   writeGeometry(scene, options, result_);
-  countClusters<Hull>();
+  countClusters<Primitive>();
   countPairs(output);
   times.add(Stage::kOutput, watch.lapMs());
 }
 
-template <class Hull>
+// Fills in the counters of clusters.
+template <class Primitive>
 void CpuDetector::countClusters() {
-  const ClusterAssignment<Hull>& assignment = this->assignment<Hull>();
+  const ClusterAssignment<Primitive>& assignment = this->assignment<Primitive>();
   Counters& counters = result_.counters;
   counters.clustered = split_.regular.size();
-  counters.large = split_.large.size();
+  counters.large = split_.oversized.size();
   counters.clusters = split_.regular.empty() ? 0 : assignment.clusterCount();
-  counters.cluster_entries = assignment.members.size();
+  counters.cluster_entries = assignment.entries.size();
   for (std::size_t g = 0; g < assignment.clusterCount(); ++g) {
     counters.largest_cluster = std::max<std::uint64_t>(
-        counters.largest_cluster, assignment.member_begin[g + 1] - assignment.member_begin[g]);
+        counters.largest_cluster, assignment.entry_begin[g + 1] - assignment.entry_begin[g]);
   }
 }
 
-template <class Hull>
-void CpuDetector::countPairs(const CycleOutput<Hull>& output) {
+// Fills in the counters of pairs.
+template <class Primitive>
+void CpuDetector::countPairs(const CycleOutput<Primitive>& output) {
   result_.counters.interval_overlaps = output.interval_overlaps;
   result_.counters.candidates = output.candidates;
   result_.counters.exact = output.exact;

@@ -2,24 +2,26 @@
 
 #include <algorithm>
 
+#include "core/common/lanes.h"
 #include "core/cpu/lane_crossing.h"
-#include "core/cpu/wide_clones.h"
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
+
 namespace {
 
 using Prepared = PreparedTriangle<Triangle>;
-using SidedPair = ScreenBuffers<Triangle>::SidedPair;
+using SidedPair = FilterBuffers<Triangle>::SidedPair;
 
-// Whether one of these vertices has a certified fan: then triangles that share it meet in what they
-// share alone.
+// Returns whether one of the shared vertices has a certified fan: triangles that share it then meet
+// only in what they share.
 bool isCertified(const Prepared& a, int shared_bits) {
   static_assert(kFanCertified == std::uint32_t{1} << 31, "the sign");
   return (laneBits(a.vertex_id < 0) & shared_bits) != 0;
 }
 
+// Converts the sides from bits in lanes to the form that the predicates take.
 KnownSides knownSides(const PlaneSides& sides_a, const PlaneSides& sides_b) {
   KnownSides sides;
   for (int i = 0; i < 3; ++i) {
@@ -29,8 +31,8 @@ KnownSides knownSides(const PlaneSides& sides_a, const PlaneSides& sides_b) {
   return sides;
 }
 
-// Fills `left` with the pairs that the rows' planes do not part, or with all; how many. A row's
-// plane stays in registers.
+// Writes to `left` the pairs that the plane of the row does not separate, or with `all` every pair,
+// and returns their number. The row's plane stays in registers.
 DCM_WIDE_CLONES std::size_t dropByRows(const Prepared* triangles, const BoxPair* pairs,
                                        std::size_t count, bool all, SidedPair* left) {
   SidedPair* next = left;
@@ -46,16 +48,17 @@ DCM_WIDE_CLONES std::size_t dropByRows(const Prepared* triangles, const BoxPair*
   return static_cast<std::size_t>(next - left);
 }
 
-// Of `open`, those that the columns' planes do not part, or all: where `settles`, to `crossing` if
-// no vertex may lie in a plane; the others are the first of `open` then.
+// Sorts out the pairs in `open` by the plane of their column. Pairs that it separates are dropped,
+// unless `all`. With `decides`, pairs of which no vertex may lie in the other's plane move to
+// `crossing`. The others stay at the front of `open`.
 DCM_WIDE_CLONES void dropByColumns(const Prepared* triangles, std::size_t count, bool all,
-                                   bool settles, SidedPair* open, std::size_t& open_count,
+                                   bool decides, SidedPair* open, std::size_t& open_count,
                                    SidedPair* crossing, std::size_t& crossing_count) {
   std::size_t opens = 0, crossings = 0;
   for (std::size_t i = 0; i < count; ++i) {
     SidedPair sided = open[i];
     sided.a = sidesOf(triangles[sided.pair.b.value].plane, triangles[sided.pair.a.value].lanes);
-    const bool strict = sided.a.allStrict() & sided.b.allStrict() & settles;
+    const bool strict = sided.a.allStrict() & sided.b.allStrict() & decides;
     const bool keep = !sided.a.allOnOne() | all;
     open[opens] = crossing[crossings] = sided;
     opens += keep & !strict;
@@ -67,24 +70,26 @@ DCM_WIDE_CLONES void dropByColumns(const Prepared* triangles, std::size_t count,
 
 }  // namespace
 
-// In other modes what is open counts, so that all must be asked alike.
-PairScreen<Triangle>::PairScreen(const CycleInput<Triangle>& input,
-                                 ScreenBuffers<Triangle>& buffers)
+// Filters may decide in exact mode only: in the other modes a pair that is left open counts as
+// contact, so that all pairs must get the same verdict.
+PairFilter<Triangle>::PairFilter(const CycleInput<Triangle>& input,
+                                 FilterBuffers<Triangle>& buffers)
     : input_(input),
       margins_(input.scene.anyMargin()),
-      settles_(!margins_ && input.options.predicates == Predicates::kExact),
-      neighbours_(buffers.neighbours),
+      decides_(!margins_ && input.options.predicates == Predicates::kExact),
+      adjacent_(buffers.adjacent),
       open_(buffers.open),
       crossing_(buffers.crossing) {}
 
-// The pairs that share a vertex and may meet beyond it to neighbours_; how many share none: they
-// are the first of `pairs` then.
-std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangles, BoxPair* pairs,
-                                           std::size_t count, std::size_t& neighbours) {
-  if (neighbours_.size() < count) neighbours_.resize(count);
-  const bool wants_neighbours = input_.options.adjacent == AdjacentPairs::kBeyondShared;
+// Splits the pairs: those that share a vertex and may meet beyond it go to adjacent_; those that
+// share none are moved to the front of `pairs`, and their number is returned.
+std::size_t PairFilter<Triangle>::splitAdjacent(const std::vector<Prepared>& triangles,
+                                                BoxPair* pairs, std::size_t count,
+                                                std::size_t& adjacent) {
+  if (adjacent_.size() < count) adjacent_.resize(count);
+  const bool wants_adjacent = input_.options.adjacent == AdjacentPairs::kBeyondShared;
   std::size_t separate = 0;
-  neighbours = 0;
+  adjacent = 0;
   for (std::size_t i = 0; i < count;) {
     const SortedIndex row = pairs[i].a;
     const IntLanes id = triangles[row.value].vertex_id;
@@ -93,8 +98,8 @@ std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangle
       const IntLanes& other = triangles[pair.b.value].vertex_id;
       const IntLanes shared = (other == id[0]) | (other == id[1]) | (other == id[2]);
       const bool share = laneBits(shared) != 0;
-      neighbours_[neighbours] = pair;
-      neighbours += share & wants_neighbours & (laneBits(shared & other) == 0);
+      adjacent_[adjacent] = pair;
+      adjacent += share & wants_adjacent & (laneBits(shared & other) == 0);
       pairs[separate] = pair;
       separate += !share;
     }
@@ -102,22 +107,23 @@ std::size_t PairScreen<Triangle>::splitOff(const std::vector<Prepared>& triangle
   return separate;
 }
 
-// Those that no plane parts: to crossing_, or, where a vertex may lie in a plane, to open_.
-void PairScreen<Triangle>::dropAside(const std::vector<Prepared>& triangles, const BoxPair* pairs,
-                                     std::size_t count) {
+// Finds the pairs that no plane separates. They go to crossing_, or to open_ if a vertex may lie in
+// a plane.
+void PairFilter<Triangle>::dropByPlanes(const std::vector<Prepared>& triangles,
+                                        const BoxPair* pairs, std::size_t count) {
   if (open_.size() < count) {
     open_.resize(count);
     crossing_.resize(count);
   }
   const std::size_t left = dropByRows(triangles.data(), pairs, count, margins_, open_.data());
   open_count_ = crossing_count_ = 0;
-  dropByColumns(triangles.data(), left, margins_, settles_, open_.data(), open_count_,
+  dropByColumns(triangles.data(), left, margins_, decides_, open_.data(), open_count_,
                 crossing_.data(), crossing_count_);
 }
 
-// Of crossing_, four at a time; adds to open_ what is open.
-void PairScreen<Triangle>::settleCrossings(const std::vector<Prepared>& triangles,
-                                           Screened<Triangle>& screened) {
+// Decides the pairs in crossing_, four at a time. Adds those that are still open to open_.
+void PairFilter<Triangle>::decideCrossings(const std::vector<Prepared>& triangles,
+                                           FilteredPairs<Triangle>& filtered) {
   for (std::size_t begin = 0; begin < crossing_count_; begin += 4) {
     const std::size_t count = std::min<std::size_t>(4, crossing_count_ - begin);
     CrossingPair four[4];
@@ -126,14 +132,14 @@ void PairScreen<Triangle>::settleCrossings(const std::vector<Prepared>& triangle
       four[i] = {&triangles[sided.pair.a.value].lanes, &triangles[sided.pair.b.value].lanes,
                  sided.a, sided.b};
     }
-    const LaneCrossings told = crossingsOf(four);
-    const int meet = laneBits(told.meet), apart = laneBits(told.apart);
+    const LaneCrossings crossings = crossingsOf(four);
+    const int meet = laneBits(crossings.meet), apart = laneBits(crossings.apart);
     for (std::size_t i = 0; i < count; ++i) {
       const SidedPair& sided = crossing_[begin + i];
       if ((apart >> i & 1) != 0) {
-        ++screened.apart;
+        ++filtered.apart;
       } else if ((meet >> i & 1) != 0) {
-        screened.meeting.push_back(
+        filtered.meeting.push_back(
             {triangles[sided.pair.a.value].triangle, triangles[sided.pair.b.value].triangle});
       } else {
         open_[open_count_++] = sided;
@@ -142,37 +148,37 @@ void PairScreen<Triangle>::settleCrossings(const std::vector<Prepared>& triangle
   }
 }
 
-void PairScreen<Triangle>::screen(const std::vector<Prepared>& triangles, BoxPair* pairs,
-                                  std::size_t count, Screened<Triangle>& screened) {
-  std::size_t neighbours;
-  const std::size_t separate = splitOff(triangles, pairs, count, neighbours);
-  dropAside(triangles, pairs, separate);
-  settleCrossings(triangles, screened);
+void PairFilter<Triangle>::filter(const std::vector<Prepared>& triangles, BoxPair* pairs,
+                                  std::size_t count, FilteredPairs<Triangle>& filtered) {
+  std::size_t adjacent;
+  const std::size_t separate = splitAdjacent(triangles, pairs, count, adjacent);
+  dropByPlanes(triangles, pairs, separate);
+  decideCrossings(triangles, filtered);
   for (std::size_t i = 0; i < open_count_; ++i) {
     const Prepared& a = triangles[open_[i].pair.a.value];
     const Prepared& b = triangles[open_[i].pair.b.value];
-    if (settles_ &&
+    if (decides_ &&
         certainlyApartInProjection(input_.set.posed(a.triangle), input_.set.posed(b.triangle))) {
-      ++screened.apart;
+      ++filtered.apart;
     } else {
-      addCandidate(a, b, open_[i].a, open_[i].b, screened.candidates);
+      addCandidate(a, b, open_[i].a, open_[i].b, filtered.candidates);
     }
   }
-  settleNeighbours(triangles, neighbours, screened);
+  decideAdjacent(triangles, adjacent, filtered);
 }
 
-void PairScreen<Triangle>::screen(const Prepared& a, const Prepared& b,
+void PairFilter<Triangle>::filter(const Prepared& a, const Prepared& b,
                                   std::vector<Candidate<Triangle>>& candidates) const {
   if (sharedBits(a.vertex_id, b.vertex_id) != 0) {
     PairFacts facts;
-    if (screenNeighbours(a, b, facts)) candidates.push_back({a.triangle, b.triangle, facts});
+    if (filterAdjacent(a, b, facts)) candidates.push_back({a.triangle, b.triangle, facts});
   } else {
-    screenSeparate(a, b, candidates);
+    filterSeparate(a, b, candidates);
   }
 }
 
-// Two that share nothing and no plane parts, or that are near one another.
-void PairScreen<Triangle>::addCandidate(const Prepared& a, const Prepared& b,
+// Adds a pair that shares no vertex, unless a plane separates it and there is no margin.
+void PairFilter<Triangle>::addCandidate(const Prepared& a, const Prepared& b,
                                         const PlaneSides& sides_a, const PlaneSides& sides_b,
                                         std::vector<Candidate<Triangle>>& candidates) const {
   PairFacts facts;
@@ -183,14 +189,16 @@ void PairScreen<Triangle>::addCandidate(const Prepared& a, const Prepared& b,
   candidates.push_back({a.triangle, b.triangle, facts});
 }
 
-void PairScreen<Triangle>::screenSeparate(const Prepared& a, const Prepared& b,
+// Filters one pair that shares no vertex.
+void PairFilter<Triangle>::filterSeparate(const Prepared& a, const Prepared& b,
                                           std::vector<Candidate<Triangle>>& candidates) const {
   addCandidate(a, b, sidesOf(b.plane, a.lanes), sidesOf(a.plane, b.lanes), candidates);
 }
 
-// Whether two that share vertices are a candidate.
-bool PairScreen<Triangle>::screenNeighbours(const Prepared& a, const Prepared& b,
-                                            PairFacts& facts) const {
+// Returns whether two triangles that share vertices are a candidate, and fills in the facts that
+// are known then.
+bool PairFilter<Triangle>::filterAdjacent(const Prepared& a, const Prepared& b,
+                                          PairFacts& facts) const {
   const int in_a = sharedBits(a.vertex_id, b.vertex_id);
   if (input_.options.adjacent == AdjacentPairs::kSkip || isCertified(a, in_a)) return false;
   const int in_b = sharedBits(b.vertex_id, a.vertex_id);
@@ -203,24 +211,79 @@ bool PairScreen<Triangle>::screenNeighbours(const Prepared& a, const Prepared& b
   return true;
 }
 
-// Those of neighbours_, up to `count`, that are contacts or candidates.
-void PairScreen<Triangle>::settleNeighbours(const std::vector<Prepared>& triangles,
-                                            std::size_t count, Screened<Triangle>& screened) const {
+// Decides the first `count` pairs in adjacent_, as far as the signs of the plane filters do.
+void PairFilter<Triangle>::decideAdjacent(const std::vector<Prepared>& triangles, std::size_t count,
+                                          FilteredPairs<Triangle>& filtered) const {
   for (std::size_t i = 0; i < count; ++i) {
-    const Prepared& a = triangles[neighbours_[i].a.value];
-    const Prepared& b = triangles[neighbours_[i].b.value];
+    const Prepared& a = triangles[adjacent_[i].a.value];
+    const Prepared& b = triangles[adjacent_[i].b.value];
     PairFacts facts;
-    if (!screenNeighbours(a, b, facts)) continue;
+    if (!filterAdjacent(a, b, facts)) continue;
     const PartVerdict verdict =
-        settles_ ? beyondSharedVerdict(facts.shared, facts.sides) : PartVerdict::kOpen;
+        decides_ ? beyondSharedVerdict(facts.shared, facts.sides) : PartVerdict::kOpen;
     if (verdict == PartVerdict::kApart) {
-      ++screened.apart;
+      ++filtered.apart;
     } else if (verdict == PartVerdict::kMeet) {
-      screened.meeting.push_back({a.triangle, b.triangle});
+      filtered.meeting.push_back({a.triangle, b.triangle});
     } else {
-      screened.candidates.push_back({a.triangle, b.triangle, facts});
+      filtered.candidates.push_back({a.triangle, b.triangle, facts});
     }
   }
+}
+
+PairFilter<MovingTriangle>::PairFilter(const CycleInput<MovingTriangle>& input,
+                                       FilterBuffers<MovingTriangle>& buffers)
+    : input_(input),
+      pads_(input.scene.anyPad()),
+      lanes_(buffers.lanes),
+      separate_(buffers.separate) {}
+
+void PairFilter<MovingTriangle>::filter(
+    const std::vector<PreparedTriangle<MovingTriangle>>& triangles, BoxPair* pairs,
+    std::size_t count, FilteredPairs<MovingTriangle>& filtered) {
+  std::vector<Candidate<MovingTriangle>>& candidates = filtered.candidates;
+  // Only exact mode uses the vector filters: in the other modes a pair that is left open counts as
+  // contact, so that all pairs must get the same verdict.
+  const bool exact = input_.options.predicates == Predicates::kExact;
+  separate_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const BoxPair pair = pairs[i];
+    const PreparedTriangle<MovingTriangle>&a = triangles[pair.a.value],
+          &b = triangles[pair.b.value];
+    if (!exact || padOf(a, b) > 0 || sharedBits(a.vertex_id, b.vertex_id) != 0) {
+      filter(a, b, candidates);
+    } else {
+      pairs[separate_.size()] = pair;
+      separate_.push_back({&a.posed, &b.posed});
+    }
+  }
+  lanes_.filter(separate_, input_.options.first_times);
+  const auto add = [&](std::uint32_t i, bool meet) {
+    candidates.push_back({triangles[pairs[i].a.value].triangle,
+                          triangles[pairs[i].b.value].triangle, SharedVertices(), meet});
+  };
+  for (const std::uint32_t i : lanes_.meeting()) add(i, true);
+  for (const std::uint32_t i : lanes_.open()) add(i, false);
+}
+
+// Returns the motion bound of a pair [m]; 0 if no body has one.
+float PairFilter<MovingTriangle>::padOf(const PreparedTriangle<MovingTriangle>& a,
+                                        const PreparedTriangle<MovingTriangle>& b) const {
+  if (!pads_) return 0;
+  return pairPad(input_.scene.body(a.body.value).pad_m, input_.scene.body(b.body.value).pad_m);
+}
+
+void PairFilter<MovingTriangle>::filter(const PreparedTriangle<MovingTriangle>& a,
+                                        const PreparedTriangle<MovingTriangle>& b,
+                                        std::vector<Candidate<MovingTriangle>>& candidates) const {
+  const int in_a = sharedBits(a.vertex_id, b.vertex_id);
+  SharedVertices shared;
+  if (in_a != 0) {
+    if (input_.options.adjacent == AdjacentPairs::kSkip) return;
+    const int in_b = sharedBits(b.vertex_id, a.vertex_id);
+    shared = sharedByBits(static_cast<std::uint32_t>(in_a), static_cast<std::uint32_t>(in_b));
+  }
+  candidates.push_back({a.triangle, b.triangle, shared, false});
 }
 
 }  // namespace deformable_contact_monitor

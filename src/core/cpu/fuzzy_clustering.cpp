@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/common/parallel.h"
-#include "core/rules/sampling.h"
+#include "core/rules/clustering.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -12,15 +12,16 @@ namespace {
 // The inner loops run over all prototypes for one point. They are written in fixed lanes, which the
 // compiler turns into vector instructions without being allowed to reorder a sum.
 constexpr std::size_t kLanes = 8;
-// Points with a look at the limit once in so many.
+// Number of points between two checks of the limit.
 constexpr std::size_t kPoints = 32;
 
+// Powers for the default fuzzifier, 2: no calls of pow().
 struct SquarePowers {  // m = 2, the default
   float weight(float ratio) const { return ratio; }
   float power(float u) const { return u * u; }
 };
 
-// Prototypes as arrays, padded to full lanes with points that are nobody's.
+// Prototypes as arrays, padded to full lanes with far points that attract nothing.
 struct Lanes {
   std::vector<float> x, y, z;
 
@@ -40,7 +41,7 @@ struct Lanes {
   static constexpr float kFar = 1e18F;  // its square is finite
 };
 
-// sum u^m and sum u^m (x - p) of each prototype, and the scratch of one point.
+// The sums u^m and u^m (x - p) of each prototype, and scratch space for one point.
 struct Sums {
   std::vector<float> weight, x, y, z, d2, w;
   double objective = 0;
@@ -48,6 +49,7 @@ struct Sums {
   explicit Sums(std::size_t size) : weight(size), x(size), y(size), z(size), d2(size), w(size) {}
 };
 
+// Computes the squared distances from a point to all prototypes, and returns the least.
 float fillDistances(const Lanes& p, const Vec3f& point, std::vector<float>& d2) {
   float least[kLanes];
   std::fill_n(least, kLanes, INFINITY);
@@ -62,7 +64,8 @@ float fillDistances(const Lanes& p, const Vec3f& point, std::vector<float>& d2) 
   return *std::min_element(least, least + kLanes);
 }
 
-// Fills w from d2, not normalised; returns the sum. The nearest prototype's weight is 1.
+// Computes the weights w from the squared distances d2. They are not normalised: the weight of the
+// nearest prototype is 1. Returns their sum.
 template <class Powers>
 float fillWeights(const Powers& powers, float min2, const std::vector<float>& d2,
                   std::vector<float>& w) {
@@ -82,6 +85,7 @@ float fillWeights(const Powers& powers, float min2, const std::vector<float>& d2
   return total;
 }
 
+// Adds one point to the sums of all prototypes, weighted by its memberships.
 template <class Powers>
 void accumulate(const Powers& powers, const Lanes& p, const Vec3f& point, Sums& sums) {
   const float min2 = fillDistances(p, point, sums.d2);
@@ -109,6 +113,7 @@ void accumulate(const Powers& powers, const Lanes& p, const Vec3f& point, Sums& 
   for (const float o : objective) sums.objective += o;
 }
 
+// Adds all points, in blocks with sums of their own, so that sums do not depend on threads.
 template <class Powers>
 void accumulateAll(const Powers& powers, const Lanes& p, const std::vector<Vec3f>& points,
                    std::size_t block_size, const CycleLimit& limit, std::vector<Sums>& partial) {

@@ -10,16 +10,17 @@
 #include <vector>
 
 #include "core/common/cycle_limit.h"
-#include "core/rules/fcm_powers.h"
+#include "core/rules/clustering.h"
 #include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 
-// Points and prototypes are in scaled coordinates; up to 1e6 off the origin is fine.
+// Runs fuzzy c-means. Points and prototypes are in scaled coordinates; up to 1e6 away from the
+// origin is fine.
 class FuzzyClustering {
  public:
-  // m in [1.05, 4]: towards 1 hard k-means, upwards ever softer. Where the limit, which outlives
-  // this, was over, the prototypes are of no use.
+  // `fuzzifier` m is in [1.05, 4]: towards 1 it becomes hard k-means, larger values are softer. The
+  // limit must outlive this object. Once it is over, the prototypes are unspecified.
   explicit FuzzyClustering(float fuzzifier, const CycleLimit& limit = noLimit())
       : powers_{fuzzifier}, limit_(limit) {}
 
@@ -32,11 +33,11 @@ class FuzzyClustering {
   const std::vector<Vec3f>& prototypes() const { return prototypes_; }
 
   // One alternation: memberships of all points, then prototypes. Returns the objective
-  // sum u^m d^2 at the prototypes before the step, with their optimal memberships; it does not rise
+  // sum u^m d^2 at the prototypes before the call, with their optimal memberships; it does not rise
   // from call to call on the same points. A prototype that no point belongs to stays.
   double iterate(const std::vector<Vec3f>& points);
 
-  // Of one point, one per prototype, in [0, 1], their sum 1.
+  // Returns the memberships of one point, one per prototype, in [0, 1]; their sum is 1.
   std::vector<float> memberships(const Vec3f& point) const;
 
  private:

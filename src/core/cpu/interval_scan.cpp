@@ -2,14 +2,15 @@
 
 #include <cstring>
 
-#include "core/cpu/wide_clones.h"
+#include "core/common/lanes.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using EightPlaces = std::uint32_t __attribute__((vector_size(32)));
 
-// For each set of eight flags: which are set, ascending, and how many.
+// For each of the 256 sets of eight flags: the numbers of the flags that are set, ascending, and
+// how many they are.
 struct FlagTable {
   std::uint32_t set[256][8];
   std::uint8_t count[256];
@@ -29,7 +30,7 @@ constexpr FlagTable allFlags() {
 
 constexpr FlagTable kFlags = allFlags();
 
-// As intersects() of packed boxes, one that stands still against one of many.
+// A row's box against the boxes of many columns, as intersects() for two PackedBoxes.
 struct StillRow {
   PackedBox box;
   PackedColumns columns;
@@ -37,8 +38,9 @@ struct StillRow {
   StillRow(const PackedColumns& boxes, SortedIndex row)
       : box(boxes.box(row.value)), columns(boxes) {}
 
-  // Guard bits where box and column are not apart. (Pointers, because an unsigned index might wrap,
-  // and that would keep the loop over a chunk from being vectorised.)
+  // The guard bits are set where the row is not below, or not above, the column. (Pointers are used
+  // because an unsigned index might wrap around, which would keep the compiler from vectorising the
+  // loop over a chunk.)
   std::uint32_t above(std::uint32_t chunk, std::size_t k) const {
     return (box.hi | kPackedGuard) - (columns.lo + chunk)[k];
   }
@@ -47,6 +49,7 @@ struct StillRow {
   }
 };
 
+// The same for moving boxes: two boxes are apart only if they are so on the same side at both ends.
 struct MovingRow {
   StillRow from, to;
 
@@ -58,7 +61,7 @@ struct MovingRow {
   }
 };
 
-// Inlined, for then it is compiled for the processor of its caller.
+// It is always inlined, so that it is compiled for the same processor as its caller.
 template <class Row>
 __attribute__((always_inline)) inline ScanCounts scan(const Row& boxes, const ScanRange& range,
                                                       SortedIndex* found) {
@@ -67,7 +70,7 @@ __attribute__((always_inline)) inline ScanCounts scan(const Row& boxes, const Sc
   std::uint32_t overlaps = 0;
   for (std::uint32_t chunk = range.begin; chunk < range.end && range.lo[chunk] <= range.most;
        chunk += kScanChunk) {
-    // A whole chunk without a branch.
+    // Tests a whole chunk without a branch.
     const float* const lo = range.lo + chunk;
     const std::uint32_t left = range.end - chunk;
     std::uint8_t met[kScanChunk];
@@ -77,8 +80,8 @@ __attribute__((always_inline)) inline ScanCounts scan(const Row& boxes, const Sc
       met[k] = ((boxes.above(chunk, k) & boxes.below(chunk, k) & kPackedGuard) == kPackedGuard) &
                overlap;
     }
-    // Nor a branch on what was found: eight places are written, as many are kept as there are. The
-    // product gathers the eight flags as bits (little-endian).
+    // Collects the hits without a branch too: it writes eight positions and advances by the number
+    // of hits. The product gathers eight flags as the bits of one byte (on little-endian machines).
     for (std::uint32_t k = 0; k < kScanChunk; k += 8) {
       std::uint64_t word;
       std::memcpy(&word, met + k, 8);

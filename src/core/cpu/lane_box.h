@@ -1,4 +1,4 @@
-// Boxes spread over vector lanes: the CPU's form for the test that ends many pairs' sweep.
+// Boxes in vector lanes: the form in which the CPU compares the boxes of many pairs.
 #pragma once
 
 #include "core/cpu/lane_triangle.h"
@@ -9,7 +9,7 @@ namespace deformable_contact_monitor {
 
 inline FloatLanes laneCorner(const Vec3f& v) { return FloatLanes{v.x, v.y, v.z, 0}; }
 
-// Of finite corners. The fourth lane is 0 throughout, here and below.
+// A box with finite corners. The fourth lane is 0 throughout this file.
 struct LaneBox {
   FloatLanes min, max;
 
@@ -19,12 +19,12 @@ struct LaneBox {
       : min(laneCorner(box.min)), max(laneCorner(box.max)) {}
 };
 
-// As of Aabb.
+// Returns whether two closed boxes intersect, as for Aabb.
 inline bool intersects(const LaneBox& a, const LaneBox& b) {
   return laneBits((a.max < b.min) | (b.max < a.min)) == 0;
 }
 
-// Of a triangle, grown by growth_m >= 0 [m].
+// Returns the box of a triangle, grown by growth_m >= 0 [m].
 inline LaneBox boxLanes(const Triangle& t, float growth_m) {
   if (growth_m > 0) return inflated(boxOf(t), growth_m);
   const FloatLanes a = laneCorner(t.v[0]), b = laneCorner(t.v[1]), c = laneCorner(t.v[2]);
@@ -34,6 +34,7 @@ inline LaneBox boxLanes(const Triangle& t, float growth_m) {
   return box;
 }
 
+// A moving box: its corners at both ends of the time interval.
 struct LaneMovingBox {
   FloatLanes from_min, from_max, to_min, to_max;
 
@@ -50,7 +51,7 @@ inline LaneMovingBox boxLanes(const MovingTriangle& t, float growth_m) {
   return inflated(boxOf(t), growth_m);
 }
 
-// As of MovingBox.
+// Returns whether two moving boxes may intersect, as for MovingBox.
 inline bool intersects(const LaneMovingBox& a, const LaneMovingBox& b) {
   const IntLanes below = (a.from_max < b.from_min) & (a.to_max < b.to_min);
   const IntLanes above = (b.from_max < a.from_min) & (b.to_max < a.to_min);

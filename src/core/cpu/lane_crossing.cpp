@@ -3,25 +3,27 @@
 #include <array>
 #include <cstddef>
 
-#include "core/cpu/lane_product.h"
+#include "core/cpu/lane_triangle.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Of det[q-p; r-p; s-p].
+// Returns the signs of det[q-p; r-p; s-p].
 LaneSigns orientationOf(const LanePoint& p, const LanePoint& q, const LanePoint& r,
                         const LanePoint& s) {
   return LaneProduct(q - p, r - p).signWith(s - p);
 }
 
-// The vertices of a triangle in their order, from the one that is alone on its side, or the other
-// way round from there; by which of them are on the positive side.
+// The order in which the test takes a triangle's vertices: cyclic from the one that is alone on its
+// side of the plane, or reversed from there. The table has both orders for each set of vertices on
+// the positive side.
 using Order = std::array<std::uint8_t, 3>;
 constexpr Order kOrders[8][2] = {
     {{0, 0, 0}, {0, 0, 0}}, {{0, 1, 2}, {0, 2, 1}}, {{1, 2, 0}, {1, 0, 2}}, {{2, 0, 1}, {2, 1, 0}},
     {{2, 0, 1}, {2, 1, 0}}, {{1, 2, 0}, {1, 0, 2}}, {{0, 1, 2}, {0, 2, 1}}, {{0, 0, 0}, {0, 0, 0}}};
 
-// Whether two vertices are on the positive side, and so the lone one on the negative.
+// Returns whether two vertices are on the positive side, so that the lone one is on the negative
+// side.
 bool loneIsNegative(PlaneSides sides) {
   constexpr std::uint8_t kTwo = 1 << 3 | 1 << 5 | 1 << 6;
   return (kTwo >> (sides.plus & 7) & 1) != 0;
@@ -29,7 +31,7 @@ bool loneIsNegative(PlaneSides sides) {
 
 float coordinate(const FloatLanes& lanes, std::uint8_t i) { return lanes[i]; }
 
-// In each lane a vertex of one of four triangles.
+// Gathers the k-th vertex, in its order, of each of four triangles.
 LanePoint spread(const LaneTriangle* const (&t)[4], const Order* const (&orders)[4],
                  std::size_t k) {
   const std::uint8_t i = (*orders[0])[k], j = (*orders[1])[k], l = (*orders[2])[k],
@@ -44,8 +46,9 @@ LanePoint spread(const LaneTriangle* const (&t)[4], const Order* const (&orders)
 
 }  // namespace
 
-// As detail::crossingVerdict: each begins with the vertex that is alone on its side of the other's
-// plane, and is turned round where the other's is on the negative side.
+// Does the same as detail::crossingVerdict() (predicates/triangle_intersection.h): each triangle
+// begins with the vertex that is alone on its side of the other's plane, and is reversed if the
+// other's lone vertex is on the negative side.
 LaneCrossings crossingsOf(const CrossingPair (&pairs)[4]) {
   const LaneTriangle *a[4], *b[4];
   const Order *of_a[4], *of_b[4];

@@ -9,19 +9,19 @@ namespace {
 
 constexpr std::size_t kBatches = 16;  // of parts, at most: each has its own places in the buckets
 
-// Of the i-th up to the last contact of a list, whose first triangles are in one range of 2^shift:
-// sorts them by (a, b), by a counting sort and then each triangle's few by comparison. Where the
-// limit was over, in any order. `sorted`, `begin`: scratch.
-template <class Hull>
-void sortBucket(const WorkingContact<Hull>* contacts, std::size_t count, unsigned shift,
-                const CycleLimit& limit, std::vector<WorkingContact<Hull>>& sorted,
+// Sorts `count` contacts, whose first triangles are in one range of 2^shift, by (a, b): by a
+// counting sort on a, and then the few contacts of each triangle by comparison. Once the limit is
+// over, the order is unspecified. `sorted` and `begin` are scratch space.
+template <class Primitive>
+void sortBucket(const WorkingContact<Primitive>* contacts, std::size_t count, unsigned shift,
+                const CycleLimit& limit, std::vector<WorkingContact<Primitive>>& sorted,
                 std::vector<std::uint32_t>& begin) {
   const std::size_t range = std::size_t{1} << shift, mask = range - 1;
   sorted.resize(count);
   begin.assign(range + 2, 0);
   for (std::size_t i = 0; i < count; ++i) ++begin[(contacts[i].a.value & mask) + 2];
   for (std::size_t t = 2; t < range + 2; ++t) begin[t] += begin[t - 1];
-  // While they are placed, begin[t + 1] moves from where t's begin to where they end.
+  // While contacts are placed, begin[t + 1] moves from the first place of triangle t to its last.
   for (std::size_t i = 0; i < count; ++i) {
     sorted[begin[(contacts[i].a.value & mask) + 1]++] = contacts[i];
   }
@@ -37,11 +37,12 @@ void sortBucket(const WorkingContact<Hull>* contacts, std::size_t count, unsigne
   }
 }
 
-// What of the result's there is beside each contact; makes room for it.
-struct Beside {
+// The arrays of the result that are parallel to the contacts. The constructor makes room in them.
+struct PerContactFields {
   bool separations, first_times, within_pad;
 
-  Beside(const Scene& scene, const Options& options, std::size_t count, DetectionResult& result)
+  PerContactFields(const Scene& scene, const Options& options, std::size_t count,
+                   DetectionResult& result)
       : separations(options.motion == Motion::kInstant && scene.anyMargin()),
         first_times(options.first_times),
         within_pad(options.motion == Motion::kSwept && scene.anyPad()) {
@@ -63,27 +64,28 @@ struct Beside {
 
 }  // namespace
 
-// Fills parts_.
-template <class Hull>
-void ContactWriter<Hull>::takeFirst(const ContactList<Hull>& contacts, std::size_t count) {
+// Fills in parts_ with the first `count` contacts.
+template <class Primitive>
+void ContactWriter<Primitive>::takeFirst(const ContactList<Primitive>& contacts,
+                                         std::size_t count) {
   parts_.clear();
-  for (const std::vector<WorkingContact<Hull>>& block : contacts.blocks()) {
+  for (const std::vector<WorkingContact<Primitive>>& block : contacts.blocks()) {
     const std::size_t taken = std::min(count, block.size());
     if (taken > 0) parts_.push_back({block.data(), taken});
     count -= taken;
   }
 }
 
-// Brings them into in_order_, bucket by bucket.
-template <class Hull>
-void ContactWriter<Hull>::intoBuckets(std::size_t triangle_count, const CycleLimit& limit) {
+// Copies the contacts in parts_ to in_order_, bucket by bucket.
+template <class Primitive>
+void ContactWriter<Primitive>::intoBuckets(std::size_t triangle_count, const CycleLimit& limit) {
   constexpr std::size_t kMostBuckets = 4096;
   bucket_shift_ = 10;
   while (triangle_count >> bucket_shift_ >= kMostBuckets) ++bucket_shift_;
   const std::size_t buckets = (triangle_count >> bucket_shift_) + 1;
   const std::size_t batch_size = std::max<std::size_t>(1, blockCount(parts_.size(), kBatches));
   const std::size_t batches = blockCount(parts_.size(), batch_size);
-  // Each batch's in lines of its own.
+  // Each batch counts in cache lines of its own.
   constexpr std::size_t kRound = kOwnLines / sizeof(std::uint32_t);
   const std::size_t stride = blockCount(buckets, kRound) * kRound;
   place_.assign(stride * batches + kRound, 0);
@@ -99,7 +101,7 @@ void ContactWriter<Hull>::intoBuckets(std::size_t triangle_count, const CycleLim
     };
     parallelBlocks(limit, parts_.size(), batch_size, visitBatch);
   };
-  forEach([](const WorkingContact<Hull>&, std::uint32_t& count) { ++count; });
+  forEach([](const WorkingContact<Primitive>&, std::uint32_t& count) { ++count; });
   bucket_begin_.resize(buckets + 1);
   std::uint32_t total = 0;
   for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
@@ -113,44 +115,47 @@ void ContactWriter<Hull>::intoBuckets(std::size_t triangle_count, const CycleLim
   }
   bucket_begin_[buckets] = total;
   if (limit.wasOver()) return;
-  forEach([this](const WorkingContact<Hull>& c, std::uint32_t& place) { in_order_[place++] = c; });
+  forEach(
+      [this](const WorkingContact<Primitive>& c, std::uint32_t& place) { in_order_[place++] = c; });
 }
 
-// Fills the lists with the first `count`. False if the limit was over before that was done.
-template <class Hull>
-bool ContactWriter<Hull>::writeFirst(const Scene& scene, const Options& options,
-                                     const WorkingSet& set, const ContactList<Hull>& contacts,
-                                     std::size_t count, const CycleLimit& limit,
-                                     DetectionResult& result) {
+// Writes the first `count` contacts. Returns false if the limit was over before it was done.
+template <class Primitive>
+bool ContactWriter<Primitive>::writeFirst(const Scene& scene, const Options& options,
+                                          const WorkingSet& set,
+                                          const ContactList<Primitive>& contacts, std::size_t count,
+                                          const CycleLimit& limit, DetectionResult& result) {
   takeFirst(contacts, count);
   resizeWithin(limit, count, in_order_);
   if (limit.wasOver()) return false;
   intoBuckets(set.size(), limit);
   if (limit.wasOver()) return false;
-  const Beside beside(scene, options, count, result);
+  const PerContactFields fields(scene, options, count, result);
   resizeWithin(limit, count, result.contacts);
   if (limit.wasOver()) return false;
   const auto writeBucket = [&](std::size_t bucket, std::size_t, std::size_t) {
     const std::size_t first = bucket_begin_[bucket], size = bucket_begin_[bucket + 1] - first;
     if (size == 0) return;
-    std::vector<WorkingContact<Hull>> sorted;
+    std::vector<WorkingContact<Primitive>> sorted;
     std::vector<std::uint32_t> scratch;
     sortBucket(&in_order_[first], size, bucket_shift_, limit, sorted, scratch);
-    // The working set's order is that of (body, triangle).
+    // The order of the working set is that of (body, triangle), so that sorted indices give sorted
+    // pairs.
     for (std::size_t i = 0; i < size; ++i) {
       const std::uint32_t a = sorted[i].a.value, b = sorted[i].b.value;
       result.contacts[first + i] = {set.body[a], set.triangle[a], set.body[b], set.triangle[b]};
-      beside.write(sorted[i], first + i, result);
+      fields.write(sorted[i], first + i, result);
     }
   };
   parallelBlocks(limit, bucket_begin_.size() - 1, 1, writeBucket);
   return !limit.wasOver();
 }
 
-template <class Hull>
-void ContactWriter<Hull>::write(const Scene& scene, const Options& options, const WorkingSet& set,
-                                const ContactList<Hull>& contacts, const CycleLimit& limit,
-                                DetectionResult& result) {
+// Writes all contacts, or, if there is no time for that, only the first few.
+template <class Primitive>
+void ContactWriter<Primitive>::write(const Scene& scene, const Options& options,
+                                     const WorkingSet& set, const ContactList<Primitive>& contacts,
+                                     const CycleLimit& limit, DetectionResult& result) {
   const std::size_t found = contacts.size();
   const std::size_t few = std::min<std::size_t>(found, kMostListedLate);
   std::size_t listed = found;

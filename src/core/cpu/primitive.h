@@ -1,5 +1,9 @@
-// What the stages work on: triangles at one moment (Triangle), or in the step between two
-// (MovingTriangle). The stages are templates over the two.
+// Defines what the CPU's stages work on: triangles at one moment (Triangle), or triangles that move
+// during a time interval (MovingTriangle).
+//
+// The stages are templates over this type, called Primitive there. So one implementation of each
+// stage serves discrete and continuous collision detection. Helpers below hide where the two
+// differ: the number of states, the box type, and how far a body's boxes grow.
 #pragma once
 
 #include <type_traits>
@@ -10,33 +14,36 @@
 
 namespace deformable_contact_monitor {
 
-template <class Hull>
-constexpr bool kIsMoving = std::is_same_v<Hull, MovingTriangle>;
+template <class Primitive>
+constexpr bool kIsMoving = std::is_same_v<Primitive, MovingTriangle>;
 
-// How many places a vertex has, and a triangle has vertices in: where it was comes first.
-template <class Hull>
-constexpr int kStates = kIsMoving<Hull> ? 2 : 1;
-template <class Hull>
-constexpr int kPoints = 3 * kStates<Hull>;
+// Number of states of a vertex (1, or 2 while it moves), and number of points that span a triangle
+// in all states (3 or 6). Points of the earlier state come first.
+template <class Primitive>
+constexpr int kStates = kIsMoving<Primitive> ? 2 : 1;
+template <class Primitive>
+constexpr int kPoints = 3 * kStates<Primitive>;
 
-// Aabb or MovingBox.
-template <class Hull>
-using BoxOf = decltype(boxOf(std::declval<const Hull&>()));
+// The type of a primitive's box: Aabb or MovingBox.
+template <class Primitive>
+using BoxOf = decltype(boxOf(std::declval<const Primitive&>()));
 
-// Of a hull's points: the centroid, of what moves halfway; rounded.
-template <class Hull>
-Vec3f meanOf(const Vec3f points[kPoints<Hull>]) {
-  if constexpr (kIsMoving<Hull>) {
+// Returns the mean of a primitive's points: the centroid, or, while it moves, the centroid halfway
+// through the time interval. It is rounded, and is used for clustering only.
+template <class Primitive>
+Vec3f meanOf(const Vec3f points[kPoints<Primitive>]) {
+  if constexpr (kIsMoving<Primitive>) {
     return (centroidOf(points) + centroidOf(points + 3)) * 0.5F;
   } else {
     return centroidOf(points);
   }
 }
 
-// By what a body's boxes and clusters grow [m]: swept motion knows no margins, but pads.
-template <class Hull>
+// Returns by how much a body's boxes and clusters grow [m]: its margin, or its motion bound in
+// continuous detection, where margins do not apply.
+template <class Primitive>
 float growthOf(const Body& body) {
-  return kIsMoving<Hull> ? body.pad_m : body.margin_m;
+  return kIsMoving<Primitive> ? body.pad_m : body.margin_m;
 }
 
 }  // namespace deformable_contact_monitor

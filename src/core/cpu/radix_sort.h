@@ -1,4 +1,4 @@
-// Keys in ascending order, by four passes over 8 bits each.
+// Radix sort of 64-bit keys by their upper halves, in four passes over 8 bits each.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace deformable_contact_monitor {
 
-// By their upper halves; keys whose upper halves are equal keep their order. Where the limit was
-// over, in any order. `scratch` is made as long as `keys`.
+// Sorts by the upper halves, ascending. Keys with equal upper halves keep their order. Once the
+// limit is over, the order is unspecified. `scratch` gets as long as `keys`.
 inline void sortByUpperHalf(const CycleLimit& limit, std::vector<std::uint64_t>& keys,
                             std::vector<std::uint64_t>& scratch) {
   constexpr int kPasses = 4, kBits = 8;

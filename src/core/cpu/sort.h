@@ -1,4 +1,8 @@
-// Stage `sort`: a cluster's triangles in the order of their intervals along its principal axis.
+// Stage `sort`: lays out a cluster's triangles in the order in which their intervals along its
+// principal axis begin.
+//
+// The sweep then reads arrays from one end to the other. Each position has its interval along the
+// first axis, quantised intervals along the other two (PackedBox), and the box in the scene frame.
 #pragma once
 
 #include <cstdint>
@@ -6,40 +10,42 @@
 #include <vector>
 
 #include "core/cpu/assign.h"
-#include "core/cpu/cycle_data.h"
+#include "core/cpu/filter.h"
 #include "core/cpu/lane_box.h"
+#include "core/cpu/pair_stages.h"
 #include "core/cpu/primitive.h"
-#include "core/cpu/swept_filter.h"
 #include "core/rules/intervals.h"
 
 namespace deformable_contact_monitor {
 
-// The positions in a sorted cluster that belong to one body group.
+// The positions in a sorted cluster that belong to one group of bodies.
 struct GroupRange {
   std::uint32_t group, begin, end;
 };
 
-// Which of a triangle's clusters are below the one that is swept: its number, or one of these. Most
-// pairs' owner is told by these two numbers alone, without a branch.
+// Tells which of a triangle's clusters are lower than the one that is swept: its number if there is
+// one, or one of the two constants below. For most pairs these two numbers tell, without a branch,
+// whether a lower cluster reports the pair.
 using LowerClusters = std::uint32_t;
 constexpr LowerClusters kNoLower = ~LowerClusters{0};
 constexpr LowerClusters kSeveralLower = kNoLower - 1;
 
-// One cluster's members by body group, and within it by where their intervals begin. Hull: as in
-// hull.h, here and below.
-template <class Hull>
+// The entries of one cluster, sorted by body group, and within a group by where their intervals
+// begin.
+template <class Primitive>
 struct SortedCluster {
   ClusterIndex cluster;
   std::vector<GroupRange> groups;  // ascending
-  // All per position. Intervals along the first axis; lo, as the next, is kScanChunk longer, so
-  // that the last chunk may read on:
+  // All arrays are per position. Intervals along the first axis; `lo`, like the packed ones, is
+  // kScanChunk longer, so that the last chunk of a scan may read on:
   std::vector<float> lo, hi;
-  // Along the other two, as in PackedBox. Of what moves at the step's beginning, then at its end.
-  std::vector<std::uint32_t> packed_lo[kStates<Hull>], packed_hi[kStates<Hull>];
-  // Scene frame [m], grown by the body's margin or pad.
-  std::vector<std::conditional_t<kIsMoving<Hull>, LaneMovingBox, LaneBox>> boxes;
-  std::vector<PreparedTriangle<Hull>> triangles;
-  std::vector<const std::uint32_t*> clusters;  // that the triangle is in, ascending
+  // Intervals along the other two axes, as in PackedBox; of moving triangles those at the begin of
+  // the time interval, then those at its end.
+  std::vector<std::uint32_t> packed_lo[kStates<Primitive>], packed_hi[kStates<Primitive>];
+  // Boxes in the scene frame [m], grown by the body's margin or motion bound.
+  std::vector<std::conditional_t<kIsMoving<Primitive>, LaneMovingBox, LaneBox>> boxes;
+  std::vector<PreparedTriangle<Primitive>> triangles;
+  std::vector<const std::uint32_t*> clusters;  // the triangle's clusters, ascending
   std::vector<LowerClusters> lower;            // which of them are below this one
 
   PackedColumns packed(int state) const {
@@ -47,47 +53,48 @@ struct SortedCluster {
   }
 };
 
-// What a sorter works in. One per thread, from cycle to cycle.
-template <class Hull>
+// Working memory of a sorter. There is one per thread, kept from cycle to cycle.
+template <class Primitive>
 struct SortBuffers {
-  // What is computed for a member before its place in the order is known.
+  // Data of an entry that is computed before its position in the order is known.
   struct Projected {
     std::uint32_t group;
-    Vec3f scaled[kPoints<Hull>];
-    Interval interval;                  // along the first axis, of all states
-    Interval across[kStates<Hull>][2];  // along the other two
+    Vec3f scaled[kPoints<Primitive>];
+    Interval interval;                       // along the first axis, of all states
+    Interval across[kStates<Primitive>][2];  // along the other two
   };
 
-  std::vector<Projected> projected;  // per member
-  // Where the member's interval begins, then the member; the members ascending at first.
+  std::vector<Projected> projected;  // per entry
+  // Sort keys: where the entry's interval begins in the upper half, the entry's number in the lower
+  // half.
   std::vector<std::uint64_t> order, scratch;
 };
 
-// One per thread and cycle.
-template <class Hull>
+// Sorts clusters. There is one per thread and cycle.
+template <class Primitive>
 class ClusterSorter {
  public:
-  ClusterSorter(const CycleInput<Hull>& input, SortBuffers<Hull>& buffers)
+  ClusterSorter(const CycleInput<Primitive>& input, SortBuffers<Primitive>& buffers)
       : input_(input),
-        pace_(input.limit, kLook),
+        pace_(input.limit, kPollPeriod),
         projected_(buffers.projected),
         order_(buffers.order),
         scratch_(buffers.scratch) {}
 
-  // False if the limit was over: then `sorted` is of no use.
-  bool sort(ClusterIndex cluster, SortedCluster<Hull>& sorted);
+  // Fills in `sorted`. Returns false if the limit is over; then `sorted` is unspecified.
+  bool sort(ClusterIndex cluster, SortedCluster<Primitive>& sorted);
 
  private:
-  using Projected = typename SortBuffers<Hull>::Projected;
+  using Projected = typename SortBuffers<Primitive>::Projected;
 
-  void project(const ClusterMember<Hull>* members);
+  void project(const ClusterEntry<Primitive>* entries);
   void order();
-  void layOut(ClusterIndex cluster, const ClusterMember<Hull>* members,
-              SortedCluster<Hull>& sorted);
+  void layOut(ClusterIndex cluster, const ClusterEntry<Primitive>* entries,
+              SortedCluster<Primitive>& sorted);
 
-  static constexpr std::uint64_t kLook = 1 << 12;  // members between looks at the limit
+  static constexpr std::uint64_t kPollPeriod = 1 << 12;  // entries between two checks of the limit
 
-  const CycleInput<Hull>& input_;
+  const CycleInput<Primitive>& input_;
   PacedLimit pace_;
   std::vector<Projected>& projected_;
   std::vector<std::uint64_t>&order_, &scratch_;

@@ -1,4 +1,9 @@
-// Stage `sweep`: which pairs of a cluster's triangles are candidates.
+// Stage `sweep`: finds which pairs of a cluster's triangles may be in contact.
+//
+// ClusterSweeper takes one cluster at a time through `sort`, `sweep` and `narrow_phase`, so that
+// its data is still in the cache. A row is one triangle; its columns are the triangles whose
+// intervals begin within the row's interval. Columns end up in four tests, from cheap to expensive:
+// quantised boxes, boxes in the scene frame, the deduplication rule, and the float32 filters.
 #pragma once
 
 #include <cstddef>
@@ -6,78 +11,78 @@
 #include <vector>
 
 #include "core/common/stopwatch.h"
-#include "core/cpu/cycle_data.h"
+#include "core/cpu/filter.h"
 #include "core/cpu/interval_scan.h"
+#include "core/cpu/pair_stages.h"
 #include "core/cpu/sort.h"
-#include "core/cpu/swept_filter.h"
 
 namespace deformable_contact_monitor {
 
-// What a row of the sweep found: columns up to `end` of all that were found, from where the row
-// before ended.
+// The columns that a row of the sweep found: those up to `end` in the list of all found columns,
+// from where the row before ended.
 struct FoundRow {
   SortedIndex row;
   std::size_t end;
 };
 
-// What a sweeper works in. One per thread, from cycle to cycle. Hull: as in hull.h, here and below.
-template <class Hull>
+// Working memory of a sweeper. There is one per thread, kept from cycle to cycle.
+template <class Primitive>
 struct alignas(kOwnLines) SweepBuffers {
-  SortBuffers<Hull> sort;
-  SortedCluster<Hull> sorted;
+  SortBuffers<Primitive> sort;
+  SortedCluster<Primitive> sorted;
   std::vector<FoundRow> rows;
   std::vector<SortedIndex> found;
   std::vector<BoxPair> pairs;
-  ScreenBuffers<Hull> screen;
-  Screened<Hull> screened;
+  FilterBuffers<Primitive> filter;
+  FilteredPairs<Primitive> filtered;
 };
 
-// Takes clusters through `sort`, `sweep` and `judge`, so that each is still in the cache. Gives up
-// once the limit is over. One per thread and cycle.
-template <class Hull>
+// Takes clusters through `sort`, `sweep` and `narrow_phase`. It stops early once the limit is over.
+// There is one per thread and cycle.
+template <class Primitive>
 class ClusterSweeper {
  public:
-  ClusterSweeper(const CycleInput<Hull>& input, SweepBuffers<Hull>& buffers,
-                 CycleOutput<Hull>& output)
+  ClusterSweeper(const CycleInput<Primitive>& input, SweepBuffers<Primitive>& buffers,
+                 CycleOutput<Primitive>& output)
       : input_(input),
-        pace_(input.limit, kLook),
+        pace_(input.limit, kPollPeriod),
         sorter_(input, buffers.sort),
         sorted_(buffers.sorted),
-        screen_(input, buffers.screen),
+        filter_(input, buffers.filter),
         rows_(buffers.rows),
         found_(buffers.found),
         pairs_(buffers.pairs),
-        screened_(buffers.screened),
+        filtered_(buffers.filtered),
         output_(output) {}
   ClusterSweeper(const ClusterSweeper&) = delete;
   ClusterSweeper& operator=(const ClusterSweeper&) = delete;
 
-  // Adds to the output.
+  // Sweeps one cluster, and adds to the output.
   void sweep(ClusterIndex cluster);
 
  private:
   void sweepGroups();
   void sweepWithin(const GroupRange& range);
   void sweepAcross(const GroupRange& rows, const GroupRange& columns, bool closed);
-  bool owns(SortedIndex a, SortedIndex b) const;
+  bool reports(SortedIndex a, SortedIndex b) const;
   bool scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
   std::size_t pairsOfBoxes();
-  void judgeFound();
+  void decideFound();
 
-  static constexpr std::uint64_t kLook = 1 << 17;  // columns between looks at the limit
+  static constexpr std::uint64_t kPollPeriod = 1 << 17;  // columns between two checks of the limit
 
-  const CycleInput<Hull>& input_;
+  const CycleInput<Primitive>& input_;
   PacedLimit pace_;
-  ClusterSorter<Hull> sorter_;
-  SortedCluster<Hull>& sorted_;
-  PairScreen<Hull> screen_;
+  ClusterSorter<Primitive> sorter_;
+  SortedCluster<Primitive>& sorted_;
+  PairFilter<Primitive> filter_;
   std::vector<FoundRow>& rows_;
-  std::vector<SortedIndex>& found_;  // of which found_count_ are in use
+  std::vector<SortedIndex>& found_;  // the first found_count_ are in use
   std::size_t found_count_ = 0;
   std::vector<BoxPair>& pairs_;
-  Screened<Hull>& screened_;
+  FilteredPairs<Primitive>& filtered_;
   Stopwatch watch_;
-  CycleOutput<Hull>& output_;
+  CycleOutput<Primitive>& output_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,12 +1,13 @@
 #include "core/cpu/transform.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <numeric>
+#include <vector>
 
 #include "core/common/parallel.h"
 #include "core/common/posed_body.h"
-#include "core/cpu/box_sides.h"
-#include "core/cpu/common_motion.h"
+#include "core/cpu/body_boxes.h"
 #include "core/rules/common_motion.h"
 
 namespace deformable_contact_monitor {
@@ -15,12 +16,14 @@ namespace {
 
 constexpr std::size_t kBlock = 2048;  // triangles or vertices
 
-// To at least so many, without a pass over what is there.
+// Makes a list at least `size` long. It never shrinks it, which would cost a pass over the new
+// elements later.
 template <class T>
 void growTo(std::size_t size, std::vector<T>& to) {
   if (to.size() < size) to.resize(size);
 }
 
+// Makes room for that many triangles.
 void growTriangles(std::size_t size, WorkingSet& set) {
   growTo(3 * size, set.corners);
   growTo(size, set.body);
@@ -28,6 +31,7 @@ void growTriangles(std::size_t size, WorkingSet& set) {
   growTo(size, set.boxes);
 }
 
+// Cuts all lists to the lengths that are in use.
 void cutTo(std::size_t vertices, std::size_t triangles, bool moving, WorkingSet& set) {
   set.vertices.resize(vertices);
   set.earlier.resize(moving ? vertices : 0);
@@ -38,15 +42,16 @@ void cutTo(std::size_t vertices, std::size_t triangles, bool moving, WorkingSet&
   set.boxes.resize(triangles);
 }
 
-void poseVertices(const PosedBody& posed, std::size_t first, std::size_t count,
-                  const CycleLimit& limit, std::vector<Vec3f>& vertices) {
+// Transforms `count` vertices of a body into the scene frame, to places from `first` on.
+void transformVertices(const PosedBody& posed, std::size_t first, std::size_t count,
+                       const CycleLimit& limit, std::vector<Vec3f>& vertices) {
   growTo(first + count, vertices);
   parallelBlocks(limit, count, kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) vertices[first + i] = posed.vertex(i);
   });
 }
 
-// All of the i-th of the set but its box: triangle t of a body.
+// Fills in everything but the box of the set's i-th triangle, which is triangle t of a body.
 void place(const Body& body, BodyId id, std::uint32_t t, std::size_t i, WorkingSet& set) {
   const std::uint32_t* corner = &body.mesh.triangles[3 * std::size_t{t}];
   for (int k = 0; k < 3; ++k) set.corners[3 * i + k] = set.first_vertex[id] + corner[k];
@@ -54,25 +59,28 @@ void place(const Body& body, BodyId id, std::uint32_t t, std::size_t i, WorkingS
   set.triangle[i] = t;
 }
 
-// Of each vertex from `first` on, beside the hull of the partners.
-template <class Hull>
-void findSides(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, std::size_t first,
+// Finds on which sides of the partners' common box each vertex of a body lies; `first` is where
+// they begin in the set.
+template <class Primitive>
+void findSides(const Body& body, const PartnerBoxes<BoxOf<Primitive>>& partners, std::size_t first,
                const CycleLimit& limit, const WorkingSet& set, std::vector<std::uint8_t>& sides) {
-  const float growth_m = growthOf<Hull>(body);
+  const float growth_m = growthOf<Primitive>(body);
   sides.resize(body.mesh.vertexCount());
   parallelBlocks(limit, sides.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     const Vec3f* const now = &set.vertices[first];
-    if constexpr (kIsMoving<Hull>) {  // on one side at both ends
+    if constexpr (kIsMoving<Primitive>) {  // on one side at both ends
       const Vec3f* const earlier = &set.earlier[first];
-      const BoxSides from(partners.hull.from, growth_m), to(partners.hull.to, growth_m);
+      const BoxSides from(partners.bound.from, growth_m), to(partners.bound.to, growth_m);
       for (std::size_t i = begin; i < end; ++i) sides[i] = from.of(earlier[i]) & to.of(now[i]);
     } else {
-      const BoxSides hull(partners.hull, growth_m);
-      for (std::size_t i = begin; i < end; ++i) sides[i] = hull.of(now[i]);
+      const BoxSides bound(partners.bound, growth_m);
+      for (std::size_t i = begin; i < end; ++i) sides[i] = bound.of(now[i]);
     }
   });
 }
 
+// Returns the box that the working set stores: of a moving triangle that of all it passes, without
+// the common motion.
 const Aabb& setBoxOf(const Aabb& box, const WorkingSet& /*set*/) { return box; }
 Aabb setBoxOf(const MovingBox& box, const WorkingSet& set) {
   return sweptBox(box, set.common_motion);
@@ -80,7 +88,8 @@ Aabb setBoxOf(const MovingBox& box, const WorkingSet& set) {
 
 }  // namespace
 
-// Only a body's own triangles ask which vertices they share.
+// Fills in the ids of a body's vertices. Ids are compared only within one body, so a body without
+// self-contact gets ids that are all different, at no cost.
 void WorkingSetBuilder::identifyVertices(const Body& body, bool self, bool moving,
                                          std::uint32_t first, const CycleLimit& limit,
                                          WorkingSet& set) {
@@ -101,15 +110,16 @@ void WorkingSetBuilder::identifyVertices(const Body& body, bool self, bool movin
   });
 }
 
-// Fills blocks_ with the triangles that meet a partner's box.
-template <class Hull>
+// Fills blocks_ with the triangles that meet a partner's box. Three vertices on the same side of
+// the partners' common box settle most triangles without a box of their own.
+template <class Primitive>
 void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32_t first,
-                                        const PartnerBoxes<BoxOf<Hull>>& partners,
+                                        const PartnerBoxes<BoxOf<Primitive>>& partners,
                                         const CycleLimit& limit, const WorkingSet& set) {
   const TriangleMesh& mesh = body.mesh;
-  const float growth_m = growthOf<Hull>(body);
+  const float growth_m = growthOf<Primitive>(body);
   const bool has_sides = !partners.self && body_boxes_.allFinite(id);
-  if (has_sides) findSides<Hull>(body, partners, first, limit, set, sides_);
+  if (has_sides) findSides<Primitive>(body, partners, first, limit, set, sides_);
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
   const auto chooseBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
@@ -119,12 +129,13 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
     for (std::size_t t = begin; t < end; ++t) {
       const std::uint32_t* corner = &mesh.triangles[3 * t];
       if (has_sides && (sides_[corner[0]] & sides_[corner[1]] & sides_[corner[2]]) != 0) continue;
-      const Hull posed = set.hullOf<Hull>(first + corner[0], first + corner[1], first + corner[2]);
+      const Primitive posed =
+          set.primitiveOf<Primitive>(first + corner[0], first + corner[1], first + corner[2]);
       if (!isFinite(posed)) {
         ++block.rejected;
         continue;
       }
-      const BoxOf<Hull> box = inflated(boxOf(posed), growth_m);
+      const BoxOf<Primitive> box = inflated(boxOf(posed), growth_m);
       if (!partners.meet(box)) continue;
       block.triangle.push_back(static_cast<std::uint32_t>(t));
       block.boxes.push_back(setBoxOf(box, set));
@@ -133,7 +144,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
   parallelBlocks(limit, mesh.triangleCount(), kBlock, chooseBlock);
 }
 
-// Adds what blocks_ hold. How many triangles were rejected.
+// Adds the triangles in blocks_ to the set, and returns how many triangles were rejected.
 std::uint64_t WorkingSetBuilder::addChosen(const Body& body, BodyId id, const CycleLimit& limit,
                                            WorkingSet& set) {
   std::uint64_t rejected = 0;
@@ -154,44 +165,46 @@ std::uint64_t WorkingSetBuilder::addChosen(const Body& body, BodyId id, const Cy
   return rejected;
 }
 
-// Of a body whose vertices are all finite, and which is its own partner.
-template <class Hull>
+// Adds all triangles of a body whose vertices are finite and which may touch itself: nothing of it
+// is culled.
+template <class Primitive>
 void WorkingSetBuilder::addAllTriangles(const Body& body, BodyId id, const CycleLimit& limit,
                                         WorkingSet& set) {
   const std::size_t first = triangle_count_;
   triangle_count_ += body.mesh.triangleCount();
   growTriangles(triangle_count_, set);
-  const float growth_m = growthOf<Hull>(body);
+  const float growth_m = growthOf<Primitive>(body);
   const auto addBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       place(body, id, static_cast<std::uint32_t>(t), first + t, set);
       const std::uint32_t* corner = &set.corners[3 * (first + t)];
-      const Hull posed = set.hullOf<Hull>(corner[0], corner[1], corner[2]);
+      const Primitive posed = set.primitiveOf<Primitive>(corner[0], corner[1], corner[2]);
       set.boxes[first + t] = setBoxOf(inflated(boxOf(posed), growth_m), set);
     }
   };
   parallelBlocks(limit, body.mesh.triangleCount(), kBlock, addBlock);
 }
 
-template <class Hull>
+// Transforms the vertices of a body that meets a partner, and adds its triangles.
+template <class Primitive>
 void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
-                                const PartnerBoxes<BoxOf<Hull>>& partners, const CycleLimit& limit,
-                                WorkingSet& set, Counters& counters) {
+                                const PartnerBoxes<BoxOf<Primitive>>& partners,
+                                const CycleLimit& limit, WorkingSet& set, Counters& counters) {
   const Body& body = scene.body(id);
   const auto first = static_cast<std::uint32_t>(vertex_count_);
   vertex_count_ += body.mesh.vertexCount();
   set.first_vertex[id] = first;
-  poseVertices(PosedBody(body), first, body.mesh.vertexCount(), limit, set.vertices);
-  if (kIsMoving<Hull>) {
-    poseVertices(PosedBody::earlier(body), first, body.mesh.vertexCount(), limit, set.earlier);
+  transformVertices(PosedBody(body), first, body.mesh.vertexCount(), limit, set.vertices);
+  if (kIsMoving<Primitive>) {
+    transformVertices(PosedBody::earlier(body), first, body.mesh.vertexCount(), limit, set.earlier);
   }
-  identifyVertices(body, partners.self, kIsMoving<Hull>, first, limit, set);
+  identifyVertices(body, partners.self, kIsMoving<Primitive>, first, limit, set);
   const std::size_t before = triangle_count_;
   std::uint64_t rejected = 0;
   if (partners.self && body_boxes_.allFinite(id)) {
-    addAllTriangles<Hull>(body, id, limit, set);
+    addAllTriangles<Primitive>(body, id, limit, set);
   } else {
-    chooseTriangles<Hull>(body, id, first, partners, limit, set);
+    chooseTriangles<Primitive>(body, id, first, partners, limit, set);
     if (limit.wasOver()) return;
     rejected = addChosen(body, id, limit, set);
   }
@@ -201,8 +214,8 @@ void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
   counters.culled += body.mesh.triangleCount() - (triangle_count_ - before) - rejected;
 }
 
-// Of a body that meets no partner, and so is not posed.
-template <class Hull>
+// Counts the triangles of a body that meets no partner; its vertices are not transformed.
+template <class Primitive>
 void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const CycleLimit& limit,
                                      Counters& counters) const {
   constexpr std::size_t kBlock = 1 << 16;
@@ -213,33 +226,59 @@ void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const CycleL
   serialBlocks(limit, to_check, kBlock, [&](std::size_t begin, std::size_t end) {
     for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
       rejected +=
-          !isFinite(body.triangle(t)) || (kIsMoving<Hull> && !isFinite(earlier.triangle(t)));
+          !isFinite(body.triangle(t)) || (kIsMoving<Primitive> && !isFinite(earlier.triangle(t)));
     }
   });
   counters.rejected += rejected;
   counters.culled += count - rejected;
 }
 
-template <class Hull>
+// Goes through the bodies in order, so that the set is in (body, triangle) order.
+template <class Primitive>
 void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& counters,
                               const CycleLimit& limit) {
-  body_boxes_.update<Hull>(scene, limit);
+  body_boxes_.update<Primitive>(scene, limit);
   set.first_vertex.assign(scene.bodyCount(), 0);
-  set.common_motion = kIsMoving<Hull> ? commonMotionOf(scene) : Vec3f();
+  set.common_motion = kIsMoving<Primitive> ? commonMotionOf(scene) : Vec3f();
   vertex_count_ = triangle_count_ = 0;
   for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
     if (!scene.takesPart(id)) continue;
-    const PartnerBoxes<BoxOf<Hull>> partners = body_boxes_.partnersOf<Hull>(scene, id);
+    const PartnerBoxes<BoxOf<Primitive>> partners = body_boxes_.partnersOf<Primitive>(scene, id);
     if (partners.self || !partners.boxes.empty()) {
-      addBody<Hull>(scene, id, partners, limit, set, counters);
+      addBody<Primitive>(scene, id, partners, limit, set, counters);
     } else {
-      countLeftOut<Hull>(scene, id, limit, counters);
+      countLeftOut<Primitive>(scene, id, limit, counters);
     }
   }
-  cutTo(vertex_count_, triangle_count_, kIsMoving<Hull>, set);
+  cutTo(vertex_count_, triangle_count_, kIsMoving<Primitive>, set);
 }
 
-// Exported here, for a template is not visible outside that has arguments which are not.
+Vec3f commonMotionOf(const Scene& scene) {
+  constexpr std::size_t kSample = 512;
+  std::size_t count = 0;
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    if (scene.takesPart(id)) count += scene.body(id).mesh.vertexCount();
+  }
+  const std::size_t step = std::max<std::size_t>(1, count / kSample);
+  std::vector<Vec3d> motions;
+  std::size_t first = step / 2;  // of the body's vertices, one in `step`
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    if (!scene.takesPart(id)) continue;
+    const Body& body = scene.body(id);
+    const PosedBody from = PosedBody::earlier(body), to(body);
+    const std::size_t vertices = body.mesh.vertexCount();
+    std::size_t i = first;
+    for (; i < vertices; i += step) {
+      const Vec3f a = from.vertex(i), b = to.vertex(i);
+      if (isFinite(a) && isFinite(b)) motions.push_back(toDouble(b) - toDouble(a));
+    }
+    first = i - vertices;
+  }
+  return commonMotion(motions);
+}
+
+// The instantiations are exported here because a template whose arguments are hidden would be
+// hidden too.
 template DCM_EXPORT void WorkingSetBuilder::build<Triangle>(const Scene&, WorkingSet&, Counters&,
                                                             const CycleLimit&);
 template DCM_EXPORT void WorkingSetBuilder::build<MovingTriangle>(const Scene&, WorkingSet&,

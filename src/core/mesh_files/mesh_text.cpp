@@ -1,4 +1,6 @@
-// Text scanning shared by the mesh readers. Independent of the locale.
+// Scans text for the mesh readers. Numbers are read by the rules of the C locale, whatever locale
+// the process uses: "1.5" must mean the same on a machine whose decimal separator is a comma. Most
+// of the time goes into the loops over characters, so they test for ordinary characters first.
 #include "core/mesh_files/mesh_text.h"
 
 #include <locale.h>
@@ -13,19 +15,24 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns whether a character separates words within a line. CR does, so CRLF ends a line like LF.
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
-// Neither ends a word nor might: spares the slower tests for almost every character.
+// Returns whether the character certainly does not end a word. This spares the slower tests for
+// almost every character.
 bool isOrdinary(char c) { return static_cast<unsigned char>(c) > ' ' && c != '#' && c != '\\'; }
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
+// Changes ASCII letters only. std::tolower would depend on the locale.
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
+// Returns whether a number begins with 0x, after its sign.
 bool isHexadecimal(std::string_view number) {
   const std::size_t digits = number.find_first_not_of("+-");
   return digits + 1 < number.size() && number[digits] == '0' && lower(number[digits + 1]) == 'x';
 }
 
-// All of `word` as real() has it; nothing if it is no such number. strtof rounds correctly, but
-// wants a NUL after its text, and reads hexadecimal numbers, which mesh files do not have.
+// Returns the number that all of `word` spells, as real() says; nothing if it is no number. strtof
+// rounds correctly, but needs a NUL after its text, and it accepts hexadecimal numbers, which mesh
+// files do not have.
 std::optional<float> toFloat(std::string_view word) {
   static const locale_t kClassic = newlocale(LC_ALL_MASK, "C", nullptr);
   char copy[64];
@@ -65,6 +72,7 @@ MeshText::MeshText(const std::string& path, std::string_view text, MeshTextRules
       end_(begin_ + text.size()),
       line_(first_line),
       rules_(rules) {
+  // Some editors put a byte order mark in front of UTF-8 text. It is no part of the first word.
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) at_ += kByteOrderMark.size();
 }
@@ -78,7 +86,7 @@ void MeshText::failAt(std::string_view word, const std::string& wanted) const {
   fail(wanted + " expected, but " + (word.empty() ? ending : "there is " + quoted(word)));
 }
 
-// The character after a backslash and line end at p; null if that is not what stands there.
+// Returns the character after a backslash and a line end at p; null if these are not at p.
 const char* MeshText::continuation(const char* p) const {
   if (!rules_.backslash_continues || p == end_ || *p != '\\') return nullptr;
   ++p;
@@ -86,11 +94,14 @@ const char* MeshText::continuation(const char* p) const {
   return p != end_ && *p == '\n' ? p + 1 : nullptr;
 }
 
+// Returns whether a word ends before p.
 bool MeshText::isDelimiter(const char* p) const {
   return p == end_ || isBlank(*p) || *p == '\n' || (*p == '#' && rules_.hash_comments) ||
          (*p == '\\' && continuation(p) != nullptr);
 }
 
+// Goes on to the next word, comment or line end. A continued line counts as part of this line, but
+// the line number goes up, so that messages name the right line of the file.
 void MeshText::skipBlanks() {
   while (at_ != end_ && !isOrdinary(*at_)) {
     if (isBlank(*at_)) {
@@ -109,7 +120,8 @@ bool MeshText::atLineEnd() {
   return at_ == end_ || *at_ == '\n' || (*at_ == '#' && rules_.hash_comments);
 }
 
-// Stops before the line's LF. A comment does not continue, whatever it ends with.
+// Stops before the line's LF. A comment ends with its line even if a backslash is its last
+// character.
 void MeshText::skipRestOfLine() {
   while (!atLineEnd()) word();
   at_ = std::find(at_, end_, '\n');
@@ -149,6 +161,9 @@ float MeshText::real(const char* what) {
 std::uint64_t MeshText::count(const char* what, std::uint64_t limit) {
   if (atLineEnd()) failAt({}, what);
   std::uint64_t value = 0;
+  // std::from_chars does not depend on the locale, and reports numbers beyond 64 bits. It accepts
+  // no '+', so that is skipped. A word such as "-3" is an integer that is out of range, not a wrong
+  // word.
   const auto parsed = std::from_chars(at_ + (*at_ == '+' ? 1 : 0), end_, value);
   const bool is_number = parsed.ec != std::errc::invalid_argument && isDelimiter(parsed.ptr);
   if (!is_number && !(*at_ == '-' && at_ + 1 != end_ && isDigit(at_[1]))) failAt(word(), what);

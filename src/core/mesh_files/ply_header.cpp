@@ -1,4 +1,7 @@
-// Reads a PLY header and finds in it what a mesh needs.
+// Reads a PLY header and finds in it what a mesh needs. Every line begins with a keyword. Comments
+// are skipped, but an unknown keyword is an error, because the records might not be laid out as
+// expected then. Everything about the properties is checked here, so the reader of the records can
+// rely on it.
 #include "core/mesh_files/ply_header.h"
 
 #include <algorithm>
@@ -24,6 +27,7 @@ PlyType readType(MeshText& text) {
   return found->second;
 }
 
+// Reads the encoding. The version number after it is ignored.
 PlyFormat readFormat(MeshText& text) {
   const std::string_view word = text.word();
   if (word == "ascii") return PlyFormat::kAscii;
@@ -32,6 +36,8 @@ PlyFormat readFormat(MeshText& text) {
   text.failAt(word, "ascii, binary_little_endian or binary_big_endian");
 }
 
+// Reads the rest of a line such as "element vertex 8". The element's name is kept in quotes, as
+// messages show it.
 PlyElement readElement(MeshText& text) {
   PlyElement element;
   element.name = quoted(text.word());
@@ -41,6 +47,7 @@ PlyElement readElement(MeshText& text) {
   return element;
 }
 
+// Returns what a property means for a mesh. Writers use both names of the list of indices.
 PlyRole roleOf(std::string_view name, PlyElementKind kind) {
   if (kind == PlyElementKind::kVertex) {
     if (name == "x") return PlyRole::kX;
@@ -53,6 +60,8 @@ PlyRole roleOf(std::string_view name, PlyElementKind kind) {
   return PlyRole::kIgnored;
 }
 
+// Reads the rest of a line such as "property float x" or "property list uchar int vertex_indices".
+// A copy of the cursor looks ahead at the first word, which is "list" or a type.
 PlyProperty readProperty(MeshText& text, PlyElementKind kind) {
   PlyProperty property;
   MeshText ahead = text;
@@ -77,6 +86,8 @@ bool hasRole(const PlyElement& element, PlyRole role) {
                      [role](const PlyProperty& property) { return property.role == role; });
 }
 
+// Throws if an element lacks what a mesh needs. Elements without properties are rejected if they
+// have records, because these would take no bytes and any count would fit the file.
 void requireRoles(const MeshText& text, const PlyElement& element) {
   if (element.count > 0 && element.properties.empty()) {
     text.fail("element " + element.name + " has no properties");
@@ -93,6 +104,8 @@ void requireRoles(const MeshText& text, const PlyElement& element) {
   }
 }
 
+// Appends an element. There may be only one list of vertices to which indices refer, and one of
+// faces.
 void addElement(const MeshText& text, PlyElement element, PlyHeader* header) {
   const auto same_kind = [&element](const PlyElement& o) { return o.kind == element.kind; };
   if (element.kind != PlyElementKind::kOther &&
@@ -103,6 +116,8 @@ void addElement(const MeshText& text, PlyElement element, PlyHeader* header) {
   header->elements.push_back(std::move(element));
 }
 
+// Appends a property to an element. Each coordinate, and the list of indices, may be there only
+// once.
 void addProperty(const MeshText& text, const PlyProperty& property, PlyElement* element) {
   if (property.role != PlyRole::kIgnored && hasRole(*element, property.role)) {
     text.fail("element " + element->name + " has this property twice");
@@ -147,6 +162,7 @@ PlyHeader readPlyHeader(const std::string& path, std::string_view content) {
     } else if (keyword == "end_header") {
       if (!has_format) text.fail("the header has no 'format' line");
       for (const PlyElement& element : header.elements) requireRoles(text, element);
+      // The records begin after the line of "end_header", whatever else is on that line.
       const std::size_t line_end = content.find('\n', text.offset());
       header.size = line_end == std::string_view::npos ? content.size() : line_end + 1;
       header.line_count = text.line();

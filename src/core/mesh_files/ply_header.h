@@ -1,4 +1,7 @@
-// The header of a PLY file.
+// Reads the header of a PLY file, which lists the elements of the file and their properties. The
+// header is ascii text in binary files too. It ends with the line "end_header". Then the records of
+// all elements follow, in the order in which the header lists elements, and each record has its
+// numbers in the order of the element's properties.
 #pragma once
 
 #include <cstdint>
@@ -8,25 +11,30 @@
 
 namespace deformable_contact_monitor {
 
+// The encoding of the records.
 enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
 
+// The types of numbers. Each has two names in files, such as "uchar" and "uint8".
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
-// [bytes]
+// Returns the size of a number [bytes].
 std::size_t sizeOf(PlyType type);
 
-// What a mesh reader wants of a property.
+// The meaning of a property for a mesh reader.
 enum class PlyRole { kIgnored, kX, kY, kZ, kVertexIndices };
 
+// A property is one number, or a list of numbers, in each record of an element.
 struct PlyProperty {
-  PlyType type = PlyType::kFloat;        // of a list: of its items
-  PlyType count_type = PlyType::kUint8;  // of a list
+  PlyType type = PlyType::kFloat;        // of a list: the type of its items
+  PlyType count_type = PlyType::kUint8;  // of a list: the type of its length
   bool is_list = false;
   PlyRole role = PlyRole::kIgnored;
 };
 
+// Vertices and faces are read; records of other elements are skipped.
 enum class PlyElementKind { kVertex, kFace, kOther };
 
+// An element is a table of `count` records that all have the same properties.
 struct PlyElement {
   PlyElementKind kind = PlyElementKind::kOther;
   std::string name;
@@ -42,8 +50,9 @@ struct PlyHeader {
   std::size_t line_count = 0;  // lines of the header
 };
 
-// Throws std::runtime_error, "<path>:<line>: <what>", unless there is at most one vertex element,
-// with one scalar x, y and z each, and at most one face element, with one list of vertex indices.
+// Returns the header. Throws std::runtime_error, "<path>:<line>: <what>", unless there is at most
+// one vertex element, with one scalar x, y and z each, and at most one face element, with one list
+// of vertex indices.
 PlyHeader readPlyHeader(const std::string& path, std::string_view content);
 
 }  // namespace deformable_contact_monitor

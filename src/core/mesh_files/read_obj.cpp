@@ -1,4 +1,5 @@
-// Wavefront OBJ: vertices and faces. Other statements say nothing about triangles and are skipped.
+// Reads the vertices and faces of Wavefront OBJ files. Other statements do not describe triangles
+// and are skipped. Polygons become fans of triangles. Groups and objects are joined into one mesh.
 #include <charconv>
 #include <system_error>
 #include <utility>
@@ -9,8 +10,11 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// The largest index of a vertex that is accepted, counted from 1.
 constexpr std::int64_t kIndexLimit = std::int64_t{1} << 31;
 
+// Returns whether the text has only characters of indices and the slashes between them. The indices
+// of texture coordinates and normals are not used, so their values are not checked.
 bool isIndexList(const char* at, const char* end) {
   for (; at != end; ++at) {
     if ((*at < '0' || *at > '9') && *at != '/' && *at != '-') return false;
@@ -18,6 +22,7 @@ bool isIndexList(const char* at, const char* end) {
   return true;
 }
 
+// Reads one file. read() may be called once.
 class ObjReader {
  public:
   ObjReader(const std::string& path, std::string_view content)
@@ -42,11 +47,13 @@ class ObjReader {
   }
 
  private:
+  // Reads x, y and z. A weight or a colour may follow; it must be numbers, which are ignored.
   void readVertex() {
     for (int i = 0; i < 3; ++i) mesh_.vertices.push_back(text_.real("a coordinate"));
     while (!text_.atLineEnd()) text_.real("a weight or a colour");
   }
 
+  // Reads the corners of a face up to the end of the line.
   void readFace() {
     PolygonFan fan(&mesh_.triangles);
     while (!text_.atLineEnd()) fan.add(vertexIndex(text_.word()));
@@ -55,7 +62,8 @@ class ObjReader {
     }
   }
 
-  // From "v", "v/vt", "v//vn" or "v/vt/vn"; 1 is the first vertex, -1 the last one so far.
+  // Returns the vertex index of "v", "v/vt", "v//vn" or "v/vt/vn". In the file, 1 is the first
+  // vertex and -1 the last one so far.
   std::uint32_t vertexIndex(std::string_view word) {
     std::int64_t index = 0;
     const char* end = word.data() + word.size();

@@ -1,4 +1,7 @@
-// OFF and its variants with texture coordinates, colours and normals (STOFF, COFF, NOFF, CNOFF).
+// Reads ascii OFF files and their variants with texture coordinates, colours and normals (STOFF,
+// COFF, NOFF, CNOFF). The file has a keyword, the numbers of vertices, faces and edges, and then
+// one line for each vertex and each face. The additional values of the variants follow the
+// coordinates on the same line, so they are skipped with the rest of the line.
 #include <algorithm>
 
 #include "core/mesh_files/mesh_readers.h"
@@ -7,9 +10,12 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Counts must be below this, so that indices fit 31 bits.
 constexpr std::uint64_t kCountLimit = std::uint64_t{1} << 31;
 
-// No allocation before the counts are known to fit the file.
+// Throws if the counts do not fit the size of the file. It is called before memory is allocated.
+// `shortest_line` is the least number of bytes that one vertex or face takes: "0 0 0" or "3 0 0 0",
+// with a line end.
 void checkFits(const MeshText& text, std::uint64_t count, std::uint64_t shortest_line,
                const char* things) {
   if (count > text.remaining() / shortest_line + 1) {
@@ -18,6 +24,7 @@ void checkFits(const MeshText& text, std::uint64_t count, std::uint64_t shortest
   }
 }
 
+// Reads the keyword, which must be there. Other variants, such as 4OFF, are rejected.
 void readHeaderWord(MeshText& text) {
   const bool any = text.skipToWord();
   const std::string_view keyword = any ? text.word() : std::string_view();
@@ -35,7 +42,7 @@ TriangleMesh readOff(const std::string& path, std::string_view content) {
   if (!text.skipToWord()) text.failAt({}, "the number of vertices");
   const std::uint64_t vertex_count = text.count("the number of vertices", kCountLimit);
   const std::uint64_t face_count = text.count("the number of faces", kCountLimit);
-  // The number of edges, which nobody fills in, may be missing.
+  // The number of edges is not used, and many programs leave it out.
   if (!text.atLineEnd()) text.count("the number of edges", UINT64_MAX);
   if (!text.atLineEnd()) text.failAt(text.word(), "the end of the line");
 

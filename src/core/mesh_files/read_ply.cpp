@@ -1,4 +1,7 @@
-// PLY: vertices and faces of an ascii or binary file; other elements and properties are skipped.
+// Reads vertices and faces of an ascii or binary PLY file. Other elements and properties are
+// skipped. The header (ply_header.h) tells how the records are laid out. readElements() walks
+// through all records once. It is a template over the encoding: BinaryBody and AsciiBody have the
+// same functions.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -12,13 +15,14 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// A double beyond float's range must become infinity by the conversion.
+// Conversion of a double beyond the range of float must result in infinity.
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
 
+// Counts of records and lengths of lists must be below this, so that indices fit 31 bits.
 constexpr std::uint64_t kCountLimit = std::uint64_t{1} << 31;
 
-// The elements as bytes. AsciiBody below has the same functions.
+// Reads the elements of a binary file. AsciiBody below has the same functions.
 class BinaryBody {
  public:
   BinaryBody(const std::string& path, std::string_view content, const PlyHeader& header)
@@ -29,10 +33,11 @@ class BinaryBody {
 
   float real(PlyType type) { return static_cast<float>(number(type)); }
 
-  // In [0, limit).
+  // Returns an integer in [0, limit).
   std::uint64_t count(const char* what, PlyType type, std::uint64_t limit) {
     const double value = number(type);
     if (!(value >= 0 && value < static_cast<double>(limit)) || value != std::floor(value)) {
+      // The message shall name the byte at which the number begins.
       at_ -= sizeOf(type);
       fail(std::string(what) + " " + std::to_string(value) + " is out of range, must be in [0, " +
            std::to_string(limit) + ")");
@@ -40,18 +45,20 @@ class BinaryBody {
     return static_cast<std::uint64_t>(value);
   }
 
+  // Skips that many numbers. The product cannot overflow, because `times` is below 2^31.
   void skip(PlyType type, std::uint64_t times) {
     require(times * sizeOf(type));
     at_ += times * sizeOf(type);
   }
 
+  // Binary records follow one another without separators.
   void beginRecord() {}
   void endRecord() {}
   void end() {
     if (at_ != content_.size()) fail("more bytes than the header announces");
   }
 
-  // No record is shorter.
+  // Returns a size that no record of the element is below [bytes].
   static std::uint64_t shortestRecord(const PlyElement& element) {
     std::uint64_t size = 0;
     for (const PlyProperty& property : element.properties) {
@@ -66,10 +73,13 @@ class BinaryBody {
   }
 
  private:
+  // Throws if fewer bytes are left.
   void require(std::uint64_t size) const {
     if (size > remaining()) fail("the file ends amid its elements");
   }
 
+  // Copies a number out of the file, because it may be unaligned, and reverses the bytes of a
+  // big-endian number.
   template <typename T>
   T take() {
     require(sizeof(T));
@@ -82,7 +92,7 @@ class BinaryBody {
     return value;
   }
 
-  // Every type's values are doubles, so nothing is rounded here.
+  // The values of every PLY type are exact as double, so nothing is rounded here.
   double number(PlyType type) {
     switch (type) {
       case PlyType::kInt8:
@@ -110,7 +120,7 @@ class BinaryBody {
   bool swap_;
 };
 
-// The elements as text, one a line.
+// Reads the elements of an ascii file, one on each line.
 class AsciiBody {
  public:
   AsciiBody(const std::string& path, std::string_view content, const PlyHeader& header)
@@ -137,9 +147,11 @@ class AsciiBody {
   }
 
   static std::uint64_t shortestRecord(const PlyElement& element) {
-    return 2 * element.properties.size();  // a digit and a blank each
+    return 2 * element.properties.size();  // each has at least a digit and a blank
   }
-  std::uint64_t remaining() const { return text_.remaining() + 1; }  // the last blank may miss
+  std::uint64_t remaining() const {
+    return text_.remaining() + 1;
+  }  // the last blank may be missing
 
   [[noreturn]] void fail(const std::string& what) const { text_.fail(what); }
 
@@ -186,7 +198,7 @@ template <typename Body>
 TriangleMesh readElements(Body body, const PlyHeader& header) {
   TriangleMesh mesh;
   for (const PlyElement& element : header.elements) {
-    // Before anything is allocated, or looped over, for a count that may be a lie.
+    // Checks the count against the size of the file before memory is allocated for it.
     const auto shortest = std::max<std::uint64_t>(1, Body::shortestRecord(element));
     if (element.count > body.remaining() / shortest) {
       body.fail(std::to_string(element.count) + " elements " + element.name +

@@ -1,4 +1,7 @@
-// STL, binary and ascii. Three vertices of its own for every facet, in file order.
+// Reads binary and ascii STL files. Every facet gets three vertices of its own, in file order. A
+// binary file has 80 bytes of any text, the number of facets, and then the facets. An ascii file
+// has one or more solids, each a list of facets. The normals in the file are ignored, because the
+// order of a facet's vertices tells which side is outside.
 #include <cstring>
 #include <stdexcept>
 
@@ -10,15 +13,17 @@ namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "binary STL is little-endian");
 
-constexpr std::size_t kHeaderSize = 84;  // of it, 80 bytes of text
-constexpr std::size_t kFacetSize = 50;   // normal, three vertices, two more bytes
+constexpr std::size_t kHeaderSize = 84;  // 80 bytes of text and a count [bytes]
+constexpr std::size_t kFacetSize = 50;   // normal, three vertices and two more bytes [bytes]
 
+// Returns the number of facets that the header announces. The content must be as long as a header.
 std::size_t binaryFacetCount(std::string_view content) {
   std::uint32_t count = 0;
   std::memcpy(&count, content.data() + kHeaderSize - sizeof count, sizeof count);
   return count;
 }
 
+// The content must have exactly the size that its header announces.
 TriangleMesh readBinary(std::string_view content) {
   const std::size_t count = binaryFacetCount(content);
   TriangleMesh mesh;
@@ -34,14 +39,16 @@ TriangleMesh readBinary(std::string_view content) {
   return mesh;
 }
 
+// Reads the next word, on any line, and throws if it is not the keyword.
 void expect(MeshText& text, const char* keyword) {
   const std::string_view word = text.wordOnAnyLine();
   if (!equalIgnoringCase(word, keyword)) text.failAt(word, quoted(keyword));
 }
 
+// Reads a facet whose keyword "facet" was just read.
 void readFacet(MeshText& text, TriangleMesh* mesh) {
   expect(text, "normal");
-  for (int i = 0; i < 3; ++i) text.wordOnAnyLine();  // whatever it says, the vertices decide
+  for (int i = 0; i < 3; ++i) text.wordOnAnyLine();  // the normal in the file is ignored
   expect(text, "outer");
   expect(text, "loop");
   for (int v = 0; v < 3; ++v) {
@@ -53,7 +60,7 @@ void readFacet(MeshText& text, TriangleMesh* mesh) {
   expect(text, "endfacet");
 }
 
-// One solid after the other, each with a name up to the end of its line.
+// Reads one solid after the other. The name of a solid goes to the end of its line.
 TriangleMesh readAscii(const std::string& path, std::string_view content) {
   MeshText text(path, content, MeshTextRules{});
   TriangleMesh mesh;
@@ -69,6 +76,8 @@ TriangleMesh readAscii(const std::string& path, std::string_view content) {
   return mesh;
 }
 
+// Returns whether the file begins like an ascii file. Text has no NUL, but a binary header mostly
+// does.
 bool beginsAscii(const std::string& path, std::string_view content) {
   const std::string_view start = content.substr(0, kHeaderSize);
   const std::string_view word = MeshText(path, start, MeshTextRules{}).wordOnAnyLine();

@@ -1,4 +1,5 @@
-// Axis-aligned bounding boxes of float32 points; closed, and never rounded inwards.
+// Axis-aligned bounding boxes of float32 points [m]. They are closed, and never rounded inwards:
+// whatever a box was made of lies inside it.
 #pragma once
 
 #include <cfloat>
@@ -10,7 +11,7 @@
 
 namespace deformable_contact_monitor {
 
-// Empty as constructed: intersects nothing.
+// A closed box. A new one is empty and intersects nothing.
 struct Aabb {
   Vec3f min{INFINITY, INFINITY, INFINITY};
   Vec3f max{-INFINITY, -INFINITY, -INFINITY};
@@ -26,12 +27,14 @@ struct Aabb {
   DCM_HD bool empty() const { return !(min.x <= max.x); }
 };
 
-// Touching counts. Single & on purpose: the comparisons are cheaper than branches.
+// Returns whether two boxes intersect; touching counts. It uses & instead of && because the
+// comparisons are cheaper than branches.
 DCM_HD inline bool intersects(const Aabb& a, const Aabb& b) {
   return (a.min.x <= b.max.x) & (b.min.x <= a.max.x) & (a.min.y <= b.max.y) & (b.min.y <= a.max.y) &
          (a.min.z <= b.max.z) & (b.min.z <= a.max.z);
 }
 
+// Returns the smallest box of a triangle.
 DCM_HD inline Aabb boxOf(const Triangle& t) {
   Aabb box{t.v[0], t.v[0]};
   box.include(t.v[1]);
@@ -39,8 +42,8 @@ DCM_HD inline Aabb boxOf(const Triangle& t) {
   return box;
 }
 
-// The box grown by `distance` >= 0 in every direction, rounded outwards; 0 leaves it untouched. It
-// ends at the largest float32: no vertex lies beyond.
+// Returns the box grown by `distance` >= 0 [m] in every direction, rounded outwards; 0 leaves it
+// unchanged. It ends at the largest float32, beyond which no vertex lies.
 DCM_HD inline Aabb inflated(const Aabb& box, float distance) {
   if (distance == 0) return box;
   const auto down = [distance](float x) {
@@ -53,7 +56,7 @@ DCM_HD inline Aabb inflated(const Aabb& box, float distance) {
           {up(box.max.x), up(box.max.y), up(box.max.z)}};
 }
 
-// Whether high - low > distance, in real numbers.
+// Returns whether high - low > distance in real numbers, although the difference is rounded.
 DCM_HD inline bool exceeds(float high, float low, float distance) {
   const double gap = static_cast<double>(high) - low;
   if (gap != distance) return gap > distance;
@@ -61,15 +64,15 @@ DCM_HD inline bool exceeds(float high, float low, float distance) {
   return (high - (gap + part)) + (part - low) > 0;
 }
 
-// Whether the boxes are more than `distance` apart along some axis, in real numbers. If they are
-// not, either of them, inflated by it, meets the other.
+// Returns whether the boxes are more than `distance` apart along some axis, in real numbers. If
+// they are not, each of them, inflated by `distance`, meets the other.
 DCM_HD inline bool areApart(const Aabb& a, const Aabb& b, float distance) {
   return exceeds(b.min.x, a.max.x, distance) || exceeds(a.min.x, b.max.x, distance) ||
          exceeds(b.min.y, a.max.y, distance) || exceeds(a.min.y, b.max.y, distance) ||
          exceeds(b.min.z, a.max.z, distance) || exceeds(a.min.z, b.max.z, distance);
 }
 
-// Of two boxes, in double; 0 where they intersect.
+// Returns the squared distance of two boxes [m^2], in double; 0 if they intersect.
 DCM_HD inline double squaredGap(const Aabb& a, const Aabb& b) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,8 @@
-// Triangles of one body that share vertices: what counts as a contact between them.
+// Defines what counts as a contact between triangles of one body that share vertices.
+//
+// Such triangles always touch. They are in contact if they also meet beyond the convex hull of the
+// shared vertices: for two triangles on a common edge, if they are folded onto each other; for two
+// on a common vertex, if they meet at another point.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +12,15 @@
 
 namespace deformable_contact_monitor {
 
-// Which vertices two triangles have in common.
+// Tells which vertices two triangles have in common.
 struct SharedVertices {
   bool in_a[3] = {false, false, false};
   bool in_b[3] = {false, false, false};
   bool any = false;
 };
 
-// By equality of coordinates as received, so that soups behave like welded meshes.
+// Finds the shared vertices by equal coordinates as received, so that a polygon soup behaves like a
+// welded mesh.
 DCM_HD inline SharedVertices sharedVertices(const Triangle& a, const Triangle& b) {
   SharedVertices shared;
   for (int i = 0; i < 3; ++i) {
@@ -26,7 +31,7 @@ DCM_HD inline SharedVertices sharedVertices(const Triangle& a, const Triangle& b
   return shared;
 }
 
-// One bit for each of a's three vertices that is also one of b's, by the vertices' identities.
+// Returns one bit for each of a's three vertices that is also one of b's, by their ids.
 DCM_HD inline std::uint32_t sharedBits(const std::uint32_t a[3], const std::uint32_t b[3]) {
   std::uint32_t bits = 0;
   for (int i = 0; i < 3; ++i) {
@@ -35,7 +40,7 @@ DCM_HD inline std::uint32_t sharedBits(const std::uint32_t a[3], const std::uint
   return bits;
 }
 
-// From sharedBits(a, b) and sharedBits(b, a).
+// Makes SharedVertices from sharedBits(a, b) and sharedBits(b, a).
 DCM_HD inline SharedVertices sharedByBits(std::uint32_t bits_a, std::uint32_t bits_b) {
   SharedVertices shared;
   for (int i = 0; i < 3; ++i) {
@@ -48,11 +53,11 @@ DCM_HD inline SharedVertices sharedByBits(std::uint32_t bits_a, std::uint32_t bi
 
 namespace detail {
 
-// The triangle (p, x[0], x[1]) as one piece whose edge opposite to p is (x[0], x[1]) and does not
-// contain p, or, if it is degenerate, as the segments from p to x[0] and to x[1].
-template <class Hull, class Point>
+// The triangle (p, x[0], x[1]) as one piece, whose edge opposite to p is (x[0], x[1]) and does not
+// contain p. A degenerate one is made of two pieces, the segments from p to x[0] and to x[1].
+template <class TriangleType, class Point>
 struct Fan {
-  Hull piece[2];
+  TriangleType piece[2];
   int count = 0;
 
   DCM_HD Fan(const Point& p, const Point x[2], int x_count, PredicateState& state) {
@@ -66,8 +71,9 @@ struct Fan {
   }
 };
 
-// Coplanar triangles pab and pcd with area along `axis`: they meet beyond p iff their angles at p
-// do, that is, iff an edge from p of one lies in the other's angle. Common in flat meshes.
+// Decides for coplanar triangles pab and pcd with area along `axis`. They meet beyond p iff their
+// angles at p overlap, that is, iff an edge that leaves p in one of them lies in the angle of the
+// other. This is common in flat meshes.
 template <class Point>
 DCM_HD inline bool anglesMeet(const Point& p, const Point a[2], const Point b[2], int axis,
                               PredicateState& state) {
@@ -84,9 +90,11 @@ DCM_HD inline bool anglesMeet(const Point& p, const Point a[2], const Point b[2]
   return false;
 }
 
-// A convex set with p that meets another one with p elsewhere too reaches, along that ray, the edge
-// opposite to p in one of the two pieces while it is still in the other.
-template <class Hull, class Point>
+// Decides for two triangles that share only p. If two convex sets that contain p meet at another
+// point, they share a segment that leaves p. Along its ray, the edge opposite to p of one piece is
+// reached while the ray is still in the other piece. So testing these edges against the other
+// pieces is enough.
+template <class TriangleType, class Point>
 DCM_HD inline bool meetBeyondPoint(const Point& p, const Point a[2], int a_count, const Point b[2],
                                    int b_count, PredicateState& state) {
   if (a_count == 2 && b_count == 2) {
@@ -96,11 +104,11 @@ DCM_HD inline bool meetBeyondPoint(const Point& p, const Point a[2], int a_count
       return anglesMeet(p, a, b, axis, state);
     }
   }
-  const Fan<Hull, Point> fan_a(p, a, a_count, state), fan_b(p, b, b_count, state);
+  const Fan<TriangleType, Point> fan_a(p, a, a_count, state), fan_b(p, b, b_count, state);
   for (int i = 0; i < fan_a.count; ++i) {
     for (int j = 0; j < fan_b.count; ++j) {
-      const Hull& s = fan_a.piece[i];
-      const Hull& t = fan_b.piece[j];
+      const TriangleType& s = fan_a.piece[i];
+      const TriangleType& t = fan_b.piece[j];
       if (segmentIntersectsTriangle(s.v[1], s.v[2], t, state) ||
           segmentIntersectsTriangle(t.v[1], t.v[2], s, state)) {
         return true;
@@ -110,15 +118,17 @@ DCM_HD inline bool meetBeyondPoint(const Point& p, const Point a[2], int a_count
   return false;
 }
 
-// For a collinear with the segment pq: 0 if it lies on it, else -1 (beyond p) or 1 (beyond q).
+// For a point a on the line pq: returns 0 if it lies on the segment pq, -1 if it lies beyond p, 1
+// if beyond q.
 template <class Point>
 DCM_HD inline int beyondEnd(const Point& p, const Point& q, const Point& a) {
   if (inBox(a, p, q)) return 0;
   return inBox(p, a, q) ? -1 : 1;
 }
 
-// Triangles pqa and pqb meet beyond pq iff they are folded onto each other: coplanar with a and b
-// on one side of pq. Degenerate ones, iff they stick out of pq at the same end.
+// Decides for triangles pqa and pqb. They meet beyond pq iff they are folded onto each other:
+// coplanar, with a and b on the same side of pq. Degenerate ones do iff they stick out of pq at the
+// same end.
 template <class Point>
 DCM_HD inline bool meetBeyondEdge(const Point& p, const Point& q, const Point& a, const Point& b,
                                   PredicateState& state) {
@@ -134,7 +144,8 @@ DCM_HD inline bool meetBeyondEdge(const Point& p, const Point& q, const Point& a
   const int side_a = orient2d(p, q, a, axis, state);
   const int side_b = orient2d(p, q, b, axis, state);
   if (side_a * side_b < 0) return false;  // coplanar or not, they only share pq
-  // With side_b == 0 they are coplanar only if b is on the line pq: then pqb is in that line.
+  // With side_b == 0 they are coplanar only if b lies on the line pq; then pqb is part of that
+  // line.
   if (side_b == 0 && !state.undecided) return false;
   return orient3d(p, q, a, b, state) == 0;
 }
@@ -144,9 +155,9 @@ DCM_HD inline bool meetBeyondEdge(const Point& p, const Point& q, const Point& a
 // Do two triangles of one body that share vertices meet anywhere beyond the convex hull of the
 // distinct shared points? `a` and `b` are posed. In conservative mode an undecided sign makes it
 // true. Triangles, or others as in segment_intersection.h.
-template <class Hull>
-DCM_HD inline bool meetBeyondShared(const Hull& a, const Hull& b, const SharedVertices& shared,
-                                    PredicateState& state) {
+template <class TriangleType>
+DCM_HD inline bool meetBeyondShared(const TriangleType& a, const TriangleType& b,
+                                    const SharedVertices& shared, PredicateState& state) {
   using Point = std::decay_t<decltype(a.v[0])>;
   Point common[3], rest_a[3], rest_b[3];
   int common_count = 0, a_count = 0, b_count = 0;
@@ -161,10 +172,10 @@ DCM_HD inline bool meetBeyondShared(const Hull& a, const Hull& b, const SharedVe
     if (!known) common[common_count++] = a.v[i];
   }
   if (a_count == 0 || b_count == 0) return false;  // one of them is the hull of the shared points
-  const bool meet =
-      common_count == 1
-          ? detail::meetBeyondPoint<Hull>(common[0], rest_a, a_count, rest_b, b_count, state)
-          : detail::meetBeyondEdge(common[0], common[1], rest_a[0], rest_b[0], state);
+  const bool meet = common_count == 1
+                        ? detail::meetBeyondPoint<TriangleType>(common[0], rest_a, a_count, rest_b,
+                                                                b_count, state)
+                        : detail::meetBeyondEdge(common[0], common[1], rest_a[0], rest_b[0], state);
   return meet || state.undecided;
 }
 

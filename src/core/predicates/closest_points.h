@@ -1,28 +1,28 @@
-// The closest points of triangles that do not intersect: the features that triangle_distance.h
-// measures between, as points.
+// Constructs the closest points of two triangles that do not intersect. It goes through the same
+// features as triangle_distance.h, but keeps the points of the nearest one.
 #pragma once
 
 #include <cmath>
 
 #include "core/host_device.h"
-#include "core/predicates/edge_crossing.h"
+#include "core/predicates/intersection_segment.h"
 #include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
-// On their triangles, and as far apart as these are, but for a part in 2^22 of the points' largest
-// coordinate, rounding to float32 included, and a part in 2^24 of the smaller triangle's longest
-// edge. The direction is right to 2^-13 [rad]: so much it may turn where the distance hardly
-// changes.
+// The closest points of a and b. Each lies on its triangle, and their distance is that of the
+// triangles, up to 2^-22 of the points' largest coordinate, rounding to float32 included, and 2^-24
+// of the smaller triangle's longest edge. The direction is right to 2^-13 rad, an angle by which it
+// may turn where the distance hardly changes.
 struct ClosestPoints {
   Vec3f on_a, on_b;
   Vec3d direction;      // from a to b, a unit vector
-  double distance = 0;  // [m]; as separation() says
+  double distance = 0;  // [m]; equals separation()
 };
 
 namespace detail {
 
-// The nearest feature so far, of a first triangle and a second.
+// The nearest pair of features so far, of a first and a second triangle.
 struct NearestFeature {
   double squared = INFINITY;
   Vec3d on_first;
@@ -31,8 +31,9 @@ struct NearestFeature {
   DCM_HD Vec3d across() const {
     return direction * (sqrt(squared) / sqrt(dot(direction, direction)));
   }
-  // A point of one of the two, the other's lies `way` from it, times any positive number; `sign`
-  // is 1 if it is the first's.
+  // Takes a pair of features: `point` lies on one of them, and the closest point of the other one
+  // lies from it in the direction `way`, which has any length. `sign` is 1 if `point` is on the
+  // first triangle, else -1.
   DCM_HD void take(double squared_distance, const Vec3d& point, const Vec3d& way, double sign) {
     squared = squared_distance;
     direction = way * sign;
@@ -40,7 +41,7 @@ struct NearestFeature {
   }
 };
 
-// Of p to the segment from q to r; `area` is (q - p) x (r - q).
+// Tries the point p with the segment from q to r; `area` is (q - p) x (r - q).
 DCM_HD inline void tryPointAndSegment(const Vec3f& p, const Vec3f& q, const Vec3f& r,
                                       const Vec3d& area, double sign, NearestFeature& nearest) {
   const double squared = squaredToSegment(p, q, r, area);
@@ -56,8 +57,8 @@ DCM_HD inline void tryPointAndSegment(const Vec3f& p, const Vec3f& q, const Vec3
   nearest.take(squared, toDouble(p), way, sign);
 }
 
-// Vertices of `t` with edges and the face of `u`, as squaredVertexDistance(). `sign`: 1 if t is
-// the first triangle.
+// Tries the vertices of `t` with the edges and the face of `u`, as squaredVertexDistance() does.
+// `sign` is 1 if t is the first triangle.
 DCM_HD inline void tryVertices(const Triangle& t, const Triangle& u, const VertexEdgeAreas& areas,
                                double sign, NearestFeature& nearest) {
   const Vec3d normal = crossOf(u.v[0], u.v[1], u.v[1], u.v[2]);
@@ -79,8 +80,8 @@ DCM_HD inline void tryVertices(const Triangle& t, const Triangle& u, const Verte
   }
 }
 
-// A point of the edge from p to q, and how far it is from the nearer end: what its error is a part
-// of.
+// A point of the edge from p to q, given by the sizes of a linear function at both ends. `reach` is
+// its distance from the nearer end: the point's error is a fraction of it.
 struct EdgePoint {
   Vec3d point;
   double reach;
@@ -96,7 +97,7 @@ struct EdgePoint {
   }
 };
 
-// Edges of both, as squaredEdgeDistance().
+// Tries the edges of both, as squaredEdgeDistance() does.
 DCM_HD inline void tryEdges(const Triangle& a, const Triangle& b, const VertexEdgeAreas& a_areas,
                             const VertexEdgeAreas& b_areas, NearestFeature& nearest) {
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
@@ -125,7 +126,8 @@ DCM_HD inline void tryEdges(const Triangle& a, const Triangle& b, const VertexEd
 
 }  // namespace detail
 
-// Of a and b in an order of the caller's own: in another one, rounding may differ.
+// Returns the closest points. The caller chooses the order of a and b: another order may round
+// differently.
 DCM_HD DCM_RARE inline ClosestPoints closestPoints(const Triangle& a, const Triangle& b) {
   const detail::VertexEdgeAreas a_areas(a, b), b_areas(b, a);
   detail::NearestFeature nearest;

@@ -1,6 +1,8 @@
-// Signs of determinants by integers: exact where the coordinates' sizes are not too far apart,
-// which is nearly always, and much faster than sums of doubles there. Device code has integers of
-// 128 bits from CUDA 11.5 on; below, it takes the sums.
+// Exact signs of determinants by 128-bit and 192-bit integers.
+//
+// They apply where the coordinates' exponents do not differ by more than 37, which is nearly always
+// the case, and are much faster there than exact sums of doubles. Device code has 128-bit integers
+// from CUDA 11.5 on; with older compilers it uses the sums.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +21,8 @@ namespace deformable_contact_monitor {
 
 __extension__ using Int128 = __int128;
 
-// Multiples of a common power of two; all are less than 2^61. False if the coordinates' exponents
-// differ by too much for that; they must be finite.
+// Writes finite coordinates as multiples of a common power of two; all are less than 2^61. Returns
+// false if the exponents differ by too much for that.
 template <int N>
 DCM_HD inline bool toIntegers(const float (&x)[N], std::int64_t (&integer)[N]) {
   constexpr int kMostShift = 37;  // of a mantissa of 24 bits
@@ -44,12 +46,12 @@ DCM_HD inline bool toIntegers(const float (&x)[N], std::int64_t (&integer)[N]) {
   return true;
 }
 
-// high * 2^64 + low.
+// An integer of 192 bits: high * 2^64 + low.
 struct Int192 {
   Int128 high = 0;
   std::uint64_t low = 0;
 
-  // |x| < 2^126, |y| < 2^62.
+  // Adds x * y; |x| < 2^126 and |y| < 2^62.
   DCM_HD void addProduct(Int128 x, std::int64_t y) {
     const auto x_high = static_cast<std::int64_t>(x >> 64);
     const Int128 part = static_cast<Int128>(static_cast<std::uint64_t>(x)) * y;
@@ -63,7 +65,7 @@ struct Int192 {
   }
 };
 
-// Sign of det[u; v; w], |each number| < 2^62.
+// Returns the sign of det[u; v; w]; each number is less than 2^62 in size.
 DCM_HD inline int determinantSign(const std::int64_t u[3], const std::int64_t v[3],
                                   const std::int64_t w[3]) {
   Int192 sum;
@@ -73,7 +75,7 @@ DCM_HD inline int determinantSign(const std::int64_t u[3], const std::int64_t v[
   return sum.sign();
 }
 
-// Sign of det[u; v], |each number| < 2^62.
+// Returns the sign of det[u; v]; each number is less than 2^62 in size.
 DCM_HD inline int determinantSign2(std::int64_t ux, std::int64_t uy, std::int64_t vx,
                                    std::int64_t vy) {
   const Int128 left = static_cast<Int128>(ux) * vy, right = static_cast<Int128>(uy) * vx;

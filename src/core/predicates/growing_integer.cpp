@@ -30,6 +30,7 @@ GrowingInteger GrowingInteger::operator-() const {
   return result;
 }
 
+// Compares absolute values.
 int GrowingInteger::compareSizes(const GrowingInteger& a, const GrowingInteger& b) {
   if (a.size_ != b.size_) return a.size_ < b.size_ ? -1 : 1;
   for (int i = a.size_ - 1; i >= 0; --i) {
@@ -38,6 +39,7 @@ int GrowingInteger::compareSizes(const GrowingInteger& a, const GrowingInteger& 
   return 0;
 }
 
+// Returns |a| + |b|.
 GrowingInteger GrowingInteger::sumOfSizes(const GrowingInteger& a, const GrowingInteger& b) {
   const GrowingInteger &longer = a.size_ < b.size_ ? b : a, &shorter = a.size_ < b.size_ ? a : b;
   GrowingInteger result;
@@ -54,7 +56,7 @@ GrowingInteger GrowingInteger::sumOfSizes(const GrowingInteger& a, const Growing
   return result;
 }
 
-// For |a| >= |b|.
+// Returns |a| - |b|, for |a| >= |b|.
 GrowingInteger GrowingInteger::differenceOfSizes(const GrowingInteger& a, const GrowingInteger& b) {
   GrowingInteger result;
   std::uint64_t* const out = result.resized(a.size_);

@@ -1,4 +1,5 @@
-// Integers of any size, for what fixed ones do not hold. Host only; thread-compatible.
+// Integers of any size, for values that do not fit into fixed ones. Host only. Different threads
+// may use different objects.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +19,12 @@ class GrowingInteger {
   GrowingInteger operator*(const GrowingInteger& other) const;
   GrowingInteger operator<<(int bits) const;  // times 2^bits, bits >= 0
 
-  // floor(this / 2^bits), for a result that is not negative and less than 2^63.
+  // Returns floor(this / 2^bits), for a result that is not negative and less than 2^63.
   std::int64_t floored(int bits) const;
 
  private:
-  // Words of the size, least first, the last one not zero. Small ones stay in few_.
+  // The words of the absolute value, least significant first; the last one is not zero. Small
+  // values stay in few_.
   static constexpr int kFew = 8;
   std::uint64_t* resized(int size);
   const std::uint64_t* words() const { return many_.empty() ? few_ : many_.data(); }
@@ -32,7 +34,7 @@ class GrowingInteger {
   static GrowingInteger differenceOfSizes(const GrowingInteger& a, const GrowingInteger& b);
 
   std::uint64_t few_[kFew] = {};
-  std::vector<std::uint64_t> many_;  // instead of few_ unless it is empty
+  std::vector<std::uint64_t> many_;  // used instead of few_ unless it is empty
   int size_ = 0;
   bool negative_ = false;
 };

@@ -1,24 +1,81 @@
-// Where two triangles intersect: the ends of their common segment.
+// Constructs where two triangles intersect: the ends of their common segment.
 //
-// Which edges and vertices make the ends, exact signs decide; then the ends' coordinates are
-// constructed.
+// Exact signs decide which edges and vertices make the ends; then coordinates are computed. A point
+// of an edge is where a linear function, known at both ends, is zero. Its coordinates are quotients
+// of determinants in double; where too much would cancel, as for an edge that reaches from -1e30 to
+// 1e30, their numerators are summed exactly.
 #pragma once
 
-#include "core/predicates/edge_crossing.h"
+#include <cfloat>
+#include <cmath>
+
+#include "core/host_device.h"
+#include "core/predicates/orientation.h"
 #include "core/predicates/segment_intersection.h"
 #include "core/predicates/triangle.h"
+#include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
-// Equal if the triangles touch at a point. Ends lie on both triangles, but for less than 2^-22 of
-// their largest coordinate, rounding to float32 included (and for 2^-148 where that is subnormal);
-// an end that is a vertex is that vertex.
+// Rounds to float32. The result is never infinite: a number that would round beyond the largest
+// float32 becomes the largest float32.
+DCM_HD inline Vec3f nearestFloats(const Vec3d& v) {
+  const auto nearest = [](double x) {
+    return static_cast<float>(least<double>(most<double>(x, -FLT_MAX), FLT_MAX));
+  };
+  return {nearest(v.x), nearest(v.y), nearest(v.z)};
+}
+
+DCM_HD inline double largestCoordinate(const Vec3d& v) {
+  return most(fabs(v.x), most(fabs(v.y), fabs(v.z)));
+}
+
+namespace detail {
+
+// Returns the zero of a linear function with the given values at p and q, each coordinate right to
+// 2^-50 of itself.
+template <int N>
+DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q,
+                                              const Expansion<N>& at_p, const Expansion<N>& at_q) {
+  const double divisor = at_q.value() - at_p.value();  // their signs differ
+  double x[3];
+  DCM_ROLLED for (int k = 0; k < 3; ++k) {
+    Expansion<4 * N> sum;
+    sum.addMultiple(at_q, p[k]);
+    sum.addMultiple(at_p, -static_cast<double>(q[k]));
+    x[k] = sum.value() / divisor;
+  }
+  return {x[0], x[1], x[2]};
+}
+
+}  // namespace detail
+
+// Returns the zero of a linear function whose values at p and q, right to 2^-29 of themselves, have
+// different signs. `exact(v)` returns its value at v as an expansion. The result is off by less
+// than 2^-23 of its largest coordinate.
+template <class Exact>
+DCM_HD inline Vec3d zeroBetween(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
+                                const Exact& exact) {
+  constexpr double kMostOffset = 16;  // in largest coordinates of the point
+  const bool from_p = fabs(at_p) <= fabs(at_q);
+  const Vec3f &base = from_p ? p : q, &other = from_p ? q : p;
+  const double share = (from_p ? at_p : at_q) / (from_p ? at_p - at_q : at_q - at_p);
+  const Vec3d offset = (toDouble(other) - toDouble(base)) * share;
+  const Vec3d point = toDouble(base) + offset;
+  if (largestCoordinate(offset) <= kMostOffset * largestCoordinate(point)) return point;
+  return detail::exactZeroBetween(p, q, exact(p), exact(q));
+}
+
+// The common segment of two triangles; both ends are equal if they touch at a point. The ends lie
+// on both triangles up to 2^-22 of their largest coordinate, rounding to float32 included (and up
+// to 2^-148 where that is subnormal). An end that is a vertex is exactly that vertex.
 struct CommonSegment {
   Vec3f from, to;
 };
 
-// How far the vertices of each of two triangles are above the other's plane, in units of its
-// normal; right to a part in 2^29 and in the sign. Zeros where the other has no area.
+// Heights of the vertices of each of two triangles above the other's plane, in units of its normal;
+// right to 2^-29 of themselves, and in the sign. They are zero where the other triangle has no
+// area.
 struct Heights {
   double of_a[3], of_b[3];
 
@@ -34,8 +91,8 @@ namespace detail {
 
 DCM_HD inline bool allZero(const double x[3]) { return x[0] == 0 && x[1] == 0 && x[2] == 0; }
 
-// An edge that crosses or touches a plane, from where it is below it or on it to where it is above
-// it or on it; not both ends are on it.
+// An edge that crosses or touches a plane. It goes from the end that is below the plane or on it to
+// the end that is above it or on it; not both ends are on it.
 struct Crossing {
   Vec3f low, high;
   double at_low, at_high;
@@ -43,14 +100,15 @@ struct Crossing {
   DCM_HD bool isVertex() const { return at_low == 0 || at_high == 0; }
 };
 
-// The crossings of a triangle with a plane: from the right to the left of one who stands on the
-// triangle, its normal up, and looks to where the plane's normal points.
+// The two crossings of a triangle's edges with a plane. Seen by someone who stands on the triangle,
+// its normal up, and looks in the direction of the plane's normal, one is on the right and one on
+// the left.
 struct Span {
   Crossing right, left;
 };
 
-// `side`: heights of t's vertices above the plane; not all zero. False: no vertex is on it or
-// beyond.
+// Finds the span of t. `side` has the heights of t's vertices above the plane; not all are zero.
+// Returns false if all vertices are strictly on one side.
 DCM_HD inline bool spanOf(const Triangle& t, const double side[3], Span& span) {
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1, k = j == 2 ? 0 : j + 1;
@@ -67,8 +125,8 @@ DCM_HD inline bool spanOf(const Triangle& t, const double side[3], Span& span) {
   return false;
 }
 
-// Of a crossing of a with b's plane and one of b with a's: 1 if b's is farther along the product of
-// the normals of a and b, 0 if they are one point.
+// Compares a crossing of a with b's plane and a crossing of b with a's plane. Returns 1 if b's is
+// farther along the product of the normals of a and b, 0 if they are the same point.
 DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b, PredicateState& state) {
   return orient3d(of_a.low, of_a.high, of_b.low, of_b.high, state);
 }
@@ -82,12 +140,13 @@ DCM_HD DCM_RARE inline Vec3f pointOf(const Crossing& crossing, const Triangle& p
                                    }));
 }
 
-// Both have area, in different planes. False: they do not intersect.
+// Finds the segment of two triangles with area in different planes. Returns false if they do not
+// intersect.
 DCM_HD inline bool segmentAcrossPlanes(const Triangle& a, const Triangle& b, const Heights& heights,
                                        CommonSegment& segment) {
   Span of_a, of_b;
   if (!spanOf(a, heights.of_a, of_a) || !spanOf(b, heights.of_b, of_b)) return false;
-  // Along the product of the normals, a's begins on its right, b's on its left.
+  // Along the product of the normals, the span of a begins on its right, that of b on its left.
   PredicateState state;
   const int a_then_b = orderOf(of_a.right, of_b.right, state);
   const int b_then_a = orderOf(of_a.left, of_b.left, state);
@@ -108,8 +167,8 @@ DCM_HD inline bool segmentAcrossPlanes(const Triangle& a, const Triangle& b, con
   return true;
 }
 
-// t has area; `line` is a segment or a point that is not in its plane. False: they do not
-// intersect.
+// Finds the point of a triangle t with area and a segment or point `line` that is not in its plane.
+// Returns false if they do not intersect.
 DCM_HD DCM_RARE inline bool pointAcrossPlane(const Triangle& t, const Triangle& line,
                                              const double side[3], CommonSegment& segment) {
   PredicateState state;
@@ -125,7 +184,7 @@ DCM_HD DCM_RARE inline bool pointAcrossPlane(const Triangle& t, const Triangle& 
   return true;
 }
 
-// det[b - a; c - a] of the points' projections along `axis`.
+// Returns det[b - a; c - a] of the points' projections along `axis`, exactly.
 DCM_HD DCM_RARE inline Expansion<6> expandedOrient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                                      int axis) {
   float ax, ay, bx, by, cx, cy;
@@ -142,7 +201,7 @@ DCM_HD DCM_RARE inline Expansion<6> expandedOrient2d(const Vec3f& a, const Vec3f
   return sum;
 }
 
-// The farthest two of the points that were added.
+// Keeps the two of the added points that are farthest apart.
 struct FarthestPair {
   static constexpr int kMost = 15;  // six vertices, and nine crossings of edges
   Vec3f point[kMost];
@@ -162,7 +221,7 @@ struct FarthestPair {
   }
 };
 
-// Adds the vertices of t that are in u, in the same plane.
+// Adds the vertices of t that lie in u, which is in the same plane.
 DCM_HD DCM_RARE inline void addVerticesWithin(const Triangle& t, const Triangle& u, int axis,
                                               FarthestPair& points) {
   PredicateState state;
@@ -175,7 +234,7 @@ DCM_HD DCM_RARE inline void addVerticesWithin(const Triangle& t, const Triangle&
   }
 }
 
-// Adds the points at which edges of a and b, in one plane, cross at inner points of both.
+// Adds the points at which edges of a and b, all in one plane, cross at inner points of both.
 DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int axis,
                                     FarthestPair& points) {
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
@@ -193,8 +252,8 @@ DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int ax
   }
 }
 
-// Of triangles in one plane, which projects along `axis` to a plane, or in one line (axis < 0): the
-// longest chord. False: they do not intersect.
+// Finds the longest chord of the overlap of two triangles in one plane, which has area along
+// `axis`, or on one line (axis < 0). Returns false if they do not intersect.
 DCM_HD DCM_RARE inline bool longestChord(const Triangle& a, const Triangle& b, int axis,
                                          CommonSegment& segment) {
   FarthestPair points;

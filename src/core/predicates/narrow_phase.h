@@ -1,22 +1,29 @@
-// From a pair of triangles to its verdict: which pairs are candidates, and which of them contacts.
+// The narrow phase: decides which pairs of triangles are candidates, and which candidates are
+// contacts.
+//
+// A pair goes through tests from cheap to expensive: float32 plane filters (isCandidate), float32
+// determinants with an error bound (certainVerdict), double with an error bound (quickVerdict),
+// exact arithmetic (fullVerdict), and, if a margin applies, the distance (nearVerdict). Backends
+// call these parts at different places, but all get the same verdict.
 #pragma once
 
 #include "core/predicates/aabb.h"
 #include "core/predicates/adjacency.h"
-#include "core/predicates/plane_filter.h"
-#include "core/predicates/projection_filter.h"
+#include "core/predicates/float32_filters.h"
 #include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
+// The decision on a pair.
 struct Verdict {
   bool contact = false;
   float separation_m = 0;  // 0: they intersect
 };
 
-// Two triangles that do not intersect. `margin_m` is the larger of their bodies' margins. They are
-// near iff their boxes are at most that far apart along each axis, in real numbers, and their
-// distance, rounded to float32, is at most that much.
+// Decides whether two triangles that do not intersect are within the margin. `margin_m` is the
+// larger of their bodies' margins [m]. They are near iff their boxes are at most that far apart
+// along each axis, in real numbers, and their distance, rounded to float32, is at most that much.
+// Boxes and planes decide first, so that most pairs need no distance.
 DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float margin_m) {
   if (margin_m == 0) return {};
   constexpr double kSlack = 1 + 1e-6;  // rounding
@@ -34,8 +41,8 @@ DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float ma
   return {true, rounded};
 }
 
-// The float32 filters of two triangles that share no vertex: true if one is certainly strictly on
-// one side of the other's plane. Fills in the sides that they tell.
+// Applies the plane filters to two triangles that share no vertex. Returns true if one certainly
+// lies strictly on one side of the other's plane. Fills in the sides that are certain.
 DCM_HD inline bool certainlyApart(const Triangle& a, const PlaneFilter& plane_a, const Triangle& b,
                                   const PlaneFilter& plane_b, KnownSides& sides) {
   int sum_a = 0, sum_b = 0;
@@ -46,9 +53,8 @@ DCM_HD inline bool certainlyApart(const Triangle& a, const PlaneFilter& plane_a,
   return sum_a == 3 || sum_a == -3 || sum_b == 3 || sum_b == -3;
 }
 
-// Of two triangles that share vertices: fills in the sides, not known yet, of those that are not
-// shared. The functions tell a point's side of the plane of a and of b: 1, -1, or anything else
-// where that is open.
+// Fills in the missing sides of vertices that are not shared. The functions return a point's side
+// of the plane of a, and of b: 1, -1, or anything else if it is open.
 template <class SideOfA, class SideOfB>
 DCM_HD inline void fillRestSides(const Triangle& a, const Triangle& b, const SharedVertices& shared,
                                  const SideOfA& side_of_a, const SideOfB& side_of_b,
@@ -61,7 +67,8 @@ DCM_HD inline void fillRestSides(const Triangle& a, const Triangle& b, const Sha
 
 namespace detail {
 
-// Whether the vertices that are not shared are strictly on one side; true also if there are none.
+// Returns whether the vertices that are not shared lie strictly on one side; true too if there are
+// none.
 DCM_HD inline bool restOnOneSide(const int side[3], const bool shared[3]) {
   bool plus = true, minus = true;
   for (int i = 0; i < 3; ++i) {
@@ -71,8 +78,8 @@ DCM_HD inline bool restOnOneSide(const int side[3], const bool shared[3]) {
   return plus || minus;
 }
 
-// Of the two that are not shared, if their sides are strict: the side of the one ahead of the
-// vertex that is; else 0.
+// For a triangle with one shared vertex: if the sides of the other two are strict, returns the side
+// of the vertex that precedes the shared one; otherwise 0.
 DCM_HD inline int sideAheadOfShared(const int side[3], const bool shared[3]) {
   int ahead = 0;
   bool strict = true;
@@ -85,16 +92,20 @@ DCM_HD inline int sideAheadOfShared(const int side[3], const bool shared[3]) {
 
 }  // namespace detail
 
-// Whether two triangles that share vertices meet beyond them, as far as sides say it.
+// Decides whether two triangles that share vertices meet beyond them, as far as signs of sides can.
 //
-// Others strictly on one side of a plane through what is shared settle it. Else let p be the one
-// vertex that is shared, x and y those that follow it in a, z and w those in b, each two on
-// different sides of the other's plane. As vectors from p,
-//   det(y, z, w) x - det(x, z, w) y + det(x, y, w) z - det(x, y, z) w = 0,
-// and det(z, w, .) is a side of b's plane, det(x, y, .) one of a's. So the first two terms are a
-// point of the edge xy in both planes, times something of the sign of y's side, the others are one
-// of zw, times something of the sign of w's: the two points lie on one ray from p, so that the
-// triangles meet there, iff those sides differ.
+// If the other vertices of one triangle lie strictly on one side of the other's plane, they do not
+// meet. Otherwise let p be the only shared vertex, x and y the vertices that follow it in a, z and
+// w those in b, and let each of these pairs lie on different sides of the other's plane. As vectors
+// from p,
+//
+//   det(y, z, w) x - det(x, z, w) y + det(x, y, w) z - det(x, y, z) w = 0.
+//
+// det(z, w, .) says on which side of b's plane a point lies, and det(x, y, .) on which side of a's
+// plane. The first two terms add up to s P: P is the point where the edge xy crosses b's plane, and
+// the number s has the sign of y's side. The last two add up to t Q: Q is the point where the edge
+// zw crosses a's plane, and t has the sign of w's side. Since s P + t Q = 0, P and Q lie on one ray
+// from p, and the triangles meet there, iff s and t have different signs.
 DCM_HD inline PartVerdict beyondSharedVerdict(const SharedVertices& shared,
                                               const KnownSides& sides) {
   if (detail::restOnOneSide(sides.a, shared.in_a) || detail::restOnOneSide(sides.b, shared.in_b)) {
@@ -106,21 +117,21 @@ DCM_HD inline PartVerdict beyondSharedVerdict(const SharedVertices& shared,
   return y != w ? PartVerdict::kMeet : PartVerdict::kApart;
 }
 
-// What is known of a pair before its verdict: the vertices that they share, the sides that the
-// plane filters told, and the larger of their bodies' margins [m].
+// Facts about a pair that are known before its verdict: the vertices that the triangles share, the
+// sides that the plane filters found, and the larger of their bodies' margins [m].
 struct PairFacts {
   SharedVertices shared;
   KnownSides sides;
   float margin_m = 0;
 };
 
-// What float32 is certain of, of a pair that isCandidate(): whether two triangles intersect, or
-// meet beyond what they share.
+// Decides, as far as float32 is certain, whether two triangles for which isCandidate() holds
+// intersect, or meet beyond what they share.
 DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
                                          const PairFacts& facts) {
   if (facts.shared.any) return beyondSharedVerdict(facts.shared, facts.sides);
   if (detail::allStrict(facts.sides.a) && detail::allStrict(facts.sides.b)) {
-    // The orientation is which side of the first three points' plane the fourth is on.
+    // The orientation is the side of the fourth point of the plane through the first three.
     const PartVerdict verdict =
         detail::crossingVerdict(a, facts.sides.a, b, facts.sides.b,
                                 [](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
@@ -132,9 +143,9 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
   return certainlyApartInProjection(a, b) ? PartVerdict::kApart : PartVerdict::kOpen;
 }
 
-// The verdict on a candidate as far as the floating-point filters alone can tell; in fast mode
-// float32 decides. Of triangles that share vertices: whether they meet beyond them. kApart says
-// nothing about margins.
+// Decides a candidate as far as the floating-point filters alone can; in fast mode float32 decides.
+// For triangles that share vertices it decides whether they meet beyond them. kApart says nothing
+// about margins.
 DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        Predicates mode) {
   if (!facts.shared.any) {
@@ -153,8 +164,9 @@ DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, con
   return certainlyApartInProjection(a, b, facts.shared) ? PartVerdict::kApart : PartVerdict::kOpen;
 }
 
-// The verdict on any candidate, without asking the filters of quickVerdict again. Margins do not
-// apply to triangles that share vertices: neighbours in a mesh are always near.
+// Decides any candidate exactly. It does not try the whole filters of quickVerdict() first; each
+// sign of an orientation still tries double arithmetic before exact arithmetic. Margins do not
+// apply to triangles that share vertices, because adjacent triangles of a mesh are always near.
 DCM_HD inline Verdict fullVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                   PredicateState& state) {
   if (facts.shared.any) return {meetBeyondShared(a, b, facts.shared, state), 0};
@@ -162,7 +174,7 @@ DCM_HD inline Verdict fullVerdict(const Triangle& a, const Triangle& b, const Pa
   return nearVerdict(a, b, facts.margin_m);
 }
 
-// The verdict on any candidate: the filters, then what they leave.
+// Decides any candidate: the filters first, then exact arithmetic for what they leave open.
 DCM_HD inline Verdict candidateVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        PredicateState& state) {
   const PartVerdict quick = quickVerdict(a, b, facts, state.mode);
@@ -171,8 +183,8 @@ DCM_HD inline Verdict candidateVerdict(const Triangle& a, const Triangle& b, con
   return facts.shared.any ? Verdict{} : nearVerdict(a, b, facts.margin_m);
 }
 
-// Whether the float32 plane filters leave a pair to the verdict: it is a candidate. Fills in the
-// sides that they tell.
+// Returns whether the float32 plane filters leave the pair undecided: then it is a candidate. Fills
+// in the sides that they found.
 DCM_HD inline bool isCandidate(const Triangle& a, const Triangle& b, PairFacts& facts) {
   const PlaneFilter plane_a(a), plane_b(b);
   if (facts.shared.any) {

@@ -1,4 +1,5 @@
-// Signs of orientation determinants of float32 points: a filter, then exact arithmetic.
+// Signs of orientation determinants of float32 points: a floating-point filter first, then exact
+// arithmetic.
 //
 // Filters follow Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 // Predicates" (1997). For finite float32 input nothing here overflows or underflows in double:
@@ -14,14 +15,15 @@
 
 namespace deformable_contact_monitor {
 
-// How verdicts are reached, and what it took. One per thread; not shared.
+// Says how verdicts are reached, and counts what they took. Each thread has its own.
 struct PredicateState {
   Predicates mode = Predicates::kExact;
   std::uint32_t exact = 0;  // determinants that reached exact arithmetic
   bool undecided = false;   // conservative: a filter left a sign open since this was last cleared
 };
 
-// A sum of doubles kept exactly: nonoverlapping components of growing magnitude.
+// A sum of doubles, kept exactly: as nonoverlapping components of growing size (Shewchuk's
+// expansion). kCapacity is the largest number of components.
 template <int kCapacity>
 class Expansion {
  public:
@@ -40,7 +42,7 @@ class Expansion {
     size_ = kept;
   }
 
-  // Adds x * y exactly, for factors whose product has an exact double remainder.
+  // Adds x * y exactly, for factors whose product has an exact remainder in double.
   DCM_HD void addProduct(double x, double y) {
     const double high = x * y;
     add(fma(x, y, -high));
@@ -61,7 +63,7 @@ class Expansion {
     return component_[size_ - 1] > 0 ? 1 : -1;
   }
 
-  // Off by less than 2^-51 of itself.
+  // Returns the sum, rounded; it is off by less than 2^-51 of itself.
   DCM_HD double value() const {
     double sum = 0;
     for (int i = 0; i < size_; ++i) sum += component_[i];
@@ -99,7 +101,7 @@ DCM_HD inline void addDeterminant(Expansion<N>& sum, const Vec3d& a, const Vec3d
 
 }  // namespace detail
 
-// det[b-a; c-a; d-a], exactly: the four minors of the 4x4 determinant.
+// Returns det[b-a; c-a; d-a] exactly: the four minors of the 4x4 determinant.
 DCM_HD inline Expansion<48> expandedOrient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                              const Vec3f& d) {
   Expansion<48> sum;
@@ -110,12 +112,13 @@ DCM_HD inline Expansion<48> expandedOrient3d(const Vec3f& a, const Vec3f& b, con
   return sum;
 }
 
-// Sign of det[b-a; c-a; d-a] by exact arithmetic alone.
+// Returns the sign of det[b-a; c-a; d-a] by exact sums alone.
 DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                             const Vec3f& d) {
   return expandedOrient3d(a, b, c, d).sign();
 }
 
+// Returns the exact sign of det[b-a; c-a; d-a], by integers where they suffice.
 DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                          const Vec3f& d) {
 #if DCM_INT128
@@ -129,9 +132,10 @@ DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const V
   return orient3dExpanded(a, b, c, d);
 }
 
+// A filter's answer if it cannot tell the sign.
 constexpr int kUncertain = 2;
 
-// det[b-a; c-a; d-a] in double, and the sum of its terms' sizes.
+// Returns det[b-a; c-a; d-a] in double, and the sum of the sizes of its terms (the permanent).
 DCM_HD inline double orient3dDouble(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
                                     double& permanent) {
   const Vec3d o = toDouble(a);
@@ -143,7 +147,7 @@ DCM_HD inline double orient3dDouble(const Vec3f& a, const Vec3f& b, const Vec3f&
   return u.x * (m1 - m2) + u.y * (m3 - m4) + u.z * (m5 - m6);
 }
 
-// Sign of det[b-a; c-a; d-a] in double, or kUncertain.
+// Returns the sign of det[b-a; c-a; d-a] by double arithmetic, or kUncertain.
 DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
   double permanent;
   const double det = orient3dDouble(a, b, c, d, permanent);
@@ -154,15 +158,15 @@ DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& 
   return permanent == 0 ? 0 : kUncertain;  // no term was rounded to zero: common in flat scenes
 }
 
-// The same in float32, with no bound on its error.
+// Returns the sign in float32, without any bound on its error.
 DCM_HD inline int orient3dFast(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
   const Vec3f u = b - a, v = c - a, w = d - a;
   return signOf(u.x * (v.y * w.z - v.z * w.y) + u.y * (v.z * w.x - v.x * w.z) +
                 u.z * (v.x * w.y - v.y * w.x));
 }
 
-// Sign of det[b-a; c-a; d-a]: positive iff d sees a, b, c counterclockwise from above, that is,
-// d lies on the side that (b-a) x (c-a) points to.
+// Returns the sign of det[b-a; c-a; d-a], as state.mode asks for. It is positive iff d sees a, b, c
+// counterclockwise from above, that is, iff d lies on the side to which (b-a) x (c-a) points.
 DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
                                     PredicateState& state) {
   if (state.mode == Predicates::kFast) return orient3dFast(a, b, c, d);
@@ -176,7 +180,7 @@ DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f&
   return orient3dExact(a, b, c, d);
 }
 
-// Sign of det[b-a; c-a] by exact arithmetic alone.
+// Returns the sign of det[b-a; c-a] by exact sums alone.
 DCM_HD inline int orient2dExpanded(float ax, float ay, float bx, float by, float cx, float cy) {
   Expansion<6> sum;  // each product of two float32 is exact in double
   sum.add(static_cast<double>(ax) * by);
@@ -200,13 +204,14 @@ DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by,
   return orient2dExpanded(ax, ay, bx, by, cx, cy);
 }
 
-// The coordinates of a projection along coordinate axis `axis` (0, 1, 2).
+// Computes the coordinates of a projection along coordinate axis `axis` (0, 1, 2).
 DCM_HD inline void projected(const Vec3f& p, int axis, float& x, float& y) {
   x = axis == 0 ? p.y : (axis == 1 ? p.z : p.x);
   y = axis == 0 ? p.z : (axis == 1 ? p.x : p.y);
 }
 
-// Sign of det[b-a; c-a] of the points' projections along `axis` in double, or kUncertain.
+// Returns the sign of det[b-a; c-a] of the points' projections along `axis` by double arithmetic,
+// or kUncertain.
 DCM_HD inline int orient2dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis) {
   float ax, ay, bx, by, cx, cy;
   projected(a, axis, ax, ay);
@@ -221,7 +226,8 @@ DCM_HD inline int orient2dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& 
   return left == 0 && right == 0 ? 0 : kUncertain;  // differences are never rounded to zero
 }
 
-// Sign of det[b-a; c-a] of the points' projections along `axis`.
+// Returns the sign of det[b-a; c-a] of the points' projections along `axis`, as state.mode asks
+// for.
 DCM_HD DCM_RARE inline int orient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis,
                                     PredicateState& state) {
   if (state.mode != Predicates::kFast) {

@@ -1,10 +1,11 @@
-// The shortest translation that parts two triangles which intersect.
+// Finds the shortest translation that separates two intersecting triangles.
 //
-// b moved by t still touches a iff t is in {x - y: x in a, y in b}. Where that is a body, the
-// shortest way out of it goes through one of its faces. Their normals are those of the triangles,
-// and the products of an edge of a with an edge of b that are on the face both; which are, exact
-// signs decide, and a face's distance is a quotient of determinants. So the length is right to a
-// part in 2^27, however flat the triangles and however far their vertices.
+// b moved by t still touches a iff t lies in the Minkowski difference {x - y: x in a, y in b}.
+// Where that is a body, the shortest way out goes through one of its faces. The normals of its
+// faces are those of the two triangles, and the products of an edge of a with an edge of b that
+// both lie on the face. Exact signs decide which products these are, and the distance of a face is
+// a quotient of determinants. So the length is right to 2^-27 of itself, however flat the triangles
+// are and however far their vertices.
 #pragma once
 
 #include <cmath>
@@ -35,8 +36,8 @@ DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const
   return sum.value();
 }
 
-// How much higher q is above the plane of t than p, in units of its normal; right to a part in
-// 2^29 and in the sign.
+// Returns by how much q is higher above the plane of t than p, in units of its normal; right to
+// 2^-29 of itself, and in the sign.
 DCM_HD inline double riseOver(const Triangle& t, const Vec3f& p, const Vec3f& q) {
   const Vec3d u = toDouble(t.v[1]) - toDouble(t.v[0]), v = toDouble(t.v[2]) - toDouble(t.v[0]);
   const Vec3d w = toDouble(q) - toDouble(p);
@@ -48,13 +49,13 @@ DCM_HD inline double riseOver(const Triangle& t, const Vec3f& p, const Vec3f& q)
   return fabs(rise) >= kEnough * terms ? rise : exactRise(t, p, q);
 }
 
-// The nearest of the faces that were added.
+// Keeps the nearest of the faces that were added.
 struct NearestFace {
   Vec3d normal;
   double squared = INFINITY;
   bool unique = true;
 
-  // A face at `distance` in units of its normal, which points outwards.
+  // Adds a face at `distance`, in units of its normal, which points outwards.
   DCM_HD void add(const Vec3d& face_normal, double distance) {
     constexpr double kAsShort = 1 + 0x1p-21;  // squared
     const double size2 = dot(face_normal, face_normal);
@@ -77,8 +78,8 @@ struct NearestFace {
     return dot(apart, apart) < kSame;
   }
 
-  // Both faces along the normal of a triangle, above whose plane the other's vertices are `height`
-  // high. `sign`: of the way that the triangle with that plane is to be left.
+  // Adds both faces along the normal of a triangle. `height` has the heights of the other's
+  // vertices above its plane. `sign` says on which side the triangle with that plane is to be left.
   DCM_HD void addPlane(const Vec3d& plane_normal, const double height[3], double sign) {
     const double top = most(height[0], most(height[1], height[2]));
     const double bottom = least(height[0], least(height[1], height[2]));
@@ -89,12 +90,14 @@ struct NearestFace {
 
 }  // namespace detail
 
-// Of a and b that intersect, at least one of them with area, and not in one plane.
+// Returns the translation for a and b that intersect, are not in one plane, and of which at least
+// one has area.
 DCM_HD inline PartingTranslation partingTranslation(const Triangle& a, const Triangle& b,
                                                     const Heights& heights) {
   detail::NearestFace nearest;
   const auto next = [](int i) { return i == 2 ? 0 : i + 1; };
-  // b leaves a's plane upwards once its lowest vertex does; a's, b's downwards.
+  // b leaves a's plane upwards once its lowest vertex does; a does the same downwards from b's
+  // plane.
   nearest.addPlane(detail::crossOf(a.v[0], a.v[1], a.v[1], a.v[2]), heights.of_b, 1);
   nearest.addPlane(detail::crossOf(b.v[0], b.v[1], b.v[1], b.v[2]), heights.of_a, -1);
   double rise_of_b[3], rise_of_a[3];
@@ -104,7 +107,8 @@ DCM_HD inline PartingTranslation partingTranslation(const Triangle& a, const Tri
   }
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     DCM_ROLLED for (int j = 0; j < 3; ++j) {
-      // Neither triangle reaches beyond both edges, seen along their product: they make a face.
+      // If neither triangle reaches beyond both edges, seen along their product, the two edges make
+      // a face.
       const int sign_a = signOf(rise_of_a[i]), sign_b = signOf(rise_of_b[j]);
       if (sign_a * sign_b < 0 || (sign_a == 0 && sign_b == 0)) continue;
       const double sign = sign_a != 0 ? sign_a : sign_b;

@@ -8,14 +8,14 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr int kTimeHalvings = 21;  // an interval of 2^-21, rounded outwards to 2^-24
-constexpr int kTieHalvings = 8;    // what is open by then is a tie, nearly always
+constexpr int kTieHalvings = 8;    // a sign that is open by then is nearly always zero
 
 Polynomial trimmed(Polynomial p) {
   while (p.degree >= 0 && p.c[p.degree].sign() == 0) --p.degree;
   return p;
 }
 
-// 2^(m degree) f((k + s) / 2^m), a polynomial in s.
+// Returns 2^(m degree) f((k + s) / 2^m), a polynomial in s.
 Polynomial onInterval(const Polynomial& f, const Dyadic& low) {
   Polynomial g = f;
   for (int i = 0; i < f.degree; ++i) g.c[i] = f.c[i] << low.m * (f.degree - i);
@@ -25,6 +25,7 @@ Polynomial onInterval(const Polynomial& f, const Dyadic& low) {
   return g;
 }
 
+// Returns the sign of f at t.
 int signAt(const Polynomial& f, const Dyadic& t) {
   if (f.isZero()) return 0;
   GrowingInteger value = f.c[f.degree];
@@ -34,7 +35,8 @@ int signAt(const Polynomial& f, const Dyadic& t) {
   return value.sign();
 }
 
-// Signs of the Bernstein coefficients of f on [k / 2^m, (k + 1) / 2^m].
+// The signs of the Bernstein coefficients of f on [k / 2^m, (k + 1) / 2^m]. The number of sign
+// changes bounds the number of roots there (Descartes' rule of signs).
 struct BernsteinSigns {
   int variations = 0, first = 0;
   bool plus = false, minus = false;
@@ -57,7 +59,7 @@ struct BernsteinSigns {
   }
 };
 
-// A multiple of the remainder of f by g; g is not zero.
+// Returns a multiple of the remainder of f divided by g, which is not zero.
 Polynomial pseudoRemainder(Polynomial f, const Polynomial& g) {
   while (f.degree >= g.degree) {
     const GrowingInteger lead = f.c[f.degree];
@@ -69,6 +71,7 @@ Polynomial pseudoRemainder(Polynomial f, const Polynomial& g) {
   return f;
 }
 
+// Returns the greatest common divisor by Euclid's algorithm.
 Polynomial commonDivisor(Polynomial f, Polynomial g) {
   while (!g.isZero()) {
     Polynomial rest = pseudoRemainder(std::move(f), g);
@@ -85,8 +88,8 @@ Polynomial derivative(const Polynomial& f) {
   return d;
 }
 
-// Polynomials of simple roots that together have the roots of f. A multiple root is rational, and
-// so is then the third one.
+// Returns polynomials with simple roots only that together have the roots of f. A multiple root is
+// rational, and then the third root is rational too.
 std::vector<Polynomial> simpleParts(const Polynomial& f) {
   const Polynomial g = commonDivisor(f, derivative(f));
   if (g.degree < 1) return {f};
@@ -96,7 +99,8 @@ std::vector<Polynomial> simpleParts(const Polynomial& f) {
                                 f.c[3] * g.c[1])};
 }
 
-// Adds the roots of f, all of them simple, that lie in the open interval (0, 1).
+// Adds the roots of f in the open interval (0, 1); all of them must be simple. It halves intervals
+// until each has one sign change, hence one root, or none.
 void addSimpleRoots(const Polynomial& f, std::vector<RealRoot>& roots) {
   std::vector<Dyadic> intervals = {Dyadic{}};
   while (!intervals.empty()) {
@@ -115,7 +119,7 @@ void addSimpleRoots(const Polynomial& f, std::vector<RealRoot>& roots) {
   }
 }
 
-// floor(2^24 t).
+// Returns floor(2^24 t).
 std::int64_t in24Bits(const Dyadic& t) {
   return t.m <= 24 ? (t.k << (24 - t.m)).floored(0) : t.k.floored(t.m - 24);
 }

@@ -1,5 +1,8 @@
-// Polynomials with integer coefficients of degree 3 at most, their real roots in [0, 1], and exact
-// signs of other such polynomials there. Host only; a root may not be used by two threads at once.
+// Polynomials with integer coefficients, of degree 3 at most: their real roots in [0, 1], and exact
+// signs of other such polynomials at a root.
+//
+// A root that is not a dyadic number is kept as an interval that contains it alone, and is narrowed
+// on demand. Host only. A root must not be used by two threads at once.
 #pragma once
 
 #include <array>
@@ -11,47 +14,49 @@
 namespace deformable_contact_monitor {
 
 struct Polynomial {
-  int degree = -1;                  // of zero
+  int degree = -1;                  // the degree of zero
   std::array<GrowingInteger, 4> c;  // c[i] of t^i; c[degree] is not zero
 
   static Polynomial linear(const GrowingInteger& at_zero, const GrowingInteger& slope);
   bool isZero() const { return degree < 0; }
 };
 
-// Of degree 3 at most.
+// Sum, difference and product; the result must be of degree 3 at most.
 Polynomial operator+(const Polynomial& p, const Polynomial& q);
 Polynomial operator-(const Polynomial& p, const Polynomial& q);
 Polynomial operator*(const Polynomial& p, const Polynomial& q);
 
-// k / 2^m.
+// The number k / 2^m.
 struct Dyadic {
   GrowingInteger k;
   int m = 0;
 };
 
-// -1, 0 or 1: a less than, equal to, or greater than b.
+// Returns -1, 0 or 1: a is less than, equal to, or greater than b.
 int compare(const Dyadic& a, const Dyadic& b);
 
-// A number in [0, 1]: a dyadic one, or the only root of a polynomial in (k / 2^m, (k + 1) / 2^m),
-// a simple one. Asking it narrows that interval.
+// A number in [0, 1]: a dyadic one, or the only root, a simple one, of a polynomial in (k / 2^m, (k
+// + 1) / 2^m). Queries may narrow that interval.
 class RealRoot {
  public:
   explicit RealRoot(Dyadic value) : low_(std::move(value)), exact_(true) {}
   RealRoot(const Polynomial& f, const Dyadic& low, int sign_after_low)
       : f_(f), low_(low), sign_after_low_(sign_after_low) {}
 
-  // Sign of q here. Intervals of certain sign decide; where they have not by 2^-20, a common
-  // divisor tells whether q vanishes here, and if not they do in the end.
+  // Returns the sign of q at this number. Intervals on which the sign of q is certain decide first.
+  // If they have not decided at a width of 2^-20, a common divisor tells whether q vanishes here;
+  // if it does not, narrower intervals will decide.
   int signOf(const Polynomial& q);
 
-  // Bounds that are multiples of 2^-24, at most 2^-20 apart; equal only if it is such a multiple.
+  // Bounds of the number: multiples of 2^-24, at most 2^-20 apart. They are equal only if the
+  // number is such a multiple.
   float floatLow();
   float floatHigh();
 
-  // Whether a < b; -1, 0 or 1.
+  // Returns -1, 0 or 1: a is less than, equal to, or greater than b.
   static int compare(RealRoot& a, RealRoot& b);
 
-  // A number strictly between two, a < b.
+  // Returns a number strictly between a and b, where a < b.
   static Dyadic numberBetween(RealRoot& a, RealRoot& b);
 
  private:
@@ -65,7 +70,7 @@ class RealRoot {
   int sign_after_low_ = 0;
 };
 
-// All roots in [0, 1] of a polynomial that is not zero, each once; in any order.
+// Returns all roots in [0, 1] of a polynomial that is not zero, each once, in any order.
 std::vector<RealRoot> rootsInUnitInterval(const Polynomial& f);
 
 }  // namespace deformable_contact_monitor

@@ -1,7 +1,9 @@
-// Closed-set tests between points, segments and triangles, degenerate ones included. Only signs of
-// orientation determinants and coordinate comparisons decide; nothing is constructed. Points are
-// Vec3f, or whatever else has orient2d, orient3d, inBox and equality; triangles have three of them,
-// v; state is what orient2d and orient3d take.
+// Tests whether points, segments and triangles, as closed sets, intersect; degenerate ones
+// included. Only signs of orientation determinants and comparisons of coordinates decide; no point
+// is constructed.
+//
+// A point is a Vec3f, or any type with orient2d(), orient3d(), inBox() and equality; a triangle has
+// three of them, v. `state` is what orient2d() and orient3d() take.
 #pragma once
 
 #include "core/predicates/orientation.h"
@@ -9,8 +11,8 @@
 
 namespace deformable_contact_monitor {
 
-// The first coordinate axis along which a, b, c project to a triangle of non-zero area; -1 if they
-// are collinear.
+// Returns the first coordinate axis along which a, b, c project to a triangle with area, or -1 if
+// they are collinear.
 template <class Point>
 DCM_HD inline int projectionAxis(const Point& a, const Point& b, const Point& c,
                                  PredicateState& state) {
@@ -20,6 +22,7 @@ DCM_HD inline int projectionAxis(const Point& a, const Point& b, const Point& c,
   return -1;
 }
 
+// Returns whether p lies in the box of the segment ab.
 DCM_HD inline bool inBox(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
   for (int k = 0; k < 3; ++k) {
     if (p[k] < least(a[k], b[k]) || p[k] > most(a[k], b[k])) return false;
@@ -40,7 +43,8 @@ DCM_HD DCM_RARE inline bool segmentsIntersect(const Point& p, const Point& q, co
       pointOnSegment(a, p, q, state) || pointOnSegment(b, p, q, state)) {
     return true;
   }
-  // From here on they can only cross at interior points, in a common plane.
+  // No end point lies on the other segment. So they can only cross at inner points, in a common
+  // plane.
   if (orient3d(p, q, a, b, state) != 0) return false;
   int axis = projectionAxis(p, q, a, state);
   if (axis < 0) axis = projectionAxis(p, q, b, state);
@@ -49,29 +53,30 @@ DCM_HD DCM_RARE inline bool segmentsIntersect(const Point& p, const Point& q, co
          orient2d(a, b, p, axis, state) * orient2d(a, b, q, axis, state) < 0;
 }
 
-// Not both a positive and a negative sign.
+// Returns whether the signs do not contain both a positive and a negative one.
 DCM_HD inline bool sameSide(int a, int b, int c) {
   return !((a > 0 || b > 0 || c > 0) && (a < 0 || b < 0 || c < 0));
 }
 
-// For a p in the plane of the triangle, which has area along `axis`.
-template <class Point, class Hull>
-DCM_HD inline bool pointInTriangle(const Point& p, const Hull& t, int axis, PredicateState& state) {
+// Returns whether p, in the plane of the triangle, lies in it. The triangle has area along `axis`.
+template <class Point, class TriangleType>
+DCM_HD inline bool pointInTriangle(const Point& p, const TriangleType& t, int axis,
+                                   PredicateState& state) {
   return sameSide(orient2d(t.v[0], t.v[1], p, axis, state),
                   orient2d(t.v[1], t.v[2], p, axis, state),
                   orient2d(t.v[2], t.v[0], p, axis, state));
 }
 
-template <class Point, class Hull>
-DCM_HD inline bool segmentMeetsEdges(const Point& p, const Point& q, const Hull& t,
+template <class Point, class TriangleType>
+DCM_HD inline bool segmentMeetsEdges(const Point& p, const Point& q, const TriangleType& t,
                                      PredicateState& state) {
   return segmentsIntersect(p, q, t.v[0], t.v[1], state) ||
          segmentsIntersect(p, q, t.v[1], t.v[2], state) ||
          segmentsIntersect(p, q, t.v[2], t.v[0], state);
 }
 
-template <class Point, class Hull>
-DCM_HD inline bool segmentIntersectsTriangle(const Point& p, const Point& q, const Hull& t,
+template <class Point, class TriangleType>
+DCM_HD inline bool segmentIntersectsTriangle(const Point& p, const Point& q, const TriangleType& t,
                                              PredicateState& state) {
   const int axis = projectionAxis(t.v[0], t.v[1], t.v[2], state);
   if (axis < 0) return segmentMeetsEdges(p, q, t, state);  // the triangle is its edges

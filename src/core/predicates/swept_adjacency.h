@@ -1,18 +1,18 @@
-// Moving triangles of one body that share vertices: do they meet beyond the hull of the shared
-// points at some time of the step?
+// Decides whether moving triangles of one body that share vertices meet beyond the shared points at
+// some time in the interval.
 //
-// Two triangles on one edge do iff they are folded onto each other at some time; two on one vertex
-// iff the edge opposite to it of one meets the other triangle, at some time, in another point. That
-// set of times need not be closed: two triangles may open up from a state in which one was folded
-// into the shared point. Then their first time is the infimum. Such cases are never certain in
-// floating point, for the edge meets the shared point there: they are left open.
+// Two triangles on one edge do iff they are folded onto each other at some time. Two on one vertex
+// do iff the opposite edge of one meets the other triangle in another point at some time. That set
+// of times need not be closed: two triangles may open up from a state in which one was folded into
+// the shared point. Then their first time is the infimum. Floating point cannot decide such cases,
+// because the edge meets the shared point there, so that they are left open.
 #pragma once
 
 #include "core/predicates/swept_intersection.h"
 
 namespace deformable_contact_monitor {
 
-// The vertices of two triangles that share some: each shared trajectory once, and the others.
+// The vertices of two triangles that share some: each shared trajectory once, then the others.
 struct SharedSplit {
   MovingPoint common[3], rest_a[3], rest_b[3];
   int common_count = 0, a_count = 0, b_count = 0;
@@ -34,8 +34,8 @@ struct SharedSplit {
 
 namespace detail {
 
-// The features in which two triangles on the vertex p can come to meet beyond it. x and y are their
-// other vertices.
+// The number of features in which two triangles on the vertex p can meet beyond it. In
+// featureAround() x and y are their other vertices.
 constexpr int kFeaturesAroundVertex = 9;
 DCM_HD inline Feature featureAround(const MovingPoint& p, const MovingPoint x[2],
                                     const MovingPoint y[2], int index) {
@@ -57,7 +57,7 @@ DCM_HD inline Feature featureAround(const MovingPoint& p, const MovingPoint x[2]
   }
 }
 
-// Whether p is certainly never on the line xy.
+// Returns whether p is certainly never on the line xy.
 template <class Real>
 DCM_HD inline bool neverOnLine(const MovingPoint& p, const MovingPoint x[2]) {
   const MovingVector<Real> u(p, x[0]), v(p, x[1]);
@@ -93,7 +93,7 @@ DCM_HD inline void addFeaturesAround(const SharedSplit& split, bool wants_time, 
     if ((kFilters & kHalving) != 0 && d.sign() != 0) continue;
     FeatureVerdict verdict =
         featureVerdict<Real, kFilters>(feature, d, false, wants_time, first.high, mode);
-    // The opposite edges may cross in p.
+    // The opposite edges may cross in p, which is no contact beyond p.
     if (i == kFeaturesAroundVertex - 1 && verdict.part == PartVerdict::kMeet && !beyond) {
       verdict.part = PartVerdict::kOpen;
     }
@@ -104,8 +104,9 @@ DCM_HD inline void addFeaturesAround(const SharedSplit& split, bool wants_time, 
 
 }  // namespace detail
 
-// Of two triangles with finite vertices that share some, as sharedTrajectories tells. Without
-// motion the static verdict. As quickSweptVerdict otherwise.
+// Decides two triangles with finite vertices that share some, as sharedTrajectories() says. If they
+// do not move, it returns the static verdict. Apart from that it does what quickSweptVerdict()
+// does.
 template <class Real, unsigned kFilters = kAllSweptFilters>
 DCM_HD inline SweptVerdict quickSweptBeyondShared(const MovingTriangle& a, const MovingTriangle& b,
                                                   const SharedVertices& shared, bool wants_time,

@@ -1,19 +1,152 @@
+// Exact decisions about moving triangles.
+//
+// Triangles can only begin to meet at a time when some orientation determinant of their points is
+// zero. These determinants are polynomials of degree 3 at most in time, with integer coefficients,
+// whose roots real_root.h finds. At a root, PointAt has exact orientations, comparisons and
+// equality, so that the static predicates (segment_intersection.h, adjacency.h) work on it as they
+// do on float32 points.
 #include "core/predicates/swept_exact.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "core/predicates/swept_instant.h"
+#include "core/predicates/orientation.h"
+#include "core/predicates/real_root.h"
+#include "core/predicates/swept_triangle.h"
 
 namespace deformable_contact_monitor {
 namespace {
+
+// Differences and orientation determinants of moving points, as polynomials in time. Coefficients
+// are integers: all coordinates are scaled by the same power of two.
+class ExactMotion {
+ public:
+  // The points must be finite.
+  ExactMotion(const MovingPoint* points, int count);
+
+  int count() const { return count_; }
+  Polynomial difference(int a, int b, int axis) const;          // b - a along `axis`
+  Polynomial orientation(int a, int b, int c, int axis) const;  // det[b-a; c-a], projected
+  Polynomial orientation3(int a, int b, int c, int d) const;    // det[b-a; c-a; d-a]
+
+ private:
+  int count_;
+  std::vector<GrowingInteger> from_, to_;  // three for each point
+};
+
+struct Instant {
+  const ExactMotion* motion = nullptr;
+  RealRoot* time = nullptr;
+};
+
+// A point of the motion at that time. Both must outlive it.
+struct PointAt {
+  const Instant* instant = nullptr;
+  int index = 0;
+
+  int signOf(const Polynomial& p) const { return instant->time->signOf(p); }
+  int compare(const PointAt& other, int axis) const {
+    return signOf(instant->motion->difference(other.index, index, axis));
+  }
+};
+
+// Three such points, as in Triangle.
+struct TriangleAt {
+  PointAt v[3];
+};
+
+inline bool operator==(const PointAt& a, const PointAt& b) {
+  return a.compare(b, 0) == 0 && a.compare(b, 1) == 0 && a.compare(b, 2) == 0;
+}
+inline bool operator!=(const PointAt& a, const PointAt& b) { return !(a == b); }
+
+inline bool inBox(const PointAt& p, const PointAt& a, const PointAt& b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (p.compare(a, axis) * p.compare(b, axis) > 0) return false;
+  }
+  return true;
+}
+
+inline int orient2d(const PointAt& a, const PointAt& b, const PointAt& c, int axis,
+                    PredicateState& /*state*/) {
+  return a.signOf(a.instant->motion->orientation(a.index, b.index, c.index, axis));
+}
+
+inline int orient3d(const PointAt& a, const PointAt& b, const PointAt& c, const PointAt& d,
+                    PredicateState& /*state*/) {
+  return a.signOf(a.instant->motion->orientation3(a.index, b.index, c.index, d.index));
+}
+
+inline int orient3dFiltered(const PointAt& /*a*/, const PointAt& /*b*/, const PointAt& /*c*/,
+                            const PointAt& /*d*/) {
+  return kUncertain;
+}
+
+// Splits x = mantissa * 2^exponent, |mantissa| < 2^24. Zero gets a large exponent.
+std::int64_t mantissaOf(float x, int& exponent) {
+  exponent = 1000;
+  if (x == 0) return 0;
+  const float fraction = std::frexp(x, &exponent);
+  exponent -= 24;
+  return static_cast<std::int64_t>(std::ldexp(fraction, 24));
+}
+
+std::size_t place(int point, int axis) {
+  return 3 * static_cast<std::size_t>(point) + static_cast<std::size_t>(axis);
+}
+
+ExactMotion::ExactMotion(const MovingPoint* points, int count) : count_(count) {
+  int low = 1000;
+  for (int i = 0; i < count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const float x : {points[i].from[axis], points[i].to[axis]}) {
+        int exponent;
+        mantissaOf(x, exponent);
+        low = std::min(low, exponent);
+      }
+    }
+  }
+  const auto scaled = [low](float x) {
+    int exponent;
+    const std::int64_t mantissa = mantissaOf(x, exponent);
+    return mantissa == 0 ? GrowingInteger(0) : GrowingInteger(mantissa) << (exponent - low);
+  };
+  for (int i = 0; i < count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      from_.push_back(scaled(points[i].from[axis]));
+      to_.push_back(scaled(points[i].to[axis]));
+    }
+  }
+}
+
+Polynomial ExactMotion::difference(int a, int b, int axis) const {
+  const std::size_t i = place(a, axis), j = place(b, axis);
+  const GrowingInteger start = from_[j] - from_[i];
+  return Polynomial::linear(start, to_[j] - to_[i] - start);
+}
+
+Polynomial ExactMotion::orientation(int a, int b, int c, int axis) const {
+  const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
+  return difference(a, b, i) * difference(a, c, j) - difference(a, b, j) * difference(a, c, i);
+}
+
+Polynomial ExactMotion::orientation3(int a, int b, int c, int d) const {
+  Polynomial sum;
+  for (int axis = 0; axis < 3; ++axis) {
+    sum = sum + orientation(a, b, c, axis) * difference(a, d, axis);
+  }
+  return sum;
+}
 
 void addTime(RealRoot& time, FirstTime& first) {
   first.low = least(first.low, time.floatLow());
   first.high = least(first.high, time.floatHigh());
 }
 
-// Adds the roots of f at which `happens` says yes; the first one found will do without a time.
+// Adds the roots of f at which `happens` returns true. Without `wants_time` the first one is
+// enough.
 template <class Happens>
 void addRoots(const ExactMotion& motion, const Polynomial& f, bool wants_time, FirstTime& first,
               const Happens& happens) {
@@ -26,7 +159,7 @@ void addRoots(const ExactMotion& motion, const Polynomial& f, bool wants_time, F
 
 PointAt at(const Instant& instant, int index) { return {&instant, index}; }
 
-// Two points that are not together at t = 0.
+// Adds the times at which two points that differ at t = 0 meet.
 void addVertexOnVertex(const ExactMotion& motion, int p, int q, bool wants_time, FirstTime& first) {
   for (int axis = 0; axis < 3; ++axis) {
     const Polynomial apart = motion.difference(p, q, axis);
@@ -37,7 +170,7 @@ void addVertexOnVertex(const ExactMotion& motion, int p, int q, bool wants_time,
   }
 }
 
-// A point that is not on the segment ab at t = 0.
+// Adds the times at which p, not on the segment ab at t = 0, comes to it.
 void addVertexOnEdge(const ExactMotion& motion, int p, int a, int b, bool wants_time,
                      FirstTime& first) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -49,7 +182,7 @@ void addVertexOnEdge(const ExactMotion& motion, int p, int a, int b, bool wants_
     });
     return;
   }
-  // Always on one line.
+  // The three points are always on one line: p can only come in through an end.
   addVertexOnVertex(motion, p, a, wants_time, first);
   addVertexOnVertex(motion, p, b, wants_time, first);
 }
@@ -61,7 +194,7 @@ bool meetsAt(FeatureKind kind, const Instant& instant) {
   return segmentIntersectsTriangle(x3, x3, TriangleAt{{x0, x1, x2}}, state);
 }
 
-// Two triangles that share vertices, as indices into one motion.
+// Two triangles that share vertices, as indices of points in one motion.
 class SharingPair {
  public:
   SharingPair(const MovingTriangle& a, const MovingTriangle& b, const SharedVertices& shared)
@@ -109,6 +242,7 @@ class SharingPair {
   int a_[3], b_[3];
 };
 
+// Inserts a time into an ascending list, unless it is there.
 void insertTime(RealRoot time, std::vector<RealRoot>& times) {
   auto place = times.end();
   while (place != times.begin()) {
@@ -120,8 +254,8 @@ void insertTime(RealRoot time, std::vector<RealRoot>& times) {
   times.insert(place, std::move(time));
 }
 
-// All times, ascending, at which the sign of some orientation or comparison of the points changes:
-// between two of them nothing changes.
+// Returns, ascending, all times at which the sign of some orientation or comparison of the points
+// changes. Between two of them the answer stays the same.
 std::vector<RealRoot> timesOfChange(const ExactMotion& motion) {
   std::vector<RealRoot> times = {RealRoot(Dyadic{0, 0}), RealRoot(Dyadic{1, 0})};
   const auto add = [&times](const Polynomial& f) {
@@ -166,7 +300,7 @@ FirstTime exactTimeBeyondShared(const MovingTriangle& a, const MovingTriangle& b
   FirstTime first;
   if (pair.split().a_count == 0 || pair.split().b_count == 0) return first;
   if (pair.split().common_count == 2) {
-    // Beyond a common edge they meet only where all four points lie in one plane.
+    // Beyond a common edge they can meet only when all four points lie in one plane.
     const Polynomial coplanarity = pair.motion().orientation3(0, 1, 2, 3);
     if (!coplanarity.isZero()) {
       for (RealRoot& root : rootsInUnitInterval(coplanarity)) {
@@ -183,7 +317,7 @@ FirstTime exactTimeBeyondShared(const MovingTriangle& a, const MovingTriangle& b
     }
     if (i + 1 == times.size()) return first;
     RealRoot between(RealRoot::numberBetween(times[i], times[i + 1]));
-    if (pair.meetAt(between)) {  // from right after times[i] on
+    if (pair.meetAt(between)) {  // right after times[i]
       first.low = times[i].floatLow();
       first.high = least(1.0F, most(times[i].floatHigh(), first.low + 0x1p-24F));
       return first;

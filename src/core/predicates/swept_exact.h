@@ -1,5 +1,6 @@
-// What filters and halving leave open about two moving triangles, decided exactly for every finite
-// float32 input; and the whole verdict on a pair. Host only; thread-compatible, allocates memory.
+// Decides exactly, for all finite float32 input, what filters and halving leave open about two
+// moving triangles; and combines all parts into the verdict on a pair. Host only. It allocates
+// memory, and may be called by several threads at once.
 #pragma once
 
 #include "core/export.h"
@@ -8,32 +9,33 @@
 
 namespace deformable_contact_monitor {
 
-// When something happens first: not before `low`, and somewhere in [low, high], at most 2^-20
-// apart. 2: never.
+// The first time at which something happens: not before `low`, and somewhere in [low, high], which
+// are at most 2^-20 apart. Both are 2 if it never happens.
 struct FirstTime {
   float low = 2, high = 2;
 
   bool happens() const { return high <= 1; }
 };
 
-// When a vertex and a face or two edges meet, of triangles that do not meet at t = 0. Where the
-// four points always lie in one plane that is when a vertex comes to an edge: without a contact
-// before, such triangles cannot meet otherwise first. Without `wants_time`, any time at which they
-// meet.
+// Returns when a vertex and a face, or two edges, of triangles that do not meet at t = 0 meet
+// first. If the four points always lie in one plane, it returns when a vertex first comes to an
+// edge: such triangles cannot meet for the first time in another way. Without `wants_time`, it
+// returns any time at which they meet.
 FirstTime exactFeatureTime(const Feature& feature, bool wants_time);
 
-// When two triangles that share vertices meet beyond the hull of the shared points, or the infimum
-// of these times.
+// Returns when two triangles that share vertices first meet beyond the hull of the shared points,
+// or the infimum of these times.
 FirstTime exactTimeBeyondShared(const MovingTriangle& a, const MovingTriangle& b,
                                 const SharedVertices& shared);
 
-// Decides what `quick`, of kPart kOpen, has left open; counts in `state`.
+// Decides what `quick`, whose part is kOpen, has left open. Counts in `state`.
 DCM_EXPORT SweptVerdict decideOpen(const MovingTriangle& a, const MovingTriangle& b,
                                    const SharedVertices& shared, bool wants_time,
                                    const SweptVerdict& quick, PredicateState& state);
 
-// The verdict on two triangles with finite vertices; `shared` as sharedTrajectories tells, for
-// triangles of one body, else none. Times are told to 2^-20 in exact mode.
+// Returns the verdict on two triangles with finite vertices. `shared` is what sharedTrajectories()
+// says for triangles of one body, and empty for other pairs. In exact mode times are right to
+// 2^-20.
 template <unsigned kFilters = kAllSweptFilters>
 SweptVerdict sweptVerdict(const MovingTriangle& a, const MovingTriangle& b,
                           const SharedVertices& shared, AdjacentPairs adjacent, bool wants_time,

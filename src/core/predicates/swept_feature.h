@@ -1,9 +1,16 @@
-// Features of two moving triangles that may meet: a vertex and a face, two edges, and two triangles
-// folded about a common edge. Decided by certain signs, halving the step (float or double).
+// Features of two moving triangles that may meet: a vertex and a face, two edges, or two triangles
+// folded about a common edge.
+//
+// If two triangles meet, but not at t = 0, one of their 15 features meets first. When a feature
+// meets, its four points lie in one plane, so that a cubic in time is zero. halvedVerdict() halves
+// the time interval until the signs of that cubic and of projected orientations are certain, in
+// float or double. integerSigns() has the exact signs of the cubic's coefficients for cases that
+// double leaves open.
 #pragma once
 
 #include <cstdint>
 
+#include "core/predicates/exact_integers.h"
 #include "core/predicates/swept_polynomials.h"
 #include "core/predicates/triangle_intersection.h"
 
@@ -15,7 +22,7 @@ enum class FeatureKind {
   kFold,        // triangles x[0] x[1] x[2] and x[0] x[1] x[3], on the same side of their edge
 };
 
-// Four moving points; where they meet, [x1 - x0, x2 - x0, x3 - x0] is 0.
+// Four moving points. Where they meet, the determinant [x1 - x0, x2 - x0, x3 - x0] is 0.
 struct Feature {
   FeatureKind kind;
   MovingPoint x[4];
@@ -23,8 +30,9 @@ struct Feature {
 
 constexpr int kFeatures = 15;
 
-// The features of two triangles: first vertices of b and the face of a, then vertices of a and the
-// face of b, then edges of a and of b. If they meet, but not at t = 0, one of these does.
+// Returns a feature of two triangles: vertices of b with the face of a (0 to 2), vertices of a with
+// the face of b (3 to 5), edges of a with edges of b (6 to 14). If they meet, but not at t = 0, one
+// of these meets.
 DCM_HD inline Feature featureOf(const MovingTriangle& a, const MovingTriangle& b, int index) {
   if (index < 3) {
     return {FeatureKind::kVertexFace, {a.point(0), a.point(1), a.point(2), b.point(index)}};
@@ -37,7 +45,7 @@ DCM_HD inline Feature featureOf(const MovingTriangle& a, const MovingTriangle& b
           {a.point(i), a.point(i == 2 ? 0 : i + 1), b.point(j), b.point(j == 2 ? 0 : j + 1)}};
 }
 
-// Whether the boxes of its two parts are apart at all times.
+// Returns whether the boxes of its two parts are apart at all times.
 DCM_HD inline bool areApart(const Feature& feature) {
   MovingBox a, b;
   a.include(feature.x[0]);
@@ -47,7 +55,7 @@ DCM_HD inline bool areApart(const Feature& feature) {
   return areApart(a, b);
 }
 
-// The same for all features of two triangles.
+// Makes that test for all features of two triangles, with boxes that are computed once.
 class FeatureBoxes {
  public:
   DCM_HD FeatureBoxes(const MovingTriangle& a, const MovingTriangle& b)
@@ -61,7 +69,7 @@ class FeatureBoxes {
     }
   }
 
-  // Of featureOf(a, b, index).
+  // Tests featureOf(a, b, index).
   DCM_HD bool areApart(int index) const {
     if (index < 3) return isApart(b_.point(index), face_a_);
     if (index < 6) return isApart(a_.point(index - 3), face_b_);
@@ -78,7 +86,7 @@ class FeatureBoxes {
   MovingBox face_a_, face_b_, edge_a_[3], edge_b_[3];
 };
 
-// A cubic that is zero where the four points lie in one plane; of any one sign.
+// Returns a cubic that is zero where the four points lie in one plane; its sign has no meaning.
 template <class Real>
 DCM_HD inline Cubic<Real> coplanarity(const Feature& feature) {
   const MovingVector<Real> u(feature.x[0], feature.x[1]), v(feature.x[0], feature.x[2]),
@@ -90,14 +98,15 @@ namespace detail {
 
 DCM_HD inline bool areOpposite(int a, int b) { return a * b < 0; }
 
-// The axis of the largest component of a normal halfway.
+// Returns the axis of the largest component of a normal halfway through the interval.
 template <class Real>
 DCM_HD inline int projectionAxis(const MovingVector<Real>& u, const MovingVector<Real>& v) {
   return longestAxis(crossOf(sumOf(u.from, u.to), sumOf(v.from, v.to)));
 }
 
 // A feature in an interval of time: its coplanarity D, and orientations of points projected along
-// one axis. Vertex-face abc, abp, bcp, cap; edge-edge pqa, pqb, abp, abq; fold pqa, pqb.
+// one axis. For vertex-face these are abc, abp, bcp, cap; for edge-edge pqa, pqb, abp, abq; for a
+// fold pqa, pqb.
 template <class Real>
 struct FeaturePiece {
   Cubic<Real> d;
@@ -110,7 +119,8 @@ struct FeaturePiece {
   }
 };
 
-// Whether the projections do not meet at any time of the interval: then nor do the parts.
+// Returns whether the projections certainly do not meet during the interval. Then the two parts do
+// not meet either.
 template <class Real>
 DCM_HD inline bool isApart(FeatureKind kind, const FeaturePiece<Real>& piece) {
   const int* const s = piece.sign;
@@ -122,9 +132,9 @@ DCM_HD inline bool isApart(FeatureKind kind, const FeaturePiece<Real>& piece) {
   return areOpposite(s[0], s[1]);
 }
 
-// Whether they meet certainly in the interval: D changes its sign, and where it vanishes the points
-// lie in one plane that the projection does not flatten (abc is the sum of the three others, and p
-// and q are on different sides of ab), in that order.
+// Returns whether the parts certainly meet in the interval: D changes its sign, and where it is
+// zero, the points lie in a plane that the projection does not flatten (abc is the sum of the other
+// three, and p and q are on different sides of ab), in that order.
 template <class Real>
 DCM_HD inline bool isInside(FeatureKind kind, const FeaturePiece<Real>& piece) {
   const int* const s = piece.sign;
@@ -135,7 +145,8 @@ DCM_HD inline bool isInside(FeatureKind kind, const FeaturePiece<Real>& piece) {
   return inside && areOpposite(piece.d.signAtStart(), piece.d.signAtEnd());
 }
 
-// The orientations in the whole step; false if they tell at once that it is apart.
+// Computes the orientations in the whole interval. Returns false if they show at once that the
+// parts are apart.
 template <class Real>
 DCM_HD inline bool setOrientations(const Feature& feature, FeaturePiece<Real>& piece) {
   const MovingPoint* const x = feature.x;
@@ -166,7 +177,7 @@ DCM_HD inline bool setOrientations(const Feature& feature, FeaturePiece<Real>& p
   return !isApart(feature.kind, piece);
 }
 
-// What halving adds to the errors of a feature's polynomials.
+// The errors that each halving adds to a feature's polynomials.
 template <class Real>
 struct ErrorsOfHalving {
   Real d, q[4];
@@ -177,7 +188,8 @@ struct ErrorsOfHalving {
   }
 };
 
-// The orientations in both halves; those of known sign keep it. `piece` becomes its left half.
+// Computes the orientations in both halves; those with a certain sign keep it. `piece` becomes its
+// left half.
 template <class Real>
 DCM_HD inline void halveOrientations(const ErrorsOfHalving<Real>& errors, FeaturePiece<Real>& piece,
                                      FeaturePiece<Real>& right) {
@@ -192,8 +204,8 @@ DCM_HD inline void halveOrientations(const ErrorsOfHalving<Real>& errors, Featur
 
 }  // namespace detail
 
-// When a feature first meets. kMeet: not before `low`, and somewhere in [low, high]; kApart: never;
-// kOpen: not before `low`.
+// The decision on a feature. kMeet: it meets first in [low, high], and not before. kApart: it never
+// meets. kOpen: it does not meet before `low`.
 struct FeatureVerdict {
   PartVerdict part = PartVerdict::kApart;
   float low = 0, high = 0;
@@ -203,8 +215,8 @@ constexpr int kMostHalvings = 24;  // times are multiples of 2^-24: exact in flo
 constexpr int kTimeHalvings = 21;  // first times are told to 2^-20, rounding included
 constexpr int kMostPieces = 200;
 
-// What halving tells of a feature with coplanarity `d`, not of one sign, in [0, until] alone.
-// Without `wants_time`, `high` is only some time by which it has met.
+// Decides a feature with coplanarity `d`, whose sign is not certain, in [0, until]. Without
+// `wants_time`, `high` is only some time by which it has met.
 template <class Real>
 DCM_HD inline FeatureVerdict halvedVerdict(const Feature& feature, const Cubic<Real>& d,
                                            bool wants_time, float until) {
@@ -244,5 +256,64 @@ DCM_HD inline FeatureVerdict halvedVerdict(const Feature& feature, const Cubic<R
     node = later[--count];
   }
 }
+
+// The exact signs' answer about the determinant [x1 - x0, x2 - x0, x3 - x0].
+enum class IntegerSigns {
+  kUnknown,       // several may vanish, or a root lies within, or the integers are too large
+  kNoRootWithin,  // it does not vanish in (0, 1); it may at 0 and at 1
+};
+
+#if DCM_INT128
+namespace detail {
+
+// Adds the determinant [u v w]; each number is less than 2^62 in size. The sum of three
+// determinants fits.
+DCM_HD inline void addDeterminant(Int192& sum, const std::int64_t u[3], const std::int64_t v[3],
+                                  const std::int64_t w[3]) {
+  sum.addProduct(static_cast<Int128>(v[1]) * w[2] - static_cast<Int128>(v[2]) * w[1], u[0]);
+  sum.addProduct(static_cast<Int128>(v[2]) * w[0] - static_cast<Int128>(v[0]) * w[2], u[1]);
+  sum.addProduct(static_cast<Int128>(v[0]) * w[1] - static_cast<Int128>(v[1]) * w[0], u[2]);
+}
+
+}  // namespace detail
+
+DCM_HD DCM_RARE inline IntegerSigns integerSigns(const Feature& feature) {
+  float x[24];
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      x[3 * i + k] = feature.x[i].from[k];
+      x[12 + 3 * i + k] = feature.x[i].to[k];
+    }
+  }
+  std::int64_t n[24];
+  if (!toIntegers(x, n)) return IntegerSigns::kUnknown;
+  for (int state = 0; state < 24; state += 12) {
+    for (int i = 3; i < 12; ++i) n[state + i] -= n[state + i % 3];
+  }
+  // Each Bernstein coefficient is a sum over the choices of which of the three differences are
+  // taken at the end of the interval.
+  int variations = 0, last = 0, first = 0;
+  for (int later = 0; later < 4; ++later) {
+    Int192 sum;
+    for (int which = 0; which < 8; ++which) {
+      const int u = which & 1, v = which >> 1 & 1, w = which >> 2;
+      if (u + v + w != later) continue;
+      detail::addDeterminant(sum, n + 12 * u + 3, n + 12 * v + 6, n + 12 * w + 9);
+    }
+    const int sign = sum.sign();
+    if (sign == 0) continue;
+    if (first == 0) first = sign;
+    variations += last != 0 && sign != last;
+    last = sign;
+  }
+  // By Descartes' rule of signs there are no more roots in (0, 1) than sign changes, unless the
+  // cubic is always zero.
+  return first != 0 && variations == 0 ? IntegerSigns::kNoRootWithin : IntegerSigns::kUnknown;
+}
+#else
+DCM_HD inline IntegerSigns integerSigns(const Feature& /*feature*/) {
+  return IntegerSigns::kUnknown;
+}
+#endif
 
 }  // namespace deformable_contact_monitor

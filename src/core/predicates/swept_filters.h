@@ -1,5 +1,6 @@
-// Filters of swept contacts: planes that move with one triangle, and directions along which two
-// triangles are apart at both ends of the step. Each tells what is certain for all times.
+// Filters of continuous collision detection: planes that move with one triangle, and fixed
+// directions along which two triangles are apart at both ends of the time interval. What they say
+// is certain for the whole interval.
 #pragma once
 
 #include "core/predicates/swept_polynomials.h"
@@ -7,8 +8,9 @@
 
 namespace deformable_contact_monitor {
 
-// The plane of a triangle in time. A vertex is strictly above it at all times if the determinant of
-// the triangle's edges and the vertex is positive, and below if it is negative.
+// The plane of a triangle, moving with it. A point is strictly above it at all times if the
+// determinant of the triangle's edges and the point is always positive, and below if it is always
+// negative.
 template <class Real>
 struct MovingPlane {
   MovingPoint origin;
@@ -20,7 +22,7 @@ struct MovingPlane {
                MovingVector<Real>(t.point(0), t.point(2))) {}
 };
 
-// The vertices of one triangle against the plane of the other.
+// The vertices of one triangle against the moving plane of the other.
 template <class Real>
 struct MovingSides {
   Cubic<Real> of[3];
@@ -31,13 +33,13 @@ struct MovingSides {
     determinantsOf(plane.normal, w, of);
   }
 
-  // Certainly strictly on one side of the plane at all times.
+  // Returns whether they are certainly strictly on one side of the plane at all times.
   DCM_HD bool areApart() const {
     const int side = of[0].sign();
     return side != 0 && of[1].sign() == side && of[2].sign() == side;
   }
 
-  // As KnownSides has them.
+  // Returns the certain sides at the start, in the form of KnownSides.
   DCM_HD void atStart(int side[3]) const {
     for (int i = 0; i < 3; ++i) side[i] = of[i].signAtStart();
   }
@@ -63,8 +65,9 @@ struct Recentred {
     }
   }
 
-  // 1: all of b lies certainly and strictly beyond all of a along n; -1: a beyond b; 0: open. A
-  // projection is off by 4 u of what `reach` projects to, in sizes; two of them, and slack.
+  // Returns 1 if all of b certainly lies strictly beyond all of a along n, -1 if a lies beyond b, 0
+  // if it is open. A projection is off by 4 u of the projection of `reach`; the bound has room for
+  // two of them.
   DCM_HD int order(const Vector<Real>& n) const {
     Real low_a = dotOf(n, a[0]), low_b = dotOf(n, b[0]), high_a = low_a, high_b = low_b;
     for (int i = 1; i < kCount; ++i) {
@@ -78,8 +81,8 @@ struct Recentred {
     return (low_b - high_a > error) - (low_a - high_b > error);
   }
 
-  // 1: b is certainly and strictly beyond the centre along n, and a strictly before it; -1: the
-  // other way round; 0: open.
+  // Returns 1 if b is certainly strictly beyond the centre along n and a strictly before it, -1 for
+  // the opposite, 0 if it is open.
   DCM_HD int sidesOfCentre(const Vector<Real>& n) const {
     const Real error = bound(n);
     bool a_before = true, a_beyond = true, b_before = true, b_beyond = true;
@@ -101,7 +104,7 @@ struct Recentred {
   }
 };
 
-// Two triangles in both states, recentred in each.
+// Two triangles in both states, each relative to a's first vertex.
 template <class Real>
 class FixedDirections {
  public:
@@ -114,8 +117,9 @@ class FixedDirections {
     }
   }
 
-  // Whether they are certainly apart along one of: the normals after half of the step, the
-  // difference of the centres there, the cross products of edges there.
+  // Returns whether they are certainly apart along one of twelve directions: the two normals
+  // halfway through the interval through the interval, the line of centres there, and the nine
+  // cross products of edges there.
   DCM_HD bool areApart() const {
     if (areApartAlong(crossOf(edge_a_[0], edge_a_[1])) ||
         areApartAlong(crossOf(edge_b_[0], edge_b_[1])) || areApartAlong(centres())) {
@@ -142,7 +146,8 @@ class FixedDirections {
     return n;
   }
 
-  // At both ends on the same side: differences of projections are linear in time.
+  // Tests one direction: apart at both ends, on the same side, means apart at all times, because
+  // differences of projections are linear in time.
   DCM_HD bool areApartAlong(const Vector<Real>& n) const {
     const int order = from_.order(n);
     return order != 0 && to_.order(n) == order;
@@ -152,16 +157,16 @@ class FixedDirections {
   Vector<Real> edge_a_[3], edge_b_[3];
 };
 
-// Of two triangles that share the vertex p: `a` and `b` are the two others. True if a plane through
-// p certainly has them strictly on its two sides at both ends of the step: then so it has, moving
-// with p, at all times.
+// Decides for two triangles that share the vertex p; `a` and `b` are their other vertices. Returns
+// true if a plane through p certainly has a and b strictly on its two sides at both ends of the
+// interval. Moving with p, it then separates them at all times.
 template <class Real>
 DCM_HD inline bool areApartAround(const MovingPoint& p, const MovingPoint a[2],
                                   const MovingPoint b[2]) {
   const Vec3f from_a[2] = {a[0].from, a[1].from}, from_b[2] = {b[0].from, b[1].from};
   const Vec3f to_a[2] = {a[0].to, a[1].to}, to_b[2] = {b[0].to, b[1].to};
   const Recentred<Real, 2> from(p.from, from_a, from_b), to(p.to, to_a, to_b);
-  Vector<Real> unit_a[2], unit_b[2];  // halfway
+  Vector<Real> unit_a[2], unit_b[2];  // halfway through the interval
   for (int i = 0; i < 2; ++i) {
     unit_a[i] = sumOf(from.a[i], to.a[i]);
     unit_b[i] = sumOf(from.b[i], to.b[i]);
@@ -172,7 +177,7 @@ DCM_HD inline bool areApartAround(const MovingPoint& p, const MovingPoint a[2],
       unit_b[i].x[k] /= length_b;
     }
   }
-  // The planes halfway between an edge of a and one of b, and the one between them all.
+  // Tries the planes halfway between an edge of a and an edge of b, and the one between all four.
   for (int i = 0; i < 5; ++i) {
     Vector<Real> n;
     for (int k = 0; k < 3; ++k) {

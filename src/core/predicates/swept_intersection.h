@@ -1,33 +1,36 @@
-// Do two moving triangles meet at some time of the step, and when first? What filters, the static
-// predicate at both ends and halving tell, in float or double, on both backends; what they leave
-// open is decided exactly on the host (swept_exact.h).
+// Decides whether two moving triangles meet at some time in [0, 1], and when first.
+//
+// Filters, the static predicate at both ends, and halving decide in float or double, on both
+// backends. What they leave open is decided exactly on the host (swept_exact.h).
 #pragma once
 
 #include "core/predicates/narrow_phase.h"
 #include "core/predicates/swept_feature.h"
 #include "core/predicates/swept_filters.h"
-#include "core/predicates/swept_integer_signs.h"
 
 namespace deformable_contact_monitor {
 
-// Filters change no exact verdict; tests leave out one at a time.
+// The filters as bits. They change no exact verdict; tests leave out one at a time.
 enum SweptFilters : unsigned {
   kMovingBoxes = 1,      // of triangles
   kMovingPlanes = 2,     // of triangles
   kFixedDirections = 4,  // of pairs
   kFeatureBoxes = 8,     // of features
-  kHalving = 16,         // of features' intervals, and the sign of their cubics
+  kHalving = 16,         // of features' time intervals, and the sign of their cubics
   kIntegerSigns = 32,    // of features' cubics
   kAllSweptFilters = 63,
 };
 
-// kMeet: certainly no contact in [0, first_low), certainly one in [first_low, first_high]; both are
-// 0 if they meet at the start, and unless times are wanted they only hold for that. kOpen: what is
-// certain of the features that are not in `open`, which has a bit for each of featureOf's, or
-// kWholePair: first_high is 2 if none of them meets.
+// The decision on a pair.
 //
-// In conservative and in fast mode nothing is open: what double (fast: float) arithmetic cannot
-// decide counts as contact, state.undecided is set, and the contact in [first_low, first_high] is
+// kMeet: there is certainly no contact in [0, first_low), and certainly one in [first_low,
+// first_high]; both are 0 for a contact at the start. Unless times are wanted, only the contact
+// itself is certain. kOpen: `open` has a bit for each feature of featureOf() that is not decided,
+// or kWholePair. The times are those of the features that are decided; first_high is 2 if none of
+// these meets.
+//
+// In conservative and fast mode no pair is open: if double (fast: float) arithmetic cannot decide,
+// the pair counts as contact, state.undecided is set, and a contact in [first_low, first_high] is
 // not certain.
 struct SweptVerdict {
   PartVerdict part = PartVerdict::kApart;
@@ -44,7 +47,7 @@ DCM_HD inline SweptVerdict meetsAt(float low, float high) {
   return {PartVerdict::kMeet, low, high, 0, false};
 }
 
-// Collects what features tell.
+// Collects the decisions on features.
 struct FirstMeeting {
   float low = 2, high = 2, open_low = 2;
   std::uint32_t open = 0;
@@ -78,7 +81,7 @@ struct FirstMeeting {
   }
 };
 
-// The static verdict: that of pairs that do not move.
+// Returns the verdict of discrete detection on one state.
 DCM_HD inline bool meetInState(const Triangle& a, const Triangle& b, const SharedVertices& shared,
                                PredicateState& state) {
   PairFacts facts;
@@ -86,13 +89,13 @@ DCM_HD inline bool meetInState(const Triangle& a, const Triangle& b, const Share
   return isCandidate(a, b, facts) && candidateVerdict(a, b, facts, state).contact;
 }
 
-// A contact at the start; one that is undecided may be none.
+// Returns a contact at the start; if it is undecided, there may be none.
 DCM_HD inline SweptVerdict meetsAtStart(const PredicateState& state) {
   return meetsAt(0, state.undecided ? 1.0F : 0.0F);
 }
 
-// A feature of a pair that does not meet at t = 0. `at_ends`: whether it may be left out if its
-// points lie in one plane at t = 0 or at t = 1 alone.
+// Decides a feature of a pair that does not meet at t = 0. `at_ends` says whether the feature may
+// be dropped if its points lie in one plane only at t = 0 or t = 1.
 template <class Real, unsigned kFilters>
 DCM_HD inline FeatureVerdict featureVerdict(const Feature& feature, const Cubic<Real>& d,
                                             bool at_ends, bool wants_time, float until,
@@ -127,7 +130,7 @@ DCM_HD inline SweptVerdict featuresVerdict(const MovingTriangle& a, const Moving
   return first.verdict(meets_at_end, state);
 }
 
-// Two triangles that share no vertex.
+// Decides two triangles that share no vertex, filter by filter.
 template <class Real, unsigned kFilters>
 DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const MovingTriangle& b,
                                            bool wants_time, PredicateState& state) {
@@ -162,9 +165,9 @@ DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const Moving
 
 }  // namespace detail
 
-// Of two triangles with finite vertices, neither of whose vertices is shared: without motion the
-// static verdict. Real: double; or float, on devices where double is slow, and in fast mode. Times
-// are told to 2^-20.
+// Decides two triangles with finite vertices that share none. If they do not move, it returns the
+// static verdict. Real is double; or float, on devices where double is slow and in fast mode. Times
+// are right to 2^-20.
 template <class Real, unsigned kFilters = kAllSweptFilters>
 DCM_HD inline SweptVerdict quickSweptVerdict(const MovingTriangle& a, const MovingTriangle& b,
                                              bool wants_time, PredicateState& state) {

@@ -1,17 +1,19 @@
-// May two triangles that move on straight lines come within a pad of one another? Of links, whose
-// true ways are arcs: their points stay within the pad of the straight ones.
+// Decides whether two triangles that move on straight lines come within a motion bound ("pad") of
+// each other. The bound is for links that rotate: their points move on arcs, and stay within the
+// bound of the straight lines.
 //
-// Two triangles are more than a pad apart at all times of an interval if, along some direction n
-// that does not change, one lies further beyond the other than pad |n| at both ends: differences of
-// projections are linear in time. The direction is that of their shortest distance in the middle of
-// the interval, so that nothing is lost but what the motion turns it by. Intervals are halved,
-// earlier halves first, until all are apart or one is short and still open.
+// Two triangles are more than the pad apart during an interval if, along some fixed direction n,
+// one lies beyond the other by more than pad |n| at both ends: differences of projections are
+// linear in time. n is the direction of their shortest distance in the middle of the interval, so
+// that the test only loses what this direction rotates. Intervals are halved, earlier halves first,
+// until all are apart, or one is short and still open.
 //
-// Rounding, with u = 2^-53 and m the largest size of a coordinate after recentring: that leaves u m
-// in it, its difference of two states 4 u m, interpolation 8 u m. A projection is off by 3 u more
-// of s, the sum of |n_k| m_k; so two of them and their difference by less than 24 u s. |n| is right
-// to 4 u. Nothing overflows: coordinates are below 2^129, a direction below 2^260. Where it is
-// above 2^-300, underflow is far less than what the slack below leaves of pad |n|.
+// Rounding, with u = 2^-53 and m the largest size of a coordinate relative to a's first vertex: the
+// subtraction leaves u m, the difference of two states 4 u m, interpolation 8 u m. A projection is
+// off by 3 u more of s, the sum of |n_k| m_k; two projections and their difference are off by less
+// than 24 u s. |n| is right to 4 u. Nothing overflows: coordinates are below 2^129, a direction
+// below 2^260. Where the direction is above 2^-300, underflow is far less than the room that the
+// constants below leave.
 #pragma once
 
 #include <cmath>
@@ -21,6 +23,7 @@
 
 namespace deformable_contact_monitor {
 
+// The decision on a pair.
 struct PadVerdict {
   bool may_touch = false;
   float first_low = 0;  // certainly more than the pad apart in [0, first_low)
@@ -28,11 +31,13 @@ struct PadVerdict {
 
 namespace detail {
 
+// Returns x / whole, clamped to [0, 1].
 DCM_HD inline double partOf(double x, double whole) {
   return whole > 0 ? least(most(x / whole, 0.0), 1.0) : 0.0;
 }
 
-// The shortest way so far from one set of points to another, of a length that is told apart.
+// The shortest vector so far from one set of points to another. Its length is kept apart, because
+// `way` may have any length.
 struct ShortestWay {
   Vec3d way;
   double squared = INFINITY;
@@ -43,7 +48,7 @@ struct ShortestWay {
     way = along;
   }
 
-  // From the segment p, p + u to the segment q, q + v.
+  // Tries the segment from p to p + u with the segment from q to q + v.
   DCM_HD void trySegments(const Vec3d& p, const Vec3d& u, const Vec3d& q, const Vec3d& v) {
     const Vec3d w = p - q;
     const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), uw = dot(u, w), vw = dot(v, w);
@@ -54,7 +59,7 @@ struct ShortestWay {
     take(dot(along, along), along);
   }
 
-  // From a point to the inside of a triangle, times `sign`.
+  // Tries the point p with the inside of a triangle; the vector is multiplied by `sign`.
   DCM_HD void tryFace(const Vec3d& p, const Vec3d (&t)[3], double sign) {
     const Vec3d normal = cross(t[1] - t[0], t[2] - t[0]);
     bool inside = true;
@@ -79,7 +84,7 @@ class RecentredPair {
     }
   }
 
-  // Whether they are certainly more than the pad apart from one time to another.
+  // Returns whether they are certainly more than the pad apart from time `low` to time `high`.
   DCM_HD bool areApart(double low, double high, float pad_m) const {
     const Vec3d n = wayAt((low + high) * 0.5);
     return isBeyond(n, low, pad_m) && isBeyond(n, high, pad_m);
@@ -98,7 +103,8 @@ class RecentredPair {
     reach_.z = most(reach_.z, most(fabs(from.z), fabs(to.z)));
   }
 
-  // Along their shortest distance, from a to b; anything where they intersect.
+  // Returns a vector along their shortest distance, from a to b. Where they intersect, it has no
+  // meaning.
   DCM_HD Vec3d wayAt(double time) const {
     Vec3d a[3], b[3];
     for (int i = 0; i < 3; ++i) {
@@ -117,7 +123,7 @@ class RecentredPair {
     return shortest.way;
   }
 
-  // Whether b is certainly beyond a along n, by more than the pad.
+  // Returns whether b is certainly beyond a along n, by more than the pad.
   DCM_HD bool isBeyond(const Vec3d& n, double time, float pad_m) const {
     double high_a = -INFINITY, low_b = INFINITY;
     for (int i = 0; i < 3; ++i) {
@@ -162,9 +168,9 @@ DCM_HD DCM_RARE inline PadVerdict orderedWithinPad(const MovingTriangle& a, cons
 
 }  // namespace detail
 
-// may_touch is false only if the two, with finite vertices, are certainly more than `pad_m` apart
-// at all times of the step; the pad is > 0. The same bits on host and device, and with a and b
-// swapped.
+// Decides two triangles with finite vertices. may_touch is false only if they are certainly more
+// than `pad_m` > 0 apart at all times of the interval. The result has the same bits on host and
+// device, and with a and b swapped.
 DCM_HD inline PadVerdict withinPad(const MovingTriangle& a, const MovingTriangle& b, float pad_m) {
   MovingBox grown = boxOf(a);
   grown.from = inflated(grown.from, pad_m);

@@ -1,16 +1,95 @@
-// Orientation determinants of moving points as polynomials in time, with their errors. Real is
-// float or double; for what determinantsOf takes also a vector of floats, for several at once.
+// Polynomials in time, in Bernstein form, with a bound on the error of their coefficients; and the
+// orientation determinants of moving points as such polynomials.
 //
-// A difference of coordinates carries u (half an ulp); a term of a 3 x 3 determinant 3 u from
-// differences, 3 u from products and the difference of products, 2 u from sums; sums of up to three
-// determinants 2 u more: at most 10 u of the sum of the terms' sizes, and 12 u covers what is of
-// second order. Of 2 x 2 determinants it is 5 u, and 6 u.
+// A polynomial on [0, 1] lies between the least and the greatest of its Bernstein coefficients, so
+// that its sign is certain if all coefficients have it. Its coefficients on half of the interval
+// are means of them (de Casteljau's algorithm). Real is float or double; for what determinantsOf()
+// takes it may also be a vector of floats.
+//
+// Error bounds, in units u of half an ulp: a difference of coordinates has 1 u; a term of a 3 x 3
+// determinant has 3 u from differences, 3 u from products and from the difference of products, and
+// 2 u from sums; sums of up to three determinants add 2 u. Together these are at most 10 u of the
+// sum of the terms' sizes, and 12 u covers the terms of second order. A 2 x 2 determinant has 5 u,
+// bounded by 6 u.
 #pragma once
 
-#include "core/predicates/bernstein.h"
 #include "core/predicates/swept_triangle.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
+
+// Constants that bound errors in Real: kUnit is half the distance from 1 to the next number;
+// kProduct and kSum cover products that underflow. In double none does: terms are multiples of
+// 2^-447 and at most 2^400.
+template <class Real>
+struct Rounding {
+  static constexpr double kUnit = 1.0 / 9007199254740992;  // 2^-53
+  static constexpr double kProduct = 0, kSum = 0;
+};
+template <>
+struct Rounding<float> {
+  static constexpr float kUnit = 1.0F / 16777216;  // 2^-24
+  static constexpr float kProduct = 1e-37F, kSum = 1e-36F;
+};
+
+template <class Real>
+DCM_HD inline Real sizeOf(Real x) {
+  return most(x, -x);
+}
+
+// Returns 1 or -1 if the sign is certain, 0 if it is open. Infinite and NaN errors leave it open.
+template <class Real>
+DCM_HD inline int certainSign(Real value, Real error) {
+  return (value > error) - (value < -error);
+}
+
+// A polynomial with kDegree + 1 Bernstein coefficients, each off by at most `error`.
+template <class Real, int kDegree>
+struct Bernstein {
+  Real c[kDegree + 1];
+  Real error;
+
+  // Returns 1 or -1 if the polynomial certainly has that sign on the whole closed interval, 0 if it
+  // is open.
+  DCM_HD int sign() const {
+    Real low = c[0], high = c[0];
+    for (int i = 1; i <= kDegree; ++i) {
+      low = least(low, c[i]);
+      high = most(high, c[i]);
+    }
+    return (low > error) - (high < -error);
+  }
+  DCM_HD int signAtStart() const { return certainSign(c[0], error); }
+  DCM_HD int signAtEnd() const { return certainSign(c[kDegree], error); }
+
+  // Returns what one halving adds to the error, at most, for the part of this polynomial on any
+  // interval: each of the degree's levels rounds sums of numbers that are no larger than the
+  // largest coefficient.
+  DCM_HD Real errorOfHalving() const {
+    Real largest = 0;
+    for (int i = 0; i <= kDegree; ++i) largest = most(largest, sizeOf(c[i]));
+    return (kDegree + 1) * Rounding<Real>::kUnit * largest;
+  }
+
+  // Computes the polynomials on both halves; `left` or `right` may be this object. `more` is
+  // errorOfHalving() of the polynomial that halving began with.
+  DCM_HD void halve(Real more, Bernstein& left, Bernstein& right) const {
+    Real row[kDegree + 1];
+    for (int i = 0; i <= kDegree; ++i) row[i] = c[i];
+    const Real larger_error = error + more;
+    for (int level = 0; level <= kDegree; ++level) {
+      left.c[level] = row[0];
+      right.c[kDegree - level] = row[kDegree - level];
+      for (int i = 0; i < kDegree - level; ++i) row[i] = (row[i] + row[i + 1]) * Real(0.5);
+    }
+    left.error = right.error = larger_error;
+  }
+};
+
+template <class Real>
+using Cubic = Bernstein<Real, 3>;
+template <class Real>
+using Quadratic = Bernstein<Real, 2>;
 
 template <class Real>
 struct Vector {
@@ -31,13 +110,13 @@ DCM_HD inline Vector<Real> crossOf(const Vector<Real>& u, const Vector<Real>& v)
            u.x[0] * v.x[1] - u.x[1] * v.x[0]}};
 }
 
-// The sum of two vectors, as a direction: where they are after half of the step.
+// Returns the sum of two vectors. As a direction it is where they are halfway.
 template <class Real>
 DCM_HD inline Vector<Real> sumOf(const Vector<Real>& u, const Vector<Real>& v) {
   return {{u.x[0] + v.x[0], u.x[1] + v.x[1], u.x[2] + v.x[2]}};
 }
 
-// The difference of two moving points, at both ends of the step.
+// The difference of two moving points, at both ends of the time interval.
 template <class Real>
 struct MovingVector {
   Vector<Real> from, to;
@@ -48,8 +127,8 @@ struct MovingVector {
       : from(between<Real>(a.from, b.from)), to(between<Real>(a.to, b.to)) {}
 };
 
-// The cross product n of two moving vectors: n(0), 2 b1, n(1) of its quadratic components, and the
-// sums of their terms' sizes.
+// The cross product n of two moving vectors, which is quadratic in time: n(0), twice its middle
+// Bernstein coefficient, n(1), and the sums of the sizes of their terms.
 template <class Real>
 struct MovingNormal {
   Vector<Real> n[3], size[3];
@@ -71,7 +150,7 @@ struct MovingNormal {
     }
   }
 
-  // Four times n(1/2).
+  // Returns four times n(1/2).
   DCM_HD Vector<Real> middle() const {
     Vector<Real> m;
     for (int k = 0; k < 3; ++k) m.x[k] = n[0].x[k] + n[1].x[k] + n[2].x[k];
@@ -79,7 +158,7 @@ struct MovingNormal {
   }
 };
 
-// The coordinate axis along which a vector is longest.
+// Returns the coordinate axis along which a vector is longest.
 template <class Real>
 DCM_HD inline int longestAxis(const Vector<Real>& v) {
   const Real x = sizeOf(v.x[0]), y = sizeOf(v.x[1]), z = sizeOf(v.x[2]);
@@ -96,14 +175,15 @@ DCM_HD inline Real sizeOfDot(const Vector<Real>& size, const Vector<Real>& w) {
   return size.x[0] * sizeOf(w.x[0]) + size.x[1] * sizeOf(w.x[1]) + size.x[2] * sizeOf(w.x[2]);
 }
 
-// Not a number if one of them is infinite or not a number: then nothing is certain.
+// Returns the greatest of four numbers, or NaN if one of them is infinite or NaN: then nothing is
+// certain.
 template <class Real>
 DCM_HD inline Real greatest(Real a, Real b, Real c, Real d) {
   const Real m = most(most(a, b), most(c, d));
   return Rounding<Real>::kSum > 0 ? m + (a + b + c + d) * 0 : m;
 }
 
-// Three times the determinant [u v w], where n = u x v; but for its error.
+// Computes three times the determinant [u v w], where n = u x v, without its error.
 template <class Real>
 DCM_HD inline void setDeterminant(const MovingNormal<Real>& n, const MovingVector<Real>& w,
                                   Cubic<Real>& d) {
@@ -124,7 +204,8 @@ DCM_HD inline Cubic<Real> determinantOf(const MovingNormal<Real>& n, const Movin
   return d;
 }
 
-// The same of three vectors w. One error for them all, of their largest components.
+// Computes the determinants for three vectors w, with one error for them all, from their largest
+// components.
 template <class Real>
 DCM_HD inline void determinantsOf(const MovingNormal<Real>& n, const MovingVector<Real> (&w)[3],
                                   Cubic<Real> (&d)[3]) {
@@ -143,7 +224,7 @@ DCM_HD inline void determinantsOf(const MovingNormal<Real>& n, const MovingVecto
   }
 }
 
-// Twice the determinant of the projections of u and v along `axis`.
+// Returns twice the determinant of the projections of u and v along `axis`.
 template <class Real>
 DCM_HD inline Quadratic<Real> projectedDeterminant(const MovingVector<Real>& u,
                                                    const MovingVector<Real>& v, int axis) {

@@ -1,5 +1,5 @@
 // Points and triangles that move on straight lines from one state (t = 0) to the next (t = 1), and
-// the boxes that move with them.
+// boxes that move with them.
 #pragma once
 
 #include "core/predicates/aabb.h"
@@ -8,7 +8,7 @@
 
 namespace deformable_contact_monitor {
 
-// At time t in [0, 1] it is at from + t (to - from), in real numbers.
+// A point that is at from + t (to - from) at time t in [0, 1], in real numbers.
 struct MovingPoint {
   Vec3f from, to;
 };
@@ -25,15 +25,16 @@ struct MovingTriangle {
   DCM_HD MovingPoint point(int i) const { return {from.v[i], to.v[i]}; }
 };
 
-// Others take no part in swept contacts.
+// Triangles that are not finite take no part in continuous detection.
 DCM_HD inline bool isFinite(const MovingTriangle& t) { return isFinite(t.from) && isFinite(t.to); }
 
+// Returns whether the triangle does not move.
 DCM_HD inline bool isStill(const MovingTriangle& t) {
   return t.from.v[0] == t.to.v[0] && t.from.v[1] == t.to.v[1] && t.from.v[2] == t.to.v[2];
 }
 
-// By equality of coordinates as received, in both states: points that coincide in one state only
-// are two points.
+// Finds the shared vertices by equal coordinates as received, in both states. Points that coincide
+// in one state only are two points.
 DCM_HD inline SharedVertices sharedTrajectories(const MovingTriangle& a, const MovingTriangle& b) {
   SharedVertices shared;
   for (int i = 0; i < 3; ++i) {
@@ -44,7 +45,7 @@ DCM_HD inline SharedVertices sharedTrajectories(const MovingTriangle& a, const M
   return shared;
 }
 
-// At each time its content lies in the box between the two at that time.
+// A box that moves: at each time its content lies in the box that is interpolated between the two.
 struct MovingBox {
   Aabb from, to;
 
@@ -60,21 +61,22 @@ struct MovingBox {
 
 DCM_HD inline MovingBox boxOf(const MovingTriangle& t) { return {boxOf(t.from), boxOf(t.to)}; }
 
-// Grown by `distance` >= 0 at all times.
+// Returns the box grown by `distance` >= 0 [m] at all times.
 DCM_HD inline MovingBox inflated(const MovingBox& box, float distance) {
   return {inflated(box.from, distance), inflated(box.to, distance)};
 }
 
-// Of all that the content passes.
+// Returns the box of all points that the content passes.
 DCM_HD inline Aabb sweptBox(const MovingBox& box) {
   Aabb all = box.from;
   all.include(box.to);
   return all;
 }
 
-// Whether a is below b, strictly, at both ends of the step, or above it at both, along some axis:
-// then so they are at all times, for differences of coordinates are linear in time. Comparisons
-// alone; with an infinite or NaN bound, if anything, false. Single & on purpose, as in intersects.
+// Returns whether, along some axis, a is strictly below b at both ends of the interval, or above it
+// at both. Then they are so at all times, because differences of coordinates are linear in time. It
+// only compares. If a bound is infinite or NaN, the answer is false. It uses & instead of && as
+// intersects() does.
 DCM_HD inline bool areApart(const MovingBox& a, const MovingBox& b) {
   return ((a.from.max.x < b.from.min.x) & (a.to.max.x < b.to.min.x)) |
          ((b.from.max.x < a.from.min.x) & (b.to.max.x < a.to.min.x)) |
@@ -84,7 +86,7 @@ DCM_HD inline bool areApart(const MovingBox& a, const MovingBox& b) {
          ((b.from.max.z < a.from.min.z) & (b.to.max.z < a.to.min.z));
 }
 
-// For all that these comparisons tell, they may at some time.
+// Returns whether they may intersect at some time, as far as these comparisons can tell.
 DCM_HD inline bool intersects(const MovingBox& a, const MovingBox& b) { return !areApart(a, b); }
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,5 @@
-// Triangles as closed convex hulls of three points; segments and points included.
+// Triangles, as closed convex hulls of three points [m]. Segments and points are degenerate
+// triangles.
 #pragma once
 
 #include "core/host_device.h"
@@ -14,7 +15,7 @@ DCM_HD inline bool isFinite(const Triangle& t) {
   return isFinite(t.v[0]) && isFinite(t.v[1]) && isFinite(t.v[2]);
 }
 
-// The mean of three vertices, rounded: for clustering, never for verdicts.
+// Returns the mean of three vertices, rounded. It is used for clustering, never for verdicts.
 DCM_HD inline Vec3f centroidOf(const Vec3f v[3]) { return (v[0] + v[1] + v[2]) * (1.0F / 3); }
 
 }  // namespace deformable_contact_monitor

@@ -1,12 +1,12 @@
-// Distance between triangles that do not intersect, for margins.
+// The distance between triangles that do not intersect, for margins.
 //
 // The nearest points of two such triangles are two vertices, or a vertex and a point of an edge or
-// of a face, or points of two edges. Where the perpendicular falls into that edge or face, each of
-// these distances is a quotient of determinants of the coordinates. Those are computed in double,
-// and exactly where too much would cancel: else a vertex at 1e30 would leave nothing but rounding
-// noise. So the result is right to a part in 2^28 for every finite float32 input; and it is made of
-// + - * / fma and sqrt, which round alike on host and device, so it is the same on both, bit by
-// bit. Nothing overflows or underflows: squares of determinants lie between 2^-894 and 2^780.
+// a face, or points of two edges. Where the perpendicular meets that edge or face, each of these
+// distances is a quotient of determinants of the coordinates. These are computed in double, and
+// exactly where too much would cancel: otherwise a vertex at 1e30 would leave nothing but rounding
+// noise. So the result is right to 2^-28 of itself for all finite float32 input. It is made of + -
+// * / fma and sqrt, which round alike on host and device, so that both get the same bits. Nothing
+// overflows or underflows: squares of determinants lie between 2^-894 and 2^780.
 #pragma once
 
 #include <cmath>
@@ -19,10 +19,11 @@ namespace deformable_contact_monitor {
 
 namespace detail {
 
-// A determinant in double that is at least this share of its terms is right to a part in 2^29.
+// A determinant in double that is at least this fraction of the sum of its terms is right to 2^-29
+// of itself.
 constexpr double kEnough = 1.0 / (1 << 20);
 
-// (b - a)_i (d - c)_j - (b - a)_j (d - c)_i. Products of two float32 are exact in double.
+// Returns (b - a)_i (d - c)_j - (b - a)_j (d - c)_i. Products of two float32 are exact in double.
 DCM_HD inline double exactCrossComponent(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                          const Vec3f& d, int i, int j) {
   Expansion<8> sum;
@@ -43,14 +44,14 @@ DCM_HD DCM_RARE inline Vec3d exactCross(const Vec3f& a, const Vec3f& b, const Ve
           exactCrossComponent(a, b, c, d, 0, 1)};
 }
 
-// (b - a) x (d - c).
+// Returns (b - a) x (d - c).
 DCM_HD inline Vec3d crossOf(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
   const Vec3d u = toDouble(b) - toDouble(a), v = toDouble(d) - toDouble(c);
   const double m1 = u.y * v.z, m2 = u.z * v.y, m3 = u.z * v.x;
   const double m4 = u.x * v.z, m5 = u.x * v.y, m6 = u.y * v.x;
   const Vec3d n{m1 - m2, m3 - m4, m5 - m6};
-  // Each component by itself: beside a needle's long edge the one that tells a side may be far less
-  // than the others.
+  // Each component is checked by itself: beside the long edge of a needle, the one that decides a
+  // side may be far smaller than the others.
   const bool enough = fabs(n.x) >= kEnough * (fabs(m1) + fabs(m2)) &&
                       fabs(n.y) >= kEnough * (fabs(m3) + fabs(m4)) &&
                       fabs(n.z) >= kEnough * (fabs(m5) + fabs(m6));
@@ -62,14 +63,14 @@ DCM_HD DCM_RARE inline double exactVolume(const Vec3f& a, const Vec3f& b, const 
   return expandedOrient3d(a, b, c, d).value();
 }
 
-// det[b - a; c - a; d - a].
+// Returns det[b - a; c - a; d - a].
 DCM_HD inline double volumeOf(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
   double permanent;
   const double volume = orient3dDouble(a, b, c, d, permanent);
   return fabs(volume) >= kEnough * permanent ? volume : exactVolume(a, b, c, d);
 }
 
-// Of p to the segment from q to r; `area` is (q - p) x (r - q).
+// Returns the squared distance of p from the segment from q to r; `area` is (q - p) x (r - q).
 DCM_HD inline double squaredToSegment(const Vec3f& p, const Vec3f& q, const Vec3f& r,
                                       const Vec3d& area) {
   const Vec3d from_q = toDouble(p) - toDouble(q), from_r = toDouble(p) - toDouble(r);
@@ -79,8 +80,9 @@ DCM_HD inline double squaredToSegment(const Vec3f& p, const Vec3f& q, const Vec3
   return dot(area, area) / dot(along, along);
 }
 
-// Twice the area, as a normal, of each vertex of `t` with each edge of `u`: [i][j] is
-// (u_j - t_i) x (u_j+1 - u_j). What side of that edge the vertex is on, seen along any direction.
+// Twice the area, as a normal vector, of each vertex of `t` with each edge of `u`: of[i][j] is (u_j
+// - t_i) x (u_j+1 - u_j). It tells on which side of the edge the vertex lies, seen along any
+// direction.
 struct VertexEdgeAreas {
   Vec3d of[3][3];
 
@@ -93,7 +95,7 @@ struct VertexEdgeAreas {
   }
 };
 
-// The least of the vertices of `t` to the edges and the face of `u`.
+// Returns the least squared distance of the vertices of `t` from the edges and the face of `u`.
 DCM_HD inline double squaredVertexDistance(const Triangle& t, const Triangle& u,
                                            const VertexEdgeAreas& areas) {
   const Vec3d normal = crossOf(u.v[0], u.v[1], u.v[1], u.v[2]);
@@ -114,7 +116,8 @@ DCM_HD inline double squaredVertexDistance(const Triangle& t, const Triangle& u,
   return least2;
 }
 
-// The least of edges of `t` and edges of `u` where the perpendicular to both meets both.
+// Returns the least squared distance of edges of `t` and edges of `u` whose common perpendicular
+// meets both.
 DCM_HD inline double squaredEdgeDistance(const Triangle& t, const Triangle& u,
                                          const VertexEdgeAreas& t_areas,
                                          const VertexEdgeAreas& u_areas) {
@@ -125,7 +128,7 @@ DCM_HD inline double squaredEdgeDistance(const Triangle& t, const Triangle& u,
       const int j_next = j == 2 ? 0 : j + 1;
       const Vec3d normal = crossOf(t.v[i], t.v[i_next], u.v[j], u.v[j_next]);
       const double size2 = dot(normal, normal);
-      // Each edge's ends on different sides of the other edge, seen along the normal.
+      // The ends of each edge must lie on different sides of the other edge, seen along the normal.
       if (size2 > 0 && dot(t_areas.of[i][j], normal) >= 0 &&
           dot(t_areas.of[i_next][j], normal) <= 0 && dot(u_areas.of[j][i], normal) <= 0 &&
           dot(u_areas.of[j_next][i], normal) >= 0) {
@@ -137,6 +140,8 @@ DCM_HD inline double squaredEdgeDistance(const Triangle& t, const Triangle& u,
   return least2;
 }
 
+// Orders triangles by their coordinates, so that results do not depend on the order of the
+// arguments.
 DCM_HD inline bool precedes(const Triangle& a, const Triangle& b) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
@@ -153,8 +158,8 @@ DCM_HD inline double orderedSeparation(const Triangle& a, const Triangle& b) {
             least(squaredVertexDistance(a, b, a_areas), squaredVertexDistance(b, a, b_areas))));
 }
 
-// Whether all vertices of `t` are certainly on one side of the plane of `u`, and farther from it
-// than `distance`.
+// Returns whether all vertices of `t` are certainly on one side of the plane of `u`, and farther
+// from it than `distance`.
 DCM_HD inline bool isBeyondPlane(const Triangle& t, const Triangle& u, double distance) {
   const Vec3d o = toDouble(u.v[0]), p = toDouble(u.v[1]) - o, q = toDouble(u.v[2]) - o;
   const double m1 = p.y * q.z, m2 = p.z * q.y, m3 = p.z * q.x;
@@ -178,13 +183,14 @@ DCM_HD inline bool isBeyondPlane(const Triangle& t, const Triangle& u, double di
 
 }  // namespace detail
 
-// Whether the plane of one certainly keeps the other farther away than `distance` [m].
+// Returns whether the plane of one triangle certainly keeps the other one farther away than
+// `distance` [m].
 DCM_HD inline bool arePlanesApart(const Triangle& a, const Triangle& b, double distance) {
   return detail::isBeyondPlane(a, b, distance) || detail::isBeyondPlane(b, a, distance);
 }
 
-// [m], for triangles known not to intersect, degenerate ones included; the same for (b, a), bit by
-// bit.
+// Returns the distance [m] of two triangles that do not intersect, degenerate ones included. The
+// result for (b, a) has the same bits.
 DCM_HD DCM_RARE inline double separation(const Triangle& a, const Triangle& b) {
   const bool swap = detail::precedes(b, a);
   return detail::orderedSeparation(swap ? b : a, swap ? a : b);

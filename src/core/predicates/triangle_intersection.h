@@ -1,12 +1,15 @@
-// Do two triangles, as closed sets, intersect? The narrow phase.
+// Decides whether two triangles, as closed sets, intersect.
+//
+// quickIntersection() decides with filters alone; robustIntersection() decides all pairs. Triangles
+// in general position follow Guigue and Devillers; special positions are reduced to tests of edges.
 #pragma once
 
 #include "core/predicates/segment_intersection.h"
 
 namespace deformable_contact_monitor {
 
-// True iff some edge of one meets the other: for closed triangles of any shape that is the same as
-// intersecting.
+// Returns whether some edge of one triangle meets the other. For closed triangles of any shape this
+// is the same as intersecting.
 DCM_HD inline bool edgesMeetTriangles(const Triangle& a, const Triangle& b, PredicateState& state) {
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1;
@@ -18,8 +21,8 @@ DCM_HD inline bool edgesMeetTriangles(const Triangle& a, const Triangle& b, Pred
   return false;
 }
 
-// Turns a triangle with the given sides (none zero, not all alike) of the other's plane so that its
-// first vertex is the one alone on its side; returns that side.
+// Rotates the vertices of a triangle so that the first one is alone on its side of the other's
+// plane, and returns that side. No side may be zero, and not all may be equal.
 DCM_HD inline int loneVertexFirst(Triangle& t, const int side[3]) {
   if (side[0] == side[1]) {
     t = {{t.v[2], t.v[0], t.v[1]}};
@@ -32,18 +35,18 @@ DCM_HD inline int loneVertexFirst(Triangle& t, const int side[3]) {
   return side[0];
 }
 
-// Sides of a plane that are known already: 1, -1, or 0 for those that are not.
+// Sides of planes that are already known: 1, -1, or 0 if not known.
 struct KnownSides {
   int a[3] = {0, 0, 0};  // of a's vertices, of b's plane
   int b[3] = {0, 0, 0};  // of b's vertices, of a's plane
 };
 
-// What a part of the test can say.
+// The answer of a part of the test; kOpen: it cannot tell.
 enum class PartVerdict { kApart, kMeet, kOpen };
 
 namespace detail {
 
-// Fills in the sides of `points` of the plane of t that are not known, by orient(a, b, c, d).
+// Fills in the unknown sides of `points` of the plane of t, by orient(a, b, c, d).
 template <class Orient>
 DCM_HD inline void fillSides(const Triangle& t, const Triangle& points, int side[3],
                              const Orient& orient) {
@@ -62,9 +65,9 @@ DCM_HD inline bool strictlyOnOneSide(const int side[3]) {
   return isStrict(side[0]) && side[0] == side[1] && side[0] == side[2];
 }
 
-// Both triangles cross the other's plane with no vertex on it: their intervals on the common line
-// overlap iff two determinants say so (Guigue and Devillers, "Fast and Robust Triangle-Triangle
-// Overlap Test Using Orientation Predicates", 2003).
+// Decides two triangles that cross each other's planes with no vertex on them. Their intervals on
+// the common line overlap iff two determinants say so (Guigue and Devillers, "Fast and Robust
+// Triangle-Triangle Overlap Test Using Orientation Predicates", 2003).
 template <class Orient>
 DCM_HD inline PartVerdict crossingVerdict(Triangle a, const int side_a[3], Triangle b,
                                           const int side_b[3], const Orient& orient) {
@@ -79,7 +82,8 @@ DCM_HD inline PartVerdict crossingVerdict(Triangle a, const int side_a[3], Trian
   return first == kUncertain || second == kUncertain ? PartVerdict::kOpen : PartVerdict::kMeet;
 }
 
-// By an orientation that may answer kUncertain; open also if a vertex is on the other's plane.
+// Decides by an orientation that may be kUncertain. The answer is open too if a vertex is on the
+// other's plane.
 template <class Orient>
 DCM_HD inline PartVerdict generalVerdict(const Triangle& a, const Triangle& b, KnownSides& side,
                                          const Orient& orient) {
@@ -117,8 +121,8 @@ DCM_HD inline bool edgeLineSeparates(const Triangle& t, const Vec3f* points, int
   return false;
 }
 
-// A segment in the plane of t: they are disjoint iff a line along the segment or along an edge
-// separates them, for the edges of their Minkowski difference are parallel to these.
+// Decides for a segment in the plane of t. They are disjoint iff a line along the segment or along
+// an edge separates them, because the edges of their Minkowski difference are parallel to these.
 DCM_HD inline bool coplanarSegmentMeets(const Vec3f& p, const Vec3f& q, const Triangle& t, int axis,
                                         PredicateState& state) {
   const Vec3f ends[2] = {p, q};
@@ -128,8 +132,8 @@ DCM_HD inline bool coplanarSegmentMeets(const Vec3f& p, const Vec3f& q, const Tr
          orient2d(p, q, t.v[2], axis, state) != side;
 }
 
-// Does some edge of t meet u, which has area along `axis`? `side`: of t's vertices of u's plane;
-// not all are zero.
+// Returns whether some edge of t meets u, which has area along `axis`. `side` has the sides of t's
+// vertices of u's plane; not all are zero.
 DCM_HD inline bool edgesMeet(const Triangle& t, const int side[3], const Triangle& u, int axis,
                              PredicateState& state) {
   for (int i = 0; i < 3; ++i) {
@@ -142,7 +146,7 @@ DCM_HD inline bool edgesMeet(const Triangle& t, const int side[3], const Triangl
     } else if (side[i] == 0) {
       meets = pointInTriangle(p, u, axis, state);
     } else if (side[j] == 0) {
-      meets = false;  // its turn comes with the next edge
+      meets = false;  // the next edge tests this vertex
     } else {
       meets = sameSide(orient3d(p, q, u.v[0], u.v[1], state), orient3d(p, q, u.v[1], u.v[2], state),
                        orient3d(p, q, u.v[2], u.v[0], state));
@@ -154,8 +158,8 @@ DCM_HD inline bool edgesMeet(const Triangle& t, const int side[3], const Triangl
 
 }  // namespace detail
 
-// What these leave open: any two triangles with finite vertices. In conservative mode an undecided
-// sign makes it true.
+// Decides any two triangles with finite vertices. In conservative mode an undecided sign makes the
+// result true.
 DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle& b,
                                                KnownSides side, PredicateState& state) {
   const auto orient = [&state](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
@@ -179,7 +183,7 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
   return meet || state.undecided;
 }
 
-// Closed-set intersection of any two triangles with finite vertices.
+// Returns whether two triangles with finite vertices intersect, as closed sets.
 DCM_HD inline bool trianglesIntersect(const Triangle& a, const Triangle& b, const KnownSides& side,
                                       PredicateState& state) {
   const PartVerdict quick = quickIntersection(a, b, side, state.mode);

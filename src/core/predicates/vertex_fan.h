@@ -1,4 +1,5 @@
-// The triangles around a vertex, all at once: may any two of them meet beyond what they share?
+// Decides for all triangles around a vertex at once: do any two of them meet beyond what they
+// share?
 #pragma once
 
 #include <cstdint>
@@ -7,12 +8,12 @@
 
 namespace deformable_contact_monitor {
 
-// A mark in a vertex's identity: its fan is certified, see isFanCertified().
+// A bit in a vertex's id: its fan is certified, see isFanCertified().
 constexpr std::uint32_t kFanCertified = std::uint32_t{1} << 31;
 
 namespace detail {
 
-// Float32 cross products of edges that leave one point.
+// Float32 cross products of edges that leave the same point.
 struct EdgeProduct {
   Vec3f value, permanent;
 
@@ -25,9 +26,9 @@ struct EdgeProduct {
                  fabsf(m5) + fabsf(m6) + 1e-37F};
   }
 
-  // Seen against `normal`, whether the turn from u to w is certainly to the left (1), to the right
-  // (-1), or not certain (0), also after overflow. The bound is PlaneFilter's, which has one
-  // rounding more.
+  // Returns 1 if the turn from u to w, seen against `normal`, is certainly to the left, -1 if to
+  // the right, 0 if it is not certain or has overflowed. The error bound is that of PlaneFilter,
+  // which has one rounding more.
   DCM_HD int turn(const Vec3f& normal) const {
     constexpr float kBound = 4.3e-7F;
     const float seen = dot(normal, value);
@@ -40,13 +41,14 @@ struct EdgeProduct {
 
 }  // namespace detail
 
-// A vertex's fan is certified if some projection onto a plane certainly shows its triangles side by
-// side: each turns left about the vertex, and together they turn at most once. Then they meet in
-// the vertex and in edges that they share, and nowhere else.
+// Certifies a vertex's fan: returns true if some projection onto a plane certainly shows its
+// triangles side by side. That is the case if each of them turns left about the vertex, and
+// together they turn at most once. Then they meet in the vertex and in the edges that they share,
+// and nowhere else.
 //
-// Fan: size(), the number of ring points; ring(k), posed: triangle k has the centre and the ring
-// points k and k + 1; closed(): the last ring point is the first one. Whatever it holds, what is
-// certified is so; the projection is along the triangles' mean normal.
+// Fan has size(), the number of ring points; ring(k), transformed: triangle k has the centre and
+// the ring points k and k + 1; and closed(), whether the last ring point is the first one. A
+// certified fan is certain for any input. The projection is along the triangles' mean normal.
 template <class Fan>
 DCM_HD inline bool isFanCertified(const Vec3f& centre, const Fan& fan) {
   const std::uint32_t size = fan.size();
@@ -60,8 +62,9 @@ DCM_HD inline bool isFanCertified(const Vec3f& centre, const Fan& fan) {
   }
   const float scale = most(most(fabsf(normal.x), fabsf(normal.y)), fabsf(normal.z));
   normal = normal * (1 / scale);
-  // Turns of more than a full circle pass the first ray: some triangle that starts on the right of
-  // it, or opposite to it, ends on it or on the left. The last one of a closed fan may end on it.
+  // If the triangles turn by more than a full circle, they pass the first ray: some triangle that
+  // starts on the right of it, or opposite to it, ends on it or on the left. The last triangle of a
+  // closed fan may end on it.
   const std::uint32_t last = fan.closed() ? size - 1 : size;
   int ahead = 0;
   from = first;

@@ -1,6 +1,9 @@
-// Bodies that travel together do so at no cost: any translation may be taken off all vertices of
-// the step's end, and contacts stay what they are. That holds for boxes, clusters and intervals,
-// which are rounded outwards; verdicts never see it.
+// The common motion of a scene, which is taken off in continuous detection.
+//
+// Any translation may be subtracted from all vertices at the end of the time interval: contacts
+// stay the same. So bodies that travel together have boxes as small as if they stood still. This is
+// done for boxes, clusters and intervals, which are rounded outwards; verdicts use the vertices as
+// they are.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +17,8 @@
 
 namespace deformable_contact_monitor {
 
-// The box of points from `box`, without the translation, in real numbers. A box that reaches beyond
-// the largest float32 ends there: what overlapped does so still.
+// Returns the box of all points of `box` moved back by `motion`, in real numbers. A box that would
+// reach beyond the largest float32 ends there; boxes that overlapped still do.
 DCM_HD inline Aabb withoutMotion(const Aabb& box, const Vec3f& motion) {
   const auto down = [](float x, float m) {
     return m == 0 ? x : most(nextafterf(x - m, -INFINITY), -FLT_MAX);
@@ -27,19 +30,19 @@ DCM_HD inline Aabb withoutMotion(const Aabb& box, const Vec3f& motion) {
           {up(box.max.x, motion.x), up(box.max.y, motion.y), up(box.max.z, motion.z)}};
 }
 
-// Of all that the content passes, without the common motion.
+// Returns the box of all points that the content passes, without the common motion.
 DCM_HD inline Aabb sweptBox(const MovingBox& box, const Vec3f& motion) {
   return sweptBox(MovingBox{box.from, withoutMotion(box.to, motion)});
 }
 
-// For points at the end of the step.
+// Returns the scale for points at the end of the time interval.
 DCM_HD inline SceneScale withoutMotion(SceneScale scale, const Vec3f& motion) {
   scale.origin = scale.origin + toDouble(motion);
   return scale;
 }
 
-// What a sample of a scene's vertices has in common: the median of their motions [m], or 0 where
-// that is not usually nearer to a motion than to none. Sorts the sample; none may be NaN.
+// Returns the median of the motions of a sample of vertices [m], or 0 if the motions are usually no
+// nearer to it than to 0. Reorders the sample, which must not contain NaN.
 inline Vec3f commonMotion(std::vector<Vec3d>& motions) {
   if (motions.empty()) return {};
   const auto middle = [&motions](const auto& value) {

@@ -1,4 +1,6 @@
-// Which cluster reports a pair of triangles that meet in several.
+// The deduplication rule: two triangles may be together in several clusters, but only one of these
+// reports the pair. It is the lowest cluster that both are in. So every pair comes up exactly once,
+// without any search for duplicates.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +9,7 @@
 
 namespace deformable_contact_monitor {
 
-// The lowest cluster on both of two ascending lists, which have one in common.
+// Returns the lowest cluster that is in both of two ascending lists. They must have one in common.
 DCM_HD inline std::uint32_t lowestCommon(const std::uint32_t* x, const std::uint32_t* y) {
   while (*x != *y) {
     if (*x < *y) {
@@ -19,9 +21,10 @@ DCM_HD inline std::uint32_t lowestCommon(const std::uint32_t* x, const std::uint
   return *x;
 }
 
-// Whether `cluster`, in which both triangles are, reports the pair: it is the lowest that they have
-// in common. `a` and `b` are the triangles' ascending lists of clusters; null: in this one alone.
-DCM_HD inline bool ownsPair(std::uint32_t cluster, const std::uint32_t* a, const std::uint32_t* b) {
+// Returns whether `cluster`, in which both triangles are, reports the pair. `a` and `b` are the
+// triangles' ascending lists of clusters; null stands for a triangle that is in this cluster alone.
+DCM_HD inline bool reportsPair(std::uint32_t cluster, const std::uint32_t* a,
+                               const std::uint32_t* b) {
   return a == nullptr || b == nullptr || lowestCommon(a, b) == cluster;
 }
 

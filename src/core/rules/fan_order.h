@@ -1,4 +1,4 @@
-// The triangles around a vertex in their order: one text for the host's rings and the device's.
+// Orders the triangles around a vertex into a ring. Host and device share this implementation.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +7,15 @@
 
 namespace deformable_contact_monitor {
 
-constexpr std::uint32_t kMostFanTriangles = 32;  // ordering them takes their square
+constexpr std::uint32_t kMostFanTriangles = 32;  // ordering takes a time that grows with its square
 
-// The edge of a triangle opposite to one of its vertices.
+// The edge of a triangle opposite to the vertex.
 struct FanEdge {
   std::uint32_t from, to;
 };
 
-// Orders the edges opposite to a vertex, each beginning where the one before ends; false if there
-// is no such order. The result depends on the order in which they come.
+// Orders the edges so that each begins where the one before ends. Returns false if there is no such
+// order. The result depends on the order in which they come.
 DCM_HD inline bool orderFan(FanEdge* edges, std::uint32_t count) {
   const auto swapWith = [edges](std::uint32_t i, std::uint32_t j) {
     const FanEdge edge = edges[i];
@@ -38,8 +38,8 @@ DCM_HD inline bool orderFan(FanEdge* edges, std::uint32_t count) {
   return true;
 }
 
-// Into `ring`, of count + 1 places: VertexFans' ring of vertex v with these edges opposite to it.
-// `edges` is what it needs to work in, and of use only up to kMostFanTriangles.
+// Writes to `ring`, which has count + 1 places, the ring of vertex v as VertexFans defines it.
+// `edges` are the edges opposite to v. They are reordered, and used only up to kMostFanTriangles.
 DCM_HD inline void putRing(std::uint32_t v, FanEdge* edges, std::uint32_t count,
                            std::uint32_t* ring) {
   const bool ordered = count > 0 && count <= kMostFanTriangles && orderFan(edges, count);

@@ -1,8 +1,9 @@
-// The geometry of a contact: where two triangles intersect or are closest, and which way b gets
-// clear of a.
+// The geometry of a contact: where two triangles intersect or are closest, and in which direction b
+// gets clear of a.
 //
-// In double, of + - * / sqrt and explicit fma alone, so that host and device give the same bits; in
-// an order of its own of the two triangles, so that (b, a) gives what (a, b) does, turned round.
+// It is computed in double, with + - * / sqrt and explicit fma only, so that host and device give
+// the same bits. The two triangles are ordered by their coordinates first, so that (b, a) gives the
+// mirrored result of (a, b).
 #pragma once
 
 #include <cfloat>
@@ -19,8 +20,8 @@ namespace deformable_contact_monitor {
 
 namespace detail {
 
-// The first axis along which three of the points project to a triangle with area; -1: all of them
-// are on one line. `normal`: of their plane, as they are three.
+// Returns the first axis along which three of the six points project to a triangle with area, or -1
+// if all are on one line. `normal` becomes the normal of the plane through these three.
 DCM_HD DCM_RARE inline int axisOfPlane(const Triangle& a, const Triangle& b, Vec3d& normal) {
   PredicateState state;
   const auto at = [&](int i) -> const Vec3f& { return i < 3 ? a.v[i] : b.v[i - 3]; };
@@ -37,7 +38,7 @@ DCM_HD DCM_RARE inline int axisOfPlane(const Triangle& a, const Triangle& b, Vec
   return -1;
 }
 
-// Segments or points both.
+// Returns whether two degenerate triangles, segments or points, intersect.
 DCM_HD DCM_RARE inline bool linesMeet(const Triangle& a, const Triangle& b) {
   PredicateState state;
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
@@ -51,7 +52,8 @@ DCM_HD DCM_RARE inline bool hasArea(const Triangle& t) {
   return projectionAxis(t.v[0], t.v[1], t.v[2], state) >= 0;
 }
 
-// Both in one plane, or on one line. False: they do not intersect.
+// Fills in the geometry of two triangles in one plane, or on one line. Returns false if they do not
+// intersect.
 DCM_HD DCM_RARE inline bool fillCoplanar(const Triangle& a, const Triangle& b,
                                          PairGeometry& geometry) {
   Vec3d normal;
@@ -70,7 +72,8 @@ DCM_HD DCM_RARE inline bool fillCoplanar(const Triangle& a, const Triangle& b,
   return true;
 }
 
-// In different planes, one at least with area. False: they do not intersect.
+// Fills in the geometry of triangles in different planes, of which at least one has area. Returns
+// false if they do not intersect.
 DCM_HD inline bool fillCrossing(const Triangle& a, const Triangle& b, bool a_has_area,
                                 bool b_has_area, const Heights& heights, PairGeometry& geometry) {
   CommonSegment segment;
@@ -88,7 +91,8 @@ DCM_HD inline bool fillCrossing(const Triangle& a, const Triangle& b, bool a_has
   return true;
 }
 
-// Triangles that intersect. False: they do not, and nothing but flags was filled in.
+// Fills in the geometry of triangles that intersect. Returns false if they do not; then only flags
+// were set.
 DCM_HD inline bool fillContact(const Triangle& a, const Triangle& b, PairGeometry& geometry) {
   const bool a_has_area = hasArea(a), b_has_area = hasArea(b);
   if (!a_has_area || !b_has_area) geometry.flags |= kDegenerate;
@@ -99,6 +103,7 @@ DCM_HD inline bool fillContact(const Triangle& a, const Triangle& b, PairGeometr
                   : fillCrossing(a, b, a_has_area, b_has_area, heights, geometry);
 }
 
+// Fills in the geometry of triangles that do not intersect: their closest points.
 DCM_HD DCM_RARE inline void fillApart(const Triangle& a, const Triangle& b, float separation_m,
                                       PairGeometry& geometry) {
   constexpr float kLeast = 1.4e-45F;  // 0 is for those that intersect
@@ -116,9 +121,9 @@ DCM_HD DCM_RARE inline void fillApart(const Triangle& a, const Triangle& b, floa
 
 }  // namespace detail
 
-// Of two triangles with finite vertices that were listed with that separation [m]; 0: as ones that
-// intersect. If they do not after all, which predicates below exact leave open, it is what they
-// are: apart.
+// Returns the geometry of two triangles with finite vertices that were listed with that separation
+// [m]; 0 means that they intersect. Predicates below exact may list triangles that do not
+// intersect: these get the geometry of triangles that are apart.
 DCM_HD inline PairGeometry geometryOf(const Triangle& a, const Triangle& b, float separation_m) {
   const bool swap = detail::precedes(b, a);
   const Triangle &first = swap ? b : a, &second = swap ? a : b;

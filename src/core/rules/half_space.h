@@ -1,13 +1,21 @@
-// Which clusters a triangle belongs to: the half-space rule.
+// The half-space rule: which clusters a triangle belongs to.
 //
-// Theorem: give each prototype p_g its closed Voronoi cell. A triangle T is put into cluster g
-// unless for some competitor k every point of T is strictly nearer to p_k than to p_g. Since
-// |x - p_g|^2 - |x - p_k|^2 is affine in x, its three vertices decide. If two triangles meet in x,
-// and x lies in the cell of g, then neither can have been kept out of g: they share a cluster. That
-// holds for any prototypes and any choice of competitors; more competitors only make it tighter.
+// Theorem: give each prototype p_g its closed Voronoi cell. Put a triangle T into cluster g, unless
+// for some competitor k every point of T is strictly nearer to p_k than to p_g. If two triangles
+// meet in a point x, then they share a cluster.
 //
-// Here distances are of scaled, rounded coordinates. With |v' - v| <= d, |v - p_g| <= |v - p_k|
-// implies |v' - p_g| <= |v' - p_k| + 2 d; with a margin m, d + m stands for d.
+// Proof: let x lie in the cell of g, so that no prototype is strictly nearer to x than p_g. Both
+// triangles contain x, so no competitor can keep either of them out of g.
+//
+// This holds for any prototypes and any choice of competitors; more competitors only keep more
+// triangles out. |x - p_g|^2 - |x - p_k|^2 is affine in x, so that the three vertices of T decide.
+// For a moving triangle its six vertices of both states decide, as it lies in their convex hull at
+// all times.
+//
+// The rule gets scaled and rounded coordinates. Let v' be such a vertex, at most d away from the
+// true vertex v. If |v - p_g| <= |v - p_k|, then |v' - p_g| <= |v' - p_k| + 2 d, so the rule
+// compares with a slack of 2 d. A margin m moves a vertex by m more, so the slack is then 2 (d +
+// m).
 #pragma once
 
 #include <cmath>
@@ -25,8 +33,8 @@ DCM_HD inline float squaredDistance(const Vec3f& a, const Vec3f& b) {
   return d.x * d.x + d.y * d.y + d.z * d.z;
 }
 
-// The largest squared distance to p_g at which a vertex `v` at squared distance `d2` from a
-// competitor may still be on the side of p_g. `slack` is twice the margin [scaled].
+// Returns the largest squared distance to p_g at which a vertex `v`, at squared distance `d2` from
+// a competitor, may still be on the side of p_g. `slack` is twice the margin [scaled].
 DCM_HD inline float reach2(const Vec3f& v, float d2, float slack) {
   const float error = (fabsf(v.x) + fabsf(v.y) + fabsf(v.z)) * (2 * kScaledError);
   const float reach = sqrtf(d2) + error + slack;
@@ -34,9 +42,8 @@ DCM_HD inline float reach2(const Vec3f& v, float d2, float slack) {
   return reach * reach * kRounding + 1e-37F;
 }
 
-// A triangle before the rule: its scaled vertices and, for each competitor, how far each vertex
-// reaches. Of a moving triangle six points decide, its vertices at both ends of the step: at each
-// time it lies in their hull.
+// The rule for one triangle: its scaled vertices, and how far each vertex reaches for each
+// competitor. A moving triangle has six points, its vertices at both ends of the time interval.
 template <int kPoints>
 struct HalfSpaceRuleOf {
   static constexpr int kCompetitors = 4;
@@ -44,7 +51,8 @@ struct HalfSpaceRuleOf {
   float reach2[kCompetitors][kPoints] = {};
   int competitors = 0;
 
-  // Places in the array are constants in these two, so that it can live in registers.
+  // The loops in these two functions have constant array indices, so that the arrays can live in
+  // registers.
   DCM_HD void addCompetitor(const Vec3f& prototype, float slack) {
     for (int k = 0; k < kCompetitors; ++k) {
       if (k != competitors) continue;
@@ -68,7 +76,8 @@ struct HalfSpaceRuleOf {
     return admitted;
   }
 
-  // No admitted prototype is farther than this from the first competitor, `prototype`.
+  // Returns a distance from the first competitor, `prototype`, within which all admitted prototypes
+  // lie.
   DCM_HD float searchRadius(const Vec3f& prototype) const {
     float radius = 0;
     for (int i = 0; i < kPoints; ++i) {
@@ -80,7 +89,7 @@ struct HalfSpaceRuleOf {
 
 using HalfSpaceRule = HalfSpaceRuleOf<3>;
 
-// One entry of a prototype's list of neighbours, nearest first.
+// One entry of a prototype's list of neighbours, the nearest first.
 struct alignas(16) Neighbour {
   Vec3f prototype;
   float distance = NAN;  // between the two prototypes; NaN: the list has ended
@@ -88,12 +97,12 @@ struct alignas(16) Neighbour {
 
 constexpr std::uint32_t kMostNeighbours = 128;
 
-// The square of a distance: two prototypes closer than this, in a scene of size 2, would only share
-// all their triangles.
+// A squared distance. Two prototypes closer than this, in a scene of size 2, would only share all
+// their triangles.
 constexpr float kCoincident2 = 1e-12F;
 
-// Prototypes and, for each, its nearest others. A list that does not reach far enough is no error:
-// the search then goes on elsewhere.
+// Prototypes, each with a list of those nearest to it. A list need not reach far enough: then the
+// search goes on over all prototypes.
 struct PrototypesView {
   const Vec3f* prototypes;
   const float* list_reach;  // per prototype: all others that are nearer than this are on its list
@@ -104,15 +113,15 @@ struct PrototypesView {
   DCM_HD std::size_t listBegin(std::uint32_t g) const { return std::size_t{g} * kMostNeighbours; }
 };
 
-// The nearest prototype of a point, and whether another one is as near, for all that rounding can
-// tell: then the point may lie in either cell.
+// The nearest prototype of a point, and whether another one is equally near within rounding. Then
+// the point may lie in either cell.
 struct NearestPrototype {
   std::uint32_t cluster = 0;
   bool tied = false;
 };
 
-// Whether a triangle, of whose points these are the nearest prototypes, lies in the interior of one
-// cell: then it belongs to that cluster alone, and needs no rule.
+// Returns whether a triangle, given the nearest prototypes of its points, lies inside one cell:
+// then it belongs to that cluster alone, and needs no rule.
 template <int kPoints = 3>
 DCM_HD inline bool isInterior(const NearestPrototype nearest[kPoints]) {
   bool interior = !nearest[0].tied;
@@ -122,7 +131,8 @@ DCM_HD inline bool isInterior(const NearestPrototype nearest[kPoints]) {
   return interior;
 }
 
-// The least and the second least squared distance of a point, and whose the least is.
+// The least and the second least squared distance of a point to a prototype, and which prototype is
+// the nearest.
 struct NearestSearch {
   std::uint32_t cluster = 0;
   float least2 = 3e38F, second2 = 3e38F;
@@ -141,8 +151,9 @@ struct NearestSearch {
   }
 };
 
-// Calls visit(place, neighbour) along the list of prototype g while neighbours are not farther from
-// it than limit(), which may fall meanwhile. Some at a time, so that they are loaded together.
+// Calls visit(place, neighbour) along the list of prototype g as long as neighbours are no farther
+// from it than limit(), which may fall meanwhile. It reads some at a time, so that they are loaded
+// together.
 template <class Limit, class Visit>
 DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, const Limit& limit,
                             const Visit& visit) {
@@ -158,8 +169,8 @@ DCM_HD inline void walkList(const PrototypesView& view, std::uint32_t g, const L
   }
 }
 
-// Walks from the list of `start` to the list of the nearest that is on it, until a list reaches far
-// enough to be sure. False if none does; then `nearest` is a good guess.
+// Walks from the list of `start` to the list of the nearest prototype on it, and so on, until a
+// list reaches far enough to be sure. Returns false if none does; then `nearest` is a good guess.
 DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std::uint32_t start,
                                  float slack, NearestSearch& nearest) {
   constexpr std::uint32_t kAtStart = ~std::uint32_t{0};
@@ -169,7 +180,7 @@ DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std
     const float start_distance = sqrtf(nearest.least2);
     if (!(start_distance < view.list_reach[start])) return false;  // all of it would not do
     nearest.cluster = kAtStart;
-    // A prototype that is the nearest or as near is at most this far from the starting one.
+    // A prototype that is the nearest, or equally near, is at most this far from the starting one.
     const auto bound = [&] {
       return (start_distance + sqrtf(reach2(v, nearest.least2, slack))) * (1 + 1e-5F);
     };
@@ -186,8 +197,8 @@ DCM_HD inline bool nearestListed(const PrototypesView& view, const Vec3f& v, std
     nearest.cluster =
         moved ? view.neighbour_cluster[view.listBegin(start) + nearest.cluster] : start;
     if (view.list_reach[start] > limit) return true;
-    // Nearer from step to step, by numbers of one kind: a rounded distance need not be the same
-    // wherever it is computed, and the walk must end.
+    // The walk must end, so that each step must get nearer by numbers of the same kind: a rounded
+    // distance may differ between places where it is computed.
     if (!moved || !(nearest.least2 < least2_before)) return false;
     least2_before = nearest.least2;
     start = nearest.cluster;
@@ -202,7 +213,7 @@ DCM_HD inline NearestSearch nearestOfAll(const PrototypesView& view, const Vec3f
   return nearest;
 }
 
-// A good guess is fast, any is right.
+// Returns the nearest prototype. A good guess `start` makes it fast; any is right.
 DCM_HD inline NearestPrototype nearestPrototype(const PrototypesView& view, const Vec3f& v,
                                                 std::uint32_t start, float slack) {
   NearestSearch nearest;
@@ -210,9 +221,9 @@ DCM_HD inline NearestPrototype nearestPrototype(const PrototypesView& view, cons
   return nearest.result(v, slack);
 }
 
-// The rule for a triangle with scaled points `v`, three of a state, whose nearest prototypes are
-// `nearest`; `overlap` in [0, 1] is the share of it, about each state's centroid, that decides.
-// `first` becomes the first competitor.
+// Returns the rule for a triangle with scaled points `v`, three per state, whose nearest prototypes
+// are `nearest`. `overlap` in [0, 1] is the part of the triangle, about the centroid of each state,
+// that decides. `first` becomes the first competitor.
 template <int kPoints = 3>
 DCM_HD inline HalfSpaceRuleOf<kPoints> ruleFor(const PrototypesView& view, const Vec3f v[kPoints],
                                                const NearestPrototype nearest[kPoints],
@@ -235,7 +246,8 @@ DCM_HD inline HalfSpaceRuleOf<kPoints> ruleFor(const PrototypesView& view, const
     }
     rule.addCompetitor(view.prototypes[first], slack);
   } else {
-    // The one whose farthest point is the nearest comes first: the search about it is the shortest.
+    // Compares, for each competitor, the farthest of the triangle's points from it, and begins with
+    // the competitor for which that is least, because the search around it is the shortest.
     float least2 = INFINITY;
     for (int k = 0; k < kPoints; ++k) {
       const Vec3f p = view.prototypes[competitor[k]];
@@ -251,7 +263,7 @@ DCM_HD inline HalfSpaceRuleOf<kPoints> ruleFor(const PrototypesView& view, const
     first = competitor[0];
   }
   for (int k = 0; k < kPoints; ++k) {
-    // Of six points the first few that differ do.
+    // For six points, the first competitors that differ are enough.
     bool is_new = kPoints == 3 || overlap == 1 || competitor[k] != first;
     for (int i = 0; kPoints > 3 && i < k; ++i) is_new = is_new && competitor[i] != competitor[k];
     if (is_new) rule.addCompetitor(view.prototypes[competitor[k]], slack);
@@ -259,7 +271,7 @@ DCM_HD inline HalfSpaceRuleOf<kPoints> ruleFor(const PrototypesView& view, const
   return rule;
 }
 
-// Whether the list of the first competitor holds all clusters that the rule may admit.
+// Returns whether the list of the first competitor holds all clusters that the rule may admit.
 template <int kPoints>
 DCM_HD inline bool listSuffices(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule,
                                 std::uint32_t first, float& radius) {
@@ -278,7 +290,7 @@ DCM_HD inline void forEachListed(const PrototypesView& view, const HalfSpaceRule
       });
 }
 
-// Calls add(g) for every cluster g that the rule admits. In no particular order, each once.
+// Calls add(g) once for every cluster g that the rule admits, in no particular order.
 template <int kPoints, class Add>
 DCM_HD inline void forEachAdmitted(const PrototypesView& view, const HalfSpaceRuleOf<kPoints>& rule,
                                    std::uint32_t first, const Add& add) {

@@ -1,8 +1,10 @@
-// Conservative intervals of triangles along axes, and their packed form for the sweep.
+// Conservative intervals of triangles along axes, their quantised form for the sweep, and sort
+// keys.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "core/host_device.h"
 #include "core/rules/scene_scale.h"
@@ -10,13 +12,27 @@
 
 namespace deformable_contact_monitor {
 
+// Returns an unsigned integer that orders as the floats do; -0 comes before 0. x must not be NaN.
+DCM_HD inline std::uint32_t orderedBits(float x) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
+}
+
+DCM_HD inline float fromOrderedBits(std::uint32_t ordered) {
+  const std::uint32_t bits = (ordered & 0x80000000U) != 0 ? ordered ^ 0x80000000U : ~ordered;
+  float x;
+  std::memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
 struct Interval {
   float lo, hi;
 };
 
-// The interval of a scaled triangle along a stored axis, or of all points that a moving one has at
-// both ends of a step; grown by the margin and by all that rounding can have moved: the exact
-// projections of the unrounded points lie inside.
+// Returns the interval of a scaled triangle along an axis, or of all points that a moving one has
+// at both ends of the time interval. It is grown by the margin and by all that rounding can have
+// moved: the exact projections of the unrounded points lie inside.
 template <int kPoints = 3>
 DCM_HD inline Interval project(const Vec3f& axis, const Vec3f v[kPoints], float margin) {
   float lo = dot(axis, v[0]), hi = lo;
@@ -36,14 +52,15 @@ DCM_HD inline Interval project(const Vec3f& axis, const Vec3f v[kPoints], float 
   return {lo - pad, hi + pad};
 }
 
-// Two intervals on 15 bits each, in the two halves of a word; the top bit of each half is spare. A
-// monotone map keeps lo <= hi, so nothing that overlaps is lost.
+// Two intervals with 15 bits each, in the two halves of a word; the top bit of each half is a guard
+// bit. The map is monotone, so that lo <= hi still holds, and no overlap is lost.
 struct PackedBox {
   std::uint32_t lo, hi;
 };
 
 constexpr std::uint32_t kPackedGuard = 0x80008000U;
 
+// Maps an interval of floats monotonically to 15 bits.
 struct Quantiser {
   float origin = 0, scale = 0;
 
@@ -60,13 +77,15 @@ DCM_HD inline PackedBox pack(const Quantiser q[2], const Interval i[2]) {
   return {q[0](i[0].lo) | q[1](i[1].lo) << 16, q[0](i[0].hi) | q[1](i[1].hi) << 16};
 }
 
-// Closed intersection on both axes: no half borrows from its guard bit.
+// Returns whether the boxes intersect on both axes; touching counts. No half borrows from its guard
+// bit.
 DCM_HD inline bool intersects(const PackedBox& a, const PackedBox& b) {
   return (((a.hi | kPackedGuard) - b.lo) & ((b.hi | kPackedGuard) - a.lo) & kPackedGuard) ==
          kPackedGuard;
 }
 
-// As areApart(MovingBox, MovingBox) is for boxes: a packed box of each end of the step.
+// Quantised boxes at both ends of the time interval. They are apart as moving boxes are: on the
+// same side at both ends.
 struct MovingPackedBox {
   PackedBox from, to;
 };

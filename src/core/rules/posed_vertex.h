@@ -1,4 +1,4 @@
-// Vertices of a body in the scene frame.
+// Transforms a body's vertices into the scene frame.
 #pragma once
 
 #include "core/host_device.h"
@@ -7,8 +7,9 @@
 
 namespace deformable_contact_monitor {
 
-// float32(R v + t), in double, in this order: ((r0 x + r1 y) + r2 z) + t. Every backend, and every
-// oracle, must round alike, so translation units that use it are built without FMA contraction.
+// Returns float32(R v + t), computed in double in this order: ((r0 x + r1 y) + r2 z) + t. All
+// backends and oracles must round alike, so that source files that use it are compiled without
+// contraction to FMA.
 DCM_HD inline Vec3f apply(const RigidTransform& pose, const Vec3f& v) {
   const double x = v.x, y = v.y, z = v.z;
   const double* r = pose.rotation;
@@ -18,8 +19,8 @@ DCM_HD inline Vec3f apply(const RigidTransform& pose, const Vec3f& v) {
           static_cast<float>(((r[6] * x + r[7] * y) + r[8] * z) + t[2])};
 }
 
-// A body's vertex in the scene frame [m]; `identity`: pose.isIdentity(), which leaves it untouched,
-// bit by bit.
+// Returns a body's vertex in the scene frame [m]. `identity` is pose.isIdentity(): then the vertex
+// is unchanged, bit for bit.
 DCM_HD inline Vec3f posedVertex(const RigidTransform& pose, bool identity, const Vec3f& v) {
   return identity ? v : apply(pose, v);
 }

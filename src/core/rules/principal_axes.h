@@ -1,4 +1,5 @@
-// Principal axes of a cluster.
+// The principal axes of a cluster. The sweep runs along the first one: most pairs are apart along
+// the axis on which the points spread most.
 #pragma once
 
 #include <cmath>
@@ -8,7 +9,7 @@
 
 namespace deformable_contact_monitor {
 
-// Three axes by falling variance. Any finite, non-zero axes are safe; good ones are fast.
+// Three axes, by falling variance. Any finite, non-zero axes are correct; good ones are fast.
 struct PrincipalAxes {
   Vec3f axis[3];
 };
@@ -34,7 +35,8 @@ struct Moments {
   }
 };
 
-// Where the points lie, about the point that their moments are about; zeros without a point.
+// Mean and covariance of the points, relative to the point that their moments are about; zeros
+// without a point.
 struct Covariance {
   double mean[3], product[3][3];
 };
@@ -54,9 +56,9 @@ DCM_HD inline Covariance covarianceOf(const Moments& m) {
 
 namespace detail {
 
-// Cyclic Jacobi rotations: accurate for every spectrum, also isotropic, planar and zero ones, where
-// closed forms are not. Turns `a` into its eigenvalues on the diagonal; eigenvectors are the
-// columns of `v`.
+// Computes eigenvalues by cyclic Jacobi rotations (Golub and Van Loan, "Matrix Computations"). They
+// are accurate for every spectrum, also for isotropic, planar and zero ones, where closed forms are
+// not. `a` gets the eigenvalues on its diagonal; the columns of `v` become the eigenvectors.
 DCM_HD inline void diagonalise(double a[3][3], double v[3][3]) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1 : 0;
@@ -64,7 +66,7 @@ DCM_HD inline void diagonalise(double a[3][3], double v[3][3]) {
   constexpr int kSweeps = 6;
   for (int rotation = 0; rotation < 3 * kSweeps; ++rotation) {
     const int p = rotation % 3 == 2 ? 1 : 0, q = rotation % 3 == 0 ? 1 : 2;
-    // Nothing left to turn, for all that float32 axes can tell.
+    // The element is zero for all that float32 axes can resolve.
     if (fabs(a[p][q]) <= 1e-12 * (fabs(a[p][p]) + fabs(a[q][q])) + 1e-300) continue;
     const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
     const double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));

@@ -1,24 +1,46 @@
-// Recentred, scaled coordinates for clustering and projection only. Verdicts never use them.
+// Scaled coordinates for clustering and projection, and the rule for oversized triangles. Verdicts
+// never use scaled coordinates.
 #pragma once
 
+#include <cmath>
+
 #include "core/host_device.h"
+#include "core/predicates/aabb.h"
 #include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 
-// v -> (v - origin) * scale, scale a power of two that brings the working set into [-1, 1]. In
-// double: the scale of a subnormal scene is no float32.
+// Maps v to (v - origin) * scale, where scale is a power of two that brings the working set into
+// [-1, 1]. It computes in double: the scale of a subnormal scene is no float32.
 struct SceneScale {
   Vec3d origin;
   double scale = 1;
 
   DCM_HD Vec3d applyExact(const Vec3d& v) const { return (v - origin) * scale; }
-  // Each coordinate of the result is off by less than kScaledError times its own size.
+  // Each coordinate of the result has an error of less than kScaledError times its size.
   DCM_HD Vec3f apply(const Vec3f& v) const { return toFloat(applyExact(toDouble(v))); }
   DCM_HD Vec3d invert(const Vec3f& s) const { return toDouble(s) * (1 / scale) + origin; }
 };
 
-// 2^-24 for the rounding to float32, and slack for the one in double.
+// 2^-24 for the rounding to float32, and some room for the rounding in double.
 constexpr float kScaledError = 6.0e-8F;
+
+// The rule that separates oversized triangles: those that are very large or far away. One such
+// outlier must cost only itself. In clusters it would stretch the coordinates, rotate the principal
+// axes and be everywhere. So it goes to a list of its own, whose triangles are tested by boxes
+// (stage `oversized`). A new rule calls every triangle regular.
+struct SizeRule {
+  Vec3d origin;                                          // the middle of the scene [m]
+  double most_extent = INFINITY, most_reach = INFINITY;  // [m]
+
+  DCM_HD bool isOversized(const Aabb& box) const {
+    const Vec3d lo = toDouble(box.min), hi = toDouble(box.max);
+    const Vec3d a = lo - origin, b = hi - origin, size = hi - lo;
+    const double extent = most(size.x, most(size.y, size.z));
+    const double reach = most(most(most(fabs(a.x), fabs(b.x)), most(fabs(a.y), fabs(b.y))),
+                              most(fabs(a.z), fabs(b.z)));
+    return extent > most_extent || reach > most_reach;
+  }
+};
 
 }  // namespace deformable_contact_monitor

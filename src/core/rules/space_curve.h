@@ -1,5 +1,5 @@
-// A curve through a cube of cells: places that are near on it are near in space. Along Hilbert's,
-// cells that follow each other share a side.
+// The Hilbert curve through a cube of cells: positions that are near on it are near in space. Cells
+// that follow each other share a side.
 #pragma once
 
 #include <cmath>
@@ -10,8 +10,8 @@
 
 namespace deformable_contact_monitor {
 
-// Where the cell with these coordinates, less than 2^kBits each, has its turn: less than
-// 2^(3 kBits). After J. Skilling, Programming the Hilbert curve (2004).
+// Returns the position on the curve, less than 2^(3 kBits), of the cell with these coordinates,
+// each less than 2^kBits. After J. Skilling, "Programming the Hilbert curve" (2004).
 template <int kBits>
 DCM_HD inline std::uint32_t placeOnCurve(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint32_t at[3] = {x, y, z};
@@ -38,7 +38,7 @@ DCM_HD inline std::uint32_t placeOnCurve(std::uint32_t x, std::uint32_t y, std::
 
 constexpr int kCurveBits = 10;  // of each coordinate
 
-// The cells of a box, all of them cubes.
+// The cells of a box; all of them are cubes.
 class CurveCells {
  public:
   DCM_HD explicit CurveCells(const Aabb& box) : least_(box.min * 0.5F) {
@@ -46,7 +46,7 @@ class CurveCells {
     cells_ = static_cast<float>(1U << kCurveBits) / fmaxf(half.x, fmaxf(half.y, half.z));
   }
 
-  // Of any point whatever, non-finite ones included.
+  // Returns the position of the cell of a point. Any point is allowed, also one that is not finite.
   DCM_HD std::uint32_t placeOf(const Vec3f& p) const {
     const Vec3f from_least = p * 0.5F - least_;
     return placeOnCurve<kCurveBits>(cell(from_least.x), cell(from_least.y), cell(from_least.z));

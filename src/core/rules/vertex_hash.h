@@ -1,4 +1,4 @@
-// A hash of a vertex's coordinates as received.
+// A hash of a vertex's coordinates as received, to find equal vertices.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ DCM_HD inline std::uint64_t mixed(std::uint64_t x) {  // the finaliser of Murmur
   return x ^ x >> 33;
 }
 
-// Equal for vertices with equal coordinates, -0 and 0 included, of bodies with the same number.
+// Returns a hash that is equal for vertices of the same body number with equal coordinates; -0
+// equals 0.
 DCM_HD inline std::uint64_t vertexHash(const Vec3f& v, std::uint32_t body) {
   const float xyz[3] = {v.x + 0.0F, v.y + 0.0F, v.z + 0.0F};  // -0 becomes 0
   std::uint32_t bits[3];

@@ -1,4 +1,5 @@
-// What the detection loop says to the outside.
+// The output of the detection loop, as an interface so that tests can run the loop without ROS
+// topics. CyclePublisher (src/node) implements it.
 #pragma once
 
 #include <cstddef>
@@ -7,14 +8,13 @@
 #include "core/steady_time.h"
 #include "monitor/cycle/monitor_scene.h"
 #include "monitor/cycle_report.h"
-#include "monitor/input/mesh_input.h"
-#include "monitor/rules/rules_in_force.h"
+#include "monitor/rules/rule_texts.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
 
-// The loop owns its sink and calls it from its own thread alone. No function may keep what it was
-// given by reference.
+// The loop owns its sink and calls it from its own thread only. Arguments are valid during the
+// call.
 class CycleSink {
  public:
   CycleSink() = default;
@@ -22,31 +22,28 @@ class CycleSink {
   CycleSink& operator=(const CycleSink&) = delete;
   virtual ~CycleSink() = default;
 
-  // Whether the next cycle needs the geometry of its contacts.
+  // Returns whether the next cycle needs the geometry of its contacts.
   virtual bool wantsGeometry() const = 0;
 
-  // A cycle begins, which may take long.
+  // Tells that a cycle begins, which may take long.
   virtual void recordStart() = 0;
-  // A cycle: its work began at `start`, the mesh that asked for it came at `mesh_arrival`. The
-  // report has no result if detection failed. Sets the report's `now`. Returns when the states were
+  // Publishes a cycle. Its work began at `start`; the mesh that triggered it came at
+  // `mesh_arrival`. The report has no result if the detection failed. Returns when the states were
   // out.
-  virtual SteadyTime sendCycle(CycleReport* report, SteadyTime start, SteadyTime mesh_arrival) = 0;
-  // A report without detection, so that silence is not mistaken for "no contact". Sets its `now`.
-  virtual void sendHeartbeat(CycleReport* report) = 0;
-  // The pairs that there are, or which of them are allowed, changed.
-  virtual void listPairs(CycleReport* report) = 0;
-  // What is known of the pairs of `body`, or of all if it is empty, is forgotten.
+  virtual SteadyTime sendCycle(const CycleReport& report, SteadyTime start,
+                               SteadyTime mesh_arrival) = 0;
+  // Publishes a report without a detection, so that silence is not mistaken for "no contact".
+  virtual void sendHeartbeat(const CycleReport& report) = 0;
+  // Publishes the states alone, because the list of pairs, or which of them are allowed, changed.
+  virtual void listPairs(const CycleReport& report) = 0;
+  // Forgets what is known of the pairs of `body`, or of all pairs if it is empty.
   virtual void forgetStates(const std::string& body, const std::string& reason) = 0;
   virtual void sendRobot(const RobotGeometry& robot) = 0;
 
-  // The last mesh of this object was looked at: what is counted since the start.
-  virtual void recordMesh(std::size_t object, const MeshCounters& counters) = 0;
   virtual void recordTransforms(const TransformReport& transforms) = 0;
-  // What was looked for within the bodies of the report.
-  virtual void recordContainment(const CycleReport& report) = 0;
-  // Detection failed; empty: it did not.
+  // Takes why the last detection failed; empty if it did not.
   virtual void recordDetectorError(const std::string& error) = 0;
-  // Margins and rules that hold from now on.
+  // Takes the margins and rules that hold from now on.
   virtual void recordRules(const RulesInForce& rules) = 0;
   virtual void setMarkerRate(double rate_hz) = 0;
   virtual void recordReset(const std::string& reason) = 0;

@@ -1,4 +1,5 @@
-// The detection thread's work: meshes and requests in, cycles out.
+// The detection thread's work: it takes meshes and requests, and makes cycles. step() is the place
+// to start reading.
 #include "monitor/cycle/detection_loop.h"
 
 #include <ros/console.h>
@@ -8,9 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/common/parallel.h"
-#include "monitor/cycle/loop_warnings.h"
-#include "monitor/state/pair_summary.h"
+#include "monitor/rules/rule_texts.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -25,19 +24,28 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       options_(parameters.detector),
       detector_(std::move(detector)),
       sink_(std::move(sink)),
-      clock_(parameters.max_mesh_age_s, time_.steady()),
-      budget_(parameters.budget_ms / 1e3),
-      turns_(maxRatesHz(live_, parameters.objects.size())),
-      inputs_(makeMeshInputs(parameters)),
+      clock_(parameters.max_mesh_age_s, parameters.budget_ms / 1e3, time_.steady()),
+      inputs_(sources_.meshes),
       scene_(parameters, detector_->vertexMemory()),
       lookup_(sources_.transforms, parameters.reference_frame),
-      queues_(turns_, sources_.meshes, inputs_, scene_, lookup_),
+      scheduler_(maxRatesHz(live_, parameters.objects.size()), inputs_, transformGate()),
       planner_(parameters),
-      steps_(*detector_) {
+      detection_(*detector_, {parameters.containment, parameters.swept_tolerance_m, true}) {
   ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
                                 << parameters_.reference_frame << "' on the "
                                 << detector_->backend());
   noteRules();
+}
+
+// The frames follow from the mesh that the request holds, so nothing is searched for.
+TransformGate DetectionLoop::transformGate() {
+  return {
+      [this](std::size_t object, const CycleRequest& request) {
+        return lookup_.isWorthWaiting(scene_.awaitedFrames(object, request.stamp, request.mesh));
+      },
+      [this](std::size_t object, const CycleRequest& request) {
+        lookup_.giveUp(scene_.awaitedFrames(object, request.stamp, request.mesh));
+      }};
 }
 
 SteadyTime DetectionLoop::step() {
@@ -49,12 +57,9 @@ SteadyTime DetectionLoop::step() {
     dropLeftovers();
     takeMeshes();
     lookAtRobotsTime();
-    const SteadyTime now = time_.steady();
-    const auto turn = turns_.next([this, now](std::size_t who) {
-      return who == inputs_.size() || queues_.isReady(who, now);
-    });
+    const std::vector<std::size_t> turn = scheduler_.next(time_.steady());
     if (!turn.empty()) takeTurn(turn);
-    if (clock_.mustBeat(time_.steady()) && !turns_.anyWaits()) heartbeat();
+    if (clock_.mustBeat(time_.steady()) && scheduler_.isEmpty()) heartbeat();
     return turn.empty() ? wakeTime() : time_.steady();
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("cycle failed: " << error.what());
@@ -68,6 +73,43 @@ void DetectionLoop::lookAtTime() {
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
 }
 
+void DetectionLoop::lookAtRequests() {
+  const Requests requests = sources_.requests.take();
+  if (requests.reset) reset("reset");
+  if (requests.live) applyLive(*requests.live);
+  if (requests.allowed_contacts) {
+    scene_.setAllowedContacts(*requests.allowed_contacts);
+    names_checked_ = false;
+    noteRules();
+  }
+  if (requests.attached) {
+    scene_.setAttached(*requests.attached);
+    noteRules();
+  }
+  lookAtRobot();
+  applyEnabled(requests.enabled);
+}
+
+// Publishes the rules again, as they or the pairs that they concern have changed.
+void DetectionLoop::noteRules() {
+  list_due_ = SteadyTime();
+  sink_->recordRules(
+      describeRules(scene_.bodies(), scene_.pairs(), scene_.rules(), scene_.scene()));
+}
+
+void DetectionLoop::applyLive(const LiveParameters& live) {
+  live_ = live;
+  setOptions(live, &options_);
+  scene_.setMargin(live.margin_m);
+  scene_.setPairClasses(live.pair_classes);
+  scheduler_.setRates(maxRatesHz(live, inputs_.size()));
+  if (!live.pair_classes.robot_self) scheduler_.drop(inputs_.size());
+  robots_look_ = SteadyTime();
+  sink_->setMarkerRate(live.marker_rate_hz);
+  noteRules();
+}
+
+// Builds the scene anew if there is another robot.
 void DetectionLoop::lookAtRobot() {
   const std::shared_ptr<const RobotGeometry> newest = sources_.newest_robot();
   if (newest == robot_) return;
@@ -82,12 +124,13 @@ void DetectionLoop::lookAtRobot() {
   sink_->sendRobot(*robot_);
 }
 
+// Drops every mesh while the monitor is disabled.
 void DetectionLoop::applyEnabled(bool enabled) {
   if (!enabled) {
-    for (MeshMailbox& mailbox : sources_.meshes) {
-      mailbox.dropIf([](const ros::Time&) { return true; });
+    for (MeshInput& input : inputs_) {
+      input.dropIf([](const ros::Time&) { return true; });
     }
-    turns_.clear();
+    scheduler_.clear();
   }
   if (enabled == enabled_) return;
   enabled_ = enabled;
@@ -100,6 +143,7 @@ void DetectionLoop::applyEnabled(bool enabled) {
   }
 }
 
+// Waits for the robot, as its links' names are unknown before.
 void DetectionLoop::warnOfUnknownNames() {
   if (names_checked_ || (robot_ == nullptr && parameters_.pair_classes.needRobot())) return;
   names_checked_ = true;
@@ -109,10 +153,11 @@ void DetectionLoop::warnOfUnknownNames() {
   }
 }
 
+// Forgets everything that depends on time: meshes, transforms and states.
 void DetectionLoop::reset(const std::string& reason) {
   ROS_INFO_STREAM("reset: " << reason);
   for (MeshInput& input : inputs_) input.forget();
-  turns_.clear();
+  scheduler_.clear();
   robots_stamp_ = ros::Time();
   lookup_.noteReset();
   sources_.transforms.clear();
@@ -123,59 +168,60 @@ void DetectionLoop::reset(const std::string& reason) {
   clock_.startLeftoverWindow(time_.steady());
 }
 
+// Drops meshes from before a reset that arrive only now.
 void DetectionLoop::dropLeftovers() {
   const SteadyTime now = time_.steady();
-  for (MeshMailbox& mailbox : sources_.meshes) {
-    mailbox.dropIf([&](const ros::Time& stamp) { return clock_.isLeftover(stamp, now); });
+  for (MeshInput& input : inputs_) {
+    input.dropIf([&](const ros::Time& stamp) { return clock_.isLeftover(stamp, now); });
   }
 }
 
-// One of each object, the newest. A refused one has a cycle too, in which its object is UNKNOWN.
+// Takes the newest mesh of each object. A rejected mesh asks for a cycle too: its object is UNKNOWN
+// in it.
 void DetectionLoop::takeMeshes() {
   const SteadyTime now = time_.steady();
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    if (!turns_.mayWait(i, now)) continue;
-    const std::optional<ArrivedMesh> mesh = sources_.meshes[i].take();
-    if (!mesh) continue;
-    const Acceptance answer = inputs_[i].accept(*mesh, clock_.rosTime());
-    sink_->recordMesh(i, inputs_[i].counters());
-    if (answer == Acceptance::kDropped) continue;
+    if (!scheduler_.mayAdd(i, now)) continue;
+    IncomingMesh mesh;
+    const Acceptance answer = inputs_[i].take(clock_.rosTime(), &mesh);
+    if (answer == Acceptance::kNothing || answer == Acceptance::kDropped) continue;
     if (answer == Acceptance::kJumped) {
       const std::string why = "the stamps of its meshes went back";
       planner_.forget(i, why);
       sink_->forgetStates(parameters_.objects[i].name, why);
     }
-    const bool refused = answer == Acceptance::kRefused;
-    queues_.add(i,
-                {cycleStamp(mesh->message->header.stamp, refused), mesh->arrival,
-                 now + fromSeconds(parameters_.tf_timeout_s)},
-                now);
+    const ros::Time stamp = cycleStamp(mesh.stamp(), answer == Acceptance::kRejected);
+    scheduler_.add(i, {std::move(mesh), stamp, now + fromSeconds(parameters_.tf_timeout_s)}, now);
   }
 }
 
-// A refused mesh may have a senseless stamp, yet its object must become UNKNOWN at once.
-ros::Time DetectionLoop::cycleStamp(const ros::Time& stamp, bool refused) const {
+// A rejected mesh may have a senseless stamp, but its object must become UNKNOWN at once.
+ros::Time DetectionLoop::cycleStamp(const ros::Time& stamp, bool rejected) const {
   const ros::Time& now = clock_.rosTime();
-  if (!refused || (now.isZero() && !stamp.isZero())) return stamp;
+  if (!rejected || (now.isZero() && !stamp.isZero())) return stamp;
   const double age_s = secondsBetween(now, stamp);
   return age_s >= 0 && age_s <= parameters_.max_mesh_age_s ? stamp : now;
 }
 
-// The robot's own cycles, of its links with one another.
+// Requests a cycle of the robot's links with one another, when one is due.
 void DetectionLoop::lookAtRobotsTime() {
   const std::size_t robot = inputs_.size();
   const SteadyTime now = time_.steady();
   if (!live_.pair_classes.robot_self || robot_ == nullptr || !enabled_) return;
-  if (!turns_.waiting(robot).empty() || !turns_.mayWait(robot, now) || now < robots_look_) return;
+  if (scheduler_.hasRequest(robot) || !scheduler_.mayAdd(robot, now) || now < robots_look_) return;
   robots_look_ = now + fromSeconds(1 / live_.robot_rate_hz);
   const std::optional<ros::Time> stamp = robotsStamp();
   if (!stamp) return;
   robots_stamp_ = *stamp;
-  turns_.wait(robot, {*stamp, now, now}, now);
+  CycleRequest request;
+  request.mesh.arrival = now;
+  request.stamp = *stamp;
+  request.give_up = now;
+  scheduler_.add(robot, std::move(request), now);
 }
 
-// Of its next cycle: the newest for which transforms have the links; nothing: there was one
-// already.
+// Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known.
+// Nothing: a cycle of that stamp is done, or the transforms are too old.
 std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   const std::vector<std::string> links = scene_.selfPairedLinks();
   if (links.empty()) return std::nullopt;
@@ -186,38 +232,42 @@ std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   return *newest > robots_stamp_ && !is_old ? newest : std::nullopt;
 }
 
+// Starts the cycle of these objects, or of the robot: it counts from the arrival of their first
+// mesh.
 void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
   const SteadyTime now = time_.steady();
-  const ros::Time stamp = turns_.waiting(who.front()).front().stamp;
+  const ros::Time stamp = scheduler_.first(who.front()).stamp;
   SteadyTime arrival = now;
   CycleTrigger trigger;
   double waited_s = 0;
   for (const std::size_t i : who) {
-    const CycleTurns::Waiting& waiting = turns_.waiting(i).front();
-    arrival = std::min(arrival, waiting.arrival);
+    const CycleRequest& request = scheduler_.first(i);
+    arrival = std::min(arrival, request.mesh.arrival);
     if (i == inputs_.size()) {
       trigger.robot = true;
       continue;
     }
     trigger.objects.push_back(i);
-    if (!waiting.held_up) continue;
-    const auto taken = waiting.give_up - fromSeconds(parameters_.tf_timeout_s);
+    if (!request.waits_for_transforms) continue;
+    const auto taken = request.give_up - fromSeconds(parameters_.tf_timeout_s);
     waited_s = std::max(waited_s, toSeconds(now - taken));
   }
-  turns_.start(who);
-  turns_.finish(who, !detect(stamp, trigger, mostS(who), waited_s, arrival));
+  scheduler_.start(who);
+  scheduler_.finish(who, !detect(stamp, trigger, mostS(who), waited_s, arrival));
 }
 
-// [s]. Who ran out of time has less of it, so that others do not grow old meanwhile.
+// Returns the time that the cycle may take [s]. It is less after a cycle that ran out of time, so
+// that the meshes of the others do not become too old meanwhile.
 double DetectionLoop::mostS(const std::vector<std::size_t>& who) const {
   constexpr double kShareAfterOverrun = 0.25;
   const bool has_others = inputs_.size() > 1 || live_.pair_classes.robot_self;
   const bool overran =
-      std::any_of(who.begin(), who.end(), [this](std::size_t i) { return turns_.overran(i); });
+      std::any_of(who.begin(), who.end(), [this](std::size_t i) { return scheduler_.overran(i); });
   return parameters_.max_cycle_s * (has_others && overran ? kShareAfterOverrun : 1);
 }
 
-// Whether it took no longer than it may. That its budget is over is no fault of who triggered it.
+// Makes one cycle, and returns whether it ended within `most_s` [s]. A cycle that budget_ms ended
+// counts as in time, because it used no time that belongs to other objects.
 bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, double most_s,
                            double waited_s, SteadyTime mesh_arrival) {
   const SteadyTime start = time_.steady();
@@ -227,69 +277,54 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   transforms.waited_s = waited_s;
   lookAtMisses(transforms);
   sink_->recordTransforms(transforms);
-  CycleReport report = makeReport(t);
-  planner_.plan(trigger, scene_, lookup_, &report);
-  const SteadyTime budget_end = budget_.deadline(mesh_arrival);
+  const SteadyTime budget_end = clock_.deadline(mesh_arrival);
   const SteadyTime deadline = std::min(budget_end, start + fromSeconds(most_s));
+  const CycleReport report = findContacts(t, trigger, {deadline, &sources_.requests.stopped()});
+  const bool in_time = !isOutOfTime(report) || deadline == budget_end;
+  const SteadyTime detected = time_.steady();
+  clock_.recordCycle(deadline, detected, sink_->sendCycle(report, start, mesh_arrival));
+  return in_time;
+}
+
+// Makes the report of a cycle whose scene is prepared. A detection that fails is reported, too.
+CycleReport DetectionLoop::findContacts(const ros::Time& t, const CycleTrigger& trigger,
+                                        const Limits& limits) {
+  CycleReport report = makeReport(t);
+  report.motion = parameters_.motion;
+  report.sweeps = planner_.plan(trigger, scene_, lookup_, report);
   try {
-    const Limits limits{deadline, &sources_.requests.stopped()};
-    report.result = &runDetector(limits);
-    report.backend = detector_->backend();  // it may have fallen back
-    report.scene = &scene_.scene();
-    noteRejected(&report);
-    if (parameters_.containment) noteInside(CycleLimit(limits), &containment_, &report);
-    if (report.containment != nullptr) sink_->recordContainment(report);
-    Options options = options_;
-    options.limits = limits;
-    steps_.run(options, parameters_.swept_tolerance_m, &scene_.sceneOfStep(), &report);
+    detection_.run(limits, sink_->wantsGeometry(), &scene_.sceneOfStep(), &report);
     sink_->recordDetectorError(stepProblem(report));
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
     sink_->recordDetectorError(error.what());
-    report.result = nullptr;
   }
-  const bool in_time = !isOutOfTime(report) || deadline == budget_end;
-  const SteadyTime detected = time_.steady();
-  budget_.record(deadline, detected, sink_->sendCycle(&report, start, mesh_arrival));
-  return in_time;
+  report.now = time_.ros();
+  return report;
 }
 
-// A detector that is given nothing to look at would forget what it started from.
-const DetectionResult& DetectionLoop::runDetector(const Limits& limits) {
-  if (scene_.looksAtAny()) {
-    Options options = options_;
-    options.limits = limits;
-    options.geometry = options.geometry || sink_->wantsGeometry();
-    std::optional<AwakeThread> awake;  // while this one waits for the device
-    if (had_many_ && detector_->backend() == "cuda") awake.emplace();
-    const DetectionResult& result = detector_->detect(scene_.scene(), options);
-    had_many_ = PairSummaries::isOnThreads(result.contacts.size());
-    return result;
-  }
-  nothing_.begin(scene_.scene(), options_, isGuaranteed(options_));
-  return nothing_;
-}
-
-// Again once a second: reasons change, and an object without a mesh has no cycle to tell them.
+// Lists all pairs, once a second: the reasons for UNKNOWN change, and an object without a mesh has
+// no cycle that could report them.
 void DetectionLoop::listPairs() {
   list_due_ = time_.steady() + std::chrono::seconds(1);
   scene_.markUnknown(whyUnknown());
   CycleReport report = scene_.makeReport(clock_.rosTime(), cycle_);
-  sink_->listPairs(&report);
+  report.now = time_.ros();
+  sink_->listPairs(report);
 }
 
+// Publishes that nothing is known, so that silence is not mistaken for "no contact".
 void DetectionLoop::heartbeat() {
   clock_.startHeartbeat(time_.steady());
-  // ROS time may stand still, and then nothing grows old by it.
+  // If ROS time stands still, no state becomes too old, so all states are forgotten here.
   sink_->forgetStates("", "no new mesh");
   std::vector<std::string> why = whyUnknown();
   for (std::string& reason : why) reason = reason.empty() ? "no new mesh" : reason;
   scene_.markUnknown(why);
-  CycleReport report = makeReport(clock_.rosTime());
-  sink_->sendHeartbeat(&report);
+  sink_->sendHeartbeat(makeReport(clock_.rosTime()));
 }
 
-// By object; empty: it has a mesh.
+// Returns why each object is UNKNOWN; empty: it has a mesh.
 std::vector<std::string> DetectionLoop::whyUnknown() const {
   std::vector<std::string> why(inputs_.size(), enabled_ ? "" : "disabled");
   for (std::size_t i = 0; enabled_ && i < why.size(); ++i) {
@@ -298,20 +333,20 @@ std::vector<std::string> DetectionLoop::whyUnknown() const {
   return why;
 }
 
-// Of the next step, if nothing happens before.
+// Returns when the next step is due, unless something wakes the thread before.
 SteadyTime DetectionLoop::wakeTime() const {
-  constexpr std::chrono::milliseconds kTransformPeriod(1);  // transforms wake nobody
+  constexpr std::chrono::milliseconds kTransformPeriod(1);  // new transforms wake nobody
   const SteadyTime now = time_.steady();
   SteadyTime wake = std::min(clock_.heartbeatDue(), list_due_);
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    if (!turns_.waiting(i).empty()) {
-      wake = std::min({wake, turns_.waiting(i).front().give_up, now + kTransformPeriod});
-    } else if (!sources_.meshes[i].isEmpty()) {
-      wake = std::min(wake, turns_.earliest(i));
+    if (scheduler_.hasRequest(i)) {
+      wake = std::min({wake, scheduler_.first(i).give_up, now + kTransformPeriod});
+    } else if (inputs_[i].hasWaiting()) {
+      wake = std::min(wake, scheduler_.earliest(i));
     }
   }
   const bool robot_cycles = live_.pair_classes.robot_self && robot_ != nullptr && enabled_;
-  return robot_cycles ? std::min(wake, std::max(robots_look_, turns_.earliest(inputs_.size())))
+  return robot_cycles ? std::min(wake, std::max(robots_look_, scheduler_.earliest(inputs_.size())))
                       : wake;
 }
 
@@ -319,17 +354,19 @@ CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {
   CycleReport report = scene_.makeReport(stamp, ++cycle_);
   report.options = options_;
   report.backend = detector_->backend();
+  report.now = time_.ros();
   return report;
 }
 
+// Warns of bodies without a transform.
 void DetectionLoop::lookAtMisses(const TransformReport& transforms) {
   if (transforms.misses.empty()) return;
   const SteadyTime now = time_.steady();
   for (const TransformReport::Miss& miss : transforms.misses) {
-    // A transform from before the jump hides those from after it.
+    // tf2 prefers a transform from before a time jump, as its stamp is later, so all must go.
     if (clock_.isLeftover(miss.answer.available, now)) return sources_.transforms.clear();
   }
-  // Throttled by wall time: ROS time may stand still.
+  // The warning is throttled by the steady clock, as ROS time may stand still.
   if (now - last_warning_ < std::chrono::seconds(1)) return;
   last_warning_ = now;
   ROS_WARN_STREAM(describeMisses(transforms));

@@ -1,4 +1,4 @@
-// The detection thread's work: meshes and requests in, cycles out.
+// The detection thread's work: it takes meshes and requests, and makes cycles.
 #pragma once
 
 #include <ros/time.h>
@@ -11,42 +11,39 @@
 #include <string>
 #include <vector>
 
-#include "core/analysis/containment.h"
 #include "core/detector.h"
 #include "core/steady_time.h"
-#include "monitor/cycle/cycle_budget.h"
 #include "monitor/cycle/cycle_clock.h"
+#include "monitor/cycle/cycle_detection.h"
+#include "monitor/cycle/cycle_scheduler.h"
 #include "monitor/cycle/cycle_sink.h"
-#include "monitor/cycle/cycle_turns.h"
-#include "monitor/cycle/mailbox.h"
-#include "monitor/cycle/mesh_queues.h"
+#include "monitor/cycle/loop_requests.h"
 #include "monitor/cycle/monitor_scene.h"
 #include "monitor/cycle/step_planner.h"
-#include "monitor/cycle/step_runner.h"
 #include "monitor/input/mesh_input.h"
-#include "monitor/input/mesh_mailbox.h"
 #include "monitor/input/transform_lookup.h"
-#include "monitor/rules/live_parameters.h"
 #include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
 
-// What other threads hand to the loop. All of it guards itself and must outlive the loop.
+// The objects that other threads share with the loop. Each is thread-safe and must outlive the
+// loop.
 struct LoopSources {
-  Mailbox& requests;
-  MeshMailboxes& meshes;
+  LoopRequests& requests;
+  MeshInputs& meshes;
   tf2::BufferCore& transforms;
-  // Null while there is no robot; another object means another robot.
+  // Returns null while there is no robot, and another object when the robot has changed.
   std::function<std::shared_ptr<const RobotGeometry>()> newest_robot;
 };
 
+// The clocks that the loop uses; tests replace them.
 struct LoopTime {
   std::function<SteadyTime()> steady;
   std::function<ros::Time()> ros;  // zero: no clock yet
 };
 
-// Owns all that the detection thread alone may touch. One thread at a time; no lock is held while
-// it detects.
+// Owns everything that only the detection thread uses. It holds no lock while it detects. One
+// thread at a time.
 class DetectionLoop {
  public:
   // The parameters must outlive this.
@@ -55,9 +52,10 @@ class DetectionLoop {
   DetectionLoop(const DetectionLoop&) = delete;
   DetectionLoop& operator=(const DetectionLoop&) = delete;
 
-  // Looks at everything once and makes at most one cycle, so that requests and the clock are looked
-  // at in between. Returns when to call it again unless something happens before. A
-  // std::exception (out of memory, say) is reported, not thrown: the next mesh may be smaller.
+  // Handles the clock, requests and new meshes, and then makes at most one cycle, so that requests
+  // never wait for more than one cycle. Returns when to call it again unless something wakes the
+  // thread before. A std::exception, for example out of memory, is reported and not thrown: the
+  // next mesh may be smaller.
   SteadyTime step();
 
  private:
@@ -71,15 +69,16 @@ class DetectionLoop {
   void reset(const std::string& reason);
   void dropLeftovers();
 
+  TransformGate transformGate();
   void takeMeshes();
-  ros::Time cycleStamp(const ros::Time& stamp, bool refused) const;
+  ros::Time cycleStamp(const ros::Time& stamp, bool rejected) const;
   void lookAtRobotsTime();
   std::optional<ros::Time> robotsStamp() const;
   void takeTurn(const std::vector<std::size_t>& who);
   double mostS(const std::vector<std::size_t>& who) const;
   bool detect(const ros::Time& t, const CycleTrigger& trigger, double most_s, double waited_s,
               SteadyTime mesh_arrival);
-  const DetectionResult& runDetector(const Limits& limits);
+  CycleReport findContacts(const ros::Time& t, const CycleTrigger& trigger, const Limits& limits);
 
   void listPairs();
   void heartbeat();
@@ -91,27 +90,22 @@ class DetectionLoop {
   const MonitorParameters& parameters_;
   const LoopSources sources_;
   const LoopTime time_;
-  LiveParameters live_;  // in place of the parameters'
-  Options options_;      // with those
+  LiveParameters live_;  // replaces the values in parameters_
+  Options options_;      // the detector's options with live_ applied
   const std::unique_ptr<Detector> detector_;
   const std::unique_ptr<CycleSink> sink_;
   CycleClock clock_;
-  CycleBudget budget_;
-  CycleTurns turns_;  // of the objects, in their order, and of the robot
-  MeshInputs inputs_;
+  MeshInputs& inputs_;
   MonitorScene scene_;
   TransformLookup lookup_;
-  MeshQueues queues_;  // what an object waits for is its own affair
-  ContainmentFinder containment_;
+  CycleScheduler scheduler_;
   StepPlanner planner_;
-  StepRunner steps_;
+  CycleDetection detection_;
   std::shared_ptr<const RobotGeometry> robot_;  // the one in scene_
-  DetectionResult nothing_;                     // of a cycle without an enabled pair
   ros::Time robots_stamp_;                      // of its own last cycle
   SteadyTime robots_look_;                      // when to look for a new one
   bool enabled_ = true;
   bool names_checked_ = false;  // of the allowed contacts, against the bodies'
-  bool had_many_ = false;       // contacts, in the last cycle
   std::uint64_t cycle_ = 0;
   SteadyTime list_due_, last_warning_;
 };

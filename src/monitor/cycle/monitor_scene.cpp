@@ -1,4 +1,4 @@
-// The scene of a cycle: which bodies there are, where they stand, and which pairs are looked at.
+// The scene of a cycle: its bodies, their poses and meshes, and the pairs that are computed.
 #include "monitor/cycle/monitor_scene.h"
 
 #include <algorithm>
@@ -6,9 +6,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robot/nearest_name.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns the stand-in for a robot that is not known.
 RobotGeometry missingRobot(const std::string& why) {
   RobotGeometry robot;
   robot.links.push_back({"robot", "", TriangleMesh(), why});
@@ -17,13 +20,53 @@ RobotGeometry missingRobot(const std::string& why) {
 
 }  // namespace
 
-MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
-  MeshInputs inputs;
-  for (const ObjectParameters& object : parameters.objects) {
-    inputs.emplace_back(object.name,
-                        MeshLimits{parameters.max_mesh_age_s, parameters.max_mesh_bytes});
+std::string describeMisses(const TransformReport& transforms) {
+  constexpr std::size_t kShown = 5;
+  const std::vector<TransformReport::Miss>& misses = transforms.misses;
+  std::string text = "UNKNOWN for want of a transform:";
+  for (std::size_t i = 0; i < std::min(kShown, misses.size()); ++i) {
+    text += "\n  " + misses[i].body + ": " + misses[i].answer.problem;
   }
-  return inputs;
+  if (misses.size() > kShown) {
+    text += "\n  and " + std::to_string(misses.size() - kShown) + " more";
+  }
+  return text;
+}
+
+std::vector<std::string> describeUnknownNames(const MonitorParameters& parameters,
+                                              const AllowedContacts& allowed,
+                                              const std::vector<BodyStatus>& bodies) {
+  constexpr std::size_t kShown = 20;
+  std::set<std::string> known{"*"}, in_rules;
+  std::vector<std::string> names, links, lines;
+  for (const BodyStatus& body : bodies) {
+    known.insert(body.name);
+    names.push_back(body.name);
+    if (body.kind == BodyKind::kLink) links.push_back(body.name);
+  }
+  for (const AllowedContact& rule : allowed.rules()) {
+    for (const std::string& name : {rule.body_a, rule.body_b}) {
+      if (known.count(name) == 0) in_rules.insert(name);
+    }
+  }
+  std::size_t more = 0;
+  const auto add = [&](const std::string& where, const std::string& name, const char* what,
+                       const std::vector<std::string>& candidates) {
+    if (lines.size() == kShown) {
+      ++more;
+      return;
+    }
+    lines.push_back(where + " name '" + name + "'" + nearestNameHint(name, candidates) +
+                    ", which is no " + what);
+  };
+  for (const auto& [name, margin_m] : parameters.link_margin_m) {
+    if (std::find(links.begin(), links.end(), name) == links.end()) {
+      add("margins (~link_margin_m)", name, "link that is looked at", links);
+    }
+  }
+  for (const std::string& name : in_rules) add("allowed contacts", name, "link or object", names);
+  if (more > 0) lines.push_back("and " + std::to_string(more) + " more names are unknown");
+  return lines;
 }
 
 MonitorScene::MonitorScene(const MonitorParameters& parameters,
@@ -34,6 +77,7 @@ MonitorScene::MonitorScene(const MonitorParameters& parameters,
                                                : RobotGeometry());
 }
 
+// The new scene is built completely before it replaces the old one.
 void MonitorScene::setRobot(const RobotGeometry& robot) {
   if (parameters_.pair_classes.needRobot() && robot.links.empty()) {
     return setRobot(missingRobot("the robot has no link with geometry"));
@@ -59,12 +103,13 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
   bodies_ = std::move(bodies);
   link_problems_ = std::move(problems);
   first_object_ = static_cast<BodyId>(link_problems_.size());
-  loaded_.assign(parameters_.objects.size(), AcceptedMesh());
+  loaded_.assign(parameters_.objects.size(), IncomingMesh());
   rules_.links = LinkRules(robot.srdf);
   applyMargin();
   listPairs();
 }
 
+// Lists all pairs of the enabled classes anew, after a rule or a body has changed.
 void MonitorScene::listPairs() {
   pairs_ = monitoredPairs(bodies_, classes_.value_or(parameters_.pair_classes), rules_);
 }
@@ -80,7 +125,7 @@ void MonitorScene::setAttached(const AttachedObjects& attached) {
 }
 
 void MonitorScene::setPairClasses(const PairClasses& classes) {
-  // Nothing else switches off what is no longer listed.
+  // enablePairs() visits listed pairs only, so pairs that are no longer listed are disabled here.
   for (const MonitoredPair& pair : pairs_) scene_.setPairEnabled(pair.a, pair.b, false);
   classes_ = classes;
   listPairs();
@@ -91,6 +136,7 @@ void MonitorScene::setMargin(double margin_m) {
   applyMargin();
 }
 
+// A margin that is set for one link or object itself takes precedence.
 void MonitorScene::applyMargin() {
   if (!margin_m_) return;
   for (BodyId id = 0; id < bodies_.size(); ++id) {
@@ -100,6 +146,7 @@ void MonitorScene::applyMargin() {
   }
 }
 
+// Removes the traces of the previous cycle.
 void MonitorScene::clearStatuses() {
   for (BodyId id = 0; id < bodies_.size(); ++id) {
     BodyStatus& body = bodies_[id];
@@ -110,6 +157,7 @@ void MonitorScene::clearStatuses() {
   }
 }
 
+// Notes whose cycle it is; isOfCycle() goes by this.
 void MonitorScene::markTriggered(const CycleTrigger& trigger) {
   for (const std::size_t object : trigger.objects) bodies_[first_object_ + object].triggered = true;
   for (BodyId id = 0; trigger.robot && isLink(id); ++id) bodies_[id].triggered = true;
@@ -133,16 +181,15 @@ CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle
   return report;
 }
 
+// A pair's links come before its objects: pair.a is the link, and pair.b the object.
 std::vector<FrameAtStamp> MonitorScene::awaitedFrames(std::size_t object, const ros::Time& t,
-                                                      const MeshInputs& inputs) const {
+                                                      const IncomingMesh& mesh) const {
   std::vector<FrameAtStamp> frames;
-  std::string why_not;
-  const AcceptedMesh* const mesh = inputs[object].newestAt(t, &why_not);
-  if (mesh == nullptr) return frames;
+  if (mesh.topology == nullptr) return frames;
   const BodyId id = first_object_ + static_cast<BodyId>(object);
-  const std::string& own = mesh->message->header.frame_id;
+  const std::string& own = mesh.message->header.frame_id;
   if (plainFrame(own) != parameters_.reference_frame) {
-    frames.push_back({plainFrame(own), mesh->stamp()});
+    frames.push_back({plainFrame(own), mesh.stamp()});
   }
   for (const MonitoredPair& pair : pairs_) {
     if (pair.allowed || pair.b != id || !isLink(pair.a) || !link_problems_[pair.a].empty() ||
@@ -169,7 +216,7 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
                                       const MeshInputs& inputs, const TransformLookup& lookup) {
   clearStatuses();
   markTriggered(trigger);
-  const std::vector<const AcceptedMesh*> meshes = chooseMeshes(t, inputs);
+  const std::vector<const IncomingMesh*> meshes = chooseMeshes(t, inputs);
   const std::vector<bool> needed = neededBodies();
 
   std::vector<Question> questions;
@@ -178,7 +225,7 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
     if (isLink(id)) {
       questions.push_back({id, {bodies_[id].name, t}});
     } else {
-      const AcceptedMesh& mesh = *meshes[id - first_object_];
+      const IncomingMesh& mesh = *meshes[id - first_object_];
       questions.push_back({id, {plainFrame(mesh.message->header.frame_id), mesh.stamp()}});
     }
   }
@@ -192,7 +239,7 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
   return report;
 }
 
-// Of the cycle's pairs alone.
+// Enables the cycle's pairs whose bodies are known, and disables all others.
 void MonitorScene::enablePairs() {
   looks_at_any_ = false;
   for (const MonitoredPair& pair : pairs_) {
@@ -203,15 +250,15 @@ void MonitorScene::enablePairs() {
   }
 }
 
-// Of the objects that the cycle's pairs need; null for the others.
-std::vector<const AcceptedMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
+// Returns the meshes of the objects that the cycle's pairs need, by object; null for the others.
+std::vector<const IncomingMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
                                                             const MeshInputs& inputs) {
   std::vector<bool> asked(bodies_.size(), false);
   for (BodyId id = 0; id < bodies_.size(); ++id) asked[id] = bodies_[id].triggered;
   for (const MonitoredPair& pair : pairs_) {
     if (!pair.allowed && isOfCycle(bodies_, pair)) asked[pair.a] = asked[pair.b] = true;
   }
-  std::vector<const AcceptedMesh*> meshes(inputs.size(), nullptr);
+  std::vector<const IncomingMesh*> meshes(inputs.size(), nullptr);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     BodyStatus& body = bodies_[first_object_ + i];
     if (asked[first_object_ + i]) meshes[i] = inputs[i].newestAt(t, &body.unknown_because);
@@ -219,8 +266,8 @@ std::vector<const AcceptedMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
   return meshes;
 }
 
-// Links with a partner that could be touched in this cycle, and known objects of it: people want to
-// see where those are.
+// Returns which bodies are to be posed: those of the cycle's pairs with two known bodies, and all
+// objects that triggered the cycle, as people want to see where these are.
 std::vector<bool> MonitorScene::neededBodies() const {
   std::vector<bool> needed(bodies_.size(), false);
   for (BodyId id = first_object_; id < bodies_.size(); ++id) needed[id] = bodies_[id].triggered;
@@ -232,13 +279,14 @@ std::vector<bool> MonitorScene::neededBodies() const {
   return needed;
 }
 
+// Looks up all poses at once, and marks the bodies without one as UNKNOWN.
 void MonitorScene::poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
                               TransformReport* report) {
   std::vector<FrameAtStamp> frames;
   std::vector<BodyId> asked;
   for (const Question& question : questions) {
     bodies_[question.body].stamp = question.frame.stamp;
-    // A mesh that is in the reference frame already stays as it is, bit by bit.
+    // A mesh that is in the reference frame already keeps its coordinates bit by bit.
     if (question.frame.frame == parameters_.reference_frame) {
       scene_.setPose(question.body, RigidTransform());
       continue;
@@ -263,10 +311,12 @@ void MonitorScene::poseBodies(const std::vector<Question>& questions, const Tran
   }
 }
 
-void MonitorScene::loadMesh(std::size_t object, const AcceptedMesh& mesh) {
+// Hands the scene only what is new: the detectors keep what they computed from the triangles until
+// these change, and from the vertices until those do.
+void MonitorScene::loadMesh(std::size_t object, const IncomingMesh& mesh) {
   const BodyId id = first_object_ + static_cast<BodyId>(object);
   bodies_[id].topology_id = mesh.topology->id;
-  AcceptedMesh& loaded = loaded_[object];
+  IncomingMesh& loaded = loaded_[object];
   const std::vector<float>& vertices = mesh.message->vertices;
   if (loaded.topology != mesh.topology) {
     scene_.setMesh(id, {vertices, mesh.topology->triangles});

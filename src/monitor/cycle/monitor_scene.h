@@ -1,4 +1,4 @@
-// The scene of a cycle: which bodies there are, where they stand, and which pairs are looked at.
+// The scene of a cycle: its bodies, their poses and meshes, and the pairs that are computed.
 #pragma once
 
 #include <ros/time.h>
@@ -17,87 +17,97 @@
 
 namespace deformable_contact_monitor {
 
-using MeshInputs = std::vector<MeshInput>;  // in the order of the objects
-
-MeshInputs makeMeshInputs(const MonitorParameters& parameters);
-
-// What the transforms of a cycle were like, for the diagnostics.
+// How the lookup of a cycle's transforms went, for diagnostics and warnings.
 struct TransformReport {
   struct Miss {
     std::string body;
     PoseAnswer answer;
   };
-  double waited_s = 0;
-  std::vector<std::string> asked;  // bodies
+  double waited_s = 0;             // how long the cycle's meshes waited for transforms
+  std::vector<std::string> asked;  // names of the bodies whose transforms were looked up
   std::vector<Miss> misses;
 };
 
-// Whose cycle it is: that of some objects, or the robot's own.
+// Returns a warning that lists the first few bodies that lack a transform, and why, one a line.
+std::string describeMisses(const TransformReport& transforms);
+
+// Returns a warning for each name in the rules and in the parameters' link_margin_m that no body
+// has, with the most similar name. Lists the first few names, and counts the others.
+std::vector<std::string> describeUnknownNames(const MonitorParameters& parameters,
+                                              const AllowedContacts& allowed,
+                                              const std::vector<BodyStatus>& bodies);
+
+// The pairs that a cycle is about: those of these objects, or the robot's links with one another.
 struct CycleTrigger {
   std::vector<std::size_t> objects;
   bool robot = false;
 };
 
-// Bodies are the robot's links, then the objects. While no robot is known, one body "robot" that
-// is UNKNOWN stands in for its links, so that nobody takes their silence for "no contact". One
-// thread at a time.
+// Bodies are the robot's links in URDF order, then the objects. While no robot is known, a single
+// body "robot" that is UNKNOWN stands in for its links: nobody must mistake their absence for "no
+// contact". One thread at a time.
 class MonitorScene {
  public:
-  // The parameters must outlive this, and so must the vertices' memory. Without a robot until
-  // setRobot().
+  // The parameters must outlive this, and so must the memory of the vertices. There is no robot
+  // until setRobot().
   explicit MonitorScene(
       const MonitorParameters& parameters,
       std::pmr::memory_resource& vertex_memory = *std::pmr::new_delete_resource());
 
-  // Builds the scene anew, with the SRDF's rules. The names of links and objects must differ.
+  // Builds the scene anew with these links and the SRDF's rules. The names of links and objects
+  // must differ.
   void setRobot(const RobotGeometry& robot);
 
   void setAllowedContacts(const AllowedContacts& allowed);
   void setAttached(const AttachedObjects& attached);
   const ContactRules& rules() const { return rules_; }
 
-  // Of every body that has no margin of its own [m].
+  // Sets the margin [m] of every body without a margin of its own.
   void setMargin(double margin_m);
-  // The robot stays as it is: bodies keep their numbers.
+  // Changes which classes of pairs are computed. Bodies keep their ids.
   void setPairClasses(const PairClasses& classes);
 
-  // Frames that the cycle of an object at `t` waits for, with their stamps: its own, and those of
-  // the links that it may touch. Other objects' frames are nothing to wait for.
+  // Returns the frames that a cycle of this object at stamp `t` waits for, with their stamps: the
+  // frame of its mesh, and those of the links that it may touch. Empty if the mesh was rejected. A
+  // cycle does not wait for the frames of other objects.
   std::vector<FrameAtStamp> awaitedFrames(std::size_t object, const ros::Time& t,
-                                          const MeshInputs& inputs) const;
-  // The links that the robot's own cycles pose, by frame.
+                                          const IncomingMesh& mesh) const;
+  // Returns the links, by frame, whose poses the robot's own cycles need.
   std::vector<std::string> selfPairedLinks() const;
 
-  // Brings the bodies of a cycle's pairs (isOfCycle) to stamp `t`: links at t, each object with its
-  // newest mesh at t, posed at that mesh's own stamp. Others are left as they are and take no part.
-  // Links that no enabled pair of known bodies needs are not posed. Bodies that cannot be had are
-  // UNKNOWN and their pairs are off.
+  // Brings the bodies of the cycle's pairs (isOfCycle) to stamp `t`. Links are posed at `t`. Each
+  // object, also one that triggered the cycle, has its newest accepted mesh at `t`, posed at that
+  // mesh's own stamp. Other bodies stay as they are and take no part. Links are posed only if an
+  // enabled pair of known bodies needs them. A body without mesh or pose is UNKNOWN, and its pairs
+  // are off.
   TransformReport prepare(const ros::Time& t, const CycleTrigger& trigger, const MeshInputs& inputs,
                           const TransformLookup& lookup);
 
-  // Whether some pair is to be looked at after prepare().
+  // Returns whether prepare() has enabled any pair.
   bool looksAtAny() const { return looks_at_any_; }
 
-  // For a report without detection: object i is UNKNOWN because of why[i], unless that is empty;
-  // links are not looked at.
+  // Prepares a report without detection: object i is UNKNOWN because of why[i], unless that is
+  // empty. Links are left out.
   void markUnknown(const std::vector<std::string>& why);
 
-  // Of a cycle with that stamp and number: its bodies and pairs as they are now, without a result.
+  // Returns a report of the bodies and pairs as they are now, without a result.
   CycleReport makeReport(const ros::Time& stamp, std::uint64_t cycle) const;
 
-  // To set where bodies were at the beginning of a step; pairs are to be as they were afterwards.
+  // Returns the scene, for setting where bodies were at the beginning of a time interval. The
+  // caller must leave the pairs as they were.
   Scene& sceneOfStep() { return scene_; }
 
   const Scene& scene() const { return scene_; }
   BodyId firstObject() const { return first_object_; }
-  // What the scene holds of an object; null: a link.
-  const AcceptedMesh* loadedMesh(BodyId id) const {
+  // Returns the mesh that the scene holds of an object; null for a link.
+  const IncomingMesh* loadedMesh(BodyId id) const {
     return isLink(id) ? nullptr : &loaded_[id - first_object_];
   }
   const std::vector<BodyStatus>& bodies() const { return bodies_; }
   const std::vector<MonitoredPair>& pairs() const { return pairs_; }
 
  private:
+  // The pose of one body, which is to be looked up.
   struct Question {
     BodyId body;
     FrameAtStamp frame;
@@ -108,25 +118,25 @@ class MonitorScene {
   void clearStatuses();
   void markTriggered(const CycleTrigger& trigger);
   bool isLink(BodyId id) const { return id < first_object_; }
-  std::vector<const AcceptedMesh*> chooseMeshes(const ros::Time& t, const MeshInputs& inputs);
+  std::vector<const IncomingMesh*> chooseMeshes(const ros::Time& t, const MeshInputs& inputs);
   std::vector<bool> neededBodies() const;
   void enablePairs();
   void poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
                   TransformReport* report);
-  void loadMesh(std::size_t object, const AcceptedMesh& mesh);
+  void loadMesh(std::size_t object, const IncomingMesh& mesh);
   bool isKnown(BodyId id) const { return bodies_[id].unknown_because.empty(); }
 
   const MonitorParameters& parameters_;
   std::pmr::memory_resource& vertex_memory_;
   ContactRules rules_;
-  // In place of the parameters'; nothing: as those.
+  // They replace the parameters' values once they were set.
   std::optional<PairClasses> classes_;
   std::optional<double> margin_m_;
   Scene scene_;
   std::vector<BodyStatus> bodies_;
-  std::vector<std::string> link_problems_;  // of the links (or their stand-in); empty: none
+  std::vector<std::string> link_problems_;  // why a link is UNKNOWN for good; empty: it is not
   std::vector<MonitoredPair> pairs_;
-  std::vector<AcceptedMesh> loaded_;  // by object: what the scene holds
+  std::vector<IncomingMesh> loaded_;  // by object: the mesh in the scene
   BodyId first_object_ = 0;
   bool looks_at_any_ = false;
 };

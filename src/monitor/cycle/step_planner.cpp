@@ -1,11 +1,16 @@
-// Which steps of swept motion end with a cycle: from where, of which pairs, on which ways.
+// Plans the time intervals of continuous collision detection that end with a cycle.
+//
+// An interval starts at the previous cycle of whoever triggered this one, so that the intervals of
+// an object follow each other without gaps. The other body of a pair starts where that previous
+// cycle saw it, even if newer meshes of it came in between. If both objects of a pair triggered the
+// cycle, the pair's own previous cycle is the later one of theirs.
 #include "monitor/cycle/step_planner.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -17,7 +22,8 @@ namespace {
 constexpr double kSamplePeriodS = 0.005;
 constexpr std::int64_t kMostParts = 200;
 
-// But for the rounding of transforms that are interpolated [m]; float32 vertices have more.
+// Compares poses up to the rounding of interpolated transforms [m], which is far below that of
+// float32 vertices.
 bool isSame(const RigidTransform& a, const RigidTransform& b) {
   const auto is_close = [](double x, double y) { return std::abs(x - y) <= 1e-12; };
   return std::equal(std::begin(a.rotation), std::end(a.rotation), std::begin(b.rotation),
@@ -26,113 +32,23 @@ bool isSame(const RigidTransform& a, const RigidTransform& b) {
                     is_close);
 }
 
-// Where a body's frame was between two cycles; empty: where it is now, all the time. Throws
-// std::runtime_error where the transforms do not say.
-BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const std::string& frame,
-                     const TransformLookup& lookup) {
-  const std::int64_t length_ns = nanosecondsBetween(to.stamp, from.stamp);
-  const std::int64_t parts = std::clamp<std::int64_t>(
-      std::llround(std::ceil(1e-9 * static_cast<double>(length_ns) / kSamplePeriodS)), 1,
-      kMostParts);
-  std::vector<FrameAtStamp> frames;
-  for (std::int64_t i = 1; i < parts; ++i) {
-    ros::Time stamp = from.stamp;
-    frames.push_back({frame, stamp.fromNSec(from.stamp.toNSec() + length_ns * i / parts)});
-  }
-  BodyPath path{{0, from.pose}};
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const PoseAnswer answer = lookup.lookup({frames[i]}).front();
-    if (!answer.problem.empty()) throw std::runtime_error(answer.problem);
-    path.push_back({static_cast<double>(i + 1) / static_cast<double>(parts), answer.pose});
-  }
-  path.push_back({1, to.pose});
-  const bool stands = std::all_of(path.begin(), path.end(), [&](const PoseSample& sample) {
-    return isSame(sample.pose, to.pose);
-  });
-  return stands ? BodyPath() : path;
-}
+// The number of the earlier cycle that each interval starts from; 0 if there is none.
+using Beginnings = std::map<std::size_t, std::uint64_t>;  // by object, then the robot
 
-// What all steps of a cycle are made from.
-struct Cycle {
-  const MonitorParameters& parameters;
-  const MonitorScene& scene;
-  const TransformLookup& lookup;
-  const UsedCycle& now;
-};
-
-// Why a body that is known now has no step from there; empty: it has one.
-std::string bodyProblem(const std::optional<UsedBody>& from, const UsedBody& to) {
-  if (!from) return "not known in the previous cycle";
-  if (to.stamp < from->stamp) return "its stamps went back";
-  if (to.mesh.topology != from->mesh.topology) return "other triangles than in the previous cycle";
-  if (to.mesh.message == nullptr) return "";
-  return plainFrame(to.mesh.message->header.frame_id) ==
-                 plainFrame(from->mesh.message->header.frame_id)
-             ? ""
-             : "another frame than in the previous cycle";
-}
-
-StepBody stepBody(const Cycle& cycle, BodyId id, const UsedCycle& from_cycle) {
-  StepBody body;
-  body.takes_part = true;
-  const UsedBody& to = *cycle.now.bodies[id];
-  const std::optional<UsedBody>& from = from_cycle.bodies.at(id);
-  body.skipped = bodyProblem(from, to);
-  if (!body.skipped.empty()) return body;
-  body.pose = from->pose;
-  if (from->mesh.message != to.mesh.message) body.mesh = from->mesh.message;
-  const std::string frame = to.mesh.message == nullptr
-                                ? cycle.scene.bodies()[id].name
-                                : plainFrame(to.mesh.message->header.frame_id);
-  if (frame == cycle.parameters.reference_frame) return body;
-  try {
-    body.path = pathBetween(*from, to, frame, cycle.lookup);
-  } catch (const std::exception& error) {
-    body.skipped = std::string("between the cycles: ") + error.what();
-  }
-  return body;
-}
-
-void addBodies(const Cycle& cycle, const UsedCycle& from, SweepReport* step) {
-  for (const MonitoredPair& pair : step->pairs) {
-    for (const BodyId id : {pair.a, pair.b}) {
-      StepBody& body = step->bodies[id];
-      if (!body.takes_part) body = stepBody(cycle, id, from);
-    }
-  }
-}
-
-// Why there is no step from the previous cycle of one who triggers; empty: there is one.
-std::string stepProblem(const Cycle& cycle, const EarlierStates& earlier, std::size_t who,
-                        const std::vector<BodyId>& bodies) {
-  const std::shared_ptr<const UsedCycle>& from = earlier.of(who);
-  if (from == nullptr) return earlier.why(who);
-  const double gap_s = secondsBetween(cycle.now.stamp, from->stamp);
-  if (gap_s > cycle.parameters.max_mesh_age_s) {
-    return "its previous cycle is " + std::to_string(gap_s) + " s older, more than max_mesh_age_s";
-  }
-  const bool is_object = who < cycle.parameters.objects.size();
-  if (!is_object || !cycle.now.bodies[bodies.front()]) return "";  // if unknown, it says so itself
-  return bodyProblem(from->bodies.at(bodies.front()), *cycle.now.bodies[bodies.front()]);
-}
-
-// Which bodies are those of one who triggers cycles.
+// Returns the bodies of one who triggers cycles: an object, or all links for the robot.
 std::vector<BodyId> bodiesOf(std::size_t who, const MonitorScene& scene) {
   const std::size_t first_object = scene.firstObject();
   const bool is_object = who < scene.bodies().size() - first_object;
-  std::vector<BodyId> bodies;
   const std::size_t begin = is_object ? first_object + who : 0;
   const std::size_t end = is_object ? begin + 1 : first_object;
+  std::vector<BodyId> bodies;
   for (std::size_t id = begin; id < end; ++id) bodies.push_back(static_cast<BodyId>(id));
   return bodies;
 }
 
-// Of the cycle's pairs, by number of that which they start from; 0: none.
-using Steps = std::map<std::uint64_t, SweepReport>;
-
-// Whose cycle's number the pair's step starts from: of two, the pair's own previous one.
+// Returns the number of the cycle that the pair's interval starts from; 0 if there is none.
 std::uint64_t beginningOf(const MonitoredPair& pair, const MonitorScene& scene,
-                          const std::map<std::size_t, std::uint64_t>& beginnings) {
+                          const Beginnings& beginnings) {
   const BodyId first = scene.firstObject();
   const auto of = [&](BodyId id) {
     const auto found = beginnings.find(id < first ? scene.bodies().size() - first : id - first);
@@ -142,46 +58,154 @@ std::uint64_t beginningOf(const MonitoredPair& pair, const MonitorScene& scene,
   return pair.a < first ? of(pair.b) : std::max(of(pair.a), of(pair.b));
 }
 
+// Takes over what the prepared scene uses of each body.
+UsedCycle usedCycle(const CycleReport& report, const MonitorScene& scene) {
+  UsedCycle used{report.header.stamp, report.cycle, {}};
+  used.bodies.resize(scene.bodies().size());
+  for (BodyId id = 0; id < used.bodies.size(); ++id) {
+    const BodyStatus& body = scene.bodies()[id];
+    if (body.stamp.isZero() || !body.unknown_because.empty()) continue;
+    const IncomingMesh* const mesh = scene.loadedMesh(id);
+    used.bodies[id] =
+        UsedBody{body.stamp, scene.scene().body(id).pose, mesh ? *mesh : IncomingMesh()};
+  }
+  return used;
+}
+
+std::string frameOf(const UsedBody& object) {
+  return plainFrame(object.mesh.message->header.frame_id);
+}
+
+// Returns why a body that is known now has no interval from an earlier cycle; empty if it has one.
+std::string bodyProblem(const UsedCycle& from_cycle, const UsedCycle& now, BodyId id) {
+  const std::optional<UsedBody>& from = from_cycle.bodies.at(id);
+  const UsedBody& to = *now.bodies[id];
+  if (!from) return "not known in the previous cycle";
+  if (to.stamp < from->stamp) return "its stamps went back";
+  if (to.mesh.topology != from->mesh.topology) return "other triangles than in the previous cycle";
+  if (to.mesh.message == nullptr || frameOf(to) == frameOf(*from)) return "";
+  return "another frame than in the previous cycle";
+}
+
+// Returns how the body's frame moved between two cycles; empty if it stood still. Throws
+// std::runtime_error if transforms are missing.
+BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const std::string& frame,
+                     const TransformLookup& lookup) {
+  const std::int64_t length_ns = nanosecondsBetween(to.stamp, from.stamp);
+  const std::int64_t parts = std::clamp<std::int64_t>(
+      std::llround(std::ceil(1e-9 * static_cast<double>(length_ns) / kSamplePeriodS)), 1,
+      kMostParts);
+  BodyPath path{{0, from.pose}};
+  for (std::int64_t i = 1; i < parts; ++i) {
+    ros::Time stamp;
+    stamp.fromNSec(from.stamp.toNSec() + length_ns * i / parts);
+    const PoseAnswer answer = lookup.lookup({{frame, stamp}}).front();
+    if (!answer.problem.empty()) throw std::runtime_error(answer.problem);
+    path.push_back({static_cast<double>(i) / static_cast<double>(parts), answer.pose});
+  }
+  path.push_back({1, to.pose});
+  const bool stands_still = std::all_of(path.begin(), path.end(), [&to](const PoseSample& sample) {
+    return isSame(sample.pose, to.pose);
+  });
+  return stands_still ? BodyPath() : path;
+}
+
+// Returns where the body was and how it came here. If transforms between the cycles are missing, it
+// is skipped.
+StepBody stepBody(const UsedCycle& from_cycle, const UsedCycle& now, BodyId id,
+                  const std::string& body_name, const std::string& reference_frame,
+                  const TransformLookup& lookup) {
+  StepBody body;
+  body.takes_part = true;
+  body.skipped = bodyProblem(from_cycle, now, id);
+  if (!body.skipped.empty()) return body;
+  const UsedBody& from = *from_cycle.bodies[id];
+  const UsedBody& to = *now.bodies[id];
+  body.pose = from.pose;
+  if (from.mesh.message != to.mesh.message) body.mesh = from.mesh.message;
+  const std::string frame = to.mesh.message == nullptr ? body_name : frameOf(to);
+  if (frame == reference_frame) return body;
+  try {
+    body.path = pathBetween(from, to, frame, lookup);
+  } catch (const std::exception& error) {
+    body.skipped = std::string("between the cycles: ") + error.what();
+  }
+  return body;
+}
+
 }  // namespace
 
 StepPlanner::StepPlanner(const MonitorParameters& parameters)
-    : parameters_(parameters), earlier_(parameters.objects.size()) {}
+    : parameters_(parameters), previous_(parameters.objects.size() + 1) {}
 
-void StepPlanner::plan(const CycleTrigger& trigger, const MonitorScene& scene,
-                       const TransformLookup& lookup, CycleReport* report) {
-  report->motion = parameters_.motion;
-  if (parameters_.motion == Motion::kInstant) return;
-  const auto used =
-      std::make_shared<const UsedCycle>(usedCycle(report->header.stamp, report->cycle, scene));
-  const Cycle cycle{parameters_, scene, lookup, *used};
-  std::vector<std::size_t> who = trigger.objects;
-  if (trigger.robot) who.push_back(parameters_.objects.size());
+void StepPlanner::forget(std::size_t object, const std::string& why) {
+  previous_[object] = {nullptr, why};
+}
 
-  Steps steps;
-  std::map<std::size_t, std::uint64_t> beginnings;
-  std::map<std::uint64_t, std::shared_ptr<const UsedCycle>> used_then;
-  for (const std::size_t one : who) {
-    const std::vector<BodyId> bodies = bodiesOf(one, scene);
-    const std::string problem = stepProblem(cycle, earlier_, one, bodies);
-    const std::uint64_t number = problem.empty() ? earlier_.of(one)->cycle : 0;
-    beginnings[one] = number;
-    used_then[number] = earlier_.of(one);
-    SweepReport& step = steps[number];
-    step.bodies.resize(scene.bodies().size());
-    if (number > 0) step.from = earlier_.of(one)->stamp;
-    step.triggered.insert(step.triggered.end(), bodies.begin(), bodies.end());
-    for (const BodyId id : bodies) step.bodies[id].skipped = problem;
-    earlier_.keep(one, used);
+void StepPlanner::forgetAll(const std::string& why) {
+  for (Previous& previous : previous_) previous = {nullptr, why};
+}
+
+std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const MonitorScene& scene,
+                                           const TransformLookup& lookup,
+                                           const CycleReport& report) {
+  if (parameters_.motion == Motion::kInstant) return {};
+  const auto used = std::make_shared<const UsedCycle>(usedCycle(report, scene));
+  std::vector<std::size_t> triggers = trigger.objects;
+  if (trigger.robot) triggers.push_back(parameters_.objects.size());
+
+  // Both are indexed by the number of the cycle that an interval starts from.
+  std::map<std::uint64_t, SweepReport> intervals;
+  std::map<std::uint64_t, std::shared_ptr<const UsedCycle>> starts;
+  Beginnings beginnings;
+  for (const std::size_t who : triggers) {
+    const std::vector<BodyId> bodies = bodiesOf(who, scene);
+    const std::string problem = problemOf(who, *used, bodies.empty() ? 0 : bodies.front());
+    const std::shared_ptr<const UsedCycle> from = previous_[who].used;
+    const std::uint64_t number = problem.empty() ? from->cycle : 0;
+    beginnings[who] = number;
+    starts[number] = from;
+    SweepReport& interval = intervals[number];
+    interval.bodies.resize(scene.bodies().size());
+    if (number > 0) interval.from = from->stamp;
+    interval.triggered.insert(interval.triggered.end(), bodies.begin(), bodies.end());
+    for (const BodyId id : bodies) interval.bodies[id].skipped = problem;
+    previous_[who] = {used, ""};
   }
-  for (const MonitoredPair& pair : report->pairs) {
+  for (const MonitoredPair& pair : report.pairs) {
     if (!scene.scene().pairEnabled(pair.a, pair.b)) continue;
-    steps[beginningOf(pair, scene, beginnings)].pairs.push_back(pair);
+    intervals[beginningOf(pair, scene, beginnings)].pairs.push_back(pair);
   }
-  for (auto& [number, step] : steps) {
-    std::sort(step.triggered.begin(), step.triggered.end());
-    if (number > 0) addBodies(cycle, *used_then[number], &step);
-    report->sweeps.push_back(std::move(step));
+
+  std::vector<SweepReport> planned;
+  for (auto& [number, interval] : intervals) {
+    std::sort(interval.triggered.begin(), interval.triggered.end());
+    for (const MonitoredPair& pair : interval.pairs) {
+      for (const BodyId id : {pair.a, pair.b}) {
+        StepBody& body = interval.bodies[id];
+        if (number == 0 || body.takes_part) continue;
+        body = stepBody(*starts[number], *used, id, scene.bodies()[id].name,
+                        parameters_.reference_frame, lookup);
+      }
+    }
+    planned.push_back(std::move(interval));
   }
+  return planned;
+}
+
+// Returns why there is no interval from the previous cycle of whoever triggered this one; empty if
+// there is one.
+std::string StepPlanner::problemOf(std::size_t who, const UsedCycle& now, BodyId first_body) const {
+  const Previous& previous = previous_[who];
+  if (previous.used == nullptr) return previous.why;
+  const double gap_s = secondsBetween(now.stamp, previous.used->stamp);
+  if (gap_s > parameters_.max_mesh_age_s) {
+    return "its previous cycle is " + std::to_string(gap_s) + " s older, more than max_mesh_age_s";
+  }
+  // An object that is not known now is reported as such elsewhere.
+  const bool is_object = who < parameters_.objects.size();
+  if (!is_object || !now.bodies[first_body]) return "";
+  return bodyProblem(*previous.used, now, first_body);
 }
 
 }  // namespace deformable_contact_monitor

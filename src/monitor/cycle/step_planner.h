@@ -1,41 +1,71 @@
-// Which steps of swept motion end with a cycle: from where, of which pairs, on which ways.
+// Plans the time intervals of continuous collision detection (motion: swept) that end with a cycle:
+// from which earlier cycle each one starts, which pairs it covers, and how bodies moved in it.
+// CycleDetection then looks for the contacts.
 #pragma once
 
+#include <ros/time.h>
+
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "monitor/cycle/earlier_states.h"
+#include "core/rigid_transform.h"
 #include "monitor/cycle/monitor_scene.h"
 #include "monitor/cycle_report.h"
+#include "monitor/input/mesh_input.h"
 #include "monitor/input/transform_lookup.h"
 #include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
 
-// One for each sequence of cycles. One thread at a time.
+// The state of a body that a cycle used.
+struct UsedBody {
+  ros::Time stamp;      // of its data
+  RigidTransform pose;  // of its frame
+  IncomingMesh mesh;    // null for a link
+};
+
+// The states of all bodies that a cycle used.
+struct UsedCycle {
+  ros::Time stamp;
+  std::uint64_t cycle = 0;                      // its number
+  std::vector<std::optional<UsedBody>> bodies;  // by BodyId; empty for bodies that were not known
+};
+
+// Remembers what the previous cycle of each object, and of the robot, used. One thread at a time.
 class StepPlanner {
  public:
   // The parameters must outlive this.
   explicit StepPlanner(const MonitorParameters& parameters);
 
-  // After MonitorScene::prepare() with that trigger, and with its report: appends the cycle's steps
-  // to report->sweeps, without results, one for each cycle that was the previous one of some that
-  // triggered this; those that have none to start from share one report without `from`. The next
-  // steps of those that triggered it start from here. Sets report->motion. Does nothing where the
-  // parameters ask for instant motion.
-  // A body that turns has a path, by what the lookup has of its frame between the two stamps, asked
-  // for every 5 ms, but at most at 200 times.
-  void plan(const CycleTrigger& trigger, const MonitorScene& scene, const TransformLookup& lookup,
-            CycleReport* report);
+  // Returns the intervals that end with a cycle, without results; none if the parameters ask for
+  // instant motion. Call it after MonitorScene::prepare() with that trigger, with the report of the
+  // same cycle. Bodies of the trigger that had the same previous cycle share an interval. Those
+  // that have none to start from share one entry without `from`, in which `skipped` says why.
+  // The next intervals of the trigger's bodies start at this cycle.
+  // A body that rotates gets a path. Its frame is looked up every 5 ms between the two stamps, but
+  // at most at 200 times.
+  std::vector<SweepReport> plan(const CycleTrigger& trigger, const MonitorScene& scene,
+                                const TransformLookup& lookup, const CycleReport& report);
 
-  // The next step of this object (its index), or of all, starts from nothing.
-  void forget(std::size_t object, const std::string& why) { earlier_.forget(object, why); }
-  void forgetAll(const std::string& why) { earlier_.forgetAll(why); }
+  // Forgets the previous cycle of an object (by index), or of all objects and the robot: their next
+  // interval has nothing to start from, because of `why`.
+  void forget(std::size_t object, const std::string& why);
+  void forgetAll(const std::string& why);
 
  private:
+  struct Previous {
+    std::shared_ptr<const UsedCycle> used;  // null: `why` tells why there is none
+    std::string why = "its first cycle";
+  };
+
+  std::string problemOf(std::size_t who, const UsedCycle& now, BodyId first_body) const;
+
   const MonitorParameters& parameters_;
-  EarlierStates earlier_;
+  std::vector<Previous> previous_;  // by object, then the robot
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// What a robot from any source must be like before it is monitored.
+// Checks a robot, from whatever source, before it is monitored, and describes its links.
 #include "monitor/diagnostics/robot_checks.h"
 
 #include <algorithm>
@@ -54,13 +54,14 @@ void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters)
   for (const LinkGeometry& link : robot.links) {
     for (const ObjectParameters& object : parameters.objects) {
       if (link.link == object.name) {
-        throw std::runtime_error("link and object have the same name '" + object.name + "'");
+        throw std::runtime_error("'" + object.name +
+                                 "' is the name of a link and of an object; rename the object");
       }
     }
     if (!link.problem.empty()) bad += "\n  " + link.problem;
   }
   if (parameters.strict_geometry && !bad.empty()) {
-    throw std::runtime_error("strict_geometry is on, and these links have no usable geometry:" +
+    throw std::runtime_error("strict_geometry is on, but these links have no usable geometry:" +
                              bad);
   }
 }

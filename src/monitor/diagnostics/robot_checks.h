@@ -1,4 +1,5 @@
-// What a robot from any source must be like before it is monitored.
+// Checks a robot, from whatever source, before it is monitored, and describes its links. All
+// functions are pure.
 #pragma once
 
 #include <string>
@@ -9,18 +10,20 @@
 
 namespace deformable_contact_monitor {
 
-// Keeps the links that the options ask for, in order. Throws std::runtime_error if a link is there
-// twice, or one that `options.links` names is not there.
+// Returns the robot with only the links that the options select, in order. Throws
+// std::runtime_error if a link occurs twice, or if a link that `options.links` names is missing.
 RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& options);
 
-// "'hnad' (did you mean 'hand'?), 'arm'": those of the names that are no link's; empty: none.
+// Returns the names that no link has, with hints: "'hnad' (did you mean 'hand'?), 'arm'". Returns
+// an empty text if every name is a link's.
 std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot);
 
-// Throws std::runtime_error if a link has an object's name or, with strict_geometry, a problem.
+// Throws std::runtime_error if a link has the name of an object, or if strict_geometry is on and
+// links have no usable geometry. The text lists all of these.
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters);
 
-// "link 'hand': 12 triangles, 0.2 m long, margin 0.01 m, from box ..."; of one without usable
-// geometry: why, and that it is UNKNOWN.
+// Returns "link 'hand': 12 triangles, 0.2 m long, margin 0.01 m, from box ...". For a link without
+// usable geometry, returns why, and that the link is UNKNOWN.
 std::string describeLink(const LinkGeometry& link, const MonitorParameters& parameters);
 
 }  // namespace deformable_contact_monitor

@@ -1,11 +1,14 @@
-// Meshes and markers as meshes of ours.
+// Adapters that convert messages of other types to DeformableMesh. Every check throws by reject(),
+// so a message is either converted as a whole or has no effect.
 #include "monitor/input/mesh_adapters.h"
 
 #include <geometry_msgs/Transform.h>
+#include <sensor_msgs/PointField.h>
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <stdexcept>
 
@@ -14,12 +17,15 @@
 namespace deformable_contact_monitor {
 namespace {
 
+using sensor_msgs::PointCloud2;
+using sensor_msgs::PointField;
 using visualization_msgs::Marker;
 
-[[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
+[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument(why); }
 
+// Returns the stamp of a message that has none of its own.
 ros::Time stampOfReceipt(const ros::Time& received) {
-  if (received.isZero()) refuse("it has no stamp, and /clock is silent: no time of its receipt");
+  if (received.isZero()) reject("it has no stamp, and /clock is silent: no time of its receipt");
   return received;
 }
 
@@ -37,13 +43,14 @@ bool isFinite(double x, double y, double z) {
   return std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
 }
 
+// Returns the marker's orientation. tf2 and rviz accept a length that is not quite 1.
 geometry_msgs::Quaternion orientationOf(const Marker& marker) {
-  constexpr double kTolerance = 1e-2;  // as tf2 and rviz have it
+  constexpr double kTolerance = 1e-2;
   geometry_msgs::Quaternion q = marker.pose.orientation;
   if (q.x == 0 && q.y == 0 && q.z == 0 && q.w == 0) q.w = 1;
   const double squared = ((q.x * q.x + q.y * q.y) + q.z * q.z) + q.w * q.w;
   if (!(std::abs(squared - 1) <= kTolerance)) {
-    refuse("pose.orientation is no unit quaternion: its length is " +
+    reject("pose.orientation is no unit quaternion: its length is " +
            std::to_string(std::sqrt(squared)));
   }
   return q;
@@ -52,9 +59,9 @@ geometry_msgs::Quaternion orientationOf(const Marker& marker) {
 geometry_msgs::Transform poseOf(const Marker& marker) {
   const geometry_msgs::Point& at = marker.pose.position;
   const geometry_msgs::Vector3& scale = marker.scale;
-  if (!isFinite(at.x, at.y, at.z)) refuse("pose.position is not finite");
-  if (!isFinite(scale.x, scale.y, scale.z)) refuse("scale is not finite");
-  if (scale.x == 0 || scale.y == 0 || scale.z == 0) refuse("scale is zero in x, y or z");
+  if (!isFinite(at.x, at.y, at.z)) reject("pose.position is not finite");
+  if (!isFinite(scale.x, scale.y, scale.z)) reject("scale is not finite");
+  if (scale.x == 0 || scale.y == 0 || scale.z == 0) reject("scale is zero in x, y or z");
   geometry_msgs::Transform pose;
   pose.translation.x = at.x;
   pose.translation.y = at.y;
@@ -63,6 +70,7 @@ geometry_msgs::Transform poseOf(const Marker& marker) {
   return pose;
 }
 
+// Writes the sums out in their order, so that results do not depend on the compiler.
 void appendPosedPoints(const Marker& marker, std::vector<float>* vertices) {
   const RigidTransform pose = toRigidTransform(poseOf(marker));
   const geometry_msgs::Vector3& scale = marker.scale;
@@ -80,10 +88,75 @@ void appendPosedPoints(const Marker& marker, std::vector<float>* vertices) {
   }
 }
 
+// The place of one coordinate within a point of a cloud.
+struct Place {
+  std::size_t offset;  // [bytes] from the point's first byte
+  bool is_double;
+};
+
+// Finds a coordinate's field by its name.
+Place placeOf(const std::string& name, const PointCloud2& cloud) {
+  const PointField* found = nullptr;
+  for (const PointField& field : cloud.fields) {
+    if (field.name != name) continue;
+    if (found != nullptr) reject("the cloud has two fields '" + name + "'");
+    found = &field;
+  }
+  if (found == nullptr) reject("the cloud has no field '" + name + "'");
+  const bool is_double = found->datatype == PointField::FLOAT64;
+  if (!is_double && found->datatype != PointField::FLOAT32) {
+    reject("field '" + name + "' has datatype " + std::to_string(found->datatype) +
+           ", neither FLOAT32 (7) nor FLOAT64 (8)");
+  }
+  if (found->count > 1) {  // some publishers leave it 0
+    reject("field '" + name + "' has count " + std::to_string(found->count) + ", not 1");
+  }
+  const std::uint64_t end =
+      std::uint64_t{found->offset} + (is_double ? sizeof(double) : sizeof(float));
+  if (end > cloud.point_step) {
+    reject("field '" + name + "' ends at byte " + std::to_string(end) + ", but point_step is " +
+           std::to_string(cloud.point_step));
+  }
+  return {found->offset, is_double};
+}
+
+// Checks that there are as many points as vertices, and that all of them lie within the data. Sizes
+// are multiplied in 64 bits, where products of two 32-bit fields cannot wrap.
+void checkLayout(const PointCloud2& cloud, std::size_t vertex_count) {
+  if (cloud.is_bigendian != 0) reject("the cloud is big-endian");
+  const std::uint64_t points = std::uint64_t{cloud.width} * cloud.height;
+  if (points != vertex_count) {
+    reject("the cloud has " + std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
+           " points, but its faces are of " + std::to_string(vertex_count) + " vertices");
+  }
+  const std::uint64_t row_bytes = std::uint64_t{cloud.point_step} * cloud.width;
+  if (row_bytes > cloud.row_step) {
+    reject("row_step is " + std::to_string(cloud.row_step) + ", but a row has " +
+           std::to_string(row_bytes) + " bytes");
+  }
+  const std::uint64_t bytes = std::uint64_t{cloud.row_step} * cloud.height;
+  if (bytes != cloud.data.size()) {
+    reject("data has " + std::to_string(cloud.data.size()) + " bytes, but row_step x height is " +
+           std::to_string(bytes));
+  }
+}
+
+// Reads a coordinate; it may lie at any address, so the bytes are copied.
+float coordinateAt(const std::uint8_t* point, const Place& place) {
+  if (place.is_double) {
+    double value = 0;
+    std::memcpy(&value, point + place.offset, sizeof value);
+    return static_cast<float>(value);
+  }
+  float value = 0;
+  std::memcpy(&value, point + place.offset, sizeof value);
+  return value;
+}
+
 }  // namespace
 
-ReceivedMesh ShapeMeshAdapter::adapt(const Message& message, const ros::Time& received) {
-  if (message.triangles.empty()) refuse("the mesh has no triangle");
+IncomingMesh ShapeMeshAdapter::adapt(const Message& message, const ros::Time& received) {
+  if (message.triangles.empty()) reject("the mesh has no triangle");
   const auto mesh = boost::make_shared<DeformableMesh>();
   mesh->header.stamp = stampOfReceipt(received);
   mesh->header.frame_id = frame_id_;
@@ -105,6 +178,7 @@ ReceivedMesh ShapeMeshAdapter::adapt(const Message& message, const ros::Time& re
   return {mesh, "", true};
 }
 
+// Compares with the last triangles, which is much cheaper than sending and validating them again.
 bool ShapeMeshAdapter::isSameTopology(const Message& message) const {
   if (message.vertices.size() != vertex_count_) return false;
   if (3 * message.triangles.size() != triangles_.size()) return false;
@@ -118,16 +192,16 @@ bool ShapeMeshAdapter::isSameTopology(const Message& message) const {
                      });
 }
 
-ReceivedMesh MarkerAdapter::adapt(const Message& message, const ros::Time& received) {
+IncomingMesh MarkerAdapter::adapt(const Message& message, const ros::Time& received) {
   checkIdentity(message);
   if (message.type != Marker::TRIANGLE_LIST) {
-    refuse("the marker's type is " + std::to_string(message.type) + ", not TRIANGLE_LIST (" +
+    reject("the marker's type is " + std::to_string(message.type) + ", not TRIANGLE_LIST (" +
            std::to_string(Marker::TRIANGLE_LIST) + ")");
   }
   const std::size_t count = message.points.size();
-  if (count == 0) refuse("the marker has no points");
+  if (count == 0) reject("the marker has no points");
   if (count % 3 != 0) {
-    refuse("the marker has " + std::to_string(count) + " points, no multiple of 3");
+    reject("the marker has " + std::to_string(count) + " points, no multiple of 3");
   }
   const auto mesh = boost::make_shared<DeformableMesh>();
   mesh->header = message.header;
@@ -145,25 +219,43 @@ ReceivedMesh MarkerAdapter::adapt(const Message& message, const ros::Time& recei
   return {mesh, "", stamped_on_receipt};
 }
 
-// That this marker is the object's, and is not being deleted.
+// Checks that this marker is the object's, and is not being deleted.
 void MarkerAdapter::checkIdentity(const Message& message) {
   if (message.action == Marker::DELETEALL) {
     marker_.reset();
-    refuse("all markers were deleted (DELETEALL)");
+    reject("all markers were deleted (DELETEALL)");
   }
   const std::pair<std::string, std::int32_t> marker{message.ns, message.id};
   if (marker_ && *marker_ != marker) {
-    refuse("it is marker " + shown(message.ns, message.id) + ", but the object is marker " +
+    reject("it is marker " + shown(message.ns, message.id) + ", but the object is marker " +
            shown(marker_->first, marker_->second) +
            " until that is deleted; markers need a topic each");
   }
   if (message.action == Marker::DELETE) {
     marker_.reset();
-    refuse("marker " + shown(message.ns, message.id) + " was deleted");
+    reject("marker " + shown(message.ns, message.id) + " was deleted");
   }
   if (message.action != Marker::ADD) {
-    refuse("the marker's action is " + std::to_string(message.action) + ", not ADD (0)");
+    reject("the marker's action is " + std::to_string(message.action) + ", not ADD (0)");
   }
+}
+
+IncomingMesh PointCloudAdapter::adapt(const Message& message, const ros::Time& /*received*/) {
+  checkLayout(message, faces_->vertexCount());
+  const Place places[] = {placeOf("x", message), placeOf("y", message), placeOf("z", message)};
+  const auto mesh = boost::make_shared<DeformableMesh>();
+  mesh->header = message.header;
+  mesh->topology_id = 1;
+  mesh->vertices.reserve(3 * faces_->vertexCount());
+  for (std::size_t row = 0; row < message.height; ++row) {
+    const std::uint8_t* point = message.data.data() + row * message.row_step;
+    for (std::size_t i = 0; i < message.width; ++i, point += message.point_step) {
+      for (const Place& place : places) mesh->vertices.push_back(coordinateAt(point, place));
+    }
+  }
+  if (!has_sent_triangles_) mesh->triangles = faces_->triangles;
+  has_sent_triangles_ = true;
+  return {mesh};
 }
 
 }  // namespace deformable_contact_monitor

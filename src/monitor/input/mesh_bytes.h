@@ -1,4 +1,4 @@
-// Whether the bytes of a message are one, looked at before memory is taken for what they claim.
+// Checks the bytes and the size of messages that carry a mesh, before roscpp reads them.
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
@@ -12,23 +12,23 @@
 
 namespace deformable_contact_monitor {
 
-// Why `size` bytes are not one whole M of at most `max_bytes`; empty: they are. M is one of the
-// types that byteCount() takes.
-//
-// roscpp reserves what an array claims to hold before it looks whether that was sent: 5 KB cost it
-// 16 GB.
+// Returns why `size` bytes are not exactly one serialized M of at most `max_bytes`; empty: they
+// are. Allocates nothing for what the message claims to hold. M is one of the types that
+// byteCount() takes. Any thread.
 template <typename M>
-std::string whyNoMesh(const std::uint8_t* bytes, std::size_t size, std::size_t max_bytes);
+std::string validateMeshBytes(const std::uint8_t* bytes, std::size_t size, std::size_t max_bytes);
 
-std::string whyTooLarge(std::uint64_t bytes, std::size_t max_bytes);
+// Returns why a mesh of that many bytes is too large; empty: it is not.
+std::string meshSizeProblem(std::uint64_t bytes, std::size_t max_bytes);
 
-// What counts of a message against the limit: its arrays.
+// Returns the bytes of a message's arrays and strings. They count against the limit where a message
+// comes from the same process, and so was never serialized.
 std::uint64_t byteCount(const DeformableMesh& message);
 std::uint64_t byteCount(const shape_msgs::Mesh& message);
 std::uint64_t byteCount(const visualization_msgs::Marker& message);
 std::uint64_t byteCount(const sensor_msgs::PointCloud2& message);
 
-// The stamp of a header that the bytes begin with; zero if they do not hold one.
+// Returns the stamp of the header that the bytes begin with; zero if they are too few.
 ros::Time stampIn(const std::uint8_t* bytes, std::size_t size);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,5 @@
-// The meshes of one deformable object: which were accepted, and which is the newest at a time.
+// The input of one deformable object. store() runs in the thread of the subscription's callback;
+// all checks run in take(), in the detection thread.
 #include "monitor/input/mesh_input.h"
 
 #include <algorithm>
@@ -15,11 +16,17 @@ namespace {
 constexpr std::size_t kMaxAccepted = 32;  // bounds memory; at 60 Hz it is half a second
 constexpr double kMaxAheadS = 1;
 
-std::size_t byteCount(const DeformableMesh& message) {
+// Returns the bytes that keeping a mesh costs.
+std::size_t arrayBytes(const DeformableMesh& message) {
   return sizeof(float) * message.vertices.size() + sizeof(std::uint32_t) * message.triangles.size();
 }
 
-[[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
+[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument(why); }
+
+// Returns whether a message on the topic of `object` is about that object.
+bool isMeshOf(const std::string& object, const DeformableMesh& message) {
+  return message.object.empty() || message.object == object;
+}
 
 }  // namespace
 
@@ -28,38 +35,96 @@ MeshInput::MeshInput(std::string object, const MeshLimits& limits)
       max_age_ns_(std::llround(1e9 * limits.max_age_s)),
       history_bytes_(limits.history_bytes) {}
 
-Acceptance MeshInput::accept(const ArrivedMesh& mesh, const ros::Time& now) {
-  const std::shared_ptr<const Topology> before = topology_;
-  Acceptance answer = Acceptance::kDropped;
-  try {
-    if (mesh.keyframe) learnTopology(*mesh.keyframe);
-    if (!mesh.refusal.empty()) refuse(mesh.refusal);
-    checkHeader(*mesh.message);
-    if (!isOutdated(mesh.message->header.stamp, now)) {
-      checkAge(mesh.message->header.stamp, now);
-      checkTopology(*mesh.message);
-      answer = keep(mesh.message) ? Acceptance::kJumped : Acceptance::kAccepted;
-    }
-    if (answer != Acceptance::kDropped) counters_.refusal.clear();
-  } catch (const std::exception& error) {
-    counters_.refusal = error.what();
-    accepted_.clear();
-    answer = Acceptance::kRefused;
+void MeshInput::store(IncomingMesh mesh) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++counters_.received;
+  counters_.stamped_on_receipt += mesh.stamped_on_receipt;
+  if (waiting_) ++counters_.dropped;
+  const DeformableMesh& message = *mesh.message;
+  if (!message.triangles.empty() && isMeshOf(object_, message)) keyframe_ = mesh.message;
+  waiting_ = std::move(mesh);
+}
+
+void MeshInput::storeTriangles(const DeformableMesh::ConstPtr& keyframe) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (keyframe != nullptr) keyframe_ = keyframe;
+}
+
+bool MeshInput::hasWaiting() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return waiting_.has_value();
+}
+
+MeshCounters MeshInput::counters() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return counters_;
+}
+
+void MeshInput::countDropped() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++counters_.dropped;
+}
+
+void MeshInput::dropIf(const std::function<bool(const ros::Time&)>& unwanted) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!waiting_ || !unwanted(waiting_->stamp())) return;
+  waiting_.reset();
+  ++counters_.dropped;
+}
+
+// To validate triangles takes time, so the lock is not held meanwhile: publishers' callbacks do not
+// wait for it.
+Acceptance MeshInput::take(const ros::Time& now, IncomingMesh* taken) {
+  DeformableMesh::ConstPtr keyframe;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!waiting_) return Acceptance::kNothing;
+    *taken = std::move(*waiting_);
+    waiting_.reset();
+    keyframe = std::exchange(keyframe_, nullptr);
   }
+  const std::shared_ptr<const Topology> before = topology_;
+  const Acceptance answer = decide(keyframe.get(), now, taken);
+
+  const std::lock_guard<std::mutex> lock(mutex_);
   counters_.dropped += answer == Acceptance::kDropped;
-  counters_.refused += answer == Acceptance::kRefused;
+  counters_.rejected += answer == Acceptance::kRejected;
   counters_.jumps += answer == Acceptance::kJumped;
+  if (answer != Acceptance::kDropped) counters_.problem = taken->problem;
   if (before && topology_ && before != topology_) ++counters_.topology_changes;
-  if (!accepted_.empty()) counters_.stamp = accepted_.back().stamp();
+  if (!accepted_.empty()) counters_.newest = accepted_.back().stamp();
   return answer;
 }
 
+// Triangles are learned first: they count even if their own message is dropped or rejected.
+Acceptance MeshInput::decide(const DeformableMesh* keyframe, const ros::Time& now,
+                             IncomingMesh* mesh) {
+  try {
+    if (keyframe != nullptr) learnTopology(*keyframe);
+    if (!mesh->problem.empty()) reject(mesh->problem);
+    checkHeader(*mesh->message);
+    if (isOutOfOrder(mesh->stamp(), now)) return Acceptance::kDropped;
+    checkAge(mesh->stamp(), now);
+    checkTopology(*mesh->message);
+    mesh->topology = topology_;
+    return keep(*mesh) ? Acceptance::kJumped : Acceptance::kAccepted;
+  } catch (const std::exception& error) {
+    mesh->problem = error.what();
+    accepted_.clear();
+    return Acceptance::kRejected;
+  }
+}
+
+// Without a clock no mesh is old.
 bool MeshInput::isOld(const ros::Time& stamp, const ros::Time& now) const {
   return !now.isZero() && nanosecondsBetween(now, stamp) > max_age_ns_;
 }
 
-// Whether a mesh of that stamp says nothing that the newest accepted one does not say better.
-bool MeshInput::isOutdated(const ros::Time& stamp, const ros::Time& now) const {
+// A mesh older than the newest accepted one is out of order, unless the stamps have jumped back.
+// They have jumped back if the newest accepted mesh is too old by the clock, or if this mesh is
+// older than it by more than max_age_s. But a mesh that is too old by the clock while the newest
+// accepted one is fresh comes from a publisher that lags far behind: it is out of order as well.
+bool MeshInput::isOutOfOrder(const ros::Time& stamp, const ros::Time& now) const {
   if (accepted_.empty()) return false;
   const ros::Time& newest = accepted_.back().stamp();
   if (stamp >= newest || isOld(newest, now)) return false;
@@ -67,24 +132,25 @@ bool MeshInput::isOutdated(const ros::Time& stamp, const ros::Time& now) const {
 }
 
 void MeshInput::checkHeader(const DeformableMesh& message) const {
-  if (!isMeshOf(object_, message)) refuse("the mesh is of object '" + message.object + "'");
-  if (message.header.stamp.isZero()) refuse("header.stamp is zero");
-  if (message.header.frame_id.empty()) refuse("header.frame_id is empty");
+  if (!isMeshOf(object_, message)) reject("the mesh is of object '" + message.object + "'");
+  if (message.header.stamp.isZero()) reject("header.stamp is zero");
+  if (message.header.frame_id.empty()) reject("header.frame_id is empty");
 }
 
+// An old mesh usually comes from a bag that is played without its clock, so the text says so.
 void MeshInput::checkAge(const ros::Time& stamp, const ros::Time& now) const {
   if (now.isZero()) return;
   const double ahead_s = secondsBetween(stamp, now);
   if (ahead_s > kMaxAheadS) {
-    refuse("header.stamp is " + std::to_string(ahead_s) + " s ahead of this machine's clock");
+    reject("header.stamp is " + std::to_string(ahead_s) + " s ahead of this machine's clock");
   }
   if (isOld(stamp, now)) {
-    refuse("header.stamp is " + std::to_string(-ahead_s) +
+    reject("header.stamp is " + std::to_string(-ahead_s) +
            " s old, and max_mesh_age_s less; a bag needs /clock and use_sim_time");
   }
 }
 
-// An invalid keyframe takes the old triangles away: publishers count on the new ones.
+// Invalid triangles take the old ones away: the publisher means the new ones from now on.
 void MeshInput::learnTopology(const DeformableMesh& keyframe) {
   const std::size_t vertex_count = keyframe.vertices.size() / 3;
   if (topology_ && topology_->id == keyframe.topology_id &&
@@ -96,54 +162,58 @@ void MeshInput::learnTopology(const DeformableMesh& keyframe) {
              "topology " + std::to_string(keyframe.topology_id));
     topology_ = std::make_shared<const Topology>(
         Topology{keyframe.topology_id, vertex_count, keyframe.triangles});
-    refused_topology_.reset();
+    rejected_topology_.reset();
   } catch (const std::invalid_argument& error) {
     topology_ = nullptr;
-    refused_topology_ = {keyframe.topology_id, error.what()};
+    rejected_topology_ = {keyframe.topology_id, error.what()};
     throw;
   }
 }
 
+// If the newest triangles of this id are invalid, the reason is theirs and not that they are
+// missing.
 void MeshInput::checkTopology(const DeformableMesh& message) const {
-  if (refused_topology_ && refused_topology_->id == message.topology_id) {
-    refuse(refused_topology_->why);
+  if (rejected_topology_ && rejected_topology_->id == message.topology_id) {
+    reject(rejected_topology_->problem);
   }
   if (!topology_ || topology_->id != message.topology_id) {
-    refuse("no triangles of topology_id " + std::to_string(message.topology_id) +
+    reject("no triangles of topology_id " + std::to_string(message.topology_id) +
            " seen yet; publishers send them on change and at least once a second");
   }
   if (message.vertices.size() != 3 * topology_->vertex_count) {
-    refuse(std::to_string(message.vertices.size()) + " vertex coordinates, but topology_id " +
+    reject(std::to_string(message.vertices.size()) + " vertex coordinates, but topology_id " +
            std::to_string(topology_->id) + " has " + std::to_string(topology_->vertex_count) +
            " vertices");
   }
 }
 
-// Returns whether stamps jumped back, so that what was kept is forgotten.
-bool MeshInput::keep(const DeformableMesh::ConstPtr& message) {
-  const ros::Time& stamp = message->header.stamp;
-  const bool jumped = !accepted_.empty() && stamp < accepted_.back().stamp();
+// Returns whether stamps jumped back, so that all earlier meshes were forgotten.
+bool MeshInput::keep(const IncomingMesh& mesh) {
+  const bool jumped = !accepted_.empty() && mesh.stamp() < accepted_.back().stamp();
   if (jumped) accepted_.clear();
-  if (!accepted_.empty() && accepted_.back().stamp() == stamp) accepted_.pop_back();
-  accepted_.push_back({message, topology_});
+  if (!accepted_.empty() && accepted_.back().stamp() == mesh.stamp()) accepted_.pop_back();
+  accepted_.push_back(mesh);
   std::size_t bytes = 0;
-  for (const AcceptedMesh& mesh : accepted_) bytes += byteCount(*mesh.message);
+  for (const IncomingMesh& kept : accepted_) bytes += arrayBytes(*kept.message);
   while (accepted_.size() > 1 &&
          (accepted_.size() > kMaxAccepted || bytes > history_bytes_ ||
-          nanosecondsBetween(stamp, accepted_.front().stamp()) > max_age_ns_)) {
-    bytes -= byteCount(*accepted_.front().message);
+          nanosecondsBetween(mesh.stamp(), accepted_.front().stamp()) > max_age_ns_)) {
+    bytes -= arrayBytes(*accepted_.front().message);
     accepted_.pop_front();
   }
   return jumped;
 }
 
-const AcceptedMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not) const {
+// The search starts at the newest mesh, where it nearly always ends.
+const IncomingMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not) const {
   const auto found = std::find_if(accepted_.rbegin(), accepted_.rend(),
-                                  [&t](const AcceptedMesh& mesh) { return mesh.stamp() <= t; });
-  if (found != accepted_.rend() && nanosecondsBetween(t, found->stamp()) <= max_age_ns_)
+                                  [&t](const IncomingMesh& mesh) { return mesh.stamp() <= t; });
+  if (found != accepted_.rend() && nanosecondsBetween(t, found->stamp()) <= max_age_ns_) {
     return &*found;
-  if (!counters_.refusal.empty()) {
-    *why_not = "mesh refused: " + counters_.refusal;
+  }
+  const std::string problem = counters().problem;
+  if (!problem.empty()) {
+    *why_not = "mesh refused: " + problem;
   } else if (accepted_.empty()) {
     *why_not = "no mesh yet";
   } else if (found == accepted_.rend()) {
@@ -154,11 +224,21 @@ const AcceptedMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not
   return nullptr;
 }
 
+// The scheduler asks this for meshes in its queue, which may have left the history meanwhile.
 bool MeshInput::has(const ros::Time& stamp) const {
   return std::any_of(accepted_.begin(), accepted_.end(),
-                     [&stamp](const AcceptedMesh& mesh) { return mesh.stamp() == stamp; });
+                     [&stamp](const IncomingMesh& mesh) { return mesh.stamp() == stamp; });
 }
 
 void MeshInput::forget() { accepted_.clear(); }
+
+MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
+  MeshInputs inputs;
+  for (const ObjectParameters& object : parameters.objects) {
+    inputs.emplace_back(object.name,
+                        MeshLimits{parameters.max_mesh_age_s, parameters.max_mesh_bytes});
+  }
+  return inputs;
+}
 
 }  // namespace deformable_contact_monitor

@@ -1,49 +1,44 @@
-// The meshes of one deformable object: which were accepted, and which is the newest at a time.
+// The input of one deformable object: the only place that accepts, rejects, drops and counts its
+// meshes. README.md shows the whole path of a mesh.
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "monitor/input/mesh_mailbox.h"
+#include "monitor/input/incoming_mesh.h"
+#include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
 
-// Triangles that several meshes share. Two meshes have the same triangles iff they have the same
-// object of this type.
-struct Topology {
-  std::uint32_t id = 0;
-  std::size_t vertex_count = 0;
-  std::vector<std::uint32_t> triangles;  // valid for vertex_count vertices
-};
-
-struct AcceptedMesh {
-  DeformableMesh::ConstPtr message;  // its vertices fit the topology
-  std::shared_ptr<const Topology> topology;
-
-  const ros::Time& stamp() const { return message->header.stamp; }
-};
-
+// The meshes of an object since the start, by what became of them.
 struct MeshCounters {
-  std::uint64_t dropped = 0;  // out of order, or too old while there is a newer one
-  std::uint64_t refused = 0;
-  std::uint64_t jumps = 0;  // of the stamps, back
+  std::uint64_t received = 0;
+  // Meshes without a cycle of their own: a newer one came before they had one, they were out of
+  // order, or the monitor was disabled or reset.
+  std::uint64_t dropped = 0;
+  std::uint64_t rejected = 0;            // see `problem`
+  std::uint64_t stamped_on_receipt = 0;  // received without a stamp of their own
+  std::uint64_t jumps = 0;               // how often the stamps went back
   std::uint64_t topology_changes = 0;
-  std::string refusal;  // of the latest mesh; empty: it was accepted
-  ros::Time stamp;      // of the newest accepted mesh
+  std::string problem;  // why the latest mesh was rejected; empty: it was accepted
+  ros::Time newest;     // stamp of the newest accepted mesh; zero: none yet
 };
 
 enum class Acceptance {
-  kAccepted,
-  kJumped,   // accepted; its stamp is so much older than the newest that those were forgotten
-  kDropped,  // nothing new
-  kRefused,  // see MeshCounters::refusal
+  kNothing,   // no mesh waits
+  kAccepted,  // it is the object's newest mesh
+  kJumped,    // accepted too, but its stamp is so much older that all earlier meshes were forgotten
+  kDropped,   // it is out of order
+  kRejected,  // it is invalid, and all earlier meshes were forgotten
 };
 
 struct MeshLimits {
@@ -51,52 +46,87 @@ struct MeshLimits {
   std::size_t history_bytes = std::size_t{512} << 20U;  // the newest mesh is always kept
 };
 
-// A refused mesh leaves the object without any: an older one must not pass for fresh. One thread at
-// a time.
+// Holds the newest mesh that arrived until the detection thread takes it, and those that this
+// thread accepted as long as a cycle may need them.
+//
+// Triangles come with a message, or stay as they were when their topology_id was last sent. So the
+// newest triangles are kept even if their message is dropped before anyone takes it.
+//
+// A rejected mesh leaves the object without any mesh: an older one must not pass for fresh.
 class MeshInput {
  public:
-  // `object`: the name that messages carry, or leave empty.
+  // `object` is the name that messages carry; messages may also leave it empty.
   MeshInput(std::string object, const MeshLimits& limits);
 
-  // A mesh older than the newest accepted one is dropped, but by more than max_age_s it is a jump
-  // of the object's stamps. `now` zero: no clock; else a mesh stamped more than a second ahead is
-  // refused, and so is one older than max_age_s, which is dropped instead while the newest accepted
-  // one is not that old.
-  Acceptance accept(const ArrivedMesh& mesh, const ros::Time& now);
-  const MeshCounters& counters() const { return counters_; }
+  // The following functions may be called by any thread.
 
-  // The newest accepted mesh with a stamp in [t - max_age_s, t], or null and why.
-  const AcceptedMesh* newestAt(const ros::Time& t, std::string* why_not) const;
+  // Makes `mesh` the one that waits. One that waited before is dropped.
+  void store(IncomingMesh mesh);
+  // Offers triangles as if a message with them had arrived and had been dropped; null: none.
+  void storeTriangles(const DeformableMesh::ConstPtr& keyframe);
+  bool hasWaiting() const;
+  MeshCounters counters() const;
 
-  // Whether an accepted mesh of that stamp is kept.
+  // The following functions must be called by one thread, the detection thread.
+
+  // Takes the mesh that waits and decides whether to accept it; *taken is set unless none waits.
+  // Then it has a topology or a problem, or was dropped.
+  //
+  // A mesh that is older than the newest accepted one is dropped. If it is older by more than
+  // max_age_s, the object's stamps have jumped back and it is accepted. `now` is the ROS time;
+  // zero: there is no clock. With a clock, a mesh stamped more than a second ahead of it is
+  // rejected. A mesh that is older than max_age_s by the clock is rejected too; but if a newer
+  // accepted mesh is still fresh, the old one is only dropped.
+  Acceptance take(const ros::Time& now, IncomingMesh* taken);
+
+  // Drops the mesh that waits if its stamp is `unwanted`, which must not call this object.
+  void dropIf(const std::function<bool(const ros::Time&)>& unwanted);
+  // Counts a mesh that was taken and accepted, but is dropped before its cycle.
+  void countDropped();
+
+  // Returns the newest accepted mesh with a stamp in [t - max_age_s, t], or null and why. The
+  // pointer is valid until the next call of take() or forget().
+  const IncomingMesh* newestAt(const ros::Time& t, std::string* why_not) const;
+  // Returns whether an accepted mesh of exactly that stamp is kept.
   bool has(const ros::Time& stamp) const;
 
-  // Forgets accepted meshes; triangles stay known, as topology ids are no matter of time.
+  // Forgets all accepted meshes. Triangles stay known: topology ids do not depend on time.
   void forget();
 
  private:
-  struct RefusedTopology {
+  struct RejectedTopology {
     std::uint32_t id;
-    std::string why;
+    std::string problem;
   };
 
+  Acceptance decide(const DeformableMesh* keyframe, const ros::Time& now, IncomingMesh* mesh);
   bool isOld(const ros::Time& stamp, const ros::Time& now) const;
-  bool isOutdated(const ros::Time& stamp, const ros::Time& now) const;
-  // These throw std::invalid_argument.
+  bool isOutOfOrder(const ros::Time& stamp, const ros::Time& now) const;
+  // The following four throw std::invalid_argument if the mesh is to be rejected.
   void checkHeader(const DeformableMesh& message) const;
   void checkAge(const ros::Time& stamp, const ros::Time& now) const;
   void learnTopology(const DeformableMesh& keyframe);
   void checkTopology(const DeformableMesh& message) const;
-  bool keep(const DeformableMesh::ConstPtr& message);
+  bool keep(const IncomingMesh& mesh);
 
   const std::string object_;
   const std::int64_t max_age_ns_;
   const std::size_t history_bytes_;
 
+  mutable std::mutex mutex_;  // guards the next three members; never held for long
+  std::optional<IncomingMesh> waiting_;
+  DeformableMesh::ConstPtr keyframe_;  // newest message with triangles since the last take()
   MeshCounters counters_;
-  std::deque<AcceptedMesh> accepted_;  // ascending stamps
+
+  // Only the detection thread uses what follows.
+  std::deque<IncomingMesh> accepted_;  // ascending stamps
   std::shared_ptr<const Topology> topology_;
-  std::optional<RefusedTopology> refused_topology_;  // of the newest triangles sent
+  std::optional<RejectedTopology> rejected_topology_;  // if the newest triangles are invalid
 };
+
+// One input for each object, in the order of the parameters. A deque, as an input cannot be moved.
+using MeshInputs = std::deque<MeshInput>;
+
+MeshInputs makeMeshInputs(const MonitorParameters& parameters);
 
 }  // namespace deformable_contact_monitor

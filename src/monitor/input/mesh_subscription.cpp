@@ -1,4 +1,4 @@
-// Subscriptions to meshes that look at a message's bytes before they make a mesh of them.
+// Subscriptions to meshes, with a check of each message's bytes before roscpp reads them.
 #include "monitor/input/mesh_subscription.h"
 
 #include <ros/message_event.h>
@@ -6,6 +6,7 @@
 #include <ros/subscription_callback_helper.h>
 
 #include <boost/make_shared.hpp>
+#include <chrono>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -16,9 +17,10 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Goes with a refused message, also where roscpp hands it to several subscribers of one process.
-struct Refusal {
-  std::string why;
+// Goes with a rejected message as its deleter, so that it reaches every subscriber of this process:
+// roscpp reads a message once and hands the same one to all of them.
+struct Rejection {
+  std::string problem;
   template <typename M>
   void operator()(const M* message) const {
     delete message;
@@ -28,26 +30,25 @@ struct Refusal {
 template <typename M>
 using Helper = ros::SubscriptionCallbackHelperT<const ros::MessageEvent<const M>&>;
 
+// Replaces roscpp's reader of one message type.
 template <typename M>
 class CheckingHelper : public Helper<M> {
  public:
-  CheckingHelper(std::size_t max_bytes, const std::function<void()>& expect,
-                 const typename Helper<M>::Callback& callback)
-      : Helper<M>(callback), max_bytes_(max_bytes), expect_(expect) {}
+  CheckingHelper(std::size_t max_bytes, const typename Helper<M>::Callback& callback)
+      : Helper<M>(callback), max_bytes_(max_bytes) {}
 
-  // roscpp may do this for another subscriber of the process: the message carries its refusal.
+  // Returns the message, or an empty one that has the original's stamp and carries a Rejection.
   ros::VoidConstPtr deserialize(
       const ros::SubscriptionCallbackHelperDeserializeParams& params) override {
-    expect_();
-    std::string why = whyNoMesh<M>(params.buffer, params.length, max_bytes_);
-    if (why.empty()) {
+    std::string problem = validateMeshBytes<M>(params.buffer, params.length, max_bytes_);
+    if (problem.empty()) {
       try {
         return Helper<M>::deserialize(params);
       } catch (const std::exception& error) {  // out of memory, say
-        why = error.what();
+        problem = error.what();
       }
     }
-    const boost::shared_ptr<M> message(new M, Refusal{why});
+    const boost::shared_ptr<M> message(new M, Rejection{problem});
     if (ros::Time* const stamp = ros::message_traits::timeStamp(*message)) {
       *stamp = stampIn(params.buffer, params.length);
     }
@@ -56,34 +57,36 @@ class CheckingHelper : public Helper<M> {
 
  private:
   const std::size_t max_bytes_;
-  const std::function<void()> expect_;
 };
 
-// What a message becomes; throws if it is no mesh.
+// Converts a message; throws if it is not a valid mesh.
 template <typename M>
-using Adapt = std::function<ReceivedMesh(const boost::shared_ptr<const M>& message,
+using Adapt = std::function<IncomingMesh(const boost::shared_ptr<const M>& message,
                                          const ros::Time& received)>;
 
+// Returns the message's mesh, or an invalid mesh that has the message's stamp and the problem.
 template <typename M>
-ReceivedMesh received(const ros::MessageEvent<const M>& event, std::size_t max_bytes,
-                      const Adapt<M>& adapt) {
+IncomingMesh meshOf(const ros::MessageEvent<const M>& event, std::size_t max_bytes,
+                    const Adapt<M>& adapt) {
   const boost::shared_ptr<const M>& message = event.getConstMessage();
-  std::string why;
+  std::string problem;
   try {
-    const Refusal* const refusal = boost::get_deleter<Refusal>(message);
-    why = refusal != nullptr ? refusal->why : whyTooLarge(byteCount(*message), max_bytes);
-    if (why.empty()) return adapt(message, event.getReceiptTime());
+    const Rejection* const rejection = boost::get_deleter<Rejection>(message);
+    problem =
+        rejection != nullptr ? rejection->problem : meshSizeProblem(byteCount(*message), max_bytes);
+    if (problem.empty()) return adapt(message, event.getReceiptTime());
   } catch (const std::exception& error) {
-    why = error.what();
+    problem = error.what();
   }
-  const auto refused = boost::make_shared<DeformableMesh>();
+  const auto rejected = boost::make_shared<DeformableMesh>();
   const ros::Time* const stamp = ros::message_traits::timeStamp(*message);
-  refused->header.stamp = stamp != nullptr ? *stamp : event.getReceiptTime();
-  return {refused, why};
+  rejected->header.stamp = stamp != nullptr ? *stamp : event.getReceiptTime();
+  return {rejected, problem};
 }
 
-// From the receipt of a message until now [s]. It is known by the clock of the wall alone, which
-// somebody may set: more than a message ever waits, or less than nothing, is none.
+// Returns the time from the receipt of a message until now [s]. roscpp notes the receipt by the
+// wall clock, which somebody may set meanwhile. So a negative time, or one longer than a message
+// ever waits, counts as 0. With a simulated clock the time is unknown, and 0 as well.
 double waitedS(const ros::Time& receipt) {
   constexpr double kMostS = 10;
   if (ros::Time::isSimTime()) return 0;
@@ -94,28 +97,28 @@ double waitedS(const ros::Time& receipt) {
 
 template <typename M>
 ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_bytes,
-                                   const MeshReceiver& receive, const std::function<void()>& expect,
-                                   const Adapt<M>& adapt) {
-  constexpr std::uint32_t kQueue = 1;
+                                   const MeshReceiver& receive, const Adapt<M>& adapt) {
+  constexpr std::uint32_t kQueue = 1;  // only the newest message is of use
   ros::SubscribeOptions options(topic, kQueue, ros::message_traits::md5sum<M>(),
                                 ros::message_traits::datatype<M>());
   options.helper = boost::make_shared<CheckingHelper<M>>(
-      max_bytes, expect, [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
-        ReceivedMesh mesh = received(event, max_bytes, adapt);
-        mesh.waited_s = waitedS(event.getReceiptTime());
+      max_bytes, [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
+        IncomingMesh mesh = meshOf(event, max_bytes, adapt);
+        mesh.arrival =
+            std::chrono::steady_clock::now() - fromSeconds(waitedS(event.getReceiptTime()));
         receive(mesh);
       });
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   return options;
 }
 
+// The adapter is shared by all copies that roscpp makes of the callback, as it remembers triangles.
 template <typename Adapter>
 ros::SubscribeOptions adaptedSubscription(const std::string& topic, std::size_t max_bytes,
-                                          const MeshReceiver& receive,
-                                          const std::function<void()>& expect, Adapter adapter) {
+                                          const MeshReceiver& receive, Adapter adapter) {
   using M = typename Adapter::Message;
   const auto shared = std::make_shared<Adapter>(std::move(adapter));
-  return subscription<M>(topic, max_bytes, receive, expect,
+  return subscription<M>(topic, max_bytes, receive,
                          [shared](const boost::shared_ptr<const M>& message, const ros::Time& at) {
                            return shared->adapt(*message, at);
                          });
@@ -137,22 +140,19 @@ const char* messageType(MeshType type) {
 }
 
 ros::SubscribeOptions meshSubscription(const std::string& topic, const ObjectParameters& object,
-                                       std::size_t max_bytes, const MeshReceiver& receive,
-                                       const std::function<void()>& expect) {
+                                       std::size_t max_bytes, const MeshReceiver& receive) {
   switch (object.type) {
     case MeshType::kShapeMesh:
-      return adaptedSubscription(topic, max_bytes, receive, expect,
-                                 ShapeMeshAdapter(object.frame_id));
+      return adaptedSubscription(topic, max_bytes, receive, ShapeMeshAdapter(object.frame_id));
     case MeshType::kMarker:
-      return adaptedSubscription(topic, max_bytes, receive, expect, MarkerAdapter());
+      return adaptedSubscription(topic, max_bytes, receive, MarkerAdapter());
     case MeshType::kPointCloud:
-      return adaptedSubscription(topic, max_bytes, receive, expect,
-                                 PointCloudAdapter(object.faces));
+      return adaptedSubscription(topic, max_bytes, receive, PointCloudAdapter(object.faces));
     default:
       return subscription<DeformableMesh>(
-          topic, max_bytes, receive, expect,
+          topic, max_bytes, receive,
           [](const DeformableMesh::ConstPtr& message, const ros::Time& /*received*/) {
-            return ReceivedMesh{message};
+            return IncomingMesh{message};
           });
   }
 }

@@ -1,4 +1,4 @@
-// Poses of frames in the reference frame, at a given stamp, from tf2.
+// Looks up poses of frames in the reference frame at a given stamp, and explains missing ones.
 #include "monitor/input/transform_lookup.h"
 
 #include <tf2/exceptions.h>
@@ -12,6 +12,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns a stamp as text, with all of its nanoseconds.
 std::string shown(const ros::Time& stamp) {
   std::ostringstream text;
   text << stamp;
@@ -86,11 +87,12 @@ std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::st
           buffer_.lookupTransform(reference_frame_, frame, ros::Time(0)).header.stamp;
       any = true;
       if (!stamp.isZero()) stamps.push_back(stamp);
-    } catch (const tf2::TransformException&) {  // it is UNKNOWN in every cycle, and no more
+    } catch (const tf2::TransformException&) {  // its bodies are UNKNOWN in every cycle
     }
   }
   if (!any) return std::nullopt;
   if (stamps.empty()) return ros::Time();
+  // The oldest stamp within the window: all frames that count have a pose at it.
   std::sort(stamps.begin(), stamps.end());
   return *std::find_if(stamps.begin(), stamps.end(), [&](const ros::Time& stamp) {
     return secondsBetween(stamps.back(), stamp) <= window_s;
@@ -102,7 +104,7 @@ PoseAnswer TransformLookup::ask(const FrameAtStamp& question) const {
   if (answer.outcome == PoseAnswer::Outcome::kFound) return answer;
   answer = explain(question);
   if (answer.outcome != PoseAnswer::Outcome::kPast) return answer;
-  // It may have come between the two looks.
+  // The transform may have come between the two lookups.
   const PoseAnswer again = find(question);
   return again.outcome == PoseAnswer::Outcome::kFound ? again : answer;
 }
@@ -120,11 +122,13 @@ PoseAnswer TransformLookup::find(const FrameAtStamp& question) const {
   return answer;
 }
 
+// Finds out why there is no pose: the newest transform decides whether the wanted one is late or
+// past.
 PoseAnswer TransformLookup::explain(const FrameAtStamp& question) const {
   PoseAnswer answer;
   const std::string path = "TF from '" + question.frame + "' to '" + reference_frame_ + "'";
   try {
-    // The newest pose is asked for its stamp alone.
+    // The lookup at time 0 returns the newest transform; only its stamp matters here.
     answer.available =
         buffer_.lookupTransform(reference_frame_, question.frame, ros::Time(0)).header.stamp;
   } catch (const tf2::TransformException&) {

@@ -1,4 +1,4 @@
-// Poses of frames in the reference frame, at a given stamp, from tf2.
+// Looks up poses of frames in the reference frame at a given stamp, and explains missing ones.
 #pragma once
 
 #include <geometry_msgs/Transform.h>
@@ -15,7 +15,8 @@
 
 namespace deformable_contact_monitor {
 
-// The matrix of tf2's composed transform. All in double, left to right as written, without FMA:
+// Returns the matrix of a transform from tf2, computed in double, from left to right as written,
+// without FMA:
 //   n = sqrt(((x*x + y*y) + z*z) + w*w);  x /= n;  y /= n;  z /= n;  w /= n
 //   R = | 1 - 2*(y*y + z*z)   2*(x*y - z*w)       2*(x*z + y*w)     |
 //       | 2*(x*y + z*w)       1 - 2*(x*x + z*z)   2*(y*z - x*w)     |
@@ -33,41 +34,41 @@ struct FrameAtStamp {
 struct PoseAnswer {
   enum class Outcome {
     kFound,
-    kLate,   // newer data may come: the newest are older than the stamp, or went with a reset
-    kPast,   // too late: the oldest are newer than the stamp
-    kNever,  // no connection to the reference frame has been seen at all
+    kLate,   // may still come: the newest transform is older than the stamp, or a reset removed it
+    kPast,   // will not come: the oldest transform is newer than the stamp
+    kNever,  // nothing has ever connected the frame to the reference frame
   };
   Outcome outcome = Outcome::kNever;
-  RigidTransform pose;  // reference frame from frame, if kFound
-  ros::Time available;  // newest stamp with a transform; zero: kLate since a reset
-  std::string problem;  // for people: what is missing; empty if kFound
+  RigidTransform pose;  // if kFound: maps points of the frame to the reference frame
+  ros::Time available;  // newest stamp with a transform; zero: none since a reset
+  std::string problem;  // says what is missing; empty if kFound
 };
 
-// One thread at a time; the buffer may be filled by another.
+// Never waits. One thread at a time; another thread may fill the buffer meanwhile.
 class TransformLookup {
  public:
   // The buffer must outlive this.
   TransformLookup(const tf2::BufferCore& buffer, std::string reference_frame)
       : buffer_(buffer), reference_frame_(std::move(reference_frame)) {}
 
-  // One answer for each question, in order; never with another stamp's pose. Does not wait.
+  // Returns one answer for each question, in their order. A pose is always that of the very stamp.
   std::vector<PoseAnswer> lookup(const std::vector<FrameAtStamp>& frames) const;
 
-  // Whether one of them is late and may yet come: it is nothing that was given up and has not moved
-  // on since.
+  // Returns whether one of these poses is late but may still come. A pose for which giveUp() was
+  // called does not count, until its frame has received a newer transform.
   bool isWorthWaiting(const std::vector<FrameAtStamp>& frames) const;
 
-  // They were waited for in vain, those that are late: a frame that stands still is not waited for
-  // again and again.
+  // Notes that a cycle waited in vain for those poses that are late, so that no other cycle waits
+  // for a frame that nobody publishes any more.
   void giveUp(const std::vector<FrameAtStamp>& frames);
 
-  // To be called before all transforms are dropped: those of frames that have a pose now will come
-  // again. Until they do they are late, and what was given up may be waited for.
+  // Must be called before all transforms are dropped. Frames that have a pose now are expected to
+  // come again: until they do they count as late, also if giveUp() noted them before.
   void noteReset();
 
-  // The newest stamp at which all of these frames have a pose, but for those that have none or
-  // whose newest is more than `window_s` behind the others'. Zero: all are static; nothing: none
-  // has any.
+  // Returns the newest stamp at which all of these frames have a pose. Frames without any pose are
+  // left out, and so are those whose newest pose is more than `window_s` [s] behind that of the
+  // others. Zero: all frames are static. Nothing: no frame has a pose.
   std::optional<ros::Time> newestCommon(const std::vector<std::string>& frames,
                                         double window_s) const;
 
@@ -78,11 +79,11 @@ class TransformLookup {
 
   const tf2::BufferCore& buffer_;
   const std::string reference_frame_;
-  std::map<std::string, ros::Time> given_up_;  // frames, with their newest stamp then
-  std::set<std::string> seen_;                 // frames that had a pose before a reset
+  std::map<std::string, ros::Time> given_up_;  // the newest stamp then, by frame
+  std::set<std::string> seen_;                 // frames with a pose before a reset
 };
 
-// Without tf's old leading '/'.
+// Returns the frame's name without the leading '/' of tf1.
 std::string plainFrame(const std::string& frame);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,8 @@
-// Contacts and deformable objects as rviz markers.
+// Draws a cycle's contacts, patches and attached objects as rviz markers.
+//
+// All markers are in report.header's frame and vanish after their lifetime. rviz rejects a whole
+// array if one of its markers is empty or has a point that is not finite, so such markers and
+// points are left out everywhere. config/README.md lists all namespaces.
 #pragma once
 
 #include <visualization_msgs/MarkerArray.h>
@@ -6,7 +10,9 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
+#include "core/analysis/contact_patches.h"
 #include "core/steady_time.h"
 #include "monitor/cycle_report.h"
 #include "monitor/markers/marker_parts.h"
@@ -14,27 +20,27 @@
 
 namespace deformable_contact_monitor {
 
-// One thread at a time.
+// Draws triangles, lines and witnesses. Not safe for use by several threads.
 class ContactMarkers {
  public:
   explicit ContactMarkers(const MarkerOptions& options) : options_(options), triangles_(options) {}
 
-  // Of the cycle's pairs and of the objects that triggered it, in report.header's frame; what was
-  // drawn of others stays until its lifetime is over. The first array begins with a DELETEALL.
-  //   "<a>/<b>"   the triangles in contact, or paler within the margin, of each pair of bodies that
-  //               has any, links' and objects' in colors of their own
-  //   "passed: <a>/<b>"  in swept motion: triangles that touched since the cycle before and are in
-  //               no contact any more, in colors of their own
-  //   "<object>"  the rest of each known object, translucent (rviz draws the robot)
-  // one TRIANGLE_LIST each, with an id that is stable while the bodies are the same, none of them
-  // empty: one that was drawn and has nothing to show any more is deleted. Over max_triangles,
-  // contacts come first, then what is near, an equal share for each pair of bodies, and a surface
-  // is decimated without holes. Non-finite triangles are left out: rviz refuses them. With the
-  // contacts' geometry, lines as in line_markers.h, too; where bodies are in contact without a pair
-  // of triangles, what witness_markers.h says.
+  // Returns the markers of the cycle's pairs and of the objects that triggered it. Markers of other
+  // bodies stay until their lifetime ends. The first array begins with a DELETEALL; later ones
+  // delete what this cycle's bodies showed before and do not show any more. The kinds are:
+  //   "<a>/<b>"            triangles in contact, or paler within the margin
+  //   "passed: <a>/<b>"    triangles that touched since the previous cycle and do not any more
+  //   "<object>"           the rest of each known object, translucent (rviz draws the robot)
+  //   "segments: <a>/<b>"  a line from point_a to point_b of each contact, gray if only near
+  //   "normals: <a>/<b>"   a line of kNormalLengthM from its middle along the normal; its tip is
+  //                        dark
+  //   "witness: <a>/<b>"   two spheres at the witness points of a contact without triangle pairs
+  // Lines need contacts with geometry. Over max_triangles, contacts come first, each pair of bodies
+  // has an equal part, surfaces are decimated, and only every k-th contact has lines.
   visualization_msgs::MarkerArray make(const CycleReport& report);
 
  private:
+  // Returns the drawn markers of this cycle's pairs and objects: they change or are deleted.
   std::set<MarkerKey> drawnOfCycle(const CycleReport& report) const;
 
   const MarkerOptions options_;
@@ -43,14 +49,39 @@ class ContactMarkers {
   std::set<MarkerKey> drawn_;
 };
 
-// How often markers are drawn. Each body has a rate of its own: of objects in turns, none is left
-// out. One thread at a time. Reads no clock.
+constexpr float kNormalLengthM = 0.03F;
+
+// Draws contact patches. Not safe for use by several threads.
+class PatchMarkers {
+ public:
+  explicit PatchMarkers(const MarkerOptions& options) : options_(options) {}
+
+  // Adds the cycle's patches to an array of the same report; null means that none were computed.
+  // Each patch has the namespace "patch: <a>/<b>": its triangles outlined in a color of its own, an
+  // arrow along its normal, if it has one, and its id as text. Markers keep their ids while the
+  // patch keeps its own. Deletes what the cycle's pairs showed before and do not show any more.
+  // Over max_triangles, all patches may outline equally many triangles.
+  void add(const CycleReport& report, const std::vector<Patch>* patches,
+           visualization_msgs::MarkerArray* array);
+
+ private:
+  MarkerOptions options_;
+  std::set<MarkerKey> drawn_;
+};
+
+// Adds a text "held: cloth by hand, finger" (namespace "held") over each attached object that
+// triggered the cycle and has a finite vertex. It vanishes after `lifetime_s` (> 0) [s].
+void addHeldMarkers(const CycleReport& report, double lifetime_s,
+                    visualization_msgs::MarkerArray* markers);
+
+// Limits how often markers are drawn. Each body has its own limit, so that objects which take turns
+// are all drawn. Not safe for use by several threads. Reads no clock.
 class MarkerRate {
  public:
   explicit MarkerRate(double rate_hz) : period_(fromSeconds(1 / rate_hz)) {}
 
-  // Whether this cycle's are due: a body that triggered it had none within the period. If so, all
-  // that triggered it have theirs now.
+  // Returns whether a body that triggered this cycle has not been drawn within the period. If so,
+  // all bodies that triggered it count as drawn now.
   bool isDue(const CycleReport& report, SteadyTime now);
 
  private:

@@ -1,4 +1,8 @@
-// A surface with fewer triangles and no holes, for pictures.
+// Draws a surface with fewer triangles and without holes, by vertex clustering.
+//
+// choose() tries cell sizes until the number of triangles is just below the limit. Clustering does
+// the work for one cell size: it assigns vertices to cells, joins connected vertices within a cell,
+// replaces each set by its vertex nearest to the cell's center, and lists what triangles remain.
 #include "monitor/markers/decimated_surface.h"
 
 #include <algorithm>
@@ -16,8 +20,9 @@ namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-constexpr double kMostCells = 1 << 20;  // along an axis: three numbers of a cell fit into 64 bits
+constexpr double kMostCells = 1 << 20;  // per axis, so that three cell numbers fit into 64 bits
 
+// The box of the finite vertices.
 struct Extent {
   std::array<double, 3> low{}, high{};
   bool any = false, all_finite = true;
@@ -34,6 +39,7 @@ std::array<double, 3> position(const TriangleMesh& mesh, std::size_t i) {
 
 bool isFinite(const std::array<double, 3>& p) { return std::isfinite(p[0] + p[1] + p[2]); }
 
+// Returns the box of a mesh, and whether all its vertices are finite.
 Extent extentOf(const TriangleMesh& mesh) {
   Extent extent;
   for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
@@ -51,7 +57,8 @@ Extent extentOf(const TriangleMesh& mesh) {
   return extent;
 }
 
-// For each vertex, one of those with the same coordinates: soups hang together like welded meshes.
+// Returns for each vertex one vertex with the same coordinates. With it, triangles that share no
+// vertex index (a triangle soup) are connected like those of a welded mesh.
 std::vector<std::uint32_t> welded(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertexCount());
   std::iota(order.begin(), order.end(), 0U);
@@ -69,7 +76,7 @@ std::vector<std::uint32_t> welded(const TriangleMesh& mesh) {
   return same;
 }
 
-// Sets of vertices, each known by one of them.
+// Disjoint sets of vertices (union-find), each represented by one of its vertices.
 class VertexSets {
  public:
   explicit VertexSets(std::size_t count) : parent_(count) {
@@ -85,7 +92,7 @@ class VertexSets {
   std::vector<std::uint32_t> parent_;
 };
 
-// The grid of one resolution.
+// Clusters the vertices of a mesh in a grid of one cell size.
 class Clustering {
  public:
   Clustering(const TriangleMesh& mesh, const std::vector<std::uint32_t>& welded,
@@ -95,7 +102,8 @@ class Clustering {
     joinWithinCells(welded);
   }
 
-  // Sorted by their corners; each once, or twice where there is an even number.
+  // Returns the remaining triangles, sorted by their corners. Of those with the same corners, one
+  // remains, or two if their number is even.
   HostList<std::uint32_t> remaining() const {
     std::vector<std::pair<Corners, std::size_t>> keyed;
     const HostList<std::uint32_t>& t = mesh_.triangles;
@@ -123,6 +131,7 @@ class Clustering {
  private:
   static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
+  // Returns the cell of a vertex: 21 bits per axis; kNowhere if the vertex is not finite.
   std::uint64_t cellOf(std::size_t i) const {
     const std::array<double, 3> p = position(mesh_, i);
     if (!isFinite(p)) return kNowhere;
@@ -134,7 +143,8 @@ class Clustering {
     return cell;
   }
 
-  double squaredDistanceToCentre(std::size_t i) const {
+  // Returns a vertex's squared distance to the center of its cell, in cell sizes.
+  double squaredDistanceToCenter(std::size_t i) const {
     const std::array<double, 3> p = position(mesh_, i);
     double sum = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -144,7 +154,8 @@ class Clustering {
     return sum;
   }
 
-  // Layers that lie in one cell stay apart: they may go their own ways.
+  // Joins vertices only along edges. Layers of a folded cloth that lie in the same cell stay apart,
+  // because they may move away from each other.
   void joinWithinCells(const std::vector<std::uint32_t>& welded) {
     VertexSets sets(cells_.size());
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
@@ -161,7 +172,7 @@ class Clustering {
     std::iota(best.begin(), best.end(), 0U);
     for (std::uint32_t i = 0; i < cells_.size(); ++i) {
       std::uint32_t& of_set = best[sets.of(i)];
-      if (squaredDistanceToCentre(i) < squaredDistanceToCentre(of_set)) of_set = i;
+      if (squaredDistanceToCenter(i) < squaredDistanceToCenter(of_set)) of_set = i;
     }
     vertex_.resize(cells_.size());
     for (std::uint32_t i = 0; i < cells_.size(); ++i) vertex_[i] = best[sets.of(i)];
@@ -176,13 +187,14 @@ class Clustering {
 
 }  // namespace
 
+// Compares all triangles with those of the choice, which is cheap beside drawing them.
 const HostList<std::uint32_t>& DecimatedSurface::triangles(const TriangleMesh& mesh) {
   if (mesh.triangleCount() <= limit_) return mesh.triangles;
   if (!is_chosen_ || source_ != mesh.triangles) choose(mesh);
   return remaining_;
 }
 
-// Most often the second resolution fits: triangles go by the square of it.
+// The number of triangles falls with the square of the cell size, so the second try mostly fits.
 void DecimatedSurface::choose(const TriangleMesh& mesh) {
   constexpr int kTries = 8;
   const Extent extent = extentOf(mesh);
@@ -203,7 +215,8 @@ void DecimatedSurface::choose(const TriangleMesh& mesh) {
       cell_m_ = cell_m;
     }
     if (fits && 3 * limit_ <= 2 * best.size()) break;
-    // Beyond the whole, all is in one cell, and nothing remains.
+    // Aims at 85 % of the limit. The loop ends, because with a cell as large as the mesh nothing
+    // remains.
     cell_m *= std::clamp(std::sqrt(share / 0.85), 0.5, 2.0) * (share > 1 ? 1.05 : 1);
   }
   remaining_ = std::move(best);

@@ -1,12 +1,16 @@
-// What all markers of a cycle are made of: names, ids, colors, frames, points that rviz takes.
+// Provides what all markers of a cycle are made of: options, keys, colors and points.
 #include "monitor/markers/marker_parts.h"
 
 #include <ros/duration.h>
 
 namespace deformable_contact_monitor {
 
+using visualization_msgs::Marker;
+
+// An id is unique within its namespace anyway. It is unique among all pairs and surfaces as well,
+// because two bodies may have names that give the same namespace.
 MarkerKey pairKey(const CycleReport& report, BodyId a, BodyId b, const std::string& kind) {
-  return {kind + report.bodies[a].name + "/" + report.bodies[b].name,
+  return {kind + report.bodies.at(a).name + "/" + report.bodies.at(b).name,
           static_cast<std::int32_t>(std::size_t{a} * report.bodies.size() + b)};
 }
 
@@ -15,17 +19,27 @@ MarkerKey surfaceKey(const CycleReport& report, BodyId object) {
   return {report.bodies[object].name, static_cast<std::int32_t>(bodies * bodies + object)};
 }
 
-visualization_msgs::Marker makeMarker(const CycleReport& report, const MarkerOptions& options,
-                                      MarkerKey key, std::int32_t type) {
-  visualization_msgs::Marker marker;
+// rviz complains about an orientation of zeros, hence w = 1 here and below.
+Marker makeMarker(const CycleReport& report, double lifetime_s, MarkerKey key, std::int32_t type) {
+  Marker marker;
   marker.header = report.header;
   marker.ns = std::move(key.first);
   marker.id = key.second;
   marker.type = type;
-  marker.action = visualization_msgs::Marker::ADD;
+  marker.action = Marker::ADD;
   marker.pose.orientation.w = 1;
   marker.scale.x = marker.scale.y = marker.scale.z = 1;
-  marker.lifetime = ros::Duration(options.lifetime_s);
+  marker.lifetime = ros::Duration(lifetime_s);
+  return marker;
+}
+
+Marker makeRemoval(const CycleReport& report, const MarkerKey& key, std::int32_t action) {
+  Marker marker;
+  marker.header = report.header;
+  marker.ns = key.first;
+  marker.id = key.second;
+  marker.action = action;
+  marker.pose.orientation.w = 1;
   return marker;
 }
 
@@ -40,18 +54,6 @@ std_msgs::ColorRGBA makeColor(float r, float g, float b, float alpha) {
 
 std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {
   return kind == BodyKind::kLink ? makeColor(1, 0.1F, 0.1F, alpha) : makeColor(1, 0.8F, 0, alpha);
-}
-
-geometry_msgs::Point toPoint(const Vec3f& v) {
-  geometry_msgs::Point point;
-  point.x = v.x;
-  point.y = v.y;
-  point.z = v.z;
-  return point;
-}
-
-bool touches(const DetectionResult& result, std::size_t contact) {
-  return result.separations_m.empty() || result.separations_m[contact] <= 0;
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,4 @@
-// What all markers of a cycle are made of: names, ids, colors, frames, points that rviz takes.
+// Provides what all markers of a cycle are made of: options, keys, colors and points.
 #pragma once
 
 #include <geometry_msgs/Point.h>
@@ -15,34 +15,54 @@
 
 namespace deformable_contact_monitor {
 
+// The settings of all markers. The first two are parameters of the node.
 struct MarkerOptions {
-  double lifetime_s = 0.5;            // > 0: markers vanish when the monitor does
-  std::size_t max_triangles = 20000;  // in one array, > 0; and as many lines of each kind
-  float alpha = 0.9F;                 // of contact triangles, (0, 1]
-  float surface_alpha = 0.6F;         // of the objects' surfaces, (0, 1]
+  double lifetime_s = 0.5;            // > 0: markers vanish when the monitor stops
+  std::size_t max_triangles = 20000;  // per array, > 0; the same limit holds for each kind of line
+  float alpha = 0.9F;                 // opacity of contact triangles, (0, 1]
+  float surface_alpha = 0.6F;         // opacity of the objects' surfaces, (0, 1]
 };
 
-// What identifies a marker; stable while the bodies are the same.
-using MarkerKey = std::pair<std::string, std::int32_t>;  // namespace and id
+// Identifies a marker by its namespace and id, as rviz does.
+using MarkerKey = std::pair<std::string, std::int32_t>;
 
-// "<kind><a>/<b>".
+// Namespaces of a pair of bodies begin with one of these. That of touching triangles has no prefix.
+constexpr char kSegments[] = "segments: ";
+constexpr char kNormals[] = "normals: ";
+constexpr char kPassed[] = "passed: ";
+constexpr char kPatch[] = "patch: ";
+constexpr char kWitness[] = "witness: ";
+
+// Returns the key of a pair of bodies, with the namespace "<kind><a>/<b>". It stays the same while
+// the bodies do.
 MarkerKey pairKey(const CycleReport& report, BodyId a, BodyId b, const std::string& kind = "");
-// "<object>".
+
+// Returns the key of an object's surface, with the object's name as namespace.
 MarkerKey surfaceKey(const CycleReport& report, BodyId object);
 
-// Begins the namespace of what touched since the cycle before, and does not any more.
-constexpr char kPassed[] = "passed: ";
+// Returns a marker without points. rviz rejects an array with a marker that has none, so whoever
+// publishes it must add three points per triangle, or two per line.
+visualization_msgs::Marker makeMarker(const CycleReport& report, double lifetime_s, MarkerKey key,
+                                      std::int32_t type);
 
-// Without points yet: rviz takes it with three a triangle, or two a line, and none of them empty.
-visualization_msgs::Marker makeMarker(const CycleReport& report, const MarkerOptions& options,
-                                      MarkerKey key, std::int32_t type);
+// Returns a marker that deletes the one with that key (DELETE), or all (DELETEALL).
+visualization_msgs::Marker makeRemoval(const CycleReport& report, const MarkerKey& key,
+                                       std::int32_t action);
 
+// Returns a color; all parts are in [0, 1].
 std_msgs::ColorRGBA makeColor(float r, float g, float b, float alpha);
-// Of what touches: links red, objects yellow.
-std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha);
-geometry_msgs::Point toPoint(const Vec3f& v);
 
-// Whether a contact touches, rather than being near.
-bool touches(const DetectionResult& result, std::size_t contact);
+// Returns the color of triangles in contact: red for links, yellow for objects.
+std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha);
+
+// Converts a Vec3f or a Vec3d.
+template <class Vector>
+geometry_msgs::Point toPoint(const Vector& v) {
+  geometry_msgs::Point point;
+  point.x = v.x;
+  point.y = v.y;
+  point.z = v.z;
+  return point;
+}
 
 }  // namespace deformable_contact_monitor

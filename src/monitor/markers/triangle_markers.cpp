@@ -1,4 +1,7 @@
-// The triangles of a cycle's markers: those in contact, and the objects' surfaces.
+// Draws triangles: those in contact, those that passed, and the objects' surfaces.
+//
+// Contacts come first. What they leave of max_triangles goes to triangles that passed, and the rest
+// to the surfaces, which are decimated until they fit.
 #include "monitor/markers/triangle_markers.h"
 
 #include <algorithm>
@@ -13,6 +16,8 @@ namespace {
 
 using visualization_msgs::Marker;
 
+// Colors of links and objects differ in each kind of marker: near ones are pale, passed ones
+// violet.
 std_msgs::ColorRGBA nearColor(BodyKind kind, float alpha) {
   return kind == BodyKind::kLink ? makeColor(1, 0.7F, 0.7F, alpha)
                                  : makeColor(1, 0.95F, 0.7F, alpha);
@@ -22,7 +27,8 @@ std_msgs::ColorRGBA passedColor(BodyKind kind, float alpha) {
   return kind == BodyKind::kLink ? makeColor(0.8F, 0, 1, alpha) : makeColor(0.5F, 0.2F, 1, alpha);
 }
 
-// Triangles of one body, each once. Contacts are many, and the next cycle waits for the markers.
+// Holds triangles of one body, each once. A flag per triangle makes insertion fast: there are many
+// contacts, and the next cycle waits for the markers.
 class TriangleSet {
  public:
   explicit TriangleSet(const Body& body) : has_(body.mesh.triangleCount()) {}
@@ -39,33 +45,36 @@ class TriangleSet {
   std::vector<std::uint32_t> list_;
 };
 
-// The triangles to draw of one pair of bodies; of a body with itself, all in `a`.
+// Holds the triangles to draw for one pair of bodies. For a body with itself, all are in `a`.
 struct Drawn {
   TriangleSet a, b;
-  std::size_t touching_a = 0, touching_b = 0;  // the first of them touch, the others are near
+  std::size_t touching_a = 0, touching_b = 0;  // so many touch; the rest are near
   std::size_t size() const { return a.list().size() + b.list().size(); }
 };
 
+// The ids of a pair's bodies, in the order of its contacts.
 using BodyPair = std::pair<BodyId, BodyId>;
 
-// False, and nothing added, for a triangle that rviz would refuse.
+// Adds the triangle unless a corner is not finite, which rviz rejects. Returns whether it did.
 bool addTriangle(const Triangle& triangle, Marker* marker) {
   if (!isFinite(triangle)) return false;
   for (const Vec3f& corner : triangle.v) marker->points.push_back(toPoint(corner));
   return true;
 }
 
+// Adds the triangles of one cycle's contacts, and remembers them: a surface leaves them out.
 class ContactTriangles {
  public:
   ContactTriangles(const CycleReport& report, const MarkerOptions& options)
       : report_(report), options_(options) {}
 
-  // Returns how many triangles were added.
+  // Adds the contacts at the stamp. Returns how many triangles were added.
   std::size_t add(std::vector<Marker>* markers) {
     std::size_t count = 0;
     for (const auto& [pair, drawn] : drawnPairs()) {
       const auto& [a, b] = pair;
-      Marker marker = makeMarker(report_, options_, pairKey(report_, a, b), Marker::TRIANGLE_LIST);
+      Marker marker =
+          makeMarker(report_, options_.lifetime_s, pairKey(report_, a, b), Marker::TRIANGLE_LIST);
       marker.points.reserve(3 * drawn.size());
       marker.colors.reserve(3 * drawn.size());
       highlight(a, drawn.a, drawn.touching_a, &marker);
@@ -78,7 +87,8 @@ class ContactTriangles {
     return count;
   }
 
-  // Those of the cycle's steps that are not drawn yet, at most so many. Returns as add().
+  // Adds at most `most` triangles that touched during the cycle's steps and are not drawn yet.
+  // Returns how many were added.
   std::size_t addPassed(std::size_t most, std::vector<Marker>* markers) {
     std::map<BodyPair, Marker> of_pair;
     std::size_t count = 0;
@@ -95,8 +105,8 @@ class ContactTriangles {
     for (auto& [pair, drawn] : of_pair) {
       if (drawn.points.empty()) continue;
       Marker marker =
-          makeMarker(report_, options_, pairKey(report_, pair.first, pair.second, kPassed),
-                     Marker::TRIANGLE_LIST);
+          makeMarker(report_, options_.lifetime_s,
+                     pairKey(report_, pair.first, pair.second, kPassed), Marker::TRIANGLE_LIST);
       marker.points = std::move(drawn.points);
       marker.colors = std::move(drawn.colors);
       marker.color = passedColor(BodyKind::kLink, options_.alpha);
@@ -105,7 +115,7 @@ class ContactTriangles {
     return count;
   }
 
-  // Triangles of a body that were added; null: none.
+  // Returns the triangles of a body that were added; null if there are none.
   const TriangleSet* highlighted(BodyId id) const {
     const auto of_body = highlighted_.find(id);
     return of_body == highlighted_.end() ? nullptr : &of_body->second;
@@ -114,8 +124,8 @@ class ContactTriangles {
  private:
   const Body& body(BodyId id) const { return report_.scene->body(id); }
 
-  // Calls visit(contact, what is drawn of its pair of bodies) for those that touch, or for those
-  // that are near. Those of a pair mostly follow one another.
+  // Calls visit(contact, triangles of its pair of bodies) for the contacts that touch, or for those
+  // that are near. Contacts of one pair mostly follow one another, so the last pair is kept.
   template <class Visit>
   void forEachContact(bool touching, std::map<BodyPair, Drawn>* pairs, const Visit& visit) const {
     auto of_last = pairs->end();
@@ -134,14 +144,16 @@ class ContactTriangles {
     }
   }
 
+  // Selects what to draw: the same number of triangles for each pair of bodies, touching ones
+  // first.
   std::map<BodyPair, Drawn> drawnPairs() const {
     const bool any_near = !report_.result->separations_m.empty();
     std::map<BodyPair, Drawn> pairs;
     forEachContact(true, &pairs, [](const TrianglePair&, Drawn*) {});
     if (any_near) forEachContact(false, &pairs, [](const TrianglePair&, Drawn*) {});
-    const std::size_t share = pairs.empty() ? 0 : options_.max_triangles / pairs.size();
-    const auto draw = [share](const TrianglePair& c, Drawn* drawn) {
-      if (drawn->size() + 2 > share) return;
+    const std::size_t most = pairs.empty() ? 0 : options_.max_triangles / pairs.size();
+    const auto draw = [most](const TrianglePair& c, Drawn* drawn) {
+      if (drawn->size() + 2 > most) return;
       drawn->a.insert(c.triangle_a);
       (c.body_a == c.body_b ? drawn->a : drawn->b).insert(c.triangle_b);
     };
@@ -154,6 +166,7 @@ class ContactTriangles {
     return pairs;
   }
 
+  // Adds the triangles in the color of their body's kind, paler from number `touching` on.
   void highlight(BodyId id, const TriangleSet& triangles, std::size_t touching, Marker* marker) {
     TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
     const BodyKind kind = report_.bodies[id].kind;
@@ -168,7 +181,7 @@ class ContactTriangles {
     }
   }
 
-  // Returns whether it was added.
+  // Returns whether the triangle was added: it is finite and was not added before.
   bool addPassedTriangle(BodyId id, std::uint32_t triangle, Marker* marker) {
     TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
     if (highlighted.has(triangle)) return false;
@@ -186,6 +199,8 @@ class ContactTriangles {
 
 }  // namespace
 
+// Surfaces of unknown objects are not drawn, because their place is not known. Triangles that are
+// drawn as contacts are left out of a whole surface; a decimated one has other triangles.
 void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* markers) {
   if (report.scene == nullptr) return;
   ContactTriangles contacts(report, options_);
@@ -204,12 +219,13 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
     const bool is_whole = rest <= budget;
     const HostList<std::uint32_t>& corners =
         is_whole ? mesh.triangles : decimated(report, id, budget);
-    Marker marker = makeMarker(report, options_, surfaceKey(report, id), Marker::TRIANGLE_LIST);
+    Marker marker =
+        makeMarker(report, options_.lifetime_s, surfaceKey(report, id), Marker::TRIANGLE_LIST);
     marker.points.reserve(is_whole ? 3 * rest : corners.size());
     const PosedBody posed(report.scene->body(id));
     for (std::size_t i = 0; i < corners.size(); i += 3) {
       const auto triangle = static_cast<std::uint32_t>(i / 3);
-      // Two coplanar triangles flicker.
+      // A triangle that is drawn twice flickers.
       if (is_whole && highlighted != nullptr && highlighted->has(triangle)) continue;
       const auto corner = [&](std::size_t k) { return posed.vertex(corners[i + k]); };
       addTriangle({{corner(0), corner(1), corner(2)}}, &marker);
@@ -221,8 +237,8 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
   }
 }
 
-// The finest that fits. It changes only with the number of contacts, and by large steps: a surface
-// that is drawn ever differently flickers.
+// Returns the finest resolution that fits into the budget. Resolutions differ by a factor of 3, so
+// that a surface does not change, and flicker, with every change in the number of contacts.
 const HostList<std::uint32_t>& TriangleMarkers::decimated(const CycleReport& report, BodyId object,
                                                           std::size_t budget) {
   constexpr int kLevels = 4;
@@ -231,7 +247,7 @@ const HostList<std::uint32_t>& TriangleMarkers::decimated(const CycleReport& rep
     const auto objects =
         std::count_if(report.bodies.begin(), report.bodies.end(),
                       [](const BodyStatus& body) { return body.kind == BodyKind::kDeformable; });
-    // Contacts have a share, too.
+    // The contacts take one part, each object another one.
     std::size_t limit = options_.max_triangles / (static_cast<std::size_t>(objects) + 1);
     for (int i = 0; i < kLevels && limit > 0; ++i, limit /= 3) levels.emplace_back(limit);
   }

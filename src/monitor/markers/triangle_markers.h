@@ -1,4 +1,4 @@
-// The triangles of a cycle's markers: those in contact, and the objects' surfaces.
+// Draws triangles: those in contact, those that passed, and the objects' surfaces.
 #pragma once
 
 #include <visualization_msgs/Marker.h>
@@ -14,17 +14,17 @@
 
 namespace deformable_contact_monitor {
 
-// One thread at a time.
+// Keeps decimated surfaces from cycle to cycle. Not safe for use by several threads.
 class TriangleMarkers {
  public:
   explicit TriangleMarkers(const MarkerOptions& options) : options_(options) {}
 
-  // Appends a TRIANGLE_LIST for each pair of bodies with contacts, and one for each known object
-  // whose cycle it is, as ContactMarkers::make() says; none of them empty.
+  // Appends one TRIANGLE_LIST per pair of bodies with contacts, one per pair that passed, and one
+  // per known object that triggered the cycle, as ContactMarkers::make() says. None is empty.
   void add(const CycleReport& report, std::vector<visualization_msgs::Marker>* markers);
 
  private:
-  // The same surface with ever fewer triangles, as far as contacts leave room for it.
+  // One surface at several resolutions, from fine to coarse.
   using Levels = std::vector<DecimatedSurface>;
 
   const HostList<std::uint32_t>& decimated(const CycleReport& report, BodyId object,

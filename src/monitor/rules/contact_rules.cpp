@@ -1,4 +1,7 @@
-// Who may touch whom, and who says so.
+// Decides which pairs of bodies are monitored and which of them may touch.
+//
+// Rules are kept in maps by their two names in ascending order, so that a look-up does not depend
+// on the order of bodies and stays fast with 100 000 rules.
 #include "monitor/rules/contact_rules.h"
 
 #include <algorithm>
@@ -7,15 +10,36 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr char kAnyBody[] = "*";
+constexpr char kAnyBody[] = "*";  // the wildcard of AllowedContact
 
-bool holds(const AttachedObjects& attached, const std::string& object, const std::string& link) {
+// Returns whether the object is attached to the link.
+bool isAttached(const AttachedObjects& attached, const std::string& object,
+                const std::string& link) {
   const auto found = attached.find(object);
   return found != attached.end() &&
          std::find(found->second.begin(), found->second.end(), link) != found->second.end();
 }
 
+// Returns whether a class that is on includes the pair. `same`: the pair is a body with itself; a
+// link with itself is never monitored.
+bool isMonitored(const BodyStatus& a, const BodyStatus& b, bool same, const PairClasses& classes) {
+  const int objects = (a.kind == BodyKind::kDeformable) + (b.kind == BodyKind::kDeformable);
+  if (same) return objects == 2 && classes.deformable_self;
+  if (objects == 2) return classes.deformable_deformable;
+  return objects == 1 ? classes.robot_deformable : classes.robot_self;
+}
+
 }  // namespace
+
+// The order is that of the documentation.
+std::vector<std::string> namesOf(const PairClasses& classes) {
+  std::vector<std::string> names;
+  if (classes.robot_deformable) names.emplace_back("robot_deformable");
+  if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
+  if (classes.deformable_self) names.emplace_back("deformable_self");
+  if (classes.robot_self) names.emplace_back("robot_self");
+  return names;
+}
 
 const char* toString(RuleSource source) {
   switch (source) {
@@ -32,6 +56,7 @@ const char* toString(RuleSource source) {
   }
 }
 
+// Returns the key of a rule.
 AllowedContacts::Names AllowedContacts::namesOf(const AllowedContact& rule) {
   if (rule.body_a.empty() || rule.body_b.empty()) {
     throw std::invalid_argument(
@@ -40,27 +65,31 @@ AllowedContacts::Names AllowedContacts::namesOf(const AllowedContact& rule) {
   return std::minmax(rule.body_a, rule.body_b);
 }
 
+// A rule that replaces another one counts as the last one added.
 void AllowedContacts::add(const AllowedContact& rule, RuleSource source) {
   Names names = namesOf(rule);
   if (rules_.size() >= kMostRules && rules_.count(names) == 0) {
     throw std::invalid_argument("there are " + std::to_string(kMostRules) +
-                                " rules of allowed contacts, which is the most; use '*'");
+                                " rules of allowed contacts, and no more are possible; use "
+                                "wildcards ('*')");
   }
   rules_[std::move(names)] = {rule, source, ++added_};
 }
 
+// Works on a copy, so that an exception leaves the rules as they were.
 void AllowedContacts::change(const AllowedContactsChange& change) {
   AllowedContacts changed = change.replace ? AllowedContacts() : *this;
   for (const AllowedContact& rule : change.remove) {
     if (changed.rules_.erase(namesOf(rule)) == 0) {
-      throw std::invalid_argument("no rule for '" + rule.body_a + "' and '" + rule.body_b +
-                                  "' is in force, to be removed");
+      throw std::invalid_argument("the rule for '" + rule.body_a + "' and '" + rule.body_b +
+                                  "' cannot be removed, because no such rule is in force");
     }
   }
   for (const AllowedContact& rule : change.add) changed.add(rule, RuleSource::kService);
   *this = std::move(changed);
 }
 
+// Returns null if there is no rule for exactly these names.
 const AllowedContacts::Rule* AllowedContacts::find(const std::string& a,
                                                    const std::string& b) const {
   const auto found = rules_.find(std::minmax(a, b));
@@ -73,6 +102,7 @@ std::optional<ContactVerdict> AllowedContacts::ofPair(const std::string& a,
   return both == nullptr ? std::nullopt : std::optional(both->verdict());
 }
 
+// A rule with one wildcard can name either body; of two such rules the later one wins.
 std::optional<ContactVerdict> AllowedContacts::ofWildcard(const std::string& a,
                                                           const std::string& b) const {
   const Rule *const first = find(a, kAnyBody), *const second = find(b, kAnyBody);
@@ -95,6 +125,7 @@ std::size_t AllowedContacts::count(RuleSource source) const {
                     [source](const auto& entry) { return entry.second.source == source; }));
 }
 
+// Sorts pointers, because moving the rules with their texts would take longer.
 std::vector<AllowedContact> AllowedContacts::rules() const {
   std::vector<const Rule*> in_order;
   in_order.reserve(rules_.size());
@@ -107,28 +138,43 @@ std::vector<AllowedContact> AllowedContacts::rules() const {
   return rules;
 }
 
-// The stronger kind is written last.
+// An SRDF may list a pair as disabled and enabled. Disabled wins, so it is written last.
 LinkRules::LinkRules(const Srdf& srdf) : links_(srdf.disabled_links) {
   for (const Srdf::Pair& pair : srdf.enabled) pairs_[std::minmax(pair.a, pair.b)] = false;
   for (const Srdf::Pair& pair : srdf.disabled) pairs_[std::minmax(pair.a, pair.b)] = true;
 }
 
+// A rule for the pair beats what the SRDF says about all pairs of a link.
 bool LinkRules::allows(const std::string& a, const std::string& b) const {
   const auto pair = pairs_.find(std::minmax(a, b));
   if (pair != pairs_.end()) return pair->second;
   return links_.count(a) > 0 || links_.count(b) > 0;
 }
 
+// Asks the sources in the order of their strength; the first that covers the pair decides.
 ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b) const {
   if (const auto pair = allowed.ofPair(a.name, b.name)) return *pair;
   const bool a_is_link = a.kind == BodyKind::kLink, b_is_link = b.kind == BodyKind::kLink;
-  if ((a_is_link && !b_is_link && holds(attached, b.name, a.name)) ||
-      (b_is_link && !a_is_link && holds(attached, a.name, b.name))) {
+  if ((a_is_link && !b_is_link && isAttached(attached, b.name, a.name)) ||
+      (b_is_link && !a_is_link && isAttached(attached, a.name, b.name))) {
     return {true, RuleSource::kAttached};
   }
   if (const auto wildcard = allowed.ofWildcard(a.name, b.name)) return *wildcard;
   if (a_is_link && b_is_link && links.allows(a.name, b.name)) return {true, RuleSource::kSrdf};
   return {};
+}
+
+// Takes all pairs, also those that are allowed: they are monitored, but not computed.
+std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,
+                                          const PairClasses& classes, const ContactRules& rules) {
+  std::vector<MonitoredPair> pairs;
+  for (BodyId a = 0; a < bodies.size(); ++a) {
+    for (BodyId b = a; b < bodies.size(); ++b) {
+      if (!isMonitored(bodies[a], bodies[b], a == b, classes)) continue;
+      pairs.push_back({a, b, rules.verdict(bodies[a], bodies[b]).allowed});
+    }
+  }
+  return pairs;
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,9 @@
-// Who may touch whom, and who says so.
+// Decides which pairs of bodies are monitored and which of them may touch.
+//
+// Rules come from four sources: the parameters (~allowed_contacts), the service
+// ~set_allowed_contacts, attached objects (~attach_object) and the robot's SRDF. A pair that may
+// touch is ALLOWED: the detector does not compute it. ContactRules::verdict() defines which rule
+// decides; config/README.md ("What may touch") explains the same order to users.
 #pragma once
 
 #include <deformable_contact_monitor/AllowedContact.h>
@@ -9,6 +14,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -17,57 +23,81 @@
 
 namespace deformable_contact_monitor {
 
+// Selects the kinds of pairs that are monitored. A class that is off costs nothing.
+struct PairClasses {
+  bool robot_deformable = true;        // links with objects
+  bool deformable_deformable = false;  // objects with other objects
+  bool deformable_self = false;        // objects with themselves
+  bool robot_self = false;             // links with other links
+
+  bool needRobot() const { return robot_deformable || robot_self; }
+
+  bool operator==(const PairClasses& other) const {
+    const auto all = [](const PairClasses& c) {
+      return std::tie(c.robot_deformable, c.deformable_deformable, c.deformable_self, c.robot_self);
+    };
+    return all(*this) == all(other);
+  }
+};
+
+// Returns the names of the classes that are on, as the parameter pair_classes lists them.
+std::vector<std::string> namesOf(const PairClasses& classes);
+
+// Names where the rule that decides a pair comes from; kDefault: no rule covers the pair.
 enum class RuleSource : std::uint8_t { kDefault, kParameters, kService, kAttached, kSrdf };
 
-// "default", "parameters", "service", "attached", "srdf".
+// Returns "default", "parameters", "service", "attached" or "srdf".
 const char* toString(RuleSource source);
 
+// The decision about one pair, and the source of the rule that decides.
 struct ContactVerdict {
   bool allowed = false;
   RuleSource source = RuleSource::kDefault;
 };
 
+// One request to ~set_allowed_contacts. The steps are made in the order of the fields.
 struct AllowedContactsChange {
-  bool replace = false;                // all rules in force go first
-  std::vector<AllowedContact> remove;  // then these, by their bodies' names
+  bool replace = false;                // removes all rules in force
+  std::vector<AllowedContact> remove;  // removes these, found by their bodies' names
   std::vector<AllowedContact> add;
 };
 
-// Rules in force. A rule that names both bodies beats one with a wildcard ('*': any body), which
-// beats one with two; among equals the one added last wins. Without a rule: not allowed. The order
-// of a rule's bodies does not matter.
+// Holds the rules of the parameters and of the service. A rule that names both bodies beats a rule
+// with one wildcard ('*', any body), which beats a rule with two. Among equals the rule that was
+// added last wins. Without a rule the pair is not allowed. The order of a rule's bodies does not
+// matter. Not safe for use by several threads.
 class AllowedContacts {
  public:
-  // So many rules are held at most.
-  static constexpr std::size_t kMostRules = 100000;
+  static constexpr std::size_t kMostRules = 100000;  // bounds memory, whatever a client sends
 
-  // Replaces an earlier rule for the same two names. Throws std::invalid_argument if a name is
-  // empty, or kMostRules are there.
+  // Adds a rule, which replaces an earlier rule for the same two names. Throws
+  // std::invalid_argument if a name is empty or kMostRules rules exist.
   void add(const AllowedContact& rule, RuleSource source = RuleSource::kParameters);
 
-  // By the service. All of it or nothing: throws as add() does, and at the removal of a rule that
-  // is not there.
+  // Applies the whole change, or nothing of it: throws std::invalid_argument like add(), and if a
+  // rule to be removed does not exist. Added rules have the source kService.
   void change(const AllowedContactsChange& change);
 
-  // What the rule for these two says, or the strongest one with a wildcard; nothing: there is
-  // none. In time that hardly grows with the number of rules.
+  // Returns what the rule for exactly these two bodies says, or what the strongest rule with a
+  // wildcard says; nothing if no such rule exists. Takes logarithmic time.
   std::optional<ContactVerdict> ofPair(const std::string& a, const std::string& b) const;
   std::optional<ContactVerdict> ofWildcard(const std::string& a, const std::string& b) const;
 
-  // As if there were no other rules.
+  // Returns whether the pair may touch if these rules are the only ones.
   bool allows(const std::string& a, const std::string& b) const;
 
-  // In the order in which they were added.
+  // Returns the rules in the order in which they were added.
   std::vector<AllowedContact> rules() const;
   std::size_t count() const { return rules_.size(); }
+  // Returns how many rules come from that source.
   std::size_t count(RuleSource source) const;
 
  private:
-  using Names = std::pair<std::string, std::string>;
+  using Names = std::pair<std::string, std::string>;  // ascending
   struct Rule {
     AllowedContact rule;
     RuleSource source = RuleSource::kParameters;
-    std::uint64_t added = 0;  // counts up
+    std::uint64_t added = 0;  // counts up; decides among equals
 
     ContactVerdict verdict() const { return {rule.allowed != 0, source}; }
   };
@@ -79,30 +109,38 @@ class AllowedContacts {
   std::uint64_t added_ = 0;
 };
 
-// The links' part of it: an SRDF's rules, to be asked often.
+// Holds an SRDF's rules between links, indexed for fast look-ups.
 class LinkRules {
  public:
   LinkRules() = default;
   explicit LinkRules(const Srdf& srdf);
 
-  // As the SRDF says, false without a rule.
+  // Returns what the SRDF says of two links; false without a rule.
   bool allows(const std::string& a, const std::string& b) const;
   std::size_t count() const { return pairs_.size() + links_.size(); }
 
  private:
-  std::map<std::pair<std::string, std::string>, bool> pairs_;
-  std::set<std::string> links_;
+  std::map<std::pair<std::string, std::string>, bool> pairs_;  // names ascending
+  std::set<std::string> links_;                                // disabled by default
 };
 
-// All rules that are in force. The strongest that speaks of a pair decides: a rule of parameters or
-// service that names both bodies; an attached object with a link that holds it; a rule of
-// parameters or service with a wildcard; for two links, the SRDF. Without one: not allowed.
+// Holds all rules in force. The first rule that covers a pair decides, in this order:
+//   1. a rule of parameters or service that names both bodies,
+//   2. an attached object with a link that it is attached to,
+//   3. a rule of parameters or service with a wildcard,
+//   4. the SRDF, for two links.
+// Without such a rule the pair is not allowed.
 struct ContactRules {
   AllowedContacts allowed;
   AttachedObjects attached;
   LinkRules links;
 
+  // Returns what the rules say of a pair, in any order of its bodies.
   ContactVerdict verdict(const BodyStatus& a, const BodyStatus& b) const;
 };
+
+// Returns the pairs of the classes that are on, in ascending order, with allowed ones marked.
+std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,
+                                          const PairClasses& classes, const ContactRules& rules);
 
 }  // namespace deformable_contact_monitor

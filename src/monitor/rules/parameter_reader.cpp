@@ -1,4 +1,7 @@
-// Reads a tree of ROS parameters, collecting every problem instead of stopping at the first.
+// Reads a tree of ROS parameters and collects every problem, so that a user sees all at once.
+//
+// Every function first notes the name as known, which unknown() needs, then checks the type, then
+// the range. A value that cannot be used becomes its fallback, so that reading can go on.
 #include "monitor/rules/parameter_reader.h"
 
 #include <cmath>
@@ -12,12 +15,14 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
+// Returns the value as text for an error message.
 std::string shown(const XmlRpcValue& value) {
   std::ostringstream text;
   value.write(text);
   return text.str();
 }
 
+// Returns the range as text for an error message.
 template <typename T>
 std::string range(T low, T high) {
   std::ostringstream text;
@@ -40,12 +45,14 @@ void ParameterReader::addProblem(const std::string& name, const std::string& wha
   problems_->push_back(where_ + name + " " + what);
 }
 
+// XmlRpcValue's operator[] would add a missing member, hence the check before.
 const XmlRpcValue* ParameterReader::find(const std::string& name) {
   known_.insert(name);
   if (!tree_.valid() || !tree_.hasMember(name)) return nullptr;
   return &tree_[name];
 }
 
+// Accepts no numbers and texts such as "yes": what they mean would be a guess.
 bool ParameterReader::flag(const std::string& name, bool fallback) {
   const XmlRpcValue* value = find(name);
   if (value == nullptr) return fallback;
@@ -54,6 +61,8 @@ bool ParameterReader::flag(const std::string& name, bool fallback) {
   return fallback;
 }
 
+// The two functions below check one value, which may be an element of a list or map. They return
+// false, and add a problem under `name`, if the value cannot be used.
 bool ParameterReader::toInteger(const std::string& name, const XmlRpcValue& value, int low,
                                 int high, int* integer) {
   if (value.getType() != XmlRpcValue::TypeInt) {
@@ -73,6 +82,7 @@ int ParameterReader::integer(const std::string& name, int fallback, int low, int
   return integer;
 }
 
+// Bad elements are problems of their own ("devices[1]"); the good ones are still returned.
 std::vector<int> ParameterReader::integers(const std::string& name, int low, int high) {
   const XmlRpcValue* value = find(name);
   if (value == nullptr) return {};
@@ -91,6 +101,7 @@ std::vector<int> ParameterReader::integers(const std::string& name, int low, int
 
 bool ParameterReader::toNumber(const std::string& name, const XmlRpcValue& value, double low,
                                double high, double* number) {
+  // A whole number such as 1 arrives as an integer, although the parameter is a double.
   if (value.getType() == XmlRpcValue::TypeInt) {
     *number = static_cast<const int&>(value);
   } else if (value.getType() == XmlRpcValue::TypeDouble) {
@@ -99,6 +110,7 @@ bool ParameterReader::toNumber(const std::string& name, const XmlRpcValue& value
     addProblem(name, "is " + shown(value) + ", must be a number");
     return false;
   }
+  // This comparison is false for NaN, too.
   if (*number >= low && *number <= high) return true;
   std::ostringstream text;
   text << "is " << *number << ", " << range(low, high);
@@ -121,11 +133,13 @@ std::string ParameterReader::text(const std::string& name, const std::string& fa
     return fallback;
   }
   const auto& text = static_cast<const std::string&>(*value);
+  // No text parameter has a meaning for an empty text; mostly a launch argument was forgotten.
   if (!text.empty()) return text;
   addProblem(name, "is empty");
   return fallback;
 }
 
+// Lists all choices in the error message.
 std::size_t ParameterReader::choice(const std::string& name,
                                     const std::vector<std::string>& choices, std::size_t fallback) {
   const std::string value = text(name, choices[fallback]);
@@ -157,6 +171,7 @@ std::vector<std::string> ParameterReader::texts(const std::string& name) {
   return texts;
 }
 
+// Reports problems of elements by "<name>/<key>", as a path of the parameter server.
 std::map<std::string, double> ParameterReader::numbers(const std::string& name, double low,
                                                        double high) {
   const XmlRpcValue* value = find(name);
@@ -174,6 +189,7 @@ std::map<std::string, double> ParameterReader::numbers(const std::string& name, 
   return numbers;
 }
 
+// Each reader checks itself that its element is a map.
 std::vector<ParameterReader> ParameterReader::structs(const std::string& name) {
   const XmlRpcValue* value = find(name);
   if (value == nullptr) return {};
@@ -189,6 +205,7 @@ std::vector<ParameterReader> ParameterReader::structs(const std::string& name) {
   return readers;
 }
 
+// Compares with the names that were asked for, so call it after all others.
 std::vector<std::string> ParameterReader::unknown() const {
   std::vector<std::string> names;
   if (!tree_.valid()) return names;

@@ -1,4 +1,4 @@
-// Reads a tree of ROS parameters, collecting every problem instead of stopping at the first.
+// Reads a tree of ROS parameters and collects every problem, so that a user sees all at once.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -10,38 +10,41 @@
 
 namespace deformable_contact_monitor {
 
-// A value that is absent, of the wrong type or out of range reads as its fallback; the latter two
-// are problems. Ranges are closed.
+// Each function returns the named value, or the fallback (an empty container where there is none)
+// if the value is absent, of the wrong type or out of range. The latter two add a line to the
+// problems. Ranges include their ends. Not safe for use by several threads.
 class ParameterReader {
  public:
-  // `where` precedes names in messages: "~", "~objects[0]/". `problems` must outlive the reader.
+  // `where` precedes names in messages, such as "~" or "~objects[0]/". `problems` must outlive the
+  // reader. A `tree` that is neither invalid (nothing is set) nor a map is a problem.
   ParameterReader(const XmlRpc::XmlRpcValue& tree, std::string where,
                   std::vector<std::string>* problems);
 
   bool flag(const std::string& name, bool fallback);
   int integer(const std::string& name, int fallback, int low, int high);
   double number(const std::string& name, double fallback, double low, double high);
-  // Not empty.
+  // An empty text is a problem.
   std::string text(const std::string& name, const std::string& fallback);
-  // The index of the value among `choices`.
+  // Returns the index of the value among `choices`; `fallback` is an index, too.
   std::size_t choice(const std::string& name, const std::vector<std::string>& choices,
                      std::size_t fallback);
   std::vector<std::string> texts(const std::string& name);
   std::vector<int> integers(const std::string& name, int low, int high);
   std::map<std::string, double> numbers(const std::string& name, double low, double high);
-  // One reader for each struct of a list.
+  // Returns one reader for each map of a list. They add to the same problems.
   std::vector<ParameterReader> structs(const std::string& name);
 
-  // Whether it is there.
+  // Returns whether the value is set, and counts as asking for it.
   bool has(const std::string& name) { return find(name) != nullptr; }
 
+  // Adds "<where><name> <what>" to the problems.
   void addProblem(const std::string& name, const std::string& what);
 
-  // Names that are there but were never asked for, each with the nearest that was.
+  // Returns the names that are set but were never asked for, each with the nearest known name.
   std::vector<std::string> unknown() const;
 
  private:
-  // The value if it is there; notes that the name is known.
+  // Returns the value or null, and notes that the name is known.
   const XmlRpc::XmlRpcValue* find(const std::string& name);
   bool toInteger(const std::string& name, const XmlRpc::XmlRpcValue& value, int low, int high,
                  int* integer);

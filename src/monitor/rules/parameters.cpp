@@ -1,8 +1,14 @@
-// The monitor's parameters.
+// Reads the monitor's parameters.
+//
+// Each read*() function covers a part of config/contact_monitor.yaml. It passes names, defaults and
+// ranges to a ParameterReader, which collects all problems. test/parameter_table_test.py reads
+// these calls and checks that the YAML file says the same, so keep names and ranges in the calls.
 #include "monitor/rules/parameters.h"
 
 #include <ros/names.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <set>
 #include <utility>
 
@@ -12,22 +18,26 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Upper ends of ranges that several parameters share, or that are part of a contract.
 constexpr double kMaxMarginM = 10;
 constexpr double kMaxToleranceM = 1;
 constexpr double kMaxBudgetMs = 60000;
 
+// Adds a warning for each name that is set but was never asked for, mostly a typing error.
 void warnOfUnknown(const ParameterReader& reader, std::vector<std::string>* warnings) {
   for (const std::string& name : reader.unknown()) {
-    warnings->push_back(name + " is no parameter of this node and is ignored");
+    warnings->push_back(name + " is not a parameter of this node and is ignored");
   }
 }
 
+// Reads a TF frame. tf2 knows no names that begin with '/', unlike the first tf.
 std::string frame(ParameterReader* reader, const std::string& name, const std::string& fallback) {
   std::string value = reader->text(name, fallback);
   if (value.front() == '/') reader->addProblem(name, "is '" + value + "', must not begin with '/'");
   return value;
 }
 
+// Choices are listed in the order of their enum, so an index converts to its value.
 void readRobot(ParameterReader* reader, MonitorParameters* p) {
   p->robot_source =
       static_cast<RobotSourceKind>(reader->choice("robot_source", {"urdf", "topic"}, 0));
@@ -42,19 +52,21 @@ void readRobot(ParameterReader* reader, MonitorParameters* p) {
   p->link_margin_m = reader->numbers("link_margin_m", 0, kMaxMarginM);
 }
 
-// What an object's type needs beside a topic.
+// Reads an object's type and what that type needs beside a topic.
 void readMeshType(ParameterReader* entry, ObjectParameters* object) {
   object->type = static_cast<MeshType>(
       entry->choice("type", {"deformable_mesh", "shape_mesh", "marker", "point_cloud"}, 0));
   if (object->type == MeshType::kShapeMesh) {
     object->frame_id = entry->text("frame_id", "");
     if (object->frame_id.empty())
-      entry->addProblem("frame_id", "is missing: a shape_mesh has none");
+      entry->addProblem("frame_id", "is missing: messages of type shape_mesh name no frame");
   }
   if (object->type != MeshType::kPointCloud) return;
   const std::string faces = entry->text("faces", "");
+  // Reading the mesh file at start shows a bad one at once, and not with the first message.
   try {
-    if (faces.empty()) throw std::runtime_error("is missing: a point_cloud has no triangles");
+    if (faces.empty())
+      throw std::runtime_error("is missing: a point_cloud has no triangles of its own");
     object->faces = std::make_shared<const TriangleMesh>(readMeshFile(makeRosResolver()(faces)));
   } catch (const std::exception& error) {
     entry->addProblem("faces",
@@ -62,8 +74,11 @@ void readMeshType(ParameterReader* entry, ObjectParameters* object) {
   }
 }
 
+// Comes after readRobot(), because objects without a margin of their own use margin_m.
 void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
                  MonitorParameters* p) {
+  constexpr std::size_t kMebibyte = 1U << 20U;
+  p->max_mesh_bytes = kMebibyte * reader->integer("max_mesh_mib", 512, 1, 4095);
   std::set<std::string> names;
   for (ParameterReader& entry : reader->structs("objects")) {
     ObjectParameters object;
@@ -74,24 +89,26 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
     object.required = entry.flag("required", object.required);
     readMeshType(&entry, &object);
+    // The name must work as a body's name in rules and, without a topic, as part of a topic.
     std::string error;
     if (object.name.empty()) {
       entry.addProblem("name", "is missing");
     } else if (object.name == "*") {
       entry.addProblem("name", "is '*', which means any body in allowed_contacts");
     } else if (!names.insert(object.name).second) {
-      entry.addProblem("name", "is '" + object.name + "', as another object's");
+      entry.addProblem("name", "is '" + object.name + "', which is another object's name");
     } else if (object.topic.empty() &&
                !ros::names::validate("objects/" + object.name + "/mesh", error)) {
-      entry.addProblem("topic", "is missing, and '" + object.name + "' cannot be part of one");
+      entry.addProblem("topic", "is missing, and '" + object.name + "' cannot be part of a topic");
     } else if (!ros::names::validate(object.topic, error)) {
-      entry.addProblem("topic", "is no valid name: " + error);
+      entry.addProblem("topic", "is not a valid name: " + error);
     }
     warnOfUnknown(entry, warnings);
     p->objects.push_back(std::move(object));
   }
 }
 
+// A list of classes replaces the default list; an empty list means the default.
 void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, MonitorParameters* p) {
   PairClasses classes{false, false, false, false};
   const std::map<std::string, bool*> by_name = {
@@ -107,12 +124,12 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
     } else {
       reader->addProblem("pair_classes",
                          "has '" + name +
-                             "'; there are: robot_deformable, deformable_deformable, "
+                             "', must be one of: robot_deformable, deformable_deformable, "
                              "deformable_self, robot_self");
     }
   }
   if (!names.empty()) p->pair_classes = classes;
-  // dynamic_reconfigure leaves them there.
+  // dynamic_reconfigure leaves a flag per class on the parameter server. They do not count here.
   for (const auto& [name, is_on] : by_name) {
     const bool starts_on = names.empty() ? name == "robot_deformable" : *is_on;
     if (!reader->has(name) || reader->flag(name, starts_on) == starts_on) continue;
@@ -126,7 +143,7 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
     rule.allowed = entry.flag("allowed", true);
     rule.reason = entry.text("reason", "configured");
     if (rule.body_a.empty() || rule.body_b.empty()) {
-      entry.addProblem("body_a and body_b", "must both be there (a name, or '*' for any body)");
+      entry.addProblem("body_a and body_b", "must both be set (a name, or '*' for any body)");
     } else {
       p->allowed_contacts.add(rule);
     }
@@ -134,6 +151,8 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
   }
 }
 
+// Options that several programs share have their ranges in problems(Options). Those ranges are left
+// open here, so that a bad value is reported once.
 void readDetector(ParameterReader* reader, MonitorParameters* p) {
   constexpr int kAny = 1 << 30;
   Options& o = p->detector;
@@ -159,16 +178,17 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   o.tolerance_m =
       static_cast<float>(reader->number("tolerance_m", o.tolerance_m, 0, kMaxToleranceM));
   if (o.tolerance_m > 0 && p->motion == Motion::kSwept) {
-    reader->addProblem("tolerance_m", "is above 0, which motion: swept does not know");
+    reader->addProblem("tolerance_m", "is above 0, which is not supported with motion: swept");
   }
   p->swept_tolerance_m = reader->number("swept_tolerance_m", p->swept_tolerance_m, 0, 1);
   o.geometry = reader->flag("contact_geometry", o.geometry);
   p->containment = reader->flag("containment", p->containment);
 }
 
+// Reads rates, times, and what limits messages and markers.
 void readOutput(ParameterReader* reader, MonitorParameters* p) {
   constexpr int kMaxCount = 1000000000;
-  constexpr int kMostMarkerTriangles = 5000000;  // 600 MB: roscpp takes messages below a gigabyte
+  constexpr int kMostMarkerTriangles = 5000000;  // 600 MB; roscpp rejects messages above 1 GB
   p->max_rate_hz = reader->number("max_rate_hz", p->max_rate_hz, 0, 10000);
   p->robot_rate_hz = reader->number("robot_rate_hz", p->robot_rate_hz, 0.1, 1000);
   p->max_cycle_s = reader->number("max_cycle_s", p->max_cycle_s, 0.001, 3600);
@@ -188,13 +208,21 @@ void readOutput(ParameterReader* reader, MonitorParameters* p) {
       reader->number("diagnostic_min_rate_hz", p->diagnostic_min_rate_hz, 0, 10000);
 }
 
-void readInput(ParameterReader* reader, MonitorParameters* p) {
-  constexpr std::size_t kMebibyte = 1U << 20U;
-  p->max_mesh_bytes = kMebibyte * reader->integer("max_mesh_mib", 512, 1, 4095);
+// Returns the shortest decimal number that rounds to this float32. Nine digits always suffice.
+double toDecimal(float number) {
+  double decimal = number;
+  for (int digits = 6; digits <= 9; ++digits) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.*g", digits, static_cast<double>(number));
+    decimal = std::strtod(text, nullptr);
+    if (static_cast<float>(decimal) == number) break;
+  }
+  return decimal;
 }
 
 }  // namespace
 
+// Either parameter leaves pairs undecided, or decides them within a tolerance.
 bool tradesAccuracy(const MonitorParameters& parameters) {
   return parameters.detector.tolerance_m > 0 || parameters.budget_ms > 0;
 }
@@ -204,6 +232,7 @@ double linkMarginM(const MonitorParameters& parameters, const std::string& link)
   return own == parameters.link_margin_m.end() ? parameters.margin_m : own->second;
 }
 
+// Goes on after a problem, so that a user sees all of them after one start.
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings) {
   std::vector<std::string> found;
@@ -215,15 +244,45 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   readPairs(&reader, warnings, &p);
   readDetector(&reader, &p);
   readOutput(&reader, &p);
-  readInput(&reader, &p);
   for (const std::string& problem : problems(p.detector)) found.push_back("~" + problem);
   warnOfUnknown(reader, warnings);
   if (found.empty()) return p;
+  // Warnings are part of the text: a misspelled name often explains a problem.
   std::string all =
       std::to_string(found.size()) + " bad parameter(s), see config/contact_monitor.yaml:";
   for (const std::string& problem : found) all += "\n  " + problem;
   for (const std::string& warning : *warnings) all += "\n  " + warning;
   throw ParameterError(all);
+}
+
+LiveParameters startValues(const MonitorParameters& parameters) {
+  LiveParameters live;
+  live.margin_m = toDecimal(parameters.margin_m);
+  live.max_rate_hz = parameters.max_rate_hz;
+  live.robot_rate_hz = parameters.robot_rate_hz;
+  live.marker_rate_hz = parameters.marker_rate_hz;
+  live.pair_classes = parameters.pair_classes;
+  live.predicates = parameters.detector.predicates;
+  live.overlap = toDecimal(parameters.detector.overlap);
+  live.clusters = parameters.detector.clusters;
+  live.iterations = parameters.detector.iterations;
+  live.refresh_period = parameters.detector.refresh_period;
+  return live;
+}
+
+// All objects have the same limit; the robot's cycles have their own.
+std::vector<double> maxRatesHz(const LiveParameters& live, std::size_t objects) {
+  std::vector<double> rates_hz(objects, live.max_rate_hz);
+  rates_hz.push_back(live.robot_rate_hz);
+  return rates_hz;
+}
+
+void setOptions(const LiveParameters& live, Options* options) {
+  options->predicates = live.predicates;
+  options->overlap = static_cast<float>(live.overlap);
+  options->clusters = live.clusters;
+  options->iterations = live.iterations;
+  options->refresh_period = live.refresh_period;
 }
 
 }  // namespace deformable_contact_monitor

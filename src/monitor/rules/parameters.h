@@ -1,4 +1,7 @@
-// The monitor's parameters. config/contact_monitor.yaml holds each with unit, default and range.
+// Declares the monitor's parameters and reads them from the ROS parameter server's tree.
+//
+// config/contact_monitor.yaml documents every parameter: its meaning, unit, range and default. The
+// comments here only say what differs between a parameter and its field.
 #pragma once
 
 #include <deformable_contact_monitor/AllowedContact.h>
@@ -11,44 +14,44 @@
 #include <string>
 #include <vector>
 
+#include "core/backend_choice.h"
 #include "core/options.h"
 #include "core/triangle_mesh.h"
-#include "cuda/cuda_detector.h"
-#include "cuda/detector_choice.h"
-#include "monitor/rules/pair_table.h"
+#include "monitor/rules/contact_rules.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
 
+// The source of the robot's link meshes: the URDF, or messages on a topic.
 enum class RobotSourceKind { kUrdf, kTopic };
 
-// What an object's meshes come as.
+// The message types in which an object's meshes can arrive.
 enum class MeshType { kDeformableMesh, kShapeMesh, kMarker, kPointCloud };
 
+// One entry of the parameter `objects`.
 struct ObjectParameters {
   std::string name;
-  std::string topic;  // empty: objects/<name>/mesh in the private namespace
-  float margin_m = 0;
-  bool required = true;  // no data is an error in the diagnostics, else a warning
+  std::string topic;     // empty: objects/<name>/mesh in the private namespace
+  float margin_m = 0;    // the object's own margin, or the general one
+  bool required = true;  // false: missing data are a warning in the diagnostics, not an error
   MeshType type = MeshType::kDeformableMesh;
-  std::string frame_id{};                       // shape meshes: of their vertices
-  std::shared_ptr<const TriangleMesh> faces{};  // point clouds: the mesh whose vertices they are
-  bool shares_margin = false;                   // it has none of its own: margin_m is every body's
+  std::string frame_id{};                       // kShapeMesh only: frame of the vertices
+  std::shared_ptr<const TriangleMesh> faces{};  // kPointCloud only: the mesh with the triangles
+  bool shares_margin = false;                   // has no margin of its own
 };
 
-constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";
+constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";  // of MonitorParameters::srdf
 
+// All parameters with their defaults. Names and units are those of the parameters.
 struct MonitorParameters {
   std::string reference_frame = "base_link";
 
   RobotSourceKind robot_source = RobotSourceKind::kUrdf;
-  std::string robot_description = "robot_description";  // name of the parameter with the URDF
-  // Where the rules between links are: kSrdfAuto (the parameter of the description's name and
-  // "_semantic", if it is there), kSrdfNone, or a file: a path or URL.
-  std::string srdf = kSrdfAuto;
+  std::string robot_description = "robot_description";
+  std::string srdf = kSrdfAuto;  // kSrdfAuto, kSrdfNone, or a path or URL
   RobotGeometryOptions geometry;
-  bool strict_geometry = false;  // a link without usable geometry is a reason not to start
-  float margin_m = 0;            // of links; a pair counts at the larger of its two margins
+  bool strict_geometry = false;
+  float margin_m = 0;  // of bodies without a margin of their own
   std::map<std::string, double> link_margin_m;
 
   std::vector<ObjectParameters> objects;
@@ -57,24 +60,24 @@ struct MonitorParameters {
   AllowedContacts allowed_contacts;
 
   BackendChoice backend = BackendChoice::kAuto;
-  CudaSettings cuda;
-  Options detector;                  // of one moment
-  Motion motion = Motion::kInstant;  // swept: of the time since the previous cycle, too
-  double swept_tolerance_m = 1e-4;   // of links' ways; 0: straight lines
-  bool containment = false;          // what is within a closed surface is a contact
+  CudaSettings cuda;                 // device, devices, memory_limit_mib
+  Options detector;                  // of the detection at the stamp, hence Motion::kInstant
+  Motion motion = Motion::kInstant;  // kSwept adds the time since the previous cycle
+  double swept_tolerance_m = 1e-4;
+  bool containment = false;
 
-  double max_rate_hz = 100;   // of an object's cycles; 0: every mesh
-  double robot_rate_hz = 30;  // of the robot's own cycles (robot_self)
-  double max_cycle_s = 1;     // a cycle that takes longer ends early, and says so
-  double budget_ms = 0;       // from the arrival of a mesh to its states; 0: none
+  double max_rate_hz = 100;
+  double robot_rate_hz = 30;
+  double max_cycle_s = 1;
+  double budget_ms = 0;
   double tf_timeout_s = 0.05;
   double max_mesh_age_s = 0.5;
-  double tolerated_rejects = 0;  // share of a body's triangles
-  std::size_t max_contacts = 0;  // 0: all
+  double tolerated_rejects = 0;
+  std::size_t max_contacts = 0;
 
   int debounce_on_cycles = 1;
   int debounce_off_cycles = 2;
-  double since_survives_s = 0.2;  // so much UNKNOWN, as states' `since` counts
+  double since_survives_s = 0.2;
 
   double marker_rate_hz = 10;
   double marker_lifetime_s = 0.5;
@@ -82,24 +85,46 @@ struct MonitorParameters {
 
   double diagnostic_min_rate_hz = 5;
 
-  // Of one mesh, and of all that are kept of one object.
-  std::size_t max_mesh_bytes = std::size_t{512} << 20U;
+  std::size_t max_mesh_bytes = std::size_t{512} << 20U;  // max_mesh_mib
 };
 
-// Whether less than the exact contacts is asked for.
+// Returns whether a tolerance or a budget is set, so that results may be less than exact.
 bool tradesAccuracy(const MonitorParameters& parameters);
 
-// Of the link of that name [m].
+// Returns the margin [m] of the link with that name.
 double linkMarginM(const MonitorParameters& parameters, const std::string& link);
 
-// Lists every problem, one a line.
+// Lists every problem of a parameter tree, one per line.
 struct ParameterError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// `tree`: the private namespace as the parameter server hands it out (invalid: nothing is set).
-// Names that nothing reads go to `warnings`. Throws ParameterError, which lists those, too.
+// Reads all parameters. `tree` is the private namespace as the parameter server returns it; an
+// invalid value means that nothing is set. Adds one line to `warnings` for each name that is not
+// known. Throws ParameterError, whose text contains these warnings too.
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings);
+
+// The parameters that may change while the monitor runs (dynamic_reconfigure).
+struct LiveParameters {
+  double margin_m = 0;  // of bodies without a margin of their own
+  double max_rate_hz = 100, robot_rate_hz = 30, marker_rate_hz = 10;
+  PairClasses pair_classes;
+  Predicates predicates = Predicates::kExact;
+  double overlap = 1;
+  int clusters = 0, iterations = 1, refresh_period = 1;
+};
+
+// Returns the values with which the monitor starts. Values stored as float32 become the shortest
+// decimal number that is the same float32: 0.01 and not 0.00999999978, because they are written
+// back to the parameter server.
+LiveParameters startValues(const MonitorParameters& parameters);
+
+// Returns the largest rates [Hz] of the cycles of `objects` objects, in their order, then of the
+// robot's own cycles.
+std::vector<double> maxRatesHz(const LiveParameters& live, std::size_t objects);
+
+// Copies the detector's options among the live parameters to `options`.
+void setOptions(const LiveParameters& live, Options* options);
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,5 @@
-// How each monitored pair of bodies stands, of when that is, and since when; begin and end of
-// contact, debounced.
+// Keeps the state of each monitored pair over time: which cycle's finding holds, since when, and
+// which events follow from it.
 #include "monitor/state/contact_state_tracker.h"
 
 #include <algorithm>
@@ -9,23 +9,13 @@
 #include <tuple>
 #include <utility>
 
-#include "monitor/messages/contact_messages.h"
-#include "monitor/point32.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Why nothing is known of the pair; empty if nothing speaks against it.
-std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {
-  for (const BodyId id : {pair.a, pair.b}) {
-    const BodyStatus& body = report.bodies.at(id);
-    if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
-  }
-  return "";
-}
-
-// Nothing but the lack of a mesh of an object that has cycles of its own.
+// Returns whether each body that is not known is an object that did not trigger this cycle. Such an
+// object has cycles of its own, which tell more about the pair.
 bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
   const auto lacks = [&report](BodyId id) { return !report.bodies.at(id).unknown_because.empty(); };
   const auto is_partner = [&report](BodyId id) {
@@ -38,15 +28,6 @@ bool isApart(const ContactState& state) {
   return state.state == ContactState::NONE || state.state == ContactState::NEAR;
 }
 
-// The pair touched since its last cycle.
-void pass(const StepVerdict& step, ContactState* state) {
-  state->state = ContactState::PASSED;
-  state->pair_count = saturated(step.passed.count);
-  state->min_separation = 0;
-  state->centroid = toPoint32(step.passed.centroid());
-  state->mean_normal = toPoint32(step.passed.meanNormal());
-}
-
 }  // namespace
 
 ContactStateTracker::ContactStateTracker(const StateRules& rules) : rules_(rules) {
@@ -56,18 +37,17 @@ ContactStateTracker::ContactStateTracker(const StateRules& rules) : rules_(rules
 }
 
 void ContactStateTracker::update(const CycleReport& report) {
-  const PairSummaries summaries(report);
-  const StepVerdicts steps(report, rules_.tolerated_rejects);
+  const PairStates found(report, rules_);  // before the lock, because it may take long
   const std::lock_guard<std::mutex> lock(mutex_);
   frame_ = report.header.frame_id;
   cycle_ = report.cycle;
   listPairs(report);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const MonitoredPair& pair = report.pairs[i];
-    look(report, pair, summaries.of(pair.a, pair.b), steps, &tracks_[i]);
+    updateTrack(report, report.pairs[i], found, &tracks_[i]);
   }
 }
 
+// Keeps the tracks of pairs that remain, in the report's order, and ends those that are gone.
 void ContactStateTracker::listPairs(const CycleReport& report) {
   using Names = std::pair<std::string, std::string>;
   const auto names = [&report](const MonitoredPair& pair) {
@@ -103,65 +83,64 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
   }
 }
 
-void ContactStateTracker::look(const CycleReport& report, const MonitoredPair& pair,
-                               const PairSummary& summary, const StepVerdicts& steps,
-                               Track* track) {
+void ContactStateTracker::updateTrack(const CycleReport& report, const MonitoredPair& pair,
+                                      const PairStates& found, Track* track) {
   if (pair.allowed) return interrupt(ContactState::ALLOWED, "allowed", report.now, track);
   if (track->state.state == ContactState::ALLOWED) {
     interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, track);
   }
-  std::string problem = bodyProblem(report, pair);
+  const std::string problem = bodyProblem(report, pair);
   if (!isOfCycle(report.bodies, pair) || (!problem.empty() && isPartnersProblem(report, pair))) {
     if (!problem.empty() && !track->isKnown()) track->state.reason = problem;
     return;
   }
-  const StepVerdict step = steps.of(pair);
+  const IntervalFinding interval = found.inInterval(pair);
   if (track->isKnown() && report.header.stamp < track->state.stamp) {
-    return lookBack(report, step, track);
+    return updateOlder(report, interval, track);
   }
-  if (!problem.empty()) return interrupt(ContactState::UNKNOWN, problem, report.now, track);
-  const PairFinding finding(report, pair, summary, rules_);
-  problem = finding.problem();
-  if (!problem.empty()) {
-    interrupt(ContactState::UNKNOWN, problem, report.now, track);
-    track->state.distance_low = finding.distanceLowM();
+  ContactState state = found.atStamp(pair);
+  if (state.state == ContactState::UNKNOWN) {
+    interrupt(ContactState::UNKNOWN, state.reason, report.now, track);
+    track->state.distance_low = state.distance_low;
     return;
   }
-  ContactState state = finding.state();
-  if (!lookAtStep(report, step, &state, track)) return;
+  if (!applyInterval(report, interval, &state, track)) return;
   const bool goes_on = resumes(state, report.now, *track);
   const std::uint8_t before = track->state.state;
   enter(std::move(state), goes_on ? track->entered_before : report.header.stamp, track);
-  debounce(report.header.stamp, before, step.first_low, track);
+  debounce(report.header.stamp, before, interval.first_low, track);
 }
 
-// Whether the state is known, with what the step says of it.
-bool ContactStateTracker::lookAtStep(const CycleReport& report, const StepVerdict& step,
-                                     ContactState* state, Track* track) {
+// Adds to a state what the time interval before it says. Returns false if the pair is UNKNOWN
+// because of that.
+bool ContactStateTracker::applyInterval(const CycleReport& report, const IntervalFinding& interval,
+                                        ContactState* state, Track* track) {
   if (!isApart(*state)) return true;
-  if (step.touched()) {
-    pass(step, state);
+  if (interval.touched()) {
+    interval.setPassed(state);
     return true;
   }
-  // Who reads NONE after a state that was known takes it for "not in between" either.
-  if (step.problem.empty() || (!step.has_step && !track->isKnown())) return true;
-  interrupt(ContactState::UNKNOWN, step.problem, report.now, track);
+  // NONE also says that nothing touched since the last known state. Without a known state there is
+  // nothing to say that about, so a pair without an interval may then be NONE.
+  if (interval.problem.empty() || (!interval.has_interval && !track->isKnown())) return true;
+  interrupt(ContactState::UNKNOWN, interval.problem, report.now, track);
   return false;
 }
 
-// A step that ends before the stamp of what is known: the pair's other body had a cycle meanwhile,
-// with an older state of the one that this step is of.
-void ContactStateTracker::lookBack(const CycleReport& report, const StepVerdict& step,
-                                   Track* track) {
+// Handles a report that is older than what is known: the other body of the pair had a cycle
+// meanwhile, which used an older state of the body that this report is about. Only a contact in
+// the report's interval is news.
+void ContactStateTracker::updateOlder(const CycleReport& report, const IntervalFinding& interval,
+                                      Track* track) {
   if (!isApart(track->state)) return;
   ContactState state = track->state;
-  if (!lookAtStep(report, step, &state, track) || isApart(state)) return;
+  if (!applyInterval(report, interval, &state, track) || isApart(state)) return;
   const std::uint8_t before = track->state.state;
   enter(std::move(state), track->state.stamp, track);
-  debounce(report.header.stamp, before, step.first_low, track);
+  debounce(report.header.stamp, before, interval.first_low, track);
 }
 
-// Whether `state` is what a short UNKNOWN interrupted.
+// Returns whether `state` was interrupted only by a short UNKNOWN.
 bool ContactStateTracker::resumes(const ContactState& state, const ros::Time& now,
                                   const Track& track) const {
   return track.state.state == ContactState::UNKNOWN && track.state_before == state.state &&
@@ -173,7 +152,7 @@ void ContactStateTracker::enter(ContactState state, const ros::Time& when, Track
   track->state = std::move(state);
 }
 
-// To a state that no geometry speaks for.
+// Enters UNKNOWN or ALLOWED, which ends an open contact at once.
 void ContactStateTracker::interrupt(std::uint8_t state, const std::string& reason,
                                     const ros::Time& now, Track* track) {
   ContactState next;
@@ -192,8 +171,9 @@ void ContactStateTracker::interrupt(std::uint8_t state, const std::string& reaso
   track->cycles = 0;
 }
 
-// A contact between two cycles is an event of its own, unless it is the rest of one that was there
-// in the cycle before, or keeps one open that was about to end.
+// Counts the cycles for and against a contact, and adds the events that follow. `before` is the
+// state of the cycle before. A PASSED is an event of its own, with two exceptions: after CONTACT it
+// is the end of that contact, and while a contact is open it counts as one more cycle of it.
 void ContactStateTracker::debounce(const ros::Time& stamp, std::uint8_t before, float first_low,
                                    Track* track) {
   const bool anew = track->state.state == ContactState::PASSED && before != ContactState::CONTACT;

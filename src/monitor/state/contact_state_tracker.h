@@ -1,5 +1,13 @@
-// How each monitored pair of bodies stands, of when that is, and since when; begin and end of
-// contact, debounced.
+// Keeps the state of each monitored pair of bodies over time, and makes events of its changes.
+//
+// What decides a pair's state:
+//   ALLOWED            monitoredPairs() (monitor/rules): the pair is not computed
+//   NONE NEAR CONTACT  PairStates::atStamp() (pair_state.cpp), from the sums of pair_summary.cpp
+//   PASSED             PairStates::inInterval(): touched since the last cycle, not at the stamp
+//   UNKNOWN            one of them where contacts may be missing, or this tracker where a pair has
+//                      not been computed yet, is too old, or was forgotten
+// Which of a cycle's findings replace what is known, how long a state has lasted, and when a
+// contact begins and ends (debouncing) is decided in contact_state_tracker.cpp.
 #pragma once
 
 #include <deformable_contact_monitor/ContactEvent.h>
@@ -13,67 +21,59 @@
 #include <vector>
 
 #include "monitor/cycle_report.h"
-#include "monitor/state/pair_finding.h"
-#include "monitor/state/pair_summary.h"
-#include "monitor/state/state_rules.h"
-#include "monitor/state/step_verdicts.h"
+#include "monitor/state/pair_state.h"
 
 namespace deformable_contact_monitor {
 
-// Threads may call every function at any time: states grow old while a cycle runs.
+// Any thread may call any function at any time: states also grow old while a cycle runs.
 class ContactStateTracker {
  public:
-  // Throws std::invalid_argument at counts below 1.
+  // Throws std::invalid_argument if a debounce count is below 1.
   explicit ContactStateTracker(const StateRules& rules);
 
-  // Takes over which pairs there are: one that is new is UNKNOWN, an open contact whose pair is
-  // gone ends ("no longer monitored"); pairs are told apart by their bodies' names. Then the states
-  // of the cycle's pairs (isOfCycle) at the report's stamp:
-  // - UNKNOWN if a body of it is, or if no detection ran; also where no contact that is listed is
-  // the
-  //   pair's, if contacts or too many triangles of its bodies were left out, or if the report is
-  //   too old already. But where only the partner of the object that triggered has no mesh for that
-  //   stamp, what is known of the pair stays: the partner has cycles too.
-  // - else CONTACT, also where a part of one is within the other (inside), or NEAR when every
-  // triangle pair is apart (within the margin), or NONE. What is known of a later stamp stays.
-  // - where the result has the pair's distance, by decide() (core/body_distance.h) instead;
-  // UNKNOWN,
-  //   with distance_low, where that is open.
-  // - in swept motion PASSED, in place of NEAR and NONE, where the pair touched in its step;
-  // UNKNOWN
-  //   where the step may have missed that, or where there is no step and the pair was known before:
-  //   NONE then says nothing of the time in between. Also for a stamp before what is known.
-  // States follow each cycle at once (only events are debounced).
+  // Takes over the report's list of pairs. A new pair is UNKNOWN; an open contact whose pair is
+  // gone ends ("no longer monitored"). Pairs are identified by the names of their bodies.
+  // Then sets the states of the cycle's pairs (isOfCycle) as PairStates finds them, with three
+  // exceptions:
+  // - If only the partner of the object that triggered the cycle has no mesh for that stamp, what
+  //   is known of the pair stays, because the partner has cycles of its own.
+  // - What is known of a later stamp stays, except that a NONE or NEAR becomes PASSED if the pair
+  //   touched in the report's interval.
+  // - With motion: swept, NONE and NEAR also say that the pair did not touch since its last known
+  //   state. If the pair was known before but has no time interval, that cannot be said, and they
+  //   become UNKNOWN.
+  // States follow each cycle at once. Only events are debounced.
   void update(const CycleReport& report);
 
-  // Every known state that is older than max_age_s at `now` is UNKNOWN, because of `why`. Returns
-  // whether there was one.
+  // Makes every known state UNKNOWN, because of `why`, that is older than max_age_s at `now`.
+  // Returns whether there was one.
   bool expire(const ros::Time& now, const std::string& why);
 
-  // All pairs in the order of the last report. `stamp`: of the header; UNKNOWN and ALLOWED are
-  // stamped `now`. centroid and mean_normal: as in PairSummary. min_separation [m] is +inf without
-  // a triangle pair and NaN where the state is UNKNOWN or ALLOWED. `since` is never below zero. It
-  // counts from when the state began, also beyond an UNKNOWN that was said for less than
-  // since_survives_s if the state is the one before it; UNKNOWN's own counts from when it was said.
+  // Returns all pairs in the order of the last report. `stamp` is that of the header; UNKNOWN and
+  // ALLOWED are stamped `now`. centroid and mean_normal are those of PairSummary. min_separation
+  // [m] is +inf without a triangle pair, and NaN where the state is UNKNOWN or ALLOWED. `since` is
+  // never negative. It counts from the beginning of the state. An UNKNOWN shorter than
+  // since_survives_s does not interrupt the state if the same state follows it; the UNKNOWN's own
+  // `since` counts from when it was reported.
   ContactStates states(const ros::Time& stamp, const ros::Time& now) const;
 
-  // Events since the last call, oldest first. An END with a reason is not the geometry's: the pair
-  // became UNKNOWN or ALLOWED (at once, not debounced), or was forgotten.
+  // Returns the events since the last call, oldest first. An END with a reason does not come from
+  // the geometry: the pair became UNKNOWN or ALLOWED, which is not debounced, or was forgotten.
   std::vector<ContactEvent> takeEvents();
 
-  // What is known of the pairs of `body`, or of all if it is empty, is forgotten: they are UNKNOWN
-  // because of `reason`, which no `since` survives.
+  // Forgets what is known of the pairs of `body`, or of all pairs if it is empty. They are UNKNOWN
+  // because of `reason`, and their `since` starts anew.
   void forget(const std::string& body, const std::string& reason, const ros::Time& now);
 
  private:
   struct Track {
-    ContactState state;  // as it was last found; UNKNOWN and ALLOWED without a stamp
-    ros::Time entered;   // stamp with which its state began; UNKNOWN, ALLOWED: when
-    // While it is UNKNOWN: the state before that (UNKNOWN: none), and when that one began.
+    ContactState state;  // as it was last found; UNKNOWN and ALLOWED have no stamp
+    ros::Time entered;   // stamp at which the state began; of UNKNOWN and ALLOWED, the time
+    // For an UNKNOWN state: the state before it (UNKNOWN if there is none), and when it began.
     std::uint8_t state_before = ContactState::UNKNOWN;
     ros::Time entered_before;
-    bool open = false;  // BEGIN was sent, END not yet
-    int cycles = 0;     // in a row that speak for a change of `open`
+    bool open = false;  // BEGIN was sent, END was not
+    int cycles = 0;     // cycles in a row that speak for a change of `open`
 
     bool isKnown() const {
       return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
@@ -81,11 +81,11 @@ class ContactStateTracker {
   };
 
   void listPairs(const CycleReport& report);
-  void look(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
-            const StepVerdicts& steps, Track* track);
-  bool lookAtStep(const CycleReport& report, const StepVerdict& step, ContactState* state,
-                  Track* track);
-  void lookBack(const CycleReport& report, const StepVerdict& step, Track* track);
+  void updateTrack(const CycleReport& report, const MonitoredPair& pair, const PairStates& found,
+                   Track* track);
+  bool applyInterval(const CycleReport& report, const IntervalFinding& interval,
+                     ContactState* state, Track* track);
+  void updateOlder(const CycleReport& report, const IntervalFinding& interval, Track* track);
   bool resumes(const ContactState& state, const ros::Time& now, const Track& track) const;
   void enter(ContactState state, const ros::Time& when, Track* track);
   void interrupt(std::uint8_t state, const std::string& reason, const ros::Time& now, Track* track);
@@ -95,10 +95,10 @@ class ContactStateTracker {
 
   const StateRules rules_;
 
-  mutable std::mutex mutex_;  // guards what follows
-  std::string frame_;         // of the last report, and its cycle
+  mutable std::mutex mutex_;  // guards all that follows
+  std::string frame_;         // frame and number of the last report's cycle
   std::uint64_t cycle_ = 0;
-  std::vector<Track> tracks_;  // in the order of its pairs
+  std::vector<Track> tracks_;  // in the order of the last report's pairs
   std::vector<ContactEvent> events_;
 };
 

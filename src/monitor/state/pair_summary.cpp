@@ -1,4 +1,7 @@
-// What the contacts of a cycle sum up to, for each pair of bodies.
+// Sums up contacts for each pair of bodies.
+//
+// Contacts are sorted by body_a, triangle_a, body_b. They are cut into blocks that threads sum up
+// independently; no block splits the contacts of one triangle of body_a, whose normal counts once.
 #include "monitor/state/pair_summary.h"
 
 #include <algorithm>
@@ -9,22 +12,27 @@
 #include "core/common/parallel.h"
 #include "core/common/posed_body.h"
 #include "core/predicates/triangle.h"
-#include "monitor/state/triangle_normal.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Summaries = std::unordered_map<std::uint64_t, PairSummary>;
 
-constexpr std::size_t kBlock = 2048;  // contacts that one thread sums up at once
+constexpr std::size_t kBlock = 2048;  // contacts of one block
 
 std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
+
+// Returns the unit normal (right-handed) times twice the area of the triangle [m^2].
+Vec3d doubleAreaNormal(const Triangle& t) {
+  const Vec3d origin = toDouble(t.v[0]);
+  return cross(toDouble(t.v[1]) - origin, toDouble(t.v[2]) - origin);
+}
 
 Vec3d cornerSum(const Triangle& t) {
   return toDouble(t.v[0]) + toDouble(t.v[1]) + toDouble(t.v[2]);
 }
 
-// Of so many points of a body, whose sum in its own frame that is, in the scene frame [m].
+// Transforms the sum of so many points of a body from its own frame to the scene frame [m].
 Vec3d posedSum(const RigidTransform& pose, const Vec3d& sum, double points) {
   const double* const r = pose.rotation;
   const double* const t = pose.translation;
@@ -45,7 +53,8 @@ void add(const PairSummary& part, PairSummary* sum) {
   sum->area_sum += part.area_sum;
 }
 
-// Of contacts [begin, end). Whether they touch, the verdict says; geometry, how deep.
+// Returns the least separation of contacts [begin, end). The detector's verdict tells whether they
+// touch, the geometry of contacts how deep they are.
 double minSeparationM(const CycleReport& report, const DetectionResult& result, std::size_t begin,
                       std::size_t end) {
   const auto least = [begin, end](const std::vector<float>& of_all) {
@@ -53,14 +62,15 @@ double minSeparationM(const CycleReport& report, const DetectionResult& result, 
                              of_all.begin() + static_cast<std::ptrdiff_t>(end));
   };
   float separation_m = result.separations_m.empty() ? 0 : least(result.separations_m);
-  const bool geometry = report.result == &result && hasGeometry(report);
+  const bool geometry = report.result.get() == &result && hasGeometry(report);
   for (std::size_t i = begin; i < end && geometry; ++i) {
     separation_m = std::min(separation_m, result.geometry[i].separation_m);
   }
   return separation_m;
 }
 
-// Contacts [begin, end) of one pair of bodies. Corners are summed up as received, and posed once.
+// Sums up contacts [begin, end), which are all of one pair of bodies. Corners are summed up in the
+// bodies' own frames, so that only the two sums have to be transformed.
 PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std::size_t begin,
                   std::size_t end) {
   const TrianglePairs& contacts = result.contacts;
@@ -68,7 +78,6 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
   const Scene& scene = *report.scene;
   const PosedBody of_a(scene.body(a)), of_b(scene.body(b));
   const bool has_normal = report.bodies.at(a).kind == BodyKind::kLink;
-  constexpr std::size_t kFar = 32, kNear = 16;
   PairSummary sum;
   Vec3d sum_a, sum_b, corners_of_a;
   for (std::size_t i = begin; i < end; ++i) {
@@ -80,7 +89,9 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
         sum.area_sum += std::sqrt(dot(normal, normal));
       }
     }
-    // Vertices have come just now, but nobody has looked at triangles since the last cycle.
+    // The vertices have just arrived, but the triangles are not in the cache any more: indices are
+    // prefetched first, and then the vertices that they name.
+    constexpr std::size_t kFar = 32, kNear = 16;  // contacts ahead
     if (i + kFar < end) of_b.prefetchCorners(contacts[i + kFar].triangle_b);
     if (i + kNear < end) of_b.prefetchVertices(contacts[i + kNear].triangle_b);
     sum_a = sum_a + corners_of_a;
@@ -94,8 +105,8 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
   return sum;
 }
 
-// Contacts are sorted, so those of one triangle of body_a with one body_b stand together, and so do
-// many of one pair of bodies: they are summed up apart from the map.
+// Sums up contacts [begin, end) of any bodies. Runs of one pair of bodies are summed up before they
+// go into the map, because a search for each contact would be slow.
 Summaries summarize(const CycleReport& report, const DetectionResult& result, std::size_t begin,
                     std::size_t end) {
   Summaries summaries;
@@ -117,15 +128,15 @@ Vec3d PairSummary::centroid() const {
 }
 
 Vec3d PairSummary::meanNormal() const {
-  constexpr double kCancelled = 1e-6;
+  constexpr double kCancelled = 1e-6;  // a shorter sum is rounding
   const double length = std::sqrt(dot(normal_sum, normal_sum));
   return length > kCancelled * area_sum ? normal_sum * (1 / length) : Vec3d();
 }
 
-// In blocks that leave the contacts of one triangle of body_a together.
 PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* result) {
   if (report.scene == nullptr || result == nullptr) return;
   const TrianglePairs& contacts = result->contacts;
+  // Moves the bound of a block behind the contacts of one triangle.
   const auto start = [&contacts](std::size_t i) {
     while (i > 0 && i < contacts.size() && sameTriangleA(contacts[i - 1], contacts[i])) ++i;
     return i;
@@ -139,8 +150,6 @@ PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* r
     for (const auto& [pair, summary] : part) add(summary, &by_pair_[pair]);
   }
 }
-
-bool PairSummaries::isOnThreads(std::size_t contacts) { return contacts > kBlock; }
 
 PairSummary PairSummaries::of(BodyId a, BodyId b) const {
   const auto found = by_pair_.find(key(a, b));

@@ -1,44 +1,42 @@
-// What the contacts of a cycle sum up to, for each pair of bodies.
+// Sums up the contacts of a cycle for each pair of bodies.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
 
+#include "core/detector.h"
 #include "core/vector3.h"
 #include "monitor/cycle_report.h"
 
 namespace deformable_contact_monitor {
 
+// The contacts of one pair of bodies. Vectors are in the scene frame.
 struct PairSummary {
-  std::uint64_t count = 0;  // of triangle pairs
-  // 0 where some touch, or minus the depth of the deepest if hasGeometry().
+  std::uint64_t count = 0;  // triangle pairs that touch or are within the margin
+  // [m]; 0 if some touch, or minus the depth of the deepest pair if hasGeometry().
   double min_separation_m = std::numeric_limits<double>::infinity();
-  Vec3d corner_sum;     // over six corners a triangle pair [m]
-  Vec3d normal_sum;     // of body_a's distinct triangles, doubled areas [m^2]
-  double area_sum = 0;  // of the same, to tell "cancels out" from "small"
+  Vec3d corner_sum;     // over the six corners of each triangle pair [m]
+  Vec3d normal_sum;     // of the distinct triangles of body_a, with length 2 * area [m^2]
+  double area_sum = 0;  // of the lengths in normal_sum; tells a cancelled sum from a small one
 
-  // Some triangle pair touches.
+  // Returns whether some triangle pair touches.
   bool touches() const { return count > 0 && min_separation_m <= 0; }
-  // Mean over the triangle pairs of the mean of their six corners [m]; zero without a pair.
+  // Returns the mean over all triangle pairs of the mean of their corners [m]; zero without a pair.
   Vec3d centroid() const;
-  // Unit vector of body_a's triangles, weighted by area; zero where they cancel out.
+  // Returns the area-weighted mean normal of body_a's triangles; zero where normals cancel out.
   Vec3d meanNormal() const;
 };
 
+// The summaries of all pairs of bodies in one result.
 class PairSummaries {
  public:
-  // On threads. Normals are summed up where body_a is a link: only links have a side that faces the
-  // other body.
-  explicit PairSummaries(const CycleReport& report) : PairSummaries(report, report.result) {}
-  // The same of another result (null: nothing) of the report's scene.
+  // Sums up the contacts of a result (null: none) in the report's scene, on several threads if
+  // there are many. Normals are summed up only if body_a is a link, because only the surface of a
+  // link has an outer side that faces the other body.
   PairSummaries(const CycleReport& report, const DetectionResult* result);
 
-  // Whether so many contacts are summed up on several threads.
-  static bool isOnThreads(std::size_t contacts);
-
-  // Empty if the two have no contact.
+  // Returns an empty summary if the two bodies have no contact.
   PairSummary of(BodyId a, BodyId b) const;
 
  private:

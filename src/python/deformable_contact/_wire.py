@@ -1,8 +1,10 @@
-"""The fields of ROS messages on the wire, as numpy arrays and Python's own types.
+"""Reads and writes the fields of serialized ROS messages as numpy arrays and Python types.
+
+This is the only Python code of this package that knows ROS's wire format: little-endian numbers,
+and a uint32 length before each string and array. Arrays of numbers are not copied.
 
 A codec reads a field, codec.read(buffer, at) -> (value, end), and writes one, codec.write(value,
-out). Both raise ValueError or struct.error at what does not fit.
-"""
+out). Both raise ValueError or struct.error if the bytes or the value do not fit."""
 import io
 import struct
 
@@ -26,12 +28,12 @@ _LENGTH = struct.Struct("<I")
 
 
 def is_number(kind):
-    """Whether the ROS type is one number."""
+    """Returns True if the ROS type is a single number."""
     return kind in _NUMBERS
 
 
 class Number:
-    """A number of that ROS type."""
+    """A number of a ROS type."""
 
     def __init__(self, kind):
         self._format = struct.Struct("<" + _NUMBERS[kind])
@@ -44,7 +46,7 @@ class Number:
 
 
 class Time:
-    """genpy.Time, of "uint32", or genpy.Duration, of "int32"."""
+    """A genpy.Time of two uint32, or a genpy.Duration of two int32."""
 
     def __init__(self, cls, kind):
         self._cls = cls
@@ -58,7 +60,7 @@ class Time:
 
 
 class String:
-    """A str; what is no UTF-8 is replaced, as the generated classes do."""
+    """A str. Bytes that are not UTF-8 are replaced, as the generated classes do."""
 
     @staticmethod
     def read(buffer, at):
@@ -73,7 +75,7 @@ class String:
 
 
 class List:
-    """A list of what has no fixed size."""
+    """A list of elements without a fixed size."""
 
     def __init__(self, element):
         self._element = element
@@ -94,18 +96,18 @@ class List:
 
 
 class Array:
-    """Numbers, in rows of one shape."""
+    """An array of numbers, in rows of one shape."""
 
     def __init__(self, dtype, row=(), counts_rows=False):
         self._dtype = numpy.dtype(dtype)
         self._row = row
         self._row_size = int(numpy.prod(row, dtype=int))
-        # What the length on the wire counts: rows (an array of messages), or numbers.
+        # The length on the wire counts rows (an array of messages) or numbers.
         self._counted = self._row_size if counts_rows else 1
 
     @classmethod
     def of(cls, kind, row):
-        """Numbers of that ROS type."""
+        """Returns a codec for numbers of a ROS type."""
         return cls("<" + _NUMBERS[kind], row)
 
     def read(self, buffer, at):
@@ -127,7 +129,7 @@ class Array:
         return numpy.empty((0,) + self._row, self._dtype)
 
     def _plain(self, values):
-        """As on the wire; refuses what would not survive that."""
+        """Converts values to the wire's type. Raises ValueError if a value would change."""
         given = self._given(values)
         if given.shape[1:] != self._row and (given.ndim != 1 or self._counted > 1):
             raise ValueError("has shape %s, must be (n%s)" % (
@@ -155,11 +157,12 @@ class Array:
 
 
 class Table:
-    """Messages of numbers and strings, a column each; strings are columns of objects."""
+    """An array of messages with numbers and strings, as a table with a column for each field.
+    Strings are columns of objects."""
 
     def __init__(self, dtype):
         self._dtype = dtype
-        # In the order of the wire: the name of a string, or the dtype of numbers without a gap.
+        # Fields in the order of the wire: the name of a string, or the dtype of adjacent numbers.
         self._runs = []
         numbers = []
         for name in dtype.names:
@@ -232,7 +235,8 @@ def _are_messages(values):
 
 
 def _span(buffer, at, size):
-    """Where the elements of an array lie, `size` bytes each, by the length at `at`."""
+    """Returns the begin and the end of an array of elements of `size` bytes, whose length is at
+    `at`. Raises ValueError if the buffer is shorter."""
     (count,) = _LENGTH.unpack_from(buffer, at)
     begin = at + _LENGTH.size
     end = begin + count * size

@@ -31,11 +31,11 @@ __all__ = ["ContactArray", "ContactStates", "DeformableMesh", "GEOMETRY", "LinkM
            "STATE"]
 
 _PACKAGE = "deformable_contact_monitor"
-# What arrays of these messages become.
+# Codecs for arrays of these messages.
 _TABLES = {"ContactPair": _wire.Array("<u4", (4,), counts_rows=True),
            "ContactGeometry": _wire.Array(GEOMETRY, counts_rows=True),
            "ContactState": _wire.Table(STATE)}
-# Arrays of numbers that come in rows of three.
+# Names of arrays with rows of three numbers.
 _TRIPLES = ("vertices", "triangles")
 
 
@@ -55,7 +55,7 @@ class _Message:
 
 
 def _codec(name, kind):
-    """What reads and writes a field of that name and ROS type."""
+    """Returns the codec of a field, by its name and ROS type."""
     genpy = importlib.import_module("genpy")
     package, _, message = kind.rpartition("/")
     if kind.endswith("[]"):
@@ -104,7 +104,7 @@ def _equal(a, b):
 
 
 def _message_class(name):
-    """The generated class, with methods that keep arrays."""
+    """Derives a class from the generated one, with methods that keep arrays."""
     if name in globals():
         return globals()[name]
     genpy = importlib.import_module("genpy")

@@ -1,33 +1,57 @@
-// Mesh files of robot links, by Assimp.
+// Reads a mesh file with Assimp: checks its text, imports it, triangulates polygons, and joins the
+// meshes of all nodes in the frame of the file.
 #include "robot/read_link_mesh/assimp_mesh.h"
 
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <cstdint>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "robot/mesh_stream.h"
-#include "robot/read_link_mesh/collada_check.h"
-#include "robot/read_link_mesh/obj_check.h"
-#include "robot/read_link_mesh/regular_file.h"
-#include "robot/read_link_mesh/single_file.h"
+#include "robot/read_link_mesh/input_checks.h"
 #include "robot/reading_limits.h"
+#include "robot/regular_file.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Two seconds of work; drawn outlines of parts have hundreds.
+// The only file that Assimp may open. Materials, textures and other files that a mesh file names do
+// not exist for it: they do not change the shape, and might be a secret, a FIFO or a device.
+class SingleFile : public Assimp::IOSystem {
+ public:
+  // `bytes` must outlive this.
+  SingleFile(std::string name, const std::string& bytes) : name_(std::move(name)), bytes_(bytes) {}
+
+  bool Exists(const char* name) const override { return name == name_; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    if (name != name_ || *mode != 'r') return nullptr;
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes_.data()),
+                                      bytes_.size());
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  const std::string name_;
+  const std::string& bytes_;
+};
+
+// The most corners that a face may have. Assimp takes two seconds to triangulate such a face. The
+// outlines of drawn parts have hundreds of corners.
 constexpr unsigned kMaxFaceCorners = 20'000;
 
-// In small letters, with its dot. Assimp would go by content next, and read any of its forty
-// formats.
+// Returns the file name's ending in small letters, with its dot. Other endings are an error: Assimp
+// would go by the content next and read any of its forty formats.
 std::string knownEnding(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -39,6 +63,7 @@ std::string knownEnding(const std::string& path) {
   return ending;
 }
 
+// Assimp's matrices are stored row by row, and the fourth column is the translation.
 Eigen::Affine3d toEigen(const aiMatrix4x4& m) {
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
   transform.linear() << m.a1, m.a2, m.a3, m.b1, m.b2, m.b3, m.c1, m.c2, m.c3;
@@ -46,6 +71,8 @@ Eigen::Affine3d toEigen(const aiMatrix4x4& m) {
   return transform;
 }
 
+// Adds the triangles of one of Assimp's meshes, whose vertices are in the frame of a node. A
+// transform that mirrors would turn triangles inside out, so two of their corners are swapped then.
 void appendMesh(const aiMesh& from, const Eigen::Affine3d& file_from_node, SourceMesh& to) {
   const std::size_t first = to.vertices.size();
   if (!fitsMeshLimit(first + from.mNumVertices, to.triangles.size() + from.mNumFaces,
@@ -73,6 +100,7 @@ void appendMesh(const aiMesh& from, const Eigen::Affine3d& file_from_node, Sourc
   }
 }
 
+// Adds the meshes of a node and of its children, depth first, in the order of the file.
 void appendNode(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& file_from_parent,
                 SourceMesh& to) {
   const Eigen::Affine3d file_from_node = file_from_parent * toEigen(node.mTransformation);
@@ -84,7 +112,7 @@ void appendNode(const aiScene& scene, const aiNode& node, const Eigen::Affine3d&
   }
 }
 
-// Assimp cuts ears off a polygon in quadratic time.
+// Rejects polygons of very many corners, because Assimp cuts ears off them in quadratic time.
 void requireModestFaces(const aiScene& scene) {
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
     const aiMesh& mesh = *scene.mMeshes[i];
@@ -97,7 +125,7 @@ void requireModestFaces(const aiScene& scene) {
   }
 }
 
-// What Assimp throws within comes out as text.
+// Throws an error of Assimp, which passes on its own exceptions as text alone.
 [[noreturn]] void failAsAssimp(const std::string& error) {
   if (error.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
   throw std::runtime_error(error);
@@ -112,12 +140,15 @@ SourceMesh readWithAssimp(const std::string& path) {
   if (ending == ".obj") checkObj(bytes);
 
   Assimp::Importer importer;
-  // Otherwise Assimp turns a COLLADA scene so that y points up. rviz takes that rotation out again.
+  // Keeps the axes of a COLLADA file. Without this, Assimp rotates the scene so that y points up,
+  // and rviz takes that rotation out again.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  // And it would draw the skeleton of a scene that has no mesh.
+  // Without this, Assimp makes a mesh of the skeleton of a scene that has no mesh.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   const std::string name = "mesh" + ending;
   importer.SetIOHandler(new SingleFile(name, bytes));  // the importer deletes it
+  // Reads without any post-processing first: faces must be checked before they are triangulated,
+  // and vertices are not to be joined.
   const aiScene* scene = importer.ReadFile(name, 0);
   if (scene == nullptr || scene->mRootNode == nullptr) failAsAssimp(importer.GetErrorString());
   requireModestFaces(*scene);

@@ -1,4 +1,4 @@
-// Mesh files of robot links, by Assimp.
+// Reads mesh files of robot links with Assimp.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 namespace deformable_contact_monitor {
 
-// What readLinkMeshFile (robot/link_mesh_file.h) gives, read in this process: a file may crash it,
-// or keep it for ever. Throws std::runtime_error, without the file's name.
+// Returns what readLinkMeshFile() (robot/link_mesh_files.h) returns, but reads the file in this
+// process: a file may crash or block it, or take much memory. Throws an exception whose text says
+// why, without the file's name, and std::bad_alloc if the memory is not enough.
 SourceMesh readWithAssimp(const std::string& path);
 
 }  // namespace deformable_contact_monitor

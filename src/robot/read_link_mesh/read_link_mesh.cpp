@@ -1,5 +1,6 @@
-// read_link_mesh: reads one mesh file of a robot link, in a process that it may crash or fill, for
-// robot/link_mesh_file.cpp.
+// read_link_mesh: reads one mesh file of a robot link for robot/link_mesh_files.cpp, and writes the
+// mesh or an error to its standard output (mesh_stream.h). The file may crash this process, fill
+// its memory or keep it busy: limits end it, and its parent says why.
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -21,12 +22,15 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Sets a limit of this process. An error is ignored: the parent's limit of the wall time remains.
 void limit(__rlimit_resource resource, rlim_t soft, rlim_t hard) {
   const rlimit limits{soft, hard};
   setrlimit(resource, &limits);
 }
 
-// Without a parent, nobody reads the answer.
+// Ends this process when its parent ends, since nobody would read the answer. The kernel sends the
+// signal only if the parent ends after prctl(). If the parent ended before, the pipe has no reader
+// any more, which poll() reports as an error.
 void endWithParent() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd output{STDOUT_FILENO, 0, 0};
@@ -34,15 +38,15 @@ void endWithParent() {
   if (is_too_late) std::_Exit(1);
 }
 
-// The wall time is the parent's affair.
+// Limits processor time and memory. The parent limits the wall time.
 void limitThisProcess() {
   limit(RLIMIT_CPU, kMaxCpuS, kMaxCpuS + 1);
-  limit(RLIMIT_CORE, 0, 0);  // a crash of it is an answer
-  // Sanitizers reserve terabytes.
+  limit(RLIMIT_CORE, 0, 0);  // no core file: a crash is an answer
+  // Sanitizers reserve terabytes of address space, so there is no limit with them.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   limit(RLIMIT_AS, kMaxMemoryMib * kBytesPerMib, kMaxMemoryMib * kBytesPerMib);
 #endif
-  // Where memory runs out before that, it ends this process and not the robot's.
+  // If the machine runs out of memory first, the kernel ends this process and not the robot's.
   std::ofstream("/proc/self/oom_score_adj") << 1000;
 }
 
@@ -59,6 +63,8 @@ bool writeMesh(const SourceMesh& mesh) {
          write(mesh.triangles.data(), mesh.triangles.size() * sizeof(StreamTriangle));
 }
 
+// Writes the reason, cut to its longest length. A text of no length would mean that a mesh follows,
+// so an empty reason is replaced.
 bool writeRefusal(const char* reason) {
   MeshStreamHeader header;
   header.refusal_bytes = std::min(std::strlen(reason), kMaxRefusalBytes);
@@ -66,6 +72,8 @@ bool writeRefusal(const char* reason) {
   return write(&header, sizeof(header)) && write(reason, header.refusal_bytes);
 }
 
+// Reads the file, and writes the mesh or the reason why there is none. Returns false if the output
+// could not be written.
 bool answer(const std::string& path) {
   try {
     return writeMesh(readWithAssimp(path));
@@ -90,5 +98,5 @@ int main(int argc, char** argv) {
   dcm::endWithParent();
   dcm::limitThisProcess();
   const bool is_written = dcm::answer(argv[1]) && std::fflush(stdout) == 0;
-  std::_Exit(is_written ? 0 : 1);  // nothing is left to do that could go wrong
+  std::_Exit(is_written ? 0 : 1);  // skips destructors, which could still fail
 }

@@ -1,7 +1,8 @@
-// What bags hold for the monitor's cycles, found in one pass before them.
+// Reads bags once, and notes what the cycles need to know in advance.
 #include "tools/bags/bag_contents.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 
 #include "monitor/input/transform_lookup.h"
@@ -16,10 +17,11 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-// Of a bag, at its start and at its end: publishers that come later came late, and those that are
-// gone before did not end with it.
+// Publishers that start within this time of the first belong to the start of the recording, and
+// those that end within it of the last belong to its end [s].
 constexpr double kEdgeS = 5;
 
+// Notes frames, parents and stamps. `newest` is the newest stamp of a transform or joint so far.
 void lookAtTransforms(const BagMessage& message, ros::Time* newest, BagContents* contents) {
   for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
     const std::string frame = plainFrame(transform.child_frame_id);
@@ -33,6 +35,7 @@ void lookAtTransforms(const BagMessage& message, ros::Time* newest, BagContents*
   }
 }
 
+// Notes the stamps of each joint's positions.
 void lookAtJoints(const BagMessage& message, ros::Time* newest, BagContents* contents) {
   const sensor_msgs::JointState state = toJointState(message);
   for (const auto& [joint, position] : positionsIn(state)) {
@@ -41,9 +44,12 @@ void lookAtJoints(const BagMessage& message, ros::Time* newest, BagContents* con
   *newest = std::max(*newest, state.header.stamp);
 }
 
+// Notes a mesh. A message that cannot be read stays in the list, so that the numbers of meshes are
+// the same in both readings.
 void lookAtMesh(const BagMessage& message, const ros::Time& newest, BagContents::Topic* topic,
                 BagContents* contents) {
   const std::uint64_t number = contents->meshes.size();
+  // The mesh gets its place in the list before it is decoded, which may throw.
   contents->meshes.push_back({message.received, message.received, number, message.topic});
   const BagMeshHead head = headOf(message);
   ros::Time& stamp = contents->meshes.back().stamp;
@@ -74,12 +80,14 @@ void lookAt(const BagMessage& message, ros::Time* newest, BagContents::Topic* to
 
 }  // namespace
 
+// Sums the damaged messages of all topics.
 std::uint64_t BagContents::damaged() const {
   std::uint64_t sum = 0;
   for (const auto& [name, topic] : topics) sum += topic.damaged;
   return sum;
 }
 
+// A frame is known as a child of some transform, or as the root of the tree.
 bool BagContents::hasFrame(const std::string& frame) const {
   return parents.count(frame) > 0 || rootFrames().count(frame) > 0;
 }
@@ -97,6 +105,7 @@ void BagContents::Span::add(const ros::Time& stamp) {
   last = std::max(last, stamp);
 }
 
+// Takes the latest first stamp among the frames that start within kEdgeS of the first frame.
 ros::Time BagContents::settled() const {
   ros::Time start, latest;
   for (const auto& [frame, span] : moving) {
@@ -108,6 +117,7 @@ ros::Time BagContents::settled() const {
   return latest;
 }
 
+// Takes the earliest last stamp among the frames that end within kEdgeS of the last frame.
 ros::Time BagContents::ended() const {
   ros::Time end;
   for (const auto& [frame, span] : moving) end = std::max(end, span.last);
@@ -118,6 +128,8 @@ ros::Time BagContents::ended() const {
   return earliest;
 }
 
+// Fixed joints become static transforms. Frames of moving joints count as known while their joint
+// was recorded.
 void BagContents::addJointTransforms(const std::string& urdf_xml) {
   if (joints.empty()) return;
   const auto is_missing = [this](const std::string& frame) { return parents.count(frame) == 0; };
@@ -132,11 +144,19 @@ void BagContents::addJointTransforms(const std::string& urdf_xml) {
     moving[of.frame] = joint->second;
     parents[of.frame] = of.parent;
   }
+  // Without any frame to compute, the cycles need no joint states.
   if (!made->fixed().empty() || !made->moving().empty()) joint_transforms = made;
+}
+
+std::string stampText(const ros::Time& stamp) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%u.%09u", stamp.sec, stamp.nsec);
+  return text;
 }
 
 bool isStatic(const std::string& topic) { return endsWith(topic, "tf_static"); }
 
+// A message that cannot be read is counted as damaged, and the reading goes on.
 BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>& progress) {
   BagContents contents;
   ros::Time newest;  // stamp of a transform or a joint
@@ -153,6 +173,7 @@ BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>
     }
   });
   contents.triangles_ahead.settle();
+  // The cycles run in this order.
   std::sort(contents.meshes.begin(), contents.meshes.end(),
             [](const BagContents::Mesh& a, const BagContents::Mesh& b) {
               return a.stamp != b.stamp ? a.stamp < b.stamp : a.number < b.number;

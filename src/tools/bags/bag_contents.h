@@ -1,4 +1,5 @@
-// What bags hold for the monitor's cycles, found in one pass before them.
+// The contents of bags, as a first reading finds them: topics, meshes, transforms and the robot.
+// The cycles come from a second reading, which uses what this one found.
 #pragma once
 
 #include <deformable_contact_monitor/LinkMeshes.h>
@@ -20,67 +21,77 @@
 
 namespace deformable_contact_monitor {
 
+// Everything that is known after the first reading. Stamps come from the messages' headers, not
+// from the time of recording, unless it says otherwise.
 struct BagContents {
   struct Topic {
     std::string type;
-    std::string object;  // DeformableMesh: the name that its messages carry
+    std::string object;  // of DeformableMesh: the object's name in the first message
     std::uint64_t messages = 0;
-    std::uint64_t damaged = 0;  // of them
+    std::uint64_t damaged = 0;  // messages that cannot be read
   };
   struct Mesh {
-    ros::Time stamp;  // of its header; the time of receipt where that is zero
+    ros::Time stamp;  // of its header; the time of receipt if that is zero
     ros::Time received;
-    std::uint64_t number = 0;  // among all meshes that are read, in order of receipt
+    std::uint64_t number = 0;  // counts all meshes in order of receipt, from 0
     std::string topic;
   };
 
+  // The first and the last of some stamps.
   struct Span {
-    ros::Time first, last;  // stamps
+    ros::Time first, last;
 
     void add(const ros::Time& stamp);
   };
 
   std::map<std::string, Topic> topics;  // of the types that cycles need
   std::vector<Mesh> meshes;             // ascending stamps; equal ones in order of receipt
-  // Of the whole of the bags, wherever it was recorded: /tf_static is latched, so it is sent once.
+  // Static transforms of all bags. They count from the beginning, wherever they were recorded,
+  // because /tf_static is latched and sent only once.
   std::vector<geometry_msgs::TransformStamped> static_transforms;
-  std::map<std::string, Span> moving;          // frames whose transforms move
-  std::map<std::string, std::string> parents;  // of each frame that has one, the latest
-  std::map<std::string, Span> joints;          // of /joint_states
-  // Poses frames that TF does not have; null: there are none, or no joints, or no URDF.
+  std::map<std::string, Span> moving;          // frames with transforms that are not static
+  std::map<std::string, std::string> parents;  // the latest parent of each frame
+  std::map<std::string, Span> joints;          // joints in /joint_states
+  // Computes the poses of frames that TF does not have. Null if there are no such frames, no joints
+  // or no URDF.
   std::shared_ptr<const JointTransforms> joint_transforms;
   TrianglesAhead triangles_ahead;
-  // How far the newest stamp of a transform or a joint was ahead of a mesh's that came then, at
-  // most [s].
+  // The largest lead of a transform's or joint's stamp over the stamp of a mesh that was recorded
+  // at the same time [s].
   double transforms_ahead_s = 0;
   std::optional<LinkMeshes> link_meshes;  // the newest
   std::string robot_description;          // the newest text on a topic of that name
-  std::string robot_semantic;             // on one of robot_description_semantic: the SRDF
-  std::string problem;                    // why not everything could be read; empty: it was
+  std::string robot_semantic;             // the newest text on robot_description_semantic (SRDF)
+  std::string problem;                    // why the reading stopped early; empty: it did not
 
+  // Returns the number of damaged messages on all topics.
   std::uint64_t damaged() const;
   bool hasFrame(const std::string& frame) const;
-  // Frames without a parent.
+  // Returns the frames without a parent.
   std::set<std::string> rootFrames() const;
 
-  // Publishers start one after the other, and end so: from when on every moving frame is there that
-  // comes within the first seconds, and until when all are that are there in the last ones. Zero:
-  // none moves.
+  // Return the time from which, and until which, all moving frames are known. Publishers start and
+  // end one after the other: frames that start much later than the first, or end much earlier than
+  // the last, do not count. Zero if no frame moves.
   ros::Time settled() const;
   ros::Time ended() const;
 
-  // Poses by joints what TF does not have, if joints were recorded. Throws as JointTransforms does.
+  // Adds the frames that joint states and the URDF give and TF does not have. Throws as
+  // JointTransforms does.
   void addJointTransforms(const std::string& urdf_xml);
 };
 
-// Where joints are looked for.
+// The topic that joint states are read from.
 constexpr const char* kJointsTopic = "/joint_states";
 
-// `progress` is called with the number of messages so far. Throws as BagReader::read does. What can
-// be read before damage is kept.
+// Reads the bags once, and keeps what comes before damage. Calls `progress` with the number of
+// messages so far. Throws as BagReader::read does.
 BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>& progress);
 
-// Whether transforms on this topic hold for ever.
+// Returns a stamp as tables and messages show it: seconds with nine decimals.
+std::string stampText(const ros::Time& stamp);
+
+// Returns true if transforms on this topic are static.
 bool isStatic(const std::string& topic);
 
 }  // namespace deformable_contact_monitor

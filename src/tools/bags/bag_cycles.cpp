@@ -1,4 +1,4 @@
-// The monitor's cycles for what bags hold: every deformable mesh at its own stamp.
+// Plans a cycle for each mesh of the bags, and runs it once everything that it needs is read.
 #include "tools/bags/bag_cycles.h"
 
 #include <tf2/exceptions.h>
@@ -14,18 +14,20 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// How much later than a mesh a transform of its stamp may have been recorded.
+// A transform may be recorded this much later than the mesh of its stamp [s].
 constexpr double kLookAheadS = 2;
-constexpr double kUsualCacheS = 10;     // tf2's own
-constexpr double kLongestCacheS = 600;  // one senseless stamp must not fill the memory
+constexpr double kUsualCacheS = 10;     // tf2's default
+constexpr double kLongestCacheS = 600;  // limits the memory if a stamp is wrong
 
+// Adds seconds, which may be negative. ros::Time would throw below zero.
 ros::Time plus(const ros::Time& time, double seconds) {
   const std::int64_t ns = static_cast<std::int64_t>(time.toNSec()) + std::llround(1e9 * seconds);
   return ros::Time().fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(ns, 0)));
 }
 
-// Transforms stay known until the last mesh that may need them has had its cycle. A mesh waits for
-// those before it in the order of stamps. A step begins at most max_mesh_age_s before its mesh.
+// Returns how long transforms must stay known, so that the last mesh that may need them has had its
+// cycle: a mesh waits for those before it in the order of stamps, and its time interval begins at
+// most max_mesh_age_s earlier.
 ros::Duration cacheTime(const BagContents& contents, double max_mesh_age_s) {
   double waits_s = 0;
   ros::Time read_up_to;
@@ -40,6 +42,7 @@ ros::Duration cacheTime(const BagContents& contents, double max_mesh_age_s) {
 
 }  // namespace
 
+// The node's own topics are below its name, which is contact_monitor in recordings.
 std::string topicOf(const ObjectParameters& object) {
   const std::string& topic = object.topic;
   if (topic.empty()) return "/contact_monitor/objects/" + object.name + "/mesh";
@@ -58,8 +61,7 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
       lookup_(buffer_, parameters.reference_frame),
       planner_(parameters) {
   for (const ObjectParameters& object : parameters.objects) {
-    input_of_topic_[topicOf(object)] = mailboxes_.size();
-    mailboxes_.emplace_back(object.name);
+    input_of_topic_[topicOf(object)] = mesh_readers_.size();
     mesh_readers_.push_back(recordedMeshReader(object));
   }
   if (parameters.pair_classes.needRobot()) scene_.setRobot(robot);
@@ -69,6 +71,8 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
   plan(contents);
 }
 
+// Lists the cycles in advance, in the order of stamps. A played object gets cycles at its own rate
+// while all moving frames are known.
 void BagCycles::plan(const BagContents& contents) {
   for (const BagContents::Mesh& mesh : contents.meshes) {
     const auto input = input_of_topic_.find(mesh.topic);
@@ -77,7 +81,7 @@ void BagCycles::plan(const BagContents& contents) {
         {mesh.stamp, plus(mesh.received, kLookAheadS), false, input->second, mesh.number});
   }
   if (played_ == nullptr) return;
-  // Beyond, some link would be UNKNOWN in every cycle.
+  // Before and after, some link would be UNKNOWN in every cycle.
   const ros::Time first = contents.settled(), last = contents.ended();
   if (last.isZero()) return;
   std::size_t input = 0;
@@ -92,6 +96,7 @@ void BagCycles::plan(const BagContents& contents) {
                    [](const Event& a, const Event& b) { return a.stamp < b.stamp; });
 }
 
+// After the end of the bags, nothing can come any more, so the remaining cycles run at once.
 std::string BagCycles::run(BagReader* reader, const std::function<void(CycleReport*)>& visit) {
   std::string problem = reader->read([&](const BagMessage& message) {
     take(message);
@@ -102,36 +107,7 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
   return problem;
 }
 
-// The first part has all before the second, so that none is in no part.
-ros::Time BagCycles::beginningOf(const BagPart& part) const {
-  const std::size_t first = events_.size() * (part.number - 1) / part.of;
-  if (part.number == 1 || events_.empty()) return ros::Time();
-  return first < events_.size() ? events_[first].stamp : ros::TIME_MAX;
-}
-
-void BagCycles::runPart(const BagPart& part, BagReader* reader,
-                        const std::function<void(CycleReport*)>& visit) {
-  struct PartEnds {};  // there is no other way out of reading
-  const ros::Time first = beginningOf(part), next = beginningOf({part.number + 1, part.of});
-  const auto is_later = [&next](const Event& event) { return event.stamp >= next; };
-  if (part.number < part.of) {
-    events_.erase(std::find_if(events_.begin(), events_.end(), is_later), events_.end());
-  }
-  const auto visit_part = [&](CycleReport* cycle) {
-    if (cycle->header.stamp >= first) visit(cycle);
-  };
-  try {
-    reader->read([&](const BagMessage& message) {
-      if (next_ == events_.size()) throw PartEnds();
-      take(message);
-      release(visit_part);
-    });
-    at_end_ = true;
-    release(visit_part);
-  } catch (const PartEnds&) {  // NOLINT(bugprone-empty-catch)
-  }
-}
-
+// Keeps a mesh until its cycle, and hands transforms to the buffer at once.
 void BagCycles::take(const BagMessage& message) {
   received_ = std::max(received_, message.received);
   if (isMesh(message)) {
@@ -141,10 +117,11 @@ void BagCycles::take(const BagMessage& message) {
   }
   try {
     takeTransforms(message);
-  } catch (const std::exception&) {  // it was counted when the bag was scanned
+  } catch (const std::exception&) {  // scanBags() has counted it
   }
 }
 
+// Adds the transforms of a message to the buffer. Static ones are there from the beginning.
 void BagCycles::takeTransforms(const BagMessage& message) {
   std::vector<geometry_msgs::TransformStamped> transforms;
   if (isTransforms(message) && !isStatic(message.topic)) {
@@ -158,31 +135,33 @@ void BagCycles::takeTransforms(const BagMessage& message) {
   }
 }
 
+// Returns true if nothing that was recorded within kLookAheadS after the mesh is missing.
 bool BagCycles::isReady(const Event& event) const {
   if (at_end_) return true;
   if (event.played) return newest_transform_ >= event.ready;
   return held_.count(event.number) > 0 && received_ >= event.ready;
 }
 
+// Runs the cycles whose meshes are all ready. Meshes with one stamp share a cycle.
 void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
   while (next_ < events_.size() && isReady(events_[next_])) {
     const ros::Time stamp = events_[next_].stamp;
     std::size_t end = next_;
+    // All meshes of this stamp must be ready before its cycle runs.
     for (; end < events_.size() && events_[end].stamp == stamp; ++end) {
       if (!isReady(events_[end])) return;
     }
     CycleTrigger trigger;
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
-      const std::optional<ReceivedMesh> mesh = nextMesh(event);
+      std::optional<IncomingMesh> mesh = nextMesh(event);
       if (!mesh) continue;
-      MeshMailbox& mailbox = mailboxes_[event.input];
-      mailbox.store(*mesh);
-      ArrivedMesh arrived = *mailbox.take();
-      if (!event.played && !arrived.keyframe) {
-        arrived.keyframe = contents_.triangles_ahead.of(event.number);
-      }
-      const Acceptance answer = inputs_[event.input].accept(arrived, ros::Time());
+      MeshInput& input = inputs_[event.input];
+      // The triangles may come from a later message of the bag.
+      if (!event.played) input.storeTriangles(contents_.triangles_ahead.of(event.number));
+      input.store(std::move(*mesh));
+      // The rules for stamps and triangles are the node's own.
+      const Acceptance answer = input.take(ros::Time(), &*mesh);
       if (answer == Acceptance::kJumped) {
         planner_.forget(event.input, "the stamps of its meshes went back");
       }
@@ -192,11 +171,11 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
   }
 }
 
-// Nothing: damaged, or played out.
-std::optional<ReceivedMesh> BagCycles::nextMesh(const Event& event) {
+// Returns nothing if the message is damaged or the played object has ended.
+std::optional<IncomingMesh> BagCycles::nextMesh(const Event& event) {
   if (event.played) {
     const DeformableMesh::ConstPtr mesh = nextPlayed(event.stamp);
-    return mesh ? std::optional(ReceivedMesh{mesh}) : std::nullopt;
+    return mesh ? std::optional(IncomingMesh{mesh}) : std::nullopt;
   }
   const auto held = held_.find(event.number);
   if (held == held_.end()) return std::nullopt;
@@ -204,11 +183,13 @@ std::optional<ReceivedMesh> BagCycles::nextMesh(const Event& event) {
   held_.erase(held);
   try {
     return mesh_readers_[event.input](message);
-  } catch (const std::exception&) {  // it was counted when the bag was scanned
+  } catch (const std::exception&) {  // scanBags() has counted it
     return std::nullopt;
   }
 }
 
+// Returns the played object's next state as a message; null after the last one. A simulated cloth
+// asks for the poses of the links that push it.
 DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
   if (played_out_) return nullptr;
   const std::optional<MeshFrame> frame =
@@ -233,12 +214,15 @@ DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
   return message;
 }
 
+// Poses the bodies at the stamp, plans the time intervals of swept motion, and hands the cycle
+// over.
 void BagCycles::detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
                          const std::function<void(CycleReport*)>& visit) {
   scene_.prepare(stamp, trigger, inputs_, lookup_);
   CycleReport report = scene_.makeReport(stamp, ++cycle_);
   report.scene = &scene_.scene();
-  planner_.plan(trigger, scene_, lookup_, &report);
+  report.motion = parameters_.motion;
+  report.sweeps = planner_.plan(trigger, scene_, lookup_, report);
   report.now = stamp;
   visit(&report);
 }

@@ -1,4 +1,6 @@
-// The monitor's cycles for what bags hold: every deformable mesh at its own stamp.
+// Makes the monitor's cycles from bags: every deformable mesh gets its cycle at its own stamp.
+//
+// evaluate_bag and measure_trade both run their cycles through BagCycles.
 #pragma once
 
 #include <tf2/buffer_core.h>
@@ -18,64 +20,66 @@
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_meshes.h"
-#include "tools/bags/bag_part.h"
 #include "tools/bags/bag_reader.h"
-#include "tools/common/mesh_player.h"
+#include "tools/common/scene_object.h"
 
 namespace deformable_contact_monitor {
 
-// Where a link is, in the frame of a played object; nothing: transforms do not say.
+// Returns the pose of a link in the frame of a played object; nothing if transforms do not give it.
 using LinkPose = std::function<std::optional<Eigen::Isometry3d>(const std::string& link)>;
 
-// An object that is not in the bag: its states come from files or a simulation.
+// An object that is not in the bag. Its states come from files or from a simulation.
 struct PlayedObject {
-  std::string object;  // one of the parameters' objects
+  std::string object;  // the name of one of the parameters' objects
   std::string frame;   // of the vertices
   double rate_hz = 30;
-  // The next state; nothing: there is none any more.
+  // Returns the next state; nothing after the last one.
   std::function<std::optional<MeshFrame>(const LinkPose& pose)> next;
 };
 
-// The node's rules for meshes, transforms and states, without its queues and clocks: every mesh has
-// its cycle, in the order of stamps, meshes with one stamp share one, and no transform is late. So
-// the same bags give the same cycles. Memory holds some seconds of the bag, not all of it.
+// Applies the node's rules for meshes, transforms and states without its queues and clocks. Every
+// mesh gets its cycle, in the order of stamps; meshes with the same stamp share one; no transform
+// is late. So the same bags always give the same cycles.
+//
+// A mesh waits until the bags are read some seconds beyond it, so that transforms which were
+// recorded late are known. Memory holds only those seconds of the bags.
 class BagCycles {
  public:
   // The parameters and contents must outlive this. `played` may be null.
   BagCycles(const MonitorParameters& parameters, const BagContents& contents,
             const RobotGeometry& robot, const PlayedObject* played);
 
-  // Hands each cycle to `visit`, without a result yet. Once. Returns what BagReader::read does.
+  // Calls visit(report) for each cycle; the report has no result yet. Call it once. Returns what
+  // BagReader::read returns.
   std::string run(BagReader* reader, const std::function<void(CycleReport*)>& visit);
 
-  // As run(), but hands over the cycles of a part alone. Transforms, meshes, earlier states and a
-  // played object have come the whole way from the bags' beginning, so each of these cycles is as
-  // run() has it. Reads no further than the part goes. Parts have about as many meshes each.
-  void runPart(const BagPart& part, BagReader* reader,
-               const std::function<void(CycleReport*)>& visit);
-
-  // That of the cycle that is being visited; for its steps, see StepRunner.
+  // Returns the scene of the cycle that is being visited. CycleDetection changes it for each
+  // interval.
   Scene& sceneOfStep() { return scene_.sceneOfStep(); }
 
   std::uint64_t refusedTransforms() const { return refused_transforms_; }
 
  private:
-  // One mesh that is to have its cycle.
+  // A mesh that waits for its cycle.
   struct Event {
     ros::Time stamp;
-    ros::Time ready;  // the bags must be read up to here, by receipt; played: by transforms' stamps
+    // The bags must be read up to this time of receipt first. For a played object, this is a
+    // transform's stamp.
+    ros::Time ready;
     bool played = false;
-    std::size_t input = 0;     // of mailboxes_ and inputs_
-    std::uint64_t number = 0;  // of the mesh in the bags
+    std::size_t input = 0;     // index of inputs_
+    std::uint64_t number = 0;  // BagContents::Mesh::number
   };
 
+  // Lists the meshes that get cycles.
   void plan(const BagContents& contents);
+  // These read messages: meshes wait, transforms go to the buffer.
   void take(const BagMessage& message);
   void takeTransforms(const BagMessage& message);
-  ros::Time beginningOf(const BagPart& part) const;
+  // These run the cycles whose meshes are ready.
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
-  std::optional<ReceivedMesh> nextMesh(const Event& event);
+  std::optional<IncomingMesh> nextMesh(const Event& event);
   DeformableMesh::ConstPtr nextPlayed(const ros::Time& stamp);
   void detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
                 const std::function<void(CycleReport*)>& visit);
@@ -86,24 +90,23 @@ class BagCycles {
   std::map<std::string, std::size_t> input_of_topic_;
   MonitorScene scene_;
   std::vector<RecordedMeshReader> mesh_readers_;  // by object
-  MeshMailboxes mailboxes_;
   MeshInputs inputs_;
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;
   StepPlanner planner_;
   std::vector<Event> events_;  // ascending stamps
   std::size_t next_ = 0;       // of events_
-  // Messages that were read and wait for their turn, by number: what they become may depend on
-  // those before them in the order of stamps.
+  // Messages that wait for their cycle, by number. They are decoded in the order of stamps, because
+  // a mesh may use the triangles of the mesh before it.
   std::map<std::uint64_t, BagMessage> held_;
   std::uint64_t meshes_read_ = 0;
-  ros::Time received_, newest_transform_;  // of what was read so far
-  bool at_end_ = false;                    // of the bags
+  ros::Time received_, newest_transform_;  // the newest times that were read so far
+  bool at_end_ = false;                    // the bags are read to their end
   bool played_out_ = false;
   std::uint64_t cycle_ = 0, refused_transforms_ = 0;
 };
 
-// The topic of an object, absolute, for a monitor of the name /contact_monitor.
+// Returns the absolute topic of an object, for a monitor whose name is /contact_monitor.
 std::string topicOf(const ObjectParameters& object);
 
 }  // namespace deformable_contact_monitor

@@ -13,17 +13,20 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Throws std::runtime_error unless the bytes are exactly one message of the type M.
 template <typename M>
 void check(const BagMessage& message) {
   if (message.md5 != ros::message_traits::md5sum<M>()) {
     throw std::runtime_error(message.topic + ": another version of " +
                              ros::message_traits::datatype<M>());
   }
-  const std::string why = whyNoMesh<M>(message.bytes.data(), message.bytes.size(),
-                                       std::numeric_limits<std::size_t>::max());
+  const std::string why = validateMeshBytes<M>(message.bytes.data(), message.bytes.size(),
+                                               std::numeric_limits<std::size_t>::max());
   if (!why.empty()) throw std::runtime_error(message.topic + ": a message is damaged: " + why);
 }
 
+// Decodes a checked message. roscpp's deserializer would allocate whatever a damaged length field
+// claims, so the check comes first.
 template <typename M>
 boost::shared_ptr<const M> decoded(const BagMessage& message) {
   check<M>(message);
@@ -35,6 +38,9 @@ boost::shared_ptr<const M> decoded(const BagMessage& message) {
   return mesh;
 }
 
+// Converts messages of another type to DeformableMesh, as the node does. An adapter keeps state
+// from message to message, such as the topology_id. A message that it rejects becomes an empty mesh
+// with the reason.
 template <typename Adapter>
 RecordedMeshReader adaptedReader(Adapter adapter) {
   return [shared = std::make_shared<Adapter>(std::move(adapter))](const BagMessage& message) {
@@ -42,7 +48,7 @@ RecordedMeshReader adaptedReader(Adapter adapter) {
     try {
       return shared->adapt(*recorded, message.received);
     } catch (const std::invalid_argument& refusal) {
-      return ReceivedMesh{boost::make_shared<DeformableMesh>(), refusal.what()};
+      return IncomingMesh{boost::make_shared<DeformableMesh>(), refusal.what()};
     }
   };
 }
@@ -84,7 +90,7 @@ RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {
       return adaptedReader(PointCloudAdapter(object.faces));
     default:
       return
-          [](const BagMessage& message) { return ReceivedMesh{decoded<DeformableMesh>(message)}; };
+          [](const BagMessage& message) { return IncomingMesh{decoded<DeformableMesh>(message)}; };
   }
 }
 

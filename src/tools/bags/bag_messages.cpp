@@ -3,8 +3,10 @@
 
 #include <deformable_contact_monitor/DeformableMesh.h>
 
-#include <cstring>
+#include <cstdint>
 #include <stdexcept>
+
+#include "monitor/input/wire_walker.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -22,59 +24,38 @@ const char* md5Of() {
   return ros::message_traits::MD5Sum<M>::value();
 }
 
-// Walks over serialized fields. roscpp's own reader makes room for an array before it knows whether
-// the array is there.
-class Walker {
- public:
-  explicit Walker(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
+constexpr std::size_t kWord = sizeof(std::uint32_t);
 
-  void skip(std::uint64_t size) {
-    if (size > bytes_.size() - at_) throw std::runtime_error("cut off");
-    at_ += size;
-  }
-  std::uint32_t number() {
-    skip(sizeof(std::uint32_t));
-    std::uint32_t value = 0;
-    std::memcpy(&value, bytes_.data() + at_ - sizeof value, sizeof value);
-    return value;
-  }
-  void array(std::uint64_t element_size) { skip(number() * element_size); }
-  void text() { array(1); }
-  void header() {
-    skip(12);  // seq, stamp
-    text();
-  }
-  bool atEnd() const { return at_ == bytes_.size(); }
-
- private:
-  const std::vector<std::uint8_t>& bytes_;
-  std::size_t at_ = 0;
-};
-
-void walk(Walker* walker, const LinkMeshes& /*as*/) {
+// The overloads walk over the fields of one message type each; the second argument only selects it.
+void walk(WireWalker* walker, const LinkMeshes& /*as*/) {
   walker->header();
-  for (std::uint32_t left = walker->number(); left > 0; --left) {
-    walker->text();
-    walker->text();
-    walker->array(4);
-    walker->array(4);
+  for (std::uint32_t left = walker->count("meshes", 4 * kWord); left > 0; --left) {
+    walker->array("meshes.link", 1);
+    walker->array("meshes.source", 1);
+    walker->array("meshes.vertices", kWord);
+    walker->array("meshes.triangles", kWord);
   }
 }
 
-void walk(Walker* walker, const tf2_msgs::TFMessage& /*as*/) {
-  for (std::uint32_t left = walker->number(); left > 0; --left) {
+void walk(WireWalker* walker, const tf2_msgs::TFMessage& /*as*/) {
+  constexpr std::size_t kLeastBytes = 5 * kWord + 7 * sizeof(double);
+  for (std::uint32_t left = walker->count("transforms", kLeastBytes); left > 0; --left) {
     walker->header();
-    walker->text();
-    walker->skip(7 * sizeof(double));
+    walker->array("transforms.child_frame_id", 1);
+    walker->skip("transforms.transform", 7 * sizeof(double));
   }
 }
 
-void walk(Walker* walker, const std_msgs::String& /*as*/) { walker->text(); }
+void walk(WireWalker* walker, const std_msgs::String& /*as*/) { walker->array("data", 1); }
 
-void walk(Walker* walker, const sensor_msgs::JointState& /*as*/) {
+void walk(WireWalker* walker, const sensor_msgs::JointState& /*as*/) {
   walker->header();
-  for (std::uint32_t left = walker->number(); left > 0; --left) walker->text();
-  for (int i = 0; i < 3; ++i) walker->array(sizeof(double));  // position, velocity, effort
+  for (std::uint32_t left = walker->count("name", kWord); left > 0; --left) {
+    walker->array("name", 1);
+  }
+  for (const char* field : {"position", "velocity", "effort"}) {
+    walker->array(field, sizeof(double));
+  }
 }
 
 template <typename M>
@@ -84,9 +65,12 @@ void decode(const BagMessage& message, M* to) {
     throw std::runtime_error(message.topic + ": another version of " + message.type);
   }
   try {
-    Walker walker(message.bytes);
+    WireWalker walker(message.bytes.data(), message.bytes.size());
     walk(&walker, *to);
-    if (!walker.atEnd()) throw std::runtime_error("longer than its fields");
+    if (!walker.problem().empty()) throw std::runtime_error(walker.problem());
+    if (walker.left() > 0) {
+      throw std::runtime_error(std::to_string(walker.left()) + " bytes follow its fields");
+    }
     // IStream's argument is not const, but it only reads.
     ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),
                                        static_cast<std::uint32_t>(message.bytes.size()));

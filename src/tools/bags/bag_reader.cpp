@@ -1,4 +1,5 @@
-// Messages of bags, read so that a damaged bag costs only itself.
+// Reads bags in a child process. The child gets one byte for each request, and answers with the
+// messages of all bags, each a Header, its texts and its bytes.
 #include "tools/bags/bag_reader.h"
 
 #include <fcntl.h>
@@ -13,6 +14,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -20,38 +22,106 @@
 #include <system_error>
 #include <utility>
 
-#include "tools/bags/bag_index.h"
-
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr int kPatienceMs = 60000;  // with a reader that says nothing
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr rlim_t kMemory = RLIM_INFINITY;  // sanitizers ask for terabytes of addresses
-#else
-constexpr rlim_t kMemory = rlim_t{16} << 30;  // [bytes] that the reader may ask for
-#endif
-constexpr std::uint32_t kLongest = 0xC0000000;  // [bytes] of one message
+// Records of a bag's index, as http://wiki.ros.org/Bags/Format/2.0 defines them: a header of named
+// fields, and data. The constants are values of the field "op".
+constexpr char kBagHeader = 3, kIndexData = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7;
+// Sizes of entries in an index and in a chunk's list of connections.
+constexpr std::uint32_t kIndexEntry = 12, kChunkInfoEntry = 8;  // [bytes]
+constexpr std::uint32_t kLongestHeader = 1 << 20;
 
-// What goes through the pipe before the texts and the bytes.
+using Fields = std::map<std::string, std::string>;
+using Counts = std::map<std::uint32_t, std::uint64_t>;  // messages of each connection
+
+// Walks over the records of a bag. Every size is checked against the file's size.
+class RecordFile {
+ public:
+  explicit RecordFile(const std::string& path) : file_(path, std::ios::binary) {
+    file_.seekg(0, std::ios::end);
+    size_ = static_cast<std::uint64_t>(file_.tellg());
+    file_.seekg(static_cast<std::streamoff>(std::strlen("#ROSBAG V2.0\n")));
+  }
+
+  // False at the end of the file. Then `data_size` bytes follow.
+  bool next(Fields* fields, std::uint32_t* data_size) {
+    if (static_cast<std::uint64_t>(file_.tellg()) == size_) return false;
+    const std::uint32_t header_size = number();
+    // Larger headers do not exist; a damaged size must not allocate memory.
+    if (header_size > kLongestHeader) fail();
+    *fields = split(bytes(header_size));
+    *data_size = number();
+    if (*data_size > size_ - static_cast<std::uint64_t>(file_.tellg())) fail();
+    return true;
+  }
+  void skip(std::uint32_t size) { file_.seekg(size, std::ios::cur); }
+  std::string bytes(std::uint32_t size) {
+    std::string text(size, '\0');
+    if (!file_.read(text.data(), size)) fail();
+    return text;
+  }
+  std::uint32_t number() { return numberAt(bytes(sizeof(std::uint32_t)), 0); }
+
+  [[noreturn]] static void fail() { throw std::runtime_error("its records do not fit together"); }
+
+  static std::uint32_t numberAt(const std::string& text, std::size_t at) {
+    std::uint32_t value = 0;
+    if (at + sizeof value > text.size()) fail();
+    std::memcpy(&value, text.data() + at, sizeof value);
+    return value;
+  }
+
+ private:
+  static Fields split(const std::string& header) {
+    Fields fields;
+    for (std::size_t at = 0; at < header.size();) {
+      const std::uint32_t size = numberAt(header, at);
+      at += sizeof size;
+      if (size > header.size() - at) fail();
+      const std::string field = header.substr(at, size);
+      const std::size_t equals = field.find('=');
+      if (equals == std::string::npos) fail();
+      fields[field.substr(0, equals)] = field.substr(equals + 1);
+      at += size;
+    }
+    return fields;
+  }
+
+  std::ifstream file_;
+  std::uint64_t size_ = 0;
+};
+
+constexpr int kPatienceMs =
+    60000;  // time without a byte from the child after which it counts as crashed
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr rlim_t kMemory = RLIM_INFINITY;  // sanitizers reserve terabytes of addresses
+#else
+constexpr rlim_t kMemory = rlim_t{16} << 30;  // limit of the child's address space [bytes]
+#endif
+constexpr std::uint32_t kLongest = 0xC0000000;  // longest message [bytes]
+
+// Precedes the texts and bytes of each answer in the pipe.
 struct Header {
   enum Kind : std::uint32_t { kMessage, kEnd, kCannotOpen };
   std::uint32_t kind = kEnd;
-  std::uint32_t topic = 0, type = 0, md5 = 0, bytes = 0;  // lengths; kEnd, kCannotOpen: bytes alone
+  std::uint32_t topic = 0, type = 0, md5 = 0, bytes = 0;  // lengths; kEnd, kCannotOpen: only bytes
   std::uint32_t sec = 0, nsec = 0;
 };
 
+// Writes everything to the pipe, or ends the child if the parent is gone.
 void send(int pipe, const void* data, std::size_t size) {
   const char* at = static_cast<const char*>(data);
   while (size > 0) {
     const ssize_t sent = write(pipe, at, size);
     if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) _exit(0);  // nobody wants to know
+    if (sent <= 0) _exit(0);  // the parent is gone
     at += sent;
     size -= static_cast<std::size_t>(sent);
   }
 }
 
+// Answers a request's end, with a text that says why: empty if nothing is wrong.
 void sendText(int pipe, Header::Kind kind, const std::string& text) {
   Header header;
   header.kind = kind;
@@ -60,7 +130,7 @@ void sendText(int pipe, Header::Kind kind, const std::string& text) {
   send(pipe, text.data(), text.size());
 }
 
-// MessageInstance::write's stream.
+// The stream that MessageInstance::write writes to. It checks the length that the bag claims.
 struct ByteStream {
   std::vector<std::uint8_t>* bytes;
   std::size_t at = 0;
@@ -75,6 +145,7 @@ struct ByteStream {
   std::uint32_t getLength() const { return static_cast<std::uint32_t>(bytes->size() - at); }
 };
 
+// Sends one message. The child never decodes it.
 void sendMessage(int pipe, const rosbag::MessageInstance& message) {
   std::vector<std::uint8_t> bytes(message.size());
   ByteStream stream{&bytes};
@@ -94,7 +165,7 @@ void sendMessage(int pipe, const rosbag::MessageInstance& message) {
   send(pipe, bytes.data(), bytes.size());
 }
 
-// Throws std::runtime_error for what rosbag would not call by its name.
+// Throws std::runtime_error for files that rosbag would report in a confusing way.
 void checkStart(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string start(13, '\0');
@@ -105,6 +176,7 @@ void checkStart(const std::string& path) {
   if (start.compare(0, 8, "#ROSBAG ") != 0) throw std::runtime_error("is no bag");
 }
 
+// Reports a wrong index like rosbag's own errors, so that openBag() adds how to mend it.
 void checkIndex(const std::string& path) {
   try {
     checkBagIndex(path);
@@ -113,6 +185,7 @@ void checkIndex(const std::string& path) {
   }
 }
 
+// Opens a bag and checks its index. Errors name the bag and say how to mend it.
 void openBag(const std::string& path, rosbag::Bag* bag) {
   const std::string mend = "; mend it with: rosbag reindex " + path;
   try {
@@ -131,7 +204,9 @@ void openBag(const std::string& path, rosbag::Bag* bag) {
   }
 }
 
+// Answers one request, in the child.
 void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection& selection) {
+  // A deque does not move its bags, which the view points to.
   std::deque<rosbag::Bag> bags;
   rosbag::View view;
   try {
@@ -156,11 +231,48 @@ void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection
 
 }  // namespace
 
+// Counts the messages of each connection twice: in the indices behind the chunks, and in the list
+// of chunks at the end of the bag. Both, and the numbers in the bag's header, must agree.
+void checkBagIndex(const std::string& path) {
+  RecordFile file(path);
+  std::map<char, std::uint64_t> records;  // by op
+  std::uint64_t chunks = 0, connections = 0;
+  Counts in_indices, in_chunk_list;
+  Fields fields;
+  std::uint32_t size = 0;
+  while (file.next(&fields, &size)) {
+    const std::string op = fields["op"];
+    if (op.size() != 1) RecordFile::fail();
+    ++records[op[0]];
+    const std::string data = op[0] == kChunkInfo ? file.bytes(size) : "";
+    if (op[0] != kChunkInfo) file.skip(size);
+    if (op[0] == kBagHeader) {
+      chunks = RecordFile::numberAt(fields["chunk_count"], 0);
+      connections = RecordFile::numberAt(fields["conn_count"], 0);
+    } else if (op[0] == kIndexData) {
+      const std::uint64_t count = RecordFile::numberAt(fields["count"], 0);
+      if (size != count * kIndexEntry) RecordFile::fail();
+      in_indices[RecordFile::numberAt(fields["conn"], 0)] += count;
+    } else if (op[0] == kChunkInfo) {
+      const std::uint64_t count = RecordFile::numberAt(fields["count"], 0);
+      if (size != count * kChunkInfoEntry) RecordFile::fail();
+      for (std::size_t at = 0; at < data.size(); at += kChunkInfoEntry) {
+        in_chunk_list[RecordFile::numberAt(data, at)] += RecordFile::numberAt(data, at + 4);
+      }
+    }
+  }
+  // A message that only one of the lists has would be lost silently.
+  if (in_indices != in_chunk_list || records[kChunk] != chunks || records[kChunkInfo] != chunks ||
+      records[kConnection] != connections) {
+    throw std::runtime_error("what it says about itself does not agree");
+  }
+}
 bool BagSelection::has(const std::string& topic, const std::string& type) const {
   const auto of_topic = types_of_topics.find(topic);
   return types.count(type) > 0 || (of_topic != types_of_topics.end() && of_topic->second == type);
 }
 
+// Pipes are closed on exec, so that programs which this process starts do not keep them open.
 BagReader::BagReader(std::vector<std::string> paths, BagSelection selection)
     : paths_(std::move(paths)), selection_(std::move(selection)) {
   int requests[2], messages[2];
@@ -189,19 +301,22 @@ BagReader::~BagReader() {
   close(messages_);
 }
 
+// Runs in the child until the parent closes its end of the pipe.
 void BagReader::serve() {
+  // The child must not outlive a parent that crashes.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   signal(SIGPIPE, SIG_IGN);
   const rlimit no_core{0, 0}, memory{kMemory, kMemory};
   setrlimit(RLIMIT_CORE, &no_core);
   setrlimit(RLIMIT_AS, &memory);
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  dup2(nowhere, STDERR_FILENO);  // the allocator's last words
+  dup2(nowhere, STDERR_FILENO);  // hides the allocator's last message
   char request = 0;
   while (::read(requests_, &request, 1) == 1) readAll(messages_, paths_, selection_);
   _exit(0);
 }
 
+// Reads exactly `size` bytes. Returns false if the child is gone or silent for too long.
 bool BagReader::receive(void* data, std::size_t size) {
   char* at = static_cast<char*>(data);
   while (size > 0) {
@@ -228,10 +343,11 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
   constexpr const char* kCrashed = "rosbag's own reader fails on it";
   const char request = 1;
   if (gone_ || write(requests_, &request, 1) != 1) return kCrashed;
-  gone_ = true;  // unless all goes well
+  gone_ = true;  // until an answer is complete
   Header header;
   while (receive(&header, sizeof header)) {
     gone_ = false;
+    // The child may be damaged by the bag, so its lengths are checked too.
     if (header.bytes > kLongest) break;
     if (header.kind != Header::kMessage) {
       std::string text = receiveText(header.bytes);

@@ -1,4 +1,7 @@
-// Messages of bags, read so that a damaged bag costs only itself.
+// Reads the messages of bags in a child process, so that a damaged bag cannot crash this one.
+//
+// This file knows nothing about the messages' contents: bag_messages.h and bag_meshes.h decode
+// them.
 #pragma once
 
 #include <ros/time.h>
@@ -13,13 +16,15 @@
 
 namespace deformable_contact_monitor {
 
+// A recorded message, still serialized.
 struct BagMessage {
   std::string topic, type, md5;
   ros::Time received;
-  std::vector<std::uint8_t> bytes;  // as serialized; nothing about them has been checked
+  std::vector<std::uint8_t> bytes;  // as serialized, and not checked yet
 };
 
-// Which messages of a bag are read: all of some types, and of some topics those of one type each.
+// Selects the messages that are read: all messages of some types, and on some topics the messages
+// of one type.
 struct BagSelection {
   std::set<std::string> types;
   std::map<std::string, std::string> types_of_topics;
@@ -27,23 +32,24 @@ struct BagSelection {
   bool has(const std::string& topic, const std::string& type) const;
 };
 
-// rosbag's library takes sizes and offsets in a bag on trust: a damaged one makes it read beyond
-// its buffers or ask for any amount of memory. So it runs in a process of its own, which hands the
-// messages over a pipe, and whose end is the end of the bag. One thread at a time.
+// Reads bags with rosbag's library. The library trusts sizes and offsets in a bag, so a damaged bag
+// makes it read beyond its buffers or allocate any amount of memory. Therefore it runs in a child
+// process, which sends the messages through a pipe. If the child crashes, the bag ends there. Use
+// it from one thread at a time.
 class BagReader {
  public:
-  // Only messages of the selection are read. Forks: to be called before CUDA or a detector's
-  // threads are in use.
+  // Reads only messages of the selection. The constructor forks, so call it before CUDA or a
+  // detector's threads are in use.
   BagReader(std::vector<std::string> paths, BagSelection selection);
   BagReader(const BagReader&) = delete;
   BagReader& operator=(const BagReader&) = delete;
   ~BagReader();
 
-  // Hands every message of all the bags to `visit`, in order of receipt; may be called again.
-  // Returns why it stopped before the end, for people; empty: it did not. Throws
-  // std::runtime_error, one line that names the bag, if one cannot be opened at all: no bag, no
-  // index (with the command that mends it), damaged from the start. What `visit` throws comes
-  // through, and ends the reading for good.
+  // Calls visit(message) for every message of all bags, in order of receipt. It may be called
+  // again. Returns why it stopped before the end, for people; empty: it did not. Throws
+  // std::runtime_error, one line that names the bag, if a bag cannot be opened: it is not a bag,
+  // has no index (the text names the command that mends it), or is damaged at its start. An
+  // exception of `visit` passes through, and the reader cannot be used after it.
   std::string read(const std::function<void(const BagMessage&)>& visit);
 
  private:
@@ -54,8 +60,13 @@ class BagReader {
   std::vector<std::string> paths_;
   BagSelection selection_;
   pid_t process_ = -1;
-  int requests_ = -1, messages_ = -1;  // pipes' ends of this process
-  bool gone_ = false;                  // the process ended, or must not be asked again
+  int requests_ = -1, messages_ = -1;  // this process's ends of the pipes
+  bool gone_ = false;                  // the child ended, or must not be asked again
 };
+
+// Compares the counts that a bag states with the records that are there. rosbag's library trusts
+// the counts, so a damaged one would silently lose messages. Reads only the records' headers.
+// Throws std::runtime_error, one line, if the two differ or a record does not end where it should.
+void checkBagIndex(const std::string& path);
 
 }  // namespace deformable_contact_monitor

@@ -1,5 +1,5 @@
-// What the bags' cycles are made with: the configuration, the robot, and an object that is not in
-// the bags.
+// Combines the configuration, the robot and the objects for the cycles of bags, and warns about the
+// usual mistakes.
 #include "tools/bags/bag_setup.h"
 
 #include <algorithm>
@@ -21,12 +21,14 @@ namespace {
 
 using Warn = std::function<void(const std::string&)>;
 
+// Returns what follows the last slash of a topic.
 std::string lastPart(const std::string& topic) {
   const std::size_t slash =
       topic.find_last_not_of('/') == std::string::npos ? std::string::npos : topic.rfind('/');
   return slash == std::string::npos ? topic : topic.substr(slash + 1);
 }
 
+// Makes every topic of meshes an object.
 void addRecordedObjects(const BagContents& contents, MonitorParameters* parameters) {
   std::set<std::string> topics;
   for (const BagContents::Mesh& mesh : contents.meshes) topics.insert(mesh.topic);
@@ -40,6 +42,7 @@ void addRecordedObjects(const BagContents& contents, MonitorParameters* paramete
   }
 }
 
+// Adds the played object, unless the configuration has an object of that name.
 void addPlayedObject(const SceneObject& object, MonitorParameters* parameters) {
   std::vector<ObjectParameters>& objects = parameters->objects;
   const auto same = [&object](const ObjectParameters& other) { return other.name == object.name; };
@@ -51,7 +54,8 @@ void addPlayedObject(const SceneObject& object, MonitorParameters* parameters) {
   objects.push_back(added);
 }
 
-// Also sets the frame of a robot whose root link is known, where nobody said another.
+// Loads the robot from the option's URDF, the bags' link meshes or the bags' robot_description, in
+// this order. Without another choice, the root link of a URDF becomes the reference frame.
 void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup) {
   std::string& urdf = setup->urdf;
   urdf = contents.robot_description;
@@ -74,12 +78,13 @@ void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* set
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(setup->robot_from + ": " + error.what());
   }
+  // Nobody chose a frame, so the root link is the most useful one.
   if (files.config.empty() && files.reference_frame.empty()) {
     setup->parameters.reference_frame = setup->robot.root_link;
   }
 }
 
-// TF goes first: joints say where frames are that it does not have.
+// Adds frames from joint states. TF has priority: only frames that it does not have are added.
 void useJoints(const BagSetup& setup, BagContents* contents, const Warn& warn) {
   if (setup.urdf.empty()) return;
   try {
@@ -89,7 +94,7 @@ void useJoints(const BagSetup& setup, BagContents* contents, const Warn& warn) {
   }
 }
 
-// What the tool's option names, or the configuration, or else what the bags hold, if they do.
+// Loads the SRDF that the option names, or the configuration, or else the one in the bags.
 void loadSrdf(const BagFiles& files, const BagContents& contents, BagSetup* setup,
               const Warn& warn) {
   const std::string& named = files.srdf.empty() ? setup->parameters.srdf : files.srdf;
@@ -109,8 +114,8 @@ void loadSrdf(const BagFiles& files, const BagContents& contents, BagSetup* setu
   for (const std::string& line : srdfWarnings(robot.srdf, robot.name, robot.link_names)) warn(line);
 }
 
-// The default frame is many robots', not all's. A frame that no transform knows leaves everything
-// UNKNOWN that is not in it already.
+// Warns about a reference frame that no transform knows, because everything in other frames would
+// be UNKNOWN. The default frame is replaced if the transforms have exactly one root.
 void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
                          MonitorParameters* parameters, const Warn& warn) {
   std::string& frame = parameters->reference_frame;
@@ -128,6 +133,7 @@ void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
   warn("no transform knows the reference frame '" + frame + "'; their roots are: " + all);
 }
 
+// Makes the object that is not in the bags. The robot's links push a simulated cloth.
 PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
   PlayedObject played;
   played.object = settings.name;
@@ -148,7 +154,8 @@ PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
   return played;
 }
 
-// A configuration that looks for other topics than there are is the commonest mistake.
+// Warns about objects without messages. A configuration with other topics than the bags' is the
+// most frequent mistake.
 void checkObjects(const BagFiles& files, const BagContents& contents, const BagSetup& setup,
                   const Warn& warn) {
   std::set<std::string> there;
@@ -174,6 +181,7 @@ void checkObjects(const BagFiles& files, const BagContents& contents, const BagS
   }
 }
 
+// Warns once about all links without geometry.
 void warnOfLinks(const RobotGeometry& robot, const Warn& warn) {
   std::string first;
   std::size_t count = 0;
@@ -198,11 +206,13 @@ MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
     return parameters;
   } catch (const ParameterError& error) {
     std::string text = error.what();
+    // The parameter errors have a line each; a tool reports one line.
     std::replace(text.begin(), text.end(), '\n', ' ');
     throw std::runtime_error(files.config + ": " + text);
   }
 }
 
+// Joint states are needed where TF lacks a frame, which is known only after the first reading.
 BagSelection neededMessages(const MonitorParameters& parameters) {
   BagSelection selection;
   selection.types = neededTypes();
@@ -233,6 +243,7 @@ BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
   checkRobot(setup.robot, parameters);
   checkReferenceFrame(files, *contents, &parameters, warn);
   if (object.isWanted()) {
+    // The object is played while transforms are known, so there must be some.
     if (contents->ended().isZero()) {
       throw std::runtime_error(
           "no moving transform in the bags, and no /joint_states of the robot's joints: no time to "

@@ -1,5 +1,4 @@
-// What the bags' cycles are made with: the configuration, the robot, and an object that is not in
-// the bags.
+// Sets up the cycles of bags: the configuration, the robot, and an object that is not in the bags.
 #pragma once
 
 #include <functional>
@@ -17,29 +16,31 @@
 
 namespace deformable_contact_monitor {
 
+// Everything that BagCycles is made with.
 struct BagSetup {
   MonitorParameters parameters;
   RobotGeometry robot;
-  std::string robot_from;  // for people
-  std::string urdf;        // of the robot; empty: there is none
+  std::string robot_from;  // where the robot comes from, for people
+  std::string urdf;        // the robot's URDF; empty: there is none
   std::optional<PlayedObject> played;
 };
 
-// The configuration's; without one the defaults. `warn` gets names that nothing reads. Throws
-// std::runtime_error, one line, if it is refused.
+// Reads the parameters of the configuration file; without a file, returns the defaults. `warn` gets
+// unknown names. Throws std::runtime_error, one line, if the file is invalid.
 MonitorParameters readBagParameters(const BagFiles& files,
                                     const std::function<void(const std::string&)>& warn);
 
-// What cycles with these parameters need. Of types that cameras send too, the objects' own topics
-// alone.
+// Returns the messages that cycles with these parameters need. Types that cameras send too, such as
+// point clouds, are read only on the topics of objects.
 BagSelection neededMessages(const MonitorParameters& parameters);
 
-// `configured`: of readBagParameters(). Without a configuration the objects are the bags'
-// deformable meshes, each named as its messages say or else by its topic, and the reference frame
-// is the root link of a robot that comes as URDF, else base_link, or the transforms' root if they
-// do not know that. `contents` gets the frames that joints and the URDF say. `object` is played if
-// it isWanted(). `warn` gets what a user should know, a line each. Throws std::exceptions, one
-// line, on anything that keeps the cycles from making sense: no mesh, no robot, a bad value.
+// Sets up the cycles. `configured` comes from readBagParameters(). Without a configuration file:
+// - the objects are the topics of deformable meshes, named by their messages or by the topic;
+// - the reference frame is the root link of a robot from a URDF, or base_link, or the root of the
+//   transforms if they do not know that.
+// `contents` gets the frames that joint states and the URDF give. `object` is played if it
+// isWanted(). `warn` gets what a user should know, a line each. Throws std::exception, one line, if
+// the cycles would make no sense: no mesh, no robot, a bad value.
 BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
                    const SceneObject& object, BagContents* contents,
                    const std::function<void(const std::string&)>& warn);

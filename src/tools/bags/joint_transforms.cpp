@@ -1,4 +1,4 @@
-// A recorded robot's frames by its joints, where TF does not have them.
+// Builds a KDL segment for each joint of a URDF, and poses it by joint states.
 #include "tools/bags/joint_transforms.h"
 
 #include <urdf_model/joint.h>
@@ -7,19 +7,20 @@
 #include <kdl/segment.hpp>
 #include <stdexcept>
 
-#include "robot/urdf_text.h"
+#include "robot/urdf_document.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 KDL::Vector toKdl(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
+// Returns true if one position, or none, gives the joint's pose.
 bool isPosed(const urdf::Joint& joint) {
   return joint.type == urdf::Joint::FIXED || joint.type == urdf::Joint::REVOLUTE ||
          joint.type == urdf::Joint::CONTINUOUS || joint.type == urdf::Joint::PRISMATIC;
 }
 
-// Of a joint that is posed: its child in its parent.
+// Returns the segment from a joint's parent link to its child link. isPosed(joint) must hold.
 KDL::Segment toKdl(const urdf::Joint& joint) {
   const urdf::Pose& pose = joint.parent_to_joint_origin_transform;
   const KDL::Frame origin(
@@ -31,6 +32,7 @@ KDL::Segment toKdl(const urdf::Joint& joint) {
   return KDL::Segment(KDL::Joint(origin.p, origin.M * toKdl(joint.axis), type), origin);
 }
 
+// Converts a KDL frame.
 geometry_msgs::Transform toMessage(const KDL::Frame& pose) {
   geometry_msgs::Transform transform;
   transform.translation.x = pose.p.x();
@@ -41,6 +43,7 @@ geometry_msgs::Transform toMessage(const KDL::Frame& pose) {
   return transform;
 }
 
+// Makes a transform of `frame` in `parent` without a stamp.
 geometry_msgs::TransformStamped stamped(const std::string& parent, const std::string& frame,
                                         const geometry_msgs::Transform& transform) {
   geometry_msgs::TransformStamped message;
@@ -52,6 +55,8 @@ geometry_msgs::TransformStamped stamped(const std::string& parent, const std::st
 
 }  // namespace
 
+// URDF names may contain characters that urdfdom changes; readUrdfText() guards them, and
+// unguarded() restores them.
 JointTransforms::JointTransforms(const std::string& urdf_xml,
                                  const std::function<bool(const std::string& frame)>& wanted) {
   const urdf::ModelInterfaceSharedPtr model =
@@ -66,6 +71,7 @@ JointTransforms::JointTransforms(const std::string& urdf_xml,
       fixed_.push_back(stamped(parent, frame, toMessage(segment.pose(0))));
       continue;
     }
+    // A mimic joint's position is multiplier * position + offset of the other joint.
     const urdf::JointMimicSharedPtr mimic = joint->mimic;
     const double multiplier = mimic ? mimic->multiplier : 1, offset = mimic ? mimic->offset : 0;
     moving_.push_back({parent, frame, unguarded(mimic ? mimic->joint_name : name),
@@ -81,6 +87,7 @@ std::vector<geometry_msgs::TransformStamped> JointTransforms::at(
   std::vector<geometry_msgs::TransformStamped> transforms;
   for (const Moving& moving : moving_) {
     const auto found = positions.find(moving.joint);
+    // The message may have only some of the joints.
     if (found == positions.end()) continue;
     transforms.push_back(stamped(moving.parent, moving.frame, moving.pose(found->second)));
     transforms.back().header.stamp = state.header.stamp;

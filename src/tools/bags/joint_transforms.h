@@ -1,4 +1,7 @@
-// A recorded robot's frames by its joints, where TF does not have them.
+// Computes a robot's frames from recorded joint states, where TF does not have them.
+//
+// Bags of robots often have joint states and no TF. KDL computes the same poses as
+// robot_state_publisher.
 #pragma once
 
 #include <geometry_msgs/Transform.h>
@@ -12,26 +15,27 @@
 
 namespace deformable_contact_monitor {
 
-// What robot_state_publisher would have sent, by KDL. Joints that mimic follow theirs; floating and
-// planar ones stay unknown.
+// Computes the transforms that robot_state_publisher would have sent, with KDL. Mimic joints follow
+// the joint that they mimic. Frames of floating and planar joints stay unknown.
 class JointTransforms {
  public:
-  // `wanted`: says of each frame whether it is to be posed; those that TF has are not. Throws
+  // `wanted` returns true for frames that shall be computed: those that TF does not have. Throws
   // std::invalid_argument, one line, if the URDF cannot be read.
   JointTransforms(const std::string& urdf_xml,
                   const std::function<bool(const std::string& frame)>& wanted);
 
   struct Moving {
     std::string parent, frame;
-    std::string joint;                                              // that says where it is
-    std::function<geometry_msgs::Transform(double position)> pose;  // of the frame in its parent
+    std::string joint;  // whose position gives the pose
+    // Returns the frame's pose in its parent at a position [rad or m].
+    std::function<geometry_msgs::Transform(double position)> pose;
   };
   const std::vector<Moving>& moving() const { return moving_; }
 
-  // Of the fixed joints, without a stamp.
+  // Returns the transforms of fixed joints, without a stamp.
   const std::vector<geometry_msgs::TransformStamped>& fixed() const { return fixed_; }
 
-  // Of the joints that the message has a position of, at its stamp.
+  // Returns the transforms of all joints that the message has a position of, with its stamp.
   std::vector<geometry_msgs::TransformStamped> at(const sensor_msgs::JointState& state) const;
 
  private:
@@ -39,7 +43,7 @@ class JointTransforms {
   std::vector<geometry_msgs::TransformStamped> fixed_;
 };
 
-// The position of each joint [rad, m]; none if there are not as many as names.
+// Returns the position of each joint [rad or m]; nothing if there are not as many as names.
 std::map<std::string, double> positionsIn(const sensor_msgs::JointState& state);
 
 }  // namespace deformable_contact_monitor

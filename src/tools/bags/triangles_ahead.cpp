@@ -1,4 +1,4 @@
-// Triangles that a recording has later than the meshes that need them.
+// Matches meshes without triangles with later meshes that have them.
 #include "tools/bags/triangles_ahead.h"
 
 #include <algorithm>
@@ -6,14 +6,15 @@
 
 namespace deformable_contact_monitor {
 
-// Which meshes come before which is known after the last one alone, but most are received in the
-// order of their stamps: so only triangles that were missed, or that are later than a mesh that
-// came after them, are kept.
+// The order of stamps is known only after the last mesh, but most meshes are received in it. So
+// only these triangles are kept: those that an earlier mesh lacked, and those with a later stamp
+// than a mesh that was received after them.
 void TrianglesAhead::add(const std::string& object, std::uint64_t number, const ros::Time& stamp,
                          const DeformableMesh::ConstPtr& mesh) {
   Object& of = objects_[object];
   const bool has_triangles = !mesh->triangles.empty();
   of.meshes.push_back({stamp, number, mesh->topology_id, mesh->vertices.size(), has_triangles});
+  // An earlier mesh may have waited for these triangles.
   if (has_triangles) {
     of.newest = mesh;
     of.newest_number = number;
@@ -26,11 +27,14 @@ void TrianglesAhead::add(const std::string& object, std::uint64_t number, const 
   }
 }
 
+// Objects are independent of each other.
 void TrianglesAhead::settle() {
   for (auto& [name, object] : objects_) settle(&object);
   objects_.clear();
 }
 
+// Goes backwards to find the next triangles of each mesh, then forwards to see which meshes need
+// them.
 void TrianglesAhead::settle(Object* object) {
   std::vector<Mesh>& meshes = object->meshes;
   std::sort(meshes.begin(), meshes.end(), [](const Mesh& a, const Mesh& b) {
@@ -47,6 +51,7 @@ void TrianglesAhead::settle(Object* object) {
     if (kept != object->kept.end()) next = kept->second;
     ahead[i] = next;
   }
+  // Meshes with the same topology use the triangles that the node already knows.
   std::optional<std::uint32_t> known;  // the topology id whose triangles are known
   bool from_ahead = false;
   for (std::size_t i = 0; i < meshes.size(); ++i) {

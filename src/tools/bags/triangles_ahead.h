@@ -1,4 +1,6 @@
-// Triangles that a recording has later than the meshes that need them.
+// Finds triangles for meshes that were recorded before any message with triangles.
+//
+// The node would have to wait for the next message with triangles; an offline tool can look ahead.
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
@@ -13,25 +15,25 @@
 
 namespace deformable_contact_monitor {
 
-// A recording that began between two messages with triangles has meshes before the first of them.
-// Such a mesh takes the triangles of the next mesh of its object that was sent with any, if
-// topology_id and number of vertices are the same in all meshes from the one to the other. Keeps
-// those triangles alone.
+// Publishers send triangles only now and then, so a recording may begin with meshes that have none.
+// Such a mesh takes the triangles of the next mesh of its object that has any, if topology_id and
+// number of vertices are the same in all meshes from the one to the other. Only triangles that are
+// needed stay in memory.
 class TrianglesAhead {
  public:
-  // Every DeformableMesh of the bags, in order of receipt. `number` tells them apart; those of one
-  // `object`, whatever its name, belong together.
+  // Takes every DeformableMesh of the bags, in order of receipt. `number` identifies the mesh;
+  // meshes with the same `object` belong together.
   void add(const std::string& object, std::uint64_t number, const ros::Time& stamp,
            const DeformableMesh::ConstPtr& mesh);
 
-  // After the last mesh, once.
+  // Decides which mesh takes which triangles. Call it once, after the last mesh.
   void settle();
 
-  // The message whose triangles that mesh needs; null: it needs none, or there are none. It is the
-  // first in the order of stamps that needs them, and meshes after it know them by it.
+  // Returns the message whose triangles the mesh needs; null if it needs none, or there are none.
+  // Only the first mesh that needs them, in the order of stamps, gets them: later ones use its.
   DeformableMesh::ConstPtr of(std::uint64_t number) const;
 
-  // Meshes that have their triangles thus.
+  // Returns the number of meshes whose triangles came later.
   std::uint64_t count() const { return count_; }
 
  private:
@@ -44,8 +46,8 @@ class TrianglesAhead {
   };
   struct Object {
     std::vector<Mesh> meshes;
-    std::set<std::uint32_t> wanted;   // topology ids whose triangles had not come
-    DeformableMesh::ConstPtr newest;  // with triangles
+    std::set<std::uint32_t> wanted;   // topology ids whose triangles have not come yet
+    DeformableMesh::ConstPtr newest;  // the newest mesh with triangles
     std::uint64_t newest_number = 0;
     ros::Time newest_stamp;
     std::map<std::uint64_t, DeformableMesh::ConstPtr> kept;  // with triangles, by number

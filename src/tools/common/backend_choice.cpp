@@ -1,4 +1,4 @@
-// Which backends this build has.
+// Knows which backends this build has.
 #include "tools/common/backend_choice.h"
 
 #include <cstdint>
@@ -37,6 +37,8 @@ std::unique_ptr<Detector> makeDetector(const std::string& backend, WithoutCuda w
   return makeDetector(choice, without_cuda, settings, tell, tilings);
 }
 
+// A tiling is begun once its triangles were asked for kSettledAfter times, so each body is asked
+// for that often.
 void makeTilings(const Scene& scene, TilingCache* tilings) {
   for (std::uint32_t time = 0; time <= TilingCache::kSettledAfter; ++time) {
     for (const Body& body : scene.bodies()) tilings->of(body);

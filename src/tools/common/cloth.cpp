@@ -20,6 +20,7 @@ constexpr double kUnevenness = 0.02;  // of the grid's spacing
 constexpr double kTooNear = 1e-12;    // [m]: a direction cannot be told
 constexpr double kThinnest = 1.5;  // obstacle's radius in spacings: thinner ones pierce the sheet
 
+// Returns the point of the capsule's axis that is nearest to p.
 Eigen::Vector3d nearestOnAxis(const Capsule& capsule, const Eigen::Vector3d& p) {
   const Eigen::Vector3d axis = capsule.b - capsule.a;
   const double length2 = axis.squaredNorm();
@@ -29,6 +30,7 @@ Eigen::Vector3d nearestOnAxis(const Capsule& capsule, const Eigen::Vector3d& p) 
 
 }  // namespace
 
+// Makes a flat sheet of 2 n^2 triangles, slightly uneven, so that it folds the same way each time.
 Cloth::Cloth(const ClothOptions& options)
     : cells_(std::max(1, static_cast<int>(std::lround(std::sqrt(options.triangles / 2.0))))),
       spacing_m_(options.edge_m / cells_) {
@@ -51,7 +53,9 @@ Cloth::Cloth(const ClothOptions& options)
   addSprings();
 }
 
-// From the held edge downwards, so that one pass carries the hold through the whole sheet.
+// Connects each vertex to its neighbours along the grid (stretch), across its cells (shear), and
+// two cells away (bending, which is weak). The order runs from the held edge downwards, so that one
+// pass carries the hold through the whole sheet.
 void Cloth::addSprings() {
   const double diagonal = std::sqrt(2.0) * spacing_m_;
   for (int row = 0; row <= cells_; ++row) {
@@ -69,6 +73,7 @@ void Cloth::addSprings() {
   }
 }
 
+// Moves the two ends so that the spring gets its length. Held vertices do not move.
 void Cloth::satisfy(const Spring& spring) {
   const std::size_t held = static_cast<std::size_t>(cells_) + 1;
   const double weight_a = spring.a < held ? 0 : 1, weight_b = spring.b < held ? 0 : 1;
@@ -84,7 +89,8 @@ void Cloth::satisfy(const Spring& spring) {
   b -= weight_b * move;
 }
 
-// A vertex is never farther from its column's held vertex than the cloth between them is long.
+// Keeps each vertex within the length of the cloth between it and its column's held vertex. Springs
+// alone need many passes to hold the weight of a large sheet.
 void Cloth::limitStretch() {
   for (int row = 1; row <= cells_; ++row) {
     const double longest = kMaxStretch * row * spacing_m_;
@@ -98,6 +104,7 @@ void Cloth::limitStretch() {
   }
 }
 
+// Moves vertices out of an obstacle, and takes away a part of their sliding as friction.
 void Cloth::pushOut(const Capsule& obstacle) {
   const double radius = std::max(obstacle.radius_m, kThinnest * spacing_m_);
   for (std::size_t i = at(1, 0); i < positions_.size(); ++i) {
@@ -117,6 +124,8 @@ void Cloth::pushOut(const Capsule& obstacle) {
   }
 }
 
+// Position-based dynamics: predict positions, correct them by springs and obstacles, and derive the
+// velocities from what came out.
 void Cloth::substep(double dt_s, const std::vector<Capsule>& obstacles) {
   before_ = positions_;
   const double keep = std::exp(-kDamping * dt_s);
@@ -137,11 +146,13 @@ void Cloth::substep(double dt_s, const std::vector<Capsule>& obstacles) {
   }
 }
 
+// Divides the time into equal substeps that are short enough to be stable.
 void Cloth::step(double dt_s, const std::vector<Capsule>& obstacles) {
   const int substeps = std::max(1, static_cast<int>(std::ceil(dt_s / kSubstep)));
   for (int i = 0; i < substeps; ++i) substep(dt_s / substeps, obstacles);
 }
 
+// Each cell of the grid becomes two triangles.
 TriangleMesh Cloth::mesh() const {
   TriangleMesh mesh;
   mesh.vertices.reserve(3 * positions_.size());

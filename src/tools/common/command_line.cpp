@@ -1,16 +1,24 @@
-// How every program of ours reads its command line.
+// Reads command lines with Boost.Program_options, which only splits them into options and words.
+// All values are converted here, so that errors name the option and its range.
 #include "tools/common/command_line.h"
 
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <iostream>
 #include <limits>
+#include <locale>
+#include <sstream>
 #include <stdexcept>
+#include <system_error>
+#include <type_traits>
 
 namespace deformable_contact_monitor {
 namespace {
 
 namespace po = boost::program_options;
 
-// Boost's own values take one word, or any number.
+// An option's words. Boost's own values take one word, or any number of them.
 class WordsValue : public po::typed_value<std::vector<std::string>> {
  public:
   WordsValue(unsigned least, unsigned most) : typed_value(nullptr), least_(least), most_(most) {}
@@ -23,6 +31,79 @@ class WordsValue : public po::typed_value<std::vector<std::string>> {
 
 }  // namespace
 
+template <class Value>
+const char* kindOf() {
+  if (std::is_same_v<Value, AdjacentPairs>) return "skip|beyond_shared";
+  if (std::is_integral_v<Value>) return "INT";
+  return std::is_floating_point_v<Value> ? "FLOAT" : "TEXT";
+}
+
+template <class Value>
+bool fromText(const std::string& text, Value* value) {
+  if constexpr (std::is_same_v<Value, std::string>) {
+    *value = text;
+    return true;
+  } else if constexpr (std::is_same_v<Value, AdjacentPairs>) {
+    *value = text == "skip" ? AdjacentPairs::kSkip : AdjacentPairs::kBeyondShared;
+    return text == toString(*value);
+  } else if constexpr (std::is_integral_v<Value>) {
+    const char* const end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data(), end, *value);
+    return parsed.ec == std::errc() && parsed.ptr == end;
+  } else {
+    std::istringstream in(text);
+    // The decimal point must not depend on the user's locale.
+    in.imbue(std::locale::classic());
+    in >> std::noskipws >> *value;
+    return !in.fail() && in.peek() == std::istringstream::traits_type::eof();
+  }
+}
+
+template <class Value>
+std::string toText(const Value& value) {
+  if constexpr (std::is_same_v<Value, AdjacentPairs>) {
+    return toString(value);
+  } else {
+    std::ostringstream out;
+    out.imbue(std::locale::classic());
+    out << value;
+    return out.str();
+  }
+}
+
+// Two commas in a row give an empty part, which the caller rejects.
+std::vector<std::string> splitAtCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t comma = 0; comma != std::string::npos; begin = comma + 1) {
+    comma = text.find(',', begin);
+    parts.push_back(text.substr(begin, comma - begin));
+  }
+  return parts;
+}
+
+Allowed<double> isPositive() {
+  return {"> 0", [](double value) { return value > 0; }};
+}
+
+Allowed<std::string> oneOf(const std::vector<std::string>& values) {
+  return {"one of " + joined(values, ", "), [values](const std::string& value) {
+            return std::find(values.begin(), values.end(), value) != values.end();
+          }};
+}
+
+#define DCM_OPTION_VALUE(Value)                                  \
+  template const char* kindOf<Value>();                          \
+  template bool fromText(const std::string& text, Value* value); \
+  template std::string toText(const Value& value)
+DCM_OPTION_VALUE(std::string);
+DCM_OPTION_VALUE(int);
+DCM_OPTION_VALUE(unsigned);
+DCM_OPTION_VALUE(std::uint64_t);
+DCM_OPTION_VALUE(float);
+DCM_OPTION_VALUE(double);
+DCM_OPTION_VALUE(AdjacentPairs);
+
 void refuseUsage(const std::string& what) { throw std::invalid_argument(what + " (see --help)"); }
 
 CommandLine::CommandLine(const std::string& program, const std::string& description,
@@ -33,8 +114,9 @@ CommandLine::CommandLine(const std::string& program, const std::string& descript
 
 void CommandLine::addOption(const Shape& shape, const std::string& help, const std::string& value,
                             const Reader& reader) {
-  auto* words = new WordsValue(shape.least_words, shape.most_words);  // Boost deletes it
+  auto* words = new WordsValue(shape.least_words, shape.most_words);  // Boost takes the ownership
   words->value_name(shape.kind);
+  // An empty default is not shown.
   const std::string whole = value.empty() ? help : help + " (default: " + value + ")";
   options_.add_options()(shape.name.substr(2).c_str(), words, whole.c_str());
   readers_[shape.name] = reader;
@@ -44,6 +126,7 @@ void CommandLine::addFlag(const std::string& name, bool* value, const std::strin
   addOption({name, "", 0, 0}, help, "", [value](const Words& /*none*/) { *value = true; });
 }
 
+// Takes exactly as many words as there are defaults.
 void CommandLine::addNumbers(const std::string& name, std::vector<double>* numbers,
                              const std::string& help) {
   const auto count = static_cast<unsigned>(numbers->size());
@@ -55,6 +138,7 @@ void CommandLine::addNumbers(const std::string& name, std::vector<double>* numbe
             });
 }
 
+// Takes at least one word. An option that comes again adds its words to the earlier ones.
 void CommandLine::addWords(const std::string& name, std::vector<std::string>* words,
                            const std::string& help) {
   addOption({name, "TEXT...", 1, std::numeric_limits<int>::max()}, help, "",
@@ -79,6 +163,7 @@ void CommandLine::requireFor(const std::string& option, const std::string& requi
   required_for_.emplace_back(option, required);
 }
 
+// Abbreviated options are not accepted: a new option would change their meaning.
 bool CommandLine::parse(int argc, const char* const* argv) {
   using namespace po::command_line_style;
   try {
@@ -94,7 +179,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   return true;
 }
 
-// Of --help and --version.
+// Answers --help and --version. Returns false if neither is there.
 bool CommandLine::printAnswer(const po::parsed_options& parsed) const {
   for (const po::option& option : parsed.options) {
     if (option.string_key == "help") printHelp();
@@ -104,10 +189,12 @@ bool CommandLine::printAnswer(const po::parsed_options& parsed) const {
   return false;
 }
 
+// Collects the words of each option first, because repeatable options may come several times.
 void CommandLine::readAll(const po::parsed_options& parsed) const {
   std::map<std::string, Words> words;
   std::set<std::string> given;
   for (const po::option& option : parsed.options) {
+    // Boost gives positionals an empty name.
     const bool is_positional = option.string_key.empty();
     if (is_positional && positionals_.empty()) {
       refuseUsage("'" + option.value.front() + "' belongs to no option");
@@ -123,6 +210,7 @@ void CommandLine::readAll(const po::parsed_options& parsed) const {
   for (const auto& [name, all] : words) readers_.at(name)(all);
 }
 
+// Rules are checked before any value is read.
 void CommandLine::checkRules(const std::set<std::string>& given) const {
   const auto is_given = [&given](const std::string& name) { return given.count(name) != 0; };
   if (positionals_required_ && !is_given(positionals_)) refuseUsage(positionals_ + " is required");

@@ -1,5 +1,7 @@
-// A file, or standard output, that is written at once, with its errors.
+// Writes the files of the tools under a temporary name, and renames them once they are complete.
 #include "tools/common/output_file.h"
+
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
@@ -8,18 +10,51 @@
 #include <system_error>
 
 #include "core/mesh_file.h"
-#include "tools/common/part_file.h"
 
 namespace deformable_contact_monitor {
+namespace {
 
+namespace fs = std::filesystem;
+
+[[noreturn]] void throwNotWritten(const std::string& path) {
+  throw std::system_error(errno, std::generic_category(), path + ": cannot be written");
+}
+
+}  // namespace
+
+// The process id in the temporary name keeps two processes apart that write the same file.
+AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(path) {
+  std::error_code none;
+  const fs::file_status status = fs::status(path, none);
+  if (fs::exists(status)) {
+    // A device or a pipe cannot be replaced, so it is written to directly.
+    if (!fs::is_regular_file(status)) return;
+    if (access(path.c_str(), W_OK) != 0) throwNotWritten(path);
+    // Renaming over a symbolic link would replace the link, so its target is written.
+    const fs::path target = fs::canonical(path, none);
+    if (!none) path_ = target.string();
+  }
+  temporary_ = path_ + "." + std::to_string(getpid()) + ".part";
+}
+
+AtomicFile::~AtomicFile() {
+  if (isPlain() && !finished_) std::remove(temporary_.c_str());
+}
+
+void AtomicFile::finish() {
+  if (isPlain() && std::rename(temporary_.c_str(), path_.c_str()) != 0) throwNotWritten(path_);
+  finished_ = true;
+}
+
+// Opens the temporary file once, to see whether it can be written.
 OutputFile::OutputFile(const std::string& path) : path_(path) {
   if (path == "-") {
     stream_ = stdout;
     return;
   }
-  const PartFile part(path);
-  std::FILE* const opened = open(part.writtenAs());
-  if (part.isPlain()) {
+  const AtomicFile file(path);
+  std::FILE* const opened = open(file.writtenAs());
+  if (file.isPlain()) {
     std::fclose(opened);
   } else {
     stream_ = opened;
@@ -32,10 +67,10 @@ OutputFile::~OutputFile() {
 
 void OutputFile::write(std::string_view text) {
   if (stream_ != nullptr) return writeTo(stream_, text);
-  PartFile part(path_);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open(part.writtenAs()), std::fclose);
+  AtomicFile atomic(path_);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open(atomic.writtenAs()), std::fclose);
   writeTo(file.get(), text);
-  part.finish();
+  atomic.finish();
 }
 
 std::FILE* OutputFile::open(const std::string& path) const {
@@ -50,10 +85,25 @@ void OutputFile::writeTo(std::FILE* file, std::string_view text) const {
   }
 }
 
-void OutputFile::fail() const {
-  throw std::system_error(errno, std::generic_category(),
-                          (path_ == "-" ? "standard output" : path_) + ": cannot be written");
+void OutputFile::fail() const { throwNotWritten(path_ == "-" ? "standard output" : path_); }
+
+TableFile::TableFile(const std::string& path)
+    : path_(path), atomic_(path), file_(atomic_.writtenAs(), std::ios::binary) {
+  if (!file_) fail();
 }
+
+void TableFile::line(const std::string& text) {
+  file_ << text << '\n';
+  if (!file_) fail();
+}
+
+void TableFile::finish() {
+  file_.close();
+  if (!file_) fail();
+  atomic_.finish();
+}
+
+void TableFile::fail() const { throwNotWritten(path_); }
 
 void makeFolder(const std::string& folder) {
   std::error_code error;

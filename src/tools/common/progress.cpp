@@ -1,4 +1,4 @@
-// Says on standard error what long work is at.
+// Writes the progress line from a thread of its own.
 #include "tools/common/progress.h"
 
 #include <unistd.h>
@@ -39,6 +39,7 @@ void Progress::run() {
   milliseconds wait(on_terminal_ ? 500 : 2000);
   bool written = false;
   std::unique_lock<std::mutex> lock(mutex_);
+  // Writes the line again and again until the destructor wakes this thread.
   while (!stop_.wait_for(lock, wait, stopped)) {
     std::fprintf(stderr, on_terminal_ ? "\r%s (%.0f s)\x1b[K" : "%s (%.0f s)\n", what_.c_str(),
                  stopwatch.elapsedMs() / 1e3);

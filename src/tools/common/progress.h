@@ -1,4 +1,6 @@
-// Says on standard error what long work is at.
+// Shows on standard error what a long computation is doing.
+//
+// Computations that finish quickly write nothing, so scripts see only results and errors.
 #pragma once
 
 #include <condition_variable>
@@ -8,8 +10,9 @@
 
 namespace deformable_contact_monitor {
 
-// On a terminal, one line that is rewritten and wiped at the end; elsewhere (a log), a line after
-// two seconds and then every ten. Work that is done sooner says nothing. Any thread.
+// Rewrites one line on a terminal, and removes it at the end. In a log file, writes a line after
+// two seconds, and then every ten seconds. Short computations show nothing. Functions may be called
+// from any thread.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -17,10 +20,11 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress();
 
-  // What the work is at from now on.
+  // Sets the text that is shown from now on.
   void set(std::string what);
 
  private:
+  // Runs in the class's own thread until the destructor.
   void run();
 
   const bool on_terminal_;
@@ -28,7 +32,7 @@ class Progress {
   std::condition_variable stop_;
   bool stopped_ = false;
   std::string what_;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // uses the other members, so it comes last
 };
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,5 @@
-// A robot's links as capsules for the cloth to lie on.
+// Turns a robot's links into capsules that push the simulated cloth. A capsule is fitted to each
+// link's mesh once; at() moves it with the joints.
 #include "tools/common/robot_obstacles.h"
 
 #include <urdf_model/joint.h>
@@ -10,13 +11,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robot/urdf_text.h"
+#include "robot/urdf_document.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr double kInside = 0.9;  // capsule to mean surface
 
+// A point that stands for a part of the surface. Its weight is the area of that part [m^2].
 struct Sample {
   Eigen::Vector3d point;
   double weight;
@@ -41,6 +43,7 @@ std::vector<Sample> sampleSurface(const TriangleMesh& mesh) {
   return samples;
 }
 
+// Converts a URDF pose.
 Eigen::Isometry3d toIsometry(const urdf::Pose& pose) {
   Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();
   isometry.translate(Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z));
@@ -50,6 +53,7 @@ Eigen::Isometry3d toIsometry(const urdf::Pose& pose) {
   return isometry;
 }
 
+// Returns the position of a joint, which may mimic another one; 0 if it is not known.
 double positionOf(const urdf::Joint& joint, const std::map<std::string, double>& positions) {
   const std::string& name = joint.mimic == nullptr ? joint.name : joint.mimic->joint_name;
   const auto found = positions.find(unguarded(name));
@@ -58,7 +62,7 @@ double positionOf(const urdf::Joint& joint, const std::map<std::string, double>&
                                 : joint.mimic->multiplier * position + joint.mimic->offset;
 }
 
-// Pose of a joint's child link in the parent link.
+// Returns the pose of a joint's child link in the parent link.
 Eigen::Isometry3d childPose(const urdf::Joint& joint,
                             const std::map<std::string, double>& positions) {
   Eigen::Isometry3d pose = toIsometry(joint.parent_to_joint_origin_transform);
@@ -73,6 +77,8 @@ Eigen::Isometry3d childPose(const urdf::Joint& joint,
 
 }  // namespace
 
+// Integrates area, middle and covariance over the surface. The eigenvector of the largest
+// eigenvalue is the capsule's axis, and the other two eigenvalues give its radius.
 Capsule fitCapsule(const TriangleMesh& mesh) {
   const std::vector<Sample> samples = sampleSurface(mesh);
   double area = 0;
@@ -100,6 +106,7 @@ Capsule fitCapsule(const TriangleMesh& mesh) {
   return {middle + (shift - half) * axis, middle + (shift + half) * axis, radius};
 }
 
+// Links without usable geometry do not push the cloth.
 std::map<std::string, Capsule> linkCapsules(const RobotGeometry& robot) {
   std::map<std::string, Capsule> capsules;
   for (const LinkGeometry& link : robot.links) {
@@ -118,6 +125,7 @@ RobotObstacles::RobotObstacles(urdf::ModelInterfaceSharedPtr robot, const RobotG
   }
 }
 
+// Walks down the tree of links. All poses are in the root's frame.
 void RobotObstacles::place(const urdf::Link& link, const Eigen::Isometry3d& pose,
                            const std::map<std::string, double>& positions,
                            std::map<std::string, Eigen::Isometry3d>* poses) const {
@@ -128,6 +136,7 @@ void RobotObstacles::place(const urdf::Link& link, const Eigen::Isometry3d& pose
   }
 }
 
+// Computes all poses first, and then expresses the capsules in the cloth's frame.
 std::vector<Capsule> RobotObstacles::at(const std::map<std::string, double>& positions) const {
   std::map<std::string, Eigen::Isometry3d> poses;
   place(*robot_->getRoot(), Eigen::Isometry3d::Identity(), positions, &poses);

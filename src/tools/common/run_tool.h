@@ -1,4 +1,6 @@
-// How every tool of ours ends.
+// The main function that all tools share: errors become one line and an exit code.
+//
+// Exit code 2 always means that one line on standard error says what is wrong.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +11,15 @@
 
 namespace deformable_contact_monitor {
 
-// For messages: control characters, which names in foreign files may have, as '?'.
+// Replaces control characters by '?', for messages. Names in foreign files may contain them.
 inline std::string oneLine(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
   return text;
 }
 
-// Runs `body` and returns its exit code. A std::exception from it becomes one line on standard
-// error, "<name>: <what>", and exit code 2.
+// Runs `body` and returns its exit code. If it throws a std::exception, writes one line to standard
+// error, "<name>: <what>", and returns 2.
 inline int runTool(const std::string& name, const std::function<int()>& body) {
   try {
     return body();

@@ -1,4 +1,7 @@
-// Median and percentiles of measured times.
+// Computes median and percentiles of measured samples, such as times. The samples may come in any
+// order.
+//
+// Benchmarks and tools use the same definitions, so their figures can be compared.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +11,8 @@
 
 namespace deformable_contact_monitor {
 
-// The smallest sample that `share` (0, 1] of all samples do not exceed; 0 without samples.
+// Returns the smallest sample that at least a share (0, 1] of all samples does not exceed. Returns
+// 0 without samples.
 inline double percentile(std::vector<double> samples, double share) {
   if (samples.empty()) return 0;
   std::sort(samples.begin(), samples.end());
@@ -16,7 +20,8 @@ inline double percentile(std::vector<double> samples, double share) {
   return samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }
 
-// The mean of the two in the middle where their number is even; 0 without samples.
+// Returns the median: for an even number of samples, the mean of the two in the middle. Returns 0
+// without samples.
 inline double median(std::vector<double> samples) {
   if (samples.empty()) return 0;
   std::sort(samples.begin(), samples.end());

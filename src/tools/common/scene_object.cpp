@@ -1,31 +1,59 @@
-// A deforming object from the command line: mesh files in turn, or a simulated cloth.
+// Reads the options of a deforming object, and plays mesh files or steps a simulated cloth.
 #include "tools/common/scene_object.h"
 
-#include <Eigen/Core>
 #include <utility>
+
+#include "core/mesh_file.h"
 
 namespace deformable_contact_monitor {
 
+std::vector<MeshFrame> readMeshFrames(const std::vector<std::string>& paths, double scale,
+                                      const Eigen::Vector3d& offset,
+                                      const std::function<void(std::size_t)>& progress) {
+  std::vector<MeshFrame> frames;
+  for (const std::string& path : paths) {
+    MeshFrame frame;
+    frame.mesh = readMeshFile(path);
+    for (std::size_t i = 0; i < frame.mesh.vertices.size(); ++i) {
+      float& coordinate = frame.mesh.vertices[i];
+      coordinate =
+          static_cast<float>(scale * coordinate + offset[static_cast<Eigen::Index>(i % 3)]);
+    }
+    if (!frames.empty()) {
+      const MeshFrame& last = frames.back();
+      // A new topology_id tells receivers that the triangles changed.
+      const bool same = last.mesh.triangles == frame.mesh.triangles &&
+                        last.mesh.vertices.size() == frame.mesh.vertices.size();
+      frame.topology_id = last.topology_id + (same ? 0 : 1);
+    }
+    frames.push_back(std::move(frame));
+    progress(frames.size());
+  }
+  return frames;
+}
+
 void describe(CommandLine* line, SceneObject* object) {
   line->addWords("--meshes", &object->meshes,
-                 "mesh files (OBJ, PLY, STL, OFF), played in this order");
+                 "mesh files (OBJ, PLY, STL, OFF) to play in this order");
   line->add("--cloth", &object->cloth_triangles,
-            "make a square cloth of about so many triangles that is held at one edge, falls, and "
-            "is pushed by the robot; not with --meshes",
+            "simulate a square cloth of about this many triangles: it is held at one edge, falls, "
+            "and is pushed by the robot; not with --meshes",
             inRange(2, 2000000));
   line->refuseTogether("--cloth", "--meshes");
   line->addFlag("--loop", &object->loop, "play the files again and again");
   line->add("--object", &object->name, "name of the object");
   line->add("--frame", &object->frame,
-            "frame of the vertices; a link, for --cloth (else: the robot's root link)");
+            "frame of the vertices; with --cloth, a link (default: the robot's root link)");
   line->add("--rate", &object->rate_hz, "messages a second [Hz]", inRange(0.1, 1000.0));
-  line->add("--scale", &object->scale, "meshes: factor to metres; cloth: its edge [m]",
-            isPositive());
-  line->addNumbers("--offset", &object->offset,
-                   "x y z [m]: meshes: added after scaling; cloth: middle of the held edge");
-  line->add("--seed", &object->seed, "of what is random");
+  line->add("--scale", &object->scale,
+            "with --meshes, factor to metres; with --cloth, length of its edge [m]", isPositive());
+  line->addNumbers(
+      "--offset", &object->offset,
+      "x y z [m]: with --meshes, added after scaling; with --cloth, middle of the held edge");
+  line->add("--seed", &object->seed, "seed of the cloth's random motion");
 }
 
+// The source owns the cloth, or all frames of the files.
 MeshSource makeMeshSource(const SceneObject& object,
                           const std::function<void(std::size_t)>& progress) {
   if (object.cloth_triangles) {

@@ -1,4 +1,4 @@
-// Parameters from a yaml file, as rosparam would load it into a parameter server.
+// Reads parameters from a yaml file, as rosparam would load it into a parameter server.
 #include "tools/common/yaml_parameters.h"
 
 #include <yaml-cpp/yaml.h>
@@ -11,12 +11,15 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Nobody's parameters are lists of lists of lists, or as many as that: 20 000 rules for allowed
-// contacts. Yaml's aliases make billions of values of a few lines.
+// Limits what a file may hold: the depth of lists and maps, the number of values (20 000 rules for
+// allowed contacts need fewer), and the text in all of them. Otherwise a few lines with yaml's
+// aliases could stand for billions of values.
 constexpr int kDeepest = 32;
+// Values are counted each time that an alias repeats them.
 constexpr std::size_t kMostValues = 100000;
 constexpr std::size_t kMostCharacters = std::size_t{16} << 20U;
 
+// Converts a scalar as rosparam does: quoted values are texts, others may be numbers or booleans.
 XmlRpc::XmlRpcValue fromScalar(const YAML::Node& node) {
   const bool quoted = node.Tag() == "!";
   int integer = 0;
@@ -28,11 +31,13 @@ XmlRpc::XmlRpcValue fromScalar(const YAML::Node& node) {
   return node.Scalar();
 }
 
+// Counts everything that was converted so far.
 struct Size {
   std::size_t values = 0, characters = 0;
 };
 
-// Of a key that is there twice the last value counts, as in rosparam. Adds to `size`.
+// Converts a node and everything below it, and adds to `size`. If a key of a map is there twice,
+// the last value counts, as in rosparam.
 void fill(const YAML::Node& node, int depth, Size* size, XmlRpc::XmlRpcValue* value) {
   if (depth > kDeepest) {
     throw YAML::ParserException(node.Mark(), "nested too deeply");
@@ -62,6 +67,7 @@ void fill(const YAML::Node& node, int depth, Size* size, XmlRpc::XmlRpcValue* va
   }
 }
 
+// Reads the file. Errors name it and the line.
 YAML::Node load(const std::string& path) {
   try {
     return YAML::LoadFile(path);
@@ -89,6 +95,7 @@ XmlRpc::XmlRpcValue readYamlParameters(const std::string& path) {
   }
 }
 
+// Decides by the first character what the file holds.
 std::string readRobotDescription(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -96,6 +103,7 @@ std::string readRobotDescription(const std::string& path) {
   if (!file || start == std::string::npos) {
     throw std::runtime_error(path + ": cannot be read, or is empty");
   }
+  // A URDF begins with an element or a declaration of XML; yaml never begins with <.
   if (text[start] == '<') return text;
   const YAML::Node root = load(path);
   if (root.IsScalar()) return root.Scalar();

@@ -1,4 +1,6 @@
-// Parameters from a yaml file, as rosparam would load it into a parameter server.
+// Reads parameters from a yaml file, as rosparam would load them into a parameter server.
+//
+// The tools read the node's configuration files with it, but need no ROS master.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -7,12 +9,12 @@
 
 namespace deformable_contact_monitor {
 
-// Numbers, booleans, texts, lists and maps; null reads as an empty text. Throws std::runtime_error,
-// "<path>: <what>, line N", if the file cannot be read, is no yaml or holds something else.
+// Reads numbers, booleans, texts, lists and maps; null becomes an empty text. Throws
+// std::runtime_error, "<path>: <what>, line N", if the file cannot be read or is not valid yaml.
 XmlRpc::XmlRpcValue readYamlParameters(const std::string& path);
 
-// A URDF from a file that holds it as it is, or from a rosparam dump of it: a text, or the text
-// `robot_description` of a map. Throws std::runtime_error that names the file.
+// Reads a URDF from a file that holds it as it is, or from a rosparam dump of it: a text, or a map
+// with the text `robot_description`. Throws std::runtime_error that names the file.
 std::string readRobotDescription(const std::string& path);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,8 @@
-// contact_guard: publishes a speed scale and a stop from the states of a monitor.
+// contact_guard: the node that publishes a speed scale and a stop from the states of a monitor.
+//
+// It subscribes to the monitor's ~contact_states and publishes ~speed_scale and ~stop at a fixed
+// rate, and at once if they change. Class Guard decides; this file holds what needs ROS: topics,
+// the service ~release, diagnostics, and two threads.
 #include <deformable_contact_monitor/ContactStates.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
@@ -23,16 +27,19 @@ namespace {
 
 SteadyTime steadyNow() { return std::chrono::steady_clock::now(); }
 
+// Reads all parameters of the private namespace at once. Throws GuardParameterError.
 GuardParameters readParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   ros::param::get(private_node.getNamespace(), tree);
   return parseGuardParameters(tree);
 }
 
-// Callbacks come from a spinner's thread; run() is another, so that a callback that takes long
-// (the ROS master is asked in one) does not keep a stop back.
+// Runs the guard on two threads: callbacks on a spinner's thread, the output in run(). A callback
+// that takes long (one asks the ROS master for parameters) therefore cannot delay a stop.
 class GuardNode {
  public:
+  // Subscribes last, so that the subscription is destroyed first, before anything that its callback
+  // uses. Callbacks run only after main() has started the spinner.
   GuardNode(ros::NodeHandle node, ros::NodeHandle private_node)
       : parameters_(readParameters(private_node)),
         guard_(parameters_, steadyNow()),
@@ -48,7 +55,8 @@ class GuardNode {
   GuardNode(const GuardNode&) = delete;
   GuardNode& operator=(const GuardNode&) = delete;
 
-  // Until ROS shuts down. By the steady clock: the output never waits for ROS time.
+  // Publishes until ROS shuts down. It is paced by the steady clock, so the output goes on when ROS
+  // time stands still. It sleeps until the next output is due or a message has arrived.
   void run() {
     const auto period = fromSeconds(1 / parameters_.rate_hz);
     SteadyTime due = steadyNow();
@@ -69,7 +77,8 @@ class GuardNode {
   }
 
  private:
-  // Where it is not due, only what has changed.
+  // Publishes the output if it is due or has changed. Decides while the mutex is held, and
+  // publishes without it, so that sending never delays a callback.
   void publish(bool is_due) {
     GuardOutput output, before;
     {
@@ -91,6 +100,8 @@ class GuardNode {
     if (turned && !output.stop) ROS_INFO("no stop any more");
   }
 
+  // Takes a message in the spinner's thread, and wakes run(). The first message that lists a pair
+  // also starts the check of the margins, because only then the pairs are known.
   void store(const ContactStates& states) {
     bool is_first = false;
     {
@@ -104,6 +115,8 @@ class GuardNode {
     if (is_first) checkMargins(states);
   }
 
+  // Compares the monitor's margins with slow_distance_m, and warns once. Asks the ROS master
+  // without holding the mutex, because that may take long.
   void checkMargins(const ContactStates& states) {
     XmlRpc::XmlRpcValue tree;
     ros::param::get(parameters_.monitor, tree);
@@ -114,6 +127,7 @@ class GuardNode {
     margin_warning_ = warning;
   }
 
+  // Serves ~release: ends a latched stop unless there is still a reason to stop.
   bool release(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::string cause = guard_.release(ros::Time::now(), steadyNow());
@@ -122,6 +136,7 @@ class GuardNode {
     return true;
   }
 
+  // Fills the status `guard` of /diagnostics. run() calls it once a second.
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using diagnostic_msgs::DiagnosticStatus;
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -159,6 +174,7 @@ class GuardNode {
 }  // namespace
 }  // namespace deformable_contact_monitor
 
+// Exit code: 0 after a shutdown, 1 after an exception, such as wrong parameters.
 int main(int argc, char** argv) {
   ros::init(argc, argv, "contact_guard");
   const ros::NodeHandle node, private_node("~");  // outlive the try: without one, ROS logs nothing

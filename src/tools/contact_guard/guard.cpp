@@ -1,4 +1,5 @@
-// From states to a speed scale and a stop.
+// Decides the speed scale and the stop (see guard.h for the rules). ContactReader answers whether
+// each link may move; this file adds the watch of both clocks, the latch, and the scale.
 #include "tools/contact_guard/guard.h"
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Makes ContactReader answer "no" for a pair at stop_distance_m or nearer.
 ReaderRules readerRules(const GuardParameters& parameters) {
   ReaderRules rules;
   rules.max_age_s = parameters.max_age_s;
@@ -40,6 +42,7 @@ Guard::Guard(const GuardParameters& parameters, SteadyTime start)
       clock_moved_(start),
       latched_(parameters.latch) {}
 
+// Returns whether the pair has one of the guard's links; with no links, every pair counts.
 bool Guard::counts(const ContactState& state) const {
   const auto concerns = [&state](const std::string& link) {
     return ContactReader::concerns(state, link);
@@ -48,6 +51,7 @@ bool Guard::counts(const ContactState& state) const {
          std::any_of(parameters_.links.begin(), parameters_.links.end(), concerns);
 }
 
+// Follows the stored message rather than the given one, because the reader ignores a late one.
 void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime steady_now) {
   watchClock(now, steady_now);
   reader_.store(states, now);
@@ -58,7 +62,9 @@ void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime 
   }
 }
 
-// What is UNKNOWN changes no course: the first distance after it is held against those before.
+// Updates whether a pair approaches or recedes. The direction turns only after the distance has
+// changed by receding_m from its extreme, so that noise does not turn it. An UNKNOWN state changes
+// nothing: the next known distance is compared with those before it.
 void Guard::follow(const ContactState& state, double tolerance_m) {
   if (state.state == ContactState::UNKNOWN) return;
   const PairName name(state.body_a, state.body_b);
@@ -76,6 +82,8 @@ void Guard::follow(const ContactState& state, double tolerance_m) {
   course = {!course.recedes, distance_m};
 }
 
+// Notes when ROS time last changed. A clock that went back invalidates all stamps, so the guard
+// forgets the states and stops until new ones arrive.
 void Guard::watchClock(const ros::Time& now, SteadyTime steady_now) {
   const double step_s = secondsBetween(now, ros_time_);
   if (step_s != 0) clock_moved_ = steady_now;
@@ -86,6 +94,8 @@ void Guard::watchClock(const ros::Time& now, SteadyTime steady_now) {
   ros_time_ = now;
 }
 
+// Returns the first reason to stop, or an empty text. The clock is checked first: while ROS time
+// stands still, no state would ever become too old.
 std::string Guard::causeOfStop(const ros::Time& now, SteadyTime steady_now) {
   watchClock(now, steady_now);
   const double still_s = toSeconds(steady_now - clock_moved_);
@@ -104,7 +114,7 @@ std::string Guard::causeOfStop(const ros::Time& now, SteadyTime steady_now) {
   return missingBody();
 }
 
-// Why a body that is required is not watched; empty: they all are.
+// Returns which required body is in no pair that counts; empty: each is in one.
 std::string Guard::missingBody() const {
   const std::vector<ContactState>& states = reader_.newest().states;
   for (const std::string& body : parameters_.required_bodies) {
@@ -116,7 +126,7 @@ std::string Guard::missingBody() const {
   return "";
 }
 
-// Where nothing stops the robot.
+// Returns the scale when nothing stops the robot: the least over all pairs that do not recede.
 GuardOutput Guard::slowed() const {
   GuardOutput output{false, 1, ""};
   const double range_m = parameters_.slow_distance_m - parameters_.stop_distance_m;
@@ -136,6 +146,7 @@ GuardOutput Guard::slowed() const {
   return output;
 }
 
+// The latch keeps its first reason, which tells more than a later one.
 GuardOutput Guard::decide(const ros::Time& now, SteadyTime steady_now) {
   const std::string cause = causeOfStop(now, steady_now);
   if (!cause.empty()) {
@@ -149,12 +160,14 @@ GuardOutput Guard::decide(const ros::Time& now, SteadyTime steady_now) {
   return slowed();
 }
 
+// A reason that still holds keeps the latch.
 std::string Guard::release(const ros::Time& now, SteadyTime steady_now) {
   std::string cause = causeOfStop(now, steady_now);
   if (cause.empty()) latched_ = false;
   return cause;
 }
 
+// Asks for all bodies ("*") if no links were named.
 double Guard::nearest(const ros::Time& now) const {
   double least = std::numeric_limits<double>::infinity();
   if (parameters_.links.empty()) return reader_.nearest("*", now);

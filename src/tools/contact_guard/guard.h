@@ -1,4 +1,9 @@
-// From states to a speed scale and a stop. No node of its own: times and messages are given.
+// Computes a speed scale and a stop from the monitor's states. It has no node handle: the caller
+// passes messages and times.
+//
+// A pair of bodies stops the robot when its state is UNKNOWN, too old, CONTACT, or nearer than
+// stop_distance_m. Between stop_distance_m and slow_distance_m the scale grows linearly. A pair
+// whose distance grows (it recedes) does not slow the robot.
 #pragma once
 
 #include <deformable_contact_monitor/ContactStates.h>
@@ -14,40 +19,46 @@
 
 namespace deformable_contact_monitor {
 
+// The guard's output. A default-constructed output stops the robot.
 struct GuardOutput {
   bool stop = true;
   double scale = 0;     // of the speed, [0, 1]; 0 with a stop
   std::string because;  // of a stop; else of a scale below 1; else empty
 };
 
-// Stops unless every pair that counts is known, fresh and far enough apart, ROS time goes on, and
-// states come. One thread at a time; its clocks are told to it, each going forward but for resets
-// of ROS time.
+// Decides to stop unless all of these hold: every pair that counts is known, fresh and far enough
+// apart, ROS time advances, and states arrive. Not thread-safe. The caller passes both clocks; the
+// steady one never goes back, ROS time only where it is reset.
 class Guard {
  public:
-  // `start`: waiting for the first states begins.
+  // `start` is the time from which max_silence_s counts until the first states arrive.
   Guard(const GuardParameters& parameters, SteadyTime start);
 
+  // Takes a message that arrived at `now` (ROS time) and `steady_now`.
   void store(const ContactStates& states, const ros::Time& now, SteadyTime steady_now);
 
+  // Returns the output at this time. Call it at least as often as the output is due.
   GuardOutput decide(const ros::Time& now, SteadyTime steady_now);
 
-  // Ends a latched stop; why it does not: something stops the robot now. Empty: nothing is latched.
+  // Ends a latched stop and returns an empty text, or returns the reason that stops the robot now.
   std::string release(const ros::Time& now, SteadyTime steady_now);
 
+  // Returns whether a latched stop waits for release(). With `latch`, it does so from the start.
   bool isLatched() const { return latched_; }
-  // The least certain distance [m] of the pairs that count; 0 where anything is not known.
+  // Returns the least certain distance of the pairs that count [m]; 0 if one of them is unknown.
   double nearest(const ros::Time& now) const;
 
  private:
+  // The names of a pair's bodies, in the order of the message.
   using PairName = std::pair<std::string, std::string>;
 
-  // How a pair's distance went: the least since it came nearer, or the greatest since it receded.
+  // Tracks a pair's distance: the least while it approaches, or the greatest while it recedes.
   struct Course {
     bool recedes = false;
     double turn_m = 0;
   };
 
+  // Parts of store() and decide(). guard.cpp says what each does.
   bool counts(const ContactState& state) const;
   void follow(const ContactState& state, double tolerance_m);
   void watchClock(const ros::Time& now, SteadyTime steady_now);
@@ -57,10 +68,10 @@ class Guard {
 
   const GuardParameters parameters_;
   ContactReader reader_;
-  std::map<PairName, Course> courses_;  // of pairs that were NEAR or touched when last known
-  SteadyTime heard_;                    // the last message came
-  SteadyTime clock_moved_;              // ROS time was last seen to change
-  ros::Time ros_time_;                  // as last seen
+  std::map<PairName, Course> courses_;  // pairs that were NEAR or in CONTACT when last known
+  SteadyTime heard_;                    // arrival of the last message
+  SteadyTime clock_moved_;              // when ROS time last changed
+  ros::Time ros_time_;                  // at the last call
   bool latched_;
   std::string latched_because_ = "not released since its start";
 };

@@ -1,4 +1,5 @@
-// The guard's parameters.
+// Reads and checks the guard's parameters. All problems are collected before it throws, so that a
+// user can correct them at once.
 #include "tools/contact_guard/guard_parameters.h"
 
 #include <ros/names.h>
@@ -13,7 +14,8 @@ GuardParameters parseGuardParameters(const XmlRpc::XmlRpcValue& tree) {
   GuardParameters p;
   p.monitor = reader.text("monitor", p.monitor);
   std::string error;
-  if (!ros::names::validate(p.monitor, error)) reader.addProblem("monitor", "is no name: " + error);
+  if (!ros::names::validate(p.monitor, error))
+    reader.addProblem("monitor", "is not a valid name: " + error);
   p.links = reader.texts("links");
   p.required_bodies = reader.texts("required_bodies");
   p.slow_distance_m = reader.number("slow_distance_m", p.slow_distance_m, 0, 10);

@@ -1,4 +1,4 @@
-// The guard's parameters. README.md holds each with unit, default and range.
+// The guard's parameters. README.md lists them with unit, default and range.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -9,28 +9,29 @@
 
 namespace deformable_contact_monitor {
 
+// All parameters with their defaults. Distances are between two bodies.
 struct GuardParameters {
   std::string monitor = "contact_monitor";   // name of the monitor's node
-  std::vector<std::string> links;            // whose pairs count; empty: all pairs
+  std::vector<std::string> links;            // only pairs with these links count; empty: all pairs
   std::vector<std::string> required_bodies;  // each must be in one of those pairs
-  double slow_distance_m = 0.1;              // at least so far apart: full speed
-  double stop_distance_m = 0.02;             // at most so far apart: stop
-  double least_scale = 0.1;                  // at stop_distance_m, before the stop
-  double receding_m = 0.005;                 // grown by so much, a distance slows no more; 0: never
-  double max_age_s = 0.5;                    // of states, in ROS time
-  double max_silence_s = 0.5;  // of the monitor and of the ROS clock, by the wall clock
-  double rate_hz = 50;         // of the output, at least
+  double slow_distance_m = 0.1;              // full speed at this distance and beyond
+  double stop_distance_m = 0.02;             // stop at this distance and below
+  double least_scale = 0.1;                  // scale just above stop_distance_m
+  double receding_m = 0.005;   // a pair recedes after its distance grew by this; 0: never
+  double max_age_s = 0.5;      // of states, in ROS time
+  double max_silence_s = 0.5;  // longest silence of the monitor or the ROS clock, wall time
+  double rate_hz = 50;         // least rate of the output
   bool latch = false;          // a stop stays until it is released
 };
 
-// Lists every problem, one a line.
+// Thrown with every problem of the parameters, one a line.
 struct GuardParameterError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// `tree`: the private namespace as the parameter server hands it out (invalid: nothing is set). A
-// name that nothing reads is a problem, too: what was meant to stop a robot is not ignored. Throws
-// GuardParameterError.
+// Parses the private namespace as the parameter server returns it (invalid: nothing is set). An
+// unknown name is an error too, because a setting that was meant to stop a robot must not be
+// ignored. Throws GuardParameterError.
 GuardParameters parseGuardParameters(const XmlRpc::XmlRpcValue& tree);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,5 @@
-// Whether the monitor's margins let the guard see what it is to slow for.
+// Checks that the monitor's margins are large enough for the guard's slow_distance_m. The margin of
+// a pair is the larger one of its two bodies, as in the monitor.
 #include "tools/contact_guard/margin_check.h"
 
 #include <algorithm>
@@ -12,9 +13,10 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// The largest margin that the monitor accepts [m].
 constexpr double kLargestM = 10;
 
-// Margins by body, and of all others.
+// The margin of single bodies, and the common margin of all others [m].
 struct Margins {
   double common_m = 0;
   std::map<std::string, double> own_m;
@@ -25,7 +27,7 @@ struct Margins {
   }
 };
 
-// What the monitor refuses is its own affair: it does not run then.
+// Reads the monitor's margins. Bad values are ignored, since the monitor does not start with them.
 Margins readMargins(const XmlRpc::XmlRpcValue& monitor) {
   std::vector<std::string> problems;
   ParameterReader reader(monitor, "", &problems);
@@ -39,6 +41,7 @@ Margins readMargins(const XmlRpc::XmlRpcValue& monitor) {
   return margins;
 }
 
+// Returns whether the guard regards the pair, as Guard::counts() does.
 bool counts(const ContactState& state, const std::vector<std::string>& links) {
   return links.empty() || std::any_of(links.begin(), links.end(), [&state](const auto& link) {
            return ContactReader::concerns(state, link);
@@ -47,6 +50,7 @@ bool counts(const ContactState& state, const std::vector<std::string>& links) {
 
 }  // namespace
 
+// Compares in float32, because the monitor keeps margins as float32.
 std::string tooSmallMargins(const XmlRpc::XmlRpcValue& monitor, const ContactStates& states,
                             const GuardParameters& parameters) {
   const Margins margins = readMargins(monitor);

@@ -1,4 +1,6 @@
-// How pairs of bodies stand, within a tolerance and a budget.
+// Decides and prints the state of each pair of bodies. The core's decide() turns bounds of a
+// distance into a state. A result without bounds, as from exact detection, is first turned into
+// bounds from its list of contacts.
 #include "tools/detect_contacts/body_states.h"
 
 #include <algorithm>
@@ -11,7 +13,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-// What the list of contacts says of a pair.
+// Returns the bounds of a pair's distance that follow from the list of contacts: the nearest
+// contact gives the upper bound and the witness. If the result has no separations, all contacts
+// intersect, at distance 0. The lower bound stays 0.
 BodyDistance listedDistance(const DetectionResult& result, BodyId a, BodyId b) {
   BodyDistance distance;
   distance.body_a = a;
@@ -33,14 +37,17 @@ Json point(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
+// The margin of a pair is the larger one of its two bodies.
 std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& result,
                                   float tolerance_m) {
+  // Exact detection has no bounds, so they are made from its list.
   std::vector<BodyDistance> distances = result.distances;
   if (distances.empty()) {
     for (const auto& [a, b] : scene.enabledPairs()) {
       if (a != b) distances.push_back(listedDistance(result, a, b));
     }
   }
+  // The core decides, so the tool and the node report the same states.
   std::vector<BodyState> states;
   for (const BodyDistance& distance : distances) {
     const float margin_m =
@@ -50,6 +57,7 @@ std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& res
   return states;
 }
 
+// Names at most kShown pairs, because a scene of many bodies has many pairs.
 std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& states) {
   constexpr std::size_t kShown = 20;
   std::string text;
@@ -69,6 +77,7 @@ std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& sta
   return text + "  and " + std::to_string(states.size() - kShown) + " more pairs of bodies\n";
 }
 
+// An infinite upper bound means that no witness is known. JSON has no infinity, so it becomes null.
 Json bodyStatesJson(const std::vector<BodyState>& states) {
   Json json = Json::array();
   for (const BodyState& state : states) {

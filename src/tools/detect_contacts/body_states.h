@@ -1,4 +1,4 @@
-// How pairs of bodies stand, within a tolerance and a budget.
+// The state of each pair of bodies (NONE, NEAR, CONTACT) for --tolerance-m and --budget-ms.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,21 +10,23 @@
 
 namespace deformable_contact_monitor {
 
+// The bounds of a pair's distance, in the meshes' unit, and the state that follows from them.
 struct BodyState {
   BodyDistance distance;
   PairDecision decision = PairDecision::kOpen;
 };
 
-// Of each enabled pair of two bodies, ascending. Where the detection looked at no bounds, by the
-// contacts that it lists; then a witness's points are zero.
+// Returns the state of each enabled pair of two bodies, ascending. If the result has no bounds
+// (DetectionResult::distances), the listed contacts decide, and the points of a witness are zero.
 std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& result,
                                   float tolerance_m);
 
-// A line for each, of the first 20.
+// Returns a line for each of the first 20 pairs: the names of the bodies, the state, and the bounds
+// of the distance with the witness.
 std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& states);
 
-// [{bodies, state, distance_low, distance_high, witness, points, listed, contacts}]; null: not
-// known.
+// Returns [{bodies, state, distance_low, distance_high, witness, points, listed, contacts}].
+// Unknown values are null.
 nlohmann::json bodyStatesJson(const std::vector<BodyState>& states);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,6 @@
-// What detect_contacts writes: pairs, JSON, and a summary for people.
+// Writes the outputs of detect_contacts: lists of pairs, a JSON report, and a summary for people.
+// All functions return text and open no files. A list may have millions of lines, so memory for it
+// is reserved in one piece.
 #include "tools/detect_contacts/contact_report.h"
 
 #include <algorithm>
@@ -8,9 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "tools/common/completeness.h"
-#include "tools/common/json_text.h"
-#include "tools/common/option_value.h"
+#include "tools/common/command_line.h"
+#include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
 #include "tools/detect_contacts/body_states.h"
 
@@ -19,11 +20,13 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Returns first, median and 95th percentile [ms]. The first detection is a cold start and stands
+// apart.
 Json timesJson(const std::vector<double>& ms) {
   return {{"first", ms.front()}, {"median", median(ms)}, {"p95", percentile(ms, 0.95)}};
 }
 
-// A stage that a cycle left out took no time in it.
+// Returns the median time of each stage. A stage that a cycle skipped counts as 0 in it.
 Json stagesJson(const DetectionTimes& times) {
   std::map<std::string, std::vector<double>> samples;
   for (std::size_t cycle = 0; cycle < times.stages.size(); ++cycle) {
@@ -38,6 +41,7 @@ Json stagesJson(const DetectionTimes& times) {
   return json;
 }
 
+// Returns path and size of each body's mesh; with --swept, also the file of its earlier state.
 Json filesJson(const DetectArguments& arguments, const Scene& scene) {
   Json json = Json::array();
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
@@ -50,6 +54,7 @@ Json filesJson(const DetectArguments& arguments, const Scene& scene) {
   return json;
 }
 
+// Returns the options in force, defaults included, so that a run can be repeated from its report.
 Json optionsJson(const DetectArguments& arguments) {
   const Options& options = arguments.options;
   Json json;
@@ -69,7 +74,8 @@ Json optionsJson(const DetectArguments& arguments) {
   return json;
 }
 
-// How deep the deepest pair is, and how many pairs have each flag.
+// Returns the greatest depth [the meshes' unit], and how many pairs have each flag. Pairs that are
+// apart have no depth.
 Json geometryJson(const std::vector<PairGeometry>& geometry) {
   const std::pair<const char*, GeometryFlag> flags[] = {
       {"coplanar", kCoplanar},
@@ -89,12 +95,13 @@ Json geometryJson(const std::vector<PairGeometry>& geometry) {
   return json;
 }
 
-// Contacts that are there when the step begins.
+// Counts the contacts that exist when the time interval begins: their first time is certainly 0.
 std::size_t countAtStart(const std::vector<FirstContact>& times) {
   return static_cast<std::size_t>(std::count_if(
       times.begin(), times.end(), [](const FirstContact& first) { return first.high == 0; }));
 }
 
+// Returns a line with the times; statistics only if there is more than one.
 std::string milliseconds(const char* name, const std::vector<double>& ms) {
   char line[160];
   if (ms.size() == 1) {
@@ -106,6 +113,7 @@ std::string milliseconds(const char* name, const std::vector<double>& ms) {
   return line;
 }
 
+// Returns a line with the number of contacts for each of the first 20 pairs of bodies that touch.
 std::string bodyPairs(const Scene& scene, const TrianglePairs& contacts) {
   constexpr std::size_t kShown = 20;
   std::map<std::pair<BodyId, BodyId>, std::uint64_t> counts;
@@ -124,6 +132,7 @@ std::string bodyPairs(const Scene& scene, const TrianglePairs& contacts) {
   return text;
 }
 
+// Returns one line: whether the list has every contact, and each reason why it may not.
 std::string completeness(const DetectionResult& result) {
   std::string text = isComplete(result) ? "complete: yes" : "complete: no";
   if (!result.guaranteed) {
@@ -143,13 +152,16 @@ std::string completeness(const DetectionResult& result) {
 
 }  // namespace
 
+// Copies the times, because the detector overwrites its result in the next detection.
 void DetectionTimes::add(const DetectionResult& result) {
   detect.push_back(result.detect_ms);
   round_trip.push_back(result.round_trip_ms);
   stages.push_back(result.stages_ms);
 }
 
+// Writes the digits directly, because a list may have millions of lines and snprintf() is slower.
 std::string pairLines(const TrianglePairs& contacts) {
+  // Reserves the longest line for each contact, and cuts the text at its end.
   constexpr std::size_t kLongestLine = 44;  // four numbers of ten digits, three blanks, LF
   std::string text(contacts.size() * kLongestLine, '\0');
   char* at = text.data();
@@ -168,6 +180,7 @@ std::string pairLines(const TrianglePairs& contacts) {
   return text;
 }
 
+// first_times has the order of contacts, so one index serves both.
 std::string timeLines(const DetectionResult& result) {
   std::string text;
   text.reserve(result.first_times.size() * 48);
@@ -200,6 +213,7 @@ std::string geometryLines(const DetectionResult& result) {
   return text;
 }
 
+// `contacts` counts all contacts that were found, also those that --memory-limit left out.
 std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
                        const std::string& backend, const DetectionResult& last,
                        const DetectionTimes& times) {
@@ -227,6 +241,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["candidates"] = counters.candidates;
   json["exact"] = counters.exact;
   json["undecided"] = counters.undecided;
+  // The parts below exist only if their options asked for them.
   if (arguments.options.first_times) json["at_start"] = countAtStart(last.first_times);
   if (arguments.options.geometry) json["geometry"] = geometryJson(last.geometry);
   if (arguments.bounded()) {
@@ -240,6 +255,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   return jsonText(json);
 }
 
+// Starts with what most users look for, the number of contacts, and ends with the times.
 std::string summary(const DetectArguments& arguments, const Scene& scene,
                     const std::string& backend, const DetectionResult& last,
                     const DetectionTimes& times) {

@@ -1,4 +1,5 @@
-// The command line of detect_contacts.
+// Declares and checks the command line of detect_contacts. CommandLine checks single values; this
+// file checks what depends on several options, and converts texts to the core's types.
 #include "tools/detect_contacts/detect_arguments.h"
 
 #include <charconv>
@@ -19,6 +20,8 @@ constexpr const char* kDescription =
 constexpr const char* kFooter =
     "Exit code: 0, or 2 with one line on standard error (bad usage, an unreadable mesh).";
 
+// Reads --clusters: "auto" is 0, which lets the detector choose. Throws on anything else that is
+// not a number of at least 1; problems() checks the upper limit.
 int clustersFrom(const std::string& text) {
   if (text == "auto") return 0;
   int clusters = 0;
@@ -31,6 +34,8 @@ int clustersFrom(const std::string& text) {
   return clusters;
 }
 
+// Adds the options whose values go into `arguments` directly. Their present values are the
+// defaults.
 void addOptions(CommandLine* line, DetectArguments* arguments) {
   Options& options = arguments->options;
   line->addPositionals("MESH", &arguments->meshes, true, "Mesh files");
@@ -51,6 +56,7 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
       "list the contacts seen on the way alone; 0: exact");
   line->add("--budget-ms", &arguments->budget_ms,
             "End each detection after so long; what is not decided is unknown", isPositive());
+  // The bounds of distances hold at one moment, not over an interval.
   for (const char* option : {"--tolerance-m", "--budget-ms"}) {
     line->refuseTogether("--swept", option);
   }
@@ -74,6 +80,8 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->add("--adjacent", &options.adjacent, kAdjacentHelp);
 }
 
+// Rejects a mesh's name as an output, which is most often a forgotten argument, and two outputs to
+// the same file.
 void refuseOutputs(const DetectArguments& arguments) {
   const std::pair<std::string, std::string> outputs[] = {{"--pairs", arguments.pairs_file},
                                                          {"--times", arguments.times_file},
@@ -91,6 +99,7 @@ void refuseOutputs(const DetectArguments& arguments) {
   }
 }
 
+// Adds --swept and the rules that tie other options to it.
 void addSwept(CommandLine* line, bool* swept) {
   line->addFlag("--swept", swept,
                 "The meshes come in twos, a body's earlier and later state; find every contact at "
@@ -100,6 +109,8 @@ void addSwept(CommandLine* line, bool* swept) {
   line->refuseTogether("--swept", "--geometry");
 }
 
+// Applies --swept after parsing. First times cost extra work, so they are computed only if --times
+// writes them.
 void setMotion(bool swept, DetectArguments* arguments) {
   if (!swept) return;
   if (arguments->backend == "fcl") {
@@ -115,6 +126,8 @@ void setMotion(bool swept, DetectArguments* arguments) {
 
 }  // namespace
 
+// Parses first and checks later, because the meaning of some options depends on others. Texts with
+// a meaning of their own, such as "auto", go through local variables.
 bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   CommandLine line("detect_contacts", kDescription, kFooter);
   addOptions(&line, arguments);

@@ -1,4 +1,9 @@
-// detect_contacts: every contact between the triangles of mesh files. Needs no ROS.
+// detect_contacts: finds every contact between the triangles of mesh files. Needs no ROS. Reads the
+// meshes into a scene, detects once or repeatedly, and writes the reports that were asked for.
+//
+// Exit code: 0, or 2 with one line on standard error. Reports are made from the last detection,
+// times from all of them. Outputs are opened before the detection, so that a file that cannot be
+// written is found early.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -20,7 +25,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Throws std::runtime_error that names the later file.
+// Returns the vertices of the earlier file. Both states must have the same triangles, because
+// vertex i moves from its place in the first file to that in the second. Throws std::runtime_error,
+// naming the later file, if the triangles differ.
 std::vector<float> earlierVertices(const std::string& earlier_file, const std::string& later_file,
                                    const TriangleMesh& later) {
   TriangleMesh earlier = readMeshFile(earlier_file);
@@ -31,8 +38,11 @@ std::vector<float> earlierVertices(const std::string& earlier_file, const std::s
   return std::move(earlier.vertices);
 }
 
+// Makes a body of each file, or of each two files with --swept. Enables each pair of two bodies,
+// and with --self each body with itself. The later file gives a body its name and its present mesh.
 Scene readScene(const DetectArguments& arguments, Progress* progress) {
   Scene scene;
+  // With --swept, a body has two files: the earlier state, then the later one.
   const std::size_t states = arguments.swept() ? 2 : 1;
   for (std::size_t first = 0; first < arguments.meshes.size(); first += states) {
     const std::string& file = arguments.meshes[first + states - 1];
@@ -49,6 +59,8 @@ Scene readScene(const DetectArguments& arguments, Progress* progress) {
   return scene;
 }
 
+// Detects `repeat` times, adds the times, and returns the last result, which belongs to the
+// detector. The deadline is set anew for each detection.
 const DetectionResult& detect(const DetectArguments& arguments, const Scene& scene,
                               Detector* detector, DetectionTimes* times, Progress* progress) {
   const std::string of_all = " of " + std::to_string(arguments.repeat);
@@ -66,7 +78,7 @@ const DetectionResult& detect(const DetectArguments& arguments, const Scene& sce
   return *result;
 }
 
-// A report that was asked for.
+// One requested report, its text, and the file that it goes to.
 struct Report {
   explicit Report(const std::string& path) : to_output(path == "-"), file(path) {}
 
@@ -75,8 +87,8 @@ struct Report {
   std::string text;
 };
 
-// What goes to standard output comes last, so that the files are whole if its reader goes away. A
-// summary for people goes there if nothing else does.
+// Writes files first and standard output last, so that the files are complete even if the reader of
+// standard output ends. The summary goes to standard output if no report does.
 void writeReports(const std::string& summary, std::list<Report>* reports) {
   Report* last = nullptr;
   for (Report& report : *reports) {
@@ -93,7 +105,8 @@ void writeReports(const std::string& summary, std::list<Report>* reports) {
   }
 }
 
-// What a user who reads the pairs alone would not see.
+// Prints notes to standard error about what the list of pairs alone does not show: contacts that
+// are missing, and input that could not be used.
 void warn(const DetectArguments& arguments, const DetectionResult& result) {
   if (result.left_out > 0) {
     std::fprintf(
@@ -126,7 +139,11 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
   }
 }
 
+// Does everything after parsing. A tolerance or a budget needs tilings, which are built before the
+// first detection, so that all detections use them. The progress line is removed before results are
+// written to the terminal. Throws std::exception, whose text is one line.
 void run(const DetectArguments& arguments) {
+  // Detection with bounds uses tilings: groups of triangles with boxes around them.
   const auto tilings = arguments.bounded() ? std::make_shared<TilingCache>() : nullptr;
   const std::unique_ptr<Detector> detector = makeDetector(
       arguments.backend, WithoutCuda::kFallBack, arguments.cuda,
@@ -134,11 +151,14 @@ void run(const DetectArguments& arguments) {
         std::fprintf(stderr, "detect_contacts: warning: %s\n", why.c_str());
       },
       tilings);
+  // FCL would silently report only triangles that intersect.
   if (arguments.margin_m != 0 && !supportsMargins(*detector)) {
     throw std::invalid_argument("--margin: backend " + detector->backend() +
                                 " has no margins; use --backend auto");
   }
   std::list<Report> reports;
+  // Opens a report's file if it was asked for. The list never moves its elements, so pointers stay
+  // valid.
   const auto open = [&reports](const std::string& path) {
     return path.empty() ? nullptr : &reports.emplace_back(path);
   };
@@ -156,6 +176,7 @@ void run(const DetectArguments& arguments) {
     Report* const times_of_pairs = open(arguments.times_file);
     Report* const geometry = open(arguments.geometry_file);
     Report* const json = open(arguments.json_file);
+    // The result belongs to the detector, which outlives the reports.
     last = &detect(arguments, scene, detector.get(), &times, &progress);
     progress.set("writing");
     const std::string backend = detector->backend();
@@ -165,6 +186,7 @@ void run(const DetectArguments& arguments) {
     if (json != nullptr) json->text = jsonReport(arguments, scene, backend, *last, times);
     text = summary(arguments, scene, backend, *last, times);
   }
+  // Notes come before the results, so that the results are the last lines on a terminal.
   warn(arguments, *last);
   writeReports(text, &reports);
 }
@@ -172,8 +194,11 @@ void run(const DetectArguments& arguments) {
 }  // namespace
 }  // namespace deformable_contact_monitor
 
+// The summary or a report may be piped into a program that stops reading early. That is no error.
 int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
+  // A reader of standard output that ends early, such as `head`, then causes an error code and not
+  // the end of the process.
   std::signal(SIGPIPE, SIG_IGN);
   return dcm::runTool("detect_contacts", [argc, argv] {
     dcm::DetectArguments arguments;

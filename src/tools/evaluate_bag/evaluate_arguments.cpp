@@ -1,81 +1,58 @@
 // The command line of evaluate_bag.
 #include "tools/evaluate_bag/evaluate_arguments.h"
 
-#include <algorithm>
-#include <charconv>
-
 #include "tools/common/backend_choice.h"
 #include "tools/common/command_line.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::uint64_t kMostParts = 100000;
+// The texts of --help before and after the list of options.
 constexpr const char* kDescription =
-    "Finds the contacts of every deformable mesh in ROS bags, at the mesh's own stamp, as the node "
-    "contact_monitor would if it never missed one. Needs no ROS master. Writes frames.csv, "
-    "links.csv, summary.json and report.html.";
+    "Finds the contacts of every deformable mesh in ROS bags, at the mesh's own stamp, by the "
+    "rules "
+    "of the node contact_monitor, and without missing a mesh. Needs no ROS master. Writes "
+    "frames.csv, links.csv, events.csv, summary.json and report.html. One process evaluates one "
+    "recording; evaluate_bags runs many of them side by side.";
 constexpr const char* kFooter =
-    "Exit code: 0; 1 if the cpu and cuda backends disagree or an expectation fails; 2 with one "
-    "line on standard error on bad input (what could be read of a damaged bag is evaluated all the "
-    "same), or if no cycle could be evaluated.";
-
-// "K/N".
-BagPart partOf(const std::string& text) {
-  BagPart part;
-  const std::size_t slash = std::min(text.find('/'), text.size());
-  const char* const end = text.data() + text.size();
-  const auto number = std::from_chars(text.data(), text.data() + slash, part.number);
-  const auto of = std::from_chars(std::min(text.data() + slash + 1, end), end, part.of);
-  if (number.ec != std::errc() || of.ec != std::errc() || number.ptr != text.data() + slash ||
-      of.ptr != end || part.number < 1 || part.of < part.number || part.of > kMostParts) {
-    refuseUsage("--part: " + text +
-                " is not K/N with 1 <= K <= N <= " + std::to_string(kMostParts));
-  }
-  return part;
-}
+    "Exit code: 0: passed; 1: the cpu and cuda backends disagree, or an expectation fails; 2: bad "
+    "input, a damaged bag (what could be read is evaluated), or no cycle could be evaluated. With "
+    "2, one line on standard error says why.";
 
 }  // namespace
 
+// The options of a played object are shared with scene_publisher.
 bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   CommandLine line("evaluate_bag", kDescription, kFooter);
-  line.addPositionals("BAG", &arguments->files.bags, true, "Bags, read as one");
-  line.add("--config", &arguments->files.config,
-           "Parameters of contact_monitor, yaml; without it every deformable mesh topic is an "
-           "object, and the rest are defaults");
-  line.add("--expect", &arguments->expectations, "Who must touch whom and when, yaml");
-  line.add("--robot-description", &arguments->files.robot_description,
-           "URDF, or a rosparam dump of it; else the bags' link meshes or robot_description");
+  line.addPositionals("BAG", &arguments->files.bags, true, "Bags, read as one recording");
+  line.add(
+      "--config", &arguments->files.config,
+      "Parameters of contact_monitor (yaml). Without it, every topic of deformable meshes is an "
+      "object, and all other parameters have their defaults");
+  line.add("--expect", &arguments->expectations, "Which bodies must touch, and when (yaml)");
+  line.add(
+      "--robot-description", &arguments->files.robot_description,
+      "URDF, or a rosparam dump of it. Without it, the bags' link meshes or robot_description");
   line.add("--srdf", &arguments->files.srdf,
-           "SRDF, whose disabled pairs of links may touch, or none; else the configuration's srdf, "
-           "where auto is the bags' robot_description_semantic");
+           "SRDF whose disabled pairs of links may touch, or none. Without it, the configuration's "
+           "srdf, where auto is the bags' robot_description_semantic");
   line.add("--reference-frame", &arguments->files.reference_frame,
            "Frame of the contacts, instead of the configuration's");
   line.add("--out", &arguments->out, "Folder to write to");
-  line.addList("--backends", &arguments->backends, "Compared as sets; each", oneOf(backendNames()));
-  line.addList("--predicates", &arguments->predicates, "Each",
+  line.addList("--backends", &arguments->backends,
+               "Backends to run and to compare as sets of pairs; each", oneOf(backendNames()));
+  line.addList("--predicates", &arguments->predicates, "Predicates to run with each backend; each",
                oneOf({"exact", "conservative", "fast"}));
-  line.addList("--overlaps", &arguments->overlaps, "Each", inRange(0.0F, 1.0F));
+  line.addList("--overlaps", &arguments->overlaps, "Overlaps to run with each backend; each",
+               inRange(0.0F, 1.0F));
   line.add("--threads", &arguments->threads,
            "Threads of the cpu backend, instead of the configuration's; 0: all cores",
            inRange(0, 1024));
   line.addFlag("--pairs", &arguments->pairs, "Also write every triangle pair to pairs.csv");
   bool without_report = false;
-  line.addFlag("--no-report", &without_report, "Draw no report.html");
-  std::string part;
-  line.add("--part", &part,
-           "K/N: of N parts of the bags' cycles, each with about as many meshes, find the contacts "
-           "of part K alone, and write them to --records");
-  line.add("--records", &arguments->records, "File to write");
-  line.requireFor("--part", "--records");
-  line.requireFor("--records", "--part");
-  line.addWords("--join", &arguments->joined,
-                "Records of all parts, made with the other options as they are here: evaluate "
-                "these, and detect nothing");
-  line.refuseTogether("--part", "--join");
+  line.addFlag("--no-report", &without_report, "Do not draw report.html");
   describe(&line, &arguments->object);
   if (!line.parse(argc, argv)) return false;
-  if (!part.empty()) arguments->part = partOf(part);
   arguments->report = !without_report;
   return true;
 }

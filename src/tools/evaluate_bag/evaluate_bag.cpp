@@ -1,4 +1,9 @@
-// evaluate_bag: the contacts of every deformable mesh in ROS bags. Needs no ROS master.
+// evaluate_bag: finds the contacts of every deformable mesh in ROS bags, without a ROS master.
+//
+// The bags are read twice: once to learn what they hold (topics, frames, triangles that come late),
+// and once to run a cycle for each mesh. All runs see a cycle before the next one is made, so
+// memory holds some seconds of the bags. Tables are written row by row on the way; the summary
+// follows at the end. README.md says how results may differ from those of the live node.
 #include <console_bridge/console.h>
 #include <ros/time.h>
 
@@ -17,31 +22,26 @@
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_setup.h"
-#include "tools/bags/stamp_text.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"
+#include "tools/common/reports.h"
 #include "tools/common/run_tool.h"
-#include "tools/common/script.h"
 #include "tools/evaluate_bag/evaluate_arguments.h"
 #include "tools/evaluate_bag/evaluation_run.h"
-#include "tools/evaluate_bag/evaluation_runs.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
 #include "tools/evaluate_bag/evaluation_tables.h"
-#include "tools/evaluate_bag/evaluation_verdict.h"
-#include "tools/evaluate_bag/recorded_contacts.h"
-#include "tools/evaluate_bag/swept_tables.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
-using Sources = std::vector<std::unique_ptr<ContactSource>>;
 
+// Writes a warning as one line.
 void warn(const std::string& what) {
   std::fprintf(stderr, "evaluate_bag: warning: %s\n", oneLine(what).c_str());
 }
 
-// Everything that is written while the evaluation goes.
+// Everything that is written while the evaluation runs.
 struct Tables {
   Tables(const std::string& folder, bool with_pairs, bool swept)
       : frames(folder), links(folder), events(folder) {
@@ -64,9 +64,11 @@ struct Tables {
   std::optional<SweptPairsTable> swept_pairs;
 };
 
+// Runs all backends on a cycle, compares them, and writes the rows of the tables.
 void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
                    std::vector<RunComparison>* compared, Tables* tables) {
   for (auto& run : *runs) run->evaluate(cycle, scene);
+  // Each comparison is with the first run, so one flag a run is enough.
   std::vector<bool> differing(runs->size(), false);
   for (RunComparison& comparison : *compared) {
     const EvaluationRun &a = *(*runs)[comparison.a], &b = *(*runs)[comparison.b];
@@ -90,13 +92,14 @@ void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
   if (tables->swept_pairs) tables->swept_pairs->add(*cycle, (*runs)[0]->steps);
 }
 
-// Why the bags were not read to their end, or whole; empty: they were.
+// Says why the bags were not read completely. Empty: they were.
 std::string damage(const BagContents& contents) {
   if (!contents.problem.empty()) return contents.problem;
   return contents.damaged() > 0 ? std::to_string(contents.damaged()) + " messages" : "";
 }
 
-// What is missing may have been in what could not be read.
+// Names the damage of a bag in the error, because what is missing may have been in the part that
+// could not be read.
 BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& configured,
                BagContents* contents) {
   try {
@@ -108,6 +111,7 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
   }
 }
 
+// Returns the names of all links with geometry and of all objects.
 std::vector<std::string> bodyNames(const BagSetup& setup) {
   std::vector<std::string> names;
   for (const LinkGeometry& link : setup.robot.links) names.push_back(link.link);
@@ -115,7 +119,7 @@ std::vector<std::string> bodyNames(const BagSetup& setup) {
   return names;
 }
 
-// Made if need be. What this evaluation may not write must not be an earlier one's.
+// Makes the folder, and removes files of an earlier evaluation that this one may not write.
 std::string cleanFolder(const std::string& folder) {
   makeFolder(folder);
   for (const char* name : {"/frames.csv", "/links.csv", "/events.csv", "/summary.json",
@@ -126,11 +130,12 @@ std::string cleanFolder(const std::string& folder) {
   return folder;
 }
 
-// Writes what came of an evaluation, but for the tables. Returns the exit code.
+// Writes summary, report and standard output. Returns the exit code.
 int report(const EvaluationEnd& end) {
   const EvaluateArguments& arguments = *end.arguments;
   OutputFile(arguments.out + "/summary.json").write(summaryJson(end));
-  if (arguments.report) runScriptBeside("evaluation_report.py", {arguments.out}, warn);
+  // The report is drawn from the files, so they must be complete.
+  if (arguments.report) runPlotScript("evaluation_report.py", {arguments.out}, warn);
   OutputFile("-").write(summaryText(end));
   const std::string damaged = end.problem.empty() ? damage(*end.contents) : end.problem;
   if (!damaged.empty()) {
@@ -143,11 +148,12 @@ int report(const EvaluationEnd& end) {
   return isPassed(end) ? 0 : 1;
 }
 
-// The bags, looked through once.
+// The configuration, and what the first reading of the bags found.
 struct Scanned {
   explicit Scanned(const EvaluateArguments& arguments)
       : configured(readBagParameters(arguments.files, warn)),
-        reader(arguments.files.bags, neededMessages(configured)) {  // forks: before threads
+        // The reader forks, so it must be made before any thread starts.
+        reader(arguments.files.bags, neededMessages(configured)) {
     ros::Time::init();
     console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
     if (!arguments.expectations.empty()) expectations = readExpectations(arguments.expectations);
@@ -163,15 +169,6 @@ struct Scanned {
     settings = runSettings(arguments, setup.parameters);
   }
 
-  BagCycles cycles() const {
-    return BagCycles(setup.parameters, contents, setup.robot,
-                     setup.played ? &*setup.played : nullptr);
-  }
-  void show(const CycleReport& cycle) {
-    progress->set("cycle " + std::to_string(cycle.cycle) + ", stamp " +
-                  stampText(cycle.header.stamp));
-  }
-
   const MonitorParameters configured;
   BagReader reader;
   std::vector<Expectation> expectations;
@@ -181,65 +178,26 @@ struct Scanned {
   std::vector<RunSettings> settings;
 };
 
-int writeRecords(const EvaluateArguments& arguments) {
-  const Stopwatch stopwatch;
-  Scanned bags(arguments);
-  const Runs runs =
-      makeRuns(bags.settings, makeDetected(bags.settings, bags.setup.parameters, warn),
-               bags.setup.parameters, bags.expectations);
-  std::vector<std::string> backends;
-  for (const auto& run : runs) {
-    backends.push_back(run->source->backend());
-    if (isExact(*run)) continue;
-    throw std::invalid_argument("--part: what " + run->name() +
-                                " finds depends on the cycles before; there are parts of exact "
-                                "predicates on cpu and cuda with overlap 1 alone");
-  }
-  RecordsWriter writer(arguments.records, *arguments.part,
-                       originOf(arguments.files.bags, bags.contents, bags.setup, bags.settings),
-                       backends);
-  BagCycles cycles = bags.cycles();
-  cycles.runPart(*arguments.part, &bags.reader, [&](CycleReport* cycle) {
-    bags.show(*cycle);
-    writer.add(recordOf(runs, &cycles.sceneOfStep(), cycle));
-  });
-  writer.finish(stopwatch.elapsedMs() / 1e3);
-  bags.progress.reset();
-  OutputFile("-").write(std::to_string(writer.cycles()) + " cycles; written to " +
-                        arguments.records + "\n");
-  return 0;
-}
-
+// Evaluates the bags. Returns the exit code.
 int evaluate(const EvaluateArguments& arguments) {
   const Stopwatch stopwatch;
   Scanned bags(arguments);
-  std::shared_ptr<RecordedCycles> recorded;
-  Sources sources;
-  if (arguments.joined.empty()) {
-    sources = makeDetected(bags.settings, bags.setup.parameters, warn);
-  } else {
-    recorded = std::make_shared<RecordedCycles>(
-        RecordsReader(arguments.joined,
-                      originOf(arguments.files.bags, bags.contents, bags.setup, bags.settings)));
-    for (std::size_t i = 0; i < bags.settings.size(); ++i) {
-      sources.push_back(std::make_unique<RecordedContacts>(recorded, i));
-    }
-  }
-  Runs runs = makeRuns(bags.settings, std::move(sources), bags.setup.parameters, bags.expectations);
+  Runs runs = makeRuns(bags.settings, bags.setup.parameters, bags.expectations, warn);
   std::vector<RunComparison> compared = comparisons(runs);
   Tables tables(cleanFolder(arguments.out), arguments.pairs,
                 bags.setup.parameters.motion == Motion::kSwept);
-  BagCycles cycles = bags.cycles();
+  BagCycles cycles(bags.setup.parameters, bags.contents, bags.setup.robot,
+                   bags.setup.played ? &*bags.setup.played : nullptr);
 
   EvaluationEnd end;
   end.problem = cycles.run(&bags.reader, [&](CycleReport* cycle) {
-    bags.show(*cycle);
+    bags.progress->set("cycle " + std::to_string(cycle->cycle) + ", stamp " +
+                       stampText(cycle->header.stamp));
     evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
   });
-  if (recorded) recorded->requireEnd();
   tables.finish();
   bags.progress.reset();
-  // The two readings of a damaged bag need not end alike.
+  // A damaged bag is read twice, and the two readings may end differently.
   if (end.problem.empty()) end.problem = bags.contents.problem;
 
   end.arguments = &arguments;
@@ -249,19 +207,20 @@ int evaluate(const EvaluateArguments& arguments) {
   end.comparisons = &compared;
   end.expectations = runs[0]->judge.verdicts();
   end.refused_transforms = cycles.refusedTransforms();
-  end.elapsed_s = stopwatch.elapsedMs() / 1e3 + (recorded ? recorded->elapsedS() : 0);
+  end.elapsed_s = stopwatch.elapsedMs() / 1e3;
   return report(end);
 }
 
 }  // namespace
 }  // namespace deformable_contact_monitor
 
+// Exit code: 0: passed; 1: failed; 2: bad input, a damaged bag, or nothing could be evaluated.
 int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
   std::signal(SIGPIPE, SIG_IGN);
   return dcm::runTool("evaluate_bag", [argc, argv] {
     dcm::EvaluateArguments arguments;
     if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
-    return arguments.part ? dcm::writeRecords(arguments) : dcm::evaluate(arguments);
+    return dcm::evaluate(arguments);
   });
 }

@@ -1,15 +1,19 @@
-// One backend with one setting, through all cycles of an evaluation.
+// Runs one backend with one setting through the cycles of a bag, and compares runs. A run uses the
+// classes of the live node (CycleDetection, ContactStateTracker), so its states are the node's.
 #include "tools/evaluate_bag/evaluation_run.h"
 
 #include <algorithm>
 #include <sstream>
-#include <utility>
+#include <stdexcept>
 
-#include "tools/common/completeness.h"
+#include "cuda/device/cuda_error.h"
+#include "tools/common/backend_choice.h"
+#include "tools/common/reports.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns a pair in words, as examples in reports show it.
 std::string shown(const Scene& scene, const TrianglePair& pair) {
   std::ostringstream text;
   text << scene.body(pair.body_a).name << " " << pair.triangle_a << ", "
@@ -17,6 +21,7 @@ std::string shown(const Scene& scene, const TrianglePair& pair) {
   return text.str();
 }
 
+// Adds the times of a cycle's stages. A stage that runs twice in a cycle counts once, with the sum.
 void addStages(const DetectionResult& result, std::size_t cycles, EvaluationRun* run) {
   for (const auto& [name, ms] : result.stages_ms) {
     auto found = std::find_if(run->stages_ms.begin(), run->stages_ms.end(),
@@ -29,9 +34,42 @@ void addStages(const DetectionResult& result, std::size_t cycles, EvaluationRun*
   }
 }
 
+// Makes a detector that never falls back to the CPU. The node would; but a run that is called
+// "cuda" must have run with CUDA, or the comparison would compare the CPU with itself.
+std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSettings& settings,
+                                      const std::function<void(const std::string&)>& warn,
+                                      const std::shared_ptr<TilingCache>& tilings) {
+  try {
+    return makeDetector(backend, WithoutCuda::kRefuse, settings, warn, tilings);
+  } catch (const CudaError& error) {
+    throw std::runtime_error(std::string(error.what()) + "; --backends cpu needs no GPU");
+  }
+}
+
+// Returns true if any body has a margin. FCL cannot find pairs at a distance.
+bool hasMargins(const MonitorParameters& parameters) {
+  bool any = parameters.margin_m > 0;
+  for (const ObjectParameters& object : parameters.objects) any |= object.margin_m > 0;
+  for (const auto& [link, margin_m] : parameters.link_margin_m) any |= margin_m > 0;
+  return any;
+}
+
 }  // namespace
 
-EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<ContactSource> from,
+DetectedContacts::DetectedContacts(std::unique_ptr<Detector> detector, bool looks_within,
+                                   double swept_tolerance_m, std::shared_ptr<TilingCache> tilings)
+    : detector_(std::move(detector)),
+      tilings_(std::move(tilings)),
+      detection_(*detector_, {looks_within, swept_tolerance_m, false}) {}
+
+void DetectedContacts::find(Scene* scene, CycleReport* cycle) {
+  // The node builds tilings while it detects; here each cycle waits for them, so that no state
+  // depends on how fast that is.
+  if (tilings_ != nullptr) makeTilings(*scene, tilings_.get());
+  detection_.run(Limits(), false, scene, cycle);
+}
+
+EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<DetectedContacts> from,
                              const Options& with, const StateRules& rules,
                              std::vector<Expectation> expectations)
     : asked(std::move(asked_for)),
@@ -40,22 +78,18 @@ EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<ContactSourc
       tracker(rules),
       judge(std::move(expectations)) {}
 
-void EvaluationRun::find(CycleReport* cycle, Scene* scene) {
+// All runs share the report, so what an earlier run left in it is cleared first.
+void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
   cycle->options = options;
   cycle->backend = source->backend();
   cycle->containment = nullptr;
-  for (SweepReport& sweep : cycle->sweeps) {  // another run's
+  for (SweepReport& sweep : cycle->sweeps) {
     sweep.result = nullptr;
     sweep.problem.clear();
     for (StepBody& body : sweep.bodies) body.rejected = 0;
   }
   source->find(scene, cycle);
   result = cycle->result;
-}
-
-void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
-  find(cycle, scene);
-  noteRejected(cycle);
   steps.look(*cycle);
   const ros::Time& stamp = cycle->header.stamp;
   tracker.expire(stamp, "no new mesh within max_mesh_age_s");
@@ -76,6 +110,7 @@ void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
 
 std::string runName(const std::string& asked, const Options& options) {
   std::ostringstream text;
+  // FCL has its own predicates, so their name would mislead.
   text << asked;
   if (asked == "fcl") return text.str();  // it has predicates of its own
   text << " " << toString(options.predicates);
@@ -84,6 +119,7 @@ std::string runName(const std::string& asked, const Options& options) {
   return text.str();
 }
 
+// FCL decides in floating point, so its contacts may differ from the exact ones.
 bool isExact(const EvaluationRun& run) {
   return run.asked != "fcl" && run.options.predicates == Predicates::kExact &&
          run.options.overlap == 1 && run.options.tolerance_m == 0;
@@ -93,14 +129,17 @@ bool isComplete(const CycleReport& cycle, const DetectionResult& result) {
   return isWhole(cycle, result) && isComplete(result);
 }
 
+// A body without a usable mesh or transform took no part, so its contacts are missing.
 bool isWhole(const CycleReport& cycle, const DetectionResult& result) {
   return isWhole(result) &&
          std::all_of(cycle.bodies.begin(), cycle.bodies.end(),
                      [](const BodyStatus& body) { return body.unknown_because.empty(); });
 }
 
+// Both lists are sorted, so one pass finds what only one of them has.
 SetDifference difference(const Scene& scene, const DetectionResult& a, const DetectionResult& b) {
   SetDifference found;
+  // Counts a pair that only one has, and keeps the first as an example.
   const auto add = [&](const TrianglePair& pair, std::uint64_t* count, const char* who) {
     ++*count;
     if (found.example.empty()) found.example = std::string(who) + ": " + shown(scene, pair);
@@ -120,12 +159,76 @@ SetDifference difference(const Scene& scene, const DetectionResult& a, const Det
   return found;
 }
 
+SetDifference difference(const Scene& scene, const RunSteps& a, const RunSteps& b) {
+  // Stands for the result of an interval that a run has none of.
+  static const DetectionResult kNothing;
+  const auto result_of = [](const SweepReport& sweep) -> const DetectionResult& {
+    return sweep.result == nullptr ? kNothing : sweep.result->detection;
+  };
+  SetDifference all;
+  for (std::size_t i = 0; i < a.sweeps().size(); ++i) {
+    SetDifference found = difference(scene, result_of(a.sweeps()[i]), result_of(b.sweeps()[i]));
+    if (!found.isEmpty()) found.example = "in the step, " + found.example;
+    all.add(found);
+  }
+  return all;
+}
+
+// A difference is a defect only between two exact runs.
 std::vector<RunComparison> comparisons(const std::vector<std::unique_ptr<EvaluationRun>>& runs) {
   std::vector<RunComparison> all;
   for (std::size_t i = 1; i < runs.size(); ++i) {
     all.push_back({0, i, isExact(*runs[0]) && isExact(*runs[i]), 0, 0, 0, ""});
   }
   return all;
+}
+
+std::vector<RunSettings> runSettings(const EvaluateArguments& arguments,
+                                     const MonitorParameters& parameters) {
+  // Each empty list stands for the configuration's value.
+  std::vector<std::string> backends = arguments.backends;
+  if (backends.empty()) backends = {toString(parameters.backend)};
+  std::vector<Predicates> predicates;
+  for (const std::string& name : arguments.predicates) predicates.push_back(toPredicates(name));
+  if (predicates.empty()) predicates = {parameters.detector.predicates};
+  std::vector<float> overlaps = arguments.overlaps;
+  if (overlaps.empty()) overlaps = {parameters.detector.overlap};
+  std::vector<RunSettings> all;
+  // Backends vary fastest, so that runs which should agree stand next to each other in reports.
+  for (const Predicates p : predicates) {
+    for (const float overlap : overlaps) {
+      for (const std::string& backend : backends) {
+        if (parameters.motion == Motion::kSwept && backend == "fcl") {
+          throw std::invalid_argument("backend fcl knows no swept motion; set motion to instant");
+        }
+        all.push_back({backend, parameters.detector});
+        all.back().options.predicates = p;
+        all.back().options.overlap = overlap;
+        if (arguments.threads) all.back().options.threads = *arguments.threads;
+      }
+    }
+  }
+  return all;
+}
+
+// Each run has its own detector and tilings, because both keep a warm start of their own setting.
+std::vector<std::unique_ptr<EvaluationRun>> makeRuns(
+    const std::vector<RunSettings>& settings, const MonitorParameters& parameters,
+    const std::vector<Expectation>& expectations,
+    const std::function<void(const std::string&)>& warn) {
+  std::vector<std::unique_ptr<EvaluationRun>> runs;
+  for (const RunSettings& of : settings) {
+    const auto tilings = of.options.tolerance_m > 0 ? std::make_shared<TilingCache>() : nullptr;
+    std::unique_ptr<Detector> detector = makeBackend(of.backend, parameters.cuda, warn, tilings);
+    if (hasMargins(parameters) && !supportsMargins(*detector)) {
+      throw std::invalid_argument("backend " + of.backend + " has no margins; set margin_m to 0");
+    }
+    auto source = std::make_unique<DetectedContacts>(std::move(detector), parameters.containment,
+                                                     parameters.swept_tolerance_m, tilings);
+    runs.push_back(std::make_unique<EvaluationRun>(of.backend, std::move(source), of.options,
+                                                   stateRules(parameters), expectations));
+  }
+  return runs;
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,27 +1,127 @@
-// summary.json of an evaluation, and its few lines for people.
+// Decides whether an evaluation passed, and writes its summary. Each function that ends in Json
+// fills one part of summary.json. The parts that differ from one evaluation to the next stand
+// apart, so that two files can be compared.
 #include "tools/evaluate_bag/evaluation_summary.h"
 
+#include <algorithm>
 #include <boost/uuid/name_generator_sha1.hpp>
 #include <boost/uuid/uuid_io.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "tools/bags/stamp_text.h"
-#include "tools/common/json_text.h"
-#include "tools/common/machine.h"
+#include "tools/common/reports.h"
 #include "tools/common/run_tool.h"
 #include "tools/common/sample_statistics.h"
-#include "tools/evaluate_bag/evaluation_configuration.h"
-#include "tools/evaluate_bag/evaluation_verdict.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Json = nlohmann::json;
 
+// Returns a number with the singular or plural of a word.
+std::string counted(std::size_t count, const std::string& one, const std::string& many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
+
+// Two exact runs must find the same pairs; if not, one of them has a defect.
+bool isDisagreement(const RunComparison& c) { return c.must_agree && c.cycles > 0; }
+
+// Says what was asked for, or how much of it failed.
+std::string outcome(const EvaluationEnd& end) {
+  // Counts what was asked for first, because the text depends on it.
+  const auto must_agree =
+      static_cast<std::size_t>(std::count_if(end.comparisons->begin(), end.comparisons->end(),
+                                             [](const RunComparison& c) { return c.must_agree; }));
+  const auto disagree = static_cast<std::size_t>(
+      std::count_if(end.comparisons->begin(), end.comparisons->end(), isDisagreement));
+  const auto broken = static_cast<std::size_t>(
+      std::count_if(end.expectations.begin(), end.expectations.end(),
+                    [](const auto& verdict) { return !verdict.failure.empty(); }));
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (!isPassed(end)) {
+    if (broken > 0) add(counted(broken, "expectation fails", "expectations fail"));
+    if (disagree > 0) add(counted(disagree, "exact run differs", "exact runs differ"));
+    return "Failed: " + text;
+  }
+  if (!end.expectations.empty()) {
+    add(counted(end.expectations.size(), "expectation holds", "expectations hold"));
+  }
+  if (must_agree > 0) add("exact runs agree");
+  return text.empty() ? "Passed, as nothing was asked: no expectations, and no two exact runs"
+                      : "Passed: " + text;
+}
+
+// Lists the roots of the transforms, which are good reference frames.
+std::string roots(const BagContents& contents) {
+  std::string text;
+  for (const std::string& root : contents.rootFrames()) text += (text.empty() ? "" : ", ") + root;
+  return text.empty() ? "there are none" : text;
+}
+
+// Returns what a user can do about the most frequent reason of UNKNOWN.
+std::string advice(const std::string& reason, const BagContents& contents) {
+  if (has(reason, "TF ")) {
+    return "record /tf and /tf_static together with the meshes, or name a frame of theirs with "
+           "--reference-frame (their roots: " +
+           roots(contents) + ")";
+  }
+  if (has(reason, "no triangles of topology_id")) {
+    return "record until the publisher sends triangles, as it should once a second";
+  }
+  return "mend that, and evaluate again";
+}
+
+// Lists the bags' topics with their types and numbers of messages.
+Json topicsJson(const BagContents& contents) {
+  Json json = Json::object();
+  for (const auto& [name, topic] : contents.topics) {
+    json[name] = {{"type", topic.type}, {"messages", topic.messages}, {"damaged", topic.damaged}};
+  }
+  return json;
+}
+
+// Lists everything that decides which contacts there are. Its hash identifies the configuration.
+Json configurationJson(const BagSetup& setup) {
+  const MonitorParameters& p = setup.parameters;
+  Json json;
+  json["reference_frame"] = p.reference_frame;
+  json["robot"] = setup.robot_from;
+  json["geometry"] = p.geometry.kind == GeometryKind::kCollision ? "collision" : "visual";
+  json["links"] = Json::array();
+  for (const LinkGeometry& link : setup.robot.links) {
+    json["links"].push_back({{"name", link.link},
+                             {"triangles", link.mesh.triangleCount()},
+                             {"source", link.source},
+                             {"problem", link.problem}});
+  }
+  json["margin_m"] = p.margin_m;
+  json["link_margin_m"] = p.link_margin_m;
+  json["objects"] = Json::array();
+  for (const ObjectParameters& object : p.objects) {
+    json["objects"].push_back(
+        {{"name", object.name}, {"topic", topicOf(object)}, {"margin_m", object.margin_m}});
+  }
+  json["pair_classes"] = namesOf(p.pair_classes);
+  json["allowed_contacts"] = Json::array();
+  for (const AllowedContact& rule : p.allowed_contacts.rules()) {
+    json["allowed_contacts"].push_back(
+        {{"body_a", rule.body_a}, {"body_b", rule.body_b}, {"allowed", rule.allowed != 0}});
+  }
+  json["adjacent_pairs"] = toString(p.detector.adjacent);
+  json["max_mesh_age_s"] = p.max_mesh_age_s;
+  if (p.motion == Motion::kSwept) {
+    json["motion"] = toString(p.motion);
+    json["swept_tolerance_m"] = p.swept_tolerance_m;
+  }
+  return json;
+}
+
 bool isSwept(const EvaluationEnd& end) { return end.setup->parameters.motion == Motion::kSwept; }
 
-// What the steps of swept motion found.
+// Describes the time intervals of swept motion.
 Json stepsJson(const EvaluationRun& run) {
   const RunSteps::Sums& sums = run.steps.sums();
   return {{"cycles_with_a_step", sums.cycles},
@@ -33,6 +133,7 @@ Json stepsJson(const EvaluationRun& run) {
           {"most_sub_steps", sums.most_sub_steps}};
 }
 
+// Lists the reasons of UNKNOWN, the most frequent first.
 Json unknownJson(const EvaluationRun& run) {
   Json json = Json::array();
   for (const UnknownReason& reason : run.unknown.all()) {
@@ -44,7 +145,7 @@ Json unknownJson(const EvaluationRun& run) {
   return json;
 }
 
-// Which frames TF says, and which joints do.
+// Counts the frames that come from TF, and names those that come from joint states.
 Json posesJson(const BagContents& contents) {
   Json by_joints = Json::array();
   if (contents.joint_transforms) {
@@ -59,6 +160,7 @@ Json posesJson(const BagContents& contents) {
           {"joint_states_frames", by_joints}};
 }
 
+// Describes a run without its times.
 Json runJson(const EvaluationRun& run) {
   return {{"name", run.name()},
           {"asked", run.asked},
@@ -75,6 +177,7 @@ Json runJson(const EvaluationRun& run) {
           {"pairs", run.pairs}};
 }
 
+// Summarises times; "most" is the largest.
 Json percentiles(const std::vector<double>& ms) {
   return {{"median", median(ms)},
           {"p95", percentile(ms, 0.95)},
@@ -82,6 +185,7 @@ Json percentiles(const std::vector<double>& ms) {
           {"most", percentile(ms, 1)}};
 }
 
+// Lists everything that differs from one evaluation to the next.
 Json timesJson(const EvaluationEnd& end) {
   Json json;
   json["elapsed_s"] = end.elapsed_s;
@@ -103,6 +207,7 @@ Json timesJson(const EvaluationEnd& end) {
   return json;
 }
 
+// Lists how each run differs from the first.
 Json comparisonsJson(const EvaluationEnd& end) {
   Json json = Json::array();
   for (const RunComparison& comparison : *end.comparisons) {
@@ -117,13 +222,15 @@ Json comparisonsJson(const EvaluationEnd& end) {
   return json;
 }
 
-// What no setting of a run guarantees is no failure of its cycles.
+// A run without a guarantee has no complete cycles by definition, so its whole cycles are counted
+// instead: it must not look like a failure.
 std::string cyclesText(const EvaluationRun& run) {
   const std::string of = " of " + std::to_string(run.cycles) + " cycles ";
   if (run.guaranteed == run.cycles) return std::to_string(run.complete) + of + "complete";
   return std::to_string(run.whole) + of + "with nothing left out, but without a guarantee";
 }
 
+// Returns the line of a run for people.
 std::string runLine(const EvaluationRun& run) {
   char times[96];
   std::snprintf(times, sizeof times, ", detect median %.3f ms, p95 %.3f ms\n",
@@ -132,8 +239,10 @@ std::string runLine(const EvaluationRun& run) {
          " pairs, " + cyclesText(run) + times;
 }
 
+// The number of reasons that standard output shows; summary.json has all.
 constexpr std::size_t kShownReasons = 3;
 
+// Returns a line for each of the most frequent reasons of UNKNOWN.
 std::string unknownLines(const EvaluationRun& run) {
   std::string text;
   std::size_t count = 0;
@@ -146,6 +255,7 @@ std::string unknownLines(const EvaluationRun& run) {
   return text + "and " + std::to_string(count - kShownReasons) + " more reasons in summary.json\n";
 }
 
+// Returns the line about a run's time intervals.
 std::string stepsLine(const EvaluationRun& run) {
   const RunSteps::Sums& sums = run.steps.sums();
   char line[256];
@@ -161,6 +271,45 @@ std::string stepsLine(const EvaluationRun& run) {
 
 }  // namespace
 
+bool isEvaluated(const EvaluationEnd& end) { return (*end.runs)[0]->unknown.evaluatedCycles() > 0; }
+
+// Nothing evaluated is never a success.
+bool isPassed(const EvaluationEnd& end) {
+  return isEvaluated(end) &&
+         std::none_of(end.comparisons->begin(), end.comparisons->end(), isDisagreement) &&
+         std::all_of(end.expectations.begin(), end.expectations.end(),
+                     [](const auto& verdict) { return verdict.failure.empty(); });
+}
+
+// Says more than passed or failed, because a pass with missing bodies proves little.
+std::string verdictText(const EvaluationEnd& end) {
+  if (!isEvaluated(end)) return "Failed: no cycle could be evaluated.";
+  const EvaluationRun& first = *(*end.runs)[0];
+  std::string text = outcome(end) + ".";
+  if (first.whole < first.cycles) {
+    text += " " + std::to_string(first.cycles - first.whole) + " of " +
+            counted(first.cycles, "cycle", "cycles") + " had something missing.";
+  }
+  if (first.guaranteed < first.cycles) text += " " + first.name() + " guarantees no set of pairs.";
+  return text;
+}
+
+// The texts are ordered by what a user should mend first.
+std::string whyNothing(const EvaluationEnd& end) {
+  const EvaluationRun& run = *(*end.runs)[0];
+  if (run.cycles == 0) return "there is no mesh in the bags that can be read";
+  const std::vector<UnknownReason> reasons = run.unknown.all();
+  if (reasons.empty()) {
+    return "there is no pair of bodies to look at: pair_classes must be on, and links or objects "
+           "be there, that make one";
+  }
+  return "in all of " + counted(run.cycles, "cycle", "cycles") +
+         " every pair is UNKNOWN (most often: " + reasons[0].text + "); " +
+         advice(reasons[0].text, *end.contents);
+}
+
+// The configuration's hash is a name-based UUID of its JSON text, so it is equal for equal
+// settings.
 std::string summaryJson(const EvaluationEnd& end) {
   Json json;
   json["version"] = DCM_VERSION;
@@ -172,6 +321,7 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["meshes_with_triangles_sent_later"] = end.contents->triangles_ahead.count();
   json["poses"] = posesJson(*end.contents);
   json["configuration"] = configurationJson(*end.setup);
+  // The hash tells evaluations with different settings apart.
   const boost::uuids::name_generator_sha1 hash(boost::uuids::ns::oid());
   json["configuration_hash"] = to_string(hash(jsonText(json["configuration"])));
   json["cycles"] = end.runs->empty() ? 0 : (*end.runs)[0]->cycles;
@@ -193,6 +343,7 @@ std::string summaryJson(const EvaluationEnd& end) {
   return jsonText(json);
 }
 
+// The verdict comes last, because people read the last lines first.
 std::string summaryText(const EvaluationEnd& end) {
   std::string text;
   for (const auto& run : *end.runs) {
@@ -220,6 +371,7 @@ std::string summaryText(const EvaluationEnd& end) {
             "and the URDF say\n";
   }
   text += verdictText(end) + "\n";
+  // snprintf() rounds the seconds.
   char line[160];
   std::snprintf(line, sizeof line, "%.1f s; written to %s\n", end.elapsed_s,
                 end.arguments->out.c_str());

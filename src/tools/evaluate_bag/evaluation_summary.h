@@ -1,4 +1,7 @@
-// summary.json of an evaluation, and its few lines for people.
+// The end of an evaluation: whether it passed and why, summary.json, and the lines for people.
+//
+// The same facts appear three times: in summary.json for programs, on standard output for people,
+// and in report.html, which evaluation_report.py draws from the JSON.
 #pragma once
 
 #include <memory>
@@ -12,6 +15,7 @@
 
 namespace deformable_contact_monitor {
 
+// Points to everything that the summary is made of. There is at least one run.
 struct EvaluationEnd {
   const EvaluateArguments* arguments = nullptr;
   const BagContents* contents = nullptr;
@@ -24,9 +28,23 @@ struct EvaluationEnd {
   double elapsed_s = 0;
 };
 
-// All that depends on time or on the machine is under "machine" and "times".
+// Returns true if some cycle of the first run has a pair of bodies that is not UNKNOWN.
+bool isEvaluated(const EvaluationEnd& end);
+
+// Returns true if something was evaluated, runs that must agree do, and all expectations hold.
+bool isPassed(const EvaluationEnd& end);
+
+// Returns one line, such as "Passed: 2 expectations hold. 5 of 133 cycles had something missing.".
+std::string verdictText(const EvaluationEnd& end);
+
+// Returns one line that says why nothing was evaluated, and what to do about it.
+std::string whyNothing(const EvaluationEnd& end);
+
+// Returns the content of summary.json. Everything that depends on time or on the machine is under
+// "machine" and "times".
 std::string summaryJson(const EvaluationEnd& end);
 
+// Returns the lines for standard output.
 std::string summaryText(const EvaluationEnd& end);
 
 }  // namespace deformable_contact_monitor

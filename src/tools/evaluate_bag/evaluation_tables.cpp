@@ -1,29 +1,29 @@
-// The tables that an evaluation writes while it goes: frames.csv, links.csv, pairs.csv.
+// Writes the tables of an evaluation, row by row.
 #include "tools/evaluate_bag/evaluation_tables.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <system_error>
 
-#include "tools/bags/stamp_text.h"
-#include "tools/common/csv_field.h"
+#include "tools/bags/bag_contents.h"
+#include "tools/common/reports.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns a field with a time.
 std::string milliseconds(double ms) {
   char text[32];
   std::snprintf(text, sizeof text, ",%.4f", ms);
   return text;
 }
 
-const char* nameOf(std::uint8_t state) {
+// The names are in the order of ContactState's constants.
+const char* stateName(std::uint8_t state) {
   constexpr const char* kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
   return kNames[state];
 }
 
-// The first few bodies that were left out and why; links.csv has them all.
+// Returns the first few bodies that were left out, and why. links.csv has all of them.
 std::string skipped(const CycleReport& cycle) {
   constexpr std::size_t kShown = 2;
   std::string text;
@@ -35,6 +35,7 @@ std::string skipped(const CycleReport& cycle) {
   return count > kShown ? text + "; and " + std::to_string(count - kShown) + " more" : text;
 }
 
+// Returns the names of the objects that triggered the cycle.
 std::string objects(const CycleReport& cycle) {
   std::string text;
   for (const BodyStatus& body : cycle.bodies) {
@@ -44,28 +45,22 @@ std::string objects(const CycleReport& cycle) {
   return text;
 }
 
+// Returns a field with enough digits to restore the float32 exactly.
+std::string numberField(float value) {
+  char text[32];
+  std::snprintf(text, sizeof text, ",%.9g", value);
+  return text;
+}
+
+// The names are in the order of ContactEvent's constants.
+const char* eventName(std::uint8_t type) {
+  constexpr const char* kNames[] = {"BEGIN", "END", "PASSED"};
+  return kNames[type];
+}
+
 }  // namespace
 
-TableFile::TableFile(const std::string& path)
-    : path_(path), part_(path), file_(part_.writtenAs(), std::ios::binary) {
-  if (!file_) fail();
-}
-
-void TableFile::line(const std::string& text) {
-  file_ << text << '\n';
-  if (!file_) fail();
-}
-
-void TableFile::finish() {
-  file_.close();
-  if (!file_) fail();
-  part_.finish();
-}
-
-void TableFile::fail() const {
-  throw std::system_error(errno, std::generic_category(), path_ + ": cannot be written");
-}
-
+// Stages differ between backends, so the title has those of all runs in their first cycle.
 void FramesTable::writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& runs, bool swept) {
   std::string title =
       "cycle,stamp,objects,run,backend,triangles,rejected,pairs,undecided,complete,differs,skipped,"
@@ -80,6 +75,7 @@ void FramesTable::writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& 
   file_.line(title + ",other_ms" + (swept ? ",swept_pairs,swept_complete,swept_ms" : ""));
 }
 
+// Writes one row for each run. A stage that runs twice in a cycle counts with its sum.
 void FramesTable::add(const CycleReport& cycle,
                       const std::vector<std::unique_ptr<EvaluationRun>>& runs,
                       const std::vector<bool>& differing) {
@@ -98,6 +94,7 @@ void FramesTable::add(const CycleReport& cycle,
                       (isComplete(cycle, result) ? "yes" : "no") + "," +
                       (differing[i] ? "yes" : "no") + "," + csvField(skipped(cycle)) +
                       milliseconds(result.detect_ms) + milliseconds(result.round_trip_ms);
+    // Time in stages that the title does not have goes to other_ms.
     double other_ms = 0;
     for (const std::string& stage : stages_) {
       double ms = 0;
@@ -120,12 +117,13 @@ LinksTable::LinksTable(const std::string& folder) : file_(folder + "/links.csv")
   file_.line("run,body_a,body_b,state,from,to,cycles,least_pairs,most_pairs");
 }
 
+// Extends the open sequence of each pair of bodies, or ends it if the state changed.
 void LinksTable::add(std::size_t run, const EvaluationRun& of) {
   if (runs_.size() <= run) runs_.resize(run + 1);
   runs_[run] = of.name();
   const ros::Time& stamp = of.states.header.stamp;
   for (const ContactState& state : of.states.states) {
-    if (state.stamp != stamp) continue;  // the cycle did not look at it
+    if (state.stamp != stamp) continue;  // the cycle did not check this pair
     const Key key{run, {state.body_a, state.body_b}};
     const auto found = open_.find(key);
     if (found != open_.end() && found->second.state == state.state) {
@@ -143,13 +141,14 @@ void LinksTable::add(std::size_t run, const EvaluationRun& of) {
 
 void LinksTable::write(const Key& key, const Stretch& stretch) {
   file_.line(csvField(runs_[key.first]) + "," + csvField(key.second.first) + "," +
-             csvField(key.second.second) + "," + nameOf(stretch.state) + "," +
+             csvField(key.second.second) + "," + stateName(stretch.state) + "," +
              stampText(stretch.from) + "," + stampText(stretch.to) + "," +
              std::to_string(stretch.cycles) + "," + std::to_string(stretch.least) + "," +
              std::to_string(stretch.most));
 }
 
 void LinksTable::finish() {
+  // Sequences that last until the end of the bag are still open.
   for (const auto& [key, stretch] : open_) write(key, stretch);
   open_.clear();
   file_.finish();
@@ -165,6 +164,46 @@ void PairsTable::add(const CycleReport& cycle, const DetectionResult& result) {
     file_.line(start + csvField(cycle.bodies[pair.body_a].name) + "," +
                std::to_string(pair.triangle_a) + "," + csvField(cycle.bodies[pair.body_b].name) +
                "," + std::to_string(pair.triangle_b));
+  }
+}
+
+SweptPairsTable::SweptPairsTable(const std::string& folder) : file_(folder + "/swept_pairs.csv") {
+  file_.line(
+      "cycle,stamp,from,body_a,triangle_a,body_b,triangle_b,first_low,first_high,within_pad");
+}
+
+// An interval without a result, such as that of an object's first mesh, has no rows.
+void SweptPairsTable::add(const CycleReport& cycle, const RunSteps& steps) {
+  for (const SweepReport& sweep : steps.sweeps()) {
+    if (sweep.result == nullptr) continue;
+    const DetectionResult& result = sweep.result->detection;
+    const std::string start = std::to_string(cycle.cycle) + "," + stampText(cycle.header.stamp) +
+                              "," + stampText(sweep.from) + ",";
+    for (std::size_t i = 0; i < result.contacts.size(); ++i) {
+      const TrianglePair& pair = result.contacts[i];
+      const FirstContact& first = result.first_times[i];
+      const bool pad = !result.within_pad.empty() && result.within_pad[i] != 0;
+      file_.line(start + csvField(cycle.bodies[pair.body_a].name) + "," +
+                 std::to_string(pair.triangle_a) + "," + csvField(cycle.bodies[pair.body_b].name) +
+                 "," + std::to_string(pair.triangle_b) + numberField(first.low) +
+                 numberField(first.high) + (pad ? ",yes" : ",no"));
+    }
+  }
+}
+
+EventsTable::EventsTable(const std::string& folder) : file_(folder + "/events.csv") {
+  file_.line("run,stamp,body_a,body_b,type,pairs,from,first_low,reason");
+}
+
+// Only PASSED events have a time interval, so `from` and `first_low` are empty for the others.
+void EventsTable::add(const CycleReport& cycle, const EvaluationRun& run) {
+  for (const ContactEvent& event : run.steps.events()) {
+    const bool passed = event.type == ContactEvent::PASSED;
+    file_.line(csvField(run.name()) + "," + stampText(event.header.stamp) + "," +
+               csvField(event.body_a) + "," + csvField(event.body_b) + "," + eventName(event.type) +
+               "," + std::to_string(event.pair_count) + "," +
+               (passed ? stampText(run.steps.beginningOf(cycle, event)) : "") +
+               (passed ? numberField(event.first_low) : ",") + "," + csvField(event.reason));
   }
 }
 

@@ -1,4 +1,4 @@
-// Who must touch whom in a bag, and when.
+// Reads expectations from yaml, and checks them cycle by cycle.
 #include "tools/evaluate_bag/expectations.h"
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Stands for "until the end" [s].
 constexpr double kLongestS = 1e9;
 
 std::string seconds(double s) {
@@ -22,6 +23,7 @@ std::string seconds(double s) {
   return text;
 }
 
+// Returns the expectation in words, for reports.
 std::string describe(const Expectation& e) {
   const char* const kWords[] = {" touches ", " always touches ", " never touches "};
   std::string text = e.link + kWords[static_cast<int>(e.touches)] + e.object;
@@ -31,6 +33,8 @@ std::string describe(const Expectation& e) {
   return text;
 }
 
+// Returns the state of the expectation's bodies, which may stand in any order; null if the pair is
+// not monitored.
 const ContactState* find(const ContactStates& states, const Expectation& e) {
   for (const ContactState& state : states.states) {
     if ((state.body_a == e.link && state.body_b == e.object) ||
@@ -41,6 +45,7 @@ const ContactState* find(const ContactStates& states, const Expectation& e) {
   return nullptr;
 }
 
+// Returns a state in words, for the failure of an expectation.
 std::string seen(const ContactState* state) {
   if (state == nullptr) return "not monitored";
   const char* const kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
@@ -50,6 +55,7 @@ std::string seen(const ContactState* state) {
 
 }  // namespace
 
+// Collects all problems of the file before it throws.
 std::vector<Expectation> readExpectations(const std::string& path) {
   XmlRpc::XmlRpcValue tree;
   tree["expectations"] = readYamlParameters(path);
@@ -81,6 +87,7 @@ std::vector<Expectation> readExpectations(const std::string& path) {
   throw std::runtime_error(path + ": " + all);
 }
 
+// Suggests the body with the nearest name, because most wrong names are misspelled.
 void checkBodies(const std::vector<std::string>& bodies, const std::set<std::string>& links,
                  std::vector<Expectation>* expectations) {
   for (Expectation& expectation : *expectations) {
@@ -91,6 +98,7 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
       problem += links.count(name) > 0
                      ? "link '" + name + "' has no geometry, or is left out"
                      : "no such body '" + name + "'" + nearestNameHint(name, bodies);
+      // A body with itself needs only one message.
       if (expectation.link == expectation.object) break;
     }
   }
@@ -104,6 +112,7 @@ ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations) {
   }
 }
 
+// The first cycle's stamp is the zero of all times.
 void ExpectationJudge::look(const ContactStates& states) {
   if (!started_) start_ = states.header.stamp;
   started_ = true;
@@ -114,23 +123,26 @@ void ExpectationJudge::look(const ContactStates& states) {
   }
 }
 
+// Counts a cycle for one expectation. `known` says whether the state proves anything.
 void ExpectationJudge::look(const ContactStates& states, double since_s, Record* record) const {
   const Expectation& e = record->expectation;
   const ContactState* const state = find(states, e);
   record->is_monitored |= state != nullptr;
-  // The cycle did not look at the pair.
+  // This cycle did not check the pair.
   if (state != nullptr && state->stamp != states.header.stamp) return;
+  // These states prove whether the two touch; the others prove nothing.
   bool known = state != nullptr &&
                (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
                 state->state == ContactState::CONTACT || state->state == ContactState::PASSED);
   const bool always = e.touches == Expectation::Touches::kAlways;
-  // What has passed touched since the pair's last cycle, but not at this one's stamp.
+  // A pair that has PASSED touched after its previous cycle, but not at this cycle's stamp.
   const bool touched = known && (state->state == ContactState::CONTACT ||
                                  (state->state == ContactState::PASSED && !always));
-  // What lies within the other has no pairs.
+  // A body that lies within the other touches it without any triangle pair.
   bool touching = touched && (state->inside != 0 || state->pair_count >= e.min_pairs);
   if (touched && !touching && states.tolerance > 0) {
-    // Pairs are those that were seen. A contact is one without them; how many it has, is not known.
+    // Within a tolerance not every pair is found. So CONTACT counts without pairs, but the number
+    // of pairs is not known.
     touching = e.min_pairs == 1;
     known = touching;
   }
@@ -146,6 +158,7 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   }
 }
 
+// An expectation that can never hold fails first, then one without any cycle, then by its counts.
 std::vector<ExpectationJudge::Verdict> ExpectationJudge::verdicts() const {
   std::vector<Verdict> verdicts;
   for (const Record& record : records_) {

@@ -1,4 +1,7 @@
-// Who must touch whom in a bag, and when.
+// Expectations: which bodies must touch in a bag, and when. They make a bag a regression test.
+//
+// An expectation names two bodies, and says whether they touch sometime, always or never in a time
+// interval. The states that the node would publish decide.
 #pragma once
 
 #include <deformable_contact_monitor/ContactStates.h>
@@ -12,53 +15,59 @@
 
 namespace deformable_contact_monitor {
 
+// One entry of the yaml file.
 struct Expectation {
   enum class Touches { kSometime, kAlways, kNever };
 
-  std::string link, object;  // any two bodies, in any order; equal: the body with itself
+  std::string link, object;  // names of two bodies, in any order; equal: self-contact
   Touches touches = Touches::kSometime;
-  double from_s = 0, to_s = std::numeric_limits<double>::infinity();  // since the first cycle
-  std::uint32_t min_pairs = 1;                                        // that make a touch
-  std::string problem;  // why it cannot hold, whatever the cycles show; empty: it can
+  double from_s = 0, to_s = std::numeric_limits<double>::infinity();  // after the first cycle [s]
+  std::uint32_t min_pairs = 1;  // fewer triangle pairs do not count as a touch
+  std::string problem;          // why it can never hold; empty: it can
 };
 
-// From a yaml list of {link, object, touches: sometime|always|never, from_s, to_s, min_pairs}.
+// Reads a yaml list of {link, object, touches: sometime|always|never, from_s, to_s, min_pairs}.
 // Throws std::runtime_error that names the file and every problem, in one line.
 std::vector<Expectation> readExpectations(const std::string& path);
 
-// Gives those a problem that name no body: neither an object nor a link with geometry. `links` are
-// all that the robot has.
+// Sets the problem of each expectation that names something else than an object or a link with
+// geometry. `links` are all links of the robot.
 void checkBodies(const std::vector<std::string>& bodies, const std::set<std::string>& links,
                  std::vector<Expectation>* expectations);
 
-// Judges one run's cycles. A cycle in which the pair is UNKNOWN, ALLOWED or not monitored is no
-// proof of anything: `always` and `never` fail by it. So do expectations without a single cycle in
-// their time. In swept motion a pair that has passed breaks `never` and is enough for `sometime`;
-// for `always` it is no touch. With a tolerance a contact may have more pairs than were seen, so
-// that fewer than min_pairs (above 1) are no proof either.
+// Checks expectations on the cycles of one run:
+// - A cycle in which the pair is UNKNOWN, ALLOWED or not monitored proves nothing, so `always` and
+//   `never` fail.
+// - An expectation without any cycle in its time fails.
+// - In swept motion, PASSED breaks `never` and fulfils `sometime`; for `always` it is not a touch.
+// - With a tolerance, a contact may have more pairs than were found, so fewer than min_pairs (if
+//   above 1) prove nothing either.
 class ExpectationJudge {
  public:
   explicit ExpectationJudge(std::vector<Expectation> expectations);
 
-  // Cycles in the order of their stamps; each speaks of the pairs that it looked at alone.
+  // Takes the states after a cycle, in the order of stamps. Only pairs that the cycle checked
+  // count.
   void look(const ContactStates& states);
 
   struct Verdict {
-    std::string text;     // the expectation, for people
+    std::string text;     // the expectation in words
     std::string failure;  // empty: it holds
   };
-  // After the last cycle.
+  // Returns a verdict for each expectation. Call it after the last cycle.
   std::vector<Verdict> verdicts() const;
 
  private:
+  // Counts what was seen of one expectation so far.
   struct Record {
     Expectation expectation;
     std::uint64_t cycles = 0, touching = 0, unknown = 0;
     bool is_monitored = false;
-    std::string first_break;  // of always or never: when and what was seen
+    std::string first_break;  // for always and never: when it broke first, and the state then
     std::uint32_t most_pairs = 0;
   };
 
+  // Checks one expectation at a time after the first cycle [s].
   void look(const ContactStates& states, double since_s, Record* record) const;
 
   std::vector<Record> records_;

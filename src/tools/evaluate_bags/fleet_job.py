@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""What a worker of evaluate_bags runs for each bag: fleet_job.py JOB, in JSON. The record of the
-result goes to standard output; any exit code but 0 is an attempt that came to nothing."""
+"""Evaluates one bag on a worker of evaluate_bags: fleet_job.py JOB, in JSON. Writes the record of
+the result to standard output. Any exit code but 0 means that the attempt has no result."""
 import json
 import os
 import sys

@@ -1,6 +1,7 @@
-// The frames of recorded bags.
-#include "tools/measure_trade/bag_frames.h"
-
+// Keeps the frames of recorded bags in memory.
+//
+// The cycles come from BagCycles, so the frames are those that evaluate_bag evaluates. A frame
+// holds only what changes from cycle to cycle; next() writes it into one scene, as the node would.
 #include <console_bridge/console.h>
 #include <ros/time.h>
 
@@ -10,18 +11,20 @@
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_setup.h"
-#include "tools/bags/stamp_text.h"
+#include "tools/measure_trade/frame_source.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// What of a scene changes from cycle to cycle.
+// Everything of a scene that changes from cycle to cycle.
 struct Frame {
+  // A deforming body's vertices [m], and its triangles, which frames share.
   struct Surface {
     BodyId body = 0;
     std::vector<float> vertices;
     std::shared_ptr<const HostList<std::uint32_t>> triangles;
   };
+  // A monitored pair of bodies, which may be disabled in this frame.
   struct Pair {
     BodyId a = 0, b = 0;
     bool enabled = false;
@@ -33,10 +36,13 @@ struct Frame {
   std::vector<Pair> pairs;
 };
 
+// Plays the kept frames. Frames share the triangles of a body as long as these do not change,
+// because they would need twice the memory of the vertices.
 class BagFrames : public FrameSource {
  public:
   explicit BagFrames(const PairClasses& classes) : pair_classes_(namesOf(classes)) {}
 
+  // Copies what the cycle's scene changes. Call it for each cycle, in order.
   void add(const CycleReport& cycle) {
     if (frames_.empty()) start(cycle);
     const Scene& scene = *cycle.scene;
@@ -73,6 +79,7 @@ class BagFrames : public FrameSource {
   std::string label() const override { return next_ == 0 ? "" : frames_[next_ - 1].label; }
 
  private:
+  // Copies the first cycle's scene: later frames only change poses, vertices and pairs.
   void start(const CycleReport& cycle) {
     scene_ = *cycle.scene;
     for (const BodyStatus& body : cycle.bodies) {
@@ -82,6 +89,7 @@ class BagFrames : public FrameSource {
     shown_.resize(deformable_.size());
   }
 
+  // Returns the triangles of the previous frame if they are the same.
   std::shared_ptr<const HostList<std::uint32_t>> sharedTriangles(BodyId id,
                                                                  const TriangleMesh& mesh) {
     auto& known = triangles_[id];
@@ -91,6 +99,7 @@ class BagFrames : public FrameSource {
     return known;
   }
 
+  // Sets a deforming body's mesh. setVertices() keeps what the detector knows of the triangles.
   void show(const Frame::Surface& surface) {
     const std::size_t count = surface.vertices.size() / 3;
     if (shown_[surface.body] == surface.triangles &&
@@ -116,6 +125,7 @@ class BagFrames : public FrameSource {
 std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
                                            const std::function<void(const std::string&)>& progress,
                                            const std::function<void(const std::string&)>& warn) {
+  // The reader forks, so it is made before anything starts threads.
   const MonitorParameters configured = readBagParameters(files, warn);
   BagReader reader(files.bags, neededMessages(configured));
   ros::Time::init();

@@ -1,7 +1,12 @@
-// What tolerances and budgets cost, and what they say of pairs of bodies, against the exact states.
+// Times detections with tolerances and budgets, and checks every claim against the exact contacts.
+//
+// The distance of claimed triangles is computed here by plain geometry in double, independently of
+// the detectors: the nearest points of two disjoint triangles are at a corner and a face, at a
+// corner and an edge, or on two edges.
 #include "tools/measure_trade/bound_measurement.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -10,15 +15,72 @@
 #include "tools/common/backend_choice.h"
 #include "tools/common/sample_statistics.h"
 #include "tools/measure_trade/trade_grid.h"
-#include "tools/measure_trade/triangle_gap.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+using Corners = std::array<Vec3d, 3>;
+
+Corners cornersOf(const Triangle& t) {
+  return {toDouble(t.v[0]), toDouble(t.v[1]), toDouble(t.v[2])};
+}
+
+double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
+
+// Returns the distance of a point to a segment.
+double toPoint(const Vec3d& p, const Vec3d& from, const Vec3d& to) {
+  const Vec3d way = to - from;
+  const double square = dot(way, way);
+  const double at = square > 0 ? std::clamp(dot(p - from, way) / square, 0.0, 1.0) : 0.0;
+  return length(p - (from + way * at));
+}
+
+// Returns the distance of two segments if they are nearest at inner points, else infinity; the ends
+// are checked by toPoint(). The common perpendicular of the two lines gives the nearest points.
+// Parallel segments are nearest at an end, too.
+double betweenInner(const Vec3d& p, const Vec3d& p_to, const Vec3d& q, const Vec3d& q_to) {
+  const Vec3d u = p_to - p, v = q_to - q, w = p - q, n = cross(u, v);
+  const double square = dot(n, n);
+  if (square == 0) return INFINITY;
+  const double s = dot(cross(v, w), n) / square, t = dot(cross(u, w), n) / square;
+  if (s < 0 || s > 1 || t < 0 || t > 1) return INFINITY;
+  return length((p + u * s) - (q + v * t));
+}
+
+// Returns true if the point's projection lies on the triangle. Otherwise an edge is nearer.
+bool isOver(const Vec3d& p, const Corners& t, const Vec3d& n) {
+  for (int k = 0; k < 3; ++k) {
+    if (dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), n) < 0) return false;
+  }
+  return true;
+}
+
+// Returns the distance of a's corners to the inside of `b`, and 0 if an edge of `a` passes through
+// it.
+double toInside(const Corners& a, const Corners& b) {
+  const Vec3d n = cross(b[1] - b[0], b[2] - b[0]);
+  const double size = length(n);
+  if (size == 0) return INFINITY;
+  double gap = INFINITY;
+  std::array<double, 3> height;
+  for (int k = 0; k < 3; ++k) {
+    height[k] = dot(a[k] - b[0], n) / size;
+    if (isOver(a[k], b, n)) gap = std::min(gap, std::abs(height[k]));
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double from = height[k], to = height[(k + 1) % 3];
+    if (from == to || (from > 0) == (to > 0)) continue;
+    if (isOver(a[k] + (a[(k + 1) % 3] - a[k]) * (from / (from - to)), b, n)) return 0;
+  }
+  return gap;
+}
+
+// Returns the share of a part; 1 if there is nothing to count.
 double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 1 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+// Returns the pairs of bodies with an intersecting pair of triangles.
 std::set<BodyPair> touching(const DetectionResult& result) {
   std::set<BodyPair> bodies;
   for (std::size_t i = 0; i < result.contacts.size(); ++i) {
@@ -30,13 +92,14 @@ std::set<BodyPair> touching(const DetectionResult& result) {
   return bodies;
 }
 
-// The states of one detection.
+// Adds the states of one detection to the sums, and checks them.
 class Counting {
  public:
   Counting(const Scene& scene, const std::set<BodyPair>& truth, std::string frame,
            BoundMeasurement* sum)
       : scene_(scene), truth_(truth), frame_(std::move(frame)), sum_(sum) {}
 
+  // Takes the bounds of each pair, or the list of contacts of a detection without bounds.
   void add(const DetectionResult& result) {
     if (result.distances.empty()) return addExact(result);
     for (const BodyDistance& distance : result.distances) {
@@ -49,6 +112,8 @@ class Counting {
   }
 
  private:
+  // Takes the states of a detection without tolerance: a pair that was not found is decided unless
+  // the detection was cut off.
   void addExact(const DetectionResult& result) {
     const std::set<BodyPair> found = touching(result);
     for (const BodyPair& bodies : scene_.enabledPairs()) {
@@ -60,7 +125,10 @@ class Counting {
     }
   }
 
+  // Counts one pair, and compares its state with the truth.
   void add(const BodyPair& bodies, PairDecision decision) {
+    // A contact that is reported as NONE is a broken promise. UNKNOWN is not: the budget ended the
+    // detection.
     const bool is_true = truth_.count(bodies) > 0, claimed = decision == PairDecision::kContact;
     ++sum_->pairs;
     sum_->decided += decision != PairDecision::kOpen;
@@ -74,6 +142,7 @@ class Counting {
          ", which intersect, do not");
   }
 
+  // Checks that the claimed triangles are within the tolerance, but for rounding.
   void addClaim(const TrianglePair& witness) {
     const Triangle a = PosedBody(scene_.body(witness.body_a)).triangle(witness.triangle_a);
     const Triangle b = PosedBody(scene_.body(witness.body_b)).triangle(witness.triangle_b);
@@ -86,11 +155,13 @@ class Counting {
             {largest, std::abs(double{v.x}), std::abs(double{v.y}), std::abs(double{v.z})});
       }
     }
+    // triangleGapM() rounds relative to the size of the coordinates.
     constexpr double kRounding = 1e-12;
     if (gap_m <= double{sum_->setting.tolerance_m} + kRounding * largest) return;
     fail("claims a contact of triangles that are " + numberText(gap_m) + " m apart");
   }
 
+  // Keeps the first broken promise, which is enough for a report of the defect.
   void fail(const std::string& how) {
     if (sum_->broken.empty()) sum_->broken = describe(sum_->setting) + " " + how + ", in " + frame_;
   }
@@ -102,6 +173,21 @@ class Counting {
 };
 
 }  // namespace
+
+// Takes the least distance over all pairs of a corner and a face, a corner and an edge, and two
+// edges.
+double triangleGapM(const Triangle& a, const Triangle& b) {
+  const Corners p = cornersOf(a), q = cornersOf(b);
+  double gap = std::min(toInside(p, q), toInside(q, p));
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d &p_to = p[(i + 1) % 3], &q_to = q[(k + 1) % 3];
+      gap = std::min({gap, toPoint(p[i], q[k], q_to), toPoint(q[k], p[i], p_to),
+                      betweenInner(p[i], p_to, q[k], q_to)});
+    }
+  }
+  return gap;
+}
 
 std::string describe(const BoundSetting& setting) {
   if (setting.overlap < 1) return "overlap " + numberText(setting.overlap);
@@ -118,6 +204,7 @@ double BoundMeasurement::p99OverBudget() const {
   return setting.budget_ms > 0 ? percentile(ms, 0.99) / setting.budget_ms : 0;
 }
 
+// Self-contacts are left out, because tolerances are about pairs of two bodies.
 TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
                               const SayProgress& progress) {
   TouchingBodies truth;
@@ -129,10 +216,13 @@ TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Option
   return truth;
 }
 
+// Passes over the frames without counting until the warm-up is done, then `passes` times with
+// counting.
 void measureBounds(FrameSource* frames, const TouchingBodies& truth, const CycleCounts& cycles,
                    const Options& options, Detector* detector, TilingCache* tilings,
                    BoundMeasurement* sum) {
   Options bounded = options;
+  // These three vary; everything else is as in `options`.
   bounded.tolerance_m = sum->setting.tolerance_m;
   bounded.overlap = sum->setting.overlap;
   int warm_up = cycles.warm_up;
@@ -141,12 +231,14 @@ void measureBounds(FrameSource* frames, const TouchingBodies& truth, const Cycle
     for (std::size_t frame = 0; frames->next(); ++frame) {
       const Scene& scene = frames->scene();
       if (tilings != nullptr) makeTilings(scene, tilings);
+      // The time includes everything that a caller waits for.
       const SteadyTime start = std::chrono::steady_clock::now();
       if (sum->setting.budget_ms > 0) {
         bounded.limits.deadline = start + fromSeconds(sum->setting.budget_ms / 1e3);
       }
       const DetectionResult& result = detector->detect(scene, bounded);
       const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
+      // Warm-up cycles are not counted.
       if (warm_up > 0) continue;
       sum->ms.push_back(ms);
       Counting(scene, truth.at(frame), frames->label(), sum).add(result);

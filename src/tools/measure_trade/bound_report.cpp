@@ -1,5 +1,6 @@
-// What measure_trade --tolerance writes: a table, JSON, the node's parameters, a few lines for
-// people.
+// Writes the results of measure_trade --tolerance, and chooses a setting.
+//
+// The columns of bounds.csv and the keys of summary.json come from the same list.
 #include "tools/measure_trade/bound_report.h"
 
 #include <algorithm>
@@ -8,19 +9,18 @@
 #include <sstream>
 #include <utility>
 
-#include "tools/common/json_text.h"
-#include "tools/common/machine.h"
-#include "tools/common/option_value.h"
+#include "tools/common/command_line.h"
+#include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
-#include "tools/measure_trade/summary_head.h"
 #include "tools/measure_trade/trade_grid.h"
+#include "tools/measure_trade/trade_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Json = nlohmann::json;
 
-// In the order of the columns.
+// Returns the values of a row, in the order of the columns.
 std::vector<std::pair<std::string, double>> row(const BoundMeasurement& m,
                                                 const BoundMeasurement& exact) {
   return {{"overlap", m.setting.overlap},
@@ -41,6 +41,7 @@ std::vector<std::pair<std::string, double>> row(const BoundMeasurement& m,
           {"p99_over_budget", m.p99OverBudget()}};
 }
 
+// Returns the line of a setting for people.
 std::string line(const BoundMeasurement& m, const BoundMeasurement& exact) {
   char text[240];
   std::snprintf(text, sizeof text,
@@ -85,6 +86,7 @@ std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundM
   return jsonText(json);
 }
 
+// With a budget, less tolerance is better, then less time. Without one, only the time counts.
 std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
                                         const std::vector<BoundMeasurement>& all) {
   std::optional<std::size_t> best;
@@ -113,6 +115,8 @@ std::string boundsText(const TradeArguments& arguments, const std::vector<BoundM
          "\n";
 }
 
+// Without a choice, the largest tolerance is written, because it is the most likely to keep the
+// budget.
 std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames) {
   const std::optional<std::size_t> chosen = chooseBounds(arguments, all);

@@ -1,5 +1,7 @@
-// What measure_trade --tolerance writes: a table, JSON, the node's parameters, a few lines for
-// people.
+// Writes the results of measure_trade --tolerance: a table, JSON, the node's parameters, and a few
+// lines for people.
+//
+// The first setting is exact detection on the CPU; the others are compared with it.
 #pragma once
 
 #include <cstddef>
@@ -13,20 +15,24 @@
 
 namespace deformable_contact_monitor {
 
-// A row for each setting; the first is exact.
+// Returns a table with a row for each setting. The first setting is exact.
 std::string boundsCsv(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all);
 
+// Returns the content of summary.json.
 std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames);
 
-// The least tolerance with which every pair was decided, in 95 of 100 cycles within arguments'
-// budget; without one, the fastest of those. Nothing: there is none.
+// Returns the index of the chosen setting: the smallest tolerance that decided every pair and whose
+// 95th percentile keeps the budget of the arguments. Without a budget, it is the fastest setting
+// that decided every pair. Returns nothing if there is none.
 std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
                                         const std::vector<BoundMeasurement>& all);
 
+// Returns a line for each setting, and the choice.
 std::string boundsText(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all);
 
-// Where none was chosen, the largest tolerance; budget_ms is the arguments'.
+// Returns the node's parameters. If no setting was chosen, they have the largest tolerance.
+// budget_ms is that of the arguments.
 std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames);
 

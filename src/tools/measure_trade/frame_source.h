@@ -1,41 +1,67 @@
-// Scenes one after another, wherever they come from.
+// The sequences of scenes that measure_trade measures on: mesh files, or the cycles of bags.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/scene.h"
+#include "tools/bags/bag_files.h"
 
 namespace deformable_contact_monitor {
 
-// Bodies, their names and numbers are the same in every frame; a body that is missing in one has
-// its pairs off there. One thread at a time.
+// A sequence of scenes. Bodies, their names and their numbers are the same in every frame; the
+// pairs of a body that is missing in a frame are disabled there. Use it from one thread at a time.
 class FrameSource {
  public:
   FrameSource() = default;
   FrameSource(const FrameSource&) = delete;
   FrameSource& operator=(const FrameSource&) = delete;
+  // Sources are deleted through this class.
   virtual ~FrameSource() = default;
 
-  // Brings the next frame into scene(); false, and nothing changes, where there is none. Throws
-  // std::runtime_error, one line that names the source, if it cannot be read.
+  // Makes scene() the next frame. Returns false and changes nothing after the last frame. Throws
+  // std::runtime_error, one line that names the source, if the frame cannot be read.
   virtual bool next() = 0;
 
-  // Before the first frame again: the same frames come, in the same order.
+  // Goes back to the beginning: the same frames come again, in the same order.
   virtual void rewind() = 0;
 
-  // Of the last next(); before the first, its bodies and names are there already.
+  // Returns the frame of the last next(). Before the first call, it has all bodies and names
+  // already.
   virtual const Scene& scene() const = 0;
 
-  // Whether the body deforms; else it is a robot's link or another rigid one.
+  // Returns true if the body deforms. Otherwise it is rigid, such as a robot's link.
   virtual bool isDeformable(BodyId body) const = 0;
 
-  // The classes of pairs that are looked at, by the names of the node's `pair_classes`; the node's
-  // default where a source does not say otherwise.
+  // Returns the classes of pairs that are enabled, with the names of the node's `pair_classes`.
   virtual std::vector<std::string> pairClasses() const { return {"robot_deformable"}; }
 
-  // Names the last frame for people: a file, a stamp.
+  // Returns the name of the last frame for people: a file or a stamp.
   virtual std::string label() const = 0;
 };
+
+// Mesh files as the states of one deforming body among bodies that do not move.
+struct MeshFrameFiles {
+  std::vector<std::string> states;   // body 0 in each frame, at least one; triangles may change
+  std::vector<std::string> against;  // the other bodies, numbered from 1
+  bool self = false;                 // also find contacts of body 0 with itself
+  int split = 1;  // divide the path between two states of the same triangles into so many steps
+};
+
+// Reads all files, and calls `progress` with their names. A body is named by its file without
+// folder and ending; body 0 by its first file. Throws std::runtime_error as readMeshFile does, and
+// std::invalid_argument if two bodies would have the same name.
+std::unique_ptr<FrameSource> makeMeshFrames(
+    const MeshFrameFiles& files, const std::function<void(const std::string&)>& progress);
+
+// Reads bags: one frame for each cycle that evaluate_bag would evaluate, with its pairs of bodies.
+// Keeps the deforming vertices of all frames in memory. `progress` gets what is being read, `warn`
+// what a user should know. Throws std::runtime_error, one line, if a bag cannot be read completely,
+// and always in a build without ROS.
+std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
+                                           const std::function<void(const std::string&)>& progress,
+                                           const std::function<void(const std::string&)>& warn);
 
 }  // namespace deformable_contact_monitor

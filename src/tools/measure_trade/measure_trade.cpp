@@ -1,4 +1,8 @@
-// measure_trade: what each setting of the detector costs and finds on a scene.
+// measure_trade: measures the speed-accuracy trade-off of the detector's settings on a scene.
+//
+// There are three measurements, one for each run function: the grid of settings (run), what instant
+// motion loses (runSwept), and tolerances with time budgets (runBounds). Each opens its output
+// files before it measures, and then writes the tables, draws plots and prints the choice.
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -8,14 +12,13 @@
 #include "tools/common/backend_choice.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"
+#include "tools/common/reports.h"
 #include "tools/common/run_tool.h"
-#include "tools/common/script.h"
-#include "tools/measure_trade/bag_frames.h"
 #include "tools/measure_trade/bound_measurement.h"
 #include "tools/measure_trade/bound_report.h"
-#include "tools/measure_trade/mesh_frames.h"
+#include "tools/measure_trade/frame_source.h"
+#include "tools/measure_trade/motion_measurement.h"
 #include "tools/measure_trade/motion_report.h"
-#include "tools/measure_trade/motion_steps.h"
 #include "tools/measure_trade/trade_arguments.h"
 #include "tools/measure_trade/trade_measurement.h"
 #include "tools/measure_trade/trade_report.h"
@@ -23,7 +26,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// What is written, opened before the measuring starts, so that it is not in vain.
+// The output files. They are opened before the measurement, so that it is not lost at its end.
 struct Outputs {
   explicit Outputs(const TradeArguments& arguments)
       : settings(arguments.out_folder + "/settings.csv"),
@@ -35,32 +38,37 @@ struct Outputs {
   std::optional<OutputFile> config;
 };
 
+// Writes a note as one line.
 void note(const std::string& what) {
   std::fprintf(stderr, "measure_trade: note: %s\n", oneLine(what).c_str());
 }
 
+// Opens the bags or the mesh files of the command line.
 std::unique_ptr<FrameSource> openFrames(const TradeArguments& arguments,
                                         const SayProgress& progress) {
   if (!arguments.recorded.bags.empty()) return makeBagFrames(arguments.recorded, progress, note);
   return makeMeshFrames(arguments.meshes, progress);
 }
 
-// What is called cuda was measured with CUDA.
+// Makes a detector. "cuda" never falls back to the CPU, because the figures would be wrong.
 std::unique_ptr<Detector> makeBackend(const std::string& backend) {
   return makeDetector(backend, WithoutCuda::kRefuse, CudaSettings(), note);
 }
 
+// Runs every setting of the grid, and chooses one.
 TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Progress* progress) {
   const std::vector<Setting> settings = settingsOf(arguments.grid, arguments.base);
-  for (const std::string& backend : arguments.grid.backends) makeBackend(backend);  // or fail now
+  for (const std::string& backend : arguments.grid.backends)
+    makeBackend(backend);  // fails now if it is missing
   TradeResults results;
   results.exact = exactResults(frames, arguments.base.adjacent,
                                [&](const std::string& what) { progress->set(what); });
+  // Cycles are rounded up to whole passes, so that every frame counts equally.
   const int frame_count = static_cast<int>(results.exact.labels.size());
   const int cycles_each = (arguments.least_cycles - 1) / arguments.repeats + 1;
   const CycleCounts cycles{arguments.warm_up, (cycles_each - 1) / frame_count + 1};
   results.measurements.resize(settings.size());
-  // All settings, and then all again: what slows the machine down for a while hits many of them.
+  // Each repeat runs all settings, so that a slow phase of the machine affects many of them alike.
   for (int repeat = 0; repeat < arguments.repeats; ++repeat) {
     for (std::size_t i = 0; i < settings.size(); ++i) {
       const std::string place = "repeat " + std::to_string(repeat + 1) + " of " +
@@ -75,6 +83,7 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
           [&](const std::string& what) { progress->set(place + what); }, &sum);
     }
   }
+  // All settings are compared only after everything was measured.
   std::vector<Worth> worth;
   for (const Measurement& m : results.measurements) worth.push_back(m.worth());
   results.front = paretoFront(worth);
@@ -84,6 +93,7 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
   return results;
 }
 
+// Warns about pairs without an interval, and about invalid triangles.
 void warnMotions(const MotionResults& found) {
   if (found.pairs_without_step > 0) {
     note(std::to_string(found.pairs_without_step) +
@@ -96,7 +106,7 @@ void warnMotions(const MotionResults& found) {
   }
 }
 
-// The exit code.
+// Measures what instant motion loses. Returns the exit code.
 int runSwept(const TradeArguments& arguments) {
   std::string text;
   MotionResults found;
@@ -119,7 +129,7 @@ int runSwept(const TradeArguments& arguments) {
     onsets.write(onsetsCsv(found, levels, *frames));
     summary.write(motionJson(arguments, found, levels, *frames));
     progress.set("drawing");
-    runScriptBeside("plot_motion.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
+    runPlotScript("plot_motion.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
     text = motionText(found, levels);
   }
   warnMotions(found);
@@ -127,7 +137,8 @@ int runSwept(const TradeArguments& arguments) {
   return 0;
 }
 
-// Exact on the CPU first, then what is beside, then each tolerance with each budget.
+// Returns exact detection on the CPU first, then the other backends and overlaps, then each
+// tolerance with each budget.
 std::vector<BoundSetting> boundSettings(const TradeArguments& arguments) {
   std::vector<BoundSetting> settings = {BoundSetting()};
   for (const std::string& backend : arguments.grid.backends) {
@@ -145,13 +156,14 @@ std::vector<BoundSetting> boundSettings(const TradeArguments& arguments) {
   return settings;
 }
 
+// Finds the exact contacts, then measures each setting against them.
 std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, FrameSource* frames,
                                                Progress* progress) {
   std::vector<BoundMeasurement> all;
   for (const BoundSetting& setting : boundSettings(arguments)) {
     all.emplace_back();
     all.back().setting = setting;
-    makeBackend(setting.backend);  // or fail now
+    makeBackend(setting.backend);  // fails now if it is missing
   }
   const TouchingBodies truth =
       touchingBodies(frames, makeBackend("cpu").get(), arguments.base,
@@ -168,7 +180,7 @@ std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, 
   return all;
 }
 
-// The exit code.
+// Measures tolerances and budgets. Returns the exit code.
 int runBounds(const TradeArguments& arguments) {
   std::string text;
   bool holds = true;
@@ -187,7 +199,7 @@ int runBounds(const TradeArguments& arguments) {
     summary.write(boundsJson(arguments, all, *frames));
     if (config) config->write(boundsYaml(arguments, all, *frames));
     progress.set("drawing");
-    runScriptBeside("plot_bounds.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
+    runPlotScript("plot_bounds.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
     text = boundsText(arguments, all);
     for (const BoundMeasurement& m : all) {
       if (m.broken.empty()) continue;
@@ -200,7 +212,7 @@ int runBounds(const TradeArguments& arguments) {
   return holds ? 0 : 1;
 }
 
-// What a reader of the tables alone would not see.
+// Warns about what the tables do not show.
 void warn(const TradeResults& results) {
   if (results.exact.bodies.empty()) {
     std::fputs("measure_trade: note: no frame has a contact, so recall says nothing\n", stderr);
@@ -212,6 +224,7 @@ void warn(const TradeResults& results) {
   }
 }
 
+// Returns true if no setting with a guarantee missed a contact.
 bool allGuaranteesHold(const TradeResults& results) {
   for (const Measurement& m : results.measurements) {
     if (!m.broken.empty()) return false;
@@ -219,7 +232,7 @@ bool allGuaranteesHold(const TradeResults& results) {
   return true;
 }
 
-// The exit code.
+// Measures the grid of settings. Returns the exit code.
 int run(const TradeArguments& arguments) {
   TradeResults results;
   {
@@ -235,9 +248,10 @@ int run(const TradeArguments& arguments) {
     outputs.summary.write(summaryJson(arguments, results, *frames));
     if (outputs.config) outputs.config->write(configYaml(arguments, results, *frames));
     progress.set("drawing");
-    runScriptBeside("plot_trade.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
+    runPlotScript("plot_trade.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
   }
   warn(results);
+  // Standard output holds either the configuration or the choice, but not both.
   if (arguments.config_file != "-") OutputFile("-").write(choiceText(arguments, results));
   if (!allGuaranteesHold(results)) return 1;
   if (!results.chosen && !arguments.config_file.empty()) {

@@ -1,26 +1,28 @@
-// What measure_trade --swept writes: tables, JSON, a few lines for people.
+// Writes the results of measure_trade --swept.
 #include "tools/measure_trade/motion_report.h"
 
 #include <nlohmann/json.hpp>
 
-#include "tools/common/csv_field.h"
-#include "tools/common/json_text.h"
+#include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
-#include "tools/measure_trade/summary_head.h"
+#include "tools/measure_trade/trade_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using Json = nlohmann::json;
 
+// Returns the level's name in tables.
 const char* nameOf(MotionLevel level) {
   return level == MotionLevel::kBodies ? "bodies" : "triangles";
 }
 
+// Returns the distance of the frames that a way checks.
 std::size_t everyOf(const MotionResults& found, const MotionWay& way) {
   return way.kept_alone ? found.every : 1;
 }
 
+// Returns the times of all detections of a way [ms].
 std::vector<double> times(const MotionResults& found, const MotionWay& way) {
   std::vector<double> ms;
   if (way.motion == Motion::kSwept) {
@@ -36,7 +38,7 @@ std::vector<double> times(const MotionResults& found, const MotionWay& way) {
   return ms;
 }
 
-// In the order of the columns of motions.csv.
+// Returns the values of a row of motions.csv, in the order of its columns.
 std::vector<std::pair<std::string, Json>> row(const MotionResults& found,
                                               const MotionCounts& counts, std::size_t way) {
   const MotionWay& look = waysToLook()[way];
@@ -58,17 +60,19 @@ std::vector<std::pair<std::string, Json>> row(const MotionResults& found,
           {"median_ms", median(ms)}};
 }
 
-// As JSON has it, without the quotes of words.
+// Returns the value as in JSON, but words without quotes.
 std::string shown(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   return value.is_number_float() ? numberText(value.get<double>()) : value.dump();
 }
 
+// Adds the times of an onset to a row; empty fields if it was not found.
 void addOnset(const std::optional<Onset>& onset, bool swept, std::string* line) {
   *line += "," + (onset ? numberText(onset->low) : "");
   if (swept) *line += "," + (onset ? numberText(onset->high) : "");
 }
 
+// Returns the names of the bodies, and the triangles at the level of triangles.
 std::string bodiesOf(const Onset& onset, MotionLevel level, const Scene& scene) {
   const TrianglePair& pair = onset.pair;
   const auto triangle = [level](std::uint32_t number) {
@@ -78,12 +82,14 @@ std::string bodiesOf(const Onset& onset, MotionLevel level, const Scene& scene) 
          csvField(scene.body(pair.body_b).name) + "," + triangle(pair.triangle_b);
 }
 
+// Returns for example "loses 2 of 9 contacts".
 std::string lossText(std::uint64_t lost, std::uint64_t of, const char* what) {
   return std::to_string(lost) + " of " + std::to_string(of) + " " + what;
 }
 
 }  // namespace
 
+// The true onsets are computed once for all ways.
 MotionCounts countMotions(const MotionResults& found, MotionLevel level) {
   MotionCounts counts;
   counts.level = level;
@@ -111,6 +117,8 @@ std::string motionsCsv(const MotionResults& found, const std::vector<MotionCount
   return title + lines;
 }
 
+// `after_frame` is the frame at which the onset's interval begins. Ways by instant motion have one
+// time, swept ones two.
 std::string onsetsCsv(const MotionResults& found, const std::vector<MotionCounts>& levels,
                       const FrameSource& frames) {
   std::string text =
@@ -155,6 +163,7 @@ std::string motionJson(const TradeArguments& arguments, const MotionResults& fou
   return jsonText(json);
 }
 
+// Each line names a way, and what it loses at both levels.
 std::string motionText(const MotionResults& found, const std::vector<MotionCounts>& levels) {
   std::string text = "Of what touches at some time, by swept motion at all " +
                      std::to_string(found.labels.size()) + " frames:\n";

@@ -1,4 +1,5 @@
-// The command line of measure_trade.
+// Declares and checks the command line of measure_trade. Each add function declares one group of
+// options, and the rules between them; check() tests what rules between options cannot.
 #include "tools/measure_trade/trade_arguments.h"
 
 #include <filesystem>
@@ -11,16 +12,18 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr const char* kDescription =
-    "Measures what each setting of the detector costs and finds on a scene, against the exact "
-    "contacts. STATE files are the states, in order, of one deforming body; the others stand "
-    "still. Lists are comma-separated: overlaps, predicates and clusters are combined in full; of "
-    "the other lists the first value is used there, and each of the rest once by itself.";
+    "Measures the time and the accuracy of the detector's settings on a scene, against the exact "
+    "contacts. STATE files are the states of one deforming body, in order; the other bodies do not "
+    "move. Lists are separated by commas. All combinations of overlaps, predicates and clusters "
+    "are measured, with the first value of the other lists; their other values are measured once.";
 constexpr const char* kFooter =
-    "Writes settings.csv, links.csv, summary.json and plots (PNG), and says which setting it would "
-    "use. Times are round trips: scene on the host to sorted contacts there.\n"
-    "Exit code: 0; 1 if a setting that is guaranteed to be exact was not; 2 with one line on "
-    "standard error (bad usage, an unreadable mesh, no setting within the budget to write).";
+    "Writes settings.csv, links.csv, summary.json and plots (PNG), and says which setting it "
+    "chooses. Times are round trips: from a scene on the host to sorted contacts on the host.\n"
+    "Exit code: 0: done; 1: a setting that is guaranteed to be exact was not; 2: bad usage, an "
+    "unreadable mesh, or no setting within the budget to write. With 2, one line on standard error "
+    "says why.";
 
+// Quotes a word for a shell.
 std::string quoted(const std::string& word) {
   const char* const plain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./,:=+@%";
@@ -30,19 +33,20 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+// Adds the options that say what is measured on.
 void addScene(CommandLine* line, TradeArguments* arguments) {
   MeshFrameFiles& meshes = arguments->meshes;
   line->addPositionals("STATE", &meshes.states, false, "Mesh files: OBJ, PLY, STL or OFF");
   line->addWords("--against", &meshes.against,
-                 "Mesh files, each a body that stands still, as a robot's link");
-  line->addFlag("--self", &meshes.self, "Also contacts of the body with itself");
+                 "Mesh files, each a body that does not move, such as a robot's link");
+  line->addFlag("--self", &meshes.self, "Also measure self-contacts of the deforming body");
   BagFiles& recorded = arguments->recorded;
   line->addWords("--bag", &recorded.bags,
                  "Recorded bags instead of mesh files, without --against and --self");
   for (const char* other : {"STATE", "--against", "--self"}) line->refuseTogether("--bag", other);
-  line->add("--config", &recorded.config, "With --bag: parameters of contact_monitor, yaml");
+  line->add("--config", &recorded.config, "With --bag: parameters of contact_monitor (yaml)");
   line->add("--robot-description", &recorded.robot_description,
-            "With --bag: URDF, or a rosparam dump of it, unless the bags have the robot");
+            "With --bag: URDF, or a rosparam dump of it; not needed if the bags have the robot");
   line->add("--reference-frame", &recorded.reference_frame,
             "With --bag: frame of the contacts, instead of the configuration's");
   for (const char* option : {"--config", "--robot-description", "--reference-frame"}) {
@@ -51,66 +55,75 @@ void addScene(CommandLine* line, TradeArguments* arguments) {
   line->add("--adjacent", &arguments->base.adjacent, kAdjacentHelp);
 }
 
+// Adds the options that say which settings are tried.
 void addGrid(CommandLine* line, TradeGrid* grid, std::vector<std::string>* predicates) {
-  line->addList("--backends", &grid->backends, "Each", oneOf({"cpu", "cuda"}));
-  line->addList("--overlaps", &grid->overlaps, "Each in [0, 1]");
-  line->addList("--predicates", predicates, "Each", oneOf({"exact", "conservative", "fast"}));
-  line->addList("--clusters", &grid->clusters, "0: from the scene");
-  line->addList("--fuzzifiers", &grid->fuzzifiers, "Each in [1.05, 4]");
-  line->addList("--iterations", &grid->iterations, "Each in [0, 100]");
-  line->addList("--refresh-periods", &grid->refresh_periods, "In cycles, each >= 1");
+  line->addList("--backends", &grid->backends, "Backends to measure; each", oneOf({"cpu", "cuda"}));
+  line->addList("--overlaps", &grid->overlaps, "Overlaps to measure; each in [0, 1]");
+  line->addList("--predicates", predicates, "Predicates to measure; each",
+                oneOf({"exact", "conservative", "fast"}));
+  line->addList("--clusters", &grid->clusters,
+                "Numbers of clusters to measure; 0: chosen from the scene");
+  line->addList("--fuzzifiers", &grid->fuzzifiers, "Fuzzifiers to measure; each in [1.05, 4]");
+  line->addList("--iterations", &grid->iterations,
+                "Fuzzy c-means iterations per refresh to measure; each in [0, 100]");
+  line->addList("--refresh-periods", &grid->refresh_periods,
+                "Cycles between refreshes of the clusters to measure; each >= 1");
 }
 
+// Adds the options that say how long to measure and what to write.
 void addRun(CommandLine* line, TradeArguments* arguments) {
   line->add("--threads", &arguments->base.threads, "Threads of the cpu backend; 0: all cores");
   line->add("--cycles", &arguments->least_cycles,
-            "Measure at least so many cycles of each setting, in whole passes through the states",
+            "Least number of cycles of each setting; whole passes through the states are measured",
             inRange(1, 1000000000));
   line->add("--repeats", &arguments->repeats,
-            "Share these cycles out over so many passes through all settings, to see the noise",
+            "Divide the cycles among so many passes through all settings, to measure the noise",
             inRange(1, 1000));
   line->add("--warm-up", &arguments->warm_up,
-            "Cycles before them, in each repeat, that are not counted", inRange(0, 1000000000));
-  line->add("--out", &arguments->out_folder, "Folder for the results; made if need be");
+            "Cycles at the start of each repeat that are not counted", inRange(0, 1000000000));
+  line->add("--out", &arguments->out_folder, "Folder for the results; it is made if it is missing");
   line->add("--budget-ms", &arguments->budget_ms,
-            "Choose the most accurate setting that takes no longer in 95 of 100 cycles "
-            "(else: the fastest of those that are guaranteed)",
+            "Choose the most accurate setting that takes at most this time in 95 of 100 cycles; "
+            "without a budget, the fastest setting with a guarantee",
             isPositive());
   line->add("--write-config", &arguments->config_file,
-            "Write the chosen setting here, as parameters of contact_monitor (YAML)");
-  line->addFlag("--force", &arguments->force, "Replace the file that --write-config names");
+            "File for the chosen setting, as parameters of contact_monitor (yaml)");
+  line->addFlag("--force", &arguments->force, "Replace an existing file of --write-config");
   line->requireFor("--force", "--write-config");
 }
 
-// What is of the grid alone.
+// Options that only the grid has.
 constexpr const char* kGridOptions[] = {
     "--overlaps", "--predicates",      "--clusters", "--fuzzifiers", "--iterations",
     "--cycles",   "--refresh-periods", "--warm-up",  "--budget-ms",  "--write-config"};
 
+// Adds the options of --swept.
 void addSwept(CommandLine* line, TradeArguments* arguments) {
-  line->addFlag("--swept", &arguments->swept,
-                "Measure instead which contacts, and which of their onsets, are lost where frames "
-                "are looked at one by one, and at some of them alone; writes motions.csv, "
-                "onsets.csv, summary.json and plots");
-  line->add("--every", &arguments->every, "With --swept: keep each so-many-th frame and the last",
+  line->addFlag(
+      "--swept", &arguments->swept,
+      "Measure instead which contacts and onsets are lost if only the frames are checked, "
+      "or only some of them; writes motions.csv, onsets.csv, summary.json and plots");
+  line->add("--every", &arguments->every, "With --swept: keep every n-th frame and the last",
             inRange(2, 1000000));
   line->add("--split", &arguments->meshes.split,
-            "With --swept: cut the step between two STATE files into so many, on straight lines",
+            "With --swept: divide the path between two STATE files into so many straight steps",
             inRange(1, 1000));
   for (const char* option : {"--every", "--split"}) line->requireFor(option, "--swept");
   line->refuseTogether("--bag", "--split");
   for (const char* option : kGridOptions) line->refuseTogether("--swept", option);
 }
 
+// Adds the options of --tolerance.
 void addBounds(CommandLine* line, TradeArguments* arguments) {
-  line->addFlag("--tolerance", &arguments->bounds,
-                "Measure instead what tolerances and budgets cost on the CPU, and what they say of "
-                "pairs of two bodies, beside exact --backends and --overlaps below 1; writes "
-                "bounds.csv, summary.json and a plot");
+  line->addFlag(
+      "--tolerance", &arguments->bounds,
+      "Measure instead what tolerances and time budgets cost on the CPU, and how the states "
+      "of pairs of bodies compare with exact --backends and with --overlaps below 1; "
+      "writes bounds.csv, summary.json and a plot");
   line->addList("--tolerances-m", &arguments->tolerances_m,
-                "With --tolerance: how far off distances may be, each", inRange(0.F, 1.F));
+                "With --tolerance: largest errors of distances [m]; each", inRange(0.F, 1.F));
   line->addList("--budgets-ms", &arguments->budgets_ms,
-                "With --tolerance: after how long a detection ends; 0: never; each",
+                "With --tolerance: time limits of a detection [ms]; 0: none; each",
                 inRange(0.0, 60000.0));
   for (const char* option : {"--tolerances-m", "--budgets-ms"}) {
     line->requireFor(option, "--tolerance");
@@ -121,6 +134,7 @@ void addBounds(CommandLine* line, TradeArguments* arguments) {
   }
 }
 
+// Converts names that the option's rule has checked.
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   std::vector<Predicates> all;
   all.reserve(names.size());
@@ -128,6 +142,7 @@ std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   return all;
 }
 
+// Checks what the options' own rules cannot. Throws as refuseUsage() does.
 void check(const TradeArguments& arguments) {
   const MeshFrameFiles& meshes = arguments.meshes;
   if (arguments.recorded.bags.empty()) {
@@ -153,6 +168,7 @@ void check(const TradeArguments& arguments) {
 
 }  // namespace
 
+// The command is kept, so that results say how they were made.
 bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   CommandLine line("measure_trade", kDescription, kFooter);
   arguments->base.threads = 1;

@@ -10,6 +10,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns true if two settings are equal in everything that the grid varies.
 bool same(const Setting& a, const Setting& b) {
   const auto values = [](const Setting& s) {
     const Options& o = s.options;
@@ -19,9 +20,11 @@ bool same(const Setting& a, const Setting& b) {
   return values(a) == values(b);
 }
 
-// A number that has a decimal of digits10 digits or fewer shows with those alone.
+// Returns the shortest text that reads back as this number: a number that was given with few digits
+// appears with those again. Tries more digits, from those that every decimal survives.
 template <class Number>
 std::string shortest(Number value) {
+  // Tries more digits until the text reads back as the same number.
   int digits = std::numeric_limits<Number>::digits10;
   while (true) {
     std::stringstream text;
@@ -41,6 +44,7 @@ std::string shortest(Number value) {
 std::string numberText(double value) { return shortest(value); }
 std::string numberText(float value) { return shortest(value); }
 
+// The order matters: of equal settings the first one stays, and reports list them in this order.
 std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base) {
   std::vector<Setting> settings;
   const auto add = [&settings](const Setting& setting) {

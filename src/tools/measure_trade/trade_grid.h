@@ -1,4 +1,7 @@
 // The settings that measure_trade tries.
+//
+// The grid has a full part, which shows how the most important options act together, and a part in
+// which the others vary one at a time.
 #pragma once
 
 #include <string>
@@ -8,12 +11,13 @@
 
 namespace deformable_contact_monitor {
 
+// One point of the grid.
 struct Setting {
   std::string backend;  // "cpu" or "cuda"
   Options options;
 };
 
-// Values to try. No list is empty.
+// The values to try. No list is empty.
 struct TradeGrid {
   std::vector<std::string> backends = {"cpu"};
   std::vector<float> overlaps = {0, 0.25F, 0.5F, 0.75F, 1};
@@ -25,15 +29,18 @@ struct TradeGrid {
   std::vector<int> refresh_periods = {1, 4, 16};
 };
 
-// For each backend: overlaps x predicates x clusters in full, with the first of the other lists;
-// then the rest of those lists, one value at a time, at the largest overlap, the strictest
-// predicates and the first clusters. What is not in the grid is as in `base`. None comes twice.
+// Returns the settings to measure, for each backend:
+// - all combinations of overlaps, predicates and clusters, with the first value of the other lists;
+// - then the other values of those lists, one at a time, with the largest overlap, the strictest
+//   predicates and the first number of clusters.
+// Everything else is as in `base`. No setting comes twice.
 std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base);
 
-// "cpu, exact, overlap 0.5, clusters auto", and what of the rest differs from the defaults.
+// Returns the setting in words: "cpu, exact, overlap 0.5, clusters auto", and what else differs
+// from the defaults.
 std::string describe(const Setting& setting);
 
-// The shortest text that reads back as the same number.
+// Returns the shortest text that reads back as the same number.
 std::string numberText(double value);
 std::string numberText(float value);
 

@@ -1,4 +1,4 @@
-// Runs settings over a sequence of frames and holds what they find against the exact contacts.
+// Runs settings over a sequence of frames, and compares what they find with the exact contacts.
 #include "tools/measure_trade/trade_measurement.h"
 
 #include <algorithm>
@@ -11,11 +11,13 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns the counts of two bodies; zeros if they have no contact.
 PairCounts countsOf(const FrameCounts& counts, const BodyPair& bodies) {
   const auto found = counts.find(bodies);
   return found == counts.end() ? PairCounts() : found->second;
 }
 
+// Adds the counters of a cycle.
 void addWork(const Counters& cycle, Counters* sum) {
   sum->triangles += cycle.triangles;
   sum->clustered += cycle.clustered;
@@ -28,7 +30,8 @@ void addWork(const Counters& cycle, Counters* sum) {
   sum->undecided += cycle.undecided;
 }
 
-// Empty where the guarantee holds: nothing may be missing, and exact predicates add nothing.
+// Returns how the guarantee is broken; empty: it holds. No contact may be missing. Exact predicates
+// must add none either; conservative ones may.
 std::string howBroken(const Setting& setting, const PairCounts& pairs, const std::string& frame) {
   const std::uint64_t missing = pairs.truth - pairs.common, added = pairs.found - pairs.common;
   if (missing == 0 && (added == 0 || setting.options.predicates != Predicates::kExact)) return "";
@@ -36,6 +39,7 @@ std::string howBroken(const Setting& setting, const PairCounts& pairs, const std
          " of the exact contacts and adds " + std::to_string(added) + " in " + frame;
 }
 
+// Adds the rates of a frame, and remembers the first frame in which a guarantee is broken.
 void addFrame(const FrameCounts& counts, const ExactResults& exact, std::size_t frame,
               Measurement* sum) {
   sum->external.add(total(counts, ContactKind::kExternal).recall(), frame);
@@ -50,7 +54,7 @@ void addFrame(const FrameCounts& counts, const ExactResults& exact, std::size_t 
   }
 }
 
-// Of one pass through the frames.
+// Adds the onset delays of one pass through the frames, for each pair of bodies.
 void addOnsets(const std::vector<FrameCounts>& pass, const ExactResults& exact, Measurement* sum) {
   for (const BodyPair& bodies : exact.bodies) {
     std::vector<bool> truth, found;
@@ -67,11 +71,13 @@ void addOnsets(const std::vector<FrameCounts>& pass, const ExactResults& exact, 
 
 }  // namespace
 
+// The noise comes from the medians and 95th percentiles of the single repeats.
 Worth Measurement::worth() const {
   Worth worth = {median(round_trip_ms), percentile(round_trip_ms, 0.95),
                  std::min(external.worst, self.worst), precision.worst,
                  guaranteed && broken.empty()};
   std::vector<double> medians, p95s;
+  // The cycles of all repeats stand one after the other in round_trip_ms.
   auto begin = round_trip_ms.begin();
   for (const std::size_t cycles : repeats) {
     const auto end = begin + static_cast<std::ptrdiff_t>(cycles);
@@ -86,6 +92,7 @@ Worth Measurement::worth() const {
   return worth;
 }
 
+// Uses the default options: exact predicates and overlap 1 find every contact by proof.
 ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,
                           const SayProgress& progress) {
   Options options;
@@ -105,9 +112,11 @@ ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,
   return exact;
 }
 
+// Cold starts happen in the warm-up, which may need more cycles than there are frames.
 void measure(FrameSource* frames, const ExactResults& exact, const CycleCounts& cycles,
              Detector* detector, const SayProgress& progress, Measurement* sum) {
   const Setting& setting = sum->setting;
+  // An incomplete result would look like a bad setting, so it ends the measurement.
   const auto detect = [&]() -> const DetectionResult& {
     const DetectionResult& result = detector->detect(frames->scene(), setting.options);
     if (result.cut_off) {
@@ -126,6 +135,7 @@ void measure(FrameSource* frames, const ExactResults& exact, const CycleCounts& 
     }
     detect();
   }
+  // Every cycle counts from here on.
   sum->repeats.push_back(0);
   for (int pass = 0; pass < cycles.passes; ++pass) {
     frames->rewind();

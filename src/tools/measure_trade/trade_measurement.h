@@ -1,4 +1,7 @@
-// Runs settings over a sequence of frames and holds what they find against the exact contacts.
+// Runs settings over a sequence of frames, and compares what they find with the exact contacts.
+//
+// Recall and precision are counted for each frame, because a setting that is good on average may
+// lose a whole contact in one frame.
 #pragma once
 
 #include <functional>
@@ -13,44 +16,49 @@
 
 namespace deformable_contact_monitor {
 
+// Gets a text about what is being measured.
 using SayProgress = std::function<void(const std::string&)>;
 
-// The contacts of every frame, by the CPU backend's exact and complete setting.
+// The contacts of every frame, found by the CPU backend with exact predicates and overlap 1.
 struct ExactResults {
   std::vector<std::vector<TrianglePair>> contacts;  // per frame
   std::vector<std::string> labels;                  // per frame
   std::vector<BodyPair> bodies;                     // with a contact in some frame, ascending
 };
 
-// All cores. Throws std::runtime_error if there is no frame.
+// Finds the exact contacts on all cores. Throws std::runtime_error if there is no frame.
 ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent, const SayProgress& progress);
 
+// How many cycles are measured.
 struct CycleCounts {
-  int warm_up = 0;  // cycles first, which are not counted; then from the first frame
+  int warm_up = 0;  // cycles that are not counted; measuring starts at the first frame again
   int passes = 1;   // through all frames
 };
 
+// Holds what was measured of one setting, summed over its repeats.
 struct Measurement {
+  // The figures of one pair of bodies.
   struct Bodies {
     RateOverFrames recall;
     OnsetDelay onset;
   };
   Setting setting;
-  std::vector<double> round_trip_ms;  // per cycle: scene on the host to sorted contacts there
-  std::vector<std::size_t> repeats;   // cycles of each
-  RateOverFrames external, self;      // recall, of contacts between bodies and within one
+  std::vector<double> round_trip_ms;  // per cycle: from a scene to sorted contacts on the host [ms]
+  std::vector<std::size_t> repeats;   // the number of cycles of each repeat
+  RateOverFrames external, self;      // recall of contacts between bodies, and of self-contacts
   RateOverFrames precision;
   std::map<BodyPair, Bodies> bodies;  // of ExactResults::bodies
   OnsetDelay onset;                   // of all pairs of bodies
   Counters work;                      // sums over the cycles
   bool guaranteed = true;             // in every cycle
-  std::string broken;  // how a guaranteed setting erred, one line; empty, as it must be: not at all
+  std::string broken;  // how a guaranteed setting missed a contact: a defect; empty: it did not
 
+  // Returns the criteria by which the setting is compared with others.
   Worth worth() const;
 };
 
-// Once more, added to what was measured of that setting before. The detector is new or reset.
-// Throws std::runtime_error where contacts were left out for want of device memory.
+// Measures sum->setting once more, and adds to `sum`. The detector must be new or reset. Throws
+// std::runtime_error if contacts were left out because device memory was short.
 void measure(FrameSource* frames, const ExactResults& exact, const CycleCounts& cycles,
              Detector* detector, const SayProgress& progress, Measurement* sum);
 

@@ -1,35 +1,106 @@
-// What measure_trade writes in words: JSON, the choice, the node's parameters.
+// Writes tables, JSON, the choice for people, and the node's parameters. README.md says what each
+// file holds.
 #include "tools/measure_trade/trade_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tools/common/json_text.h"
-#include "tools/common/machine.h"
-#include "tools/common/option_value.h"
+#include "tools/common/command_line.h"
+#include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
-#include "tools/measure_trade/summary_head.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// A row of comma-separated values.
+class Row {
+ public:
+  Row& text(const std::string& words) {
+    line_ += (line_.empty() ? "" : ",") + csvField(words);
+    return *this;
+  }
+  Row& number(double value) { return text(numberText(value)); }
+  Row& number(float value) { return text(numberText(value)); }
+  Row& count(std::uint64_t value) { return text(std::to_string(value)); }
+  Row& flag(bool value) { return text(value ? "true" : "false"); }
+  std::string line() const { return line_ + "\n"; }
+
+ private:
+  std::string line_;
+};
+
+constexpr const char* kSettingColumns =
+    "backend,predicates,overlap,clusters,fuzzifier,iterations,refresh_period";
+constexpr const char* kOnsetColumns = "onset_runs,onset_missed,onset_delay_mean,onset_delay_worst";
+
+// Adds the setting's columns.
+void addSetting(const Setting& setting, Row* row) {
+  const Options& options = setting.options;
+  row->text(setting.backend).text(toString(options.predicates)).number(options.overlap);
+  row->text(std::to_string(options.clusters)).number(options.fuzzifier);
+  row->text(std::to_string(options.iterations)).text(std::to_string(options.refresh_period));
+}
+
+// Adds the mean, the worst frame's recall and its label; empty if there is nothing to count.
+void addRecall(const RateOverFrames& recall, bool counts, const ExactResults& exact, Row* row) {
+  if (!counts) {
+    row->text("").text("").text("");
+    return;
+  }
+  row->number(recall.mean()).number(recall.worst);
+  row->text(recall.worst < 1 ? exact.labels.at(recall.worst_frame) : "");
+}
+
+// Adds percentiles of all cycles, and the range of the repeats' medians and 95th percentiles.
+void addNoise(const Measurement& m, Row* row) {
+  const Worth worth = m.worth();
+  row->number(percentile(m.round_trip_ms, 0.1)).number(percentile(m.round_trip_ms, 0.9));
+  row->number(worth.median_ms - worth.median_noise.below);
+  row->number(worth.median_ms + worth.median_noise.above);
+  row->number(worth.p95_ms - worth.p95_noise.below);
+  row->number(worth.p95_ms + worth.p95_noise.above);
+}
+
+// Adds the delays until contacts are found.
+void addOnset(const OnsetDelay& onset, Row* row) {
+  row->count(onset.runs).count(onset.missed).number(onset.mean()).count(onset.worst);
+}
+
+// Returns a ratio; 0 if there is nothing to count.
+double ratio(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+// Adds the work of a cycle, per cycle or per triangle in the sweep.
+void addWork(const Measurement& m, Row* row) {
+  const Counters& work = m.work;
+  const std::uint64_t swept = work.clustered + work.large;
+  const auto cycles = m.round_trip_ms.size();
+  row->number(ratio(work.undecided, cycles)).number(ratio(work.clusters, cycles));
+  row->number(ratio(work.candidates, swept)).number(ratio(work.cluster_entries, work.clustered));
+  row->number(ratio(work.interval_overlaps, swept)).number(ratio(work.exact, work.candidates));
+}
+
 using Json = nlohmann::json;
 
+// Returns a time with two decimals below 10 ms, and with one above.
 std::string milliseconds(double ms) {
   char text[40];
   std::snprintf(text, sizeof text, ms < 10 ? "%.2f ms" : "%.1f ms", ms);
   return text;
 }
 
-// Rounded down, so that 100 % is all.
+// Rounds down, so that 100 % means all.
 std::string percent(double rate) {
   char text[40];
   std::snprintf(text, sizeof text, "%.7g %%", std::floor(rate * 1e6) / 1e4);
   return text;
 }
 
+// Returns the criteria of a setting in words.
 std::string worthText(const Worth& worth) {
   return "median " + milliseconds(worth.median_ms) + ", p95 " + milliseconds(worth.p95_ms) +
          "; in the worst frame it finds " + percent(worth.recall) + " of the contacts, and " +
@@ -45,6 +116,7 @@ std::string rangeText(double figure, const Spread& noise) {
   return milliseconds(figure - noise.below) + " to " + milliseconds(figure + noise.above);
 }
 
+// Returns the range of the repeats in words.
 std::string noiseText(const Measurement& m) {
   const Worth worth = m.worth();
   std::string text = "  p10 " + milliseconds(percentile(m.round_trip_ms, 0.1)) + ", p90 " +
@@ -55,11 +127,12 @@ std::string noiseText(const Measurement& m) {
          rangeText(worth.p95_ms, worth.p95_noise) + "\n";
 }
 
+// Returns true if the chosen setting keeps the budget only in some repeats.
 bool isDoubtful(const TradeArguments& arguments, const Measurement& chosen) {
   return arguments.budget_ms && chosen.worth().p95_ms > *arguments.budget_ms;
 }
 
-// What else it might have been, but for noise.
+// Names settings that would also have been chosen if the noise were different.
 std::string otherChoices(const TradeArguments& arguments, const TradeResults& results) {
   const Measurement& chosen = results.measurements[*results.chosen];
   std::string text;
@@ -80,6 +153,7 @@ std::string otherChoices(const TradeArguments& arguments, const TradeResults& re
 
 std::string budgetText(double budget_ms) { return "a budget of " + numberText(budget_ms) + " ms"; }
 
+// Describes a setting and what was measured of it.
 Json settingJson(const Measurement& m) {
   const Options& options = m.setting.options;
   const Worth worth = m.worth();
@@ -110,6 +184,77 @@ Json contactsJson(const ExactResults& exact) {
 }
 
 }  // namespace
+
+// The command and the machine let a reader repeat the measurement.
+nlohmann::json summaryHead(const TradeArguments& arguments, const FrameSource& frames) {
+  nlohmann::json json;
+  json["version"] = DCM_VERSION;
+  json["command"] = arguments.command;
+  json["machine"] = machineJson();
+  json["adjacent"] = toString(arguments.base.adjacent);
+  json["threads"] = arguments.base.threads;
+  json["bodies"] = nlohmann::json::array();
+  const Scene& scene = frames.scene();
+  for (BodyId body = 0; body < scene.bodyCount(); ++body) {
+    json["bodies"].push_back({{"name", scene.body(body).name},
+                              {"triangles", scene.body(body).mesh.triangleCount()},
+                              {"deformable", frames.isDeformable(body)}});
+  }
+  return json;
+}
+
+std::string settingsCsv(const TradeResults& results) {
+  // Columns of a kind of contact that no frame has stay empty.
+  bool external = false, self = false;
+  for (const BodyPair& bodies : results.exact.bodies) {
+    (bodies.first == bodies.second ? self : external) = true;
+  }
+  std::string text = std::string(kSettingColumns) +
+                     ",median_ms,p95_ms,least_ms,p10_ms,p90_ms,median_low_ms,median_high_ms,"
+                     "p95_low_ms,p95_high_ms,recall_external_mean,recall_external_worst,"
+                     "recall_external_worst_frame,recall_self_mean,recall_self_worst,"
+                     "recall_self_worst_frame,precision_mean,precision_worst,undecided,"
+                     "clusters_used,candidates_per_triangle,clusters_per_triangle,"
+                     "interval_overlaps_per_triangle,exact_share," +
+                     kOnsetColumns + ",guaranteed,pareto_front\n";
+  for (std::size_t i = 0; i < results.measurements.size(); ++i) {
+    const Measurement& m = results.measurements[i];
+    Row row;
+    addSetting(m.setting, &row);
+    row.number(median(m.round_trip_ms)).number(percentile(m.round_trip_ms, 0.95));
+    row.number(*std::min_element(m.round_trip_ms.begin(), m.round_trip_ms.end()));
+    addNoise(m, &row);
+    addRecall(m.external, external, results.exact, &row);
+    addRecall(m.self, self, results.exact, &row);
+    row.number(m.precision.mean()).number(m.precision.worst);
+    addWork(m, &row);
+    addOnset(m.onset, &row);
+    row.flag(m.guaranteed).flag(results.front[i]);
+    text += row.line();
+  }
+  return text;
+}
+
+std::string linksCsv(const TradeResults& results, const FrameSource& frames) {
+  std::string text = std::string(kSettingColumns) +
+                     ",link,object,recall_mean,recall_worst,recall_worst_frame," + kOnsetColumns +
+                     "\n";
+  const auto name = [&frames](BodyId body) { return frames.scene().body(body).name; };
+  for (const Measurement& m : results.measurements) {
+    for (const auto& [bodies, of_bodies] : m.bodies) {
+      // Tables name the rigid body first, which is a link of a robot.
+      const bool first_deforms = frames.isDeformable(bodies.first);
+      Row row;
+      addSetting(m.setting, &row);
+      row.text(name(first_deforms ? bodies.second : bodies.first));
+      row.text(name(first_deforms ? bodies.first : bodies.second));
+      addRecall(of_bodies.recall, true, results.exact, &row);
+      addOnset(of_bodies.onset, &row);
+      text += row.line();
+    }
+  }
+  return text;
+}
 
 std::string summaryJson(const TradeArguments& arguments, const TradeResults& results,
                         const FrameSource& frames) {
@@ -143,6 +288,7 @@ std::string choiceText(const TradeArguments& arguments, const TradeResults& resu
            ": " + describe(m.setting) + "\n  " + worthText(m.worth()) + "\n" + noiseText(m) +
            otherChoices(arguments, results);
   }
+  // Nothing was chosen, so the fastest setting shows how far the budget is away.
   const Measurement& m = results.measurements[results.fastest];
   const std::string why = arguments.budget_ms
                               ? "No setting keeps " + budgetText(*arguments.budget_ms)
@@ -151,6 +297,7 @@ std::string choiceText(const TradeArguments& arguments, const TradeResults& resu
          noiseText(m);
 }
 
+// Every line of the comment begins with #, so the file is valid without a chosen setting too.
 std::string configYaml(const TradeArguments& arguments, const TradeResults& results,
                        const FrameSource& frames) {
   const Machine machine = thisMachine();

@@ -1,6 +1,10 @@
-// What measure_trade writes: tables, JSON, the chosen setting for the node and for people.
+// Writes the results of measure_trade: tables, JSON, and the chosen setting for the node and for
+// people.
+//
+// The functions only return text. measure_trade.cpp opens the files before it measures.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,28 +19,35 @@ namespace deformable_contact_monitor {
 struct TradeResults {
   ExactResults exact;
   std::vector<Measurement> measurements;  // at least one
-  std::vector<bool> front;                // Pareto's, per measurement
-  std::optional<std::size_t> chosen;      // of the measurements; none: none keeps the budget
-  std::size_t fastest = 0;                // of the measurements
-  std::vector<std::size_t> as_fast;       // the others that cannot be told from the chosen one
+  std::vector<bool> front;                // whether each measurement is on the Pareto front
+  std::optional<std::size_t> chosen;      // index; nothing: no setting keeps the budget
+  std::size_t fastest = 0;                // index
+  std::vector<std::size_t> as_fast;       // others whose time is within noise of the chosen one's
 };
 
-// A row for each setting. A rate without anything to count, such as recall of self-contacts where
-// there are none, is left empty, and so is a worst frame where no frame is below 1.
+// Returns what each summary.json begins with: version, command, machine, adjacent pairs, threads
+// and bodies.
+nlohmann::json summaryHead(const TradeArguments& arguments, const FrameSource& frames);
+
+// Returns a table with a row for each setting. A rate without anything to count, such as the recall
+// of self-contacts if there are none, is empty. So is the worst frame if no frame is below 1.
 std::string settingsCsv(const TradeResults& results);
 
-// A row for each setting and pair of bodies with a contact in some frame: `link` is the one that
-// does not deform, if one does not; where both are one body, contacts with itself.
+// Returns a table with a row for each setting and pair of bodies with a contact in some frame.
+// `link` is the rigid body, if one is rigid. If both are the same body, the row is about
+// self-contacts.
 std::string linksCsv(const TradeResults& results, const FrameSource& frames);
 
+// Returns the content of summary.json.
 std::string summaryJson(const TradeArguments& arguments, const TradeResults& results,
                         const FrameSource& frames);
 
-// What was chosen, or that nothing keeps the budget, and what noise does to that; some lines.
+// Returns some lines: which setting was chosen or that none keeps the budget, and how noise affects
+// that.
 std::string choiceText(const TradeArguments& arguments, const TradeResults& results);
 
-// The chosen setting as parameters of contact_monitor, with a comment of what was measured; the
-// comment alone where nothing was chosen.
+// Returns the chosen setting as parameters of contact_monitor, with a comment that says what was
+// measured. If nothing was chosen, returns only the comment.
 std::string configYaml(const TradeArguments& arguments, const TradeResults& results,
                        const FrameSource& frames);
 

@@ -1,4 +1,5 @@
-// What a result is worth beside the exact one, and which settings are worth their time.
+// Counts recall, precision and delays, and chooses a setting. Two times count as equal if the
+// ranges of their repeats overlap, so that noise does not decide.
 #include "tools/measure_trade/trade_statistics.h"
 
 #include <algorithm>
@@ -7,19 +8,23 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns the share of a part; 1 if there is nothing to count.
 double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 1 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+// Returns true if the ranges of two figures overlap.
 bool overlap(double a, const Spread& of_a, double b, const Spread& of_b) {
   return a - of_a.below <= b + of_b.above && b - of_b.below <= a + of_a.above;
 }
 
+// Returns the criteria that precede time, in their order.
 std::tuple<double, double, bool> accuracy(const Worth& w) {
   return {w.recall, w.precision, w.guaranteed};
 }
 
-// By accuracy, then strictness among those as fast as the fastest, then speed.
+// Returns the best of the settings `of`: by accuracy, then by strictness among those as fast as the
+// fastest, then by speed.
 std::size_t bestOf(const std::vector<Worth>& settings, const std::vector<std::size_t>& of) {
   std::size_t fastest = of.front();
   for (const std::size_t i : of) {
@@ -31,6 +36,7 @@ std::size_t bestOf(const std::vector<Worth>& settings, const std::vector<std::si
   std::size_t best = fastest;
   for (const std::size_t i : of) {
     const Worth& setting = settings[i];
+    // Only equally accurate settings compete in strictness.
     if (accuracy(setting) != accuracy(settings[fastest])) continue;
     if (!isMedianWithinNoise(setting, settings[fastest])) continue;
     const auto rank = [&](std::size_t k) {
@@ -43,6 +49,7 @@ std::size_t bestOf(const std::vector<Worth>& settings, const std::vector<std::si
 
 }  // namespace
 
+// Counts of several pairs of bodies simply add up.
 void PairCounts::add(const PairCounts& o) {
   truth += o.truth;
   found += o.found;
@@ -52,12 +59,14 @@ void PairCounts::add(const PairCounts& o) {
 double PairCounts::recall() const { return share(common, truth); }
 double PairCounts::precision() const { return share(common, found); }
 
+// Walks through both sorted lists at once. A pair is true, found, or both.
 FrameCounts compare(const std::vector<TrianglePair>& truth,
                     const std::vector<TrianglePair>& found) {
   FrameCounts counts;
   auto t = truth.begin();
   auto f = found.begin();
   while (t != truth.end() || f != found.end()) {
+    // The smaller pair comes next; equal pairs advance both lists.
     const bool is_true = f == found.end() || (t != truth.end() && !(*f < *t));
     const bool is_found = t == truth.end() || (f != found.end() && !(*t < *f));
     const TrianglePair& pair = is_true ? *t : *f;
@@ -68,6 +77,7 @@ FrameCounts compare(const std::vector<TrianglePair>& truth,
   return counts;
 }
 
+// Sums the counts of one kind of contact.
 PairCounts total(const FrameCounts& counts, ContactKind kind) {
   PairCounts sum;
   for (const auto& [bodies, pairs] : counts) {
@@ -77,6 +87,7 @@ PairCounts total(const FrameCounts& counts, ContactKind kind) {
   return sum;
 }
 
+// Keeps the first frame with the worst rate, so that reports can name it.
 void RateOverFrames::add(double rate, std::size_t frame) {
   if (rate < worst) {
     worst = rate;
@@ -93,9 +104,11 @@ void OnsetDelay::add(const OnsetDelay& o) {
   sum += o.sum;
 }
 
+// Goes through the runs of frames with true contact, and counts the frames until one is found.
 OnsetDelay onsetDelay(const std::vector<bool>& truth, const std::vector<bool>& found) {
   OnsetDelay all;
   for (std::size_t begin = 0; begin < truth.size();) {
+    // Skips frames without true contact.
     if (!truth[begin]) {
       ++begin;
       continue;
@@ -111,6 +124,7 @@ OnsetDelay onsetDelay(const std::vector<bool>& truth, const std::vector<bool>& f
   return all;
 }
 
+// Compares each setting with each other: there are a few hundred at most.
 std::vector<bool> paretoFront(const std::vector<Worth>& settings) {
   const auto beats = [](const Worth& a, const Worth& b) {
     const bool as_good =
@@ -127,6 +141,7 @@ std::vector<bool> paretoFront(const std::vector<Worth>& settings) {
   return front;
 }
 
+// The steps of 2 between predicates are larger than any overlap, which is at most 1.
 double strictness(const Options& options) {
   switch (options.predicates) {
     case Predicates::kExact:
@@ -138,6 +153,7 @@ double strictness(const Options& options) {
   }
 }
 
+// The figure itself need not be one of the repeats' figures.
 Spread spreadAround(double figure, const std::vector<double>& of_repeats) {
   Spread spread;
   for (const double repeat : of_repeats) {
@@ -155,6 +171,7 @@ bool isP95WithinNoise(const Worth& a, const Worth& b) {
   return overlap(a.p95_ms, a.p95_noise, b.p95_ms, b.p95_noise);
 }
 
+// `allowed` keep the budget; `doubtful` keep it only in some repeats.
 std::optional<std::size_t> choose(const std::vector<Worth>& settings,
                                   std::optional<double> budget_ms) {
   std::vector<std::size_t> allowed, doubtful;
@@ -168,6 +185,8 @@ std::optional<std::size_t> choose(const std::vector<Worth>& settings,
   }
   if (allowed.empty()) return std::nullopt;
   const std::size_t best = bestOf(settings, allowed);
+  // A doubtful setting wins only if it is more accurate, and its time cannot be told from the best
+  // one's.
   std::vector<std::size_t> better;
   for (const std::size_t i : doubtful) {
     if (accuracy(settings[i]) > accuracy(settings[best]) &&

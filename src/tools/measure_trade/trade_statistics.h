@@ -1,4 +1,6 @@
-// What a result is worth beside the exact one, and which settings are worth their time.
+// Compares results with the exact ones, and decides which settings are worth their time.
+//
+// Everything here is arithmetic on counts and times, so it can be tested without a detector.
 #pragma once
 
 #include <cstddef>
@@ -14,89 +16,101 @@ namespace deformable_contact_monitor {
 
 using BodyPair = std::pair<BodyId, BodyId>;  // the lower first; both the same: self-contacts
 
+// Counts of pairs: true ones, found ones, and found ones that are true.
 struct PairCounts {
   std::uint64_t truth = 0, found = 0, common = 0;
 
+  // Adds the counts of other pairs.
   void add(const PairCounts& o);
-  // Share of the true contacts that were found; 1 where there is none to find.
+  // Returns the share of the true contacts that were found; 1 if there is none.
   double recall() const;
-  // Share of the found contacts that are true; 1 where nothing was found.
+  // Returns the share of the found contacts that are true; 1 if nothing was found.
   double precision() const;
 };
 
-// One frame; only pairs of bodies with a contact, true or found, are there.
+// The counts of one frame. It holds only pairs of bodies with a true or found contact.
 using FrameCounts = std::map<BodyPair, PairCounts>;
 
-// Both lists sorted, without duplicates.
+// Compares two lists, which must be sorted and without duplicates.
 FrameCounts compare(const std::vector<TrianglePair>& truth, const std::vector<TrianglePair>& found);
 
+// Says which contacts are counted: all, those of two bodies, or self-contacts.
 enum class ContactKind { kAny, kExternal, kSelf };
+// Sums the counts of all pairs of bodies of a kind.
 PairCounts total(const FrameCounts& counts, ContactKind kind);
 
-// A rate, such as recall, over frames; frames without any contact are in it, at 1.
+// A rate over frames, such as recall. Frames without any contact count as 1.
 struct RateOverFrames {
   double sum = 0, worst = 1;
-  std::size_t count = 0, worst_frame = 0;  // the first of the worst
+  std::size_t count = 0, worst_frame = 0;  // the first frame with the worst rate
 
+  // Adds the rate of a frame.
   void add(double rate, std::size_t frame);
+  // Returns the mean; 1 without frames.
   double mean() const { return count == 0 ? 1 : sum / static_cast<double>(count); }
 };
 
-// How late contact is noticed, over runs of frames with true contact.
+// The delay until a contact is found, over sequences of frames with true contact ("runs").
 struct OnsetDelay {
-  std::size_t runs = 0, missed = 0;  // missed: not noticed in any frame of the run
-  std::size_t worst = 0, sum = 0;    // [frames]; of a missed run, its length
+  std::size_t runs = 0, missed = 0;  // missed: not found in any frame of the run
+  std::size_t worst = 0, sum = 0;    // [frames]; a missed run counts with its length
 
+  // Adds the delays of another pair of bodies or pass.
   void add(const OnsetDelay& o);
+  // Returns the mean delay [frames]; 0 without runs.
   double mean() const {
     return runs == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(runs);
   }
 };
 
-// Of one pair of bodies in a sequence of frames: whether there is contact, whether one was found.
+// Returns the delays of one pair of bodies. The lists say for each frame whether there is a
+// contact, and whether one was found.
 OnsetDelay onsetDelay(const std::vector<bool>& truth, const std::vector<bool>& found);
 
-// By how much a figure was below and above itself when it was measured again.
+// Says how far a figure went below and above its value in repeated measurements.
 struct Spread {
   double below = 0, above = 0;
 };
 
-// Of a figure of all repeats, by that of each.
+// Returns the spread of the repeats' figures around the figure of all repeats together.
 Spread spreadAround(double figure, const std::vector<double>& of_repeats);
 
-// What choosing between settings looks at.
+// The criteria by which a setting is chosen.
 struct Worth {
   double median_ms = 0, p95_ms = 0;
-  double recall = 1, precision = 1;  // in the worst frame
+  double recall = 1, precision = 1;  // of the worst frame
   bool guaranteed = false;
   Spread median_noise = {}, p95_noise = {};  // [ms]
-  double strictness = 0;                     // how exact the setting is by design
+  double strictness = 0;                     // strictness() of its options
 };
 
-// Exact predicates before conservative before fast ones, then by overlap.
+// Returns how exact a setting is by design: by predicates (exact, conservative, fast), then by
+// overlap.
 double strictness(const Options& options);
 
-// Whether the medians, or the p95s, of two settings cannot be told apart: what the repeats of one
-// measured reaches into what those of the other did.
+// Return true if the medians, or the 95th percentiles, of two settings cannot be told apart because
+// the ranges of their repeats overlap.
 bool isMedianWithinNoise(const Worth& a, const Worth& b);
 bool isP95WithinNoise(const Worth& a, const Worth& b);
 
-// Whether each is on the Pareto front: none other is as good in median time, recall and precision,
-// and better in one of them.
+// Returns for each setting whether it is on the Pareto front: no other is as good in median time,
+// recall and precision, and better in one of them.
 std::vector<bool> paretoFront(const std::vector<Worth>& settings);
 
-// The setting to use: of those whose p95 is within the budget, without one of those that are
-// guaranteed, the one with the best recall, then precision, then a guaranteed one, then, of those
-// whose median is within noise of the fastest's, the strictest, then the fastest. One whose p95 was
-// within the budget in some repeats alone goes before it if it is better in recall, precision or
-// guarantee, and their p95s are within noise of each other. Nothing if there is none.
+// Returns the index of the setting to use, or nothing if there is none. Candidates are the settings
+// whose 95th percentile keeps the budget; without a budget, the guaranteed ones. Among them, these
+// criteria decide in this order:
+// 1. recall; 2. precision; 3. a guarantee;
+// 4. the strictest of those whose median is within noise of the fastest's; 5. the fastest.
+// A setting that keeps the budget only in some repeats is preferred if it is better in recall,
+// precision or guarantee, and if the two 95th percentiles are within noise of each other.
 std::optional<std::size_t> choose(const std::vector<Worth>& settings,
                                   std::optional<double> budget_ms);
 
-// The others that are not `chosen`, and whose medians are within noise of its.
+// Returns the other settings whose medians are within noise of the chosen one's.
 std::vector<std::size_t> asFast(const std::vector<Worth>& settings, std::size_t chosen);
 
-// By median; at least one setting.
+// Returns the setting with the least median. There must be at least one.
 std::size_t fastest(const std::vector<Worth>& settings);
 
 }  // namespace deformable_contact_monitor

@@ -1,4 +1,5 @@
-// Moves a robot's joints along sinusoids.
+// Moves a robot's joints along sinusoids. Each joint has a rate and a phase of its own, drawn from
+// a generator whose sequence the C++ standard fixes.
 #include "tools/scene_publisher/joint_mover.h"
 
 #include <urdf_model/joint.h>
@@ -7,17 +8,19 @@
 #include <cmath>
 #include <random>
 
-#include "robot/urdf_text.h"
+#include "robot/urdf_document.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
+// The limits of the motion. It is slow enough to watch, and large enough to move a cloth.
 constexpr double kTurn = 6.283185307179586;
 constexpr double kMaxAmplitude = 0.5;   // [rad] or [m]
-constexpr double kShareOfRange = 0.7;   // of half the way between the limits
+constexpr double kShareOfRange = 0.7;   // of half the range between the limits
 constexpr double kFastest = kTurn / 6;  // [rad/s]
 constexpr double kSlowest = kTurn / 12;
 
+// Returns whether the joint has one axis and follows no other joint.
 bool moves(const urdf::Joint& joint) {
   const bool one_axis = joint.type == urdf::Joint::REVOLUTE ||
                         joint.type == urdf::Joint::CONTINUOUS ||
@@ -27,6 +30,9 @@ bool moves(const urdf::Joint& joint) {
 
 }  // namespace
 
+// The random numbers are scaled by hand, because the distributions of the standard library differ
+// between implementations. The peak velocity of a sinusoid is amplitude times rate; it is kept to
+// half of the joint's limit.
 JointMover::JointMover(const urdf::ModelInterface& robot, std::uint32_t seed) {
   std::mt19937 random(seed);
   for (const auto& [name, joint] : robot.joints_) {

@@ -1,4 +1,4 @@
-// Moves a robot's joints along sinusoids.
+// Moves a robot's joints along sinusoids, within their limits.
 #pragma once
 
 #include <urdf_model/model.h>
@@ -9,16 +9,17 @@
 
 namespace deformable_contact_monitor {
 
-// Every joint that moves and mimics none, in alphabetical order. Deterministic by seed.
+// Moves every joint that is not fixed and mimics no other, in alphabetical order. The same seed
+// gives the same motion.
 class JointMover {
  public:
-  // Of a model that was read from guarded() text (robot/urdf_text.h); names() are as in the URDF.
+  // `robot` was parsed from guarded() text (robot/urdf_document.h); names() are those of the URDF.
   JointMover(const urdf::ModelInterface& robot, std::uint32_t seed);
 
   const std::vector<std::string>& names() const { return names_; }
 
-  // Joint positions at `time_s` [rad, m], one per name: within the limits and below half of the
-  // velocity limits, about the middle of the limits (joints without limits: about zero).
+  // Returns one position per name at `time_s` [rad or m]. Positions swing about the middle of the
+  // limits (without limits: about zero), stay within them, and below half of the velocity limit.
   std::vector<double> positions(double time_s) const;
 
  private:

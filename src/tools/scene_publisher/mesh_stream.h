@@ -7,18 +7,19 @@
 
 #include <string>
 
-#include "tools/common/mesh_player.h"
+#include "tools/common/scene_object.h"
 
 namespace deformable_contact_monitor {
 
-// Triangles are sent with the first message, whenever topology_id changes, and at least once a
-// second of stamps, so that who comes late or loses a message need not wait long.
+// Sends triangles with the first message, whenever topology_id changes, and at least once a second
+// of stamps, so that a late subscriber, or one that lost a message, does not wait long.
 class MeshStream {
  public:
-  // Messages come about every `period`.
+  // `period` is the expected time between two messages.
   MeshStream(ros::NodeHandle* node, const std::string& topic, std::string object,
              std::string frame_id, ros::Duration period);
 
+  // Publishes one state with this stamp. Vertices are in metres, in `frame_id`.
   void publish(const MeshFrame& frame, const ros::Time& stamp);
 
  private:

@@ -1,4 +1,9 @@
-// scene_publisher: plays mesh files or a simulated cloth as a deforming object, and moves joints.
+// scene_publisher: publishes mesh files or a simulated cloth as a deforming object, and moves a
+// robot's joints.
+//
+// It replaces a camera and a robot in demonstrations and tests. One loop, at the rate of --rate,
+// moves the joints, makes the next state of the object and publishes both with the same stamp.
+// Links of the robot push the cloth, as capsules. Everything runs in the main thread.
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <urdf_parser/urdf_parser.h>
@@ -13,7 +18,7 @@
 #include <vector>
 
 #include "robot/robot_geometry.h"
-#include "robot/urdf_text.h"
+#include "robot/urdf_document.h"
 #include "tools/common/command_line.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/common/run_tool.h"
@@ -24,12 +29,14 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// The options of the command line.
 struct Settings {
   SceneObject object;
   std::string topic = "deformable_mesh";
   bool joints = false;
 };
 
+// Adds the options to the command line; `s` holds the defaults.
 void describe(CommandLine* line, Settings* s) {
   describe(line, &s->object);
   line->addFlag("--joints", &s->joints,
@@ -37,12 +44,15 @@ void describe(CommandLine* line, Settings* s) {
   line->add("--topic", &s->topic, "where its meshes are published");
 }
 
-// The robot of the parameter robot_description; nothing if there is none.
+// The robot that the parameter robot_description describes: its joints as urdfdom reads them, and
+// the meshes of its links.
 struct Robot {
   urdf::ModelInterfaceSharedPtr model;
   RobotGeometry geometry;
 };
 
+// Loads the robot, or returns nothing if there is no such parameter. Throws std::runtime_error if
+// the URDF or one of its meshes cannot be read.
 std::optional<Robot> loadRobot(const ros::NodeHandle& node) {
   std::string key, xml;
   if (!node.searchParam("robot_description", key) || !node.getParam(key, xml)) return std::nullopt;
@@ -55,7 +65,8 @@ std::optional<Robot> loadRobot(const ros::NodeHandle& node) {
   return robot;
 }
 
-// The joints of a robot: moved by this program, or listened to. Without a robot there are none.
+// The joints of a robot: this program moves them, or listens to joint_states. Without a robot there
+// are none.
 class Joints {
  public:
   Joints(const Settings& s, const std::optional<Robot>& robot, ros::NodeHandle* node) {
@@ -69,7 +80,7 @@ class Joints {
   Joints(const Joints&) = delete;
   Joints& operator=(const Joints&) = delete;
 
-  // Positions as last known; `time_s` into the scene, where this program moves them.
+  // Returns the last known positions, or those at `time_s` of the scene if this program moves them.
   const std::map<std::string, double>& positionsAt(double time_s) {
     if (mover_) {
       const std::vector<double> positions = mover_->positions(time_s);
@@ -80,7 +91,7 @@ class Joints {
     return positions_;
   }
 
-  // Nothing where this program moves none.
+  // Publishes joint_states if this program moves the joints.
   void publish(double time_s, const ros::Time& stamp) const {
     if (!mover_) return;
     sensor_msgs::JointState message;
@@ -91,6 +102,7 @@ class Joints {
   }
 
  private:
+  // Stores positions from joint_states. A message may hold only some of the joints.
   void remember(const sensor_msgs::JointStateConstPtr& message) {
     const std::size_t count = std::min(message->name.size(), message->position.size());
     for (std::size_t i = 0; i < count; ++i) positions_[message->name[i]] = message->position[i];
@@ -102,7 +114,8 @@ class Joints {
   std::map<std::string, double> positions_;
 };
 
-// Nothing if no object is wanted.
+// Opens the source of the object's states, and reads its files. Returns null if no object is
+// wanted.
 MeshSource openSource(const SceneObject& object) {
   if (!object.isWanted()) return nullptr;
   return makeMeshSource(object, [&object](std::size_t count) {
@@ -110,13 +123,15 @@ MeshSource openSource(const SceneObject& object) {
   });
 }
 
+// Publishes until ROS shuts down or the meshes end. Returns the exit code.
 int run(const Settings& s) {
   const SceneObject& object = s.object;
   if (!object.isWanted() && !s.joints) {
     throw std::runtime_error("nothing to publish: give --meshes, --cloth or --joints (see --help)");
   }
   ros::Time::init();
-  const MeshSource source = openSource(object);  // bad files need no master to be refused
+  const MeshSource source =
+      openSource(object);  // before the node handle: bad files are rejected without a master
   ros::NodeHandle node;
   const bool needs_robot = s.joints || object.cloth_triangles;
   const std::optional<Robot> robot = needs_robot ? loadRobot(node) : std::nullopt;
@@ -129,16 +144,18 @@ int run(const Settings& s) {
   std::optional<RobotObstacles> obstacles;
   if (robot && object.cloth_triangles) obstacles.emplace(robot->model, robot->geometry, frame);
   Joints joints(s, robot, &node);
+  // The period tells the stream when triangles are due.
   MeshStream stream(&node, s.topic, object.name, frame, ros::Duration(1 / object.rate_hz));
 
-  // Time in the scene counts messages, so that the same command gives the same states on any
-  // machine, however slow.
+  // Scene time counts messages, not seconds, so that the same command gives the same states on any
+  // machine.
   ros::Rate rate(object.rate_hz);
   for (std::uint64_t cycle = 0; ros::ok(); ++cycle) {
     ros::spinOnce();
     const double time_s = static_cast<double>(cycle) / object.rate_hz;
     const std::map<std::string, double>& positions = joints.positionsAt(time_s);
     std::optional<MeshFrame> state;
+    // Obstacles move first, so that the cloth meets the links where they are at this stamp.
     if (source) state = source(obstacles ? obstacles->at(positions) : std::vector<Capsule>());
     if (source && !state) break;
     const ros::Time now = ros::Time::now();

@@ -11,11 +11,19 @@
 
 #include "bounds_truth.h"
 #include "core/body_distance.h"
-#include "core/bounded_detector.h"
 #include "core/cpu_detector.h"
+#include "core/detector_pool.h"
 #include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
+
+// Makes a detector on the CPU that decides by bounds of these tilings.
+inline std::unique_ptr<Detector> makeBoundedDetector(std::shared_ptr<TilingCache> tilings) {
+  PoolSettings settings;
+  settings.cpu = [] { return makeCpuDetector(); };
+  settings.tilings = std::move(tilings);
+  return makeDetectorPool(settings);
+}
 
 class BoundedTest : public ::testing::Test {
  protected:
@@ -29,7 +37,7 @@ class BoundedTest : public ::testing::Test {
   }
 
   std::shared_ptr<TilingCache> tilings_ = std::make_shared<TilingCache>();
-  std::unique_ptr<Detector> detector_ = makeBoundedDetector(makeCpuDetector(), tilings_);
+  std::unique_ptr<Detector> detector_ = makeBoundedDetector(tilings_);
   std::unique_ptr<Detector> exact_ = makeCpuDetector();
 };
 

@@ -14,8 +14,7 @@
 
 #include "bounds_truth.h"
 #include "core/bounds/body_tiles.h"
-#include "core/bounds/region_pair.h"
-#include "core/bounds/tile_pair.h"
+#include "core/bounds/near_parts.h"
 #include "exact_distance.h"
 #include "scenes.h"
 

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/ccd/step_cuts.h"
+#include "core/ccd/sub_step_scene.h"
 #include "swept/screw_motions.h"
 
 namespace deformable_contact_monitor {
@@ -171,15 +171,15 @@ TEST(BodyMotion, WhatRoundingHidesIsNoBend) {
     for (PoseSample& sample : path) {
       for (double& r : sample.pose.rotation) r *= 1 + uniform(&random, -1e-15, 1e-15);
     }
-    EXPECT_FALSE(BodyMotion(body, path).bends());
+    EXPECT_FALSE(BodyMotion(body, path).rotates());
     screw.angle = 0.01;
     path = screw.path();
-    EXPECT_TRUE(BodyMotion(body, path).bends());
+    EXPECT_TRUE(BodyMotion(body, path).rotates());
     screw.angle = 0;
     path = screw.path(1);
-    EXPECT_FALSE(BodyMotion(body, path).bends());
+    EXPECT_FALSE(BodyMotion(body, path).rotates());
     path[1].pose.translation[2] += 1e-3;
-    EXPECT_TRUE(BodyMotion(body, path).bends());
+    EXPECT_TRUE(BodyMotion(body, path).rotates());
   }
 }
 
@@ -194,14 +194,14 @@ TEST(StepCuts, EachPieceIsWithinTheToleranceAndFewAreNeeded) {
     std::vector<double> bends;
     for (const PoseSample& sample : path) bends.push_back(sample.at);
     const double tolerance = std::pow(10, uniform(&random, -5.5, -2));
-    const std::vector<double> cuts = cutStep(bends, deviation, tolerance, 1000);
+    const std::vector<double> cuts = cutInterval(bends, deviation, tolerance, 1000);
     ASSERT_EQ(cuts.front(), 0);
     ASSERT_EQ(cuts.back(), 1);
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
       ASSERT_LT(cuts[k], cuts[k + 1]);
       ASSERT_LE(deviation(cuts[k], cuts[k + 1]), tolerance * (1 + 1e-9));
     }
-    // Of one arc; samples between cost no more than 2.4 times as many.
+    // The number of cuts of one arc; samples between cost no more than 2.4 times as many.
     const double needed = std::ceil(screw.angle * std::sqrt(1 / (8 * tolerance)));
     ASSERT_LE(static_cast<double>(cuts.size() - 1), i % 40 == 0 ? needed + 1 : 2.4 * needed + 1);
   }
@@ -213,7 +213,7 @@ TEST(StepCuts, NeverMoreThanWereAskedFor) {
   for (int i = 0; i <= 1000; ++i) bends.push_back(i / 1000.0);
   for (const std::vector<double>& at : {std::vector<double>{0, 1}, bends}) {
     for (const double tolerance : {1e-3, 1e-9, 1e-30, 5e-324}) {
-      const std::vector<double> cuts = cutStep(at, arc, tolerance, 64);
+      const std::vector<double> cuts = cutInterval(at, arc, tolerance, 64);
       EXPECT_LE(cuts.size(), 65U);
       EXPECT_GT(cuts.size(), 25U);
       EXPECT_EQ(cuts.back(), 1);

@@ -93,6 +93,7 @@ class Stopping : public Detector {
       : detector_(detector), before_(calls), stop_(stop) {}
   std::string backend() const override { return "stopping"; }
   void reset() override {}
+  void swapResult(DetectionResult& result) override { detector_.swapResult(result); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     if (calls_++ == before_) *stop_ = true;
     return detector_.detect(scene, options);
@@ -140,12 +141,14 @@ class Scripted : public Detector {
   explicit Scripted(std::vector<DetectionResult> script) : script_(std::move(script)) {}
   std::string backend() const override { return "scripted"; }
   void reset() override {}
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
   const DetectionResult& detect(const Scene&, const Options&) override {
-    return script_.at(next_++ % script_.size());
+    return result_ = script_.at(next_++ % script_.size());
   }
 
  private:
   std::vector<DetectionResult> script_;
+  DetectionResult result_;
   std::size_t next_ = 0;
 };
 

@@ -141,7 +141,7 @@ TEST_P(SubSteps, ALinkThatTurnsTouchesItselfWhereItDoes) {
   EXPECT_TRUE(samePairs(expected, result.detection.contacts));
 }
 
-// Of substeps_result_test.cpp too.
+// Instantiates the tests of substeps_result_test.cpp too.
 INSTANTIATE_TEST_SUITE_P(, SubSteps, ::testing::ValuesIn(sweptBackends()), backendName);
 
 }  // namespace

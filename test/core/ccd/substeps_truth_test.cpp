@@ -193,7 +193,7 @@ TEST_P(SubStepsTruth, AtMostSoManySubStepsAndTheRestIsPad) {
   EXPECT_GT(only_swept_, 50);
 }
 
-// What a finer look costs less in pairs that only may touch.
+// A finer tolerance costs more sub-steps, and leaves fewer pairs that only may touch.
 TEST_P(SubStepsTruth, AFinerToleranceLeavesFewerPairsToThePads) {
   std::mt19937 random(4);
   const TrueBody link{shards(&random, 150, 0.5), {}, randomScrewMotion(&random, 0.1, 0.4)};

@@ -161,7 +161,7 @@ TEST_P(SweptCycles, WhatIsOfOneModeAloneIsRefusedInTheOther) {
   EXPECT_GT(swept(scene).size(), 100U);
 }
 
-// What was found until then are contacts; the next cycle is whole.
+// All pairs found until the stop are contacts, and the next cycle is complete.
 TEST_P(SweptCycles, AStepThatIsStoppedSaysSo) {
   const Scene scene = fallingCloth();
   const std::vector<TrianglePair> all = swept(scene);

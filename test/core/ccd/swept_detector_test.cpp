@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/common/pair_set_detector.h"
-#include "core/common/rejected_triangles.h"
+#include "core/common/scene_queries.h"
+#include "core/detector_pool.h"
 #include "random_scenes.h"
 #include "scenes.h"
 #include "swept/swept_oracle.h"
@@ -122,8 +122,8 @@ INSTANTIATE_TEST_SUITE_P(, SweptSuite, ::testing::ValuesIn(sweptBackends()), bac
 
 class SweptProducts : public DetectorSuite {};
 
-// What each stage does costs no contact, whatever the settings: bodies that shake, are posed, meet
-// themselves and each other.
+// No stage loses a contact, whatever the settings: bodies that shake, that have poses, and that
+// meet themselves and each other.
 TEST_P(SweptProducts, IsTheSameForAnyClustersAndThreads) {
   for (unsigned seed = 1; seed <= 2; ++seed) {
     Scene scene = pairScene(clothGrid(9, 1, 0, 0.2F), clothGrid(8, 0.9F, 0.02F, -0.2F));
@@ -175,7 +175,9 @@ TEST_P(SweptProducts, OverlapTradesContacts) {
 }
 
 TEST_P(SweptProducts, InstantAndSweptOfTheSamePairsDoNotTakeTurnsOnOneDetector) {
-  const auto detector = makePairSetDetector(GetParam().make);
+  PoolSettings settings;
+  settings.cpu = GetParam().make;
+  const auto detector = makeDetectorPool(settings);
   Scene scene = pairScene(clothGrid(40, 1, 0, 0.03F), clothGrid(30, 1, 0.01F, 0.03F));
   scene.setEarlier(1, translationBy(0, 0, 0.1));
   for (int round = 0; round < 3; ++round) {

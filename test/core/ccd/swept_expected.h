@@ -1,4 +1,4 @@
-// What swept detection is held against the oracle with.
+// Helpers that compare continuous detection with the oracle.
 #pragma once
 
 #include <algorithm>
@@ -48,7 +48,7 @@ inline ::testing::AssertionResult includes(const std::vector<TrianglePair>& all,
 inline ::testing::AssertionResult holds(const FirstContact& found, const SweptTime& truth) {
   constexpr float kWidest = 0x1p-20F;
   const bool at_start = truth.high == 0 && truth.is_attained;
-  // What is only an infimum happens after it.
+  // A time that is only an infimum is reached after it.
   const bool reached =
       truth.is_attained ? mpq_class(found.high) >= truth.low : mpq_class(found.high) > truth.low;
   if (0 <= found.low && found.low <= found.high && found.high <= 1 &&

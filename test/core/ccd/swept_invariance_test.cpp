@@ -1,5 +1,5 @@
-// What must not change swept contacts: orders, axes, scale, welding, and a motion that all have in
-// common.
+// Changes that must not change the result of continuous detection: orders, axes, scale, welding,
+// and a motion that all bodies have in common.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -195,7 +195,7 @@ TEST_P(SweptInvariance, OneTranslationOfAllInEachState) {
   });
 }
 
-// As soups; and with vertices that are equal in both states by one index.
+// Tests soups, and meshes in which vertices that are equal in both states have one index.
 TEST_P(SweptInvariance, SoupsAndWeldedMeshes) {
   expectNoChange([](Step* step, Names*, std::mt19937*) {
     for (std::size_t b = 0; b < step->to.size(); ++b) {

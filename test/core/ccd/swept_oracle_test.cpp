@@ -54,7 +54,7 @@ TEST(SweptOracle, APointThroughATriangle) {
   expectAt({1, 2}, meetsFloor({8, 0, 1}, {8, 0, -1}));
   EXPECT_FALSE(meetsFloor({9, 0, 1}, {9, 0, -1}));
   EXPECT_FALSE(meetsFloor({4, 4 + 1e-6F, 1}, {4, 4 + 1e-6F, -1}));
-  // Within the plane: onto an edge, onto a corner.
+  // The point moves within the plane, onto an edge or a corner.
   expectAt({1, 2}, meetsFloor({-1, 2, 0}, {1, 2, 0}));
   expectAt({1, 4}, meetsFloor({-1, -1, 0}, {3, 3, 0}));
   expectAt({1, 2}, meetsFloor({-1, 0, 0}, {1, 0, 0}));

@@ -91,7 +91,7 @@ TEST_P(SweptPadSoup, WithoutAnyOfABodyThatTakesPartNothingIsSaid) {
   const DetectionResult& result = detector_->detect(scene, sweptOptions());
   EXPECT_FALSE(result.contacts.empty());
   EXPECT_TRUE(result.within_pad.empty());
-  // In instant motion it plays no part.
+  // Discrete detection ignores the motion bound.
   for (BodyId b = 0; b < scene.bodyCount(); ++b) scene.setPad(b, 1);
   const std::vector<TrianglePair> padded = contacts(scene);
   EXPECT_TRUE(detector_->detect(scene, Options()).within_pad.empty());

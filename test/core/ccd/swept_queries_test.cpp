@@ -100,7 +100,8 @@ MovingTriangle triangleOf(const MovingPoint& a, const MovingPoint& b, const Movi
   return {{{a.from, b.from, c.from}}, {{a.to, b.to, c.to}}};
 }
 
-// As triangles of two bodies: a vertex is one with three equal corners, an edge one with two.
+// Decides a query as two triangles of two bodies: a vertex becomes a triangle with three equal
+// corners, an edge one with two.
 bool verdictOf(const RoundedQuery& query, bool wants_time) {
   const auto& [p, q, r, s] = query.points;
   const MovingTriangle a = query.is_vertex_face ? triangleOf(p, p, p) : triangleOf(p, q, p);

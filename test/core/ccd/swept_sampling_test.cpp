@@ -104,7 +104,7 @@ bool areNear(const Corners& a, const Corners& b) {
   return exact::meetBeyond(a, b, {}) || exact::squaredDistance(a, b) < Rational(1e-14);
 }
 
-// Whether two triangles on one edge point the same way from it, up to the angle of 2^-30 of a step.
+// Returns whether two triangles on one edge point the same way from it, up to an angle of 2^-30.
 bool areFolded(const Frozen& f) {
   const exact::Vector along = f.shared[1] - f.shared[0];
   const exact::Vector a = CGAL::cross_product(along, rest(f.a, f.of_a)[0] - f.shared[0]);
@@ -112,8 +112,8 @@ bool areFolded(const Frozen& f) {
   return a * b >= 0 && CGAL::cross_product(a, b).squared_length() < Rational(1e-8);
 }
 
-// What must hold near a time that no rational number is: the same for each pair that comes so near
-// and does not meet.
+// Returns a condition that must hold near a time that is no rational number. It also holds for
+// pairs that come that near and do not meet.
 bool almostMeet(const Frozen& f) {
   if (f.shared.empty()) return areNear(f.a, f.b);
   if (f.shared.size() == 2) return areFolded(f);

@@ -34,7 +34,7 @@ class SweptSoup : public SweptFixture {};
 
 TEST_P(SweptSoup, EqualsTheOracleForAnyClusters) {
   std::size_t found = 0, between = 0;
-  // Of the reference a part, for the oracle takes most of the time.
+  // The reference gets a part of the scenes, because the oracle takes most of the time.
   const std::uint32_t scenes = isBruteForce() ? kScenes / 4 : kScenes;
   for (std::uint32_t seed = 0; seed < scenes; ++seed) {
     const Scene scene = randomSweptScene(seed);
@@ -112,7 +112,7 @@ TEST_P(SweptSoup, FastIsNotGuaranteedAndHoldsItsForm) {
   }
 }
 
-// Of the bodies that take part: without a finite place in one of the two states.
+// Counts triangles of bodies that take part and that have no finite place in one of the two states.
 TEST_P(SweptSoup, CountsRejectedTriangles) {
   std::uint64_t rejected = 0;
   for (std::uint32_t seed = 0; seed < 400; ++seed) {
@@ -160,7 +160,7 @@ std::vector<TrianglePair> touchingPairs(const Scene& scene) {
   return pairs;
 }
 
-// Whether the two have the same corner throughout the step.
+// Returns whether the two triangles have a corner in common during the whole interval.
 bool shareATrajectory(const Scene& scene, const TrianglePair& p) {
   if (p.body_a != p.body_b) return false;
   const Body& body = scene.body(p.body_a);

@@ -1,5 +1,5 @@
-// What swept contacts have to do with those of single states: none moves, each end, backwards, two
-// halves.
+// Continuous detection compared with discrete detection: bodies that do not move, each end of the
+// interval, motion backwards, and two halves.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Options instantOptions(const Options& swept) {
   return options;
 }
 
-// Whether each triangle is finite in both states.
+// Returns whether each triangle is finite in both states.
 bool isFinite(const Scene& scene) {
   return sweptTriangles(earlierScene(scene), laterScene(scene)).size() == scene.triangleCount();
 }

@@ -11,7 +11,7 @@
 
 namespace deformable_contact_monitor {
 
-// What users get.
+// Returns the backends that users get.
 inline std::vector<Backend> sweptProductBackends() { return productBackends(); }
 
 // And brute force, for small scenes only.

@@ -81,7 +81,8 @@ Triangle toTriangle(const RationalPoint& a, const RationalPoint& b, const Ration
   return out;
 }
 
-// As triangles: a vertex is one with three equal corners, an edge one with two.
+// Decides a query as two triangles: a vertex becomes a triangle with three equal corners, an edge
+// one with two.
 bool meetAsTriangles(const Query& q, bool vertex_face) {
   const auto& [p0, p1, p2, p3] = q;
   const auto a = [&](const RationalPoint Trajectory::*state) {

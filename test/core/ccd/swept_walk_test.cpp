@@ -29,8 +29,8 @@ std::uint64_t pairsOf(const Scene& scene) {
   return pairs;
 }
 
-// From the one state of the walk to the next. Bodies with other triangles than before have no
-// earlier state, nor has one body in eight; some have a pad.
+// Makes the time interval from one state of the walk to the next. Bodies whose triangles changed
+// have no earlier state, and neither has one body in eight; some have a motion bound.
 Scene stepOf(const Scene& before, const Scene& after, std::mt19937* random) {
   constexpr float kPads[] = {0, 0, 0, 0, 1e-3F, 0.1F, 1e-40F, 1e30F};
   Scene step = after;
@@ -55,7 +55,8 @@ class SweptWalk : public SweptFixture {
   void compare(const Scene& scene, const Options& options, const std::string& what) {
     const DetectionResult& expected = brute_force_->detect(scene, options);
     const DetectionResult& found = detector_->detect(scene, options);
-    // What pads add may differ a little, for there filters decide.
+    // Pairs that are added by motion bounds may differ a little between backends, because filters
+    // decide them.
     ASSERT_TRUE(samePairs(straight(expected), straight(found))) << what;
     ASSERT_EQ(expected.counters.rejected, found.counters.rejected) << what;
     ASSERT_EQ(expected.without_step, found.without_step) << what;

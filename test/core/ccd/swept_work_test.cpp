@@ -11,7 +11,7 @@ namespace {
 
 class SweptWork : public DetectorSuite {
  protected:
-  // Of one cycle, which finds what brute force finds.
+  // Returns the counters of one cycle, after checking that it finds what brute force finds.
   Counters work(const Scene& scene, const Options& options) {
     const DetectionResult& result = detector_->detect(scene, options);
     EXPECT_TRUE(

@@ -1,7 +1,5 @@
 // Vertices on a device, where no backend is that reads them: refused by name, and no more than
 // that.
-#include "core/common/host_vertices.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -10,8 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "core/common/scene_queries.h"
 #include "core/cpu_detector.h"
-#include "core/fallback_detector.h"
+#include "core/detector_pool.h"
 #include "pair_sets.h"
 #include "reference/brute_force_detector.h"
 #include "refusal.h"
@@ -101,9 +100,11 @@ TEST_F(HostVerticesTest, BackendsThatCannotReadThemSaySo) {
 // What is refused is no failure of a backend: nothing is thrown away for it.
 TEST_F(HostVerticesTest, AFallbackIsNotToldOfARefusal) {
   int told = 0;
-  const auto detector =
-      makeFallbackDetector([] { return makeCpuDetector(); }, makeBruteForceDetector,
-                           [&told](const BackendState&) { ++told; });
+  PoolSettings settings;
+  settings.device = [] { return makeCpuDetector(); };
+  settings.cpu = makeBruteForceDetector;
+  settings.changed = [&told](const BackendState&) { ++told; };
+  const auto detector = makeDetectorPool(settings);
   moveToDevice(0);
   EXPECT_NE(refusal([&] { detector->detect(scene_); }).find("\"cpu\""), std::string::npos);
   EXPECT_EQ(detector->backend(), "cpu");

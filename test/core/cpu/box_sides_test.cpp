@@ -1,11 +1,11 @@
 // Sides of a box against boxes of triangles, grown and rounded as the detector does.
-#include "core/cpu/box_sides.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdint>
 #include <random>
+
+#include "core/cpu/body_boxes.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -1,4 +1,4 @@
-// What the CPU backend says of its stages.
+// Tests the times that the CPU backend reports for its stages.
 #include "core/cpu_detector.h"
 
 #include <gtest/gtest.h>
@@ -15,12 +15,12 @@ namespace deformable_contact_monitor {
 namespace {
 
 // A folded cloth and, if asked for, triangles so large that they go onto the list of their own.
-Scene foldedCloth(int large) {
+Scene foldedCloth(int oversized) {
   TriangleMesh mesh = clothGrid(60, 1, 0, 0.1F);
   for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
     mesh.vertices[i] = std::abs(mesh.vertices[i] - 0.507F);
   }
-  for (int i = 0; i < large; ++i) {
+  for (int i = 0; i < oversized; ++i) {
     const auto first = static_cast<std::uint32_t>(mesh.vertexCount());
     const float height = 0.001F * static_cast<float>(i);
     mesh.vertices.insert(mesh.vertices.end(), {-9, -9, height, 9, -9, height, 0, 9, height});

@@ -16,7 +16,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Of identities too, whose sign is a mark; the same on every processor.
+// Tests ids too, whose sign bit is a mark. The result is the same on every processor.
 TEST(LaneBits, AreSigns) {
   constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();
   EXPECT_EQ(0, laneBits(IntLanes{15, 15, 0, kMost}));
@@ -42,7 +42,7 @@ std::vector<Triangle> randomTriangles(unsigned seed) {
 
 using Known = std::tuple<std::uint32_t, std::uint32_t, std::vector<int>>;
 
-// What there is to compare of a candidate.
+// The parts of a candidate that are compared.
 Known known(const Candidate<Triangle>& c) {
   std::vector<int> facts;
   for (int i = 0; i < 3; ++i) {
@@ -63,17 +63,18 @@ std::vector<Known> sorted(const std::vector<Candidate<Triangle>>& candidates) {
 
 // Takes those for candidates again that float32 settled; none of them otherwise than the verdict.
 void addSettled(const WorkingSet& set, const std::vector<Candidate<Triangle>>& by_rule,
-                Screened<Triangle>& screened) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> told;  // settled pairs: do they meet?
-  for (const auto& [a, b] : screened.meeting) told[{a.value, b.value}] = true;
-  const std::vector<Known> open = sorted(screened.candidates);
+                FilteredPairs<Triangle>& filtered) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, bool>
+      crossings;  // settled pairs: do they meet?
+  for (const auto& [a, b] : filtered.meeting) crossings[{a.value, b.value}] = true;
+  const std::vector<Known> open = sorted(filtered.candidates);
   for (const Candidate<Triangle>& c : by_rule) {
     if (std::binary_search(open.begin(), open.end(), known(c))) continue;
     PredicateState state;
     const bool meet = candidateVerdict(set.posed(c.a), set.posed(c.b), c.facts, state).contact;
-    EXPECT_EQ(meet, told.count({c.a.value, c.b.value}) > 0) << c.a.value << " " << c.b.value;
-    screened.candidates.push_back(c);
-    if (!meet) --screened.apart;
+    EXPECT_EQ(meet, crossings.count({c.a.value, c.b.value}) > 0) << c.a.value << " " << c.b.value;
+    filtered.candidates.push_back(c);
+    if (!meet) --filtered.apart;
   }
 }
 
@@ -95,8 +96,8 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
     const BodyGroups groups(scene);
     const std::vector<float> slack = scaledSlacks(scene, split.scale);
     const CycleInput<Triangle> input{scene, set, split, assignment, groups, slack, options};
-    ScreenBuffers<Triangle> buffers;
-    PairScreen<Triangle> screen(input, buffers);
+    FilterBuffers<Triangle> buffers;
+    PairFilter<Triangle> filter(input, buffers);
 
     std::vector<PreparedTriangle<Triangle>> triangles;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
@@ -105,12 +106,12 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
     }
     std::vector<BoxPair> pairs;
     std::vector<Candidate<Triangle>> by_rule, one_by_one;
-    Screened<Triangle> all_at_once;
+    FilteredPairs<Triangle> all_at_once;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
       for (std::uint32_t j = i + 1; j < set.size(); ++j) {
         pairs.push_back({SortedIndex(i), SortedIndex(j)});
         const TriangleIndex a(i), b(j);
-        screen.screen(triangles[i], triangles[j], one_by_one);
+        filter.filter(triangles[i], triangles[j], one_by_one);
         PairFacts facts;
         facts.shared = sharedVertices(set.posed(a), set.posed(b));
         if (facts.shared.any && options.adjacent == AdjacentPairs::kSkip) continue;
@@ -120,7 +121,7 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
         (left ? (facts.shared.any ? sharing : separate) : dropped) += 1;
       }
     }
-    screen.screen(triangles, pairs.data(), pairs.size(), all_at_once);
+    filter.filter(triangles, pairs.data(), pairs.size(), all_at_once);
     EXPECT_TRUE(sorted(by_rule) == sorted(one_by_one)) << "seed " << seed;
     settled += all_at_once.apart + all_at_once.meeting.size();
     addSettled(set, by_rule, all_at_once);

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "cgal_oracle.h"
-#include "core/cpu/lane_product.h"
+#include "core/cpu/lane_triangle.h"
 #include "hard_orientations.h"
 
 namespace deformable_contact_monitor {
@@ -24,7 +24,7 @@ long pairsWanted() {
   return wanted != nullptr ? std::atol(wanted) : 20000;
 }
 
-// What is told of pairs, four at a time: those that cross each other's planes, certainly.
+// Counts the answers for pairs, four at a time, that certainly cross each other's planes.
 struct Tally {
   std::vector<LaneTriangle> a, b;
   std::vector<TrianglesPair> pairs;
@@ -54,8 +54,8 @@ struct Tally {
       which.push_back(i);
     }
     for (std::size_t i = 0; i + 4 <= all.size(); ++i) {  // each pair in each lane
-      const LaneCrossings told = crossingsOf({all[i], all[i + 1], all[i + 2], all[i + 3]});
-      const int says_meet = laneBits(told.meet), says_apart = laneBits(told.apart);
+      const LaneCrossings crossings = crossingsOf({all[i], all[i + 1], all[i + 2], all[i + 3]});
+      const int says_meet = laneBits(crossings.meet), says_apart = laneBits(crossings.apart);
       EXPECT_EQ(says_meet & says_apart, 0);
       for (std::size_t lane = 0; lane < 4; ++lane) {
         const Triangle &s = pairs[which[i + lane]].a, &t = pairs[which[i + lane]].b;
@@ -111,23 +111,23 @@ TEST(LaneProduct, TellsThePlaneFiltersSides) {
   const auto lanes = [](const Vec3f& v) {
     return LanePoint{{v.x, v.x, v.x, v.x}, {v.y, v.y, v.y, v.y}, {v.z, v.z, v.z, v.z}};
   };
-  int told = 0;
+  int crossings = 0;
   const auto check = [&](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
     const int side = PlaneFilter(Triangle{{p, q, r}}).side(s);
     const LaneSigns signs = LaneProduct(lanes(q - p), lanes(r - p)).signWith(lanes(s - p));
     EXPECT_EQ(side == 1 ? 15 : 0, laneBits(signs.positive));
     EXPECT_EQ(side == -1 ? 15 : 0, laneBits(signs.negative));
-    told += side != 0;
+    crossings += side != 0;
   };
   for (const HardOrientation& hard : hardOrientations(1, 200, FirstPoint::kAnywhere)) {
-    // From where it hardly tells a side to where it tells each.
+    // The sizes go from where the filter hardly finds a side to where it finds each.
     for (int power = -26; power < 0; ++power) {
       const Vec3f off = Vec3f{1, -1, 1} * std::ldexp(1.0F, power);
       check(hard.p[0], hard.p[1], hard.p[2], hard.p[3] + off);
     }
   }
-  EXPECT_GT(told, 2000);
-  EXPECT_LT(told, 5000);
+  EXPECT_GT(crossings, 2000);
+  EXPECT_LT(crossings, 5000);
 }
 
 TEST(LaneCrossing, NeverContradictsTheOracleWhereRoundingTurnsEdges) {

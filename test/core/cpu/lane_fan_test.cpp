@@ -1,6 +1,4 @@
 // Fans in vector lanes are certified where the rule says so, and nowhere else.
-#include "core/cpu/lane_fan.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "core/cpu/lane_product.h"
+#include "core/cpu/fans.h"
+#include "core/cpu/lane_triangle.h"
 #include "core/predicates/orientation.h"
 #include "core/predicates/vertex_fan.h"
 #include "hard_orientations.h"
@@ -16,7 +15,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// As isFanCertified() wants it.
+// A fan in the form that isFanCertified() takes.
 struct Ring {
   const VertexFans& fans;
   const std::vector<Vec3f>& vertices;
@@ -74,11 +73,11 @@ TEST(LaneFan, CertifiesWhatTheRuleCertifies) {
     ASSERT_EQ(0U, fours.size() % 4);
     std::set<std::uint32_t> seen;
     for (std::size_t i = 0; i < fours.size(); i += 4) {
-      const int told = laneBits(areFansCertified(fans, &fours[i], vertices.data()));
+      const int crossings = laneBits(areFansCertified(fans, &fours[i], vertices.data()));
       for (std::size_t k = 0; k < 4; ++k) {
         const std::uint32_t v = fours[i + k];
         const bool expected = isFanCertified(vertices[v], Ring{fans, vertices, v});
-        ASSERT_EQ(expected, (told >> k & 1) != 0) << "vertex " << v << ", size " << size;
+        ASSERT_EQ(expected, (crossings >> k & 1) != 0) << "vertex " << v << ", size " << size;
         if (!seen.insert(v).second) continue;
         (expected ? certified : others) += 1;
       }

@@ -1,5 +1,5 @@
-// What fuzzy c-means is for: with its prototypes the sweeps visit fewer pairs than with random or
-// frozen ones. The contacts are the same with any.
+// Shows what fuzzy c-means is good for: with its prototypes the sweeps visit fewer pairs than with
+// random or frozen ones. The contacts are the same with any prototypes.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/common/parallel.h"
+#include "core/common/vertex_identity.h"
 #include "core/cpu/output.h"
-#include "core/cpu/vertex_identity.h"
 #include "core/cpu_detector.h"
 #include "random_scenes.h"
 #include "scenes.h"

@@ -1,6 +1,6 @@
-// What float32 claims to be certain of, against exact arithmetic: sides of planes, and verdicts on
-// pairs of triangles of which an edge nearly meets an edge, in space, in a plane, or seen from a
-// vertex of both.
+// Compares the certain answers of float32 with exact arithmetic: sides of planes, and verdicts on
+// pairs of triangles of which two edges nearly meet in space, in a plane, or seen from a common
+// vertex.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -115,7 +115,7 @@ void makeNearlyCrossing(Dice& dice, Triangle& a, Triangle& b) {
   b = scaledBy(b, scale);
 }
 
-// What was told of pairs; never what the oracle denies.
+// Counts the answers for pairs. The oracle must agree with each of them.
 struct Told {
   int meet = 0, apart = 0, open = 0, sharing = 0;
 

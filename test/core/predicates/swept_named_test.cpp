@@ -244,7 +244,8 @@ TEST(SweptBeyondShared, OppositeEdgesCrossInTheSharedVertex) {
   expectNone({a, b});
 }
 
-// In contact at all times but those at which a's edge runs through the shared vertex: both ends.
+// The triangles are in contact at all times except both ends, when a's edge runs through the shared
+// vertex.
 TEST(SweptBeyondShared, InAnOpenInterval) {
   const MovingTriangle a{{{kP, {1, 0, 0}, {-1, 0, 0}}}, {{kP, {1, 1, 0}, {-2, -2, 0}}}};
   const MovingTriangle b = still({{kP, {0, -1, 1}, {0, -1, -1}}});

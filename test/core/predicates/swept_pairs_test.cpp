@@ -135,7 +135,7 @@ TEST_P(SweptPairs, ConservativeMissesNothingAndSaysWhatItGuesses) {
   });
 }
 
-// What float32 decides is so.
+// Each decision of float32 is right.
 TEST_P(SweptPairs, Float32IsCertainOrOpen) {
   forEachPair([](const MovingPair& pair, const std::optional<SweptTime>& time) {
     const SharedVertices shared = sharedTrajectories(pair.a, pair.b);

@@ -171,8 +171,8 @@ TEST(TriangleDistance, IsThatOfExactRationals) {
   });
 }
 
-// Beyond the sharp corner of a needle that ends very far away: which side of the long edge a vertex
-// is on is told by the least component of an area.
+// The vertex lies beyond the sharp corner of a needle that ends very far away. The least component
+// of an area decides on which side of the long edge it is.
 TEST(TriangleDistance, OfAVertexBeyondTheCornerOfALongNeedle) {
   const float third = 0x1.555556p-2F, sixth = 0x1.555556p-3F;
   const Triangle a{
@@ -214,7 +214,7 @@ TEST(TriangleDistance, FollowsExactShiftsAndScales) {
   }
 }
 
-// What nearVerdict finds early is what the distance says.
+// The early decisions of nearVerdict agree with the distance.
 TEST(NearVerdict, IsTheRoundedDistanceUpToTheMargin) {
   std::size_t near = 0;
   forEachPair(20000, [&near](const Pair& pair, const std::string& name) {

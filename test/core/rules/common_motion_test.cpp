@@ -1,5 +1,5 @@
-// What is taken off the end of a step: boxes stay outside of what they bound, and few vertices that
-// move otherwise do not matter.
+// Tests the motion that is taken off the end of the interval: boxes still hold their content, and a
+// few vertices that move in another way do not matter.
 #include "core/rules/common_motion.h"
 
 #include <gtest/gtest.h>

@@ -13,7 +13,7 @@
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/geometry_of_pair.h"
 #include "geometry_pairs.h"
-#include "reference/fcl_closest_points.h"
+#include "reference/fcl_detector.h"
 
 #ifdef DCM_HAVE_FCL
 

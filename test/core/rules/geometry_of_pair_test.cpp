@@ -1,4 +1,4 @@
-// What must hold of the geometry of any pair.
+// Properties that the geometry of any pair must have.
 #include "core/rules/geometry_of_pair.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ bool isFiniteGeometry(const PairGeometry& g) {
 
 class GeometryOfPair : public PairClassSuite {};
 
-// Which the verdict alone decides; never NaN, nor infinite.
+// The verdict alone decides the sign. No number is NaN or infinite.
 TEST_P(GeometryOfPair, SeparationIsAboveZeroIffTheyAreApart) {
   long contacts = 0, apart = 0;
   forPairs(1, [&](const TrianglesPair& pair) {

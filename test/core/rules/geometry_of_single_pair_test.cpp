@@ -27,7 +27,7 @@ TEST(GeometryOfSinglePair, ABladeThroughAFlatTriangle) {
   EXPECT_EQ((Vec3f{0, 0, -1}), of(blade, kFlat).normal);
 }
 
-// As deep on either side: the choice is one of two, and flagged.
+// The depth is the same on either side: the choice is one of two, and flagged.
 TEST(GeometryOfSinglePair, TwoWaysAsShortAreFlagged) {
   const Triangle blade{{{1, 1, -1}, {0.5F, 1, 1}, {1.5F, 1, 1}}};
   const PairGeometry g = of(kFlat, blade);

@@ -75,7 +75,7 @@ struct Turned {
     error =
         0x1p-23 * std::max({sizeOf(before.a), sizeOf(before.b), sizeOf(after.a), sizeOf(after.b)}) +
         0x1p-148;
-    // Of both separations, and of a normal's own rounding.
+    // The slack covers the errors of both separations, and the rounding of a normal.
     slack = 4 * error + 0x1p-22 * (std::abs(double{g.separation_m}) + longestEdge(before.a) +
                                    longestEdge(before.b));
   }

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/predicates/edge_crossing.h"
+#include "core/predicates/intersection_segment.h"
 #include "core/predicates/narrow_phase.h"
 
 namespace deformable_contact_monitor {

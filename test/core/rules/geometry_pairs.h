@@ -23,7 +23,7 @@ bool meet(const TrianglesPair& pair);
 // The largest coordinate.
 double sizeOf(const Triangle& t);
 double longestEdge(const Triangle& t);
-// From vertex i to the next.
+// Returns the vector from vertex i to the next one.
 Vec3d edgeOf(const Triangle& t, int i);
 
 // The stated error of a point of a contact [m].

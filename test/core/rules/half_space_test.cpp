@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "core/cpu/prototypes.h"
+#include "core/cpu/cluster.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -92,7 +92,7 @@ TEST(Projection, TouchingTrianglesAlwaysOverlap) {
     const Vec3f b[3] = {on_edge, on_edge, on_edge};
     const Interval x = project(axis, a, 0), y = project(axis, b, 0);
     ASSERT_TRUE(x.lo <= y.hi && y.lo <= x.hi);
-    // What the pads are for: the exact interval lies inside.
+    // The interval is grown so that the exact interval lies inside.
     long double exact_lo = INFINITY, exact_hi = -INFINITY;
     for (const Vec3f& v : a) {
       const long double p = static_cast<long double>(axis.x) * v.x +

@@ -1,10 +1,10 @@
 // Samples and triangles are each other's inverse, and seeds stand in the middle of equal shares.
-#include "core/rules/sampling.h"
-
 #include <gtest/gtest.h>
 
 #include <tuple>
 #include <vector>
+
+#include "core/rules/clustering.h"
 
 namespace deformable_contact_monitor {
 namespace {

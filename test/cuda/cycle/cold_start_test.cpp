@@ -1,4 +1,4 @@
-// What is found of a scene from a sample of its triangles, on the host alone.
+// Tests what is found of a scene from a sample of its triangles, on the host alone.
 #include "cuda/cycle/cold_start.h"
 
 #include <gtest/gtest.h>
@@ -14,18 +14,19 @@ namespace {
 
 constexpr ClusterCountPolicy kPolicy{500, 8192, 1600, 132};
 
-ColdStart measured(const Scene& scene, Look look, const Options& options = Options()) {
-  return SceneMeasurer().measure(scene, SceneShare(), options, kPolicy, look, noLimit());
+ColdStart measured(const Scene& scene, Inspection inspection, const Options& options = Options()) {
+  return SceneMeasurer().measure(scene, ScenePartition(), options, kPolicy, inspection, noLimit());
 }
 
 float size(const Vec3f& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
 TEST(SceneMeasurer, ASampleTellsWhatAllTrianglesTell) {
   const Scene scene = selfScene(clothGrid(250, 3, 1, 0.2F));
-  const ColdStart sample = measured(scene, Look::kSample), all = measured(scene, Look::kAll);
+  const ColdStart sample = measured(scene, Inspection::kSample),
+                  all = measured(scene, Inspection::kAll);
   EXPECT_EQ(sample.regular, 125000U);
   EXPECT_EQ(all.regular, 125000U);
-  EXPECT_EQ(sample.large, 0U);
+  EXPECT_EQ(sample.oversized, 0U);
   EXPECT_EQ(sample.seeds.size(), all.seeds.size());
   EXPECT_EQ(sample.scale.scale, all.scale.scale);
   const Vec3d apart = sample.scale.origin - all.scale.origin;
@@ -35,41 +36,45 @@ TEST(SceneMeasurer, ASampleTellsWhatAllTrianglesTell) {
 }
 
 // Enough to see whether a scene is another one.
-TEST(SceneMeasurer, AGlanceTellsScaleAndNumber) {
+TEST(SceneMeasurer, ABriefInspectionFindsScaleAndNumber) {
   const Scene scene = pairScene(clothGrid(200, 1, 3, 0.1F), clothGrid(100, 0.5F, 3, 0.1F));
-  const ColdStart glance = measured(scene, Look::kGlance), all = measured(scene, Look::kAll);
-  EXPECT_NEAR(static_cast<double>(glance.regular), static_cast<double>(all.regular), 4000);
-  EXPECT_LE(glance.scale.scale, 2 * all.scale.scale);
-  EXPECT_GE(2 * glance.scale.scale, all.scale.scale);
-  const Vec3d apart = glance.scale.origin - all.scale.origin;
+  const ColdStart brief = measured(scene, Inspection::kBrief),
+                  all = measured(scene, Inspection::kAll);
+  EXPECT_NEAR(static_cast<double>(brief.regular), static_cast<double>(all.regular), 4000);
+  EXPECT_LE(brief.scale.scale, 2 * all.scale.scale);
+  EXPECT_GE(2 * brief.scale.scale, all.scale.scale);
+  const Vec3d apart = brief.scale.origin - all.scale.origin;
   EXPECT_LT(dot(apart, apart) * all.scale.scale * all.scale.scale, 0.1 * 0.1);
 }
 
-// Of two bodies of which a part meets: how many triangles that is, from some of the vertices.
-TEST(SceneMeasurer, AGlanceTellsHowManyReachIntoTheOther) {
+// Counts, from some of the vertices, the triangles of two bodies of which a part meets.
+TEST(SceneMeasurer, ABriefInspectionFindsHowManyReachIntoTheOther) {
   Scene scene = pairScene(clothGrid(200, 1, 3, 0.1F), clothGrid(100, 1, 3, 0.1F));
   RigidTransform pose;
   pose.translation[0] = 0.75;
   scene.setPose(1, pose);
-  const ColdStart glance = measured(scene, Look::kGlance), all = measured(scene, Look::kAll);
+  const ColdStart brief = measured(scene, Inspection::kBrief),
+                  all = measured(scene, Inspection::kAll);
   EXPECT_GT(all.regular, 20000U);
   EXPECT_LT(all.regular, 40000U);
-  EXPECT_NEAR(static_cast<double>(glance.regular), static_cast<double>(all.regular), 6000);
+  EXPECT_NEAR(static_cast<double>(brief.regular), static_cast<double>(all.regular), 6000);
 }
 
 // Some vertex is looked at wherever the others are, also where some are not finite.
-TEST(SceneMeasurer, AGlanceLeavesOutWhatIsNotFinite) {
+TEST(SceneMeasurer, ABriefInspectionSkipsWhatIsNotFinite) {
   TriangleMesh cloth = clothGrid(200, 1, 3, 0.1F);
   for (std::size_t i = 0; i < cloth.vertices.size() / 2; i += 3) cloth.vertices[i] = NAN;
   const Scene scene = pairScene(cloth, clothGrid(100, 1, 3, 0.1F));
-  const ColdStart glance = measured(scene, Look::kGlance), all = measured(scene, Look::kAll);
+  const ColdStart brief = measured(scene, Inspection::kBrief),
+                  all = measured(scene, Inspection::kAll);
   EXPECT_GT(all.regular, 30000U);
-  EXPECT_NEAR(static_cast<double>(glance.regular), static_cast<double>(all.regular), 6000);
+  EXPECT_NEAR(static_cast<double>(brief.regular), static_cast<double>(all.regular), 6000);
 }
 
 TEST(SceneMeasurer, IsTheSameEachTime) {
   const Scene scene = selfScene(clothGrid(100, 3, 1, 0.2F));
-  const ColdStart first = measured(scene, Look::kSample), second = measured(scene, Look::kSample);
+  const ColdStart first = measured(scene, Inspection::kSample),
+                  second = measured(scene, Inspection::kSample);
   EXPECT_EQ(first.scale.scale, second.scale.scale);
   ASSERT_EQ(first.seeds.size(), second.seeds.size());
   for (std::size_t g = 0; g < first.seeds.size(); ++g) {
@@ -83,7 +88,7 @@ TEST(SceneMeasurer, NoSeedComesTwice) {
   for (const float side : {1.0F, 0.02F}) {
     options.clusters = side == 1 ? 2000 : 400;
     Scene scene = pairScene(clothGrid(120, 1, 0, 0.1F), clothGrid(30, side, 0, 0.1F));
-    const ColdStart start = measured(scene, Look::kSample, options);
+    const ColdStart start = measured(scene, Inspection::kSample, options);
     ASSERT_EQ(start.seeds.size(), static_cast<std::size_t>(options.clusters));
     for (std::size_t g = 1; g < start.seeds.size(); ++g) {
       EXPECT_FALSE(start.seeds[g] == start.seeds[g - 1]) << g;
@@ -94,12 +99,13 @@ TEST(SceneMeasurer, NoSeedComesTwice) {
 TEST(SceneMeasurer, AnOutlierIsLargeWhetherSampledOrNot) {
   TriangleMesh cloth = clothGrid(100, 1, 0, 0.1F);
   cloth.vertices[3 * 5050] = 1e30F;
-  for (const Look look : {Look::kGlance, Look::kSample, Look::kAll}) {
-    const ColdStart start = measured(selfScene(cloth), look);
-    EXPECT_TRUE(start.size_rule.isLarge({{0, 0, 0}, {1e30F, 0, 0}})) << static_cast<int>(look);
-    EXPECT_FALSE(start.size_rule.isLarge({{0, 0, 0}, {0.01F, 0.01F, 0.01F}}))
-        << static_cast<int>(look);
-    EXPECT_GE(start.scale.scale, 0.5) << static_cast<int>(look);
+  for (const Inspection inspection : {Inspection::kBrief, Inspection::kSample, Inspection::kAll}) {
+    const ColdStart start = measured(selfScene(cloth), inspection);
+    EXPECT_TRUE(start.size_rule.isOversized({{0, 0, 0}, {1e30F, 0, 0}}))
+        << static_cast<int>(inspection);
+    EXPECT_FALSE(start.size_rule.isOversized({{0, 0, 0}, {0.01F, 0.01F, 0.01F}}))
+        << static_cast<int>(inspection);
+    EXPECT_GE(start.scale.scale, 0.5) << static_cast<int>(inspection);
   }
 }
 
@@ -111,15 +117,16 @@ TEST(SceneMeasurer, LargeTrianglesAreFewOfAll) {
     cloth.triangles[3 * t + 1] = 150;
     cloth.triangles[3 * t + 2] = static_cast<std::uint32_t>(cloth.vertexCount()) - 1;
   }
-  const ColdStart all = measured(selfScene(cloth), Look::kAll),
-                  sample = measured(selfScene(cloth), Look::kSample);
-  EXPECT_EQ(all.large, 0U) << "too many of them";
-  EXPECT_EQ(sample.large, 0U) << "too many of them";
+  const ColdStart all = measured(selfScene(cloth), Inspection::kAll),
+                  sample = measured(selfScene(cloth), Inspection::kSample);
+  EXPECT_EQ(all.oversized, 0U) << "too many of them";
+  EXPECT_EQ(sample.oversized, 0U) << "too many of them";
 }
 
 TEST(SceneMeasurer, TrianglesOutsideEveryPartnersBoxAreNotCounted) {
   const Scene scene = pairScene(clothGrid(200, 1, 0, 0.1F), clothGrid(20, 0.25F, 0, 0.1F));
-  const ColdStart sample = measured(scene, Look::kSample), all = measured(scene, Look::kAll);
+  const ColdStart sample = measured(scene, Inspection::kSample),
+                  all = measured(scene, Inspection::kAll);
   EXPECT_LT(all.regular, 8000U);
   EXPECT_NEAR(static_cast<double>(sample.regular), static_cast<double>(all.regular), 800);
 }
@@ -131,19 +138,19 @@ TEST(SceneMeasurer, StepsAreMeasuredWithoutTheCommonMotion) {
   scene.setEarlier(0, before);
   Options options;
   options.motion = Motion::kSwept;
-  const ColdStart sample = measured(scene, Look::kSample, options),
-                  all = measured(scene, Look::kAll, options);
+  const ColdStart sample = measured(scene, Inspection::kSample, options),
+                  all = measured(scene, Inspection::kAll, options);
   EXPECT_EQ(sample.scale.scale, all.scale.scale);
   EXPECT_GE(sample.scale.scale, 0.5);
   EXPECT_EQ(sample.regular, all.regular);
 }
 
-TEST(SceneMeasurer, NothingToLookAtHasOneSeed) {
+TEST(SceneMeasurer, AnEmptySceneHasOneSeed) {
   Scene scene = pairScene(clothGrid(3, 1, 0, 0), clothGrid(3, 1, 9, 0));
-  EXPECT_EQ(measured(scene, Look::kSample).seeds.size(), 1U);
-  EXPECT_EQ(measured(scene, Look::kSample).regular, 0U);
+  EXPECT_EQ(measured(scene, Inspection::kSample).seeds.size(), 1U);
+  EXPECT_EQ(measured(scene, Inspection::kSample).regular, 0U);
   scene.setPairEnabled(0, 1, false);
-  EXPECT_EQ(measured(scene, Look::kSample).seeds.size(), 1U);
+  EXPECT_EQ(measured(scene, Inspection::kSample).seeds.size(), 1U);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// How buffers grow; on the host alone.
+// Tests how buffers grow, on the host alone.
 #include <gtest/gtest.h>
 
 #include "cuda/device/cuda_error.h"
@@ -21,7 +21,7 @@ TEST(CycleSizes, WhatFitsDoesNotGrow) {
   counters.list_words = sizes.list_words;
   counters.units = sizes.units;
   counters.tile_pairs = sizes.tile_pairs;
-  counters.crowded_pairs = sizes.crowded_pairs;
+  counters.dense_pairs = sizes.dense_pairs;
   counters.candidates = sizes.candidates;
   counters.contacts = sizes.contacts;
   EXPECT_FALSE(sizes.growFor(counters, kAmple));
@@ -43,10 +43,10 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   counters.list_words = 4000;
   counters.bins_wanted = 100000;
   counters.tile_pairs = 200000;
-  counters.crowded_pairs = 100000;
+  counters.dense_pairs = 100000;
   EXPECT_TRUE(sizes.growFor(counters, kAmple));
   EXPECT_GE(sizes.tile_pairs, 200000U);
-  EXPECT_GE(sizes.crowded_pairs, 100000U);
+  EXPECT_GE(sizes.dense_pairs, 100000U);
   EXPECT_GE(sizes.candidates, 3000000U);
   EXPECT_GE(sizes.contacts, 5 * before.contacts);
   EXPECT_GE(sizes.list_words, 4000U);
@@ -54,23 +54,23 @@ TEST(CycleSizes, EachGrowsByItsOwnNeed) {
   EXPECT_FALSE(sizes.growFor(counters, kAmple));
 }
 
-TEST(CycleSizes, WhatIsNearlyFullGrowsAheadOfNeed) {
+TEST(CycleSizes, WhatIsNearlyFullGrowsInAdvance) {
   CycleSizes sizes;
   sizes.prepare(9000, 20, kAmple);
   const CycleSizes before = sizes;
   CycleCounters counters{};
   counters.units = before.units / 2;
   counters.contacts = before.contacts - before.contacts / 10;
-  sizes.growAhead(counters, kAmple);
+  sizes.growInAdvance(counters, kAmple);
   EXPECT_EQ(sizes.units, before.units);
   EXPECT_EQ(sizes.entries, before.entries);
   EXPECT_EQ(sizes.contacts, 2 * counters.contacts);
   const CycleSizes grown = sizes;
-  sizes.growAhead(counters, kAmple);
+  sizes.growInAdvance(counters, kAmple);
   EXPECT_EQ(sizes.contacts, grown.contacts) << "once is enough";
 }
 
-TEST(CycleSizes, AheadOfNeedTooTheLimitHolds) {
+TEST(CycleSizes, GrowthInAdvanceKeepsTheLimit) {
   constexpr std::uint64_t kLimit = 1 << 20;
   CycleSizes sizes;
   sizes.prepare(1000000, 2000, kLimit);
@@ -78,7 +78,7 @@ TEST(CycleSizes, AheadOfNeedTooTheLimitHolds) {
   counters.candidates = sizes.candidates;
   counters.contacts = sizes.contacts;
   const CycleSizes before = sizes;
-  sizes.growAhead(counters, kLimit);
+  sizes.growInAdvance(counters, kLimit);
   EXPECT_EQ(sizes.candidates, before.candidates);
   EXPECT_EQ(sizes.contacts, before.contacts);
 }
@@ -126,7 +126,7 @@ TEST(CycleSizes, WithHardlyAnyMemoryThereIsAPlaceEach) {
   EXPECT_EQ(sizes.contacts, 1U);
 }
 
-TEST(CycleSizes, MoreMembersThanTheirBitsAreRefused) {
+TEST(CycleSizes, MoreEntriesThanTheirBitsAreRejected) {
   CycleSizes sizes;
   CycleCounters counters{};
   counters.bins_wanted = 1U << 29;

@@ -1,4 +1,4 @@
-// Arrays that share one piece of memory and grow.
+// Tests arrays that lie in one block of memory and grow.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -31,7 +31,7 @@ __global__ void fillLate(std::uint32_t* words, std::size_t count, unsigned long 
 
 class DevicePoolTest : public DeviceTest {
  protected:
-  // What it holds once the stream is done.
+  // Returns the contents once the stream is done.
   static std::vector<std::uint32_t> contentOf(const DeviceBuffer<std::uint32_t>& buffer,
                                               CudaStream& stream) {
     std::vector<std::uint32_t> words(buffer.size());

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/cpu_detector.h"
-#include "core/fallback_detector.h"
+#include "core/detector_pool.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/device/stream.cuh"
 #include "cuda/memory/device_buffer.cuh"
@@ -39,7 +39,8 @@ std::unique_ptr<Detector> makeIfThere() {
 // Gives bodies of a scene vertices on the device, with those that they have on the host.
 class Mover {
  public:
-  // In `stream`; the body's host vertices are NaN from then on, so that nobody uses them.
+  // Copies them in `stream`. The body's host vertices are NaN from then on, so that any use of them
+  // shows.
   void toDevice(Scene* scene, BodyId id, cudaStream_t stream = nullptr) {
     std::vector<float> vertices = scene->body(id).mesh.vertices;
     if (vertices.empty()) return;
@@ -213,10 +214,12 @@ TEST(DeviceVertices, ManagedMemoryDoes) {
 // The body is named, the detector stays warm enough to go on, and no fallback takes over.
 TEST(DeviceVertices, WhatCannotBeReadIsRefused) {
   if (makeIfThere() == nullptr) return;
-  int told = 0;
-  const auto detector =
-      makeFallbackDetector([] { return makeCudaDetector(); }, [] { return makeCpuDetector(); },
-                           [&told](const BackendState&) { ++told; });
+  int reported = 0;
+  PoolSettings settings;
+  settings.device = [] { return makeCudaDetector(); };
+  settings.cpu = [] { return makeCpuDetector(); };
+  settings.changed = [&reported](const BackendState&) { ++reported; };
+  const auto detector = makeDetectorPool(settings);
   Scene scene = pairScene(clothGrid(20, 1, 0, 0.1F), clothGrid(20, 1, 0.01F, 0));
   const auto expected = makeCpuDetector()->detect(scene).contacts;
   const std::vector<float> vertices = scene.body(1).mesh.vertices;
@@ -248,10 +251,10 @@ TEST(DeviceVertices, WhatCannotBeReadIsRefused) {
   cudaGraphDestroy(graph);
   EXPECT_TRUE(samePairs(expected, detector->detect(scene).contacts));
   EXPECT_EQ(detector->backend(), "cuda");
-  EXPECT_EQ(told, 0);
+  EXPECT_EQ(reported, 0);
 }
 
-// Of use where there are two devices.
+// Needs two devices.
 TEST(DeviceVertices, ThoseOfAnotherDeviceAreRefused) {
   const auto detector = makeIfThere();
   int devices = 0;

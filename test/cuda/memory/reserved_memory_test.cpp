@@ -61,26 +61,26 @@ TEST_F(ReservedMemoryTest, EveryPieceHasAPlaceOfItsOwn) {
   EXPECT_NE(first, reserved_.take(0));
 }
 
-// What is free, by a list of all units.
+// A model of the free memory: a list of all units.
 class Units {
  public:
   std::size_t longestFree() const {
     std::size_t longest = 0, run = 0;
-    for (const bool lent : lent_) longest = std::max(longest, run = lent ? 0 : run + 1);
+    for (const bool taken : taken_) longest = std::max(longest, run = taken ? 0 : run + 1);
     return longest;
   }
   // Returns whether some were not as expected before.
-  bool mark(std::size_t first, std::size_t count, bool lent) {
-    bool wrong = first + count > lent_.size();
+  bool mark(std::size_t first, std::size_t count, bool taken) {
+    bool wrong = first + count > taken_.size();
     for (std::size_t i = first; i < first + count && !wrong; ++i) {
-      wrong = lent_[i] == lent;
-      lent_[i] = lent;
+      wrong = taken_[i] == taken;
+      taken_[i] = taken;
     }
     return wrong;
   }
 
  private:
-  std::vector<bool> lent_ = std::vector<bool>(kUnits);
+  std::vector<bool> taken_ = std::vector<bool>(kUnits);
 };
 
 struct Piece {
@@ -96,7 +96,7 @@ struct Piece {
 // A piece is refused where no such place is free, and only there; each keeps what is written to it.
 TEST_F(ReservedMemoryTest, PiecesKeepApartAndComeTogetherAgain) {
   std::mt19937 random(5);
-  std::vector<Piece> lent;
+  std::vector<Piece> taken;
   Units units;
   std::size_t refused = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -112,19 +112,19 @@ TEST_F(ReservedMemoryTest, PiecesKeepApartAndComeTogetherAgain) {
       const auto at = static_cast<std::size_t>(begin - begin_);
       ASSERT_EQ(at % kUnit, 0U);
       ASSERT_FALSE(units.mark(at / kUnit, wanted, true));
-      lent.push_back({begin, bytes, wanted, static_cast<char>(i)});
-      std::memset(begin, lent.back().mark, bytes);
-    } else if (!lent.empty()) {
-      std::swap(lent[random() % lent.size()], lent.back());
-      const Piece piece = lent.back();
-      lent.pop_back();
+      taken.push_back({begin, bytes, wanted, static_cast<char>(i)});
+      std::memset(begin, taken.back().mark, bytes);
+    } else if (!taken.empty()) {
+      std::swap(taken[random() % taken.size()], taken.back());
+      const Piece piece = taken.back();
+      taken.pop_back();
       ASSERT_TRUE(piece.isUntouched());
       ASSERT_TRUE(reserved_.giveBack(piece.begin));
       units.mark(static_cast<std::size_t>(piece.begin - begin_) / kUnit, piece.units, false);
     }
   }
   EXPECT_GT(refused, 100U);
-  for (const Piece& piece : lent) EXPECT_TRUE(reserved_.giveBack(piece.begin));
+  for (const Piece& piece : taken) EXPECT_TRUE(reserved_.giveBack(piece.begin));
   expectWhole();
 }
 

@@ -1,4 +1,4 @@
-// A device of several, without a device: the CPU finds all contacts, and those of the share are
+// A device of several, without a device: the CPU finds all contacts, and those of the partition are
 // kept, by the rule that the devices have.
 #pragma once
 
@@ -13,19 +13,20 @@
 #include "core/cpu_detector.h"
 #include "core/rules/margins.h"
 #include "core/rules/posed_vertex.h"
-#include "cuda/partitions/partition_detector.h"
+#include "cuda/partitions/partitioned_detector.h"
 
 namespace deformable_contact_monitor {
 
-class ShareStandIn : public ShareDetector {
+class PartitionStandIn : public PartitionDetector {
  public:
   std::string backend() const override { return "stand-in"; }
   void reset() override { all_->reset(); }
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
   std::pmr::memory_resource& vertexMemory() override {
     static std::pmr::synchronized_pool_resource memory;
     return memory;
   }
-  void setShare(const SceneShare& share) override { share_ = share; }
+  void setPartition(const ScenePartition& partition) override { partition_ = partition; }
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     result_ = all_->detect(scene, options);
@@ -68,16 +69,16 @@ class ShareStandIn : public ShareDetector {
       then = boxOf(
           posed(body, body.earlier->pose, has_own ? body.earlier->vertices.data() : xyz, triangle));
     }
-    return shareBox({then, now}, grownPad(body.pad_m));
+    return partitionBox({then, now}, grownPad(body.pad_m));
   }
 
   bool isHere(const Scene& scene, const Options& options, const TrianglePair& pair) const {
-    return share_.owns(boxIn(scene, options, pair.body_a, pair.triangle_a),
-                       boxIn(scene, options, pair.body_b, pair.triangle_b));
+    return partition_.owns(boxIn(scene, options, pair.body_a, pair.triangle_a),
+                           boxIn(scene, options, pair.body_b, pair.triangle_b));
   }
 
   std::unique_ptr<Detector> all_ = makeCpuDetector();
-  SceneShare share_;
+  ScenePartition partition_;
   DetectionResult result_;
 };
 

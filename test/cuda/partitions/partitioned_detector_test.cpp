@@ -1,5 +1,5 @@
-// What several devices do when some of them fail, and where the shares' bounds are. The devices are
-// stand-ins.
+// Tests what several devices do when some of them fail, and where the partitions' bounds are. The
+// devices are stand-ins.
 #include "cuda/partitions/partitioned_detector.h"
 
 #include <gtest/gtest.h>
@@ -23,15 +23,15 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// What happens to devices, by their numbers.
+// Says what happens to devices, by their numbers.
 struct Plan {
   std::set<int> cannot_be_made, fails;
-  std::set<int> has_no_room;  // the scene is too crowded for it
+  std::set<int> has_no_room;  // the scene is too dense for it
   std::vector<int> ran;       // in detect(), from the caller's thread and others
   std::mutex mutex;
 };
 
-class PlannedDevice : public ShareStandIn {
+class PlannedDevice : public PartitionStandIn {
  public:
   PlannedDevice(int device, Plan& plan) : device_(device), plan_(plan) {
     if (plan.cannot_be_made.count(device) != 0) {
@@ -42,12 +42,12 @@ class PlannedDevice : public ShareStandIn {
     const std::lock_guard<std::mutex> lock(plan_.mutex);
     plan_.ran.push_back(device_);
     if (plan_.has_no_room.count(device_) != 0) {
-      throw CudaError(BackendFault::kSceneTooLarge, "too crowded");
+      throw CudaError(BackendFault::kSceneTooLarge, "too dense");
     }
     if (plan_.fails.count(device_) != 0) {
       throw CudaError(BackendFault::kSticky, "device " + std::to_string(device_) + " is lost");
     }
-    return ShareStandIn::detect(scene, options);
+    return PartitionStandIn::detect(scene, options);
   }
 
  private:
@@ -55,20 +55,20 @@ class PlannedDevice : public ShareStandIn {
   Plan& plan_;
 };
 
-class SharedDetector : public ::testing::Test {
+class PartitionedDetector : public ::testing::Test {
  protected:
   std::unique_ptr<Detector> make(std::vector<int> devices) {
     CudaSettings settings;
     settings.devices = std::move(devices);
     settings.shared_from_triangles = 100;
     settings.device_lost = [this](const BackendError& error) { told_.emplace_back(error.what()); };
-    return makeSharedDetector(settings, [this](const CudaSettings& its) {
+    return makePartitionedDetector(settings, [this](const CudaSettings& its) {
       EXPECT_TRUE(its.devices.empty());
       return std::make_unique<PlannedDevice>(its.device, plan_);
     });
   }
 
-  // Which devices ran, ascending.
+  // Returns the devices that ran, ascending.
   std::vector<int> detect(Detector& detector) {
     plan_.ran.clear();
     EXPECT_TRUE(samePairs(expected_, detector.detect(scene_).contacts));
@@ -84,14 +84,14 @@ class SharedDetector : public ::testing::Test {
   const std::vector<TrianglePair> expected_ = makeCpuDetector()->detect(scene_).contacts;
 };
 
-TEST_F(SharedDetector, AllTakePart) {
+TEST_F(PartitionedDetector, AllTakePart) {
   ASSERT_FALSE(expected_.empty());
   const auto detector = make({0, 3, 5});
   EXPECT_EQ(detect(*detector), (Devices{0, 3, 5}));
   EXPECT_TRUE(told_.empty());
 }
 
-TEST_F(SharedDetector, SmallScenesStayOnTheFirst) {
+TEST_F(PartitionedDetector, SmallScenesStayOnTheFirst) {
   const auto detector = make({4, 1});
   const Scene small = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0, 0));
   EXPECT_FALSE(detector->detect(small).contacts.empty());
@@ -102,7 +102,7 @@ TEST_F(SharedDetector, SmallScenesStayOnTheFirst) {
       << "the first has all of it again";
 }
 
-TEST_F(SharedDetector, TheRestMakeTheCycleAgain) {
+TEST_F(PartitionedDetector, TheRestMakeTheCycleAgain) {
   const auto detector = make({0, 1, 2});
   detect(*detector);
   plan_.fails = {1};
@@ -115,7 +115,7 @@ TEST_F(SharedDetector, TheRestMakeTheCycleAgain) {
   EXPECT_EQ(told_, (Texts{"CUDA device 1: device 1 is lost", "CUDA device 0: device 0 is lost"}));
 }
 
-TEST_F(SharedDetector, ASmallSceneGoesToTheNext) {
+TEST_F(PartitionedDetector, ASmallSceneGoesToTheNext) {
   const auto detector = make({0, 1});
   plan_.fails = {0};
   const Scene small = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0, 0));
@@ -123,7 +123,7 @@ TEST_F(SharedDetector, ASmallSceneGoesToTheNext) {
   EXPECT_EQ(plan_.ran, (Devices{0, 1}));
 }
 
-TEST_F(SharedDetector, FailsWhenAllHave) {
+TEST_F(PartitionedDetector, FailsWhenAllHave) {
   const auto detector = make({0, 1, 2});
   plan_.fails = {0, 1};
   EXPECT_EQ(detect(*detector), (Devices{0, 1, 2, 2}));
@@ -137,7 +137,7 @@ TEST_F(SharedDetector, FailsWhenAllHave) {
   }
 }
 
-TEST_F(SharedDetector, WhatCannotBeMadeIsDoneWithout) {
+TEST_F(PartitionedDetector, WhatCannotBeMadeIsDoneWithout) {
   plan_.cannot_be_made = {7};
   const auto detector = make({7, 0, 1});
   EXPECT_EQ(told_, (Texts{"CUDA device 7: no device 7"}));
@@ -147,7 +147,7 @@ TEST_F(SharedDetector, WhatCannotBeMadeIsDoneWithout) {
 }
 
 // Neither is a device's fault.
-TEST_F(SharedDetector, ASceneThatIsTooLargeAndBadOptionsGoToTheCaller) {
+TEST_F(PartitionedDetector, ASceneThatIsTooLargeAndBadOptionsGoToTheCaller) {
   const auto detector = make({0, 1});
   plan_.has_no_room = {1};
   EXPECT_THROW(detector->detect(scene_), BackendError);
@@ -159,45 +159,45 @@ TEST_F(SharedDetector, ASceneThatIsTooLargeAndBadOptionsGoToTheCaller) {
   EXPECT_EQ(detect(*detector), (Devices{0, 1}));
 }
 
-TEST(ShareBounds, FillTheLine) {
+TEST(PartitionBounds, FillTheLine) {
   for (const std::size_t count : {1U, 2U, 5U, 9U}) {
     for (const Scene& scene :
          {Scene(), selfScene(clothGrid(1, 1, 0, 0)), selfScene(clothGrid(40, 1, 0, 0.1F))}) {
-      const std::vector<SceneShare> shares = ShareBounds().cut(scene, count);
-      ASSERT_EQ(shares.size(), count);
-      EXPECT_EQ(shares.front().low, -INFINITY);
-      EXPECT_EQ(shares.back().high, INFINITY);
+      const std::vector<ScenePartition> partitions = PartitionBounds().cut(scene, count);
+      ASSERT_EQ(partitions.size(), count);
+      EXPECT_EQ(partitions.front().low, -INFINITY);
+      EXPECT_EQ(partitions.back().high, INFINITY);
       for (std::size_t s = 1; s < count; ++s) {
-        EXPECT_EQ(shares[s - 1].high, shares[s].low);
-        EXPECT_EQ(shares[s - 1].axis, shares[s].axis);
-        EXPECT_LE(shares[s - 1].low, shares[s - 1].high);
+        EXPECT_EQ(partitions[s - 1].high, partitions[s].low);
+        EXPECT_EQ(partitions[s - 1].axis, partitions[s].axis);
+        EXPECT_LE(partitions[s - 1].low, partitions[s - 1].high);
       }
     }
   }
 }
 
-TEST(ShareBounds, CutAcrossTheWidestAxisWhateverIsFarOff) {
+TEST(PartitionBounds, CutAcrossTheWidestAxisWhateverIsFarOff) {
   TriangleMesh mesh = clothGrid(40, 1, 0, 0.1F);
   for (std::size_t i = 1; i < mesh.vertices.size(); i += 3) mesh.vertices[i] *= 3;
   mesh.vertices[2] = 1e30F;
   mesh.vertices[5] = NAN;
-  const SceneShare first = ShareBounds().cut(selfScene(mesh), 2).front();
+  const ScenePartition first = PartitionBounds().cut(selfScene(mesh), 2).front();
   EXPECT_EQ(first.axis, 1);
   EXPECT_NEAR(first.high, 1.5, 0.1);
 }
 
-// A device takes as long as its share is wide, from 0 on four times as long.
-TEST(ShareBounds, BecomeEvenByWhatTheSharesTake) {
+// A device takes as long as its partition is wide, from 0 on four times as long.
+TEST(PartitionBounds, BecomeEvenByWhatThePartitionsTake) {
   const Scene scene = selfScene(clothGrid(200, 1, 0, 0.1F));
-  ShareBounds bounds;
+  PartitionBounds bounds;
   const auto costUpTo = [](double x) { return x < 0.5 ? 4 * x : 2 + (x - 0.5); };
   double worst = 0;
   for (int cycle = 0; cycle < 200; ++cycle) {
-    const std::vector<SceneShare>& shares = bounds.cut(scene, 3);
+    const std::vector<ScenePartition>& partitions = bounds.cut(scene, 3);
     std::vector<double> took_ms;
-    for (const SceneShare& share : shares) {
-      took_ms.push_back(costUpTo(std::min<double>(share.high, 1)) -
-                        costUpTo(std::max<double>(share.low, 0)));
+    for (const ScenePartition& partition : partitions) {
+      took_ms.push_back(costUpTo(std::min<double>(partition.high, 1)) -
+                        costUpTo(std::max<double>(partition.low, 0)));
     }
     worst = *std::max_element(took_ms.begin(), took_ms.end());
     bounds.note(took_ms);

@@ -1,5 +1,5 @@
-// Shares of several devices: by themselves and together, as sets; on stand-ins, and on the devices
-// that there are, several shares on one where they are too few.
+// PartResults of several devices: by themselves and together, as sets; on stand-ins, and on the
+// devices that there are, several partitions on one where they are too few.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,6 @@
 #include "core/mesh_file.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/partitions/partition_bounds.h"
-#include "cuda/partitions/partition_detector.h"
 #include "cuda/partitions/partitioned_detector.h"
 #include "pair_sets.h"
 #include "partition_stand_in.h"
@@ -28,29 +27,29 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::size_t kMostShares = 5;
+constexpr std::size_t kMostPartitions = 5;
 
 const std::uint32_t kScenes = [] {
-  const char* wanted = std::getenv("DCM_SHARED_SCENES");
+  const char* wanted = std::getenv("DCM_PARTITIONED_SCENES");
   return wanted != nullptr ? static_cast<std::uint32_t>(std::atoi(wanted)) : 60U;
 }();
 
 struct Maker {
   const char* name;
-  std::unique_ptr<ShareDetector> (*make)(const CudaSettings&);
+  std::unique_ptr<PartitionDetector> (*make)(const CudaSettings&);
 };
 
 std::ostream& operator<<(std::ostream& out, const Maker& maker) { return out << maker.name; }
 
-std::unique_ptr<ShareDetector> makeStandIn(const CudaSettings& /*settings*/) {
-  return std::make_unique<ShareStandIn>();
+std::unique_ptr<PartitionDetector> makeStandIn(const CudaSettings& /*settings*/) {
+  return std::make_unique<PartitionStandIn>();
 }
 
 // How many there are; without any, stand-ins have one number as well as another.
 int deviceCount() {
   CudaSettings settings;
   try {
-    for (;; ++settings.device) makeCudaShareDetector(settings);
+    for (;; ++settings.device) makeCudaPartitionDetector(settings);
   } catch (const CudaError&) {
     return std::max(1, settings.device);
   }
@@ -59,8 +58,8 @@ int deviceCount() {
 std::vector<Maker> makers() {
   std::vector<Maker> all = {{"stand_in", makeStandIn}};
   try {
-    makeCudaShareDetector(CudaSettings());
-    all.push_back({"cuda", makeCudaShareDetector});
+    makeCudaPartitionDetector(CudaSettings());
+    all.push_back({"cuda", makeCudaPartitionDetector});
   } catch (const CudaError&) {
     if (isCudaRequired()) throw;
   }
@@ -92,7 +91,7 @@ std::vector<Maker> makers() {
   return ::testing::AssertionSuccess();
 }
 
-class Shares : public ::testing::TestWithParam<Maker> {
+class PartResults : public ::testing::TestWithParam<Maker> {
  protected:
   static std::unique_ptr<Detector> shared(std::size_t count) {
     static const int kDevices = deviceCount();
@@ -101,14 +100,14 @@ class Shares : public ::testing::TestWithParam<Maker> {
       settings.devices.push_back(static_cast<int>(s) % kDevices);
     }
     settings.shared_from_triangles = 0;
-    return makeSharedDetector(settings, GetParam().make);
+    return makePartitionedDetector(settings, GetParam().make);
   }
 
-  std::unique_ptr<ShareDetector> one_ = GetParam().make(CudaSettings());
+  std::unique_ptr<PartitionDetector> one_ = GetParam().make(CudaSettings());
 };
 
 // Cut by the bounds, which stand at vertices, so that ties are common, across each of the axes.
-TEST_P(Shares, HaveEachContactOnce) {
+TEST_P(PartResults, HaveEachContactOnce) {
   const auto reference = makeBruteForceDetector();
   std::size_t found = 0, dealt_out = 0;
   for (std::uint32_t seed = 0; seed < kScenes; ++seed) {
@@ -120,19 +119,19 @@ TEST_P(Shares, HaveEachContactOnce) {
     options.adjacent = seed % 2 == 0 ? AdjacentPairs::kSkip : AdjacentPairs::kBeyondShared;
     options.clusters = static_cast<int>(seed % 8);
     const std::vector<TrianglePair> expected = reference->detect(scene, options).contacts;
-    for (std::size_t count = 1; count <= kMostShares; ++count) {
-      std::vector<SceneShare> cut = ShareBounds().cut(scene, count);
+    for (std::size_t count = 1; count <= kMostPartitions; ++count) {
+      std::vector<ScenePartition> cut = PartitionBounds().cut(scene, count);
       std::vector<TrianglePair> all;
-      for (SceneShare& share : cut) {
-        share.axis = static_cast<int>((static_cast<std::uint32_t>(share.axis) + seed) % 3);
-        one_->setShare(share);
+      for (ScenePartition& partition : cut) {
+        partition.axis = static_cast<int>((static_cast<std::uint32_t>(partition.axis) + seed) % 3);
+        one_->setPartition(partition);
         const std::vector<TrianglePair>& its = one_->detect(scene, options).contacts;
         ASSERT_TRUE(isOrdered(its)) << "seed " << seed;
         all.insert(all.end(), its.begin(), its.end());
         dealt_out += its.empty() || its.size() == expected.size() ? 0 : 1;
       }
       std::sort(all.begin(), all.end());
-      ASSERT_TRUE(samePairs(expected, all)) << "seed " << seed << ", " << count << " shares";
+      ASSERT_TRUE(samePairs(expected, all)) << "seed " << seed << ", " << count << " partitions";
       found += all.size();
     }
   }
@@ -140,7 +139,7 @@ TEST_P(Shares, HaveEachContactOnce) {
   EXPECT_GT(dealt_out, 100U);
 }
 
-TEST_P(Shares, ReadVerticesSoonestWhereOneDoes) {
+TEST_P(PartResults, ReadVerticesSoonestWhereOneDoes) {
   const auto detector = shared(3);
   EXPECT_EQ(&detector->vertexMemory(), &one_->vertexMemory());
   Scene scene = randomScene(1);
@@ -152,9 +151,9 @@ TEST_P(Shares, ReadVerticesSoonestWhereOneDoes) {
 
 // Long-lived detectors on a scene of which bodies come and go and all else changes, with cold
 // starts.
-TEST_P(Shares, TogetherFindWhatOneFinds) {
+TEST_P(PartResults, PartitionsFindWhatOneFinds) {
   std::vector<std::unique_ptr<Detector>> detectors;
-  for (std::size_t count = 2; count <= kMostShares; ++count) detectors.push_back(shared(count));
+  for (std::size_t count = 2; count <= kMostPartitions; ++count) detectors.push_back(shared(count));
   std::size_t found = 0;
   for (std::uint32_t seed = 0; seed < 1 + kScenes / 50; ++seed) {
     SceneWalk walk(seed);
@@ -181,10 +180,10 @@ TEST_P(Shares, TogetherFindWhatOneFinds) {
   EXPECT_GT(found, 100U);
 }
 
-TEST_P(Shares, OfSteps) {
+TEST_P(PartResults, OfSteps) {
   constexpr float kPads[] = {0, 0, 0, 1e-30F, 0.01F, 0.25F, 1e30F};
   std::vector<std::unique_ptr<Detector>> detectors;
-  for (std::size_t count = 2; count <= kMostShares; ++count) detectors.push_back(shared(count));
+  for (std::size_t count = 2; count <= kMostPartitions; ++count) detectors.push_back(shared(count));
   std::size_t found = 0;
   for (std::uint32_t seed = 0; seed < kScenes; ++seed) {
     Scene scene = seed % 10 == 9 ? largeSweptScene(seed) : randomSweptScene(seed);
@@ -212,7 +211,7 @@ Scene foldedScene() {
   return selfScene(folded);
 }
 
-TEST_P(Shares, OfLargerScenes) {
+TEST_P(PartResults, OfLargerScenes) {
   const auto reference = makeCpuDetector();
   std::vector<Scene> scenes = {largeRandomScene(1), largeRandomScene(2), foldedScene(),
                                selfScene(clothGrid(60, 1, 0, 0.3F))};
@@ -224,19 +223,19 @@ TEST_P(Shares, OfLargerScenes) {
     options.adjacent = adjacent;
     for (const Scene& scene : scenes) {
       const std::vector<TrianglePair> expected = reference->detect(scene, options).contacts;
-      for (std::size_t count = 2; count <= kMostShares; ++count) {
+      for (std::size_t count = 2; count <= kMostPartitions; ++count) {
         const auto detector = shared(count);
         // Bounds move meanwhile.
         for (int cycle = 0; cycle < 20; ++cycle) {
           ASSERT_TRUE(samePairs(expected, detector->detect(scene, options).contacts))
-              << count << " shares, cycle " << cycle;
+              << count << " partitions, cycle " << cycle;
         }
       }
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Shares, ::testing::ValuesIn(makers()),
+INSTANTIATE_TEST_SUITE_P(All, PartResults, ::testing::ValuesIn(makers()),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace

@@ -1,4 +1,4 @@
-// When the monitor makes heartbeats, and which stamps it mistrusts.
+// Tests of heartbeats, of stamps that are mistrusted, and of deadlines within a budget.
 #include "monitor/cycle/cycle_clock.h"
 
 #include <gtest/gtest.h>
@@ -13,14 +13,14 @@ const SteadyTime kStart{std::chrono::hours(7)};
 SteadyTime at(int ms) { return kStart + milliseconds(ms); }
 
 TEST(CycleClockTest, TheFirstHeartbeatIsAfterASecond) {
-  const CycleClock clock(0.5, kStart);
+  const CycleClock clock(0.5, 0, kStart);
   EXPECT_FALSE(clock.mustBeat(at(999)));
   EXPECT_TRUE(clock.mustBeat(at(1000)));
   EXPECT_EQ(clock.heartbeatDue(), at(1000));
 }
 
 TEST(CycleClockTest, ACyclePutsTheHeartbeatOffUntilItsMeshIsTooOld) {
-  CycleClock impatient(0.5, kStart), patient(3, kStart);
+  CycleClock impatient(0.5, 0, kStart), patient(3, 0, kStart);
   impatient.startCycle(at(500));
   EXPECT_FALSE(impatient.mustBeat(at(1499)));
   EXPECT_TRUE(impatient.mustBeat(at(1500))) << "a second at least";
@@ -30,19 +30,19 @@ TEST(CycleClockTest, ACyclePutsTheHeartbeatOffUntilItsMeshIsTooOld) {
 }
 
 TEST(CycleClockTest, HeartbeatsComeOnceASecond) {
-  CycleClock clock(3, kStart);
+  CycleClock clock(3, 0, kStart);
   clock.startHeartbeat(at(1200));
   EXPECT_FALSE(clock.mustBeat(at(2199)));
   EXPECT_TRUE(clock.mustBeat(at(2200)));
 }
 
 TEST(CycleClockTest, AfterAFailureItIsTriedAgainInASecond) {
-  CycleClock clock(0.5, kStart);
+  CycleClock clock(0.5, 0, kStart);
   EXPECT_EQ(clock.retryTime(at(300)), at(1300));
 }
 
 TEST(CycleClockTest, ASmallStepBackIsNoJump) {
-  CycleClock clock(0.5, kStart);
+  CycleClock clock(0.5, 0, kStart);
   EXPECT_EQ(clock.update(ros::Time(50)), 0);
   EXPECT_EQ(clock.update(ros::Time(60)), 0);
   EXPECT_EQ(clock.update(ros::Time(59.91)), 0);
@@ -52,13 +52,13 @@ TEST(CycleClockTest, ASmallStepBackIsNoJump) {
 }
 
 TEST(CycleClockTest, AClockThatBeginsIsNoJump) {
-  CycleClock clock(0.5, kStart);
+  CycleClock clock(0.5, 0, kStart);
   EXPECT_EQ(clock.update(ros::Time()), 0);
   EXPECT_EQ(clock.update(ros::Time(1e9)), 0);
 }
 
 TEST(CycleClockTest, LeftoversAreAheadOfTheClockWhileTheWindowIsOpen) {
-  CycleClock clock(0.5, kStart);
+  CycleClock clock(0.5, 0, kStart);
   clock.update(ros::Time(50));
   EXPECT_FALSE(clock.isLeftover(ros::Time(60), kStart)) << "nothing was reset yet";
   clock.startLeftoverWindow(at(100));
@@ -71,11 +71,60 @@ TEST(CycleClockTest, LeftoversAreAheadOfTheClockWhileTheWindowIsOpen) {
 
 // Such differences do not fit into a ros::Duration.
 TEST(CycleClockTest, StampsAtTheEndsOfTimeAreSurvived) {
-  CycleClock clock(0.5, kStart);
+  CycleClock clock(0.5, 0, kStart);
   clock.update(ros::Time(4.2e9));
   EXPECT_GT(clock.update(ros::Time(1)), 4e9);
   clock.startLeftoverWindow(kStart);
   EXPECT_TRUE(clock.isLeftover(ros::Time(4.2e9), kStart));
+}
+
+// Records a cycle whose detection ended, and whose states were published, so many milliseconds
+// after the arrival of its mesh.
+void cycle(int detected, int published, CycleClock* clock) {
+  clock->recordCycle(clock->deadline(kStart), kStart + milliseconds(detected),
+                     kStart + milliseconds(published));
+}
+
+double deadlineMs(const CycleClock& clock) {
+  return 1e3 * toSeconds(clock.deadline(kStart) - kStart);
+}
+
+TEST(CycleBudgetTest, WithoutOneThereIsNoDeadline) {
+  CycleClock clock(0.5, 0, kStart);
+  EXPECT_EQ(clock.deadline(kStart), SteadyTime::max());
+  clock.recordCycle(SteadyTime::max(), kStart, kStart + milliseconds(3));
+  EXPECT_EQ(clock.deadline(kStart), SteadyTime::max());
+}
+
+TEST(CycleBudgetTest, WhatPublishingTakesIsKeptFree) {
+  CycleClock clock(0.5, 0.02, kStart);
+  EXPECT_DOUBLE_EQ(deadlineMs(clock), 20);
+  cycle(5, 8, &clock);
+  EXPECT_NEAR(deadlineMs(clock), 20, 1e-3) << "the longest does not count";
+  cycle(5, 6, &clock);
+  EXPECT_NEAR(deadlineMs(clock), 19, 1e-3);
+  cycle(5, 7, &clock);
+  EXPECT_NEAR(deadlineMs(clock), 18, 1e-3);
+}
+
+TEST(CycleBudgetTest, WhatDetectionTakesBeyondItsDeadlineIsKeptFreeToo) {
+  CycleClock clock(0.5, 0.02, kStart);
+  for (int i = 0; i < 2; ++i) cycle(22, 23, &clock);
+  EXPECT_NEAR(deadlineMs(clock), 17, 1e-3);
+}
+
+TEST(CycleBudgetTest, HalfOfItIsTheDetections) {
+  CycleClock clock(0.5, 0.02, kStart);
+  for (int i = 0; i < 2; ++i) cycle(1, 500, &clock);
+  EXPECT_NEAR(deadlineMs(clock), 10, 1e-3);
+}
+
+TEST(CycleBudgetTest, OldCyclesAreForgotten) {
+  CycleClock clock(0.5, 0.02, kStart);
+  for (int i = 0; i < 2; ++i) cycle(0, 9, &clock);
+  EXPECT_NEAR(deadlineMs(clock), 11, 1e-3);
+  for (int i = 0; i < 100; ++i) cycle(0, 1, &clock);
+  EXPECT_NEAR(deadlineMs(clock), 19, 1e-3);
 }
 
 }  // namespace

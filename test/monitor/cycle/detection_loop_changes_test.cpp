@@ -1,4 +1,4 @@
-// What the detection loop does when it is asked to, when time jumps and when the robot changes.
+// Tests of requests to the detection loop, of time jumps, and of a robot that changes.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -49,7 +49,7 @@ TEST_F(ChangesTest, DisabledDropsMeshesAndSaysWhy) {
   requests_.setEnabled(false);
   EXPECT_EQ(step(), (Lines{"disabled", "forget all: disabled", "forget all: no new mesh",
                            "heartbeat 50: cloth(disabled) cable(disabled)"}));
-  EXPECT_EQ(meshes_[0].counters().dropped, 1U);
+  EXPECT_EQ(meshes()[0].counters().dropped, 1U);
   give(0, 50.5);
   EXPECT_EQ(stepAfter(500), Lines());
   EXPECT_EQ(stepAfter(500),
@@ -193,7 +193,7 @@ TEST_F(ChangesTest, ForHalfASecondAfterAJumpMeshesFromBeforeAreDropped) {
   step();
   give(0, 50);
   EXPECT_EQ(stepAfter(499), Lines());
-  EXPECT_TRUE(meshes_[0].isEmpty());
+  EXPECT_FALSE(meshes()[0].hasWaiting());
   give(0, 40);
   EXPECT_EQ(step(), Lines{"cycle 40: *cloth@40 cable(no mesh yet)"}) << "it is from after the jump";
   give(1, 40.5);

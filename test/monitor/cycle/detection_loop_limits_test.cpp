@@ -1,4 +1,4 @@
-// How long a cycle may take: the longest cycle, and the budget.
+// Tests of how long a cycle may take: max_cycle_s and budget_ms.
 #include <chrono>
 #include <string>
 #include <utility>
@@ -53,7 +53,8 @@ TEST_F(LimitsTest, ABudgetRunsFromTheMeshsArrivalAndKeepsTimeForPublishing) {
   EXPECT_NEAR(deadlineMs(50.75), 17, 1e-3);
 }
 
-// In a queue, or behind other cycles. Of meshes that share a cycle the first counts.
+// A mesh may wait in a queue or for other cycles. If meshes share a cycle, the first arrival
+// counts.
 TEST_F(LimitsTest, WhatAMeshWaitedIsOffItsBudget) {
   parameters_.budget_ms = 20;
   parameters_.max_cycle_s = 600;
@@ -70,7 +71,7 @@ TEST_F(LimitsTest, WhatAMeshWaitedIsOffItsBudget) {
   }
 }
 
-// It is what the user asked for, and no reason to give the next cycle less time.
+// The user asked for the budget, so a cycle that it ends does not cost the next one time.
 TEST_F(LimitsTest, ABudgetThatEndsCostsNobodyTime) {
   steady_time_ = std::chrono::steady_clock::now();
   parameters_.budget_ms = 20;
@@ -96,7 +97,6 @@ TEST_F(LimitsTest, TheEarlierOfBudgetAndLongestCycleHolds) {
 
 TEST_F(LimitsTest, WithoutOthersNobodyIsShortOfTime) {
   parameters_.objects.pop_back();
-  meshes_.pop_back();
   parameters_.pair_classes = {false, false, true, false};
   detector_.out_of_time = true;
   for (const double stamp_s : {50.0, 50.25, 50.5}) {

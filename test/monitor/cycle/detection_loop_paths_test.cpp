@@ -1,4 +1,5 @@
-// Swept motion in the detection loop: paths of links, and of objects in frames that move.
+// Tests of continuous collision detection in the detection loop: paths of links, and of objects in
+// frames that move.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -94,7 +95,8 @@ TEST_F(PathsTest, AnObjectWhoseFrameTurnsHasOne) {
   EXPECT_EQ(earlierZ(0), -2);
 }
 
-// Between the ends the buffer has nothing any more: they themselves are known from the cycles.
+// The buffer has no transform between the two cycles any more. The poses at both ends are known
+// from the cycles.
 TEST_F(PathsTest, WithoutTransformsInBetweenThereIsNone) {
   addTransform(&transforms_, "link0", 50);
   give(0, 50);

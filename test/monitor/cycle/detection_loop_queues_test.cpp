@@ -1,4 +1,5 @@
-// Meshes that come faster than the transforms that they wait for: which of them have a cycle, when.
+// Tests of meshes that come faster than the transforms that they wait for: which of them have a
+// cycle, and when.
 #include <algorithm>
 #include <cstdlib>
 #include <string>
@@ -11,7 +12,7 @@ namespace {
 
 using Stamps = std::vector<int>;  // [ms] since the beginning
 
-// The cloth is seen by a camera, whose transforms come now and then; the cable needs none.
+// The cloth is seen by a camera, whose transforms come now and then. The cable needs no transforms.
 class QueuesTest : public LoopTest {
  protected:
   QueuesTest() {
@@ -27,7 +28,7 @@ class QueuesTest : public LoopTest {
 
   static double stampS(int ms) { return 50 + ms / 1000.0; }
 
-  // A thousand steps a second, but for those during which a cycle is under way.
+  // Makes a step every millisecond, except while a cycle runs. `arrive` runs before each.
   void play(int from_ms, int to_ms, const std::function<void(int ms)>& arrive) {
     for (int ms = from_ms; ms < to_ms; ++ms) {
       ros_time_ = ros::Time(stampS(ms));
@@ -40,7 +41,7 @@ class QueuesTest : public LoopTest {
 
   void note(const std::string& line, int ms) {
     if (line.compare(0, 6, "cycle ") != 0) return;
-    // The log has six digits, which is tenths of milliseconds.
+    // Stamps in the log have six digits, so they are exact to tenths of milliseconds.
     const int stamp_ms =
         static_cast<int>(std::lround(1000 * (std::strtod(line.c_str() + 6, nullptr) - 50)));
     for (std::size_t i = 0; i < 2; ++i) {
@@ -56,7 +57,7 @@ class QueuesTest : public LoopTest {
     }
   }
 
-  // A mesh each 10 ms, transforms each 20 ms.
+  // Gives a mesh every 10 ms and a transform every 20 ms.
   void giveAndTransform(int ms) {
     if (ms % 10 == 0) give(0, stampS(ms), "camera");
     if (ms % 20 == 0) addTransform(&transforms_, "camera", stampS(ms));
@@ -93,7 +94,7 @@ TEST_F(QueuesTest, EveryMeshHasACycleThoughTransformsComeHalfAsOften) {
   EXPECT_EQ(stamps(0), every(10, 0, 1001));
   EXPECT_TRUE(allKnown(0));
   EXPECT_LE(longestDelayMs(0), 10);
-  EXPECT_EQ(meshes_[0].counters().dropped, 0U);
+  EXPECT_EQ(meshes()[0].counters().dropped, 0U);
 }
 
 TEST_F(QueuesTest, AlsoWhenCyclesTakeMostOfTheTimeAndTransformsComeLate) {
@@ -118,7 +119,7 @@ TEST_F(QueuesTest, OthersHaveTheirTurnsMeanwhile) {
   EXPECT_EQ(longestDelayMs(1), 0);
 }
 
-// Then some are dropped, and those that have cycles are fresh.
+// Some meshes are dropped, and those that have cycles are fresh.
 TEST_F(QueuesTest, ASlowDetectorHasTheNewestInTheirOrder) {
   cycle_ms_ = 15;
   play(0, 3000, [this](int ms) { giveAndTransform(ms); });
@@ -128,11 +129,11 @@ TEST_F(QueuesTest, ASlowDetectorHasTheNewestInTheirOrder) {
   EXPECT_TRUE(allKnown(0));
   EXPECT_GE(had.size(), 180U) << "of 200 that there is time for";
   EXPECT_LE(longestDelayMs(0), 2 * 15 + 10);
-  const std::size_t waiting = 300 - had.size() - meshes_[0].counters().dropped;
+  const std::size_t waiting = 300 - had.size() - meshes()[0].counters().dropped;
   EXPECT_LE(waiting, 2U) << "what has no cycle is counted";
 }
 
-// Transforms hang, and meshes pile up; then cycles are too slow for all of these.
+// No transforms come for a while, and meshes pile up. Then cycles are too slow for all of these.
 TEST_F(QueuesTest, NoneHasItsTurnLongAfterItsTimeWhileThereAreNewer) {
   parameters_.tf_timeout_s = 0.2;
   cycle_ms_ = 40;
@@ -160,21 +161,21 @@ TEST_F(QueuesTest, EachWaitsNoLongerThanTheTimeout) {
   EXPECT_EQ(longestDelayMs(0), 50);
 }
 
-// Then the newest waits outside, and is no longer the first to be forgotten.
+// When the queue is full, the newest mesh waits in its MeshInput.
 TEST_F(QueuesTest, TheQueueIsBounded) {
   parameters_.max_rate_hz = 0;
   parameters_.tf_timeout_s = 1;
   play(1, 101, [this](int ms) { give(0, stampS(ms), "camera"); });
-  EXPECT_EQ(meshes_[0].counters().dropped, 100 - CycleTurns::kMostWaiting - 1);
+  EXPECT_EQ(meshes()[0].counters().dropped, 100 - CycleScheduler::kMostWaiting - 1);
   addTransform(&transforms_, "camera", 51);
   play(101, 150, [](int) {});
-  Stamps expected = every(1, 1, 1 + static_cast<int>(CycleTurns::kMostWaiting));
+  Stamps expected = every(1, 1, 1 + static_cast<int>(CycleScheduler::kMostWaiting));
   expected.push_back(100);
   EXPECT_EQ(stamps(0), expected);
   EXPECT_TRUE(allKnown(0));
 }
 
-// One that could have its cycle, were it its turn, makes way for newer ones that could, too.
+// A mesh that only waits for its turn is replaced by a newer one only if that one is ready as well.
 TEST_F(QueuesTest, WhatHasToWaitDoesNotReplaceWhatWaitsForItsTurn) {
   cycle_ms_ = 25;
   parameters_.max_rate_hz = 0;
@@ -199,7 +200,7 @@ TEST_F(QueuesTest, ARefusedMeshHidesThoseThatWait) {
   ASSERT_EQ(said.size(), 1U);
   EXPECT_NE(said[0].find("*cloth(mesh refused: header.stamp is zero)"), std::string::npos)
       << said[0];
-  EXPECT_EQ(meshes_[0].counters().dropped, 3U);
+  EXPECT_EQ(meshes()[0].counters().dropped, 3U);
   addTransform(&transforms_, "camera", 51);
   EXPECT_EQ(stepAfter(1), Lines());
 }
@@ -210,7 +211,7 @@ TEST_F(QueuesTest, OfEqualStampsThereIsOneCycleAndItsTimeStands) {
   });
   EXPECT_EQ(stamps(0), Stamps{10});
   EXPECT_EQ(longestDelayMs(0), 50);
-  EXPECT_EQ(meshes_[0].counters().dropped, 4U);
+  EXPECT_EQ(meshes()[0].counters().dropped, 4U);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Swept motion in the detection loop: where steps begin, of which pairs they are, when there is
-// none, and what their detection does.
+// Tests of continuous collision detection in the detection loop: where its time intervals begin,
+// which pairs they have, when there is none, and what their detection does.
 #include <chrono>
 #include <memory>
 #include <string>
@@ -43,7 +43,8 @@ TEST_F(StepsTest, WhatPassesBetweenTwoCyclesIsFound) {
   EXPECT_EQ(earlierZ(1), -1);
 }
 
-// The partner's mesh at the beginning is that of the previous cycle, not the one that came between.
+// At the beginning of the interval the partner has its mesh of the previous cycle, not one that
+// came in between.
 TEST_F(StepsTest, AnObjectsStepsJoinWithoutGaps) {
   give(0, 50, "base", 0);
   give(1, 50, "base", 1);
@@ -208,7 +209,7 @@ TEST_F(StepsTest, AnotherFrameThanBeforeHasNone) {
   EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: another frame than in the previous cycle)"});
 }
 
-// Its first cycle is that of an object, which has no step; another robot has other bodies.
+// The robot's first cycle has no interval, nor has the first one after the robot has changed.
 TEST_F(StepsTest, OfAnotherRobotThereIsNone) {
   useRobot(1);
   parameters_.pair_classes = {true, false, false, false};
@@ -224,7 +225,7 @@ TEST_F(StepsTest, OfAnotherRobotThereIsNone) {
   EXPECT_EQ(steps(), Lines{"0 of cloth: link0/cloth link1/cloth (cloth: the robot changed)"});
 }
 
-// What a step's detection does, by the script.
+// The fake detector's script decides how the detection of an interval ends.
 class StepDetectionTest : public StepsTest {
  protected:
   StepDetectionTest() {

@@ -1,4 +1,4 @@
-// How long the detection loop waits for transforms, and whom that holds up.
+// Tests of how long the detection loop waits for transforms, and which objects that delays.
 #include <string>
 
 #include "loop_fixture.h"
@@ -56,7 +56,7 @@ TEST_F(TransformsTest, OthersHaveTheirTurnsMeanwhile) {
       << "125 ms after it came, whatever others did";
 }
 
-// Of equal stamps they would share a cycle, but not for that price.
+// Objects with equal stamps share a cycle, but one that is ready does not wait for the other.
 TEST_F(TransformsTest, WhoHasTheStampOfOneThatWaitsDoesNotWaitForIt) {
   addTransform(&transforms_, "camera", 49.5);
   give(0, 50, "camera");
@@ -101,7 +101,7 @@ TEST_F(TransformsTest, WhatWasSeenBeforeAResetIsWaitedFor) {
   EXPECT_EQ(stepAfter(1), Lines{"cycle 50.25: *cloth@50.25 cable(no mesh yet)"});
 }
 
-// The mesh that waits has its cycle; what came meanwhile is next.
+// The mesh that waits has its cycle first, and then the one that came meanwhile.
 TEST_F(TransformsTest, ANewerMeshDoesNotProlongTheWait) {
   addTransform(&transforms_, "camera", 49.5);
   give(0, 50, "camera");

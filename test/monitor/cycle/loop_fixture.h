@@ -1,4 +1,4 @@
-// A detection loop with time, detector and outside world in the test's hands.
+// A detection loop whose clocks, detector and sink are under the test's control.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -46,19 +46,19 @@ struct FakeDetector : Detector {
     return result;
   }
   void reset() override { ++script->resets; }
+  void swapResult(DetectionResult& other) override { result.swap(other); }
 
   Script* const script;
   DetectionResult result;
 };
 
-// Writes a line for everything that is said, but for mesh counters and the lack of errors. Of a
-// report: its stamp, then each body, with a star if it triggered, the stamp of its data, and why it
-// is UNKNOWN.
+// Logs a line for each call, except for reports of no error. The line of a report has its stamp,
+// then each body, with a star if it triggered the cycle, the stamp of its data, and why it is
+// UNKNOWN.
 struct FakeSink : CycleSink {
   struct Log {
     std::vector<std::string> lines;
-    std::vector<MonitoredPair> pairs;    // of the latest report
-    std::vector<std::uint64_t> refused;  // by object
+    std::vector<MonitoredPair> pairs;  // of the latest report
     RulesInForce rules;
     std::function<void(const CycleReport&)> at_result;  // called with each cycle
     bool wants_geometry = false;                        // what the loop is told
@@ -66,8 +66,8 @@ struct FakeSink : CycleSink {
     SteadyTime arrival;                                 // of the latest cycle's mesh
     std::vector<InsidePart> inside;                     // of the latest cycle that looked for them
     int looks_within = 0;                               // such cycles
-    std::vector<SweepReport> sweeps;                 // of the latest cycle; their results are gone
-    std::vector<std::pair<BodyId, BodyId>> enabled;  // pairs of its scene, behind its steps
+    std::vector<SweepReport> sweeps;                    // of the latest cycle
+    std::vector<std::pair<BodyId, BodyId>> enabled;     // pairs of its scene, behind its steps
   };
 
   FakeSink(Log* log, std::function<void()>* at_start) : log(log), at_start(at_start) {}
@@ -87,32 +87,29 @@ struct FakeSink : CycleSink {
   void recordStart() override {
     if (*at_start) std::exchange(*at_start, nullptr)();
   }
-  SteadyTime sendCycle(CycleReport* report, SteadyTime /*start*/, SteadyTime arrival) override {
-    addReport(report->result != nullptr ? "cycle" : "no result", *report);
-    log->sweeps = report->sweeps;
-    if (report->scene != nullptr) log->enabled = report->scene->enabledPairs();
-    if (log->at_result) log->at_result(*report);
+  SteadyTime sendCycle(const CycleReport& report, SteadyTime /*start*/,
+                       SteadyTime arrival) override {
+    addReport(report.result != nullptr ? "cycle" : "no result", report);
+    log->sweeps = report.sweeps;
+    if (report.scene != nullptr) log->enabled = report.scene->enabledPairs();
+    if (report.containment != nullptr) {
+      log->inside = report.containment->parts;
+      ++log->looks_within;
+    }
+    if (log->at_result) log->at_result(report);
     log->arrival = arrival;
     return log->published;
   }
-  void sendHeartbeat(CycleReport* report) override { addReport("heartbeat", *report); }
-  void listPairs(CycleReport* report) override { log->pairs = report->pairs; }
+  void sendHeartbeat(const CycleReport& report) override { addReport("heartbeat", report); }
+  void listPairs(const CycleReport& report) override { log->pairs = report.pairs; }
   void forgetStates(const std::string& body, const std::string& reason) override {
     add("forget " + (body.empty() ? "all" : body) + ": " + reason);
   }
   void sendRobot(const RobotGeometry& robot) override {
     add("robot of " + std::to_string(robot.links.size()));
   }
-  void recordMesh(std::size_t object, const MeshCounters& counters) override {
-    log->refused.resize(std::max(log->refused.size(), object + 1));
-    log->refused[object] = counters.refused;
-  }
   void recordTransforms(const TransformReport& transforms) override {
     for (const TransformReport::Miss& miss : transforms.misses) add("miss of " + miss.body);
-  }
-  void recordContainment(const CycleReport& report) override {
-    log->inside = report.containment->parts;
-    ++log->looks_within;
   }
   void recordDetectorError(const std::string& error) override {
     if (!error.empty()) add("error: " + error);
@@ -128,7 +125,7 @@ struct FakeSink : CycleSink {
   std::function<void()>* const at_start;
 };
 
-// Turned by so much about z [rad].
+// Adds a transform from "base": a rotation about z by `angle` [rad].
 inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s,
                          double angle = 0) {
   geometry_msgs::TransformStamped t;
@@ -140,8 +137,8 @@ inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, doub
   buffer->setTransform(t, "test");
 }
 
-// Two objects, 0 "cloth" and 1 "cable", in the reference frame "base", monitored against each
-// other; no limit of the rate. Clocks stand until the test moves them.
+// Has two objects, 0 "cloth" and 1 "cable", in the reference frame "base". Only pairs of objects
+// are monitored, without a limit of the rate. Clocks stand still until the test moves them.
 class LoopTest : public ::testing::Test {
  protected:
   using Lines = std::vector<std::string>;
@@ -152,10 +149,9 @@ class LoopTest : public ::testing::Test {
     parameters_.pair_classes = {false, true, false, false};
     parameters_.max_rate_hz = 0;
     parameters_.tf_timeout_s = 0;
-    for (const ObjectParameters& object : parameters_.objects) meshes_.emplace_back(object.name);
   }
 
-  // A mesh of one triangle arrives, at that height [m], after it waited so long.
+  // Stores a mesh of one triangle at height `z` [m], which arrived `waited_s` [s] ago.
   void give(std::size_t object, double stamp_s, const std::string& frame = "base", float z = 0,
             std::uint32_t topology_id = 3, double waited_s = 0) {
     auto message = boost::make_shared<DeformableMesh>();
@@ -164,15 +160,23 @@ class LoopTest : public ::testing::Test {
     message->topology_id = topology_id;
     message->vertices = {0, 0, z, 1, 0, z, 0, 1, z};
     message->triangles = {0, 1, 2};
-    meshes_[object].store(ReceivedMesh{message, "", false, waited_s});
+    const auto now = std::chrono::steady_clock::now();
+    meshes()[object].store({message, "", false, now - fromSeconds(waited_s)});
   }
 
-  // One step, the first one with the parameters as they are then. Returns what was said in it.
+  // Returns the inputs, made with the parameters as they are at the first call.
+  MeshInputs& meshes() {
+    if (meshes_.empty()) meshes_ = makeMeshInputs(parameters_);
+    return meshes_;
+  }
+
+  // Makes one step and returns what was logged in it. The first call makes the loop, with the
+  // parameters as they are then.
   Lines step() {
     if (!loop_) {
       loop_ = std::make_unique<DetectionLoop>(
           parameters_,
-          LoopSources{requests_, meshes_, transforms_, [this] { return newestRobot(); }},
+          LoopSources{requests_, meshes(), transforms_, [this] { return newestRobot(); }},
           LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }}, make_detector_(),
           std::make_unique<FakeSink>(&said_, &at_cycle_));
     }
@@ -180,20 +184,19 @@ class LoopTest : public ::testing::Test {
     return std::exchange(said_.lines, {});
   }
 
-  // A step, so many milliseconds later.
+  // Makes a step so many milliseconds later.
   Lines stepAfter(int ms) {
     steady_time_ += std::chrono::milliseconds(ms);
     return step();
   }
 
-  // From the last step until the next one, if nothing happens [ms].
+  // Returns how long the loop wants to sleep after the last step [ms].
   double sleepMs() const {
     return std::chrono::duration<double, std::milli>(wake_time_ - steady_time_).count();
   }
 
   MonitorParameters parameters_;
-  Mailbox requests_{AllowedContacts()};
-  MeshMailboxes meshes_;
+  LoopRequests requests_{AllowedContacts()};
   tf2::BufferCore transforms_;
   std::function<std::shared_ptr<const RobotGeometry>()> robot_source_;
   FakeDetector::Script detector_;
@@ -203,7 +206,7 @@ class LoopTest : public ::testing::Test {
   FakeSink::Log said_;
   SteadyTime steady_time_{std::chrono::hours(7)};
   ros::Time ros_time_{50};
-  // Called once, when the loop says that a cycle begins.
+  // It is called once, when the loop begins a cycle.
   std::function<void()> at_cycle_;
 
  private:
@@ -211,6 +214,7 @@ class LoopTest : public ::testing::Test {
     return robot_source_ ? robot_source_() : nullptr;
   }
 
+  MeshInputs meshes_;
   std::unique_ptr<DetectionLoop> loop_;
   SteadyTime wake_time_;
 };

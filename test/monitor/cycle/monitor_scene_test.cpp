@@ -1,10 +1,12 @@
-// The scene of a cycle: who takes part, where, and which pairs are on.
+// Tests of the scene of a cycle: which bodies take part, their poses, and which pairs are on.
 #include "monitor/cycle/monitor_scene.h"
 
 #include <gtest/gtest.h>
 
 #include <boost/make_shared.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -40,7 +42,9 @@ class MonitorSceneTest : public ::testing::Test {
     message->topology_id = 3;
     message->vertices = {x, 0, 0, 1, 0, 0, 0, 1, 0};
     message->triangles = {0, 1, 2};
-    inputs_[object].accept({message, message, {}}, ros::Time());
+    IncomingMesh mesh{message};
+    inputs_[object].store(mesh);
+    inputs_[object].take(ros::Time(), &mesh);
   }
 
   void pose(const std::string& frame, double stamp_s, double x) {
@@ -168,7 +172,9 @@ TEST_F(MonitorSceneTest, TheRobotsOwnCycleIsOfItsLinks) {
 TEST_F(MonitorSceneTest, AnObjectWaitsForItsOwnFrameAndForLinksThatItMayTouch) {
   const auto awaited = [this](std::size_t object, double t_s) {
     std::vector<std::string> frames;
-    for (const FrameAtStamp& f : scene_.awaitedFrames(object, ros::Time(t_s), inputs_)) {
+    std::string why_not;
+    const IncomingMesh* const mesh = inputs_[object].newestAt(ros::Time(t_s), &why_not);
+    for (const FrameAtStamp& f : scene_.awaitedFrames(object, ros::Time(t_s), *mesh)) {
       frames.push_back(f.frame + "@" + std::to_string(f.stamp.toSec()).substr(0, 4));
     }
     return frames;
@@ -188,6 +194,8 @@ TEST_F(MonitorSceneTest, AnObjectWaitsForItsOwnFrameAndForLinksThatItMayTouch) {
   allowed.add(rule);
   scene_.setAllowedContacts(allowed);
   EXPECT_EQ(awaited(0, 10.4), Frames{"hand@10.4"});
+  IncomingMesh rejected{boost::make_shared<DeformableMesh>(), "damaged"};
+  EXPECT_TRUE(scene_.awaitedFrames(0, ros::Time(10.4), rejected).empty());
 }
 
 TEST_F(MonitorSceneTest, WithoutAKnownPartnerNoLinkIsPosed) {
@@ -321,6 +329,63 @@ TEST_F(MonitorSceneTest, MarkUnknownGivesEachObjectItsReason) {
   EXPECT_EQ(unknown(kArm), "");
   EXPECT_EQ(unknown(kCloth), "one");
   EXPECT_EQ(unknown(kCable), "two");
+}
+
+TransformReport misses(int count) {
+  TransformReport report;
+  for (int i = 0; i < count; ++i) {
+    TransformReport::Miss miss;
+    miss.body = "link" + std::to_string(i);
+    miss.answer.problem = "no data";
+    report.misses.push_back(miss);
+  }
+  return report;
+}
+
+TEST(SceneWarningsTest, FiveMissesAreListedTheOthersCounted) {
+  EXPECT_EQ(describeMisses(misses(1)), "UNKNOWN for want of a transform:\n  link0: no data");
+  EXPECT_EQ(describeMisses(misses(5)).find("more"), std::string::npos);
+  const std::string seven = describeMisses(misses(7));
+  EXPECT_NE(seven.find("\n  link4: no data\n  and 2 more"), std::string::npos) << seven;
+  EXPECT_EQ(seven.find("link5"), std::string::npos);
+}
+
+TEST(SceneWarningsTest, NamesThatAreNoBodysAreFound) {
+  AllowedContacts allowed;
+  for (const auto& [a, b] :
+       {std::pair<const char*, const char*>{"arm", "*"}, {"cloth", "hnad"}, {"clth", "arm"}}) {
+    AllowedContact rule;
+    rule.body_a = a;
+    rule.body_b = b;
+    rule.allowed = true;
+    allowed.add(rule);
+  }
+  std::vector<BodyStatus> bodies(2);
+  bodies[0].name = "arm";
+  bodies[1].name = "cloth";
+  bodies[1].kind = BodyKind::kDeformable;
+  MonitorParameters parameters;
+  parameters.link_margin_m = {{"arm", 0.1}, {"amr", 0.1}, {"cloth", 0.1}};
+  EXPECT_EQ(describeUnknownNames(parameters, allowed, bodies),
+            (std::vector<std::string>{
+                "margins (~link_margin_m) name 'amr' (did you mean 'arm'?), which is no link that "
+                "is looked at",
+                "margins (~link_margin_m) name 'cloth', which is no link that is looked at",
+                "allowed contacts name 'clth' (did you mean 'cloth'?), which is no link or object",
+                "allowed contacts name 'hnad', which is no link or object"}));
+}
+
+TEST(SceneWarningsTest, ManyUnknownNamesAreCounted) {
+  AllowedContacts allowed;
+  for (int i = 0; i < 50; ++i) {
+    AllowedContact rule;
+    rule.body_a = "*";
+    rule.body_b = "nothing" + std::to_string(i);
+    allowed.add(rule);
+  }
+  const auto lines = describeUnknownNames({}, allowed, {});
+  ASSERT_EQ(lines.size(), 21U);
+  EXPECT_EQ(lines.back(), "and 30 more names are unknown");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// A detection loop in swept motion, and the steps of its latest cycle as text.
+// A detection loop with continuous collision detection, and the time intervals of its latest cycle
+// as text.
 #pragma once
 
 #include <chrono>
@@ -50,8 +51,8 @@ class StepsTest : public LoopTest {
     robot_source_ = [robot] { return robot; };
   }
 
-  // Of the latest cycle: "50 of cloth: cloth/cable (cable: why it is skipped)" for each step, with
-  // 0 for none.
+  // Returns "50 of cloth: cloth/cable (cable: why it is skipped)" for each interval of the latest
+  // cycle. The first number is the stamp of its beginning; 0: it has none.
   Lines steps() const {
     Lines lines;
     for (const SweepReport& sweep : said_.sweeps) {
@@ -71,7 +72,7 @@ class StepsTest : public LoopTest {
     return lines;
   }
 
-  // Height of an object at the beginning of the only step [m]; nan: it did not change since.
+  // Returns an object's height at the beginning of the only interval [m]; NaN: it has not changed.
   float earlierZ(std::size_t object) const {
     const StepBody& body = said_.sweeps.at(0).bodies[names_.size() - 2 + object];
     return body.mesh == nullptr ? std::nanf("") : body.mesh->vertices[2];

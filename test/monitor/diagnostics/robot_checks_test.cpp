@@ -1,4 +1,4 @@
-// What is said of a robot at start, and with which robot the monitor does not start.
+// Tests how a robot is described at start, and with which robot the monitor does not start.
 #include "monitor/diagnostics/robot_checks.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST(RobotChecksTest, StrictListsAllThatIsMissingAtOnce) {
   EXPECT_EQ(refusal(parameters), "");
   parameters.strict_geometry = true;
   EXPECT_EQ(refusal(parameters),
-            "strict_geometry is on, and these links have no usable geometry:\n"
+            "strict_geometry is on, but these links have no usable geometry:\n"
             "  link 'arm': arm.stl: no such file\n"
             "  link 'foot': foot.stl: no such file");
 }
@@ -42,7 +42,8 @@ TEST(RobotChecksTest, StrictListsAllThatIsMissingAtOnce) {
 TEST(RobotChecksTest, ALinkAndAnObjectOfOneNameAreRefused) {
   MonitorParameters parameters;
   parameters.objects = {{"cloth", "", 0, true}, {"foot", "", 0, true}};
-  EXPECT_EQ(refusal(parameters), "link and object have the same name 'foot'");
+  EXPECT_EQ(refusal(parameters),
+            "'foot' is the name of a link and of an object; rename the object");
 }
 
 TEST(RobotChecksTest, EachLinkIsDescribedWithItsSizeAndMargin) {

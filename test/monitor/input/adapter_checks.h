@@ -1,4 +1,4 @@
-// What tests of adapters have in common: meshes, what becomes of them, and why not.
+// Meshes and checks that the tests of adapters share.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 inline const ros::Time kReceived(50.5);
 
-// The same bits, so that NaN and signs of zeros count.
+// Returns the bits of floats, so that NaN and the signs of zeros are compared as well.
 inline std::vector<std::uint32_t> bitsOf(const std::vector<float>& values) {
   std::vector<std::uint32_t> bits(values.size());
   if (!values.empty()) std::memcpy(bits.data(), values.data(), 4 * values.size());
@@ -73,17 +73,13 @@ inline void expectIn(const std::string& part, const std::string& all) {
   EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in: " << all;
 }
 
-// What comes of an adapter's meshes beyond the mailbox.
+// Accepts an adapter's meshes, and returns their triangles.
 class Accepting {
  public:
-  std::shared_ptr<const Topology> accept(const ReceivedMesh& mesh) {
-    MeshMailbox mailbox("cloth");
-    mailbox.store(mesh);
-    EXPECT_EQ(input_.accept(*mailbox.take(), ros::Time()), Acceptance::kAccepted)
-        << input_.counters().refusal;
-    std::string why_not;
-    const AcceptedMesh* const newest = input_.newestAt(mesh.message->header.stamp, &why_not);
-    return newest == nullptr ? std::make_shared<const Topology>() : newest->topology;
+  std::shared_ptr<const Topology> accept(IncomingMesh mesh) {
+    input_.store(mesh);
+    EXPECT_EQ(input_.take(ros::Time(), &mesh), Acceptance::kAccepted) << mesh.problem;
+    return mesh.topology != nullptr ? mesh.topology : std::make_shared<const Topology>();
   }
 
  private:

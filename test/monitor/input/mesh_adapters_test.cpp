@@ -1,4 +1,4 @@
-// What messages of other types become, and why some are refused.
+// Tests of the meshes that messages of other types become, and of why some are rejected.
 #include "monitor/input/mesh_adapters.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include <functional>
 #include <limits>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,7 @@ TEST(MeshAdapters, AMeshIsTheSameWhateverItComesAs) {
 }
 
 TEST(MeshAdapters, StampAndFrameAreTheMessagesOrThoseOfItsReceipt) {
-  const ReceivedMesh shape = ShapeMeshAdapter("table").adapt(asShapeMesh(square()), kReceived);
+  const IncomingMesh shape = ShapeMeshAdapter("table").adapt(asShapeMesh(square()), kReceived);
   EXPECT_EQ(shape.message->header.stamp, kReceived);
   EXPECT_EQ(shape.message->header.frame_id, "table");
   EXPECT_TRUE(shape.stamped_on_receipt);
@@ -49,15 +50,15 @@ TEST(MeshAdapters, StampAndFrameAreTheMessagesOrThoseOfItsReceipt) {
   Marker unstamped = asMarker(square());
   unstamped.header.stamp = ros::Time();
   MarkerAdapter markers;
-  const ReceivedMesh late = markers.adapt(unstamped, kReceived);
+  const IncomingMesh late = markers.adapt(unstamped, kReceived);
   EXPECT_EQ(late.message->header.stamp, kReceived);
   EXPECT_EQ(late.message->header.frame_id, "camera");
   EXPECT_TRUE(late.stamped_on_receipt);
-  const ReceivedMesh stamped = markers.adapt(asMarker(square()), kReceived);
+  const IncomingMesh stamped = markers.adapt(asMarker(square()), kReceived);
   EXPECT_EQ(stamped.message->header.stamp, kSent);
   EXPECT_FALSE(stamped.stamped_on_receipt);
 
-  const ReceivedMesh cloud = cloudAdapter(square()).adapt(asPointCloud(square()), kReceived);
+  const IncomingMesh cloud = cloudAdapter(square()).adapt(asPointCloud(square()), kReceived);
   EXPECT_EQ(cloud.message->header.stamp, kSent);
   EXPECT_EQ(cloud.message->header.frame_id, "camera");
   EXPECT_FALSE(cloud.stamped_on_receipt);
@@ -72,7 +73,7 @@ TEST(MeshAdapters, WithoutAClockThereIsNoTimeOfReceipt) {
   EXPECT_EQ(refusalOf(MarkerAdapter(), asMarker(square()), ros::Time()), "");
 }
 
-// The C library's reading of a double's exact text is the oracle.
+// The oracle prints a double exactly, and lets the C library read the text as a float32.
 float nearest(double value) {
   char text[64];
   std::snprintf(text, sizeof text, "%a", value);
@@ -108,11 +109,11 @@ TEST(MeshAdapters, DoublesBecomeTheNearestFloat) {
     message.vertices.push_back(point);
     for (std::size_t axis = 0; axis < 3; ++axis) expected.push_back(nearest(values[i + axis]));
   }
-  const ReceivedMesh mesh = ShapeMeshAdapter("camera").adapt(message, kReceived);
+  const IncomingMesh mesh = ShapeMeshAdapter("camera").adapt(message, kReceived);
   EXPECT_EQ(bitsOf(mesh.message->vertices), bitsOf(expected));
 }
 
-// Against Eigen's rotation by quaternion products.
+// Compares with Eigen's rotation, which uses quaternion products.
 TEST(MeshAdapters, AMarkersPointsAreScaledThenPosed) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -135,7 +136,7 @@ TEST(MeshAdapters, AMarkersPointsAreScaledThenPosed) {
     marker.scale.y = scale.y();
     marker.scale.z = scale.z();
     for (geometry_msgs::Point& point : marker.points) point.z = normal(random);
-    const ReceivedMesh mesh = MarkerAdapter().adapt(marker, kReceived);
+    const IncomingMesh mesh = MarkerAdapter().adapt(marker, kReceived);
     for (std::size_t k = 0; k < marker.points.size(); ++k) {
       const geometry_msgs::Point& p = marker.points[k];
       const Eigen::Quaterniond pure(0, scale.x() * p.x, scale.y() * p.y, scale.z() * p.z);
@@ -150,11 +151,11 @@ TEST(MeshAdapters, AMarkersPointsAreScaledThenPosed) {
 TEST(MeshAdapters, AQuarterTurnAndNoOrientation) {
   Marker marker = asMarker({{1, 2, 3, 1, 2, 3, 1, 2, 3}, {0, 1, 2}});
   marker.scale.x = 2;
-  const ReceivedMesh unturned = MarkerAdapter().adapt(marker, kReceived);
+  const IncomingMesh unturned = MarkerAdapter().adapt(marker, kReceived);
   EXPECT_EQ(unturned.message->vertices, (std::vector<float>{2, 2, 3, 2, 2, 3, 2, 2, 3}));
   marker.pose.orientation.z = marker.pose.orientation.w = std::sqrt(0.5);
   marker.pose.position.x = 10;
-  const ReceivedMesh turned = MarkerAdapter().adapt(marker, kReceived);
+  const IncomingMesh turned = MarkerAdapter().adapt(marker, kReceived);
   for (std::size_t i = 0; i < 9; i += 3) {
     EXPECT_FLOAT_EQ(turned.message->vertices[i], 8);
     EXPECT_FLOAT_EQ(turned.message->vertices[i + 1], 2);
@@ -208,16 +209,16 @@ TEST(MeshAdapters, AnIndexOutOfRangeIsRefusedForAsLongAsItComes) {
   ShapeMeshAdapter adapter("camera");
   MeshInput input("cloth", MeshLimits());
   const auto accept = [&](const TriangleMesh& mesh) {
-    MeshMailbox mailbox("cloth");
-    mailbox.store(adapter.adapt(asShapeMesh(mesh), kReceived));
-    return input.accept(*mailbox.take(), ros::Time());
+    IncomingMesh adapted = adapter.adapt(asShapeMesh(mesh), kReceived);
+    input.store(adapted);
+    return input.take(ros::Time(), &adapted);
   };
   TriangleMesh bad = square();
   bad.triangles[0] = 4;
   EXPECT_EQ(accept(square()), Acceptance::kAccepted);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(accept(bad), Acceptance::kRefused);
-    expectIn("refers to vertex 4, but there are 4", input.counters().refusal);
+    EXPECT_EQ(accept(bad), Acceptance::kRejected);
+    expectIn("refers to vertex 4, but there are 4", input.counters().problem);
   }
   EXPECT_EQ(accept(square()), Acceptance::kAccepted);
 }
@@ -271,6 +272,100 @@ TEST(MeshAdapters, TheFirstMarkerIsTheObjectUntilItIsDeleted) {
     other.action = Marker::ADD;
     EXPECT_EQ(refusalOf(adapter, other), "");
   }
+}
+
+TEST(PointCloudAdapter, ACloudHasOneTopology) {
+  PointCloudAdapter adapter = cloudAdapter(square());
+  Accepting input;
+  const auto accept = [&] {
+    return input.accept(adapter.adapt(asPointCloud(square()), kReceived));
+  };
+  const auto first = accept();
+  EXPECT_EQ(first->triangles, square().triangles);
+  EXPECT_EQ(accept(), first);
+  EXPECT_TRUE(adapter.adapt(asPointCloud(square()), kReceived).message->triangles.empty());
+}
+
+// Coordinates may lie anywhere within a point, in either precision, with gaps between points and
+// rows.
+TEST(PointCloudAdapter, ACloudsLayoutIsItsOwnMatter) {
+  std::mt19937 random(4);
+  for (int i = 0; i < 500; ++i) {
+    const TriangleMesh mesh = randomMesh(&random);
+    CloudLayout layout;
+    std::uint32_t end = 0;
+    for (const int axis : i % 2 == 0 ? std::vector<int>{0, 1, 2} : std::vector<int>{2, 0, 1}) {
+      layout.is_double[axis] = random() % 2 == 0;
+      layout.offsets[axis] = end + random() % 5;
+      end = layout.offsets[axis] + (layout.is_double[axis] ? 8 : 4);
+    }
+    layout.point_step = end + random() % 7;
+    layout.row_padding = random() % 9;
+    layout.height = random() % 2 == 0 ? 3 : 1;
+    sensor_msgs::PointCloud2 cloud = asPointCloud(mesh, layout);
+    sensor_msgs::PointField color;
+    color.name = "rgb";
+    color.datatype = sensor_msgs::PointField::UINT32;
+    color.count = 1;
+    cloud.fields.insert(cloud.fields.begin(), color);
+    expectSame(*cloudAdapter(mesh).adapt(cloud, kReceived).message, mesh);
+  }
+}
+
+TEST(PointCloudAdapter, ACloudOfABadLayoutIsRefusedByName) {
+  using Cloud = sensor_msgs::PointCloud2;
+  struct Case {
+    std::function<void(Cloud*)> spoil;
+    std::string why;
+  };
+  for (const Case& bad : std::vector<Case>{
+           {[](Cloud* c) { c->is_bigendian = 1; }, "big-endian"},
+           {[](Cloud* c) { c->width = 5; }, "5 x 1 points, but its faces are of 4 vertices"},
+           {[](Cloud* c) { c->width = c->height = 0; }, "0 x 0 points"},
+           {[](Cloud* c) { c->width = c->height = 0x80000000U; }, "2147483648 x 2147483648"},
+           {[](Cloud* c) { c->row_step = 47; }, "row_step is 47, but a row has 48 bytes"},
+           {[](Cloud* c) { c->point_step = 0x40000003U; }, "a row has 4294967308 bytes"},
+           {[](Cloud* c) { c->data.pop_back(); }, "data has 47 bytes, but row_step x height is 48"},
+           {[](Cloud* c) { c->data.push_back(0); }, "data has 49 bytes"},
+           {[](Cloud* c) { c->point_step = 11; }, "'z' ends at byte 12, but point_step is 11"},
+           {[](Cloud* c) { c->point_step = 0; }, "'x' ends at byte 4, but point_step is 0"},
+           {[](Cloud* c) { c->fields[1].offset = 0xFFFFFFFFU; }, "'y' ends at byte 4294967299"},
+           {[](Cloud* c) { c->fields[2].datatype = 8; }, "'z' ends at byte 16"},
+           {[](Cloud* c) { c->fields[2].datatype = 6; }, "'z' has datatype 6, neither FLOAT32"},
+           {[](Cloud* c) { c->fields[2].count = 3; }, "'z' has count 3"},
+           {[](Cloud* c) { c->fields[2].name = "Z"; }, "no field 'z'"},
+           {[](Cloud* c) { c->fields[2].name = "x"; }, "two fields 'x'"},
+           {[](Cloud* c) { c->fields.clear(); }, "no field 'x'"}}) {
+    Cloud cloud = asPointCloud(square());
+    bad.spoil(&cloud);
+    expectIn(bad.why, refusalOf(cloudAdapter(square()), cloud));
+  }
+}
+
+// The data ends exactly where its vector ends, so sanitizers see every read beyond it.
+TEST(PointCloudAdapter, AnyNumbersInACloudDoNoHarm) {
+  std::mt19937 random(5);
+  const std::uint32_t likely[] = {0, 1, 2, 4, 8, 11, 12, 13, 24, 48, 49, 0x7FFFFFFF, 0xFFFFFFFF};
+  int taken = 0;
+  for (int i = 0; i < 20000; ++i) {
+    sensor_msgs::PointCloud2 cloud = asPointCloud(square());
+    std::vector<std::uint32_t*> numbers = {&cloud.width, &cloud.height, &cloud.point_step,
+                                           &cloud.row_step};
+    for (sensor_msgs::PointField& field : cloud.fields) numbers.push_back(&field.offset);
+    for (std::size_t left = 1 + random() % 3; left > 0; --left) {
+      *numbers[random() % numbers.size()] = likely[random() % std::size(likely)];
+    }
+    cloud.fields[random() % 3].datatype = 7 + random() % 2;
+    cloud.data.resize(random() % 4 == 0 ? random() % 100 : 48);
+    cloud.data.shrink_to_fit();
+    PointCloudAdapter adapter = cloudAdapter(square());
+    try {
+      EXPECT_EQ(adapter.adapt(cloud, kReceived).message->vertices.size(), 12U);
+      ++taken;
+    } catch (const std::invalid_argument&) {
+    }
+  }
+  EXPECT_GT(taken, 100);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Bytes that are a message of a mesh's type, and bytes that claim to be one.
+// Tests of the check of a message's bytes: of valid ones, and of bytes that only claim to be one.
 #include "monitor/input/mesh_bytes.h"
 
 #include <gtest/gtest.h>
@@ -35,10 +35,11 @@ class MeshBytes : public ::testing::Test {
   MeshBytes() { make({{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 1, 2, 1, 3, 2}}, &message_); }
 
   static std::string why(const Bytes& bytes) {
-    return whyNoMesh<M>(bytes.data(), bytes.size(), kMaxBytes);
+    return validateMeshBytes<M>(bytes.data(), bytes.size(), kMaxBytes);
   }
 
-  // What passes is read to the same bytes, which takes memory for no more than those.
+  // Returns whether the bytes pass the check. Then roscpp reads them to a message with the same
+  // bytes, so it takes no more memory than those.
   static bool passesRightly(Bytes bytes) {
     if (!why(bytes).empty()) return false;
     M message;
@@ -71,7 +72,7 @@ TYPED_TEST(MeshBytes, EveryCutIsRefusedAndSoIsWhatFollows) {
   EXPECT_EQ(this->why(longer), "1 bytes follow the mesh");
 }
 
-// Some of these wrap to few bytes in 32 bits, which roscpp's own check does.
+// Some of these lengths wrap to few bytes in 32 bits, and roscpp's own check does not see that.
 TYPED_TEST(MeshBytes, AClaimAnywhereIsRefusedOrHarmless) {
   const Bytes whole = serialized(this->message_);
   int refused = 0;
@@ -101,12 +102,13 @@ TYPED_TEST(MeshBytes, WhatPassesIsWhatRoscppReads) {
 
 TYPED_TEST(MeshBytes, AMessageOfTheLimitPassesAndALongerOneDoesNot) {
   const Bytes bytes = serialized(this->message_);
-  EXPECT_EQ(whyNoMesh<TypeParam>(bytes.data(), bytes.size(), bytes.size()), "");
-  const std::string why = whyNoMesh<TypeParam>(bytes.data(), bytes.size(), bytes.size() - 1);
+  EXPECT_EQ(validateMeshBytes<TypeParam>(bytes.data(), bytes.size(), bytes.size()), "");
+  const std::string why =
+      validateMeshBytes<TypeParam>(bytes.data(), bytes.size(), bytes.size() - 1);
   EXPECT_NE(why.find("more than max_mesh_mib allows"), std::string::npos) << why;
 }
 
-// Without its numbers a message is a little longer than its arrays.
+// A serialized message is a little longer than its arrays, as it has numbers as well.
 TYPED_TEST(MeshBytes, TheArraysOfAMessageAreCounted) {
   const std::size_t count = byteCount(this->message_), whole = serialized(this->message_).size();
   EXPECT_LE(count, whole);

@@ -1,4 +1,4 @@
-// What a mesh input accepts, refuses and keeps.
+// Tests of which meshes an input stores, accepts, rejects, drops and keeps.
 #include "monitor/input/mesh_input.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -31,23 +34,135 @@ boost::shared_ptr<DeformableMesh> keyframe(double stamp_s, std::uint32_t topolog
   return message;
 }
 
+// Tests how meshes arrive: the newest one waits until the detection thread takes it.
+class ArrivalTest : public ::testing::Test {
+ protected:
+  // Takes the mesh that waits, without a clock.
+  IncomingMesh take() {
+    IncomingMesh mesh;
+    EXPECT_NE(input_.take(ros::Time(), &mesh), Acceptance::kNothing);
+    return mesh;
+  }
+  static bool always(const ros::Time& /*stamp*/) { return true; }
+
+  MeshInput input_{"cloth", kLimits};
+};
+
+TEST_F(ArrivalTest, NothingWaitsAtFirst) {
+  IncomingMesh mesh;
+  EXPECT_FALSE(input_.hasWaiting());
+  EXPECT_EQ(input_.take(kNow, &mesh), Acceptance::kNothing);
+  input_.dropIf(always);
+  EXPECT_EQ(input_.counters().dropped, 0U);
+}
+
+TEST_F(ArrivalTest, AMeshIsTakenOnce) {
+  IncomingMesh stored{keyframe(50)};
+  stored.arrival = SteadyTime(std::chrono::hours(7));
+  input_.store(stored);
+  EXPECT_TRUE(input_.hasWaiting());
+  const IncomingMesh taken = take();
+  EXPECT_EQ(taken.message, stored.message);
+  EXPECT_EQ(taken.arrival, stored.arrival);
+  ASSERT_NE(taken.topology, nullptr);
+  EXPECT_EQ(taken.topology->triangles, stored.message->triangles);
+  EXPECT_FALSE(input_.hasWaiting());
+}
+
+TEST_F(ArrivalTest, TheNewestWaitsOlderOnesAreDroppedAndCounted) {
+  for (const double stamp_s : {50.0, 50.1, 50.2}) input_.store({mesh(stamp_s)});
+  EXPECT_TRUE(input_.hasWaiting());
+  EXPECT_EQ(input_.counters().received, 3U);
+  EXPECT_EQ(input_.counters().dropped, 2U);
+  EXPECT_EQ(take().stamp(), ros::Time(50.2));
+}
+
+TEST_F(ArrivalTest, MeshesThatAreDroppedLaterAreCountedToo) {
+  input_.store({keyframe(50), "", true});
+  take();
+  input_.countDropped();
+  EXPECT_EQ(input_.counters().dropped, 1U);
+  EXPECT_EQ(input_.counters().stamped_on_receipt, 1U);
+}
+
+TEST_F(ArrivalTest, TrianglesOfADroppedMessageAreKept) {
+  input_.store({keyframe(50)});
+  input_.store({mesh(50.1)});
+  input_.dropIf(always);
+  input_.store({mesh(50.2)});
+  const auto topology = take().topology;
+  ASSERT_NE(topology, nullptr);
+  EXPECT_EQ(topology->triangles, (std::vector<std::uint32_t>{0, 1, 2}));
+  input_.store({mesh(50.3)});
+  EXPECT_EQ(take().topology, topology);
+}
+
+TEST_F(ArrivalTest, AnotherObjectsTrianglesReplaceNone) {
+  input_.store({keyframe(50)});
+  auto other = keyframe(50.1, 1, {2, 1, 0});
+  other->object = "cable";
+  input_.store({other});
+  input_.store({mesh(50.2)});
+  EXPECT_EQ(take().topology->triangles, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
+TEST_F(ArrivalTest, OfferedTrianglesAreUsedUnlessTheMeshHasItsOwn) {
+  input_.storeTriangles(keyframe(50, 1, {2, 1, 0}));
+  input_.storeTriangles(nullptr);
+  input_.store({mesh(50.1)});
+  EXPECT_EQ(take().topology->triangles, (std::vector<std::uint32_t>{2, 1, 0}));
+  input_.storeTriangles(keyframe(50, 1, {2, 1, 0}));
+  input_.store({keyframe(50.2)});
+  EXPECT_EQ(take().topology->triangles, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
+TEST_F(ArrivalTest, OnlyWhatIsUnwantedIsDropped) {
+  const auto late = [](const ros::Time& stamp) { return stamp > ros::Time(60); };
+  input_.store({mesh(50)});
+  input_.dropIf(late);
+  EXPECT_TRUE(input_.hasWaiting());
+  input_.store({mesh(61)});
+  input_.dropIf(late);
+  EXPECT_FALSE(input_.hasWaiting());
+  EXPECT_EQ(input_.counters().dropped, 2U);
+}
+
+// Every mesh that was stored was either taken or counted as dropped, in whatever order threads ran.
+TEST_F(ArrivalTest, NoMeshGetsLostBetweenThreads) {
+  constexpr int kMeshes = 5000;
+  std::thread publisher([this] {
+    for (int i = 1; i <= kMeshes; ++i) input_.store({keyframe(i)});
+  });
+  std::uint64_t taken = 0;
+  for (ros::Time last; last != ros::Time(kMeshes);) {
+    IncomingMesh mesh;
+    if (input_.take(ros::Time(), &mesh) == Acceptance::kNothing) continue;
+    EXPECT_GT(mesh.stamp(), last);
+    ++taken;
+    last = mesh.stamp();
+  }
+  publisher.join();
+  EXPECT_EQ(input_.counters().received, static_cast<std::uint64_t>(kMeshes));
+  EXPECT_EQ(taken + input_.counters().dropped, static_cast<std::uint64_t>(kMeshes));
+}
+
 class MeshInputTest : public ::testing::Test {
  protected:
   Acceptance give(const DeformableMesh::ConstPtr& message, const ros::Time& now = kNow) {
-    mailbox_.store(message);
-    return input_.accept(*mailbox_.take(), now);
+    IncomingMesh mesh{message};
+    input_.store(mesh);
+    return input_.take(now, &mesh);
   }
 
-  const AcceptedMesh* at(double t_s) { return input_.newestAt(ros::Time(t_s), &why_not_); }
+  const IncomingMesh* at(double t_s) { return input_.newestAt(ros::Time(t_s), &why_not_); }
 
-  void expectRefused(const DeformableMesh::ConstPtr& message, const std::string& what) {
-    EXPECT_EQ(give(message), Acceptance::kRefused);
-    EXPECT_NE(input_.counters().refusal.find(what), std::string::npos) << input_.counters().refusal;
+  void expectRejected(const DeformableMesh::ConstPtr& message, const std::string& what) {
+    EXPECT_EQ(give(message), Acceptance::kRejected);
+    EXPECT_NE(input_.counters().problem.find(what), std::string::npos) << input_.counters().problem;
     EXPECT_EQ(at(message->header.stamp.toSec()), nullptr);
     EXPECT_NE(why_not_.find(what), std::string::npos) << why_not_;
   }
 
-  MeshMailbox mailbox_{"cloth"};
   MeshInput input_{"cloth", kLimits};
   std::string why_not_;
 };
@@ -57,11 +172,13 @@ TEST_F(MeshInputTest, NothingYet) {
   EXPECT_EQ(why_not_, "no mesh yet");
 }
 
-TEST_F(MeshInputTest, WhatCameAsNoMeshIsRefusedWithItsReason) {
+TEST_F(MeshInputTest, AnInvalidMeshIsRejectedWithItsReason) {
   give(keyframe(50));
   EXPECT_NE(at(50), nullptr);
-  mailbox_.store(mesh(50.1), "too large");
-  EXPECT_EQ(input_.accept(*mailbox_.take(), kNow), Acceptance::kRefused);
+  IncomingMesh damaged{mesh(50.1), "too large"};
+  input_.store(damaged);
+  EXPECT_EQ(input_.take(kNow, &damaged), Acceptance::kRejected);
+  EXPECT_EQ(damaged.topology, nullptr);
   EXPECT_EQ(at(50.1), nullptr);
   EXPECT_EQ(why_not_, "mesh refused: too large");
   EXPECT_EQ(give(mesh(50.2)), Acceptance::kAccepted) << "the triangles stay known";
@@ -95,86 +212,86 @@ TEST_F(MeshInputTest, OtherTrianglesAreAChangeEvenUnderTheSameId) {
 }
 
 TEST_F(MeshInputTest, TrianglesOfADroppedMessageAreLearned) {
-  mailbox_.store(keyframe(50));
+  input_.store({keyframe(50)});
   EXPECT_EQ(Acceptance::kAccepted, give(mesh(50.1)));
   ASSERT_NE(at(50.1), nullptr);
   EXPECT_EQ(at(50.1)->topology->triangles.size(), 3U);
 }
 
-TEST_F(MeshInputTest, UnseenTopologyIsRefused) {
-  expectRefused(mesh(50), "no triangles of topology_id 1 seen yet");
+TEST_F(MeshInputTest, UnseenTopologyIsRejected) {
+  expectRejected(mesh(50), "no triangles of topology_id 1 seen yet");
   give(keyframe(50.1));
   ASSERT_NE(at(50.1), nullptr);
-  expectRefused(mesh(50.2, 2), "topology_id 2");
+  expectRejected(mesh(50.2, 2), "topology_id 2");
 }
 
-TEST_F(MeshInputTest, ARefusedMeshHidesOlderOnes) {
+TEST_F(MeshInputTest, ARejectedMeshHidesOlderOnes) {
   give(keyframe(50));
-  expectRefused(mesh(50.1, 9), "topology_id 9");
+  expectRejected(mesh(50.1, 9), "topology_id 9");
   EXPECT_EQ(at(50), nullptr);
   give(mesh(50.2));
   EXPECT_NE(at(50.2), nullptr);
 }
 
-TEST_F(MeshInputTest, MalformedMeshesAreRefused) {
-  expectRefused(keyframe(50, 1, {0, 1, 4}), "refers to vertex 4");
-  expectRefused(keyframe(50, 1, {0, 1, 0xFFFFFFFFU}), "refers to vertex 4294967295");
-  expectRefused(keyframe(50, 1, {0, 1}), "multiple of 3");
+TEST_F(MeshInputTest, MalformedMeshesAreRejected) {
+  expectRejected(keyframe(50, 1, {0, 1, 4}), "refers to vertex 4");
+  expectRejected(keyframe(50, 1, {0, 1, 0xFFFFFFFFU}), "refers to vertex 4294967295");
+  expectRejected(keyframe(50, 1, {0, 1}), "multiple of 3");
   auto ragged = keyframe(50);
   ragged->vertices.pop_back();
-  expectRefused(ragged, "multiple of 3");
+  expectRejected(ragged, "multiple of 3");
   give(keyframe(50.1));
   auto short_one = mesh(50.2);
   short_one->vertices.resize(9);
-  expectRefused(short_one, "has 4 vertices");
+  expectRejected(short_one, "has 4 vertices");
   auto empty = mesh(50.3);
   empty->vertices.clear();
-  expectRefused(empty, "has 4 vertices");
+  expectRejected(empty, "has 4 vertices");
 }
 
 TEST_F(MeshInputTest, AfterBadTrianglesTheOldOnesAreNotUsed) {
   give(keyframe(50));
-  expectRefused(keyframe(50.1, 1, {0, 1, 9}), "refers to vertex 9");
-  expectRefused(mesh(50.2), "refers to vertex 9");
+  expectRejected(keyframe(50.1, 1, {0, 1, 9}), "refers to vertex 9");
+  expectRejected(mesh(50.2), "refers to vertex 9");
   give(keyframe(50.3));
   EXPECT_NE(at(50.3), nullptr);
 }
 
 // And no longer under its id once that has good ones.
 TEST_F(MeshInputTest, TheReasonOfBadTrianglesIsThatOfTheirIdAlone) {
-  expectRefused(keyframe(50, 1, {0, 1, 9}), "refers to vertex 9");
-  expectRefused(mesh(50.1, 2), "no triangles of topology_id 2 seen yet");
-  EXPECT_EQ(input_.counters().refusal.find("vertex 9"), std::string::npos);
-  expectRefused(mesh(50.2, 1), "refers to vertex 9");
+  expectRejected(keyframe(50, 1, {0, 1, 9}), "refers to vertex 9");
+  expectRejected(mesh(50.1, 2), "no triangles of topology_id 2 seen yet");
+  EXPECT_EQ(input_.counters().problem.find("vertex 9"), std::string::npos);
+  expectRejected(mesh(50.2, 1), "refers to vertex 9");
   give(keyframe(50.3, 2));
-  expectRefused(mesh(50.4, 1), "no triangles of topology_id 1 seen yet");
+  expectRejected(mesh(50.4, 1), "no triangles of topology_id 1 seen yet");
 }
 
-TEST_F(MeshInputTest, SenselessHeadersAreRefused) {
+TEST_F(MeshInputTest, SenselessHeadersAreRejected) {
   auto nameless = keyframe(50);
   nameless->header.frame_id.clear();
-  expectRefused(nameless, "frame_id is empty");
-  expectRefused(keyframe(0), "stamp is zero");
-  expectRefused(keyframe(51.5), "ahead of this machine's clock");
+  expectRejected(nameless, "frame_id is empty");
+  expectRejected(keyframe(0), "stamp is zero");
+  expectRejected(keyframe(51.5), "ahead of this machine's clock");
   auto other = keyframe(50);
   other->object = "cable";
-  expectRefused(other, "object 'cable'");
+  expectRejected(other, "object 'cable'");
 }
 
 TEST_F(MeshInputTest, AnotherObjectsTrianglesAreNotLearned) {
   auto other = keyframe(50);
   other->object = "cable";
-  mailbox_.store(other);
+  input_.store({other});
   give(mesh(50.1));
   EXPECT_EQ(at(50.1), nullptr);
 }
 
 TEST_F(MeshInputTest, NoClockYetMeansNoFuture) {
-  input_.accept({keyframe(51.5), keyframe(51.5), {}}, ros::Time());
-  EXPECT_TRUE(input_.counters().refusal.empty());
+  EXPECT_EQ(give(keyframe(51.5), ros::Time()), Acceptance::kAccepted);
+  EXPECT_TRUE(input_.counters().problem.empty());
 }
 
-TEST_F(MeshInputTest, NonFiniteVerticesAreNoReasonToRefuse) {
+TEST_F(MeshInputTest, NonFiniteVerticesAreNoReasonToReject) {
   auto message = keyframe(50);
   message->vertices[0] = std::numeric_limits<float>::quiet_NaN();
   give(message);
@@ -229,11 +346,11 @@ TEST_F(MeshInputTest, StampsThatGoFarBackForgetWhatWasBefore) {
 }
 
 // A publisher far behind beside a good one, and messages that are refused.
-TEST_F(MeshInputTest, WhatIsRefusedIsNoJump) {
+TEST_F(MeshInputTest, WhatIsRejectedIsNoJump) {
   give(keyframe(50));
   auto nameless = mesh(40);
   nameless->header.frame_id.clear();
-  EXPECT_EQ(give(nameless), Acceptance::kRefused);
+  EXPECT_EQ(give(nameless), Acceptance::kRejected);
   EXPECT_EQ(input_.counters().jumps, 0U);
   give(mesh(50.1));
   EXPECT_EQ(give(mesh(49.5)), Acceptance::kDropped) << "too old, and the newest is not";
@@ -241,32 +358,32 @@ TEST_F(MeshInputTest, WhatIsRefusedIsNoJump) {
   EXPECT_NE(at(50.1), nullptr);
 }
 
-TEST_F(MeshInputTest, WhatIsTooOldIsRefusedUnlessThereIsBetter) {
-  expectRefused(keyframe(49.7), "header.stamp is 0.550000 s old");
+TEST_F(MeshInputTest, WhatIsTooOldIsRejectedUnlessThereIsBetter) {
+  expectRejected(keyframe(49.7), "header.stamp is 0.550000 s old");
   EXPECT_NE(why_not_.find("max_mesh_age_s"), std::string::npos) << why_not_;
   EXPECT_NE(why_not_.find("use_sim_time"), std::string::npos) << why_not_;
   EXPECT_EQ(give(mesh(49.75)), Acceptance::kAccepted) << "max_age_s is closed";
-  EXPECT_EQ(give(mesh(49.9), ros::Time(60)), Acceptance::kRefused);
+  EXPECT_EQ(give(mesh(49.9), ros::Time(60)), Acceptance::kRejected);
   EXPECT_EQ(give(mesh(40), ros::Time()), Acceptance::kAccepted) << "without a clock nothing is";
 }
 
 // Such differences do not fit into a ros::Duration.
 TEST_F(MeshInputTest, StampsAtTheEndsOfTimeAreSurvived) {
-  MeshInput input("cloth", kLimits);
+  expectRejected(keyframe(4e9), "ahead of this machine's clock");
   for (const double stamp_s : {4e9, 1.0, 4.2e9}) {
-    EXPECT_NO_THROW(input.accept({keyframe(stamp_s), keyframe(stamp_s), {}}, ros::Time()));
-    EXPECT_NO_THROW(input.newestAt(ros::Time(4.2e9), &why_not_));
-    EXPECT_NO_THROW(input.newestAt(ros::Time(1), &why_not_));
+    EXPECT_NO_THROW(give(keyframe(stamp_s), ros::Time()));
+    EXPECT_NO_THROW(at(4.2e9));
+    EXPECT_NO_THROW(at(1));
   }
-  expectRefused(keyframe(4e9), "ahead of this machine's clock");
 }
 
 TEST_F(MeshInputTest, HistoryIsBoundedInNumberAndBytes) {
   const auto oldestOf = [this](const MeshLimits& limits) {
     MeshInput input("cloth", limits);
     for (int i = 0; i < 100; ++i) {
-      const auto message = keyframe(50 + 1e-3 * i);
-      input.accept({message, message, {}}, kNow);
+      IncomingMesh mesh{keyframe(50 + 1e-3 * i)};
+      input.store(mesh);
+      input.take(kNow, &mesh);
     }
     EXPECT_NE(input.newestAt(ros::Time(50.099), &why_not_), nullptr);
     int i = 99;

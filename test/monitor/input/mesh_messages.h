@@ -1,4 +1,4 @@
-// One mesh as a message of each type, and the bytes of a message.
+// Helpers that convert a mesh to a message of each type, and a message to its bytes.
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
@@ -66,7 +66,7 @@ inline visualization_msgs::Marker asMarker(const TriangleMesh& mesh) {
   return message;
 }
 
-// How a cloud's bytes lie.
+// The layout of a cloud's bytes.
 struct CloudLayout {
   std::uint32_t offsets[3] = {0, 4, 8};
   bool is_double[3] = {false, false, false};

@@ -1,4 +1,4 @@
-// Poses at a stamp: their matrix, and what is said when there is none.
+// Tests of poses at a stamp: their matrix, and the reason that is given if there is no pose.
 #include "monitor/input/transform_lookup.h"
 
 #include <gtest/gtest.h>

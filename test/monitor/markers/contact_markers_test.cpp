@@ -1,4 +1,4 @@
-// Tests of the markers, held against the rules by which rviz refuses a marker.
+// Tests the markers, and checks each one by the rules by which rviz rejects markers.
 #include "monitor/markers/contact_markers.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "marker_checks.h"
-#include "monitor/markers/line_markers.h"
 #include "sample_report.h"
+#include "sample_step.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -185,10 +185,38 @@ TEST(ContactMarkersTest, aLargeSurfaceIsDecimatedBesideItsContacts) {
   EXPECT_LE(triangles(full).at("cloth"), 99U);
 }
 
+TEST(PassedMarkersTest, whatPassedHasItsOwn) {
+  SampleStep sample;
+  ContactMarkers markers((MarkerOptions()));
+  EXPECT_EQ(triangles(markers.make(sample.report)),
+            (Counts{{"cloth", 1}, {"passed: arm/hand/cloth", 4}}));
+  sample.result.contacts = {{0, 0, 2, 0}};
+  EXPECT_EQ(triangles(markers.make(sample.report)),
+            (Counts{{"arm/hand/cloth", 2}, {"cloth", 1}, {"passed: arm/hand/cloth", 2}}));
+  sample.report.sweeps.clear();
+  const auto last = markers.make(sample.report);
+  EXPECT_EQ(triangles(last), (Counts{{"arm/hand/cloth", 2}, {"cloth", 2}}));
+  bool deleted = false;
+  for (const auto& marker : last.markers) {
+    deleted = deleted || (marker.ns == "passed: arm/hand/cloth" && marker.action == Marker::DELETE);
+  }
+  EXPECT_TRUE(deleted);
+}
+
+TEST(PassedMarkersTest, theCapHolds) {
+  SampleStep sample;
+  MarkerOptions options;
+  options.max_triangles = 3;
+  ContactMarkers markers(options);
+  std::size_t all = 0;
+  for (const auto& [name, count] : triangles(markers.make(sample.report))) all += count;
+  EXPECT_EQ(all, 3U);
+}
+
 using Point = std::array<double, 3>;
 using Lines = std::vector<std::pair<Point, Point>>;
 
-// By namespace.
+// Returns the lines by namespace.
 std::map<std::string, Lines> lines(const MarkerArray& array) {
   std::map<std::string, Lines> found;
   for (const Marker& m : array.markers) {

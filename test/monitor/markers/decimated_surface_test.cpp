@@ -161,7 +161,7 @@ TEST(DecimatedSurfaceTest, ASoupHangsTogetherLikeAWeldedMesh) {
   EXPECT_TRUE(openEdges(of_soup).empty());
 }
 
-// Of an open one, only the rim is open; and it covers what it covered.
+// An open surface stays open only at its rim, and covers the same area.
 TEST(DecimatedSurfaceTest, ASheetHasNoHoles) {
   const TriangleMesh sheet = makeFlatSheet(100);
   for (const std::size_t limit : {10000, 3000, 1000, 300}) {

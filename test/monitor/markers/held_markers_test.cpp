@@ -1,9 +1,9 @@
-// A text over what is held.
-#include "monitor/markers/held_markers.h"
-
+// Tests the text over attached objects.
 #include <gtest/gtest.h>
 
 #include <limits>
+
+#include "monitor/markers/contact_markers.h"
 
 namespace deformable_contact_monitor {
 namespace {

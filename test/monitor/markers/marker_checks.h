@@ -1,4 +1,4 @@
-// What the tests of markers share: the rules by which rviz refuses a marker, and what was done.
+// Provides what the tests of markers share: rviz's checks of markers, and the list of actions.
 #pragma once
 
 #include <gtest/gtest.h>

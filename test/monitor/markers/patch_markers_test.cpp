@@ -1,12 +1,10 @@
-// Markers of patches, held against the rules by which rviz refuses a marker; and their message.
-#include "monitor/markers/patch_markers.h"
-
+// Tests the markers of patches, and checks each one by the rules by which rviz rejects markers.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "monitor/messages/patch_messages.h"
+#include "monitor/markers/contact_markers.h"
 #include "sample_report.h"
 
 namespace deformable_contact_monitor {
@@ -122,35 +120,6 @@ TEST_F(PatchMarkersTest, TheCapHolds) {
   const std::vector<Patch> patches = {patchOf(0, 7), patchOf(1, 4000000000U)};
   draw(&patches);
   EXPECT_EQ(array_.markers[0].points.size(), 12U) << "one triangle of each side";
-}
-
-TEST_F(PatchMarkersTest, AndTheMessageSaysTheSame) {
-  Patch patch = patchOf(0, 7);
-  patch.normal_spread_rad = std::numeric_limits<double>::quiet_NaN();
-  patch.curve_length_m = 0.5;
-  patch.area_a_m2 = 2;
-  patch.area_b_m2 = 3;
-  patch.min_separation_m = -0.25;
-  const ContactPatches message = toContactPatches(sample_.report, {patch});
-  EXPECT_EQ(message.header.stamp, sample_.report.header.stamp);
-  EXPECT_EQ(message.header.frame_id, "base_link");
-  EXPECT_EQ(message.cycle, 7U);
-  ASSERT_EQ(message.patches.size(), 1U);
-  const ContactPatch& out = message.patches[0];
-  EXPECT_EQ(out.stamp, sample_.report.header.stamp);
-  EXPECT_EQ(out.body_a, "arm/hand");
-  EXPECT_EQ(out.body_b, "cloth");
-  EXPECT_EQ(out.id, 7U);
-  EXPECT_EQ(out.pair_count, 3U);
-  EXPECT_EQ(out.triangles_a, (std::vector<std::uint32_t>{0, 1}));
-  EXPECT_EQ(out.triangles_b, (std::vector<std::uint32_t>{2}));
-  EXPECT_EQ(out.centroid.z, 3);
-  EXPECT_EQ(out.normal.z, 1);
-  EXPECT_TRUE(std::isnan(out.normal_spread));
-  EXPECT_EQ(out.curve_length, 0.5);
-  EXPECT_EQ(out.area_a, 2);
-  EXPECT_EQ(out.area_b, 3);
-  EXPECT_EQ(out.min_separation, -0.25);
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
-// Markers of bodies that are in contact although no pair of their triangles is listed.
-#include "monitor/markers/witness_markers.h"
-
+// Tests the markers of bodies that are in contact although no pair of their triangles is listed.
 #include <gtest/gtest.h>
 
 #include <algorithm>

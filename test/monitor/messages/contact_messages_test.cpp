@@ -1,11 +1,13 @@
-// Tests of the conversions to and from messages.
+// Tests the conversions to and from messages.
 #include "monitor/messages/contact_messages.h"
 
 #include <gtest/gtest.h>
 #include <ros/serialization.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -95,7 +97,7 @@ TEST(ContactArrayTest, beyondItsRoomItIsTruncatedAndSaysSo) {
   EXPECT_TRUE(toContactArray(sample.report, 0, 1).pairs.empty());
 }
 
-// Of each of the three contacts; where it was asked for.
+// Adds geometry to each of the three contacts, as if the parameters asked for it.
 void addGeometry(SampleReport* sample) {
   sample->report.options.geometry = true;
   for (int i = 0; i < 3; ++i) {
@@ -219,6 +221,44 @@ TEST(ContactArrayTest, withoutADetectionNothingIsClaimed) {
   EXPECT_TRUE(message.pairs.empty());
   EXPECT_EQ(message.pair_count, 0U);
   EXPECT_EQ(message.bodies.size(), 3U);
+}
+
+TEST(ContactPatchesTest, carryAllFieldsOfAPatch) {
+  const SampleReport sample;
+  Patch patch;
+  patch.body_a = 0;
+  patch.body_b = 2;
+  patch.id = 7;
+  patch.pair_count = 3;
+  patch.triangles_a = {0, 1};
+  patch.triangles_b = {2};
+  patch.centroid = {1, 2, 3};
+  patch.normal = {0, 0, 1};
+  patch.normal_spread_rad = std::numeric_limits<double>::quiet_NaN();
+  patch.curve_length_m = 0.5;
+  patch.area_a_m2 = 2;
+  patch.area_b_m2 = 3;
+  patch.min_separation_m = -0.25;
+  const ContactPatches message = toContactPatches(sample.report, {patch});
+  EXPECT_EQ(message.header.stamp, sample.report.header.stamp);
+  EXPECT_EQ(message.header.frame_id, "base_link");
+  EXPECT_EQ(message.cycle, 7U);
+  ASSERT_EQ(message.patches.size(), 1U);
+  const ContactPatch& out = message.patches[0];
+  EXPECT_EQ(out.stamp, sample.report.header.stamp);
+  EXPECT_EQ(out.body_a, "arm/hand");
+  EXPECT_EQ(out.body_b, "cloth");
+  EXPECT_EQ(out.id, 7U);
+  EXPECT_EQ(out.pair_count, 3U);
+  EXPECT_EQ(out.triangles_a, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(out.triangles_b, (std::vector<std::uint32_t>{2}));
+  EXPECT_EQ(out.centroid.z, 3);
+  EXPECT_EQ(out.normal.z, 1);
+  EXPECT_TRUE(std::isnan(out.normal_spread));
+  EXPECT_EQ(out.curve_length, 0.5);
+  EXPECT_EQ(out.area_a, 2);
+  EXPECT_EQ(out.area_b, 3);
+  EXPECT_EQ(out.min_separation, -0.25);
 }
 
 TEST(LinkMeshesTest, surviveTheWayThereAndBack) {

@@ -1,7 +1,4 @@
-// Tests of the messages that steps become, of their diagnostics and markers.
-#include "monitor/messages/swept_messages.h"
-
-#include <diagnostic_msgs/DiagnosticStatus.h>
+// Tests the messages that the steps of swept motion become.
 #include <gtest/gtest.h>
 #include <ros/serialization.h>
 
@@ -9,12 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "monitor/diagnostics/motion_watch.h"
-#include "monitor/markers/contact_markers.h"
+#include "monitor/messages/contact_messages.h"
 #include "sample_step.h"
 
 namespace deformable_contact_monitor {
@@ -132,88 +127,6 @@ TEST(SweptContactsTest, timeThatRanOutIsSaid) {
   sample.step.detection.cutOff(kNoTime);
   EXPECT_TRUE(toMessage(&sample).timed_out);
   EXPECT_TRUE(isOutOfTime(sample.report));
-}
-
-std::map<std::string, std::string> described(MotionWatch* watch) {
-  diagnostic_updater::DiagnosticStatusWrapper status;
-  watch->describe(status);
-  std::map<std::string, std::string> values;
-  for (const auto& entry : status.values) values[entry.key] = entry.value;
-  values["level"] = std::to_string(status.level);
-  values["message"] = status.message;
-  return values;
-}
-
-TEST(MotionWatchTest, countsStepsAndWhatTheyLack) {
-  MotionWatch watch;
-  SampleStep sample;
-  sample.step.sub_steps = 5;
-  watch.record(sample.report);
-  SampleStep none;
-  none.lackStep("reset");
-  watch.record(none.report);
-  std::map<std::string, std::string> said = described(&watch);
-  EXPECT_EQ(said["level"], "0") << "a reset is no fault";
-  EXPECT_EQ(said["steps"], "1");
-  EXPECT_EQ(said["steps missing or not of all bodies"], "1");
-  EXPECT_EQ(said["why the last of them"], "cloth: reset");
-  EXPECT_EQ(said["pairs of bodies passed"], "1");
-  EXPECT_EQ(said["triangle pairs in the last step"], "2");
-  EXPECT_EQ(said["sub-steps of the last step"], "5");
-
-  sample.result.contacts = {{0, 0, 2, 2}};
-  watch.record(sample.report);
-  EXPECT_EQ(described(&watch)["pairs of bodies passed"], "1") << "in contact at the stamp";
-  sample.result.separations_m = {0.5F};
-  watch.record(sample.report);
-  EXPECT_EQ(described(&watch)["pairs of bodies passed"], "2") << "near";
-
-  sample.step.detection.cutOff(kNoTime);
-  watch.record(sample.report);
-  EXPECT_EQ(described(&watch)["message"], std::string("a step was cut off: ") + kNoTime);
-  EXPECT_EQ(described(&watch)["level"], "0") << "each description looks at its own time";
-}
-
-// Triangles by namespace.
-std::map<std::string, std::size_t> triangles(const visualization_msgs::MarkerArray& array) {
-  std::map<std::string, std::size_t> counts;
-  for (const auto& marker : array.markers) {
-    if (marker.action == visualization_msgs::Marker::ADD) {
-      counts[marker.ns] += marker.points.size() / 3;
-    }
-  }
-  return counts;
-}
-
-TEST(PassedMarkersTest, whatPassedHasItsOwn) {
-  SampleStep sample;
-  ContactMarkers markers((MarkerOptions()));
-  EXPECT_EQ(triangles(markers.make(sample.report)),
-            (std::map<std::string, std::size_t>{{"cloth", 1}, {"passed: arm/hand/cloth", 4}}));
-  sample.result.contacts = {{0, 0, 2, 0}};
-  EXPECT_EQ(triangles(markers.make(sample.report)),
-            (std::map<std::string, std::size_t>{
-                {"arm/hand/cloth", 2}, {"cloth", 1}, {"passed: arm/hand/cloth", 2}}));
-  sample.report.sweeps.clear();
-  const auto last = markers.make(sample.report);
-  EXPECT_EQ(triangles(last),
-            (std::map<std::string, std::size_t>{{"arm/hand/cloth", 2}, {"cloth", 2}}));
-  bool deleted = false;
-  for (const auto& marker : last.markers) {
-    deleted = deleted || (marker.ns == "passed: arm/hand/cloth" &&
-                          marker.action == visualization_msgs::Marker::DELETE);
-  }
-  EXPECT_TRUE(deleted);
-}
-
-TEST(PassedMarkersTest, theCapHolds) {
-  SampleStep sample;
-  MarkerOptions options;
-  options.max_triangles = 3;
-  ContactMarkers markers(options);
-  std::size_t all = 0;
-  for (const auto& [name, count] : triangles(markers.make(sample.report))) all += count;
-  EXPECT_EQ(all, 3U);
 }
 
 }  // namespace

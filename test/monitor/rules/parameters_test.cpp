@@ -1,4 +1,4 @@
-// Parameters: defaults, values, and bad ones, all of them listed.
+// Tests the defaults and values of parameters, and that all bad ones are listed together.
 #include "monitor/rules/parameters.h"
 
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ TEST(Parameters, ToleranceAndBudget) {
   XmlRpcValue swept;
   swept["motion"] = "swept";
   swept["tolerance_m"] = 0.005;
-  expectIn("~tolerance_m is above 0, which motion: swept does not know", refusalOf(swept));
+  expectIn("~tolerance_m is above 0, which is not supported with motion: swept", refusalOf(swept));
 }
 
 TEST(Parameters, ValuesArrive) {

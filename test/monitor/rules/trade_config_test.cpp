@@ -1,4 +1,4 @@
-// What measure_trade writes is what the node reads.
+// Tests that the node reads what measure_trade writes.
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 

@@ -7,8 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "core/bounded_detector.h"
-#include "core/cpu_detector.h"
+#include "cuda/detector_choice.h"
 #include "tracker_fixture.h"
 
 namespace deformable_contact_monitor {
@@ -139,9 +138,8 @@ TEST_F(BoundedStatesTest, AListDecidesWithoutBounds) {
 
 // A part with a point within may cross the surface, which makes it no less a contact.
 TEST_F(BoundedStatesTest, WithinIsSaidOnlyOfSurfacesThatAreApart) {
-  Containment containment;
+  Containment& containment = sample_.addContainment();
   containment.parts = {{2, 0, 0, {7, 7, 7}}};
-  sample_.report.containment = &containment;
   ContactState state = look(0.03F, kInfinity);
   EXPECT_EQ(state.state, ContactState::CONTACT);
   EXPECT_EQ(state.inside, 2);
@@ -157,9 +155,8 @@ TEST_F(BoundedStatesTest, WithinIsSaidOnlyOfSurfacesThatAreApart) {
 }
 
 TEST_F(BoundedStatesTest, WhatMayBeWithinIsNotNone) {
-  Containment containment;
+  Containment& containment = sample_.addContainment();
   containment.cut_off_because = kNoTime;
-  sample_.report.containment = &containment;
   const ContactState state = look(0.03F, kInfinity);
   EXPECT_EQ(state.state, ContactState::UNKNOWN);
   EXPECT_EQ(state.reason, kNoTime);
@@ -218,7 +215,8 @@ class ClothAboveLinkTest : public ::testing::Test {
     sample.report.bodies.erase(sample.report.bodies.begin());
     sample.report.pairs = {{0, 1, false}};
     sample.report.scene = &scene;
-    sample.report.result = &detector_->detect(scene, options);
+    sample.report.result =
+        std::make_shared<const DetectionResult>(detector_->detect(scene, options));
     EXPECT_EQ(sample.report.result->distances.size(), 1U);
     ContactStateTracker tracker(rules_);
     return take(&tracker, sample.report).states.at(0);
@@ -228,7 +226,8 @@ class ClothAboveLinkTest : public ::testing::Test {
   Options options_;
   float margin_m_ = 0.02F;
   std::shared_ptr<TilingCache> tilings_ = std::make_shared<TilingCache>();
-  std::unique_ptr<Detector> detector_ = makeBoundedDetector(makeCpuDetector(), tilings_);
+  std::unique_ptr<Detector> detector_ =
+      makeDetector(BackendChoice::kCpu, WithoutCuda::kRefuse, CudaSettings(), nullptr, tilings_);
 };
 
 TEST_F(ClothAboveLinkTest, IsAContactWithinTheTolerance) {

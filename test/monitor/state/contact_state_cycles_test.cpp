@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -105,7 +106,7 @@ struct TwoObjects {
     report.pairs = {{0, 1, false}, {0, 2, false}, {1, 2, false}};
     report.header.frame_id = "base";
     report.scene = &scene;
-    report.result = &result;
+    report.result = owned_result;
   }
 
   // The cycle of an object at a stamp, a tenth of a second later.
@@ -118,7 +119,8 @@ struct TwoObjects {
   }
 
   Scene scene;
-  DetectionResult result;
+  const std::shared_ptr<DetectionResult> owned_result = std::make_shared<DetectionResult>();
+  DetectionResult& result = *owned_result;
   CycleReport report;
 };
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/common/posed_body.h"
-#include "monitor/state/triangle_normal.h"
 #include "tracker_fixture.h"
 
 namespace deformable_contact_monitor {
@@ -92,7 +91,9 @@ TEST(ContactStateTrackerTest, sumsUpAnyNumberOfPairs) {
     for (const Vec3f& corner : a.v) corners = corners + toDouble(corner);
     for (const Vec3f& corner : b.v) corners = corners + toDouble(corner);
     const bool first = i == 0 || pair.triangle_a != sample.result.contacts[i - 1].triangle_a;
-    if (first) normals = normals + doubleAreaNormal(a);
+    if (!first) continue;
+    normals =
+        normals + cross(toDouble(a.v[1]) - toDouble(a.v[0]), toDouble(a.v[2]) - toDouble(a.v[0]));
   }
   ContactStateTracker tracker(rules(1, 1));
   const ContactState state = take(&tracker, sample.report).states[kHandCloth];
@@ -180,9 +181,8 @@ TEST(ContactStateTrackerTest, withGeometryTheSeparationIsMinusTheDepth) {
 // As what touches: whatever else is missing.
 TEST(ContactStateTrackerTest, whatIsInsideIsAContactThatSaysSo) {
   SampleReport sample;
-  Containment containment;
+  Containment& containment = sample.addContainment();
   containment.parts = {{1, 2, 0, {1, 2, 3}}, {1, 2, 5, {3, 2, 3}}, {2, 0, 0, {9, 9, 9}}};
-  sample.report.containment = &containment;
   ContactStateTracker tracker(rules(1, 2));
   ContactStates message = take(&tracker, sample.report);
   ContactState base = message.states[kBaseCloth], hand = message.states[kHandCloth];

@@ -61,9 +61,8 @@ TEST(ContactStateTrackerTest, whatWasCutOffIsNotNoContact) {
 
 TEST(ContactStateTrackerTest, whatWasNotLookedWithinIsNotNoContact) {
   SampleReport sample;
-  Containment containment;
+  Containment& containment = sample.addContainment();
   containment.cut_off_because = "no time";
-  sample.report.containment = &containment;
   sample.report.pairs.push_back({2, 2, false});
   ContactStateTracker tracker(rules(1, 2));
   ContactStates message = take(&tracker, sample.report);

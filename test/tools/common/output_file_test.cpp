@@ -15,8 +15,6 @@
 #include <system_error>
 #include <vector>
 
-#include "tools/common/part_file.h"
-
 namespace deformable_contact_monitor {
 namespace {
 
@@ -133,7 +131,7 @@ TEST_F(OutputFileTest, WhatIsNoPlainFileIsWrittenTo) {
 
 TEST_F(OutputFileTest, APartHasItsNameFromTheEndOn) {
   for (const bool finished : {false, true}) {
-    PartFile part(path());
+    AtomicFile part(path());
     std::ofstream(part.writtenAs()) << "whole";
     EXPECT_FALSE(fs::exists(path()));
     EXPECT_EQ(names().size(), 1U);

@@ -161,7 +161,7 @@ class EvaluateBag(EvaluationCase):
                          {"no"})
 
     def test_report(self):
-        self.evaluate(self.bag(), "--backends", "cpu,fcl")
+        self.evaluate(self.bag(), "--backends", "cpu,fcl", report=True)
         with open(self.path("out/report.html")) as file:
             report = file.read()
         self.assertEqual(report.count("<svg"), 4)
@@ -170,7 +170,7 @@ class EvaluateBag(EvaluationCase):
         self.assertEqual(stages, ["transform", "cluster", "assign", "sort", "sweep", "narrow_phase", "output"])
 
     def test_a_disk_that_is_full_leaves_no_half_a_report(self):
-        self.evaluate(self.bag())
+        self.evaluate(self.bag(), report=True)
         os.remove(self.path("out/report.html"))
         before = sorted(os.listdir(self.path("out")))
         done = subprocess.run(
@@ -182,7 +182,7 @@ class EvaluateBag(EvaluationCase):
         self.assertEqual(sorted(os.listdir(self.path("out"))), before)
 
     def test_nothing_of_an_earlier_evaluation_is_left(self):
-        self.evaluate(self.bag())
+        self.evaluate(self.bag(), report=True)
         self.assertTrue(os.path.exists(self.path("out/report.html")))
         done = self.run_tool("--config", self.path("config.yaml"), "--no-report", self.bag())
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -222,6 +222,8 @@ class EvaluateBag(EvaluationCase):
         os.remove(self.path("out"))
         self.assert_refused(["--config", config, bag, "--backends", "gpu"], "gpu")
         self.assert_refused(["--config", config, bag, "--threads", "-1"], "--threads")
+        for option in ("--part", "--records", "--join"):  # of version 0.2
+            self.assert_refused(["--config", config, bag, option, "1/2"], option)
 
     def test_what_is_called_cuda_ran_with_cuda(self):
         done = self.run_tool("--config", self.text("config.yaml", CONFIG), self.bag(), "--backends",

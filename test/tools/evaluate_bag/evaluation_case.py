@@ -26,7 +26,7 @@ def read_table(path):
 
 
 class EvaluationCase(unittest.TestCase):
-    _expected = None  # by who asks for it first
+    _expected = None  # set by the first test that needs it
 
     @classmethod
     def setUpClass(cls):
@@ -65,12 +65,15 @@ class EvaluationCase(unittest.TestCase):
                               text=True, errors="replace", timeout=300, check=False,
                               env=environment)
 
-    def run_tool(self, *arguments):
-        return self.tool("--out", self.path("out"), *arguments)
+    def run_tool(self, *arguments, report=False):
+        """Draws the report only where a test looks at it: this takes far longer than the rest."""
+        more = () if report or "--no-report" in arguments else ("--no-report",)
+        return self.tool("--out", self.path("out"), *arguments, *more)
 
-    def evaluate(self, *arguments, code=0):
-        """The tool's summary."""
-        done = self.run_tool("--config", self.text("config.yaml", CONFIG), "--pairs", *arguments)
+    def evaluate(self, *arguments, code=0, report=False):
+        """Returns the tool's summary."""
+        done = self.run_tool("--config", self.text("config.yaml", CONFIG), "--pairs", *arguments,
+                             report=report)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return self.summary()
 
@@ -102,8 +105,8 @@ class EvaluationCase(unittest.TestCase):
             self.assertEqual(int(row["pairs"]), len(wanted[row["stamp"]]))
             self.assertEqual((row["complete"], row["skipped"]), ("yes", ""))
 
-    def assert_refused(self, arguments, *wanted):
-        done = self.run_tool(*arguments)
+    def assert_refused(self, arguments, *wanted, report=False):
+        done = self.run_tool(*arguments, report=report)
         self.assertEqual(done.returncode, 2, done)
         last = done.stderr.splitlines()[-1]
         self.assertRegex(last, r"\Aevaluate_bag: [^\n]+\Z")

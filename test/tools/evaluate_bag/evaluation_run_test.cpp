@@ -10,8 +10,7 @@
 
 #include "reference/brute_force_detector.h"
 #include "scenes.h"
-#include "tools/evaluate_bag/evaluation_runs.h"
-#include "tools/evaluate_bag/evaluation_verdict.h"
+#include "tools/evaluate_bag/evaluation_summary.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -80,7 +80,7 @@ class Expectations(EvaluationCase):
     def test_nothing_that_could_be_evaluated_is_an_error(self):
         done = self.assert_refused(["--reference-frame", "elsewhere", self.bag()],
                                    "no cycle could be evaluated", "elsewhere",
-                                   "--reference-frame", "panda_link0", self.path("out"))
+                                   "--reference-frame", "panda_link0", self.path("out"), report=True)
         self.assertIn("Failed: no cycle could be evaluated.", done.stdout)
         self.assertFalse(self.summary()["passed"])
         self.assertEqual(self.summary()["runs"][0]["evaluated_cycles"], 0)
@@ -120,7 +120,7 @@ class Expectations(EvaluationCase):
                 kept = [t for t in message.transforms if t.child_frame_id != "panda_link3"]
                 message = TFMessage(kept)
             events.append((received, topic, message))
-        summary = self.evaluate(self.bag(events=events))
+        summary = self.evaluate(self.bag(events=events), report=True)
         reasons = summary["runs"][0]["unknown"]
         # What is missing in between, TF interpolates; what ends, takes all with it that hangs on it.
         below = {"panda_link3", "panda_link4", "panda_link5", "panda_link6", "panda_link7",
@@ -139,7 +139,7 @@ class Expectations(EvaluationCase):
 
     def test_what_guarantees_nothing_does_not_look_incomplete(self):
         done = self.run_tool("--config", self.text("c.yaml", CONFIG), "--backends", "fcl,cpu",
-                             self.bag())
+                             self.bag(), report=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         fcl, cpu = self.summary()["runs"]
         self.assertEqual((fcl["whole_cycles"], fcl["guaranteed_cycles"], fcl["complete_cycles"]),

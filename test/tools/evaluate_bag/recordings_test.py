@@ -113,6 +113,58 @@ class Recordings(EvaluationCase):
         for row in rows[:6]:
             self.assertIn("no triangles of topology_id", row["skipped"])
 
+    def test_an_object_that_pauses(self):
+        """For longer than a mesh holds, and for less; its triangles came once, at the beginning."""
+        kept = [frame for frame in range(FRAMES) if frame not in (3, 8, 9, 10, 11)]
+        stamps = {stamp_of(frame) for frame in kept}
+        events = [event for event in self.with_meshes(
+            lambda frame: self.scene.shirt(frame, keyframe=frame == 0))
+                  if event[1] != "/tshirt" or event[2].header.stamp in stamps]
+        config = self.text("pause.yaml", CONFIG + "max_mesh_age_s: 0.1\nmotion: swept\n")
+        done = self.run_tool("--config", config, self.bag(events=events))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.summary()["cycles"], len(kept))
+        reasons = [row["reason"] for row in read_table(self.path("out/events.csv"))]
+        self.assertIn("no new mesh within max_mesh_age_s", reasons)
+
+    def test_a_hostile_recording(self):
+        """An object whose clock jumps back, triangles that come last or are rejected, a mesh of
+        another size, transforms of a link that end and of another that come late."""
+        events = []
+        for received, topic, message in self.events:
+            if topic == "/tf":
+                frame = round((message.transforms[0].header.stamp - START).to_sec() / 0.04)
+                late = [t for t in message.transforms if t.child_frame_id == "panda_hand"]
+                kept = [t for t in message.transforms if t not in late
+                        and (frame < 7 or t.child_frame_id != "panda_link3")]
+                events.append((received + rospy.Duration(1.2), "/tf", TFMessage(late)))
+                message = TFMessage(kept)
+            if topic == "/tshirt":
+                frame = round((message.header.stamp - START).to_sec() / 0.04)
+                message = self.scene.shirt(frame, keyframe=frame in (9, 15))
+                if frame == 15:
+                    message.triangles = [*message.triangles[:-3], 0, 1, 99999999]
+                other = self.scene.shirt(frame, keyframe=frame == FRAMES - 1)
+                other.object = "other"
+                other.header.stamp += rospy.Duration(.013 - (.6 if frame > 12 else 0))
+                if frame == 5:
+                    other.vertices = other.vertices[:-3]
+                events.append((received + rospy.Duration(.1), "/other", other))
+            events.append((received, topic, message))
+        events.sort(key=lambda event: event[0])
+        config = self.text("two.yaml", CONFIG.replace("}]", "}, {name: other, topic: /other}]"))
+        bag = self.bag(events=events)
+        for motion in ("", "motion: swept\n"):
+            self.text("two.yaml", CONFIG.replace("}]", "}, {name: other, topic: /other}]") + motion)
+            done = self.run_tool("--config", config, bag)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            summary = self.summary()
+            self.assertGreater(summary["runs"][0]["pairs"], 100)
+            self.assertGreater(summary["meshes_with_triangles_sent_later"], 0)
+            reasons = " ".join(entry["reason"] for entry in summary["runs"][0]["unknown"])
+            for reason in ("is late", "mesh refused", "vertex coordinates"):
+                self.assertIn(reason, reasons)
+
     def joint_states(self, frame):
         """What the scene's transforms were made of; the second finger mimics the first."""
         state = JointState()
@@ -138,15 +190,15 @@ class Recordings(EvaluationCase):
                 events.append((received, topic, message))
         return events
 
-    def evaluate_joints(self, events, *arguments):
+    def evaluate_joints(self, events, **options):
         """With joint states and the URDF; the frames that they say."""
         bag = self.bag(events=sorted(events + self.joint_events(), key=lambda event: event[0]))
-        summary = self.evaluate(bag, "--robot-description", self.scene.panda.urdf, *arguments)
+        summary = self.evaluate(bag, "--robot-description", self.scene.panda.urdf, **options)
         return set(summary["poses"]["joint_states_frames"])
 
     def test_joint_states_pose_the_links_where_there_is_no_tf(self):
         children = {joint.find("child").get("link") for joint in self.scene.panda.joints}
-        self.assertEqual(self.evaluate_joints(self.without_tf()), children)
+        self.assertEqual(self.evaluate_joints(self.without_tf(), report=True), children)
         self.assert_oracle_pairs()
         self.assertIn("from /joint_states and the URDF: ", self.report())
         # The shirt's frame by TF, the robot's by joints.

@@ -1,8 +1,15 @@
 """What the tests of evaluate_bags share: six bags made from the Panda's, and the tool, which lies
-beside $EVALUATE_BAG."""
+beside $EVALUATE_BAG.
+
+Most tests run the tool in this process, with Dask's workers as threads of it: each job is a process
+all the same. Tests of workers, signals and schedulers start the tool as a process."""
+import contextlib
 import glob
+import importlib.machinery
 import importlib.util
+import io
 import json
+import logging
 import os
 import pathlib
 import shutil
@@ -10,6 +17,7 @@ import signal
 import subprocess
 import sys
 import time
+from unittest import mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "evaluate_bag"))
 from evaluation_case import CONFIG, TOOL, EvaluationCase, main as run_tests, read_table
@@ -36,6 +44,13 @@ def processes(word):
         if word in command and state != "Z":
             found[int(path[len("/proc/"):])] = int(parent)
     return found
+
+
+def worker_threads(workers, _gpus, folder):
+    """Stands in for dask_run.local_cluster."""
+    from distributed import LocalCluster  # pylint: disable=import-outside-toplevel
+    return LocalCluster(n_workers=workers, threads_per_worker=1, processes=False,
+                        dashboard_address=None, local_directory=folder, memory_limit=0, silence_logs=logging.CRITICAL)
 
 
 class FleetCase(EvaluationCase):
@@ -107,14 +122,32 @@ class FleetCase(EvaluationCase):
             return os.path.exists(path)
         self.wait_for(one_never_ends)
         os.killpg(running.pid, signal.SIGINT)
-        out, err = running.communicate(timeout=20)
+        out, err = running.communicate(timeout=60)
         self.assertEqual(running.returncode, 130, out + err)
         return err
 
+    def call_tool(self, arguments, robots=DATA / "robots"):
+        """Runs the tool in this process. Returns (exit code, standard output, standard error)."""
+        if os.path.dirname(FLEET_TOOL) not in sys.path:
+            sys.path.insert(0, os.path.dirname(FLEET_TOOL))
+        loader = importlib.machinery.SourceFileLoader("evaluate_bags_tool", self.fleet_tool)
+        tool = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+        loader.exec_module(tool)
+        out, err = io.StringIO(), io.StringIO()
+        environment = {"ROS_PACKAGE_PATH": str(robots), **self.environment}
+        with mock.patch.dict(os.environ, environment), \
+                mock.patch("fleet.dask_run.local_cluster", worker_threads), \
+                contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            try:
+                code = tool.main(arguments)
+            except SystemExit as end:  # of argparse
+                code = end.code
+        return code, out.getvalue(), err.getvalue()
+
     def run_fleet(self, out, *more, code, workers=("--workers", "2"), **options):
-        done = subprocess.run(**self.options(out, *workers, *more, **options), timeout=500,
-                              check=False)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        found, text, errors = self.call_tool(self.options(out, *workers, *more)["args"][1:],
+                                             **options)
+        self.assertEqual(found, code, text + errors)
         return self.fleet(out)
 
     def fleet(self, out):
@@ -137,7 +170,7 @@ class FleetCase(EvaluationCase):
             found = condition()
             if found:
                 return found
-            time.sleep(.05)
+            time.sleep(.1)  # jobs() reads all of /proc
         return self.fail(f"{condition.__name__} did not come in {seconds} s")
 
     def jobs(self):

@@ -88,7 +88,7 @@ class Cluster(FleetCase):
             for worker in self.jobs().values():
                 with contextlib.suppress(ProcessLookupError):
                     sessions.add(os.getsid(worker))
-            time.sleep(.02)
+            time.sleep(.1)
         out, err = running.communicate()
         self.assertEqual(running.returncode, 0, out + err)
         self.assertEqual(sessions, {with_gpu.pid})

@@ -19,7 +19,7 @@ class Bounds(Case):
                "--overlaps", "0,1", "--cycles", "8", "--warm-up", "1")
 
     def rows(self, *arguments):
-        self.works(*self.OPTIONS, *self.scene(), *arguments)
+        self.works(*self.OPTIONS, *self.scene(), *arguments, plots=True)
         rows = self.table("bounds.csv")
         for name in ("backend", "threads"):
             self.assertEqual({row.pop(name) for row in rows},

@@ -98,7 +98,7 @@ class Swept(Case):
         self.assertEqual(self.motions()["bodies", "swept", "2"]["contacts"], "0")
 
     def test_plots(self):
-        done = self.works(*self.scene())
+        done = self.works(*self.scene(), plots=True)
         if "no matplotlib" in done.stderr:
             self.skipTest("SKIPPED: no matplotlib")
         for name in "lost", "onsets":

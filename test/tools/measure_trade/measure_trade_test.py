@@ -84,7 +84,7 @@ class MeasureTrade(Case):
         self.assertTrue(summary["chosen"]["guaranteed"])
 
     def test_plots(self):
-        done = self.works(*self.scene(), *quick())
+        done = self.works(*self.scene(), *quick(), plots=True)
         if "no matplotlib" in done.stderr:
             self.skipTest("SKIPPED: no matplotlib")
         self.assertRegex(done.stderr, r"\A(drawing \(\d+ s\)\n)*\Z")  # progress, on a busy machine
@@ -94,7 +94,7 @@ class MeasureTrade(Case):
 
     def test_plots_of_several_scenes(self):
         scene = self.scene()
-        self.works(*scene, *quick(), "--out", "one")
+        self.works(*scene, *quick(), "--out", "one", plots=True)
         if not os.path.exists(self.path("one", "work.png")):
             self.skipTest("SKIPPED: no matplotlib")
         self.works(*scene, *quick(overlaps="1", predicates="exact"), "--out", "two")
@@ -108,7 +108,7 @@ class MeasureTrade(Case):
         self.assertRegex(done.stderr, r"\Aplot_trade.py: .*three/settings.csv.*\n\Z")
 
     def test_a_disk_that_is_full_leaves_no_half_a_picture(self):
-        self.works(*self.scene(), *quick(overlaps="1", predicates="exact"))
+        self.works(*self.scene(), *quick(overlaps="1", predicates="exact"), plots=True)
         folder = pathlib.Path(self.path("trade"))
         if not (folder / "work.png").exists():
             self.skipTest("SKIPPED: no matplotlib")
@@ -129,7 +129,7 @@ class MeasureTrade(Case):
         os.mkdir(self.path("blocked"))
         with open(self.path("blocked", "matplotlib.py"), "w") as file:
             file.write("raise ImportError\n")
-        done = self.works(*self.scene(), *quick(),
+        done = self.works(*self.scene(), *quick(), plots=True,
                           env={**os.environ, "PYTHONPATH": self.path("blocked")})
         self.assertRegex(done.stderr, r"\Aplot_trade.py: .*python3-matplotlib\)\n"
                                       r"measure_trade: note: .*\n\Z")

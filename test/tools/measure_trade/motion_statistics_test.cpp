@@ -1,6 +1,4 @@
 // What is lost at all frames and at some: scenes whose contacts are worked out by hand.
-#include "tools/measure_trade/motion_statistics.h"
-
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -8,6 +6,7 @@
 
 #include "reference/brute_force_detector.h"
 #include "scenes.h"
+#include "tools/measure_trade/motion_measurement.h"
 
 namespace deformable_contact_monitor {
 namespace {

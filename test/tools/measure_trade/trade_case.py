@@ -45,6 +45,14 @@ def cloth(height, n=12):
 
 class Case(unittest.TestCase):
 
+    @classmethod
+    def setUpClass(cls):
+        """Copies the tool without the scripts beside it that draw plots: they take far longer than
+        the measurements, so only tests of plots run the tool in its place."""
+        folder = tempfile.mkdtemp()
+        cls.addClassCleanup(shutil.rmtree, folder)
+        cls.tool_without_plots = shutil.copy(TOOL, folder)
+
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
@@ -62,8 +70,9 @@ class Case(unittest.TestCase):
         return [self.mesh(f"cloth_{i}.obj", cloth(height))
                 for i, height in enumerate((1, 0.3, 0.05, -0.05))]
 
-    def run_tool(self, *arguments, **options):
-        return subprocess.run([TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    def run_tool(self, *arguments, plots=False, **options):
+        tool = TOOL if plots else self.tool_without_plots
+        return subprocess.run([tool, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               text=True, timeout=600, check=False, cwd=self.folder, **options)
 
     def works(self, *arguments, **options):
@@ -90,4 +99,3 @@ class Case(unittest.TestCase):
     def scene(self):
         return [*self.sinking(), "--against", self.mesh("floor.obj", FLOOR),
                 self.mesh("post.obj", POST), self.mesh("far.obj", ABOVE)]
-

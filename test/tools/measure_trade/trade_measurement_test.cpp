@@ -48,6 +48,7 @@ class SpoiltDetector : public Detector {
   explicit SpoiltDetector(Spoil spoil) : spoil_(std::move(spoil)) {}
   std::string backend() const override { return "cpu"; }
   void reset() override {}
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
     result_ = detector_->detect(scene, options);
     spoil_(&result_, cycles_++);

@@ -1,11 +1,11 @@
 // The distance that claims are checked with, worked out by hand and by points all over.
-#include "tools/measure_trade/triangle_gap.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "tools/measure_trade/bound_measurement.h"
 
 namespace deformable_contact_monitor {
 namespace {

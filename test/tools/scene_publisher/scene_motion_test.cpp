@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "robot/urdf_text.h"
-#include "tools/common/mesh_player.h"
+#include "robot/urdf_document.h"
 #include "tools/common/robot_obstacles.h"
+#include "tools/common/scene_object.h"
 #include "tools/scene_publisher/joint_mover.h"
 
 namespace deformable_contact_monitor {

@@ -1,1 +1,1 @@
-"""Parts of evaluate_bags."""
+"""The modules of evaluate_bags."""

@@ -1,4 +1,4 @@
-"""A run against an earlier one, and which changes are no failure."""
+"""Compares a run with an earlier one, and decides which changes do not fail."""
 import fnmatch
 import os
 
@@ -37,7 +37,7 @@ def _checked(rule):
 
 
 def read_allowed(path):
-    """Rules as their yaml has them."""
+    """Reads and checks the rules of a yaml file."""
     try:
         with open(path) as file:
             rules = yaml.safe_load(file) or []
@@ -55,7 +55,8 @@ def _applies(rule, change):
 
 
 def is_allowed(change, rules):
-    """Latency is another machine's or day's, so it fails by a rule alone; all else but by one."""
+    """A change fails unless a rule allows it. Latency depends on the machine and its load, so it
+    fails only if it exceeds a rule's limit."""
     limits = [next((rule[name] for name in LIMITS if name in rule), float("inf"))
               for rule in rules if _applies(rule, change)]
     if change.kind == "latency":
@@ -64,7 +65,7 @@ def is_allowed(change, rules):
 
 
 def compare(baseline, out, names):
-    """[Change] of all bags of `names`, and of those that only the baseline has."""
+    """Returns the changes of all bags of `names`, and of those that only the baseline has."""
     earlier_bags = os.path.join(baseline, "bags")
     if not os.path.isdir(earlier_bags):
         raise BaselineError(f"{baseline}: no run of evaluate_bags (it has no folder bags)")

@@ -1,4 +1,5 @@
-"""What changed in a bag's contacts between two evaluations, by their tables (the first run's)."""
+"""Finds what changed in a bag's contacts between two evaluations, by the tables of their first
+runs."""
 import collections
 import csv
 import json
@@ -20,7 +21,7 @@ def read_summary(folder):
 
 
 def _stretches(folder):
-    """{(body_a, body_b): {state: [(from, to)]}}, stamps as text, in the order of time."""
+    """Returns {(body_a, body_b): {state: [(from, to)]}} in the order of time. Stamps are text."""
     found, first = {}, None
     with open(os.path.join(folder, "links.csv"), newline="", errors="replace") as file:
         for row in csv.DictReader(file):
@@ -41,7 +42,7 @@ def _overlap(a, b):
 
 
 def _of_stretches(old, new):
-    """(kind, text, amount) of contacts of two bodies."""
+    """Yields (kind, text, amount) for the contacts of two bodies."""
     for stretch in new:
         if not any(_overlap(stretch, other) for other in old):
             yield "appeared", f"contact from {stretch[0]} to {stretch[1]}", 0
@@ -61,8 +62,9 @@ def _of_stretches(old, new):
 
 
 def _of_pairs(old, new):
-    """Cycles in which other triangles touch; where nothing did before or after, the contact began,
-    ended, appeared or vanished, which is another change."""
+    """Finds cycles in which other triangles touch. A cycle with contact in only one of the runs
+    does not count: the contact began, ended, appeared or vanished, which is another kind of
+    change."""
     moved = [stamp for stamp in sorted(set(old) & set(new), key=float)
              if sorted(old[stamp]) != sorted(new[stamp])]
     if moved:
@@ -93,7 +95,7 @@ def _median_ms(summary):
 
 
 def changes_of(bag, old_folder, new_folder):
-    """[Change], contacts by their bodies, then what is of the whole bag."""
+    """Returns the changes of a bag: first those of pairs of bodies, then those of the whole bag."""
     found = []
     old_links, new_links = _stretches(old_folder), _stretches(new_folder)
     old_pairs, new_pairs = read_pair_hashes(old_folder), read_pair_hashes(new_folder)

@@ -2,14 +2,14 @@
 import argparse
 import os
 
-DESCRIPTION = """Runs evaluate_bag over many bags, each in a process of its own, on Dask's workers:
-local ones, or those of a scheduler. What is done is not done again. Writes fleet.csv, fleet.json
-and index.html, and a folder for each bag."""
-EPILOG = """Exit code: 0; 1 if an expectation fails, exact runs disagree, or a change against the
-baseline is not allowed; 2 on bad input, or if some bag could not be evaluated whole (this goes
-before 1); 130 if it was stopped."""
+DESCRIPTION = """Runs evaluate_bag over many bags side by side, one process a bag, on Dask workers:
+local ones, or those of a scheduler. A bag that was evaluated before is not evaluated again. Writes
+fleet.csv, fleet.json and index.html, and a folder for each bag."""
+EPILOG = """Exit code: 0: passed; 1: an expectation fails, exact runs disagree, or a change against
+the baseline is not allowed; 2: bad input, or some bag could not be evaluated completely (2 takes
+precedence over 1); 130: the run was stopped."""
 
-# Options of evaluate_bag by the number of their words; it checks them.
+# Options that are passed to evaluate_bag, with their numbers of words. evaluate_bag checks them.
 FILES = {"--config": 1, "--expect": 1, "--robot-description": 1, "--srdf": 1, "--meshes": "+"}
 VALUES = {"--reference-frame": 1, "--backends": 1, "--predicates": 1, "--overlaps": 1, "--cloth": 1,
           "--object": 1, "--frame": 1, "--rate": 1, "--scale": 1, "--offset": 3, "--seed": 1}
@@ -26,32 +26,22 @@ def _whole_number(least, most):
     return read
 
 
-def _minutes(text):
-    value = float(text)
-    if not 0 <= value < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a number of at least 0, not {text}")
-    return value
-
-
 def _parser():
     parser = argparse.ArgumentParser("evaluate_bags", description=DESCRIPTION, epilog=EPILOG,
                                      allow_abbrev=False)
     parser.add_argument("bags", nargs="+", metavar="BAG_OR_FOLDER",
-                        help="bags, each alone; of a folder every *.bag in it and below")
+                        help="bags, each a recording of its own; a folder stands for every *.bag in and below it")
     parser.add_argument("--out", required=True, metavar="DIR",
-                        help="folder to write to, which all workers see")
+                        help="folder to write to; all workers must see it")
     workers = parser.add_mutually_exclusive_group()
-    workers.add_argument("--scheduler", metavar="tcp://HOST:8786", help="of a running Dask cluster")
+    workers.add_argument("--scheduler", metavar="tcp://HOST:8786", help="address of a running Dask scheduler")
     workers.add_argument("--workers", type=_whole_number(1, 4096), metavar="N",
-                         help="local processes (default: one for each GPU, else for each core)")
+                         help="local worker processes (default: one for each GPU, or for each core)")
     parser.add_argument("--threads", type=_whole_number(0, 1024), metavar="N",
-                        help="of each evaluate_bag, for its cpu backend; 0: all cores (default: as "
-                        "the configuration says, else local workers share the cores)")
-    parser.add_argument("--split-minutes", type=_minutes, default=10, metavar="N",
-                        help="a bag that was recorded for longer is a job for each N minutes, and "
-                        "one that joins them; the result is the same; 0: never (default: 10)")
+                        help="threads of the cpu backend in each evaluate_bag; 0: all cores "
+                        "(default: the configuration's, or else local workers share the cores)")
     parser.add_argument("--baseline", metavar="DIR", help="an earlier --out to compare with")
-    parser.add_argument("--allow", metavar="yaml", help="changes that are no failure")
+    parser.add_argument("--allow", metavar="yaml", help="rules for changes that do not fail")
     group = parser.add_argument_group("options of evaluate_bag")
     for name, words in {**FILES, **VALUES}.items():
         group.add_argument(name, nargs=words, metavar="TEXT")

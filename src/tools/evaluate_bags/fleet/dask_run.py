@@ -1,5 +1,5 @@
-"""Jobs on Dask's workers. A job is a process that a worker starts, so workers need neither our
-modules nor our environment, and a bag that crashes its reader takes no worker along."""
+"""Runs jobs on Dask workers. A job is a process that a worker starts. So workers need neither our
+modules nor our environment, and a bag that crashes its reader does not crash a worker."""
 import collections
 import logging
 import subprocess
@@ -16,10 +16,10 @@ GONE = "the scheduler is gone; what is done is kept, the same command goes on wi
 
 
 def local_cluster(workers, gpus, folder):
-    """Worker processes on this machine's loopback address, each with one bag at a time, and with
-    one of `gpus` (words for CUDA_VISIBLE_DEVICES) where there are any."""
-    # Without an address Dask shows its state to the whole network. Its own limit on memory is of
-    # the worker, which needs next to none.
+    """Starts worker processes on this machine's loopback address. Each has one bag at a time, and
+    one of `gpus` (words for CUDA_VISIBLE_DEVICES) if there are any."""
+    # Without an address, Dask would listen on all network interfaces. Its memory limit applies to
+    # the worker, which hardly needs memory, so it is off.
     address = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
     options = {"nthreads": 1, "memory_limit": 0, "local_directory": folder,
                "silence_logs": logging.CRITICAL, **address}
@@ -35,7 +35,7 @@ def local_cluster(workers, gpus, folder):
 
 
 def connect(address):
-    """Of a local cluster, or an address."""
+    """Returns a client of a local cluster, or of a scheduler's address."""
     return Client(address, timeout=CONNECT_S)
 
 
@@ -47,7 +47,7 @@ def _failure(error):
 
 
 class DaskRun:
-    """Hands out as many jobs as there are places on workers: a job that waits at a worker would
+    """Hands out only as many jobs as the workers have places: a job that waits at a worker would
     count as failed when that worker dies."""
 
     def __init__(self, client):
@@ -56,16 +56,13 @@ class DaskRun:
         self.done = as_completed()
 
     def run(self, jobs, on_end, on_wait):
-        """on_end(job, text, failure) for each: what it wrote, or why there is nothing; returns
-        jobs that go next. Those that are `given_up` by then are left out. on_wait(number of places)
-        in between."""
+        """Runs the jobs. Calls on_end(job, text, failure) for each: `text` is what the job wrote, or
+        `failure` says why it failed. Calls on_wait(number of places) in between."""
         waiting = collections.deque(jobs)
         while waiting or self.running:
             places, resources = self._places()
             while waiting and len(self.running) < places:
-                job = waiting.popleft()
-                if not job.get("given_up"):
-                    self._submit(job, resources)
+                self._submit(waiting.popleft(), resources)
             if not self.done.has_ready():
                 on_wait(places)
                 time.sleep(POLL_S)
@@ -73,15 +70,14 @@ class DaskRun:
             future = next(self.done)
             job = self.running.pop(future)
             if future.status == "finished":
-                more = on_end(job, future.result().decode(), None)
+                on_end(job, future.result().decode(), None)
             elif future.status == "error":
-                more = on_end(job, None, _failure(future.exception()))
+                on_end(job, None, _failure(future.exception()))
             else:  # cancelled, lost
                 raise OSError(GONE)
-            waiting.extendleft(reversed(more))
 
     def _places(self):
-        """Where any worker has a GPU, those with one do the work."""
+        """Counts the places. If any worker has a GPU, only those with a GPU do the work."""
         if self.client.status != "running":
             raise OSError(GONE)
         workers = self.client.scheduler_info()["workers"].values()
@@ -92,7 +88,7 @@ class DaskRun:
 
     def _submit(self, job, resources):
         command = [sys.executable, job["script"], job["text"]]
-        # The worker's terminal is not the job's: Ctrl-C there is the worker's to handle.
+        # A session of its own keeps Ctrl-C in the worker's terminal from the job.
         future = self.client.submit(subprocess.check_output, command, stderr=subprocess.PIPE,
                                     start_new_session=True, retries=RETRIES, resources=resources,
                                     pure=False)

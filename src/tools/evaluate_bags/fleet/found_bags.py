@@ -1,4 +1,4 @@
-"""Which bags there are, and their names in the fleet."""
+"""Finds the bags of the command line, and names them."""
 import os
 
 SUFFIX = ".bag"
@@ -17,8 +17,8 @@ def _below(folder):
 
 
 def find_bags(places):
-    """{name: absolute path}, in the order of names. A bag of a folder is named by its way from
-    there, any other by its file's name, so that an earlier run's names are the same."""
+    """Returns {name: absolute path} in the order of names. A bag in a folder is named by its path
+    from the folder, any other by its file name, so the names are the same in every run."""
     found = {}
     for place in places:
         if os.path.isdir(place):

@@ -1,4 +1,5 @@
-"""What a bag's result was made of. The same identity: it need not be made again."""
+"""Identifies what a bag's result was made of. With the same identity, a bag is not evaluated
+again."""
 import hashlib
 import json
 import os
@@ -11,7 +12,8 @@ CHUNK = 1 << 22
 
 
 def hash_of(path, go_on=lambda: None):
-    """Of a file's content; None: there is no such file. `go_on` is called now and then."""
+    """Returns the hash of a file's content; None if there is no such file. Calls `go_on` now and
+    then, which may raise to stop."""
     digest = hashlib.sha256()
     try:
         with open(path, "rb") as file:
@@ -24,7 +26,8 @@ def hash_of(path, go_on=lambda: None):
 
 
 def resolved(name):
-    """The path of a file or a package:// or file:// name; None: nobody knows."""
+    """Returns the path of a file name, or of a package:// or file:// name; None if it is
+    unknown."""
     if name.startswith("file://"):
         return name[len("file://"):]
     if not name.startswith("package://"):
@@ -48,7 +51,8 @@ def _strings(tree):
 
 
 def _named_in(path):
-    """Files that a yaml file names. What cannot be read is evaluate_bag's to refuse."""
+    """Returns all texts in a yaml file, some of which may name files. evaluate_bag reports a file
+    that cannot be read."""
     try:
         with open(path, errors="replace") as file:
             return list(_strings(yaml.safe_load(file)))
@@ -57,7 +61,7 @@ def _named_in(path):
 
 
 def identity_of(tool, version, bag, arguments, go_on):
-    """Of everything that is known before the bag was read."""
+    """Returns the identity by everything that is known before the bag is read."""
     files = {}
     words = list(arguments)
     if "--config" in arguments:
@@ -73,7 +77,7 @@ def identity_of(tool, version, bag, arguments, go_on):
 
 
 def meshes_of(summary, go_on):
-    """{name: hash} of the mesh files that the robot's links came from, as the evaluation had it."""
+    """Returns {name: hash} of the mesh files of the robot's links, which the evaluation named."""
     names = {name for link in summary["configuration"]["links"]
              for name in link["source"].split("; ") if "://" in name}
     return {name: hash_of(resolved(name) or "", go_on) for name in sorted(names)}

@@ -1,4 +1,4 @@
-"""Times of all cycles of a fleet: their distribution, and the slowest."""
+"""Collects the detection times of all cycles of all bags: their distribution, and the slowest."""
 import array
 import csv
 import heapq
@@ -8,12 +8,12 @@ import os
 from evaluation_report import plt, to_svg
 
 MOST_SLOW_CYCLES = 20
-MOST_POINTS = 2000  # of the curve; beyond it nobody sees more
-TAIL = 200          # slowest cycles that the curve has each
+MOST_POINTS = 2000  # of the curve
+TAIL = 200          # every one of the slowest cycles has a point
 
 
 def _cycles_of(folder):
-    """(milliseconds, stamp) of the first run's cycles."""
+    """Yields (milliseconds, stamp) for the cycles of the first run."""
     with open(os.path.join(folder, "frames.csv"), newline="", errors="replace") as file:
         rows = csv.reader(file)
         titles = next(rows)
@@ -28,7 +28,7 @@ def _cycles_of(folder):
 class Latency:
 
     def __init__(self, out, bags):
-        """`bags`: entries of fleet.json."""
+        """`bags` are entries of fleet.json."""
         times = array.array("d")
         self.slowest = []  # (milliseconds, bag, stamp)
         for bag in bags:
@@ -43,11 +43,12 @@ class Latency:
         self.times = sorted(times)
 
     def quantile(self, share):
-        """Milliseconds that as large a share of cycles takes at most."""
+        """Returns the time that this share of all cycles does not exceed [ms]."""
         return self.times[math.ceil(share * len(self.times)) - 1]
 
     def points(self):
-        """[(milliseconds, share of cycles that take at most as long)], thinned."""
+        """Returns [(milliseconds, share of cycles that take at most as long)], with fewer points
+        than cycles."""
         count = len(self.times)
         step = max(count // MOST_POINTS, 1)
         shown = sorted({0, *range(0, count, step), *range(max(count - TAIL, 0), count)})

@@ -1,4 +1,4 @@
-"""What this machine has for local workers, and how they share it."""
+"""Finds the GPUs and cores of this machine, and shares them among local workers."""
 import itertools
 import os
 import re
@@ -6,17 +6,18 @@ import subprocess
 
 import yaml
 
-NO_DEVICE = ("", "-1")  # of CUDA_VISIBLE_DEVICES: it and what follows
+NO_DEVICE = ("", "-1")  # ends the list in CUDA_VISIBLE_DEVICES
 
 
 def gpu_names():
-    """Words for CUDA_VISIBLE_DEVICES, each for one GPU; of those that it names already, if any."""
+    """Returns words for CUDA_VISIBLE_DEVICES, each for one GPU. If the variable is set, only the
+    GPUs that it names count."""
     try:
         listed = subprocess.run(["nvidia-smi", "-L"], stdout=subprocess.PIPE, timeout=30,
                                 stderr=subprocess.DEVNULL, universal_newlines=True, check=False)
     except (OSError, subprocess.TimeoutExpired):
         return []
-    # By number, nvidia-smi and CUDA may mean different ones.
+    # Numbers of GPUs may differ between nvidia-smi and CUDA, so UUIDs are used.
     names = re.findall(r"^GPU \d+: .*\(UUID: (GPU-[^)]+)\)", listed.stdout, re.MULTILINE)
     given = os.environ.get("CUDA_VISIBLE_DEVICES")
     if names and given is not None:
@@ -30,12 +31,13 @@ def core_count():
 
 
 def worker_count(asked, jobs, gpus):
-    """`asked`: None for as many as GPUs, else cores; no more than there are jobs."""
+    """Returns the number of workers: as asked, or one for each GPU, or one for each core; at most
+    one for each job."""
     return max(min(asked or gpus or core_count(), jobs), 1)
 
 
 def _configured_threads(path):
-    """What cannot be read is evaluate_bag's to refuse."""
+    """Returns the configuration's `threads`. evaluate_bag reports a file that cannot be read."""
     try:
         with open(path, errors="replace") as file:
             return yaml.safe_load(file).get("threads", 0)
@@ -44,8 +46,8 @@ def _configured_threads(path):
 
 
 def threads_each(workers, config):
-    """Of each worker's evaluate_bag, so that together they have all cores; None: as the file
-    `config` (or None) says."""
+    """Returns the threads of each evaluate_bag, so that all together use all cores. None if the
+    configuration file says how many."""
     if config and _configured_threads(config) != 0:
         return None
     return max(core_count() // workers, 1)

@@ -1,4 +1,4 @@
-"""What came of a run: fleet.json's content, and its lines for people."""
+"""Collects the results of a run: the content of fleet.json, and the lines for people."""
 import subprocess
 import time
 
@@ -13,7 +13,7 @@ def verdict_of(fleet):
     broken = sum(not e["holds"] for bag in fleet["bags"] for e in bag["expectations"])
     parts = []
     if not_whole:
-        parts.append(f"{not_whole} of {count} bags could not be evaluated whole")
+        parts.append(f"{not_whole} of {count} bags could not be evaluated completely")
     if broken:
         parts.append(f"{broken} expectations broken")
     disagree = sum(bag["state"] == BROKEN and all(e["holds"] for e in bag["expectations"])

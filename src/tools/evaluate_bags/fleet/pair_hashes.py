@@ -1,4 +1,5 @@
-"""pair_hashes.csv: the set of triangle pairs of two bodies in a cycle as one hash."""
+"""Writes pair_hashes.csv: one hash for the set of triangle pairs of two bodies in a cycle. It is
+far smaller than pairs.csv, and enough to see whether the pairs changed."""
 import csv
 import hashlib
 import itertools
@@ -22,7 +23,7 @@ def _rows(pairs_path):
 
 
 def write_pair_hashes(folder):
-    """From pairs.csv of an evaluation; the order of a cycle's pairs does not matter."""
+    """Writes the hashes from pairs.csv. The order of a cycle's pairs does not matter."""
     with open(os.path.join(folder, "pair_hashes.csv"), "w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(TITLE)
@@ -30,7 +31,7 @@ def write_pair_hashes(folder):
 
 
 def read_pair_hashes(folder):
-    """{(body_a, body_b): {stamp: [hash, ...]}}; two cycles may have one stamp."""
+    """Returns {(body_a, body_b): {stamp: [hash, ...]}}. Two cycles may have the same stamp."""
     found = {}
     with open(os.path.join(folder, "pair_hashes.csv"), newline="") as file:
         for row in csv.DictReader(file):

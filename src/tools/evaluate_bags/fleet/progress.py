@@ -1,4 +1,4 @@
-"""Says on standard error how far the fleet is."""
+"""Shows on standard error how many bags are done."""
 import sys
 import time
 
@@ -12,12 +12,12 @@ def _time_text(seconds):
 
 
 class Progress:
-    """Time left is by bytes, as bags differ in length; of bags that had to be done."""
+    """Estimates the time left by bytes, because bags differ in length. Bags that were evaluated
+    before do not count."""
 
     def __init__(self, bags, total_bytes, clock=time.monotonic, out=sys.stderr):
         self.bags, self.bytes_left, self.clock, self.out = bags, total_bytes, clock, out
         self.done = self.there = self.cycles = self.bytes_done = 0
-        self.parts = self.parts_done = 0  # of bags that are split
         self.started = clock()
         self.on_terminal = out.isatty()
         self.next_s = self.started + (TERMINAL_PERIOD_S if self.on_terminal else 2)
@@ -35,8 +35,6 @@ class Progress:
         text = f"{self.done} of {self.bags} bags"
         if self.there:
             text += f" ({self.there} were there)"
-        if self.parts:
-            text += f", {self.parts_done} of {self.parts} parts"
         text += f", {self.cycles} cycles, {self.cycles / elapsed:.0f} a second"
         if self.bytes_done:
             left = elapsed * self.bytes_left / self.bytes_done

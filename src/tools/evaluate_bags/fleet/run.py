@@ -1,4 +1,4 @@
-"""A run over the fleet: its folder, its jobs, and what came of them."""
+"""A run over many bags: its folder, its jobs, and their results."""
 import contextlib
 import fcntl
 import json
@@ -12,11 +12,10 @@ from fleet import dask_run, machine
 from fleet.changes import read_summary
 from fleet.evaluation import REFUSED
 from fleet.identity import VARIABLES
-from fleet.parts import Splits, count_of
 from fleet.progress import Progress
 from fleet.tables import CRASHED, TABLES
 
-STOP_S = 5  # for jobs to see that they shall stop
+STOP_S = 5  # time for jobs to notice the stop file [s]
 
 
 class FolderError(Exception):
@@ -24,7 +23,7 @@ class FolderError(Exception):
 
 
 class Run:
-    """One run over the fleet; its folder of attempts has all that is not whole yet."""
+    """One run over many bags. Incomplete results are in its folder of attempts."""
 
     def __init__(self, arguments, tools):
         """`tools`: the folder with evaluate_bag and fleet_job.py."""
@@ -39,7 +38,7 @@ class Run:
 
     @contextlib.contextmanager
     def folder(self):
-        """Ours alone as long as it lasts. An earlier run's tables speak of another state."""
+        """Locks the folder while the context lasts, and removes the tables of an earlier run."""
         os.makedirs(self.out, exist_ok=True)
         with open(os.path.join(self.out, ".lock"), "w") as lock:
             try:
@@ -55,12 +54,9 @@ class Run:
                 yield
             finally:
                 shutil.rmtree(self.attempts, ignore_errors=True)
-                for at, _, _ in os.walk(os.path.join(self.out, "parts"), topdown=False):
-                    with contextlib.suppress(OSError):  # parts that are not joined yet
-                        os.rmdir(at)
 
     def stop_jobs(self):
-        """Waits until they have."""
+        """Asks the jobs to stop, and waits until they have, for STOP_S at most."""
         with open(self.stop, "w"):
             pass
         ends = time.monotonic() + STOP_S
@@ -68,7 +64,7 @@ class Run:
             time.sleep(.1)
 
     def _forget(self, name):
-        """An earlier result is of another bag or configuration."""
+        """Removes an earlier result: it belongs to another bag or configuration."""
         with contextlib.suppress(FileNotFoundError):
             os.rename(os.path.join(self.out, "bags", name),
                       tempfile.mkdtemp(prefix="forgotten-", dir=self.attempts))
@@ -76,27 +72,23 @@ class Run:
     def _has_attempts(self):
         return any(name.startswith(self.id + "-") for name in os.listdir(self.attempts))
 
-    def job(self, name, bag, **fields):
+    def job(self, name, bag):
+        """Returns a job for fleet_job.py, which needs neither our modules nor our environment."""
         environment = {key: os.environ[key] for key in VARIABLES if key in os.environ}
         text = json.dumps({
             "name": name, "bag": bag, "out": self.out, "attempts": self.attempts, "run": self.id,
             "stop": self.stop, "tool": self.tool, "arguments": self.passed,
-            "threads": self.threads, "folder": os.getcwd(), "environment": environment, **fields})
-        return {"name": name, "bag": bag, "script": self.script,
-                "text": text, "fields": fields}
+            "threads": self.threads, "folder": os.getcwd(), "environment": environment})
+        return {"name": name, "bag": bag, "script": self.script, "text": text}
 
-    def evaluate(self, bags, parts, address):
-        """{name: record}; `parts`: of each bag, their number."""
+    def evaluate(self, bags, address):
+        """Evaluates the bags on the workers at `address`. Returns {name: record}."""
         sizes = {name: os.path.getsize(path) for name, path in bags.items()}
         progress = Progress(len(bags), sum(sizes.values()))
         records = {}
-        splits = Splits(self.job, progress)
 
         def on_end(job, text, failure):
             name = job["name"]
-            more = splits.after(job, None if text is None else json.loads(text))
-            if more is not None:
-                return more
             records[name] = json.loads(text) if failure is None else {
                 "name": name, "bag": job["bag"], "state": CRASHED, "message": failure}
             record, cycles = records[name], 0
@@ -105,11 +97,10 @@ class Run:
             else:
                 cycles = read_summary(os.path.join(self.out, "bags", name))["cycles"]
             progress.add(sizes[name], cycles, record.get("was_there", False))
-            return []
 
         client = dask_run.connect(address)
         try:
-            jobs = [splits.first(name, path, parts[name]) for name, path in bags.items()]
+            jobs = [self.job(name, path) for name, path in bags.items()]
             dask_run.DaskRun(client).run(jobs, on_end, progress.show)
         finally:
             progress.clear()
@@ -118,23 +109,23 @@ class Run:
 
 
 def evaluate_on_workers(run, bags, arguments):
-    parts = {name: count_of(path, arguments.split_minutes) for name, path in bags.items()}
+    """Evaluates the bags on the scheduler of the arguments, or on local workers."""
     if arguments.scheduler:
-        return _evaluate(run, bags, parts, arguments.scheduler)
+        return _evaluate(run, bags, arguments.scheduler)
     gpus = machine.gpu_names()
-    workers = machine.worker_count(arguments.workers, sum(parts.values()), len(gpus))
+    workers = machine.worker_count(arguments.workers, len(bags), len(gpus))
     if run.threads is None:
         run.threads = machine.threads_each(workers, (arguments.config or [None])[0])
     cluster = dask_run.local_cluster(workers, gpus, os.path.join(run.attempts, "dask"))
     try:
-        return _evaluate(run, bags, parts, cluster)
+        return _evaluate(run, bags, cluster)
     finally:
         cluster.close()
 
 
-def _evaluate(run, bags, parts, address):
+def _evaluate(run, bags, address):
     try:
-        return run.evaluate(bags, parts, address)
+        return run.evaluate(bags, address)
     except BaseException:
         run.stop_jobs()
         raise

@@ -1,4 +1,4 @@
-"""fleet.csv and fleet.json: the fleet for machines."""
+"""Writes fleet.csv and fleet.json, the results of all bags for programs."""
 import csv
 import io
 import json
@@ -17,7 +17,7 @@ TABLES = ("fleet.csv", "fleet.json", "index.html")
 
 
 def _numbers(folder):
-    """Of the bag's first run."""
+    """Returns the figures of the bag's first run."""
     summary = read_summary(folder)
     run, times = summary["runs"][0], summary["times"]["runs"][0]["detect_ms"]
     return {"cycles": summary["cycles"], "complete_cycles": run["complete_cycles"],
@@ -26,8 +26,8 @@ def _numbers(folder):
 
 
 def bag_entry(out, record, changes):
-    """A bag in fleet.json. `record`: of its job; `changes`: [(Change, allowed)] of it, or None
-    without a baseline."""
+    """Returns the entry of a bag in fleet.json. `record` is that of its job. `changes` is a list of
+    (Change, allowed), or None without a baseline."""
     entry = {"bag": record["name"], "path": record["bag"], "state": record["state"],
              "message": record["message"], "seconds": record.get("seconds"),
              "machine": record.get("machine", ""), "identity": record.get("identity_hash", ""),
@@ -43,7 +43,7 @@ def bag_entry(out, record, changes):
 
 
 def exit_code(fleet):
-    """What was not evaluated whole goes before what was found."""
+    """Incomplete evaluations take precedence over their findings."""
     if any(bag["state"] in NOT_WHOLE for bag in fleet["bags"]):
         return 2
     broken = any(bag["state"] == BROKEN for bag in fleet["bags"])

@@ -1,0 +1,66 @@
+// Runs a detection cycle that decides pairs of bodies by bounds of their distance, within a
+// tolerance or before a deadline. core/detector_pool.h says what it promises.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <functional>
+#include <memory>
+#include <memory_resource>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/bounds/exact_part.h"
+#include "core/bounds/pair_rounds.h"
+#include "core/bounds/time_estimates.h"
+#include "core/common/cycle_limit.h"
+#include "core/detector.h"
+#include "core/tiling_cache.h"
+
+namespace deformable_contact_monitor {
+
+// Shares the pairs of a cycle between bounds of tiles and an exact detector, and makes one result
+// of both. Keeps what both leave for later cycles. One thread at a time.
+class BoundedCycle {
+ public:
+  // Detects exactly. Its result stays valid until the next call.
+  using ExactDetection = std::function<const DetectionResult&(const Scene&, const Options&)>;
+
+  // `memory` stores the vertices of the scenes that `exact` gets (Detector::vertexMemory()).
+  BoundedCycle(ExactDetection exact, std::shared_ptr<TilingCache> tilings,
+               std::pmr::memory_resource& memory)
+      : exact_(std::move(exact)), tilings_(std::move(tilings)), exact_part_(memory) {}
+
+  // Does what Detector::detect() does. The result belongs to this object, or to `exact` if that did
+  // the whole cycle.
+  const DetectionResult& detect(const Scene& scene, const Options& options);
+
+  // Returns whether the result of the last detect() belongs to this object, not to `exact`.
+  bool ownsResult() const { return owns_result_; }
+  // Does what Detector::swapResult() does, if this object owns the result.
+  void swapResult(DetectionResult& result) { result_.swap(result); }
+
+ private:
+  void sharePairs(const Scene& scene);
+  template <class Work>
+  void runOnThreads(const Options& options, const Work& work);
+  const DetectionResult& runExact(const Scene& scene, Options options);
+  void addBounds(const Scene& scene, const Options& options, const CycleLimit& limit);
+  void countRejected(const Scene& scene);
+
+  ExactDetection exact_;
+  std::shared_ptr<TilingCache> tilings_;
+  ExactPart exact_part_;
+  LateEnds exact_ends_;
+  UsualTime merge_time_;                  // from the last contact to the end of the cycle
+  std::optional<tbb::task_arena> arena_;  // of arena_threads_
+  int arena_threads_ = 0;                 // as Options::threads
+  std::vector<std::shared_ptr<const Tiling>> tiling_;  // per body; null: there is none
+  std::vector<std::pair<BodyId, BodyId>> tiled_pairs_, exact_pairs_;  // of this cycle, ascending
+  PairRounds rounds_;
+  DetectionResult result_;
+  bool owns_result_ = false;
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,62 @@
+#include "core/common/scene_queries.h"
+
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "core/common/posed_body.h"
+#include "core/predicates/triangle.h"
+
+namespace deformable_contact_monitor {
+
+BodyGroups::BodyGroups(const Scene& scene) : group(scene.bodyCount()) {
+  const auto count = static_cast<BodyId>(scene.bodyCount());
+  std::map<std::vector<bool>, std::uint32_t> known;
+  std::vector<BodyId> representative;
+  for (BodyId a = 0; a < count; ++a) {
+    std::vector<bool> row(count);
+    for (BodyId b = 0; b < count; ++b) row[b] = scene.pairEnabled(a, b);
+    const auto [place, added] =
+        known.emplace(std::move(row), static_cast<std::uint32_t>(known.size()));
+    group[a] = place->second;
+    if (added) representative.push_back(a);
+  }
+  for (const BodyId a : representative) {
+    std::vector<bool> row;
+    row.reserve(representative.size());
+    for (const BodyId b : representative) row.push_back(scene.pairEnabled(a, b));
+    enabled.push_back(std::move(row));
+  }
+}
+
+void requireHostVertices(const Scene& scene, const std::string& backend) {
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    const Body& body = scene.body(id);
+    if (!body.device_vertices || !scene.takesPart(id)) continue;
+    throw std::invalid_argument(body.name + ": its vertices are on a device, which backend \"" +
+                                backend + "\" cannot read");
+  }
+}
+
+std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene, Motion motion) {
+  std::vector<RejectedTriangles> rejected(scene.bodyCount());
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    if (!scene.takesPart(id)) continue;
+    const PosedBody now(scene.body(id)), earlier = PosedBody::earlier(scene.body(id));
+    const auto count = static_cast<std::uint32_t>(scene.body(id).mesh.triangleCount());
+    for (std::uint32_t t = 0; t < count; ++t) {
+      bool is_rejected = false;
+      for (const PosedBody* body : {&now, &earlier}) {
+        if ((body == &earlier && motion == Motion::kInstant) || isFinite(body->triangle(t))) {
+          continue;
+        }
+        is_rejected = true;
+        rejected[id].by_pose = rejected[id].by_pose || isFinite(body->received(t));
+      }
+      rejected[id].count += is_rejected ? 1 : 0;
+    }
+  }
+  return rejected;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,161 @@
+// The float32 filters of the narrow phase. They decide most pairs, and are always right when they
+// decide.
+//
+// A plane filter tells whether a triangle certainly lies on one side of another's plane. A
+// projection filter tells whether two triangles certainly do not meet when projected along a
+// coordinate axis: triangles whose projections do not meet do not meet. It helps where planes tell
+// nothing, for triangles in one plane, which mostly lie side by side.
+#pragma once
+
+#include <cmath>
+
+#include "core/host_device.h"
+#include "core/predicates/adjacency.h"
+#include "core/predicates/orientation.h"
+#include "core/predicates/triangle.h"
+
+namespace deformable_contact_monitor {
+
+// The plane of a triangle: its normal, and the sizes of the terms that bound the error of distances
+// from it.
+struct PlaneFilter {
+  Vec3f origin, normal, permanent;
+
+  PlaneFilter() = default;
+  DCM_HD explicit PlaneFilter(const Triangle& t) : origin(t.v[0]) {
+    const Vec3f u = t.v[1] - t.v[0], w = t.v[2] - t.v[0];
+    const float m1 = u.y * w.z, m2 = u.z * w.y, m3 = u.z * w.x;
+    const float m4 = u.x * w.z, m5 = u.x * w.y, m6 = u.y * w.x;
+    normal = {m1 - m2, m3 - m4, m5 - m6};
+    // The constant covers products that underflow.
+    permanent = {fabsf(m1) + fabsf(m2) + 1e-37F, fabsf(m3) + fabsf(m4) + 1e-37F,
+                 fabsf(m5) + fabsf(m6) + 1e-37F};
+  }
+
+  // Computes the distance of a point from the plane and the bound of its error, in units of the
+  // normal. Real is float, or a vector of floats for several points at once.
+  template <class Real>
+  DCM_HD void distance(const Real& x, const Real& y, const Real& z, Real& value,
+                       Real& error) const {
+    const Real dx = x - origin.x, dy = y - origin.y, dz = z - origin.z;
+    value = normal.x * dx + normal.y * dy + normal.z * dz;
+    constexpr float kBound =
+        4.3e-7F;  // (7 + 56 u) u, u = 2^-24, Shewchuk's for orient3d, and slack
+    error = kBound * (permanent.x * most(dx, -dx) + permanent.y * most(dy, -dy) +
+                      permanent.z * most(dz, -dz)) +
+            1e-36F;
+  }
+
+  // Returns 1 or -1 if p is certainly strictly on that side, 0 if that is open, as it is after an
+  // overflow.
+  DCM_HD int side(const Vec3f& p) const {
+    float value, error;
+    distance(p.x, p.y, p.z, value, error);
+    return (value > error) - (value < -error);
+  }
+};
+
+namespace detail {
+
+// Returns the axis along which a triangle's projection is about the largest.
+DCM_HD inline int broadAxis(const Triangle& t) {
+  const PlaneFilter plane(t);
+  const float x = fabsf(plane.normal.x), y = fabsf(plane.normal.y), z = fabsf(plane.normal.z);
+  return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+}
+
+struct FlatPoint {
+  float x, y;
+
+  DCM_HD FlatPoint(const Vec3f& p, int axis) { projected(p, axis, x, y); }
+};
+
+// Returns 1 or -1 if c is certainly strictly on that side of the line from a to b, in float32; 0 if
+// that is open, as it is after an overflow.
+DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
+  const float left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
+  constexpr float kBound = 1.8e-7F;  // (3 + 16 u) u, u = 2^-24, Shewchuk's for orient2d, and slack
+  constexpr float kUnderflow = 1e-37F;
+  const float det = left - right, bound = kBound * (fabsf(left) + fabsf(right)) + kUnderflow;
+  return (det > bound) - (det < -bound);
+}
+
+struct FlatTriangle {
+  FlatPoint v[3];
+
+  DCM_HD FlatTriangle(const Triangle& t, int axis)
+      : v{{t.v[0], axis}, {t.v[1], axis}, {t.v[2], axis}} {}
+};
+
+// Returns whether t has an edge whose line certainly has all of the other triangle strictly on its
+// outer side.
+DCM_HD inline bool edgeLineCertainlySeparates(FlatTriangle t, const FlatTriangle& other) {
+  DCM_ROLLED for (int edge = 0; edge < 3; ++edge) {
+    const int outer = -certainTurn(t.v[0], t.v[1], t.v[2]);
+    bool all_outside = outer != 0;
+    for (int i = 0; i < 3; ++i) {
+      all_outside = all_outside && certainTurn(t.v[0], t.v[1], other.v[i]) == outer;
+    }
+    if (all_outside) return true;
+    const FlatPoint first = t.v[0];
+    t.v[0] = t.v[1];
+    t.v[1] = t.v[2];
+    t.v[2] = first;
+  }
+  return false;
+}
+
+// Returns whether, projected along `axis`, the line of an edge that leaves the shared vertex p has
+// the rest of a and the rest of b strictly on different sides, except for the edge itself.
+DCM_HD inline bool edgeLineSeparatesAngles(const Vec3f& p, const Vec3f a[2], const Vec3f b[2],
+                                           int axis) {
+  const int turn = orient2dFiltered(p, a[0], a[1], axis);
+  if (turn != 1 && turn != -1) return false;
+  const bool beyond_first = orient2dFiltered(p, a[0], b[0], axis) == -turn &&
+                            orient2dFiltered(p, a[0], b[1], axis) == -turn;
+  return beyond_first || (orient2dFiltered(p, a[1], b[0], axis) == turn &&
+                          orient2dFiltered(p, a[1], b[1], axis) == turn);
+}
+
+}  // namespace detail
+
+// Two triangles that share no vertex, in float32.
+DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b) {
+  const int axis = detail::broadAxis(a);
+  const detail::FlatTriangle flat_a(a, axis), flat_b(b, axis);
+  return detail::edgeLineCertainlySeparates(flat_a, flat_b) ||
+         detail::edgeLineCertainlySeparates(flat_b, flat_a);
+}
+
+// Two triangles that share vertices, by double arithmetic: do they certainly not meet beyond them?
+DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b,
+                                              const SharedVertices& shared) {
+  Vec3f common[2], rest_a[3], rest_b[3];
+  int common_count = 0, a_count = 0, b_count = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!shared.in_a[i]) {
+      rest_a[a_count < 2 ? a_count : 2] = a.v[i];
+      ++a_count;
+    } else {
+      common[common_count < 1 ? 0 : 1] = a.v[i];
+      ++common_count;
+    }
+    if (!shared.in_b[i]) {
+      rest_b[b_count < 2 ? b_count : 2] = b.v[i];
+      ++b_count;
+    }
+  }
+  const int axis = detail::broadAxis(a);
+  if (a_count == 1 && b_count == 1 && common_count == 2) {
+    const int side_a = orient2dFiltered(common[0], common[1], rest_a[0], axis);
+    const int side_b = orient2dFiltered(common[0], common[1], rest_b[0], axis);
+    return side_a * side_b == -1;
+  }
+  if (a_count == 2 && b_count == 2) {
+    return detail::edgeLineSeparatesAngles(common[0], rest_a, rest_b, axis) ||
+           detail::edgeLineSeparatesAngles(common[0], rest_b, rest_a, axis);
+  }
+  return false;
+}
+
+}  // namespace deformable_contact_monitor

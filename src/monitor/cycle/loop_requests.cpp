@@ -1,0 +1,112 @@
+// Requests of other threads to the detection thread. Rules are changed under a lock of their own,
+// so that the detection thread never waits for a change, but only for a pointer to its result.
+#include "monitor/cycle/loop_requests.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace deformable_contact_monitor {
+
+std::vector<AllowedContact> LoopRequests::changeAllowedContacts(
+    const AllowedContactsChange& change) {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  AllowedContacts allowed = *allowed_;
+  allowed.change(change);
+  allowed_ = std::make_shared<const AllowedContacts>(std::move(allowed));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    requests_.allowed_contacts = allowed_;
+    wakeLocked();
+  }
+  return allowed_->rules();
+}
+
+AttachedObjects LoopRequests::attach(const std::string& object, std::vector<std::string> links) {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  std::sort(links.begin(), links.end());
+  links.erase(std::unique(links.begin(), links.end()), links.end());
+  AttachedObjects attached = attached_;
+  if (links.empty()) {
+    attached.erase(object);
+  } else {
+    attached[object] = std::move(links);
+  }
+  useAttached(attached);
+  return attached;
+}
+
+// Keeps the links that the robot still has.
+std::vector<std::string> LoopRequests::releaseFromOthers(const std::set<std::string>& links) {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  std::vector<std::string> released;
+  AttachedObjects left;
+  for (const auto& [object, holders] : attached_) {
+    for (const std::string& link : holders) {
+      if (links.count(link) > 0) {
+        left[object].push_back(link);
+      } else {
+        released.push_back(std::string(object).append(" by ").append(link));
+      }
+    }
+  }
+  if (!released.empty()) useAttached(std::move(left));
+  return released;
+}
+
+void LoopRequests::useAttached(AttachedObjects attached) {
+  attached_ = std::move(attached);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requests_.attached = std::make_shared<const AttachedObjects>(attached_);
+  wakeLocked();
+}
+
+void LoopRequests::change(const LiveParameters& live) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requests_.live = live;
+  wakeLocked();
+}
+
+void LoopRequests::requestReset() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requests_.reset = true;
+  wakeLocked();
+}
+
+void LoopRequests::setEnabled(bool enabled) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requests_.enabled = enabled;
+  wakeLocked();
+}
+
+void LoopRequests::wake() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  wakeLocked();
+}
+
+void LoopRequests::stop() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  stopped_ = true;
+  wakeLocked();
+}
+
+void LoopRequests::wakeLocked() {
+  woken_ = true;
+  wake_.notify_one();
+}
+
+bool LoopRequests::wait(SteadyTime then) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  wake_.wait_until(lock, then, [this] { return woken_ || stopped_; });
+  woken_ = false;
+  return !stopped_;
+}
+
+// All requests are events, except `enabled`: it stays as it was last asked for.
+Requests LoopRequests::take() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Requests taken = std::exchange(requests_, Requests());
+  requests_.enabled = taken.enabled;
+  return taken;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,83 @@
+// Requests of other threads to the detection thread, and what wakes it.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/steady_time.h"
+#include "monitor/rules/contact_rules.h"
+#include "monitor/rules/parameters.h"
+
+namespace deformable_contact_monitor {
+
+// All requests since the detection thread last took them.
+struct Requests {
+  bool reset = false;
+  std::shared_ptr<const AllowedContacts> allowed_contacts;  // all rules in force; null: unchanged
+  std::shared_ptr<const AttachedObjects> attached;          // all attachments; null: unchanged
+  std::optional<LiveParameters> live;                       // nothing: unchanged
+  bool enabled = true;                                      // as last asked for
+};
+
+// Collects what services, rqt_reconfigure and the robot source ask of the detection thread, and
+// wakes that thread. Any thread may call every function at any time; only the detection thread
+// calls wait() and take().
+class LoopRequests {
+ public:
+  // `allowed` are the rules in force at the start.
+  explicit LoopRequests(AllowedContacts allowed)
+      : allowed_(std::make_shared<const AllowedContacts>(std::move(allowed))) {}
+
+  // Changes the allowed contacts and returns all rules that are in force then. Throws
+  // std::invalid_argument, and changes nothing, if AllowedContacts rejects a part of the change.
+  std::vector<AllowedContact> changeAllowedContacts(const AllowedContactsChange& change);
+
+  // Attaches the object to these links, and detaches it from all others; no links: from all.
+  // Returns all attachments then.
+  AttachedObjects attach(const std::string& object, std::vector<std::string> links);
+  // Detaches all objects from links that are not among `links`, the robot's. Returns what was
+  // detached, as "cloth by hand" each.
+  std::vector<std::string> releaseFromOthers(const std::set<std::string>& links);
+
+  void change(const LiveParameters& live);
+  void requestReset();
+  void setEnabled(bool enabled);
+
+  // Ends wait(), as a new mesh or robot waits elsewhere.
+  void wake();
+  // Ends this wait() and every later one.
+  void stop();
+  // Returns the flag that stop() sets. Long computations poll it.
+  const std::atomic<bool>& stopped() const { return stopped_; }
+
+  // Waits until `then`, or until one of the functions above was called, before or meanwhile.
+  // Returns false once stop() was called.
+  bool wait(SteadyTime then);
+
+  // Returns what was asked for since the last call.
+  Requests take();
+
+ private:
+  void wakeLocked();
+  void useAttached(AttachedObjects attached);
+
+  // Guards the next two members. It is held while rules are changed, which may take long.
+  std::mutex change_mutex_;
+  std::shared_ptr<const AllowedContacts> allowed_;
+  AttachedObjects attached_;
+
+  std::mutex mutex_;  // guards the members below; never held for long
+  std::condition_variable wake_;
+  Requests requests_;
+  bool woken_ = false;
+  std::atomic<bool> stopped_{false};
+};
+
+}  // namespace deformable_contact_monitor

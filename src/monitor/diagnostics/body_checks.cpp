@@ -1,0 +1,149 @@
+// Finds bodies whose meshes are probably not what the user meant.
+//
+// The size check compares boxes only, so it costs one pass over the vertices per object and second.
+#include "monitor/diagnostics/body_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr double kAnomalousFactor = 100;  // times the robot's largest side
+
+// An axis-aligned box in double precision, which holds the sizes that this check looks for.
+struct Box {
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double low[3] = {kInfinity, kInfinity, kInfinity};
+  double high[3] = {-kInfinity, -kInfinity, -kInfinity};
+
+  void add(const double (&point)[3]) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], point[axis]);
+      high[axis] = std::max(high[axis], point[axis]);
+    }
+  }
+
+  bool isEmpty() const { return low[0] > high[0]; }
+
+  double largestSide() const {
+    double side = 0;
+    for (int axis = 0; axis < 3; ++axis) side = std::max(side, high[axis] - low[axis]);
+    return side;
+  }
+};
+
+// Returns the box of the finite vertices, in the body's frame.
+Box boxOf(const TriangleMesh& mesh) {
+  Box box;
+  for (std::size_t i = 0; i + 2 < mesh.vertices.size(); i += 3) {
+    const float* const v = &mesh.vertices[i];
+    if (std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2])) {
+      box.add({v[0], v[1], v[2]});
+    }
+  }
+  return box;
+}
+
+// Extends `all` by the eight corners of the box in that pose.
+void addPosed(const Box& box, const RigidTransform& pose, Box* all) {
+  for (int corner = 0; !box.isEmpty() && corner < 8; ++corner) {
+    double posed[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      posed[axis] = pose.translation[axis];
+      for (int i = 0; i < 3; ++i) {
+        const bool is_high = ((corner >> i) & 1) != 0;
+        posed[axis] += pose.rotation[3 * axis + i] * (is_high ? box.high[i] : box.low[i]);
+      }
+    }
+    all->add(posed);
+  }
+}
+
+// Returns the distance [m] between two boxes; 0 if they overlap.
+double gap(const Box& a, const Box& b) {
+  double squares = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double apart = std::max({a.low[axis] - b.high[axis], b.low[axis] - a.high[axis], 0.0});
+    squares += apart * apart;
+  }
+  return std::sqrt(squares);
+}
+
+// Returns the box of the links that have a pose in this cycle.
+Box robotBox(const CycleReport& report) {
+  Box robot;
+  for (BodyId id = 0; id < report.bodies.size(); ++id) {
+    const BodyStatus& status = report.bodies[id];
+    if (status.kind != BodyKind::kLink || status.stamp.isZero()) continue;
+    addPosed(boxOf(report.scene->body(id).mesh), report.scene->body(id).pose, &robot);
+  }
+  return robot;
+}
+
+// Returns what is anomalous about an object, and what to check; empty: nothing.
+std::string describeAnomaly(const Box& body, const Box& robot) {
+  std::ostringstream text;
+  const double robot_m = robot.largestSide();
+  if (body.largestSide() > kAnomalousFactor * robot_m) {
+    text << "its mesh is " << body.largestSide() << " m long, and the robot " << robot_m
+         << " m; is it in millimetres?";
+  } else if (gap(body, robot) > kAnomalousFactor * robot_m) {
+    text << "its mesh is " << gap(body, robot) << " m away from the robot, which is " << robot_m
+         << " m long; check its unit and its frame";
+  }
+  return text.str();
+}
+
+}  // namespace
+
+// Bodies that this cycle did not examine keep what was found before.
+std::vector<std::string> OpenBodies::look(const CycleReport& report) {
+  std::vector<std::string> lines;
+  for (BodyId id = 0; id < report.bodies.size(); ++id) {
+    const Containment::Components& parts = report.containment->bodies.at(id);
+    if (!parts.looked_at) continue;
+    const std::string& body = report.bodies[id].name;
+    open_.erase(body);
+    if (parts.open == 0) continue;
+    const std::string count =
+        std::to_string(parts.open) + " of " + std::to_string(parts.all) + " parts";
+    open_[body] = count;
+    if (!reported_.insert(body).second) continue;
+    lines.push_back("containment: " + count + " of '" + body +
+                    "' are not closed, so nothing is reported as inside of them; close the "
+                    "surface where that matters");
+  }
+  return lines;
+}
+
+std::string OpenBodies::list() const {
+  std::string all;
+  for (const auto& [body, count] : open_) {
+    all += (all.empty() ? "" : ", ") + body + " (" + count + ")";
+  }
+  return all;
+}
+
+// Computes the robot's box only when an object is due.
+std::vector<SizeCheck::Finding> SizeCheck::look(const CycleReport& report, SteadyTime now) {
+  std::vector<Finding> findings;
+  std::optional<Box> robot;
+  for (BodyId id = 0; report.scene != nullptr && id < report.bodies.size(); ++id) {
+    const BodyStatus& status = report.bodies[id];
+    const bool is_here = status.triggered && status.unknown_because.empty();
+    if (status.kind != BodyKind::kDeformable || !is_here || now < due_[status.name]) continue;
+    due_[status.name] = now + std::chrono::seconds(1);
+    if (!robot) robot = robotBox(report);
+    if (robot->isEmpty() || robot->largestSide() <= 0) break;
+    Box body;
+    addPosed(boxOf(report.scene->body(id).mesh), report.scene->body(id).pose, &body);
+    findings.emplace_back(status.name, body.isEmpty() ? "" : describeAnomaly(body, *robot));
+  }
+  return findings;
+}
+
+}  // namespace deformable_contact_monitor

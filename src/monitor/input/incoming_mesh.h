@@ -1,0 +1,37 @@
+// One mesh of a deformable object on its way into the scene.
+#pragma once
+
+#include <deformable_contact_monitor/DeformableMesh.h>
+#include <ros/time.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/steady_time.h"
+
+namespace deformable_contact_monitor {
+
+// Triangles that several meshes share. Two meshes have the same triangles iff they point to the
+// same Topology.
+struct Topology {
+  std::uint32_t id = 0;  // topology_id of the messages
+  std::size_t vertex_count = 0;
+  std::vector<std::uint32_t> triangles;  // three vertex indices each, all below vertex_count
+};
+
+// Made by an adapter, stored and accepted by MeshInput, queued by CycleScheduler, and loaded into
+// the scene by MonitorScene. The vertices are shared, never copied, until the scene reads them.
+struct IncomingMesh {
+  DeformableMesh::ConstPtr message;            // of an invalid one only the stamp may be used
+  std::string problem{};                       // why it is invalid or rejected; empty: it is valid
+  bool stamped_on_receipt = false;             // the original message had no stamp of its own
+  SteadyTime arrival{};                        // when roscpp received the original message
+  std::shared_ptr<const Topology> topology{};  // set on acceptance; fits the message's vertices
+
+  const ros::Time& stamp() const { return message->header.stamp; }
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,116 @@
+// Puts the rules in force into words, for the answers of services and for the diagnostics.
+//
+// A robot may have thousands of allowed pairs. The diagnostics show counts by source, and per body
+// the first few partners.
+#include "monitor/rules/rule_texts.h"
+
+#include <algorithm>
+#include <numeric>
+#include <sstream>
+
+#include "robot/nearest_name.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::size_t kShown = 8;  // partners that are named per body
+
+// Collects the bodies that one body may touch, as text.
+struct Partners {
+  std::string text;
+  std::size_t count = 0;
+
+  void add(const std::string& name, RuleSource source) {
+    if (++count > kShown) return;
+    text += (text.empty() ? "" : ", ") + name + " (" + toString(source) + ")";
+  }
+};
+
+// Returns "margin 0.01 m, may touch hand (srdf), arm (parameters) and 3 more".
+std::string describe(double margin_m, const Partners& partners) {
+  std::ostringstream text;
+  text << "margin " << margin_m << " m";
+  if (partners.count > 0) text << ", may touch " << partners.text;
+  if (partners.count > kShown) text << " and " << partners.count - kShown << " more";
+  return text.str();
+}
+
+// Returns the source's index in the arrays of RulesInForce.
+std::size_t index(RuleSource source) { return static_cast<std::size_t>(source); }
+
+}  // namespace
+
+// Lists all problems, so that a caller can correct them at once.
+std::string attachProblem(const std::string& object, const std::vector<std::string>& links,
+                          const std::vector<ObjectParameters>& objects,
+                          const RobotGeometry* robot) {
+  std::string problem;
+  const auto add = [&problem](const std::string& line) {
+    problem += (problem.empty() ? "" : "; ") + line;
+  };
+  std::vector<std::string> known;
+  for (const ObjectParameters& other : objects) known.push_back(other.name);
+  if (std::find(known.begin(), known.end(), object) == known.end()) {
+    add("no object '" + object + "' is monitored" + nearestNameHint(object, known));
+  }
+  if (links.empty()) return problem;
+  if (robot == nullptr) {
+    add("no robot is loaded yet, so no link can hold the object");
+    return problem;
+  }
+  known.assign(robot->link_names.begin(), robot->link_names.end());
+  for (const std::string& link : links) {
+    if (robot->link_names.count(link) > 0) continue;
+    add("the robot has no link '" + link + "'" + nearestNameHint(link, known));
+  }
+  return problem;
+}
+
+std::string describeHeld(const std::string& object, const std::vector<std::string>& links) {
+  std::string text = object + " by ";
+  for (std::size_t i = 0; i < links.size(); ++i) text += (i == 0 ? "" : ", ") + links[i];
+  return text;
+}
+
+std::string describeHeld(const AttachedObjects& attached) {
+  std::string text;
+  for (const auto& [object, links] : attached) {
+    text += (text.empty() ? "held: " : "; ") + describeHeld(object, links);
+  }
+  return text.empty() ? "nothing is held" : text;
+}
+
+std::size_t RulesInForce::allowedPairs() const {
+  return std::accumulate(allowed_pairs.begin(), allowed_pairs.end(), std::size_t{0});
+}
+
+// Asks for the source of each allowed pair again, because the table of pairs does not keep it.
+RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
+                           const std::vector<MonitoredPair>& pairs, const ContactRules& rules,
+                           const Scene& scene) {
+  RulesInForce in_force;
+  in_force.pairs = pairs.size();
+  for (const RuleSource source : {RuleSource::kParameters, RuleSource::kService}) {
+    in_force.rules[index(source)] = rules.allowed.count(source);
+  }
+  in_force.rules[index(RuleSource::kAttached)] = rules.attached.size();
+  in_force.rules[index(RuleSource::kSrdf)] = rules.links.count();
+
+  std::vector<Partners> partners(bodies.size());
+  for (const MonitoredPair& pair : pairs) {
+    if (!pair.allowed) continue;
+    const RuleSource source = rules.verdict(bodies[pair.a], bodies[pair.b]).source;
+    ++in_force.allowed_pairs[index(source)];
+    partners[pair.a].add(bodies[pair.b].name, source);
+    if (pair.a != pair.b) partners[pair.b].add(bodies[pair.a].name, source);
+  }
+  for (BodyId id = 0; id < bodies.size(); ++id) {
+    in_force.bodies.emplace_back(bodies[id].name, describe(scene.body(id).margin_m, partners[id]));
+  }
+  for (const auto& [object, links] : rules.attached) {
+    in_force.attached.push_back(describeHeld(object, links));
+  }
+  return in_force;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,49 @@
+// Puts the rules in force into words, for the answers of services and for the diagnostics.
+// contact_rules.h decides; this file only describes. All functions are pure.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/scene.h"
+#include "monitor/cycle_report.h"
+#include "monitor/rules/contact_rules.h"
+#include "monitor/rules/parameters.h"
+#include "robot/robot_geometry.h"
+
+namespace deformable_contact_monitor {
+
+// Returns why the object cannot be attached to these links, empty if it can. The text lists every
+// unknown name with the nearest known one. Any link of the robot will do, also one without
+// geometry; an empty list of links releases the object. `robot` is null while there is no robot.
+std::string attachProblem(const std::string& object, const std::vector<std::string>& links,
+                          const std::vector<ObjectParameters>& objects, const RobotGeometry* robot);
+
+// Returns "held: cloth by hand, finger; cable by hand", or "nothing is held".
+std::string describeHeld(const AttachedObjects& attached);
+
+// Returns "cloth by hand, finger".
+std::string describeHeld(const std::string& object, const std::vector<std::string>& links);
+
+// The rules in force, as the status `allowed` of the diagnostics shows them.
+struct RulesInForce {
+  std::size_t pairs = 0;                                    // monitored
+  std::array<std::size_t, 5> allowed_pairs{};               // those of `pairs`, by RuleSource
+  std::array<std::size_t, 5> rules{};                       // by RuleSource
+  std::vector<std::string> attached;                        // "cloth by hand, finger"
+  std::vector<std::pair<std::string, std::string>> bodies;  // name; margin and allowed partners
+
+  // Returns how many pairs may touch, over all sources.
+  std::size_t allowedPairs() const;
+};
+
+// Describes margins and rules of every body. Names only the first few partners of a body that may
+// touch many. `bodies`, `pairs` and `scene` must use the same BodyIds.
+RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
+                           const std::vector<MonitoredPair>& pairs, const ContactRules& rules,
+                           const Scene& scene);
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,321 @@
+// Decides how each pair of bodies stands after one cycle.
+//
+// At the stamp, a pair is in CONTACT if some of its triangles touch, if a part of one body lies
+// within the other, or if its distance is at most the tolerance. What was found is certain, so
+// CONTACT holds even if the detection was cut off. NEAR and NONE claim that there is no contact:
+// they become UNKNOWN if a contact of the pair may be missing.
+#include "monitor/state/pair_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <tuple>
+
+#include "core/limits.h"
+#include "monitor/messages/contact_messages.h"
+#include "monitor/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// The parts of one body of a pair that lie within the other one.
+struct InsideParts {
+  std::uint8_t which = 0;  // as ContactState::inside; 1 if each body has parts within the other
+  Vec3d centroid;          // mean of the parts' own centroids [m]; zero if there are no parts
+
+  bool any() const { return which != 0; }
+};
+
+// Finds the parts of `inner` within `outer`, which lie next to each other in the sorted list.
+InsideParts partsWithin(const std::vector<InsidePart>& parts, BodyId inner, BodyId outer,
+                        std::uint8_t which) {
+  const auto first = std::lower_bound(parts.begin(), parts.end(), std::tie(inner, outer),
+                                      [](const InsidePart& part, const auto& bodies) {
+                                        return std::tie(part.inner, part.outer) < bodies;
+                                      });
+  InsideParts found;
+  double count = 0;
+  for (auto part = first; part != parts.end(); ++part) {
+    if (part->inner != inner || part->outer != outer) break;
+    found.centroid = found.centroid + part->centroid;
+    ++count;
+  }
+  if (count == 0) return found;
+  found.which = which;
+  found.centroid = found.centroid * (1 / count);
+  return found;
+}
+
+// Returns no parts if they were not looked for.
+InsideParts insidePartsOf(const CycleReport& report, const MonitoredPair& pair) {
+  if (report.containment == nullptr) return {};
+  const std::vector<InsidePart>& parts = report.containment->parts;
+  const InsideParts a_in_b = partsWithin(parts, pair.a, pair.b, 1);
+  return a_in_b.any() ? a_in_b : partsWithin(parts, pair.b, pair.a, 2);
+}
+
+// Returns why NONE and NEAR must not be claimed of a body with so many rejected triangles; empty if
+// the rules tolerate them. `where` is put in front of the numbers.
+std::string rejectsProblem(const CycleReport& report, BodyId id, std::uint64_t rejected,
+                           double tolerated_rejects, const std::string& where) {
+  const std::size_t triangles = report.scene->body(id).mesh.triangleCount();
+  if (static_cast<double>(rejected) <= tolerated_rejects * static_cast<double>(triangles)) {
+    return "";
+  }
+  return report.bodies.at(id).name + ": " + where + std::to_string(rejected) + " of " +
+         std::to_string(triangles) +
+         " triangles have a vertex that is not finite (tolerated_rejects)";
+}
+
+// Interprets what a detection found of one pair at the stamp. It is a view of the report, which
+// must have a result.
+class StampFinding {
+ public:
+  StampFinding(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
+               const StateRules& rules)
+      : report_(report),
+        pair_(pair),
+        summary_(summary),
+        rules_(rules),
+        inside_(insidePartsOf(report, pair)),
+        distance_(distanceOf(report, pair, rules.tolerance_m)) {}
+
+  // Returns why the state is UNKNOWN; empty if it is not.
+  std::string problem() const;
+  // Returns a lower bound of the distance that is certain [m]; 0 if there is none.
+  float distanceLowM() const;
+  // Fills in NONE, NEAR or CONTACT with its numbers. There must be no problem.
+  void describe(ContactState* state) const;
+
+ private:
+  bool isContact() const {
+    return summary_.touches() || inside_.any() || (distance_ && distance_->touches());
+  }
+  // Returns whether the result lists all contacts of the pair.
+  bool isListed() const { return !distance_ || distance_->bounds->is_listed; }
+  std::string missingContacts() const;
+  void setPlace(ContactState* state) const;
+
+  const CycleReport& report_;
+  const MonitoredPair pair_;
+  const PairSummary summary_;
+  const StateRules& rules_;
+  const InsideParts inside_;
+  const std::optional<PairDistance> distance_;
+};
+
+std::string StampFinding::problem() const {
+  if (isContact()) return "";
+  const std::string missing = missingContacts();
+  if (!missing.empty() || !distance_ || distance_->isApart()) return missing;
+  const std::string& why = report_.result->cut_off_because;
+  return why.empty() || why == kNoTime ? "not decided in time" : why;
+}
+
+// Returns why contacts of the pair may be missing: they were not looked for, not listed, or belong
+// to rejected triangles. Bounds of the pair's distance stay certain even if the detection was cut
+// off.
+std::string StampFinding::missingContacts() const {
+  const DetectionResult& result = *report_.result;
+  if (result.cut_off && !distance_) return result.cut_off_because;
+  if (report_.containment != nullptr && pair_.a != pair_.b &&
+      !report_.containment->cut_off_because.empty()) {
+    return report_.containment->cut_off_because;
+  }
+  if (secondsBetween(report_.now, report_.header.stamp) > rules_.max_age_s) {
+    return "the cycle ended later than max_mesh_age_s after its stamp";
+  }
+  if (result.left_out > 0) return "contacts were left out: memory_limit_mib";
+  for (const BodyId id : {pair_.a, pair_.b}) {
+    const std::string problem =
+        rejectsProblem(report_, id, report_.bodies.at(id).rejected, rules_.tolerated_rejects, "");
+    if (!problem.empty()) return problem;
+  }
+  return "";
+}
+
+float StampFinding::distanceLowM() const {
+  const bool is_certain = distance_ && !inside_.any() && missingContacts().empty();
+  return is_certain ? distance_->bounds->low_m : 0;
+}
+
+void StampFinding::describe(ContactState* state) const {
+  state->pair_count = saturated(summary_.count);
+  state->min_separation = static_cast<float>(summary_.min_separation_m);
+  // If contacts may be missing, a part with a point inside may in truth cross the surface.
+  state->inside = isListed() || distance_->isApart() ? inside_.which : 0;
+  if (isContact()) {
+    state->state = ContactState::CONTACT;
+    state->min_separation = std::min(state->min_separation, 0.F);
+  } else if (distance_ && distance_->decision == PairDecision::kNear) {
+    state->state = ContactState::NEAR;
+    if (!isListed()) state->min_separation = distance_->bounds->low_m;
+  } else if (summary_.count > 0) {
+    state->state = ContactState::NEAR;
+  }
+  if (state->state != ContactState::NONE) setPlace(state);
+}
+
+// Sets where the pair touches or is near, and the direction from a to b.
+void StampFinding::setPlace(ContactState* state) const {
+  const bool is_within =
+      inside_.any() && !summary_.touches() && !(distance_ && distance_->touches());
+  if (is_within) {
+    state->centroid = toPoint32(inside_.centroid);
+  } else if (summary_.count > 0 || !distance_) {
+    state->centroid = toPoint32(summary_.centroid());
+    state->mean_normal = toPoint32(summary_.meanNormal());
+  } else {
+    state->centroid = toPoint32(distance_->centroid());
+    state->mean_normal = toPoint32(distance_->normal());
+  }
+}
+
+// Returns for each pair of bodies when its first contact began at the earliest. Contacts are
+// sorted by bodies, so the map is searched once for each pair and not for each contact.
+std::map<std::pair<BodyId, BodyId>, float> firstLows(const DetectionResult& result) {
+  std::map<std::pair<BodyId, BodyId>, float> lows;
+  auto of_last = lows.end();
+  for (std::size_t i = 0; i < result.first_times.size(); ++i) {
+    const std::pair<BodyId, BodyId> pair{result.contacts[i].body_a, result.contacts[i].body_b};
+    if (of_last == lows.end() || of_last->first != pair) {
+      of_last = lows.try_emplace(pair, 1.F).first;
+    }
+    of_last->second = std::min(of_last->second, result.first_times[i].low);
+  }
+  return lows;
+}
+
+}  // namespace
+
+StateRules stateRules(const MonitorParameters& parameters) {
+  StateRules rules;
+  rules.debounce_on_cycles = parameters.debounce_on_cycles;
+  rules.debounce_off_cycles = parameters.debounce_off_cycles;
+  rules.max_age_s = parameters.max_mesh_age_s;
+  rules.tolerated_rejects = parameters.tolerated_rejects;
+  rules.since_survives_s = parameters.since_survives_s;
+  rules.tolerance_m = parameters.detector.tolerance_m;
+  return rules;
+}
+
+Vec3d PairDistance::centroid() const {
+  return (toDouble(bounds->point_a) + toDouble(bounds->point_b)) * 0.5;
+}
+
+Vec3d PairDistance::normal() const {
+  constexpr double kRounding = 0x1p-20;  // of the points, relative to their largest coordinate
+  const Vec3d a = toDouble(bounds->point_a), b = toDouble(bounds->point_b);
+  double largest = 0;
+  for (const Vec3d& v : {a, b}) {
+    largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  }
+  const Vec3d way = b - a;
+  const double length = std::sqrt(dot(way, way));
+  if (bounds->high_m == 0 || length <= kRounding * largest) return {};
+  return way * (1 / length);
+}
+
+std::optional<PairDistance> distanceOf(const CycleReport& report, const MonitoredPair& pair,
+                                       float tolerance_m) {
+  if (report.result == nullptr) return std::nullopt;
+  const std::vector<BodyDistance>& all = report.result->distances;
+  const auto found = std::lower_bound(
+      all.begin(), all.end(), pair, [](const BodyDistance& one, const MonitoredPair& of) {
+        return std::tie(one.body_a, one.body_b) < std::tie(of.a, of.b);
+      });
+  if (found == all.end() || found->body_a != pair.a || found->body_b != pair.b) {
+    return std::nullopt;
+  }
+  const float margin_m =
+      std::max(report.scene->body(pair.a).margin_m, report.scene->body(pair.b).margin_m);
+  return PairDistance{&*found, decide(*found, margin_m, tolerance_m)};
+}
+
+std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {
+  for (const BodyId id : {pair.a, pair.b}) {
+    const BodyStatus& body = report.bodies.at(id);
+    if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
+  }
+  return "";
+}
+
+void IntervalFinding::setPassed(ContactState* state) const {
+  state->state = ContactState::PASSED;
+  state->pair_count = saturated(passed.count);
+  state->min_separation = 0;
+  state->centroid = toPoint32(passed.centroid());
+  state->mean_normal = toPoint32(passed.meanNormal());
+}
+
+PairStates::PairStates(const CycleReport& report, const StateRules& rules)
+    : report_(report), rules_(rules), at_stamp_(report, report.result.get()) {
+  for (const SweepReport& sweep : report.sweeps) {
+    for (const MonitoredPair& pair : sweep.pairs) {
+      interval_of_[{pair.a, pair.b}] = intervals_.size();
+    }
+    const DetectionResult* const result =
+        sweep.result == nullptr ? nullptr : &sweep.result->detection;
+    intervals_.push_back({&sweep, PairSummaries(report, result), {}});
+    if (result != nullptr) intervals_.back().first_low = firstLows(*result);
+  }
+}
+
+ContactState PairStates::atStamp(const MonitoredPair& pair) const {
+  ContactState state;
+  state.body_a = report_.bodies.at(pair.a).name;
+  state.body_b = report_.bodies.at(pair.b).name;
+  state.stamp = report_.header.stamp;
+  state.reason = bodyProblem(report_, pair);
+  if (state.reason.empty() && report_.result == nullptr) state.reason = "no detection ran";
+  if (state.reason.empty()) {
+    const StampFinding finding(report_, pair, at_stamp_.of(pair.a, pair.b), rules_);
+    state.reason = finding.problem();
+    state.distance_low = finding.distanceLowM();
+    if (state.reason.empty()) finding.describe(&state);
+  }
+  if (!state.reason.empty()) state.state = ContactState::UNKNOWN;
+  return state;
+}
+
+IntervalFinding PairStates::inInterval(const MonitoredPair& pair) const {
+  IntervalFinding finding;
+  const auto found = interval_of_.find({pair.a, pair.b});
+  if (found == interval_of_.end()) return finding;
+  const Interval& interval = intervals_[found->second];
+  for (const BodyId id : {pair.a, pair.b}) {
+    const std::string& skipped = interval.sweep->bodies[id].skipped;
+    if (skipped.empty()) continue;
+    finding.has_interval = false;
+    finding.problem = report_.bodies[id].name + ": no step from the previous cycle: " + skipped;
+    return finding;
+  }
+  finding.passed = interval.touched.of(pair.a, pair.b);
+  if (finding.touched()) {
+    const auto low = interval.first_low.find({pair.a, pair.b});
+    finding.first_low = low == interval.first_low.end() ? 0 : low->second;
+  } else {
+    finding.problem = intervalProblem(*interval.sweep, pair);
+  }
+  return finding;
+}
+
+// Returns why contacts of the pair may be missing in its interval; empty if none is missing.
+std::string PairStates::intervalProblem(const SweepReport& sweep, const MonitoredPair& pair) const {
+  if (sweep.result == nullptr) return "the step's detection failed: " + sweep.problem;
+  const DetectionResult& result = sweep.result->detection;
+  if (result.cut_off) return "in the step: " + result.cut_off_because;
+  if (result.left_out > 0) return "in the step, contacts were left out: memory_limit_mib";
+  const std::vector<BodyId>& outlying = sweep.result->outlying;
+  for (const BodyId id : {pair.a, pair.b}) {
+    if (std::find(outlying.begin(), outlying.end(), id) != outlying.end()) {
+      return report_.bodies[id].name + ": in the step, it has vertices too far off to be followed";
+    }
+    const std::string problem = rejectsProblem(report_, id, sweep.bodies[id].rejected,
+                                               rules_.tolerated_rejects, "in the step, ");
+    if (!problem.empty()) return problem;
+  }
+  return "";
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,108 @@
+// Decides how each pair of bodies stands after one cycle.
+#pragma once
+
+#include <deformable_contact_monitor/ContactState.h>
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/body_distance.h"
+#include "core/detector.h"
+#include "core/vector3.h"
+#include "monitor/cycle_report.h"
+#include "monitor/rules/parameters.h"
+#include "monitor/state/pair_summary.h"
+
+namespace deformable_contact_monitor {
+
+// The rules by which states and events follow from cycles.
+struct StateRules {
+  int debounce_on_cycles = 1;   // a contact begins after so many cycles of CONTACT in a row, >= 1
+  int debounce_off_cycles = 1;  // a contact ends after so many cycles without it in a row, >= 1
+  double max_age_s = 0.5;       // a state becomes UNKNOWN when its data are older than this
+  // The share [0, 1] of a body's triangles that may be rejected, because a vertex is not finite,
+  // while NONE and NEAR are still reported for the body.
+  double tolerated_rejects = 0;
+  // A state that returns after an UNKNOWN shorter than this keeps its `since`, >= 0.
+  double since_survives_s = 0;
+  // The tolerance of the detection's options [m], with which DetectionResult::distances were found.
+  float tolerance_m = 0;
+};
+
+StateRules stateRules(const MonitorParameters& parameters);
+
+// The distance of a pair, where a bounded detection found bounds of it. It is a view of the
+// report's result.
+struct PairDistance {
+  const BodyDistance* bounds = nullptr;  // never null
+  PairDecision decision = PairDecision::kOpen;
+
+  bool touches() const { return decision == PairDecision::kContact; }
+  // Returns whether the two surfaces are certain not to touch.
+  bool isApart() const {
+    return decision == PairDecision::kNone || decision == PairDecision::kNear;
+  }
+  // Returns the middle between the two points of the witness [m]. There must be a witness.
+  Vec3d centroid() const;
+  // Returns the unit vector from the witness's point on body a to that on body b; zero if the two
+  // are the same up to rounding.
+  Vec3d normal() const;
+};
+
+// Returns the distance of a pair by the margins of the report's scene; nothing if the detection has
+// no bounds of the pair, so that its contacts say everything.
+std::optional<PairDistance> distanceOf(const CycleReport& report, const MonitoredPair& pair,
+                                       float tolerance_m);
+
+// Returns why a body of the pair is not known in this cycle; empty if both are known.
+std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair);
+
+// The contacts of a pair in its time interval (motion: swept).
+struct IntervalFinding {
+  PairSummary passed;   // triangle pairs that touched in the interval, where they are at its end
+  float first_low = 0;  // part [0, 1] of the interval before which there was certainly no contact
+  // Why the pair may have touched unnoticed; empty if `passed` says all.
+  std::string problem;
+  bool has_interval = true;  // if false, the problem is that there is nothing to start from
+
+  bool touched() const { return passed.count > 0; }
+  // Turns a NONE or NEAR of the pair into PASSED.
+  void setPassed(ContactState* state) const;
+};
+
+// The states of all pairs by the report of one cycle. It knows nothing of earlier cycles.
+class PairStates {
+ public:
+  // Both arguments must outlive this. Sums up all contacts, on several threads if there are many.
+  PairStates(const CycleReport& report, const StateRules& rules);
+
+  // Returns the state of a pair of this cycle at the report's stamp: NONE, NEAR, CONTACT, or
+  // UNKNOWN with its reason. Of an UNKNOWN, distance_low [m] holds all the same.
+  ContactState atStamp(const MonitoredPair& pair) const;
+
+  // Returns what the interval of the pair says; without a problem and without contacts if there is
+  // no interval because motion is instant.
+  IntervalFinding inInterval(const MonitoredPair& pair) const;
+
+ private:
+  using BodyPair = std::pair<BodyId, BodyId>;
+  struct Interval {
+    const SweepReport* sweep;
+    PairSummaries touched;
+    std::map<BodyPair, float> first_low;
+  };
+
+  std::string intervalProblem(const SweepReport& sweep, const MonitoredPair& pair) const;
+
+  const CycleReport& report_;
+  const StateRules& rules_;
+  const PairSummaries at_stamp_;
+  std::vector<Interval> intervals_;
+  std::map<BodyPair, std::size_t> interval_of_;  // index into intervals_
+};
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,181 @@
+// Checks a COLLADA or OBJ text before Assimp reads it. The COLLADA check walks through the whole
+// XML tree with tinyxml2, since the elements with numbers may be at many places. The OBJ check
+// looks only at the lines of faces.
+#include "robot/read_link_mesh/input_checks.h"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Returns whether `text` is a number from 0 to 2^31 - 1, which fits every reader's integer.
+bool isIndex(const std::string& text) {
+  const std::string digits = text.substr(std::min(text.find_first_not_of('0'), text.size()));
+  const bool is_digits = text.find_first_not_of("0123456789") == std::string::npos;
+  const std::string largest = "2147483647";
+  return !text.empty() && is_digits &&
+         (digits.size() < largest.size() || (digits.size() == largest.size() && digits <= largest));
+}
+
+// Returns the start of a text for a message; the text may be as long as the file.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kShown = 40;
+  return text.size() <= kShown ? text : text.substr(0, kShown) + "...";
+}
+
+using tinyxml2::XMLElement;
+
+[[noreturn]] void fail(int line, const std::string& what) {
+  throw std::runtime_error("line " + std::to_string(line) + ": " + what);
+}
+
+// Returns the attribute as a number, `missing` where there is none. A malformed number is an error.
+std::uint32_t number(const XMLElement& element, const char* attribute, std::uint32_t missing) {
+  const char* text = element.Attribute(attribute);
+  if (text == nullptr) return missing;
+  unsigned value = 0;
+  const bool is_digits = *text != '\0' && std::all_of(text, text + std::strlen(text), [](char c) {
+    return std::isdigit(static_cast<unsigned char>(c)) != 0;
+  });
+  if (!is_digits || element.QueryUnsignedAttribute(attribute, &value) != tinyxml2::XML_SUCCESS) {
+    fail(element.GetLineNum(), std::string(attribute) + "=\"" + text + "\" is no count");
+  }
+  return value;
+}
+
+// Checks the lists of indices of a document, and collects its arrays and accessors.
+class Visitor : public tinyxml2::XMLVisitor {
+ public:
+  bool VisitEnter(const XMLElement& element, const tinyxml2::XMLAttribute*) override {
+    const std::string name = element.Name();
+    // <p> and <h> have the indices of faces and of holes, <vcount> the corner counts of polygons.
+    // <v> belongs to skins, and may use -1 for the shape that is not deformed.
+    if (name == "p" || name == "vcount" || name == "h") {
+      requireIndices(element);
+    } else if (name == "v") {
+      requireIntegers(element);
+    } else if (name == "float_array") {
+      const char* id = element.Attribute("id");
+      const std::uint32_t size = number(element, "count", 0);
+      if (id == nullptr) return true;
+      // Two arrays with the same id are an error in the file. The smaller size is safe for both.
+      const auto [entry, is_new] = array_sizes_.emplace(id, size);
+      if (!is_new) entry->second = std::min(entry->second, size);
+    } else if (name == "accessor") {
+      accessors_.push_back(&element);
+    }
+    return true;
+  }
+
+  // Compares each accessor with its array. Called after the whole document was visited.
+  void checkAccessors() const {
+    for (const XMLElement* accessor : accessors_) {
+      const char* source = accessor->Attribute("source");
+      const auto array = array_sizes_.find(source != nullptr && *source == '#' ? source + 1 : "");
+      if (array == array_sizes_.end()) continue;
+      std::uint64_t params = 0;
+      for (const XMLElement* e = accessor->FirstChildElement("param"); e != nullptr;
+           e = e->NextSiblingElement("param")) {
+        ++params;
+      }
+      const std::uint64_t count = number(*accessor, "count", 0);
+      const std::uint64_t stride = number(*accessor, "stride", 1);
+      const std::uint64_t offset = number(*accessor, "offset", 0);
+      if (count == 0) continue;
+      // Items begin `stride` numbers apart, and the last one must have all of its parameters.
+      const std::uint64_t needed = offset + (count - 1) * stride + std::max(stride, params);
+      if (needed > array->second) {
+        fail(accessor->GetLineNum(), "an accessor needs " + std::to_string(needed) +
+                                         " numbers, but array '" + array->first + "' has " +
+                                         std::to_string(array->second));
+      }
+    }
+  }
+
+ private:
+  // Assimp would read a negative index or a signed count as 0, and a large one modulo 2^32.
+  static void requireIndices(const XMLElement& list) {
+    for (const tinyxml2::XMLNode* n = list.FirstChild(); n != nullptr; n = n->NextSibling()) {
+      if (n->ToText() == nullptr) continue;
+      std::istringstream numbers(n->Value());
+      for (std::string text; numbers >> text;) {
+        if (isIndex(text)) continue;
+        const bool is_integer = text.find_first_not_of("0123456789+-") == std::string::npos;
+        fail(list.GetLineNum(),
+             std::string("<") + list.Name() + "> holds " +
+                 (is_integer ? shortened(text) + ", which is no index" : "more than integers"));
+      }
+    }
+  }
+
+  // Negative integers are allowed here; see VisitEnter().
+  static void requireIntegers(const XMLElement& list) {
+    for (const tinyxml2::XMLNode* n = list.FirstChild(); n != nullptr; n = n->NextSibling()) {
+      if (n->ToText() == nullptr) continue;
+      const std::string text = n->Value();
+      if (text.find_first_not_of("0123456789+- \t\r\n") != std::string::npos) {
+        fail(list.GetLineNum(), std::string("<") + list.Name() + "> holds more than integers");
+      }
+    }
+  }
+
+  std::map<std::string, std::uint32_t> array_sizes_;
+  std::vector<const XMLElement*> accessors_;
+};
+
+constexpr char kDigits[] = "0123456789";
+
+// Checks the vertex numbers of one face, text[first, last).
+void checkFace(const std::string& text, std::size_t first, std::size_t last, std::size_t line) {
+  for (std::size_t at = text.find_first_of(kDigits, first); at < last;
+       at = text.find_first_of(kDigits, at)) {
+    const std::size_t end = std::min(text.find_first_not_of(kDigits, at), last);
+    const std::string number = text.substr(at, end - at);
+    if (!isIndex(number)) {
+      throw std::runtime_error("line " + std::to_string(line) + ": a face has " +
+                               shortened(number) + ", which is no index");
+    }
+    at = end;
+  }
+}
+
+}  // namespace
+
+void checkCollada(const std::string& text) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    fail(std::max(document.ErrorLineNum(), 1),
+         std::string("not well-formed XML: ") + document.ErrorName());
+  }
+  Visitor visitor;
+  document.Accept(&visitor);
+  visitor.checkAccessors();
+}
+
+void checkObj(const std::string& text) {
+  bool is_face = false, continues = false;
+  std::size_t line = 1;
+  for (std::size_t first = 0; first < text.size(); ++line) {
+    const std::size_t last = std::min(text.find('\n', first), text.size());
+    if (!continues) {
+      const std::size_t start = text.find_first_not_of(" \t", first);
+      is_face = start < last && text[start] == 'f';
+    }
+    if (is_face) checkFace(text, first, last, line);
+    // A backslash at the end of a line continues the statement on the next line.
+    const std::size_t end = text.find_last_not_of(" \t\r", last == first ? first : last - 1);
+    continues = end != std::string::npos && end >= first && end < last && text[end] == '\\';
+    first = last + 1;
+  }
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,52 @@
+// Helpers for the reports of all tools: text for JSON and CSV, the machine, plots, and whether a
+// result is complete.
+//
+// The functions do not print anything. Callers decide where their text goes.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/detector.h"
+
+namespace deformable_contact_monitor {
+
+// Returns true if every triangle took part, no contact was left out and nothing was cut off.
+inline bool isWhole(const DetectionResult& result) {
+  return result.counters.rejected == 0 && result.left_out == 0 && !result.cut_off;
+}
+
+// Returns true if the result is whole and its settings find every pair by proof.
+inline bool isComplete(const DetectionResult& result) {
+  return result.guaranteed && isWhole(result);
+}
+
+// Returns the text as a field of comma-separated values, quoted where RFC 4180 asks for it.
+std::string csvField(const std::string& text);
+
+// Returns indented JSON with keys in alphabetical order and a line end. File names and names in a
+// bag need not be UTF-8, but JSON must be: invalid bytes become U+FFFD.
+std::string jsonText(const nlohmann::json& json);
+
+// The machine that something was measured on, as Linux describes it. Unknown entries are empty.
+struct Machine {
+  std::string system;  // for example "Debian GNU/Linux 12 (bookworm)"
+  std::string cpu;     // model name
+  unsigned cores = 0;  // logical cores
+  std::string gpu_driver;
+  std::vector<std::string> gpus;
+};
+
+Machine thisMachine();
+
+// Returns thisMachine() and the compiler as JSON.
+nlohmann::json machineJson();
+
+// Runs a Python script that lies beside this program, and waits for its end. The scripts draw plots
+// of what was measured, so a failure (no Python, a missing module) only calls warn(why).
+void runPlotScript(const std::string& name, const std::vector<std::string>& arguments,
+                   const std::function<void(const std::string&)>& warn);
+
+}  // namespace deformable_contact_monitor

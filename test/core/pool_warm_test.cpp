@@ -1,0 +1,210 @@
+// Scenes whose enabled pairs take turns: each set of pairs finds its detector as it left it.
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "core/detector_pool.h"
+#include "detector_suite.h"
+#include "scenes.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// A plate that cloths of different sizes lie on; the objects of a monitor take turns like them.
+class Turns {
+ public:
+  Turns() {
+    for (const int n : {40, 30, 20, 15}) {
+      cloths_.push_back(scene_.addBody("cloth", clothGrid(n, 1, 0.01F, 0.03F)));
+    }
+  }
+
+  // Only this cloth's pair is enabled, and it has moved.
+  const Scene& turnOf(std::size_t cloth) {
+    for (const BodyId id : cloths_) scene_.setPairEnabled(plate_, id, id == cloths_[cloth]);
+    RigidTransform pose;
+    pose.translation[0] = 1e-3 * ++turns_;
+    scene_.setPose(cloths_[cloth], pose);
+    return scene_;
+  }
+
+  void changeTopologyOf(std::size_t cloth) {
+    scene_.setMesh(cloths_[cloth], clothGrid(25, 1, 0.01F, 0.03F));
+  }
+
+  std::size_t count() const { return cloths_.size(); }
+
+ private:
+  Scene scene_;
+  BodyId plate_ = scene_.addBody("plate", clothGrid(30, 1, 0, 0.01F));
+  std::vector<BodyId> cloths_;
+  int turns_ = 0;
+};
+
+PoolSettings poolOf(DetectorMaker make) {
+  PoolSettings settings;
+  settings.cpu = std::move(make);
+  return settings;
+}
+
+class WarmDetectorsSuite : public testing::TestWithParam<Backend> {
+ protected:
+  bool startsCold(Detector& detector, const Scene& scene) {
+    const DetectionResult& result = detector.detect(scene, Options());
+    const auto expected = makeBruteForceDetector()->detect(scene, Options()).contacts;
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(samePairs(expected, result.contacts));
+    return result.started_cold;
+  }
+
+  Turns turns_;
+};
+
+TEST_P(WarmDetectorsSuite, OnlyTheFirstTurnOfEachSetStartsCold) {
+  const auto detector = makeDetectorPool(poolOf(GetParam().make));
+  for (int round = 0; round < 4; ++round) {
+    for (std::size_t i = 0; i < turns_.count(); ++i) {
+      EXPECT_EQ(startsCold(*detector, turns_.turnOf(i)), round == 0) << i << " in " << round;
+    }
+  }
+}
+
+TEST_P(WarmDetectorsSuite, AnotherTopologyConcernsItsOwnPairsAlone) {
+  const auto detector = makeDetectorPool(poolOf(GetParam().make));
+  for (std::size_t i = 0; i < turns_.count(); ++i) startsCold(*detector, turns_.turnOf(i));
+  turns_.changeTopologyOf(0);
+  EXPECT_FALSE(startsCold(*detector, turns_.turnOf(1)));
+  EXPECT_FALSE(startsCold(*detector, turns_.turnOf(2)));
+  startsCold(*detector, turns_.turnOf(0));
+}
+
+// A backend by itself.
+TEST_P(WarmDetectorsSuite, PairsThatWereOffForAWhileStartWarm) {
+  const auto detector = GetParam().make();
+  EXPECT_TRUE(startsCold(*detector, turns_.turnOf(0)));
+  turns_.turnOf(1);
+  EXPECT_FALSE(startsCold(*detector, turns_.turnOf(0)));
+}
+
+TEST_P(WarmDetectorsSuite, ResetConcernsAllSets) {
+  const auto detector = makeDetectorPool(poolOf(GetParam().make));
+  for (int reset = 0; reset < 2; ++reset) {
+    for (std::size_t i = 0; i < turns_.count(); ++i) {
+      EXPECT_TRUE(startsCold(*detector, turns_.turnOf(i)));
+    }
+    detector->reset();
+  }
+}
+
+// The caller keeps each result while the detector goes on with the memory of an older one.
+TEST_P(WarmDetectorsSuite, AResultThatWasHandedOverOutlivesLaterCycles) {
+  const auto detector = makeDetectorPool(poolOf(GetParam().make));
+  DetectionResult kept;
+  std::vector<TrianglePair> expected;
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 0; i < turns_.count(); ++i) {
+      const Scene& scene = turns_.turnOf(i);
+      detector->detect(scene, Options());
+      EXPECT_EQ(std::vector<TrianglePair>(kept.contacts), expected) << i << " in " << round;
+      detector->swapResult(kept);
+      expected = makeBruteForceDetector()->detect(scene, Options()).contacts;
+      EXPECT_TRUE(samePairs(expected, kept.contacts)) << i << " in " << round;
+      expected = kept.contacts;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, WarmDetectorsSuite, ::testing::ValuesIn(productBackends()), backendName);
+
+// Says how it is used.
+class CountingDetector : public Detector {
+ public:
+  explicit CountingDetector(std::vector<int>* cycles) : cycles_(*cycles), number_(cycles->size()) {
+    cycles_.push_back(0);
+  }
+  std::string backend() const override { return "counting"; }
+  void reset() override {}
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
+  const DetectionResult& detect(const Scene& scene, const Options& options) override {
+    ++cycles_[number_];
+    if (scene.body(0).name == "bad") throw std::runtime_error("it broke");
+    result_.begin(scene, options, true);
+    result_.memory_bytes = cycles_[number_] == 1 ? 100 : 0;  // cut off at once
+    return result_;
+  }
+
+ private:
+  std::vector<int>& cycles_;  // of each that was made
+  const std::size_t number_;
+  DetectionResult result_;
+};
+
+class PoolLimitsTest : public testing::Test {
+ protected:
+  void make(std::size_t most_detectors = 128, std::uint64_t memory_bytes = 1000) {
+    PoolSettings settings = poolOf([this] { return std::make_unique<CountingDetector>(&cycles_); });
+    settings.most_detectors = most_detectors;
+    settings.memory_bytes = memory_bytes;
+    detector_ = makeDetectorPool(settings);
+  }
+  void turns(const std::vector<std::size_t>& cloths) {
+    for (const std::size_t i : cloths) detector_->detect(turns_.turnOf(i), Options());
+  }
+
+  Turns turns_;
+  std::vector<int> cycles_;
+  std::unique_ptr<Detector> detector_;
+};
+
+TEST_F(PoolLimitsTest, TheFirstIsMadeAtOnceAndUsed) {
+  make();
+  EXPECT_EQ(cycles_, std::vector<int>({0}));
+  EXPECT_EQ(detector_->backend(), "counting");
+  turns({0, 0, 1, 0});
+  EXPECT_EQ(cycles_, std::vector<int>({3, 1}));
+}
+
+TEST_F(PoolLimitsTest, BeyondTheirNumberTheLongestIdleIsTakenOver) {
+  make(2);
+  turns({0, 1, 0});
+  EXPECT_EQ(cycles_, std::vector<int>({2, 1}));
+  turns({2});  // takes over that of 1
+  EXPECT_EQ(cycles_, std::vector<int>({2, 2}));
+  turns({0, 2});
+  EXPECT_EQ(cycles_, std::vector<int>({3, 3}));
+  turns({1});  // and now that of 0
+  EXPECT_EQ(cycles_, std::vector<int>({4, 3}));
+}
+
+TEST_F(PoolLimitsTest, OfSeveralTheLongestIdleIsTakenOver) {
+  make(3);
+  turns({0, 1, 2, 0, 3});  // that of 1
+  EXPECT_EQ(cycles_, std::vector<int>({2, 2, 1}));
+  turns({2, 0});
+  EXPECT_EQ(cycles_, std::vector<int>({3, 2, 2}));
+}
+
+TEST_F(PoolLimitsTest, BeyondTheirMemoryToo) {
+  make(10, 150);
+  turns({0, 0, 1, 1, 2});
+  EXPECT_EQ(cycles_, std::vector<int>({3, 2}));
+}
+
+TEST_F(PoolLimitsTest, WhatADetectorThrowsGoesToTheCaller) {
+  make();
+  Scene bad;
+  bad.addBody("bad", clothGrid(1, 1, 0, 0));
+  bad.setPairEnabled(0, 0, true);
+  EXPECT_THROW(detector_->detect(bad, Options()), std::runtime_error);
+  turns({0});
+  EXPECT_EQ(cycles_, std::vector<int>({1, 1}));
+}
+
+TEST(PairSets, ADetectorThatCannotBeMadeSaysSoAtOnce) {
+  const auto fails = []() -> std::unique_ptr<Detector> { throw std::runtime_error("no device"); };
+  EXPECT_THROW(makeDetectorPool(poolOf(fails)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor

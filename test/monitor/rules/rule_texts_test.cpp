@@ -1,0 +1,111 @@
+// Tests what services and diagnostics say about rules.
+#include "monitor/rules/rule_texts.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+namespace {
+
+const std::vector<ObjectParameters> kObjects{{"cloth", "", 0, true}, {"cable", "", 0, true}};
+
+RobotGeometry robot() {
+  RobotGeometry robot;
+  robot.link_names = {"arm", "hand", "tool_frame"};
+  robot.links.push_back({"arm", "test", TriangleMesh(), ""});
+  return robot;
+}
+
+TEST(RuleTexts, AnyLinkOfTheRobotMayHold) {
+  const RobotGeometry known = robot();
+  EXPECT_EQ(attachProblem("cloth", {"hand", "tool_frame"}, kObjects, &known), "");
+  EXPECT_EQ(attachProblem("cable", {}, kObjects, &known), "");
+  EXPECT_EQ(attachProblem("cable", {}, kObjects, nullptr), "") << "to release needs no robot";
+}
+
+TEST(RuleTexts, UnknownNamesAreRefusedAllOfThem) {
+  const RobotGeometry known = robot();
+  EXPECT_EQ(attachProblem("clot", {"hnd", "arm", "xxxxxxxx"}, kObjects, &known),
+            "no object 'clot' is monitored (did you mean 'cloth'?); the robot has no link 'hnd' "
+            "(did you mean 'hand'?); the robot has no link 'xxxxxxxx'");
+  EXPECT_EQ(attachProblem("", {""}, kObjects, &known).find("no object '' is monitored"), 0U);
+  EXPECT_NE(attachProblem("cloth", {""}, kObjects, &known), "");
+  EXPECT_NE(attachProblem("cloth", {"*"}, kObjects, &known), "") << "no wildcards";
+  EXPECT_NE(attachProblem("hand", {}, kObjects, &known), "") << "a link is no object";
+  EXPECT_EQ(attachProblem("cloth", {"hand"}, kObjects, nullptr),
+            "no robot is loaded yet, so no link can hold the object");
+}
+
+TEST(RuleTexts, WhatIsHeldInWords) {
+  EXPECT_EQ(describeHeld({}), "nothing is held");
+  EXPECT_EQ(describeHeld({{"cloth", {"finger", "hand"}}, {"cable", {"arm"}}}),
+            "held: cable by arm; cloth by finger, hand");
+}
+
+class RulesInForceTest : public ::testing::Test {
+ protected:
+  void add(const std::string& name, BodyKind kind, float margin_m) {
+    BodyStatus body;
+    body.name = name;
+    body.kind = kind;
+    bodies_.push_back(body);
+    scene_.setMargin(scene_.addBody(name, TriangleMesh()), margin_m);
+  }
+
+  RulesInForce describe(const ContactRules& rules) const {
+    const PairClasses classes{true, false, true, true};
+    return describeRules(bodies_, monitoredPairs(bodies_, classes, rules), rules, scene_);
+  }
+
+  std::vector<BodyStatus> bodies_;
+  Scene scene_;
+};
+
+std::size_t index(RuleSource source) { return static_cast<std::size_t>(source); }
+
+TEST_F(RulesInForceTest, EachBodySaysWhomItMayTouchAndWhy) {
+  add("arm", BodyKind::kLink, 0);
+  add("hand", BodyKind::kLink, 0.25F);
+  add("cloth", BodyKind::kDeformable, 0.5F);
+  ContactRules rules;
+  Srdf srdf;
+  srdf.disabled = {{"arm", "hand", "Adjacent"}, {"arm", "gone", ""}};
+  rules.links = LinkRules(srdf);
+  rules.attached = {{"cloth", {"hand"}}};
+  AllowedContact self;
+  self.body_a = self.body_b = "cloth";
+  self.allowed = true;
+  rules.allowed.add(self, RuleSource::kService);
+  const RulesInForce in_force = describe(rules);
+  EXPECT_EQ(in_force.pairs, 4U);
+  EXPECT_EQ(in_force.allowedPairs(), 3U);
+  for (const RuleSource source : {RuleSource::kSrdf, RuleSource::kAttached, RuleSource::kService}) {
+    EXPECT_EQ(in_force.allowed_pairs[index(source)], 1U) << toString(source);
+  }
+  EXPECT_EQ(in_force.rules[index(RuleSource::kSrdf)], 2U);
+  EXPECT_EQ(in_force.rules[index(RuleSource::kAttached)], 1U);
+  EXPECT_EQ(in_force.rules[index(RuleSource::kService)], 1U);
+  EXPECT_EQ(in_force.rules[index(RuleSource::kParameters)], 0U);
+  EXPECT_EQ(in_force.attached, std::vector<std::string>{"cloth by hand"});
+  using Lines = std::vector<std::pair<std::string, std::string>>;
+  EXPECT_EQ(in_force.bodies,
+            (Lines{{"arm", "margin 0 m, may touch hand (srdf)"},
+                   {"hand", "margin 0.25 m, may touch arm (srdf), cloth (attached)"},
+                   {"cloth", "margin 0.5 m, may touch hand (attached), cloth (service)"}}));
+}
+
+TEST_F(RulesInForceTest, OfManyTheFirstAreNamed) {
+  Srdf srdf;
+  srdf.disabled_links = {"link0"};
+  for (int i = 0; i < 12; ++i) add("link" + std::to_string(i), BodyKind::kLink, 0);
+  ContactRules rules;
+  rules.links = LinkRules(srdf);
+  EXPECT_EQ(describe(rules).bodies[0].second,
+            "margin 0 m, may touch link1 (srdf), link2 (srdf), link3 (srdf), link4 (srdf), link5 "
+            "(srdf), link6 (srdf), link7 (srdf), link8 (srdf) and 3 more");
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
