@@ -60,7 +60,7 @@ ClusterAssignment<Triangle> assignByGlobalRadius(const WorkingSet& set, const Si
   for (const Vec3f& c : centroids.scaled) {
     list_begin.push_back(static_cast<std::uint32_t>(assignment.lists.size()));
     nearest = nearestPrototype(view, c, nearest, 0).cluster;
-    // From d_g^2 <= d_a^2 + 2 R |p_g - p_a| follows d_g <= d_a + 2 R.
+    // d_g <= d_a + 2 R because d_g^2 <= d_a^2 + 2 R |p_g - p_a| and |p_g - p_a| <= d_g + d_a.
     const double d_nearest = std::sqrt(distance2(c, view.prototypes[nearest]));
     findNear(view, nearest, 2 * (d_nearest + radius) * (1 + 1e-5), &near);
     d2.clear();

@@ -86,7 +86,7 @@ void printRow(const Moving& moving, const Options& options, const Taken& one, co
   std::fflush(stdout);
 }
 
-// What partitions take up in all, in parts of what the whole does.
+// Returns the work of all partitions together as a multiple of the work on the undivided scene.
 std::string moreWork(const Taken& one, const Counters& shared) {
   std::ostringstream more;
   more.precision(3);
@@ -109,7 +109,8 @@ void onDevices(Moving& moving, const Options& options, const std::vector<int>& d
   printRow(moving, options, one, shared, moreWork(one, shared.counters));
 }
 
-// What the stages take, one after the other: of the whole, and of the first of `count` partitions.
+// Prints the times of the stages: first of the whole scene, then of the first of `count`
+// partitions.
 void stages(Moving& moving, const Options& options, std::size_t count) {
   for (const std::size_t partitions : {std::size_t{1}, count}) {
     CudaSettings settings;

@@ -1,4 +1,4 @@
-// What runs when a backend cannot, or no longer can.
+// Tests which backend runs when the first one fails at the start or later.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -15,7 +15,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// What the first backend does now, and what became of it.
+// Controls how the first backend behaves, and counts its instances and calls.
 struct Device {
   std::exception_ptr make_fails, detect_fails;
   std::size_t most_triangles = ~std::size_t{0};
@@ -52,7 +52,7 @@ class DeviceDetector : public Detector {
 
 class Fallback : public testing::Test {
  protected:
-  // With a clock that stands until the test moves it.
+  // Makes the pool. Its clock stands still until the test moves it.
   void make(bool tries_again = true) {
     PoolSettings settings;
     settings.device = [this]() -> std::unique_ptr<Detector> {

@@ -150,7 +150,7 @@ TEST(TilingCaches, EndInTheMidstOfTheirWork) {
   }
 }
 
-// What is forgotten is not made: it would be in the way of what is asked for.
+// The cache does not tile meshes that no longer exist, because this would delay the others.
 TEST(TilingCaches, DropWorkThatNobodyAsksFor) {
   TilingCache cache;
   const Scene small = sceneOf({cloth(2)});

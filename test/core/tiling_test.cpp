@@ -256,7 +256,8 @@ double fill(const Tiling& tiling) {
   return static_cast<double>(tiling.triangle.size()) / static_cast<double>(tiling.tileCount());
 }
 
-// What was measured, and a fifth: 25 855 pairs by position, 28 149 by surface.
+// The limits are the measured numbers of pairs of tiles plus a fifth: 25 855 by position, 28 149 by
+// surface.
 TEST(Tilings, OfARealClothAreTight) {
   DCM_REQUIRE_TEST_DATA();
   const TriangleMesh mesh = readMeshFile(testDataFile("cloth-ball/cloth_ball92.ply"));

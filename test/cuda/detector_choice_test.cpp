@@ -1,5 +1,5 @@
-// Which backend runs for which name. The device that is asked for exists nowhere, so that a machine
-// with a GPU is as one without.
+// Tests which backend each name selects. The requested device never exists, so machines with and
+// without a GPU give the same results.
 #include "cuda/detector_choice.h"
 
 #include <gtest/gtest.h>

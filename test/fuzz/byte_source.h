@@ -36,7 +36,7 @@ class ByteSource {
     return value;
   }
 
-  // At most so many of the next bytes.
+  // Takes the next `count` bytes, or all that are left if there are fewer.
   std::vector<std::uint8_t> bytes(std::size_t count) {
     count = std::min(count, left_);
     std::vector<std::uint8_t> taken(next_, next_ + count);

@@ -29,7 +29,8 @@ void requireInScene(const Scene& scene, const DetectionResult& result) {
               "separations do not go with contacts");
 }
 
-// Whether all contacts of `some` are among those of `all`, and with the same separations if asked.
+// Returns whether all contacts of `some` are also in `all`. If `ask_separations` is set, their
+// separations must be equal too.
 bool isSubset(const DetectionResult& some, const DetectionResult& all, bool ask_separations) {
   std::size_t j = 0;
   for (std::size_t i = 0; i < some.contacts.size(); ++i) {

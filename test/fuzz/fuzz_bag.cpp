@@ -27,9 +27,9 @@ namespace {
 
 constexpr std::size_t kMostMessages = 16;
 
-// What crashes the process that reads with rosbag's library is no finding: it must not leave
-// libFuzzer's files, which every process of the program would write. The rest is as in
-// evaluate_bag.
+// A crash of the child process that reads with rosbag's library is not a finding. The child must
+// therefore not write libFuzzer's crash files, as every forked process otherwise would. The other
+// settings are those of evaluate_bag.
 void prepareProcess() {
   signal(SIGPIPE, SIG_IGN);
   ros::Time::init();
@@ -55,7 +55,7 @@ void writeBag(ByteSource* source, const std::string& path) {
     const auto recorded = kTypes.at(source->below(kTypes.size()));
     const char* const topic = kTopics[source->below(std::size(kTopics))];
     time += ros::Duration(0.01 * source->byte());
-    // Of no bytes, rosbag's own writing copies from null.
+    // An empty message is avoided because rosbag's writer copies its bytes from a null pointer.
     std::vector<std::uint8_t> bytes = source->bytes(source->number<std::uint16_t>());
     if (bytes.empty()) bytes.push_back(0);
     const RecordedBytes message = recorded(std::move(bytes));

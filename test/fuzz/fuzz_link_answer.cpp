@@ -1,6 +1,7 @@
-// What the parent of read_link_mesh makes of any answer, which a process writes to its standard
-// output before it ends. Even first byte: the others are the answer. Odd: they are a mesh's
-// vertices and triangles, seldom cut off, behind a header that fits.
+// Feeds arbitrary answers to the parent process of read_link_mesh. A child process writes the
+// answer to its standard output and ends. If the first byte is even, the answer is the other bytes.
+// If it is odd, the answer is a header that fits, then vertices and triangles made of the other
+// bytes, seldom cut off.
 #include <stdexcept>
 #include <string>
 

@@ -60,7 +60,7 @@ void addStaticTransform(const std::string& frame, double x, tf2::BufferCore* buf
   buffer->setTransform(transform, "fuzz", true);
 }
 
-// What the node does with one object's messages, in one thread.
+// Does in one thread what the node does with the messages of one object.
 class Monitor {
  public:
   explicit Monitor(MeshType type)
@@ -149,7 +149,8 @@ class Monitor {
   std::uint64_t cycle_ = 0;
 };
 
-// Of all messages of an input; that of the meshes' own type where nothing says otherwise.
+// Returns the type of all messages of an input, from bits of its first byte. An empty input has the
+// type kDeformableMesh.
 MeshType typeOf(const std::uint8_t* data, std::size_t size) {
   constexpr int kShift = 4, kTypes = 4;
   return static_cast<MeshType>(size == 0 ? 0 : (*data >> kShift) % kTypes);

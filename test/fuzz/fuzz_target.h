@@ -1,4 +1,4 @@
-// What a fuzz target is: a function that tries one input, and its name.
+// Declares a fuzz target: a function that tries one input, and its name.
 #pragma once
 
 #include <cstddef>

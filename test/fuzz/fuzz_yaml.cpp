@@ -14,7 +14,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Whether it is read; what is not must be refused by the file's name.
+// Returns whether `read` accepts the file. If it rejects the file, its message must name the file.
 bool isRead(const ScratchFile& file, const std::function<void()>& read) {
   try {
     read();

@@ -23,7 +23,7 @@ class ScratchFile {
   std::string path_;
 };
 
-// Whether `error` begins with the file's path: a refusal names its file.
+// Returns whether `error` begins with the file's path. Every message that rejects a file must.
 bool namesFile(const std::string& error, const ScratchFile& file);
 
 }  // namespace deformable_contact_monitor

@@ -49,7 +49,7 @@ std::string element(ByteSource* source, const std::string& kind) {
   return text + "</" + kind + ">";
 }
 
-// To the link of this number from an earlier one.
+// Writes a joint whose child is the link of this number and whose parent is an earlier link.
 std::string joint(ByteSource* source, std::size_t number) {
   constexpr const char* kTypes[] = {"fixed",    "revolute", "continuous", "prismatic",
                                     "floating", "planar",   "fixed",      "%d"};

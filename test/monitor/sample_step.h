@@ -10,8 +10,8 @@
 
 namespace deformable_contact_monitor {
 
-// At its stamp the sample's bodies touch nowhere; in the step from 0.1 s before, hand and cloth had
-// two contacts, the first one after a quarter of it.
+// The bodies of the sample do not touch at its stamp. The hand and the cloth had two contacts in
+// the time interval of 0.1 s before it, the first one after a quarter of the interval.
 struct SampleStep : SampleReport {
   SampleStep() {
     result.contacts.clear();

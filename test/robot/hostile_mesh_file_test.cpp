@@ -24,7 +24,7 @@ struct Collada {
   std::string libraries = "";
   std::string triangles = kTriangles;
 
-  // Of three vertices.
+  // Returns a COLLADA file with three vertices.
   std::string text() const {
     return "<?xml version=\"1.0\"?><COLLADA "
            "xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset/>"
@@ -253,7 +253,7 @@ TEST_F(HostileMeshFile, AFaceOfManyCorners) {
             "a face has 600000 corners, and at most 20000 are triangulated");
 }
 
-// What a few instances make of it is more than anybody wants, and no count of nodes says so.
+// The file has few nodes, but their instances add up to 16 million triangles.
 TEST_F(HostileMeshFile, MoreTrianglesThanFit) {
   Collada collada;
   collada.nodes = "<node>" + instance("n0") + "</node>";

@@ -13,7 +13,7 @@ namespace {
 
 std::string noFiles(const std::string&) { throw std::runtime_error("no files here"); }
 
-// What became of a description; fails the test if it was neither an answer nor a refusal.
+// Tells whether a description was read or rejected. The test fails if neither is the case.
 enum class Outcome { kRead, kRefused };
 Outcome tryToLoad(const std::string& urdf) {
   try {

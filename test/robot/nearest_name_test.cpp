@@ -1,4 +1,4 @@
-// Which name may have been meant.
+// Tests which known name is suggested for a misspelled one.
 #include "robot/nearest_name.h"
 
 #include <gtest/gtest.h>

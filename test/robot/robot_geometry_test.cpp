@@ -1,4 +1,5 @@
-// From URDF text to link meshes: order, origins, scales, options, and what is refused how.
+// Tests the way from URDF text to link meshes: order, origins, scales, options, and the messages
+// that reject a description.
 #include "robot/robot_geometry.h"
 
 #include <cmath>

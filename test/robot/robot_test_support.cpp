@@ -1,4 +1,4 @@
-// What the tests of robot geometry share.
+// Implements the functions that the tests of robot geometry have in common.
 #include "robot_test_support.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// What the tests of robot geometry share.
+// Declares what the tests of robot geometry have in common.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,7 +27,8 @@ std::vector<Corners> cornersOf(const TriangleMesh& mesh);
 // Every edge belongs to two triangles, once in each direction.
 ::testing::AssertionResult isClosed(const TriangleMesh& mesh);
 
-// Of a closed surface; negative if it is wound inside out.
+// Return the volume and the area of a surface. The volume is that of a closed surface; it is
+// negative if the surface is wound inside out.
 double signedVolume(const std::vector<Corners>& triangles);
 double surfaceArea(const std::vector<Corners>& triangles);
 

@@ -1,4 +1,5 @@
-// What links may touch each other by an SRDF: a small one, a real one, and ones made to do harm.
+// Tests which links may touch each other according to an SRDF. The SRDFs are small ones, a real
+// one, and malformed or hostile ones.
 #include "robot/srdf.h"
 
 #include <algorithm>

@@ -17,8 +17,8 @@
 #define __syncthreads syncThreadsOfClangTidy  // clang has a builtin of that name
 // NOLINTEND(bugprone-reserved-identifier)
 
-// What is for the host alone, before all else becomes host and device code. The words for both come
-// first.
+// The headers up to the pragma declare functions for the host alone. All that follows the pragma
+// becomes host and device code. vector_types.h defines __host__ and __device__, so it comes first.
 // clang-format off
 #include <vector_types.h>
 // clang-format on

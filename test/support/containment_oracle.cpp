@@ -81,7 +81,8 @@ exact::Rational determinant(const exact::Vector& a, const exact::Vector& b,
   return CGAL::determinant(a, b, c);
 }
 
-// Whether the ray from p crosses it; -1: it meets an edge's line.
+// Returns 1 if the ray from p crosses the triangle, 0 if not, and -1 if it meets the line of an
+// edge.
 int crosses(const exact::Point& p, const exact::Vector& ray, const Triangle& t) {
   const exact::Point corner[3] = {exact::toPoint(t.v[0]), exact::toPoint(t.v[1]),
                                   exact::toPoint(t.v[2])};
@@ -96,7 +97,7 @@ int crosses(const exact::Point& p, const exact::Vector& ray, const Triangle& t) 
   return CGAL::sign(normal * (corner[0] - p)) == CGAL::sign(normal * ray);
 }
 
-// Of the part, by rays from any point of it.
+// Returns whether the part is inside the component. It casts rays from random points of the part.
 bool isInside(const PosedBody& inner, const Component& part, const PosedBody& body,
               const Component& component) {
   static std::mt19937 random(5);

@@ -11,8 +11,9 @@ namespace deformable_contact_monitor {
 // Vertices in the scene frame; may coincide or be collinear.
 using OracleTriangle = std::array<Vec3f, 3>;
 
-// Whether the closed hulls of a and b meet anywhere outside the closed hull of `shared` (at most
-// three points; none: whether they meet at all). Exact for all finite input, and slow.
+// Returns whether the convex hulls of a and b, boundaries included, meet anywhere outside the
+// closed convex hull of `shared`. `shared` has at most three points; if it is empty, the function
+// returns whether the hulls meet at all. It is exact for all finite input, and slow.
 bool meetBeyondByConstruction(const OracleTriangle& a, const OracleTriangle& b,
                               const std::vector<Vec3f>& shared);
 

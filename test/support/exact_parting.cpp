@@ -24,7 +24,8 @@ struct Points {
   Vector normal() const { return CGAL::cross_product(edge(0), edge(1)); }
 };
 
-// In units of the direction.
+// Returns how far b must move along `direction` until it is past a, times the length of
+// `direction`.
 Rational reachAlong(const Points& a, const Points& b, const Vector& direction) {
   const Point origin(0, 0, 0);
   Rational high = direction * (a.p[0] - origin), low = direction * (b.p[0] - origin);

@@ -11,10 +11,10 @@ namespace exact {
 
 using Corners = std::array<Point, 3>;  // may coincide or be collinear
 
-// As meetBeyondByConstruction.
+// Returns the same as meetBeyondByConstruction (exact_clip.h).
 bool meetBeyond(const Corners& a, const Corners& b, const std::vector<Point>& shared);
 
-// Of triangles that do not intersect.
+// Returns the squared distance of two triangles that do not intersect.
 Rational squaredDistance(const Corners& a, const Corners& b);
 
 }  // namespace exact

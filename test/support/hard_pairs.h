@@ -23,7 +23,7 @@ class GridDice {
             static_cast<float>(within(-range, range))};
   }
   Triangle triangle(int range) { return {{point(range), point(range), point(range)}}; }
-  // In eighths.
+  // Returns a random multiple of 1/8 from low / 8 to high / 8.
   float eighths(int low, int high) { return static_cast<float>(within(low, high)) / 8; }
 
  private:

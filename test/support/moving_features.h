@@ -5,10 +5,10 @@
 
 namespace deformable_contact_monitor {
 
-// Whether it meets at t = 0.
+// Returns whether the feature meets at t = 0.
 bool meetsAtStart(const Feature& feature);
 
-// Whether it meets at any time of the step: without filters, by integers.
+// Returns whether the feature meets at any time of the interval. It uses integers and no filters.
 bool meetsExactly(const Feature& feature);
 
 }  // namespace deformable_contact_monitor

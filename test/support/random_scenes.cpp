@@ -26,7 +26,7 @@ class Dice {
   std::mt19937 generator_;
 };
 
-// What all coordinates of one scene have in common.
+// Describes what all coordinates of one scene have in common.
 struct Style {
   int grid = 4;         // integers 0..grid-1 on each axis; 0: off any grid
   float scale = 1;      // a power of ten or of two

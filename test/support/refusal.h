@@ -1,4 +1,4 @@
-// What is refused, as text to compare.
+// Returns error messages as text, for tests that compare them.
 #pragma once
 
 #include <functional>

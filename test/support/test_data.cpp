@@ -1,4 +1,4 @@
-// What the tests are given: real data, and a GPU; and how they say that it is not there.
+// Finds the test data in the file system and reads the environment variables of the tests.
 #include "test_data.h"
 
 #include <cstdlib>

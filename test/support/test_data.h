@@ -1,4 +1,5 @@
-// What the tests are given: real data, and a GPU; and how they say that it is not there.
+// Finds the test data and tells whether a CUDA device is required. DCM_REQUIRE_TEST_DATA() skips a
+// test if there are no test data.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ std::string testDataFile(const std::string& relative_path);
 
 bool testDataIsThere();
 
-// Whether $DCM_REQUIRE_CUDA is set: then it is a failure if no CUDA device can be used.
+// Returns whether $DCM_REQUIRE_CUDA is set. If so, a test fails if no CUDA device can be used.
 bool isCudaRequired();
 
 }  // namespace deformable_contact_monitor

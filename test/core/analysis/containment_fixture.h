@@ -1,4 +1,5 @@
-// What tests of containment share: a finder with its detector, and closed bodies.
+// Provides a fixture with a ContainmentFinder and its detector, and closed meshes, for tests of
+// containment.
 #pragma once
 
 #include <gtest/gtest.h>

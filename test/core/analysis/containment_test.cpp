@@ -1,4 +1,5 @@
-// What lies within a closed surface: cases by name, from cycle to cycle, limits.
+// Tests the search for parts inside closed surfaces: single cases, changes from cycle to cycle, and
+// time limits.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -93,7 +94,7 @@ TEST_F(Containments, ARejectedVertexOpensItsComponentAlone) {
   fin.vertices.insert(fin.vertices.end(), 3, std::numeric_limits<float>::quiet_NaN());
   fin.triangles.insert(fin.triangles.end(), {0, 1, 24});
   EXPECT_EQ(inside(pairScene(cube(1, 1), fin)), Parts());
-  // Of a part within: what is left of it still is.
+  // A part with a rejected vertex is still reported as inside: its other triangles are.
   TriangleMesh part = cube(1, 1);
   part.vertices[0] = std::numeric_limits<float>::infinity();
   EXPECT_FALSE(inside(pairScene(part, cube(0, 3))).empty());

@@ -1,4 +1,5 @@
-// What lies within a closed surface, against rays in exact rationals: random bodies, real meshes.
+// Compares the parts found inside closed surfaces with an oracle that casts rays in exact
+// rationals. The bodies are random or real meshes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Which state follows from what is certain of a distance.
+// Tests which decision (contact, near, none, open) follows from the bounds of a distance.
 #include "core/body_distance.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a bounded detector says when its time is short.
+// Tests the results of a bounded detector that runs out of time.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -115,7 +115,7 @@ TEST_F(BoundedTest, WithTimeEnoughTheListIsTheExactOne) {
   }
 }
 
-// At any deadline: what is said is true, and who is nearer is not said to be far.
+// All results are true at any deadline. No pair of bodies is reported as farther apart than it is.
 TEST_F(BoundedTest, WhateverTheDeadlineWhatIsSaidIsTrue) {
   Scene scene = pairScene(soup(1, 800, 0.3F), soup(2, 800, 0.3F));
   scene.addBody("cloth", clothGrid(40, 1, 1.35F, 0.05F));

@@ -15,7 +15,8 @@
 
 namespace deformable_contact_monitor {
 
-// Of two triangles with finite vertices [m]; 0 iff they intersect. Right to a part in 2^28.
+// Returns the distance of two triangles with finite vertices [m], with a relative error of at most
+// 2^-28. It is 0 iff they intersect.
 inline double trueDistance(const Triangle& a, const Triangle& b) {
   PredicateState state{Predicates::kExact};
   if (trianglesIntersect(a, b, state)) return 0;

@@ -97,7 +97,7 @@ TEST_F(HostVerticesTest, BackendsThatCannotReadThemSaySo) {
   }
 }
 
-// What is refused is no failure of a backend: nothing is thrown away for it.
+// A rejected call is not a failure of the backend: the backend stays in use.
 TEST_F(HostVerticesTest, AFallbackIsNotToldOfARefusal) {
   int told = 0;
   PoolSettings settings;

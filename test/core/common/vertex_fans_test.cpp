@@ -53,8 +53,8 @@ class Dice {
   std::mt19937 random_;
 };
 
-// Whether two triangles of a fan meet beyond the points that they share; these are those of equal
-// coordinates.
+// Returns whether two triangles of a fan meet beyond the points that they share. Points with equal
+// coordinates are shared.
 bool anyMeet(const Vec3f& centre, const Fan& fan) {
   for (std::uint32_t i = 0; i + 1 < fan.size(); ++i) {
     for (std::uint32_t j = i + 1; j + 1 < fan.size(); ++j) {

@@ -35,7 +35,7 @@ class MeshFileTest : public testing::Test {
     return readMeshFile(write(name, content));
   }
 
-  // What the reader says; fails if it says nothing.
+  // Returns the reader's error message. Fails the test if the file is read without an error.
   static std::string errorOf(const std::string& file) {
     try {
       readMeshFile(file);

@@ -1,4 +1,5 @@
-// What the mesh readers refuse, how they say it, and that no file crashes or starves them.
+// Tests which files the mesh readers reject and with which message. Also checks that no file makes
+// them crash or use too much memory or time.
 #include <sys/stat.h>
 
 #include <atomic>

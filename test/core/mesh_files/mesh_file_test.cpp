@@ -1,4 +1,4 @@
-// What the mesh readers read: every format, bit by bit.
+// Tests that the mesh readers read every format bit for bit.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -190,7 +190,7 @@ TriangleMesh sheet(std::uint32_t quads, float z) {
   return mesh;
 }
 
-// From the bounded detector itself: a cloth above a link, with a margin of 20 mm.
+// Runs the bounded detector on a cloth above a link, with a margin of 20 mm.
 class ClothAboveLinkTest : public ::testing::Test {
  protected:
   ClothAboveLinkTest() {

@@ -153,7 +153,8 @@ TEST(ContactStateTrackerTest, nearMeansThatEveryTrianglePairIsApart) {
   EXPECT_EQ(state.min_separation, 0);
 }
 
-// Whether they touch, the verdict says: what geometry finds apart after all is at 0.
+// The verdict decides whether bodies touch. A contact whose geometry has a positive separation is
+// reported with a separation of 0.
 TEST(ContactStateTrackerTest, withGeometryTheSeparationIsMinusTheDepth) {
   SampleReport sample;
   ContactStateTracker tracker(rules(1, 1));
@@ -178,7 +179,7 @@ TEST(ContactStateTrackerTest, withGeometryTheSeparationIsMinusTheDepth) {
   EXPECT_EQ(state.min_separation, 0.01F);
 }
 
-// As what touches: whatever else is missing.
+// A part inside another body is reported as a contact, whatever else is missing.
 TEST(ContactStateTrackerTest, whatIsInsideIsAContactThatSaysSo) {
   SampleReport sample;
   Containment& containment = sample.addContainment();

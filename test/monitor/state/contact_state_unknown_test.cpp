@@ -75,7 +75,7 @@ TEST(ContactStateTrackerTest, whatWasNotLookedWithinIsNotNoContact) {
   EXPECT_EQ(message.states[kBaseCloth].state, ContactState::CONTACT);
 }
 
-// As of a cycle that took long.
+// The cycle took so long that its data are older than max_mesh_age_s when it ends.
 TEST(ContactStateTrackerTest, whatIsTooOldWhenItComesIsNotNoContact) {
   SampleReport sample;
   sample.report.now = sample.report.header.stamp + ros::Duration(0.6);

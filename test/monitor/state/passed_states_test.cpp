@@ -1,4 +1,5 @@
-// How pairs stand in swept motion: what a cycle's steps say of the time in between.
+// Tests the states of pairs under continuous collision detection: what a cycle reports about the
+// time since the cycle before.
 #include <gtest/gtest.h>
 
 #include <cstddef>

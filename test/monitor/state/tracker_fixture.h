@@ -1,4 +1,5 @@
-// What tests of the states of pairs of bodies share: rules, and what a tracker said as text.
+// Provides what tests of the states of pairs of bodies have in common: rules, and a tracker's
+// states and events as text.
 #pragma once
 
 #include <cstddef>

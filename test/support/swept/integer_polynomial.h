@@ -27,9 +27,9 @@ class IntegerPolynomial {
 
   int signAt(const Dyadic& x) const;
 
-  // Whether the sign at (k + x) / 2^exponent, k the numerator of `low`, is certainly the same, and
-  // not 0, for all x in [0, 1]: by the absolute values of the Taylor coefficients alone. True on
-  // all small enough intervals without a root.
+  // Returns true only if the sign at (k + x) / 2^exponent is the same, and not 0, for all x from 0
+  // to 1; k is the numerator of `low`. It compares the absolute values of the Taylor coefficients.
+  // It returns true for every small enough interval without a root.
   bool hasOneSignFrom(const Dyadic& low) const;
 
  private:

@@ -14,7 +14,7 @@ struct Circuit {
   PointSet points() const { return positive | negative; }
 };
 
-// Whether the points are a circuit with these signs at time t.
+// Returns whether the points are a circuit with these signs at time t.
 bool isCircuitAt(AlgebraicTime& t, const Circuit& circuit, MovingPoints& points) {
   const PointSet all = circuit.points();
   for (const Event& volume : points.volumes(all)) {
@@ -41,8 +41,8 @@ bool isCircuitAt(AlgebraicTime& t, const Circuit& circuit, MovingPoints& points)
   return false;
 }
 
-// Whether the common point of a circuit's two sides lies in the hull of the shared points at t. The
-// sides have a point each that is not shared.
+// Returns whether the common point of a circuit's two sides lies in the convex hull of the shared
+// points at t. Each side must have a point that is not shared.
 bool isSharedPointAt(AlgebraicTime& t, const Circuit& circuit, PointSet shared,
                      MovingPoints& points) {
   if (sizeOf(shared) == 1) {

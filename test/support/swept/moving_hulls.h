@@ -38,7 +38,7 @@ struct FirstTime {
 // points, if there is one. Sharing none, they meet at `time` itself, as the times are a closed set.
 std::optional<FirstTime> firstMeeting(const MovingHulls& hulls);
 
-// Whether there is one: quicker.
+// Returns whether firstMeeting() finds a time, and is faster.
 bool meetEver(const MovingHulls& hulls);
 
 }  // namespace deformable_contact_monitor

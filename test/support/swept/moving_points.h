@@ -55,8 +55,9 @@ class MovingPoints {
   // always so: none.
   std::vector<Event>& volumes(PointSet points);
 
-  // Whether on some axis all points of one set are before all of the other in both states: then
-  // they are at all times, for differences of coordinates are linear in time.
+  // Returns whether there is an axis on which all points of one set are before all points of the
+  // other, in both states. If so, they are apart at all times, because differences of coordinates
+  // are linear in time.
   bool areApart(PointSet a, PointSet b) const;
 
  private:

@@ -24,8 +24,8 @@ namespace deformable_contact_monitor {
 // The first time is in [low, high], which is at most 2^-30 long; low == high is the time itself.
 struct SweptTime {
   mpq_class low, high;
-  // Whether they are in contact at the first time. Else it is an infimum: in contact right after it
-  // and not then, which only pairs that share a vertex can be.
+  // True if the triangles are in contact at the first time. If false, the first time is an infimum:
+  // they are in contact right after it, but not at it. Only pairs that share a vertex can be so.
   bool is_attained;
 };
 
@@ -44,10 +44,10 @@ std::optional<SweptTime> firstSweptContact(const Triangle& a0, const Triangle& a
                                            const Triangle& b0, const Triangle& b1,
                                            AdjacentPairs adjacent);
 
-// Whether p meets the closed triangle abc at some time: {p, a, b, c}.
+// Returns whether p meets the closed triangle abc at some time. `points` is {p, a, b, c}.
 bool vertexFaceMeets(const std::array<Trajectory, 4>& points);
 
-// Whether the closed segments pq and ab meet at some time: {p, q, a, b}.
+// Returns whether the closed segments pq and ab meet at some time. `points` is {p, q, a, b}.
 bool edgeEdgeMeets(const std::array<Trajectory, 4>& points);
 
 // Every swept contact of the enabled pairs of state 1, sorted, each once. Margins are ignored.

@@ -109,7 +109,7 @@ class Dice {
 
 enum class Steps { kAny, kSmall, kCommon, kNone };
 
-// What all coordinates of one scene have in common.
+// Describes what all coordinates of one scene have in common.
 struct Style {
   int grid = 4;       // integers 0..grid-1 on each axis; 0: off any grid
   bool flat = false;  // all in one plane of constant z, which may move

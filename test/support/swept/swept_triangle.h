@@ -27,7 +27,8 @@ bool isFinite(const SweptTriangle& t);
 // both states.
 MovingHulls hullsOf(const SweptTriangle& a, const SweptTriangle& b);
 
-// Whether the pair's hulls are asked for at all: finite, and not left out as sharers.
+// Returns whether the oracle decides this pair: both triangles are finite, and the pair is not left
+// out as vertex-adjacent.
 bool isJudged(const SweptTriangle& a, const SweptTriangle& b, AdjacentPairs adjacent);
 
 // The triangles of two scenes with the same bodies and triangles, but those that are not finite.

@@ -18,7 +18,7 @@ namespace tbb {
 // More than a small machine has cores: races need threads.
 constexpr int kDefaultThreads = 4;
 
-// How many threads a loop takes that this thread starts.
+// Returns the number of threads of a loop that this thread starts.
 inline int& threadsHere() {
   thread_local int threads = kDefaultThreads;
   return threads;

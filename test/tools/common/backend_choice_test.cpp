@@ -1,4 +1,4 @@
-// From names of backends to detectors. The device that is asked for exists nowhere.
+// Tests which detector each backend name selects. The requested CUDA device never exists.
 #include "tools/common/backend_choice.h"
 
 #include <gtest/gtest.h>

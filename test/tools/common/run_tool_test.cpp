@@ -1,4 +1,4 @@
-// How tools end.
+// Tests the exit codes and the error messages of tools.
 #include "tools/common/run_tool.h"
 
 #include <gtest/gtest.h>

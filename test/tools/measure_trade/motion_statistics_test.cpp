@@ -1,4 +1,5 @@
-// What is lost at all frames and at some: scenes whose contacts are worked out by hand.
+// Tests the counts of contacts that are missed if all frames are checked, and if only some are. The
+// contacts of the scenes are worked out by hand.
 #include <gtest/gtest.h>
 
 #include <stdexcept>
