@@ -30,7 +30,10 @@ struct Feed {
     sample.sweep().from = stamp - ros::Duration(0.1);
     if (c == 'n' || c == 'N' || c == 'C') sample.result.contacts = {{0, 0, 2, 0}};
     if (c == 'n' || c == 'N') sample.result.separations_m = {0.25F};
-    if (c != 'P' && c != 'N' && c != 'C') sample.step.detection.contacts.clear();
+    if (c != 'P' && c != 'N' && c != 'C') {
+      sample.step.detection.contacts.clear();
+      sample.step.detection.first_times.clear();
+    }
     if (c == 'L') sample.lackStep("reset");
     if (c == 'X') sample.step.detection.cutOff(kNoTime);
     if (change) change(&sample);
