@@ -115,7 +115,7 @@ class Monitor {
     report.scene = &scene_.scene();
     report.now = now;
     report.options = parameters_.detector;
-    if (scene_.looksAtAny()) {
+    if (!scene_.scene().enabledPairs().empty()) {
       requireThat(answer != Acceptance::kRejected, "a rejected mesh was looked at");
       report.result = std::make_shared<const DetectionResult>(
           detectChecked(detector_.get(), scene_.scene(), parameters_.detector));

@@ -120,10 +120,14 @@ void CycleScheduler::finish(const std::vector<std::size_t>& who, bool overran) {
   for (const std::size_t i : who) entries_[i].overran = overran;
 }
 
+void CycleScheduler::drop(std::size_t who) {
+  while (!isRobot(who) && hasRequest(who)) dropFirst(who);
+  entries_[who].queue.clear();  // the robot's own requests have no mesh to count
+}
+
 void CycleScheduler::clear() {
   for (std::size_t who = 0; who < entries_.size(); ++who) {
-    while (who < inputs_.size() && !entries_[who].queue.empty()) dropFirst(who);
-    entries_[who].queue.clear();  // the robot's own requests have no mesh to count
+    drop(who);
     entries_[who].overran = false;
   }
 }

@@ -73,8 +73,9 @@ class CycleScheduler {
   // Returns whether the last cycle of `who` ran out of time.
   bool overran(std::size_t who) const { return entries_[who].overran; }
 
-  // Drops all requests of one queue, or of all of them. clear() also forgets who ran out of time.
-  void drop(std::size_t who) { entries_[who].queue.clear(); }
+  // Drop all requests of one queue, or of all of them, and count their meshes at the inputs as
+  // dropped. clear() also forgets who ran out of time.
+  void drop(std::size_t who);
   void clear();
 
   bool isEmpty() const;  // no request waits

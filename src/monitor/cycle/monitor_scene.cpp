@@ -241,12 +241,10 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
 
 // Enables the cycle's pairs whose bodies are known, and disables all others.
 void MonitorScene::enablePairs() {
-  looks_at_any_ = false;
   for (const MonitoredPair& pair : pairs_) {
     const bool enabled =
         !pair.allowed && isOfCycle(bodies_, pair) && isKnown(pair.a) && isKnown(pair.b);
     scene_.setPairEnabled(pair.a, pair.b, enabled);
-    looks_at_any_ = looks_at_any_ || enabled;
   }
 }
 

@@ -83,9 +83,6 @@ class MonitorScene {
   TransformReport prepare(const ros::Time& t, const CycleTrigger& trigger, const MeshInputs& inputs,
                           const TransformLookup& lookup);
 
-  // Returns whether prepare() has enabled any pair.
-  bool looksAtAny() const { return looks_at_any_; }
-
   // Prepares a report without detection: object i is UNKNOWN because of why[i], unless that is
   // empty. Links are left out.
   void markUnknown(const std::vector<std::string>& why);
@@ -138,7 +135,6 @@ class MonitorScene {
   std::vector<MonitoredPair> pairs_;
   std::vector<IncomingMesh> loaded_;  // by object: the mesh in the scene
   BodyId first_object_ = 0;
-  bool looks_at_any_ = false;
 };
 
 }  // namespace deformable_contact_monitor

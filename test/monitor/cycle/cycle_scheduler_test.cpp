@@ -187,6 +187,7 @@ TEST_F(CycleSchedulerTest, WhatIsDroppedHasNoTurn) {
   CycleScheduler& scheduler = make({0, 0, 0});
   for (const std::size_t who : {0, 1}) add(who, 50);
   scheduler.drop(0);
+  EXPECT_EQ(dropped(0), 1U);
   EXPECT_EQ(next(), Who{1});
   EXPECT_TRUE(scheduler.mayAdd(0, kStart));
 }
@@ -196,6 +197,7 @@ TEST_F(CycleSchedulerTest, WhatIsClearedDoesNotWait) {
   add(0, 50);
   EXPECT_FALSE(scheduler.isEmpty());
   scheduler.clear();
+  EXPECT_EQ(dropped(0), 1U);
   EXPECT_TRUE(scheduler.isEmpty());
   EXPECT_FALSE(scheduler.hasRequest(0));
 }
