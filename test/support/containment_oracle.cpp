@@ -19,9 +19,11 @@ using Key = std::array<float, 3>;
 
 Key keyOf(const Vec3f& v) { return {v.x + 0.0F, v.y + 0.0F, v.z + 0.0F}; }  // -0 becomes 0
 
+// A component, and the sets of its triangles that are closed surfaces: all of them, or one of each
+// that have the same vertices.
 struct Component {
   std::vector<std::uint32_t> triangles;
-  bool closed = true;
+  std::vector<std::vector<std::uint32_t>> surfaces;
 };
 
 // Edges of the triangle, of two different points each.
@@ -32,6 +34,30 @@ std::vector<std::pair<Key, Key>> edgesOf(const Triangle& t) {
     if (isFinite(u) && isFinite(v) && u != v) edges.push_back(std::minmax(keyOf(u), keyOf(v)));
   }
   return edges;
+}
+
+bool isClosed(const PosedBody& body, const std::vector<std::uint32_t>& triangles) {
+  std::map<std::pair<Key, Key>, std::size_t> count;
+  for (const std::uint32_t t : triangles) {
+    const auto edges = edgesOf(body.received(t));
+    for (const auto& edge : edges) count[edge] += edges.size() == 3 ? 1 : 0;
+  }
+  return std::all_of(count.begin(), count.end(), [](const auto& of) { return of.second % 2 == 0; });
+}
+
+std::vector<std::vector<std::uint32_t>> surfacesOf(const PosedBody& body,
+                                                   const std::vector<std::uint32_t>& triangles) {
+  std::map<std::set<Key>, std::uint32_t> different;
+  for (const std::uint32_t t : triangles) {
+    const Triangle of = body.received(t);
+    different[{keyOf(of.v[0]), keyOf(of.v[1]), keyOf(of.v[2])}] = t;
+  }
+  std::vector<std::uint32_t> once;
+  for (const auto& [corners, t] : different) once.push_back(t);
+  std::vector<std::vector<std::uint32_t>> surfaces;
+  if (isClosed(body, triangles)) surfaces.push_back(triangles);
+  if (once.size() < triangles.size() && isClosed(body, once)) surfaces.push_back(once);
+  return surfaces;
 }
 
 std::vector<Component> componentsOf(const Body& body) {
@@ -63,14 +89,10 @@ std::vector<Component> componentsOf(const Body& body) {
         }
       }
     }
-    for (const auto& edge : edges) {
-      std::size_t proper = 0;
-      for (const std::uint32_t t : of_edge[edge]) {
-        proper += edgesOf(posed.received(t)).size() == 3;
-        if (rejected(t)) component.closed = false;
-      }
-      if (proper % 2 != 0) component.closed = false;
-    }
+    const bool beside_rejected = std::any_of(edges.begin(), edges.end(), [&](const auto& edge) {
+      return std::any_of(of_edge[edge].begin(), of_edge[edge].end(), rejected);
+    });
+    if (!beside_rejected) component.surfaces = surfacesOf(posed, component.triangles);
     components.push_back(std::move(component));
   }
   return components;
@@ -97,9 +119,9 @@ int crosses(const exact::Point& p, const exact::Vector& ray, const Triangle& t) 
   return CGAL::sign(normal * (corner[0] - p)) == CGAL::sign(normal * ray);
 }
 
-// Returns whether the part is inside the component. It casts rays from random points of the part.
+// Returns whether the part is inside the surface. It casts rays from random points of the part.
 bool isInside(const PosedBody& inner, const Component& part, const PosedBody& body,
-              const Component& component) {
+              const std::vector<std::uint32_t>& surface) {
   static std::mt19937 random(5);
   const auto number = [] { return static_cast<int>(random() % 2000003) - 1000001; };
   for (;;) {
@@ -112,7 +134,7 @@ bool isInside(const PosedBody& inner, const Component& part, const PosedBody& bo
     const exact::Vector ray(number(), number(), number());
     int crossed = 0;
     bool tie = false;
-    for (const std::uint32_t t : component.triangles) {
+    for (const std::uint32_t t : surface) {
       const int answer = crosses(p, ray, body.triangle(t));
       tie = tie || answer < 0;
       crossed += answer;
@@ -146,7 +168,9 @@ std::vector<OraclePart> oracleInside(const Scene& scene) {
       const PosedBody inner(scene.body(a)), outer(scene.body(b));
       for (const Component& p : components[a]) {
         const auto holds = [&](const Component& q) {
-          return q.closed && !touches(a, p, b, q) && isInside(inner, p, outer, q);
+          return !touches(a, p, b, q) &&
+                 std::any_of(q.surfaces.begin(), q.surfaces.end(),
+                             [&](const auto& s) { return isInside(inner, p, outer, s); });
         };
         if (!std::any_of(components[b].begin(), components[b].end(), holds)) continue;
         parts.push_back({a, b, *std::min_element(p.triangles.begin(), p.triangles.end())});

@@ -1,7 +1,7 @@
 // Finds components that lie within closed components of other bodies. A component that touches no
 // triangle of a closed surface is on one side of it, so one point decides for all of it. A ray
-// upwards from that point crosses the surface an odd number of times iff the point is inside. Boxes
-// and a tree of points leave few pairs of a point and a triangle for the exact test.
+// upwards from that point crosses a layer of the surface an odd number of times iff the point is
+// inside. Boxes and a tree of points leave few pairs of a point and a triangle for the exact test.
 #include "core/analysis/containment.h"
 
 #include <algorithm>
@@ -74,21 +74,23 @@ class PairLook {
     points.reserve(chosen_.size());
     for (const std::uint32_t c : chosen_) points.push_back(inner_.point(c));
     const PointTree tree(points);
-    std::vector<bool> odd(chosen_.size(), false);
     const MeshComponents& outer = outer_.components();
+    std::vector<std::uint32_t> odd(chosen_.size(), 0);  // a bit for each layer
     PredicateState state;
     for (std::uint32_t i = outer.first[q]; i < outer.first[q + 1]; ++i) {
       if (pace_.over()) return;
+      const std::uint32_t layers = outer.layers[outer.triangles[i]];
+      if (layers == 0) continue;
       const Triangle triangle = outer_.posed().triangle(outer.triangles[i]);
       Aabb beneath = boxOf(triangle);
       beneath.min.z = -INFINITY;
       tree.visitWithin(beneath, [&](std::uint32_t p) {
-        if (!pace_.over() && crossesUpwards(points[p], triangle, state)) odd[p] = !odd[p];
+        if (!pace_.over() && crossesUpwards(points[p], triangle, state)) odd[p] ^= layers;
       });
     }
     if (pace_.over(0)) return;
     for (std::size_t p = 0; p < chosen_.size(); ++p) {
-      if (odd[p]) is_inside_[chosen_[p]] = true;
+      if (odd[p] != 0) is_inside_[chosen_[p]] = true;
     }
   }
 

@@ -18,7 +18,8 @@ class PosedComponents;
 
 // A component of the body `inner` (mesh_components.h) that lies within a closed component of
 // `outer` and touches no triangle of that. It lies within if a ray from it crosses an odd number of
-// the closed component's triangles.
+// the triangles of some layer of the closed component. README.md of this room says what that means
+// for double-sided meshes, boxes that share an edge, hollow containers and nested shells.
 struct InsidePart {
   BodyId inner = 0, outer = 0;
   std::uint32_t triangle = 0;  // the least index of the part's triangles

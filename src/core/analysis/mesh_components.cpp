@@ -1,11 +1,12 @@
 // Finds the components of a mesh in three steps: equal vertices are welded, triangles that share an
 // edge are joined with a union-find, and a component is marked as open if one of its edges belongs
-// to an odd number of its triangles.
+// to one triangle. Components with edges of more than two triangles are left to surface_layers.h.
 #include "core/analysis/mesh_components.h"
 
 #include <algorithm>
 #include <array>
 
+#include "core/analysis/surface_layers.h"
 #include "core/analysis/union_find.h"
 #include "core/rules/vertex_hash.h"
 
@@ -35,7 +36,7 @@ class EdgeTable {
   struct Edge {
     std::uint64_t key = kFree;
     std::uint32_t triangle = 0;  // a triangle with this edge
-    bool odd = false;            // an odd number of triangles with three different vertices has it
+    std::uint32_t count = 0;     // how many triangles with three different vertices have it
   };
 
   explicit EdgeTable(std::size_t most_edges) {
@@ -76,7 +77,7 @@ void addTriangle(const Corners& c, std::uint32_t t, EdgeTable* table, UnionFind*
       edge.triangle = t;
     }
     joined->join(edge.triangle, t);
-    edge.odd = edge.odd != counts;
+    edge.count += counts ? 1 : 0;
   }
 }
 
@@ -91,8 +92,8 @@ void openBesideRejected(const Corners& c, EdgeTable* table, MeshComponents* comp
   }
 }
 
-// Fills of_triangle, triangles and first. Marks all components as closed; open edges are found
-// later.
+// Fills of_triangle, triangles and first. Marks all components as closed surfaces of one layer;
+// what differs is found later.
 void number(const std::vector<bool>& rejected, UnionFind* joined, MeshComponents* components) {
   const auto count = static_cast<std::uint32_t>(rejected.size());
   std::vector<std::uint32_t>& of = components->of_triangle;
@@ -117,6 +118,25 @@ void number(const std::vector<bool>& rejected, UnionFind* joined, MeshComponents
     if (!rejected[t]) components->triangles[next[of[t]]++] = t;
   }
   components->closed.assign(components->first.size() - 1, true);
+  components->layers.assign(count, 1);
+}
+
+// Sets `closed` and `layers` of a component in which more than two triangles share an edge.
+void setLayers(const TriangleMesh& mesh, const std::vector<std::uint32_t>& vertex,
+               std::uint32_t component, const CycleLimit& limit, MeshComponents* components) {
+  std::vector<SurfaceTriangle> triangles;
+  const std::vector<std::uint32_t>& first = components->first;
+  for (std::uint32_t i = first[component]; i < first[component + 1]; ++i) {
+    const std::uint32_t t = components->triangles[i];
+    const Corners corners = cornersOf(mesh, vertex, t);
+    if (hasThreeVertices(corners)) triangles.push_back({corners, t});
+  }
+  const SurfaceLayers layers = findLayers(triangles, limit);
+  if (limit.over()) return;
+  components->closed[component] = layers.closed;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    components->layers[triangles[i].index] = layers.of[i];
+  }
 }
 
 }  // namespace
@@ -163,8 +183,13 @@ bool BodyComponents::build(const TriangleMesh& mesh, const CycleLimit& limit) {
     if (!rejected[t]) addTriangle(corners, static_cast<std::uint32_t>(t), &table, &joined);
   }
   number(rejected, &joined, &components_);
+  std::vector<bool> has_layers(components_.count(), false);
   for (const EdgeTable::Edge& edge : table.edges()) {
-    if (edge.odd) components_.closed[components_.of_triangle[edge.triangle]] = false;
+    if (edge.count == 1) components_.closed[components_.of_triangle[edge.triangle]] = false;
+    if (edge.count > 2) has_layers[components_.of_triangle[edge.triangle]] = true;
+  }
+  for (std::uint32_t c = 0; c < components_.count() && !limit.over(); ++c) {
+    if (has_layers[c]) setLayers(mesh, vertex_, c, limit, &components_);
   }
   for (std::size_t t = 0; t < count; ++t) {
     if (rejected[t]) openBesideRejected(cornersOf(mesh, vertex_, t), &table, &components_);

@@ -16,13 +16,17 @@ namespace deformable_contact_monitor {
 // share only a vertex are different components. Components are numbered by their least triangles.
 //
 // A component is closed iff each of its edges (between two different vertices) belongs to an even
-// number of its triangles, and no triangle with a non-finite vertex shares an edge with it. A
-// triangle with two equal vertices has its edge twice, so it never matters. "Inside" is well
-// defined for closed components: their triangles form a chain without a boundary, modulo 2. So a
-// line that meets the surface only in the interior of triangles crosses it an even number of times,
-// and any two rays from a point cross it equally often, modulo 2. This does not depend on where the
-// vertices are. It holds for surfaces that pass through themselves, overlap themselves or were
-// rounded together by a pose, and for triangles without area, which no such line meets.
+// number of its triangles, and no triangle with a non-finite vertex shares an edge with it. Where
+// more than two triangles share an edge, it may also be closed in layers (surface_layers.h): a mesh
+// that has each triangle twice is closed if the mesh with one of each is. A triangle with two equal
+// vertices has its edge twice, so it never matters.
+//
+// "Inside" is well defined for closed components: the triangles of a layer form a chain without a
+// boundary, modulo 2. So a line that meets the surface only in the interior of triangles crosses it
+// an even number of times, and any two rays from a point cross it equally often, modulo 2. This
+// does not depend on where the vertices are. It holds for surfaces that pass through themselves,
+// overlap themselves or were rounded together by a pose, and for triangles without area, which no
+// such line meets.
 struct MeshComponents {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
@@ -30,6 +34,9 @@ struct MeshComponents {
   std::vector<std::uint32_t> triangles;    // by component, ascending
   std::vector<std::uint32_t> first;  // per component: its first place in `triangles`; one more
   std::vector<bool> closed;
+  // Per triangle: a bit for each layer of its component that it is in. A point is inside a closed
+  // component iff a ray from it crosses an odd number of triangles of some layer.
+  std::vector<std::uint32_t> layers;
 
   std::size_t count() const { return closed.size(); }
 };

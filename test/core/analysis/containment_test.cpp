@@ -77,13 +77,6 @@ TEST_F(Containments, ClothsAndSoupsAreWithin) {
   EXPECT_EQ(inside(scene), (Parts{{0, 1, 0}}));
 }
 
-TEST_F(Containments, DuplicatedTrianglesCountModuloTwo) {
-  const TriangleMesh hollow = cube(0, 3);
-  const TriangleMesh twice = together(hollow, hollow);
-  EXPECT_EQ(inside(pairScene(cube(1, 1), twice)), Parts()) << "every wall is two";
-  EXPECT_EQ(inside(pairScene(cube(1, 1), together(twice, hollow))), (Parts{{0, 1, 0}}));
-}
-
 TEST_F(Containments, ARejectedVertexOpensItsComponentAlone) {
   TriangleMesh broken = cube(0, 3);
   broken.vertices[0] = std::numeric_limits<float>::quiet_NaN();

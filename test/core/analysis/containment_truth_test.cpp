@@ -48,6 +48,17 @@ TriangleMesh randomBody(bool small, std::mt19937* random) {
     for (int k = 0; k < 3; ++k) body.triangles.push_back(body.triangles[t + k]);
     for (const int k : {0, 1, 1}) body.triangles.push_back(body.triangles[t + k]);
   }
+  if (below(6) == 0) {  // all of them, or some, once more or twice, turned around
+    const std::size_t count = body.triangles.size();
+    const unsigned share = 1 + below(3), times = 1 + below(2);
+    for (std::size_t t = 0; t < count; t += 3) {
+      for (unsigned k = below(share) == 0 ? times : 0; k > 0; --k) {
+        for (const std::size_t corner : {1, 0, 2}) {
+          body.triangles.push_back(body.triangles[t + corner]);
+        }
+      }
+    }
+  }
   if (below(10) == 0) body.vertices[below(static_cast<unsigned>(body.vertices.size()))] = NAN;
   for (float& x : body.vertices) {
     if (x == 0 && below(2) == 0) x = -0.0F;
