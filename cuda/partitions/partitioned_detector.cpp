@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/common/forks.h"
+#include "core/common/guarded_detector.h"
 #include "core/common/stages.h"
 #include "core/common/stopwatch.h"
 #include "cuda/partitions/merged_partitions.h"
@@ -232,11 +234,22 @@ class PartitionedDetector : public Detector {
   bool is_merged_ = false;
 };
 
+// Throws if this process was forked after it had used a device. The driver may hang there, if the
+// fork came while another thread called it.
+void requireOwnProcess(const ProcessMark& uses_devices) {
+  if (!uses_devices.isInherited()) return;
+  throw BackendError(BackendFault::kUnavailable,
+                     "CUDA cannot be used in a process that was forked after it had been used "
+                     "(start processes by exec, or by multiprocessing's 'spawn')");
+}
+
 }  // namespace
 
 std::unique_ptr<Detector> makePartitionedDetector(
     const CudaSettings& settings,
     const std::function<std::unique_ptr<PartitionDetector>(const CudaSettings&)>& make) {
+  static ProcessMark uses_devices;
+  requireOwnProcess(uses_devices);
   const std::vector<int> devices =
       settings.devices.empty() ? std::vector<int>{settings.device} : settings.devices;
   std::vector<DevicePartition> partitions;
@@ -254,11 +267,17 @@ std::unique_ptr<Detector> makePartitionedDetector(
     }
   }
   if (partitions.empty()) std::rethrow_exception(last);
+  uses_devices.set();
   for (const BackendError& failure : failures) {
     if (settings.device_lost) settings.device_lost(failure);
   }
-  if (partitions.size() == 1) return std::move(partitions.front().detector);
-  return std::make_unique<PartitionedDetector>(std::move(partitions), settings);
+  std::unique_ptr<Detector> detector;
+  if (partitions.size() == 1) {
+    detector = std::move(partitions.front().detector);
+  } else {
+    detector = std::make_unique<PartitionedDetector>(std::move(partitions), settings);
+  }
+  return guardAgainstForks(std::move(detector), AfterFork::kIsUnavailable);
 }
 
 }  // namespace deformable_contact_monitor

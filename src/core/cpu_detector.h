@@ -15,7 +15,9 @@ struct CpuSettings {
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30;
 };
 
-// Makes a detector that runs on threads of its own TBB arena (see Options::threads).
+// Makes a detector that runs on threads of its own TBB arena (see Options::threads). A process that
+// was forked after detectors had run uses one thread. There, a detector that another thread was
+// using at the fork throws BackendError (kUnavailable) in each detect(); the others go on.
 DCM_EXPORT std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings = CpuSettings());
 
 }  // namespace deformable_contact_monitor

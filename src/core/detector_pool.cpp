@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/bounds/bounded_cycle.h"
+#include "core/common/guarded_detector.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -231,7 +232,7 @@ class DetectorPool : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> makeDetectorPool(PoolSettings settings) {
-  return std::make_unique<DetectorPool>(std::move(settings));
+  return guardAgainstForks(std::make_unique<DetectorPool>(std::move(settings)), AfterFork::kWorks);
 }
 
 }  // namespace deformable_contact_monitor

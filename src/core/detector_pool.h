@@ -81,6 +81,10 @@ struct PoolSettings {
 // not depend on the number of threads. The cache is used by one thread at a time, the one in
 // detect().
 //
+// Forks. A forked process may use and destroy the pool. It detects on one thread of the CPU (see
+// makeCpuDetector()), and makes tilings of its own. A pool that another thread was using at the
+// fork throws BackendError (kUnavailable) there.
+//
 // backend() names the one that ran last. vertexMemory() is the device's while there is one.
 DCM_EXPORT std::unique_ptr<Detector> makeDetectorPool(PoolSettings settings);
 

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/common/forks.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -97,11 +99,13 @@ class Worker {
   std::thread thread_;  // the last member, because it uses the others
 };
 
-}  // namespace
-
-class TilingCache::State {
+// The tilings of one process. All functions are called from one thread.
+class Tilings {
  public:
-  ~State() {
+  Tilings() = default;
+  Tilings(const Tilings&) = delete;
+  Tilings& operator=(const Tilings&) = delete;
+  ~Tilings() {
     for (auto& [topology, known] : known_) stop(known);
   }
 
@@ -114,7 +118,7 @@ class TilingCache::State {
     }
     known.round = round_;
     if (known.order != nullptr) return worker_.resultOf(*known.order);
-    if (++known.calls < kSettledAfter) return nullptr;
+    if (++known.calls < TilingCache::kSettledAfter) return nullptr;
     known.order = std::make_shared<Order>();
     known.order->mesh = body.mesh;
     worker_.take(known.order);
@@ -153,17 +157,41 @@ class TilingCache::State {
   Worker worker_;          // destroyed first, which waits for orders that are stopped
 };
 
+}  // namespace
+
+// Owns the tilings. In a forked process, those that were there stay as they are, because they have
+// a thread that is gone, which may hold their lock. New ones are made there.
+class TilingCache::State {
+ public:
+  ~State() {
+    if (forks_ != forkCount()) static_cast<void>(tilings_.release());
+  }
+
+  Tilings& tilings() {
+    if (forks_ != forkCount()) {
+      static_cast<void>(tilings_.release());
+      tilings_ = std::make_unique<Tilings>();
+      forks_ = forkCount();
+    }
+    return *tilings_;
+  }
+
+ private:
+  unsigned forks_ = forkCount();
+  std::unique_ptr<Tilings> tilings_ = std::make_unique<Tilings>();
+};
+
 TilingCache::TilingCache() : state_(std::make_unique<State>()) {}
 TilingCache::~TilingCache() = default;
 
 std::shared_ptr<const Tiling> TilingCache::of(const Body& body) noexcept {
   try {
-    return state_->of(body);
+    return state_->tilings().of(body);
   } catch (const std::exception&) {
     return nullptr;
   }
 }
 
-void TilingCache::wait() { state_->wait(); }
+void TilingCache::wait() { state_->tilings().wait(); }
 
 }  // namespace deformable_contact_monitor

@@ -52,19 +52,6 @@ void BoundedCycle::sharePairs(const Scene& scene) {
   }
 }
 
-// Runs work on as many threads as the options ask for. The arena is kept, because making it takes
-// time.
-template <class Work>
-void BoundedCycle::runOnThreads(const Options& options, const Work& work) {
-  if (!arena_ || arena_threads_ != options.threads) {
-    int threads = tbb::task_arena::automatic;
-    if (options.threads > 0) threads = options.threads;
-    arena_.emplace(threads);
-    arena_threads_ = options.threads;
-  }
-  arena_->execute(work);
-}
-
 // Runs the exact detector with a deadline that is early enough for it to end in time.
 const DetectionResult& BoundedCycle::runExact(const Scene& scene, Options options) {
   const SteadyTime begin = std::chrono::steady_clock::now();
@@ -91,7 +78,7 @@ const DetectionResult& BoundedCycle::detect(const Scene& scene, const Options& o
   const SteadyTime end = std::max(merge_time_.earlier(deadline), now + (deadline - now) / 2);
   SteadyTime first_turn = end;  // the exact detector has what is left after it
   if (end != SteadyTime::max() && !exact_pairs_.empty()) first_turn = now + (end - now) / 2;
-  runOnThreads(options, [&] {
+  threads_.run(options.threads, [&] {
     rounds_.begin(scene, tiled_pairs_, tiling_, options.tolerance_m, limit);
     rounds_.decide(limit, first_turn);
   });
@@ -103,11 +90,11 @@ const DetectionResult& BoundedCycle::detect(const Scene& scene, const Options& o
     exact = &runExact(exact_part_.sceneOf(scene, exact_pairs_), exact_options);
   }
   watch.lapMs();
-  runOnThreads(options, [&] { rounds_.decide(limit, end); });
+  threads_.run(options.threads, [&] { rounds_.decide(limit, end); });
   bounds_ms += watch.lapMs();
   result_.stages_ms.emplace_back("bounds", bounds_ms);
   if (options.tolerance_m == 0) {
-    runOnThreads(options, [&] { rounds_.list(limit, end); });
+    threads_.run(options.threads, [&] { rounds_.list(limit, end); });
     result_.stages_ms.emplace_back("list", watch.lapMs());
   }
   result_.detect_ms = cycle.elapsedMs();

@@ -2,12 +2,9 @@
 // tolerance or before a deadline. core/detector_pool.h says what it promises.
 #pragma once
 
-#include <tbb/task_arena.h>
-
 #include <functional>
 #include <memory>
 #include <memory_resource>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,6 +12,7 @@
 #include "core/bounds/pair_rounds.h"
 #include "core/bounds/time_estimates.h"
 #include "core/common/cycle_limit.h"
+#include "core/common/parallel.h"
 #include "core/detector.h"
 #include "core/tiling_cache.h"
 
@@ -43,8 +41,6 @@ class BoundedCycle {
 
  private:
   void sharePairs(const Scene& scene);
-  template <class Work>
-  void runOnThreads(const Options& options, const Work& work);
   const DetectionResult& runExact(const Scene& scene, Options options);
   void addBounds(const Scene& scene, const Options& options, const CycleLimit& limit);
   void countRejected(const Scene& scene);
@@ -53,9 +49,8 @@ class BoundedCycle {
   std::shared_ptr<TilingCache> tilings_;
   ExactPart exact_part_;
   LateEnds exact_ends_;
-  UsualTime merge_time_;                  // from the last contact to the end of the cycle
-  std::optional<tbb::task_arena> arena_;  // of arena_threads_
-  int arena_threads_ = 0;                 // as Options::threads
+  UsualTime merge_time_;  // from the last contact to the end of the cycle
+  Threads threads_;
   std::vector<std::shared_ptr<const Tiling>> tiling_;  // per body; null: there is none
   std::vector<std::pair<BodyId, BodyId>> tiled_pairs_, exact_pairs_;  // of this cycle, ascending
   PairRounds rounds_;

@@ -1,6 +1,11 @@
 #include "core/common/cycle_limit.h"
 
 namespace deformable_contact_monitor {
+namespace {
+
+const CycleLimit no_limit{Limits()};
+
+}  // namespace
 
 bool CycleLimit::look() const {
   if (limits_.stop != nullptr && limits_.stop->load(std::memory_order_relaxed)) {
@@ -11,9 +16,6 @@ bool CycleLimit::look() const {
   return wasOver();
 }
 
-const CycleLimit& noLimit() {
-  static const CycleLimit none{Limits()};
-  return none;
-}
+const CycleLimit& noLimit() { return no_limit; }
 
 }  // namespace deformable_contact_monitor

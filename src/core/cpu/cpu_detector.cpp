@@ -1,13 +1,11 @@
 #include "core/cpu_detector.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
-#include <optional>
 #include <tuple>
 
 #include "core/common/contact_geometry.h"
+#include "core/common/guarded_detector.h"
 #include "core/common/parallel.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stages.h"
@@ -44,8 +42,7 @@ template <class Primitive>
 void sweepClusters(const CycleInput<Primitive>& input,
                    std::vector<SweepBuffers<Primitive>>& buffers, CycleOutput<Primitive>& output) {
   const std::vector<ClusterIndex> clusters = clustersBySize(input.assignment);
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  std::vector<CycleOutput<Primitive>> outputs(std::min(threads, clusters.size()),
+  std::vector<CycleOutput<Primitive>> outputs(std::min(threadCount(), clusters.size()),
                                               CycleOutput<Primitive>(input));
   if (buffers.size() < outputs.size()) buffers.resize(outputs.size());
   std::atomic<std::size_t> next{0};
@@ -94,8 +91,7 @@ class CpuDetector : public Detector {
   }
 
   CpuSettings settings_;
-  std::optional<tbb::task_arena> arena_;  // has as many threads as Options::threads says
-  int arena_threads_ = 0;
+  Threads threads_;
   WorkingSetBuilder builder_;
   WorkingSet set_;
   FanCertifier fans_;
@@ -110,17 +106,10 @@ class CpuDetector : public Detector {
   DetectionResult result_;
 };
 
-// Runs a cycle in an arena of threads, which is kept as long as their number stays the same.
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
   requireValid(options);
   requireHostVertices(scene, backend());
-  if (!arena_ || arena_threads_ != options.threads) {
-    int threads = tbb::task_arena::automatic;
-    if (options.threads > 0) threads = options.threads;
-    arena_.emplace(threads);
-    arena_threads_ = options.threads;
-  }
-  arena_->execute([&] {
+  threads_.run(options.threads, [&] {
     if (options.motion == Motion::kSwept) {
       run<MovingTriangle>(scene, options);
     } else {
@@ -222,7 +211,7 @@ void CpuDetector::countPairs(const CycleOutput<Primitive>& output) {
 }  // namespace
 
 std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings) {
-  return std::make_unique<CpuDetector>(settings);
+  return guardAgainstForks(std::make_unique<CpuDetector>(settings), AfterFork::kWorks);
 }
 
 }  // namespace deformable_contact_monitor

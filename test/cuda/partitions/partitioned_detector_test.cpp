@@ -16,6 +16,7 @@
 #include "core/cpu_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/partitions/partition_bounds.h"
+#include "in_child.h"
 #include "pair_sets.h"
 #include "partition_stand_in.h"
 #include "scenes.h"
@@ -89,6 +90,29 @@ TEST_F(PartitionedDetector, AllTakePart) {
   const auto detector = make({0, 3, 5});
   EXPECT_EQ(detect(*detector), (Devices{0, 3, 5}));
   EXPECT_TRUE(told_.empty());
+}
+
+TEST_F(PartitionedDetector, AreRefusedInAForkedProcess) {
+  auto one = make({0}), several = make({0, 1, 2});
+  detect(*several);
+  EXPECT_EQ(0, inChild([&] {
+              const auto refuses = [](const auto& call) {
+                try {
+                  call();
+                } catch (const BackendError& error) {
+                  return error.fault() == BackendFault::kUnavailable;
+                }
+                return false;
+              };
+              const bool all = refuses([&] { one->detect(scene_); }) &&
+                               refuses([&] { several->detect(scene_); }) && refuses([&] {
+                                 make({0, 1});
+                               });
+              one = nullptr;
+              several = nullptr;
+              return all;
+            }));
+  EXPECT_EQ(detect(*several), (Devices{0, 1, 2}));
 }
 
 TEST_F(PartitionedDetector, SmallScenesStayOnTheFirst) {
