@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "core/options.h"
@@ -18,7 +19,9 @@ namespace {
 constexpr const char* kDetectorText = R"(Finds every contact of a scene's enabled pairs.
 
 It keeps buffers and prototypes from cycle to cycle: use one for many cycles. For one thread at a
-time: a call while another thread's detect() runs is refused by a RuntimeError.)";
+time: a call while another thread's detect() runs is refused by a RuntimeError. After a fork (os.fork, multiprocessing's 'fork') the
+child may use it, on one thread; on CUDA, or if the fork came during detect(), it is refused there by
+a RuntimeError, and 'auto' goes on on the CPU.)";
 
 constexpr const char* kInitText = R"(Options, all but the backend by keyword only.
 
@@ -40,7 +43,8 @@ threads: of the CPU backend; 0: all cores.
 geometry: whether results have the geometry of each contact; instant only.
 tolerance_m: how far off the distance of two bodies may be [m]; 0: exact. Above, the CPU decides
     pairs of two bodies by bounds (Result.distances), sooner, and lists the contacts that it saw on
-    the way alone; from the fifth cycle of a topology on. CUDA is exact all the same. Instant only.
+    the way alone. The first detection of a topology takes about 1 ms longer per 1000 triangles;
+    with max_time_s, bounds decide from the fifth on. CUDA is exact all the same. Instant only.
 
 Raises ValueError that lists every value out of range; RuntimeError, with the reason, where
 backend='cuda' cannot be used.)";
@@ -50,6 +54,7 @@ constexpr const char* kDetectText = R"(Finds every contact of the scene's enable
 max_time_s: when the cycle ends early [s], with what was found by then (Result.cut_off); None:
     never. Ctrl-C waits for the end of the cycle.
 Other threads run meanwhile.
+Warns (RuntimeWarning) where no pair of the scene is enabled.
 Raises ValueError at a negative time; RuntimeError where the backend fails ('auto' goes on on the
 CPU instead), or where another thread uses this detector.)";
 
@@ -104,6 +109,15 @@ SteadyTime deadlineIn(std::optional<double> max_time_s) {
                                                 std::chrono::duration<double>(*max_time_s));
 }
 
+// Warns as Python does, which shows each place once. Throws what a filter of the user makes of it.
+void warnIfNothingIsEnabled(const Scene& scene) {
+  if (scene.bodyCount() == 0 || !scene.enabledPairs().empty()) return;
+  const char* const text =
+      "no pair of the scene's bodies is enabled, so detect() finds nothing: call "
+      "set_pair_enabled(a, b) first";
+  if (PyErr_WarnEx(PyExc_RuntimeWarning, text, 1) != 0) throw py::error_already_set();
+}
+
 // Collects the keyword arguments of Detector().
 std::unique_ptr<PythonDetector> makePythonDetector(
     const std::string& backend, std::int64_t device, std::int64_t memory_limit_mib,
@@ -144,9 +158,10 @@ PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& setting
   requireValid(options_);
   const auto without_cuda =
       choice == BackendChoice::kCuda ? WithoutCuda::kRefuse : WithoutCuda::kTryAgain;
+  if (options_.tolerance_m > 0) tilings_ = std::make_shared<TilingCache>();
   detector_ = makeDetector(
       choice, without_cuda, settings, [this](const BackendState& state) { state_ = state; },
-      options_.tolerance_m > 0 ? std::make_shared<TilingCache>() : nullptr);
+      tilings_);
   update();
 }
 
@@ -155,6 +170,7 @@ PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& setting
 // making numpy arrays needs it.
 PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> max_time_s) {
   requireUnused();
+  warnIfNothingIsEnabled(scene->scene());
   Options options = options_;
   options.limits.deadline = deadlineIn(max_time_s);
   const DetectionResult* result = nullptr;
@@ -165,12 +181,13 @@ PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> ma
     struct Detecting {
       PythonDetector* self;
       ~Detecting() {
-        self->detecting_ = false;
+        self->detecting_.clear();
         self->update();
       }
     } const detecting{this};
-    detecting_ = true;
+    detecting_.set();
     const py::gil_scoped_release others_run;
+    makeTilings(scene->scene(), options);
     result = &detector_->detect(scene->scene(), options);
   }
   return {*result, backend_, scene->scene(), options_};
@@ -184,7 +201,33 @@ void PythonDetector::reset() {
 
 // One detector cannot run two detections at once.
 void PythonDetector::requireUnused() const {
-  if (detecting_) throw std::runtime_error("the detector is in use by another thread's detect()");
+  if (detecting_.isInherited()) {
+    throw std::runtime_error(
+        "this process was forked while another thread was in the detector's detect(): make another "
+        "Detector");
+  }
+  if (detecting_.isSet()) {
+    throw std::runtime_error("the detector is in use by another thread's detect()");
+  }
+}
+
+// A cache begins a tiling when it was asked for it several times, once per cycle. Bodies that get
+// none for want of memory cost nothing but these calls.
+void PythonDetector::makeTilings(const Scene& scene, const Options& options) {
+  if (tilings_ == nullptr || backend_ != "cpu" || options.limits.any()) return;
+  std::set<BodyId> bodies;
+  for (const auto& [a, b] : scene.enabledPairs()) {
+    if (a != b) bodies.insert({a, b});
+  }
+  bool all_are_there = false;
+  for (std::uint32_t i = 0; i < TilingCache::kSettledAfter && !all_are_there; ++i) {
+    all_are_there = true;
+    for (const BodyId id : bodies) {
+      const Body& body = scene.body(id);
+      if (!body.device_vertices && tilings_->of(body) == nullptr) all_are_there = false;
+    }
+  }
+  if (!all_are_there) tilings_->wait();
 }
 
 // Copies backend and problem while no detection runs, so that Python may read them at any time.

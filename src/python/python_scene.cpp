@@ -38,7 +38,7 @@ constexpr const char* kAddBodyText = R"(Adds a body and returns its id; ids coun
 
 vertices: (n, 3) [m], in the body's frame. triangles: (m, 3). Both may be empty, of shape (0, 3),
 and set later.
-Raises ValueError where a shape, a dtype or an index does not fit.)";
+Raises ValueError where a shape, a dtype or an index does not fit, or a body has that name.)";
 
 constexpr const char* kSetMeshText = R"(Replaces vertices, (n, 3) [m], and triangles, (m, 3).
 
@@ -99,6 +99,13 @@ a == b: contacts of the body with itself.)";
 // The checks of the core follow: indices beyond the vertices, and the body's name.
 BodyId PythonScene::addBody(const std::string& name, py::handle vertices, py::handle triangles) {
   TriangleMesh mesh = toMesh(vertices, triangles, name);
+  for (BodyId id = 0; id < scene_.bodyCount(); ++id) {
+    if (scene_.body(id).name == name) {
+      throw std::invalid_argument("body '" + name + "' is in the scene already (id " +
+                                  std::to_string(id) +
+                                  "): choose another name, or set_mesh() to replace its mesh");
+    }
+  }
   return changeable().addBody(name, std::move(mesh));
 }
 
@@ -175,9 +182,16 @@ std::vector<std::string> PythonScene::names() const {
   return names;
 }
 
+// The detections of a process that this one was forked from are gone, and have changed nothing.
+int& PythonScene::lookers() {
+  if (lookers_forks_ != forkCount()) lookers_ = 0;
+  lookers_forks_ = forkCount();
+  return lookers_;
+}
+
 // Every change goes through here, so that no detector sees half of it.
 Scene& PythonScene::changeable() {
-  if (lookers_ > 0) {
+  if (lookers() > 0) {
     throw std::runtime_error(
         "the scene cannot change while detect() looks at it in another thread");
   }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/common/forks.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -23,7 +24,8 @@ namespace deformable_contact_monitor {
 // global lock.
 class PythonScene {
  public:
-  // Adds a body and returns its id. Ids count up from 0. Arrays are as in array_arguments.h.
+  // Adds a body and returns its id. Ids count up from 0. Arrays are as in array_arguments.h. Throws
+  // std::invalid_argument if a body has that name already.
   BodyId addBody(const std::string& name, pybind11::handle vertices, pybind11::handle triangles);
   // Replaces vertices [m] and triangles.
   void setMesh(std::int64_t id, pybind11::handle vertices, pybind11::handle triangles);
@@ -59,10 +61,10 @@ class PythonScene {
   // once. The counter needs no mutex, because Python's global lock protects it.
   class Looking {
    public:
-    explicit Looking(PythonScene* scene) : scene_(scene) { ++scene_->lookers_; }
+    explicit Looking(PythonScene* scene) : scene_(scene) { ++scene_->lookers(); }
     Looking(const Looking&) = delete;
     Looking& operator=(const Looking&) = delete;
-    ~Looking() { --scene_->lookers_; }
+    ~Looking() { --scene_->lookers(); }
 
    private:
     PythonScene* scene_;
@@ -72,6 +74,8 @@ class PythonScene {
   const Scene& scene() const { return scene_; }
 
  private:
+  // Returns how many detections of this process look at the scene.
+  int& lookers();
   // Throws std::runtime_error if a detector uses the scene.
   Scene& changeable();
   // Returns the id, or throws std::invalid_argument if no body has it.
@@ -81,6 +85,7 @@ class PythonScene {
   Scene scene_;
   std::map<BodyId, pybind11::object> device_arrays_;  // that the scene's bodies point into
   int lookers_ = 0;
+  unsigned lookers_forks_ = 0;  // forkCount() of their process
 };
 
 // Adds the class Scene.

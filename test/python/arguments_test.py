@@ -4,6 +4,7 @@ import os
 import pathlib
 import tempfile
 import unittest
+import warnings
 
 import numpy
 from deformable_contact import Detector, Scene, read_mesh
@@ -82,6 +83,34 @@ class Arrays(unittest.TestCase):
         other = scene.add_body("other", numpy.full((3, 3), [16777216, 0, 0], "f4"), TRIANGLES)
         scene.set_pair_enabled(point, other)
         self.assertEqual(len(Detector("cpu").detect(scene).pairs), 1)
+
+    def test_a_second_body_of_one_name_is_refused(self):
+        scene = Scene()
+        for name in "cloth", "":
+            body = scene.add_body(name, VERTICES, TRIANGLES)
+            refusal = "body '%s' is in the scene already \\(id %d\\)" % (name, body)
+            with self.assertRaisesRegex(ValueError, refusal):
+                scene.add_body(name, PIERCING, PIERCING_TRIANGLES)
+        self.assertEqual(scene.names, ["cloth", ""])
+        self.assertEqual(scene.triangle_count, 2 * len(TRIANGLES))
+
+    def test_a_scene_without_enabled_pairs_warns(self):
+        scene = Scene()
+        scene.add_body("floor", VERTICES, TRIANGLES)
+        scene.add_body("other", PIERCING, PIERCING_TRIANGLES)
+        detector = Detector("cpu")
+        for _ in range(2):
+            with self.assertWarnsRegex(RuntimeWarning, "set_pair_enabled"):
+                self.assertEqual(detector.detect(scene).pairs.tolist(), [])
+            scene.set_pair_enabled(0, 1)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                self.assertEqual(detector.detect(scene).pairs.tolist(), CONTACT)
+            scene.set_pair_enabled(0, 1, False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with self.assertRaisesRegex(RuntimeWarning, "no pair"):
+                detector.detect(scene)
 
     def test_what_was_passed_may_change(self):
         vertices = numpy.array(PIERCING, "f4")

@@ -55,12 +55,7 @@ class Tolerance(unittest.TestCase):
         scene = scene_of([lower, upper], [(0, 1)])
         for body, margin_m in enumerate(margins):
             scene.set_margin(body, margin_m)
-        detector = Detector("cpu", tolerance_m=.005)
-        for _ in range(1000):  # until triangles are grouped
-            result = detector.detect(scene)
-            if result.distances:
-                break
-            time.sleep(.01)
+        result = Detector("cpu", tolerance_m=.005).detect(scene)
         self.assertEqual(len(result.distances), 1)
         self.assertFalse(result.guaranteed)
         return result
@@ -108,15 +103,34 @@ class Tolerance(unittest.TestCase):
     def test_those_of_several_pairs_ascend(self):
         scene = scene_of([sheet(0), sheet(.5), sheet(.501)], [(1, 2), (0, 1), (0, 2)])
         detector = Detector("cpu", tolerance_m=.005)
-        for _ in range(1000):
-            distances = detector.detect(scene).distances
-            if distances:
-                break
-            time.sleep(.01)
+        distances = detector.detect(scene).distances
         self.assertEqual([(d.body_a, d.body_b) for d in distances], [(0, 1), (0, 2), (1, 2)])
         for distance, height in zip(distances, (.5, .501, .001)):
             self.assertLessEqual(distance.low_m, height)
             self.assertGreaterEqual(distance.high_m, height - 1e-7)
+
+    def test_are_there_in_every_call(self):
+        """Also of bodies that come later, of new topologies, and of another scene."""
+        detector = Detector("cpu", tolerance_m=.005)
+        for quads in (3, 5, 7):
+            scene = scene_of([sheet(0), sheet(.02, quads=quads)], [(0, 1), (1, 1)])
+            self.assertEqual(len(detector.detect(scene).distances), 1)
+            scene.set_mesh(1, *sheet(.02, quads=quads + 1))
+            self.assertEqual(len(detector.detect(scene).distances), 1)
+            body = scene.add_body("later", *sheet(.04))
+            scene.set_pair_enabled(0, body)
+            for _ in range(3):
+                self.assertEqual(len(detector.detect(scene).distances), 2)
+
+    def test_a_limit_of_time_waits_for_no_groups(self):
+        scene = scene_of([sheet(0), sheet(.02)], [(0, 1)])
+        detector = Detector("cpu", tolerance_m=.005)
+        self.assertEqual(detector.detect(scene, max_time_s=10).distances, [])
+        for _ in range(1000):
+            if detector.detect(scene, max_time_s=10).distances:
+                break
+            time.sleep(.01)
+        self.assertEqual(len(detector.detect(scene, max_time_s=10).distances), 1)
 
     def test_exact_detection_has_none(self):
         scene = scene_of([sheet(0), sheet(0)], [(0, 1)])

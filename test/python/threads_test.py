@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
-"""The global lock, use from several threads, lifetimes and memory."""
+"""The global lock, use from several threads, forked processes, lifetimes and memory."""
 import gc
+import multiprocessing
 import os
+import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -104,6 +108,105 @@ class Threads(unittest.TestCase):
             detector.detect(None)
         scene.set_margin(0, 1)
         self.assertTrue(detector.detect(scene).complete)
+
+
+def in_child(work):
+    """Runs work() in a forked process. Returns its exit code; -SIGALRM where it hung."""
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            signal.alarm(60)
+            code = 0 if work() else 2
+        finally:
+            os._exit(code)
+    status = os.waitpid(child, 0)[1]
+    return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+
+
+def pairs_of(seed):
+    """As a worker of multiprocessing: a scene and a detector of its own."""
+    scene = small_scene(numpy.random.default_rng(seed))
+    scene.set_margin(0, 0.2)
+    detectors = Detector("cpu"), Detector(tolerance_m=0.01)
+    return len(detectors[0].detect(scene).pairs), len(detectors[1].detect(scene).distances)
+
+
+class Forks(unittest.TestCase):
+    """Threads of the parent are not there in a child, and nothing waits for them."""
+
+    def setUp(self):
+        self.scene = small_scene(numpy.random.default_rng(6))
+        self.scene.set_margin(0, 0.5)
+        self.exact = Detector("cpu")
+        self.pairs = self.exact.detect(self.scene).pairs.tolist()
+        self.assertGreater(len(self.pairs), 0)
+        self.bounded = Detector("cpu", tolerance_m=0.01)
+        self.assertEqual(len(self.bounded.detect(self.scene).distances), 1)
+
+    def test_a_child_drops_what_the_parent_made(self):
+        def drop():
+            del self.exact, self.bounded, self.scene
+            return gc.collect() >= 0
+
+        self.assertEqual(in_child(drop), 0)
+        self.assertEqual(self.exact.detect(self.scene).pairs.tolist(), self.pairs)
+
+    def test_a_child_detects(self):
+        def detect():
+            self.exact.reset()
+            return (self.exact.detect(self.scene).pairs.tolist() == self.pairs
+                    and len(self.bounded.detect(self.scene).distances) == 1
+                    and Detector("cpu").detect(self.scene).pairs.tolist() == self.pairs
+                    and len(Detector(tolerance_m=0.01).detect(self.scene).distances) == 1
+                    and in_child(lambda: pairs_of(1)[1] == 1) == 0)
+
+        self.assertEqual(in_child(detect), 0)
+
+    def test_workers_of_a_pool_detect(self):
+        expected = [pairs_of(seed) for seed in range(6)]
+        with multiprocessing.get_context("fork").Pool(2) as pool:
+            self.assertEqual(pool.map_async(pairs_of, range(6)).get(timeout=60), expected)
+
+    def test_a_child_ends_by_itself(self):
+        """With what Python and the libraries do at the end of a program."""
+        code = ("import os, signal; from deformable_contact import Detector; import threads_test\n"
+                "scene = threads_test.small_scene(threads_test.numpy.random.default_rng(1))\n"
+                "detector = Detector('cpu', tolerance_m=0.01); detector.detect(scene)\n"
+                "child = os.fork()\n"
+                "if child == 0: signal.alarm(60)\n"
+                "detector.detect(scene)\n"
+                "if child: print(os.waitpid(child, 0)[1])\n")
+        done = subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.PIPE,
+                              cwd=os.path.dirname(os.path.abspath(__file__)))
+        self.assertEqual(done.stdout, b"0\n")
+
+    def test_what_another_thread_used_at_the_fork_is_refused(self):
+        scene, detector = long_scene(), Detector("cpu", threads=1, tolerance_m=0.01)
+
+        def child():
+            for call in (lambda: detector.detect(self.scene), detector.reset):
+                try:
+                    call()
+                    return False
+                except RuntimeError as error:
+                    if "this process was forked" not in str(error):
+                        return False
+            scene.set_margin(0, 0.001)  # nobody looks at it here
+            return pairs_of(1)[1] == 1 and detector.backend == "cpu"
+
+        with LongDetection(scene, detector) as detection:
+            code = in_child(child)
+            self.assertIsNone(detection.ended)
+        self.assertEqual(code, 0)
+
+    def test_a_child_of_another_thread_ends(self):
+        codes = []
+        thread = threading.Thread(target=lambda: codes.append(in_child(
+            lambda: self.exact.detect(self.scene).pairs.tolist() == self.pairs)))
+        thread.start()
+        thread.join()
+        self.assertEqual(codes, [0])
 
 
 class Lifetimes(unittest.TestCase):
