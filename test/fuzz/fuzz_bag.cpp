@@ -76,7 +76,7 @@ void evaluate(const ScratchFile& file, BagReader* reader, BagContents* contents)
     options.threads = 1;  // no threads where forks come
     EvaluationRun run("cpu", std::make_unique<DetectedContacts>(makeCpuDetector()), options,
                       StateRules(), {});
-    BagCycles cycles(setup.parameters, *contents, setup.robot, nullptr);
+    BagCycles cycles(setup.parameters, *contents, setup.robots, nullptr);
     cycles.run(reader, [&](CycleReport* cycle) { run.evaluate(cycle, &cycles.sceneOfStep()); });
     requireThat(run.cycles <= contents->meshes.size(), "more cycles than meshes");
   } catch (const std::exception& refusal) {

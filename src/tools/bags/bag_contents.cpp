@@ -1,9 +1,13 @@
 // Reads bags once, and notes what the cycles need to know in advance.
 #include "tools/bags/bag_contents.h"
 
+#include <tf2/buffer_core.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <functional>
+#include <utility>
 
 #include "monitor/input/transform_lookup.h"
 #include "monitor/time_difference.h"
@@ -21,17 +25,41 @@ bool endsWith(const std::string& text, const std::string& end) {
 // those that end within it of the last belong to its end [s].
 constexpr double kEdgeS = 5;
 
+// Adds a value unless it equals the newest one, because latched messages are often sent again.
+template <typename T, typename Same>
+void addChange(const ros::Time& received, T value, const Same& same, History<T>* history) {
+  if (!history->empty() && same(history->back().value, value)) return;
+  history->push_back({received, std::move(value)});
+}
+
+// Adds a static transform, unless tf2 would refuse it. Its stamp has no meaning.
+void addStatic(const ros::Time& received, const geometry_msgs::TransformStamped& transform,
+               BagContents* contents) {
+  if (!tf2::BufferCore().setTransform(transform, "bag", true)) {
+    ++contents->refused_transforms;
+    return;
+  }
+  using Transform = geometry_msgs::TransformStamped;
+  const auto same = [](const Transform& a, const Transform& b) {
+    return a.header.frame_id == b.header.frame_id && a.transform == b.transform;
+  };
+  addChange(received, transform, same,
+            &contents->static_transforms[plainFrame(transform.child_frame_id)]);
+}
+
 // Notes frames, parents and stamps. `newest` is the newest stamp of a transform or joint so far.
 void lookAtTransforms(const BagMessage& message, ros::Time* newest, BagContents* contents) {
   for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
     const std::string frame = plainFrame(transform.child_frame_id);
     contents->parents[frame] = plainFrame(transform.header.frame_id);
-    if (isStatic(message.topic)) {
-      contents->static_transforms.push_back(transform);
-      continue;
+    const bool is_fixed = contents->static_transforms.count(frame) > 0 ||
+                          (isStatic(message.topic) && contents->moving.count(frame) == 0);
+    if (is_fixed) {
+      addStatic(message.received, transform, contents);
+    } else {
+      contents->moving[frame].add(transform.header.stamp);
+      *newest = std::max(*newest, transform.header.stamp);
     }
-    contents->moving[frame].add(transform.header.stamp);
-    *newest = std::max(*newest, transform.header.stamp);
   }
 }
 
@@ -69,9 +97,12 @@ void lookAt(const BagMessage& message, ros::Time* newest, BagContents::Topic* to
   if (isTransforms(message)) lookAtTransforms(message, newest, contents);
   if (isJointState(message)) lookAtJoints(message, newest, contents);
   if (isMesh(message)) lookAtMesh(message, *newest, topic, contents);
-  if (isLinkMeshes(message)) contents->link_meshes = toLinkMeshes(message);
+  if (isLinkMeshes(message)) {
+    const auto same = [](const LinkMeshes& a, const LinkMeshes& b) { return a.meshes == b.meshes; };
+    addChange(message.received, toLinkMeshes(message), same, &contents->link_meshes);
+  }
   if (isText(message) && endsWith(message.topic, "robot_description")) {
-    contents->robot_description = toText(message);
+    addChange(message.received, toText(message), std::equal_to<>(), &contents->robot_descriptions);
   }
   if (isText(message) && endsWith(message.topic, "robot_description_semantic")) {
     contents->robot_semantic = toText(message);
@@ -130,22 +161,26 @@ ros::Time BagContents::ended() const {
 
 // Fixed joints become static transforms. Frames of moving joints count as known while their joint
 // was recorded.
-void BagContents::addJointTransforms(const std::string& urdf_xml) {
+void BagContents::addJointTransforms(const History<std::string>& urdfs) {
   if (joints.empty()) return;
-  const auto is_missing = [this](const std::string& frame) { return parents.count(frame) == 0; };
-  const auto made = std::make_shared<const JointTransforms>(urdf_xml, is_missing);
-  for (const geometry_msgs::TransformStamped& transform : made->fixed()) {
-    static_transforms.push_back(transform);
-    parents[transform.child_frame_id] = transform.header.frame_id;
-  }
-  for (const JointTransforms::Moving& of : made->moving()) {
-    const auto joint = joints.find(of.joint);
-    if (joint == joints.end()) continue;
-    moving[of.frame] = joint->second;
-    parents[of.frame] = of.parent;
+  const std::map<std::string, std::string> in_tf = parents;
+  const auto is_missing = [&in_tf](const std::string& frame) { return in_tf.count(frame) == 0; };
+  for (const Recorded<std::string>& urdf : urdfs) {
+    const auto made = std::make_shared<const JointTransforms>(urdf.value, is_missing);
+    for (const geometry_msgs::TransformStamped& transform : made->fixed()) {
+      addStatic(urdf.received, transform, this);
+      parents[transform.child_frame_id] = transform.header.frame_id;
+    }
+    for (const JointTransforms::Moving& of : made->moving()) {
+      const auto joint = joints.find(of.joint);
+      if (joint == joints.end()) continue;
+      moving[of.frame] = joint->second;
+      parents[of.frame] = of.parent;
+    }
+    joint_transforms.push_back({urdf.received, made});
   }
   // Without any frame to compute, the cycles need no joint states.
-  if (!made->fixed().empty() || !made->moving().empty()) joint_transforms = made;
+  if (parents == in_tf) joint_transforms.clear();
 }
 
 std::string stampText(const ros::Time& stamp) {

@@ -6,11 +6,12 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/time.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -20,6 +21,27 @@
 #include "tools/bags/triangles_ahead.h"
 
 namespace deformable_contact_monitor {
+
+// A value that holds from when it was received until the next one of its kind.
+template <typename T>
+struct Recorded {
+  ros::Time received;
+  T value;
+};
+
+// Values of one kind, ascending times. The first one also holds before it was received: a latched
+// message is sent once, maybe before the recording began.
+template <typename T>
+using History = std::vector<Recorded<T>>;
+
+// Returns the index of the value that a listener had at that time; 0 if there was none yet.
+template <typename T>
+std::size_t indexAt(const History<T>& history, const ros::Time& received) {
+  const auto later = std::upper_bound(
+      history.begin(), history.end(), received,
+      [](const ros::Time& time, const Recorded<T>& recorded) { return time < recorded.received; });
+  return later == history.begin() ? 0 : static_cast<std::size_t>(later - history.begin()) - 1;
+}
 
 // Everything that is known after the first reading. Stamps come from the messages' headers, not
 // from the time of recording, unless it says otherwise.
@@ -46,23 +68,25 @@ struct BagContents {
 
   std::map<std::string, Topic> topics;  // of the types that cycles need
   std::vector<Mesh> meshes;             // ascending stamps; equal ones in order of receipt
-  // Static transforms of all bags. They count from the beginning, wherever they were recorded,
-  // because /tf_static is latched and sent only once.
-  std::vector<geometry_msgs::TransformStamped> static_transforms;
+  // The static transforms of each frame, without repetitions. As in tf2, a frame whose first
+  // transform is static stays so: its later transforms on /tf are listed here too.
+  std::map<std::string, History<geometry_msgs::TransformStamped>> static_transforms;
+  std::uint64_t refused_transforms = 0;        // static ones that tf2 does not accept
   std::map<std::string, Span> moving;          // frames with transforms that are not static
   std::map<std::string, std::string> parents;  // the latest parent of each frame
   std::map<std::string, Span> joints;          // joints in /joint_states
-  // Computes the poses of frames that TF does not have. Null if there are no such frames, no joints
-  // or no URDF.
-  std::shared_ptr<const JointTransforms> joint_transforms;
+  // Compute the poses of frames that TF does not have, one for each URDF. Empty if there are no
+  // such frames, no joints or no URDF.
+  History<std::shared_ptr<const JointTransforms>> joint_transforms;
   TrianglesAhead triangles_ahead;
   // The largest lead of a transform's or joint's stamp over the stamp of a mesh that was recorded
   // at the same time [s].
   double transforms_ahead_s = 0;
-  std::optional<LinkMeshes> link_meshes;  // the newest
-  std::string robot_description;          // the newest text on a topic of that name
-  std::string robot_semantic;             // the newest text on robot_description_semantic (SRDF)
-  std::string problem;                    // why the reading stopped early; empty: it did not
+  // These have no repetitions.
+  History<LinkMeshes> link_meshes;
+  History<std::string> robot_descriptions;  // texts on a topic of that name (URDF)
+  std::string robot_semantic;               // the newest text on robot_description_semantic (SRDF)
+  std::string problem;                      // why the reading stopped early; empty: it did not
 
   // Returns the number of damaged messages on all topics.
   std::uint64_t damaged() const;
@@ -76,9 +100,9 @@ struct BagContents {
   ros::Time settled() const;
   ros::Time ended() const;
 
-  // Adds the frames that joint states and the URDF give and TF does not have. Throws as
+  // Adds the frames that joint states and the URDFs give and TF does not have. Throws as
   // JointTransforms does.
-  void addJointTransforms(const std::string& urdf_xml);
+  void addJointTransforms(const History<std::string>& urdfs);
 };
 
 // The topic that joint states are read from.

@@ -51,9 +51,10 @@ std::string topicOf(const ObjectParameters& object) {
 }
 
 BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& contents,
-                     const RobotGeometry& robot, const PlayedObject* played)
+                     const History<RobotGeometry>& robots, const PlayedObject* played)
     : parameters_(parameters),
       contents_(contents),
+      robots_(robots),
       played_(played),
       scene_(parameters),
       inputs_(makeMeshInputs(parameters)),
@@ -64,10 +65,12 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
     input_of_topic_[topicOf(object)] = mesh_readers_.size();
     mesh_readers_.push_back(recordedMeshReader(object));
   }
-  if (parameters.pair_classes.needRobot()) scene_.setRobot(robot);
-  for (const geometry_msgs::TransformStamped& transform : contents.static_transforms) {
-    if (!buffer_.setTransform(transform, "bag", true)) ++refused_transforms_;
+  if (parameters.pair_classes.needRobot()) scene_.setRobot(robots.front().value);
+  for (const auto& [frame, transforms] : contents.static_transforms) {
+    addTransform(transforms.front().value, true);
+    if (transforms.size() > 1) changing_frames_.push_back({&transforms, 0});
   }
+  refused_transforms_ = contents.refused_transforms;
   plan(contents);
 }
 
@@ -77,8 +80,8 @@ void BagCycles::plan(const BagContents& contents) {
   for (const BagContents::Mesh& mesh : contents.meshes) {
     const auto input = input_of_topic_.find(mesh.topic);
     if (input == input_of_topic_.end()) continue;
-    events_.push_back(
-        {mesh.stamp, plus(mesh.received, kLookAheadS), false, input->second, mesh.number});
+    events_.push_back({mesh.stamp, plus(mesh.received, kLookAheadS), mesh.received, false,
+                       input->second, mesh.number});
   }
   if (played_ == nullptr) return;
   // Before and after, some link would be UNKNOWN in every cycle.
@@ -90,7 +93,7 @@ void BagCycles::plan(const BagContents& contents) {
     const double since_s = static_cast<double>(i) / played_->rate_hz;
     const ros::Time stamp = plus(first, since_s);
     if (stamp > last) break;
-    events_.push_back({stamp, plus(stamp, kLookAheadS), true, input, 0});
+    events_.push_back({stamp, plus(stamp, kLookAheadS), stamp, true, input, 0});
   }
   std::stable_sort(events_.begin(), events_.end(),
                    [](const Event& a, const Event& b) { return a.stamp < b.stamp; });
@@ -121,17 +124,38 @@ void BagCycles::take(const BagMessage& message) {
   }
 }
 
-// Adds the transforms of a message to the buffer. Static ones are there from the beginning.
+// Adds the transforms of a message to the buffer, except those of frames that are static.
+// recallAt() adds these.
 void BagCycles::takeTransforms(const BagMessage& message) {
-  std::vector<geometry_msgs::TransformStamped> transforms;
-  if (isTransforms(message) && !isStatic(message.topic)) {
-    transforms = toTransforms(message).transforms;
-  } else if (isJointState(message) && contents_.joint_transforms) {
-    transforms = contents_.joint_transforms->at(toJointState(message));
+  if (isTransforms(message)) {
+    for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
+      const std::string frame = plainFrame(transform.child_frame_id);
+      // Other transforms of static frames were refused in the first reading.
+      if (contents_.static_transforms.count(frame) == 0 && contents_.moving.count(frame) > 0) {
+        addTransform(transform, isStatic(message.topic));
+      }
+    }
+  } else if (isJointState(message) && !contents_.joint_transforms.empty()) {
+    const auto& all = contents_.joint_transforms;
+    const JointTransforms& joints = *all[indexAt(all, message.received)].value;
+    for (const geometry_msgs::TransformStamped& transform : joints.at(toJointState(message))) {
+      addTransform(transform, false);
+    }
   }
-  for (const geometry_msgs::TransformStamped& transform : transforms) {
-    if (!buffer_.setTransform(transform, "bag")) ++refused_transforms_;
-    newest_transform_ = std::max(newest_transform_, transform.header.stamp);
+  notePlayed(message.received);
+}
+
+void BagCycles::addTransform(const geometry_msgs::TransformStamped& transform, bool is_static) {
+  if (!buffer_.setTransform(transform, "bag", is_static)) ++refused_transforms_;
+  if (!is_static) newest_transform_ = std::max(newest_transform_, transform.header.stamp);
+}
+
+// A played mesh counts as recorded together with the first transform that is not older.
+void BagCycles::notePlayed(const ros::Time& received) {
+  for (; next_played_ < events_.size(); ++next_played_) {
+    Event& event = events_[next_played_];
+    if (event.stamp > newest_transform_) return;
+    if (event.played) event.received = received;
   }
 }
 
@@ -146,11 +170,14 @@ bool BagCycles::isReady(const Event& event) const {
 void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
   while (next_ < events_.size() && isReady(events_[next_])) {
     const ros::Time stamp = events_[next_].stamp;
+    ros::Time received;
     std::size_t end = next_;
     // All meshes of this stamp must be ready before its cycle runs.
     for (; end < events_.size() && events_[end].stamp == stamp; ++end) {
       if (!isReady(events_[end])) return;
+      received = std::max(received, events_[end].received);
     }
+    recallAt(received);
     CycleTrigger trigger;
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
@@ -169,6 +196,22 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
     }
     if (!trigger.objects.empty()) detectAt(stamp, trigger, visit);
   }
+}
+
+// Sets the robot and the static transforms that had been recorded by then. Cycles run in the order
+// of stamps, so an earlier value may come back.
+void BagCycles::recallAt(const ros::Time& received) {
+  for (ChangingFrame& frame : changing_frames_) {
+    const std::size_t index = indexAt(*frame.transforms, received);
+    if (index == frame.current) continue;
+    frame.current = index;
+    addTransform((*frame.transforms)[index].value, true);
+  }
+  const std::size_t robot = indexAt(robots_, received);
+  if (robot == robot_) return;
+  robot_ = robot;
+  scene_.setRobot(robots_[robot].value);
+  planner_.forgetAll("the robot changed");
 }
 
 // Returns nothing if the message is damaged or the played object has ended.

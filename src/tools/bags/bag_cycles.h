@@ -41,13 +41,16 @@ struct PlayedObject {
 // mesh gets its cycle, in the order of stamps; meshes with the same stamp share one; no transform
 // is late. So the same bags always give the same cycles.
 //
+// A cycle knows the robot and the static transforms that had been recorded when the last of its
+// meshes was, and before the first ones were recorded, these.
+//
 // A mesh waits until the bags are read some seconds beyond it, so that transforms which were
 // recorded late are known. Memory holds only those seconds of the bags.
 class BagCycles {
  public:
-  // The parameters and contents must outlive this. `played` may be null.
+  // The references must outlive this. `robots` has at least one. `played` may be null.
   BagCycles(const MonitorParameters& parameters, const BagContents& contents,
-            const RobotGeometry& robot, const PlayedObject* played);
+            const History<RobotGeometry>& robots, const PlayedObject* played);
 
   // Calls visit(report) for each cycle; the report has no result yet. Call it once. Returns what
   // BagReader::read returns.
@@ -56,6 +59,9 @@ class BagCycles {
   // Returns the scene of the cycle that is being visited. CycleDetection changes it for each
   // interval.
   Scene& sceneOfStep() { return scene_.sceneOfStep(); }
+
+  // Returns the index of the robot that the visited cycle has.
+  std::size_t robot() const { return robot_; }
 
   std::uint64_t refusedTransforms() const { return refused_transforms_; }
 
@@ -66,9 +72,16 @@ class BagCycles {
     // The bags must be read up to this time of receipt first. For a played object, this is a
     // transform's stamp.
     ros::Time ready;
+    // When it was recorded. For a played object, this is when a transform of its stamp was.
+    ros::Time received;
     bool played = false;
     std::size_t input = 0;     // index of inputs_
     std::uint64_t number = 0;  // BagContents::Mesh::number
+  };
+  // A frame whose static transform changes.
+  struct ChangingFrame {
+    const History<geometry_msgs::TransformStamped>* transforms = nullptr;
+    std::size_t current = 0;  // which of them is in the buffer
   };
 
   // Lists the meshes that get cycles.
@@ -76,26 +89,33 @@ class BagCycles {
   // These read messages: meshes wait, transforms go to the buffer.
   void take(const BagMessage& message);
   void takeTransforms(const BagMessage& message);
+  void addTransform(const geometry_msgs::TransformStamped& transform, bool is_static);
+  void notePlayed(const ros::Time& received);
   // These run the cycles whose meshes are ready.
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
   std::optional<IncomingMesh> nextMesh(const Event& event);
   DeformableMesh::ConstPtr nextPlayed(const ros::Time& stamp);
+  void recallAt(const ros::Time& received);
   void detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
                 const std::function<void(CycleReport*)>& visit);
 
   const MonitorParameters& parameters_;
   const BagContents& contents_;
+  const History<RobotGeometry>& robots_;
   const PlayedObject* played_;
   std::map<std::string, std::size_t> input_of_topic_;
   MonitorScene scene_;
+  std::size_t robot_ = 0;  // of robots_: the one in scene_
+  std::vector<ChangingFrame> changing_frames_;
   std::vector<RecordedMeshReader> mesh_readers_;  // by object
   MeshInputs inputs_;
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;
   StepPlanner planner_;
-  std::vector<Event> events_;  // ascending stamps
-  std::size_t next_ = 0;       // of events_
+  std::vector<Event> events_;    // ascending stamps
+  std::size_t next_ = 0;         // of events_
+  std::size_t next_played_ = 0;  // of events_: the first whose stamp no transform has reached
   // Messages that wait for their cycle, by number. They are decoded in the order of stamps, because
   // a mesh may use the triangles of the mesh before it.
   std::map<std::uint64_t, BagMessage> held_;

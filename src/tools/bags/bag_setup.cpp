@@ -54,64 +54,99 @@ void addPlayedObject(const SceneObject& object, MonitorParameters* parameters) {
   objects.push_back(added);
 }
 
+// Makes a robot from each recorded value. One that cannot be used leaves the robot as it was, as in
+// the node. Throws what the last one throws if none can be used.
+template <typename T>
+History<RobotGeometry> robotsOf(const History<T>& values, const MonitorParameters& parameters,
+                                const std::function<RobotGeometry(const T&)>& make,
+                                const Warn& warn) {
+  History<RobotGeometry> robots;
+  for (const Recorded<T>& recorded : values) {
+    try {
+      RobotGeometry robot = make(recorded.value);
+      checkRobot(robot, parameters);
+      robots.push_back({recorded.received, std::move(robot)});
+    } catch (const std::exception& error) {
+      if (&recorded == &values.back() && robots.empty()) throw;
+      warn("the robot that was recorded at " + stampText(recorded.received) +
+           " is not used: " + error.what());
+    }
+  }
+  return robots;
+}
+
 // Loads the robot from the option's URDF, the bags' link meshes or the bags' robot_description, in
 // this order. Without another choice, the root link of a URDF becomes the reference frame.
-void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup) {
-  std::string& urdf = setup->urdf;
-  urdf = contents.robot_description;
+void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup,
+               const Warn& warn) {
+  const MonitorParameters& parameters = setup->parameters;
+  setup->urdfs = contents.robot_descriptions;
   setup->robot_from = "the bags' robot_description";
   if (!files.robot_description.empty()) {
-    urdf = readRobotDescription(files.robot_description);
+    setup->urdfs = {{ros::Time(), readRobotDescription(files.robot_description)}};
     setup->robot_from = files.robot_description;
-  } else if (contents.link_meshes) {
-    setup->robot = selectedLinks(fromLinkMeshes(*contents.link_meshes), setup->parameters.geometry);
+  } else if (!contents.link_meshes.empty()) {
+    setup->robots = robotsOf<LinkMeshes>(
+        contents.link_meshes, parameters,
+        [&](const LinkMeshes& sent) {
+          return selectedLinks(fromLinkMeshes(sent), parameters.geometry);
+        },
+        warn);
     setup->robot_from = "the bags' link meshes";
     return;
   }
-  if (urdf.empty()) {
+  if (setup->urdfs.empty()) {
     throw std::runtime_error(
         "no robot: the bags hold neither link meshes nor a robot_description; give "
         "--robot-description FILE");
   }
-  try {
-    setup->robot = loadRobotGeometry(urdf, setup->parameters.geometry, makeRosResolver());
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(setup->robot_from + ": " + error.what());
-  }
+  setup->robots = robotsOf<std::string>(
+      setup->urdfs, parameters,
+      [&](const std::string& urdf) {
+        try {
+          return loadRobotGeometry(urdf, parameters.geometry, makeRosResolver());
+        } catch (const std::invalid_argument& error) {
+          throw std::runtime_error(setup->robot_from + ": " + error.what());
+        }
+      },
+      warn);
   // Nobody chose a frame, so the root link is the most useful one.
   if (files.config.empty() && files.reference_frame.empty()) {
-    setup->parameters.reference_frame = setup->robot.root_link;
+    setup->parameters.reference_frame = setup->robots.front().value.root_link;
   }
 }
 
 // Adds frames from joint states. TF has priority: only frames that it does not have are added.
 void useJoints(const BagSetup& setup, BagContents* contents, const Warn& warn) {
-  if (setup.urdf.empty()) return;
+  if (setup.urdfs.empty()) return;
   try {
-    contents->addJointTransforms(setup.urdf);
+    contents->addJointTransforms(setup.urdfs);
   } catch (const std::exception& error) {
     warn(std::string("the URDF poses no links by /joint_states: ") + error.what());
   }
 }
 
-// Loads the SRDF that the option names, or the configuration, or else the one in the bags.
+// Loads the SRDF that the option names, or the configuration, or else the one in the bags. Its
+// rules are about pairs of links, which no cycle of a mesh looks at, so it needs no history.
 void loadSrdf(const BagFiles& files, const BagContents& contents, BagSetup* setup,
               const Warn& warn) {
   const std::string& named = files.srdf.empty() ? setup->parameters.srdf : files.srdf;
-  RobotGeometry& robot = setup->robot;
   if (named == kSrdfNone || (named == kSrdfAuto && contents.robot_semantic.empty())) return;
+  Srdf srdf;
   try {
     if (named == kSrdfAuto) {
-      robot.srdf = readSrdf(contents.robot_semantic);
+      srdf = readSrdf(contents.robot_semantic);
     } else {
-      robot.srdf =
+      srdf =
           readSrdfFile(named.find("://") == std::string::npos ? named : makeRosResolver()(named));
     }
   } catch (const std::exception& error) {
     if (named != kSrdfAuto) throw std::runtime_error(error.what());
     return warn(std::string("the bags' robot_description_semantic is not used: ") + error.what());
   }
-  for (const std::string& line : srdfWarnings(robot.srdf, robot.name, robot.link_names)) warn(line);
+  for (Recorded<RobotGeometry>& robot : setup->robots) robot.value.srdf = srdf;
+  const RobotGeometry& newest = setup->robots.back().value;
+  for (const std::string& line : srdfWarnings(srdf, newest.name, newest.link_names)) warn(line);
 }
 
 // Warns about a reference frame that no transform knows, because everything in other frames would
@@ -141,7 +176,7 @@ PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
       settings.frame.empty() ? setup.parameters.reference_frame : plainFrame(settings.frame);
   played.rate_hz = settings.rate_hz;
   std::map<std::string, Capsule> capsules;
-  if (settings.cloth_triangles) capsules = linkCapsules(setup.robot);
+  if (settings.cloth_triangles) capsules = linkCapsules(setup.robots.front().value);
   played.next = [source = makeMeshSource(settings, [](std::size_t) {}),
                  capsules](const LinkPose& pose_of) mutable {
     std::vector<Capsule> obstacles;
@@ -182,15 +217,18 @@ void checkObjects(const BagFiles& files, const BagContents& contents, const BagS
 }
 
 // Warns once about all links without geometry.
-void warnOfLinks(const RobotGeometry& robot, const Warn& warn) {
+void warnOfLinks(const History<RobotGeometry>& robots, const Warn& warn) {
   std::string first;
-  std::size_t count = 0;
-  for (const LinkGeometry& link : robot.links) {
-    if (link.problem.empty()) continue;
-    if (count++ == 0) first = link.problem;
+  std::set<std::string> links;
+  for (const Recorded<RobotGeometry>& robot : robots) {
+    for (const LinkGeometry& link : robot.value.links) {
+      if (link.problem.empty()) continue;
+      if (links.empty()) first = link.problem;
+      links.insert(link.link);
+    }
   }
-  if (count > 0) {
-    warn(std::to_string(count) +
+  if (!links.empty()) {
+    warn(std::to_string(links.size()) +
          " link(s) without usable geometry are UNKNOWN; the first: " + first);
   }
 }
@@ -235,12 +273,13 @@ BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
   if (parameters.objects.empty()) addRecordedObjects(*contents, &parameters);
   if (object.isWanted()) addPlayedObject(object, &parameters);
   if (parameters.pair_classes.needRobot()) {
-    loadRobot(files, *contents, &setup);
+    loadRobot(files, *contents, &setup, warn);
     loadSrdf(files, *contents, &setup, warn);
     useJoints(setup, contents, warn);
+  } else {
+    setup.robots.emplace_back();
   }
-  warnOfLinks(setup.robot, warn);
-  checkRobot(setup.robot, parameters);
+  warnOfLinks(setup.robots, warn);
   checkReferenceFrame(files, *contents, &parameters, warn);
   if (object.isWanted()) {
     // The object is played while transforms are known, so there must be some.

@@ -19,9 +19,10 @@ namespace deformable_contact_monitor {
 // Everything that BagCycles is made with.
 struct BagSetup {
   MonitorParameters parameters;
-  RobotGeometry robot;
-  std::string robot_from;  // where the robot comes from, for people
-  std::string urdf;        // the robot's URDF; empty: there is none
+  // At least one: without links if no robot is needed. Each holds from when it was recorded.
+  History<RobotGeometry> robots;
+  std::string robot_from;      // where the robots come from, for people
+  History<std::string> urdfs;  // of the robots; empty: there are none
   std::optional<PlayedObject> played;
 };
 

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -111,12 +112,17 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
   }
 }
 
-// Returns the names of all links with geometry and of all objects.
-std::vector<std::string> bodyNames(const BagSetup& setup) {
-  std::vector<std::string> names;
-  for (const LinkGeometry& link : setup.robot.links) names.push_back(link.link);
-  for (const ObjectParameters& object : setup.parameters.objects) names.push_back(object.name);
-  return names;
+// Marks the expectations that name something else than an object or a link with geometry of any
+// robot in the bags.
+void checkNames(const BagSetup& setup, std::vector<Expectation>* expectations) {
+  std::vector<std::string> bodies;
+  std::set<std::string> links;
+  for (const Recorded<RobotGeometry>& robot : setup.robots) {
+    for (const LinkGeometry& link : robot.value.links) bodies.push_back(link.link);
+    links.insert(robot.value.link_names.begin(), robot.value.link_names.end());
+  }
+  for (const ObjectParameters& object : setup.parameters.objects) bodies.push_back(object.name);
+  checkBodies(bodies, links, expectations);
 }
 
 // Makes the folder, and removes files of an earlier evaluation that this one may not write.
@@ -162,7 +168,7 @@ struct Scanned {
       if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
     });
     setup = setUp(arguments, configured, &contents);
-    checkBodies(bodyNames(setup), setup.robot.link_names, &expectations);
+    checkNames(setup, &expectations);
     for (const Expectation& expectation : expectations) {
       if (!expectation.problem.empty()) warn(arguments.expectations + ": " + expectation.problem);
     }
@@ -186,13 +192,18 @@ int evaluate(const EvaluateArguments& arguments) {
   std::vector<RunComparison> compared = comparisons(runs);
   Tables tables(cleanFolder(arguments.out), arguments.pairs,
                 bags.setup.parameters.motion == Motion::kSwept);
-  BagCycles cycles(bags.setup.parameters, bags.contents, bags.setup.robot,
+  BagCycles cycles(bags.setup.parameters, bags.contents, bags.setup.robots,
                    bags.setup.played ? &*bags.setup.played : nullptr);
 
   EvaluationEnd end;
+  std::size_t robot = cycles.robot();
   end.problem = cycles.run(&bags.reader, [&](CycleReport* cycle) {
     bags.progress->set("cycle " + std::to_string(cycle->cycle) + ", stamp " +
                        stampText(cycle->header.stamp));
+    if (cycles.robot() != robot) {
+      robot = cycles.robot();
+      for (auto& run : runs) run->forget("robot changed", cycle->header.stamp);
+    }
     evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
   });
   tables.finish();

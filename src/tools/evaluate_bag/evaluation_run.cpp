@@ -108,6 +108,11 @@ void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
   addStages(*result, cycles, this);
 }
 
+void EvaluationRun::forget(const std::string& reason, const ros::Time& now) {
+  source->reset();
+  tracker.forget("", reason, now);
+}
+
 std::string runName(const std::string& asked, const Options& options) {
   std::ostringstream text;
   // FCL has its own predicates, so their name would mislead.

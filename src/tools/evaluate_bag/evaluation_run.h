@@ -44,6 +44,9 @@ class DetectedContacts {
   // made it. `scene` is the report's.
   void find(Scene* scene, CycleReport* cycle);
 
+  // Forgets the bodies of earlier cycles.
+  void reset() { detector_->reset(); }
+
  private:
   const std::unique_ptr<Detector> detector_;
   const std::shared_ptr<TilingCache> tilings_;
@@ -62,6 +65,9 @@ struct EvaluationRun {
   // Finds the cycle's contacts, fills the report, and updates everything below. `scene` is the
   // report's.
   void evaluate(CycleReport* cycle, Scene* scene);
+
+  // Forgets all states, because of `reason`. The sums stay.
+  void forget(const std::string& reason, const ros::Time& now);
 
   // Returns the name in tables and reports.
   std::string name() const { return runName(asked, options); }

@@ -74,6 +74,10 @@ std::string advice(const std::string& reason, const BagContents& contents) {
   return "mend that, and evaluate again";
 }
 
+bool contains(const Json& list, const Json& entry) {
+  return std::find(list.begin(), list.end(), entry) != list.end();
+}
+
 // Lists the bags' topics with their types and numbers of messages.
 Json topicsJson(const BagContents& contents) {
   Json json = Json::object();
@@ -91,11 +95,15 @@ Json configurationJson(const BagSetup& setup) {
   json["robot"] = setup.robot_from;
   json["geometry"] = p.geometry.kind == GeometryKind::kCollision ? "collision" : "visual";
   json["links"] = Json::array();
-  for (const LinkGeometry& link : setup.robot.links) {
-    json["links"].push_back({{"name", link.link},
-                             {"triangles", link.mesh.triangleCount()},
-                             {"source", link.source},
-                             {"problem", link.problem}});
+  for (const Recorded<RobotGeometry>& robot : setup.robots) {
+    for (const LinkGeometry& link : robot.value.links) {
+      Json described = {{"name", link.link},
+                        {"triangles", link.mesh.triangleCount()},
+                        {"source", link.source},
+                        {"problem", link.problem}};
+      // Of a link that changed while recording, each version is there.
+      if (!contains(json["links"], described)) json["links"].push_back(std::move(described));
+    }
   }
   json["margin_m"] = p.margin_m;
   json["link_margin_m"] = p.link_margin_m;
@@ -148,13 +156,14 @@ Json unknownJson(const EvaluationRun& run) {
 // Counts the frames that come from TF, and names those that come from joint states.
 Json posesJson(const BagContents& contents) {
   Json by_joints = Json::array();
-  if (contents.joint_transforms) {
-    for (const JointTransforms::Moving& moving : contents.joint_transforms->moving()) {
-      if (contents.joints.count(moving.joint) > 0) by_joints.push_back(moving.frame);
+  const auto add = [&by_joints](const std::string& frame) {
+    if (!contains(by_joints, frame)) by_joints.push_back(frame);
+  };
+  for (const auto& joints : contents.joint_transforms) {
+    for (const JointTransforms::Moving& moving : joints.value->moving()) {
+      if (contents.joints.count(moving.joint) > 0) add(moving.frame);
     }
-    for (const auto& fixed : contents.joint_transforms->fixed()) {
-      by_joints.push_back(fixed.child_frame_id);
-    }
+    for (const auto& fixed : joints.value->fixed()) add(fixed.child_frame_id);
   }
   return {{"tf_frames", contents.parents.size() - by_joints.size()},
           {"joint_states_frames", by_joints}};

@@ -133,9 +133,19 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
   progress("reading the bags");
   BagContents contents = scanBags(&reader, [](std::uint64_t) {});
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
-  BagCycles cycles(setup.parameters, contents, setup.robot, nullptr);
+  BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);
   auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes);
+  bool has_changed = false;
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
+    // All frames are of one scene, whose links do not change.
+    if (cycles.robot() != 0) {
+      if (!has_changed) {
+        warn("the robot changes at " + stampText(cycle->header.stamp) +
+             "; cycles with another than the first one are left out");
+      }
+      has_changed = true;
+      return;
+    }
     frames->add(*cycle);
     progress("reading the bags, cycle " + std::to_string(cycle->cycle));
   });
