@@ -14,7 +14,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
-using Reader = TriangleMesh (*)(const std::string& path, std::string_view content);
+using Reader = TriangleMesh (*)(const std::string& path, std::string_view content,
+                                MeshFileReport* report);
 
 // Returns the reader for the file name's ending; null if there is none.
 Reader readerFor(const std::string& path) {
@@ -54,21 +55,34 @@ std::string readWhole(const std::string& path) {
 
 bool isMeshFileName(const std::string& path) { return readerFor(path) != nullptr; }
 
-TriangleMesh readMeshFile(const std::string& path) {
+TriangleMesh readMeshContent(const std::string& path, std::string_view content,
+                             MeshFileReport* report) {
   const Reader read = readerFor(path);
   if (read == nullptr) {
     throw std::runtime_error(path + ": cannot tell the format from the name; mesh files end in " +
                              ".obj, .off, .ply or .stl");
   }
+  *report = MeshFileReport();
   try {
-    const std::string content = readWhole(path);
-    if (content.empty()) throw std::runtime_error(path + ": is empty");
-    TriangleMesh mesh = read(path, content);
+    TriangleMesh mesh = read(path, content, report);
     if (mesh.triangles.empty()) throw std::runtime_error(path + ": holds no triangle");
     validate(mesh, path);
+    if (report->fans.empty()) report->fans = mesh.triangles;
     return mesh;
-  } catch (const std::invalid_argument& refused) {
-    throw std::runtime_error(refused.what());
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& refused) {
+    const std::string reason = unreadableBecause(content);
+    throw std::runtime_error(reason.empty() ? refused.what() : path + ": " + reason);
+  }
+}
+
+TriangleMesh readMeshFile(const std::string& path, MeshFileReport* report) {
+  MeshFileReport unused;
+  try {
+    // A name that tells no format is rejected before a large file is read.
+    return readMeshContent(path, isMeshFileName(path) ? readWhole(path) : std::string(),
+                           report == nullptr ? &unused : report);
   } catch (const std::bad_alloc&) {
     throw std::runtime_error(path + ": is too large for this machine's memory");
   }

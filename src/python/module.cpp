@@ -28,9 +28,10 @@ constexpr const char* kModuleText = "Contacts between deforming triangle meshes.
 
 constexpr const char* kReadMeshText = R"(Reads OBJ, PLY, STL or OFF, by the file name's ending.
 
-Returns vertices, (n, 3) float32, and triangles, (m, 3) uint32, in file order: polygons are fanned
-from their first vertex, nothing is welded, removed or scaled. A coordinate is the nearest float32
-of its text or double.
+Returns vertices, (n, 3) float32, and triangles, (m, 3) uint32, in file order. Convex polygons are
+fanned from their first vertex, other planar ones are triangulated. Nothing is welded, removed or
+scaled. A coordinate is the nearest float32 of its text or double. Warns (UserWarning) of what may
+not be meant as it was read, such as polygons that are not planar.
 Raises OSError where the file cannot be opened; ValueError, "path: what" or "path:line: what", where
 it is no mesh or holds no triangle.)";
 
@@ -63,11 +64,17 @@ py::tuple readMesh(const py::object& path) {
   const std::string name = py::reinterpret_steal<py::bytes>(bytes);
   requireReadable(name);
   TriangleMesh mesh;
+  MeshFileReport report;
   try {
     const py::gil_scoped_release others_run;
-    mesh = readMeshFile(name);
+    mesh = readMeshFile(name, &report);
   } catch (const std::runtime_error& refused) {
     throw std::invalid_argument(refused.what());
+  }
+  for (const std::string& note : report.notes) {
+    if (PyErr_WarnEx(PyExc_UserWarning, (name + ": " + note).c_str(), 1) != 0) {
+      throw py::error_already_set();
+    }
   }
   return py::make_tuple(toRowsOfThree(std::move(mesh.vertices)),
                         toRowsOfThree(std::move(mesh.triangles)));

@@ -7,43 +7,30 @@
 #include <string>
 #include <string_view>
 
+#include "core/mesh_file.h"
 #include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {
 
 // Return the mesh in `content`, the whole file. `path` is for error messages only. Vertex indices
-// of the mesh are in range. It may have no triangle; the caller rejects it then. Errors are
-// std::runtime_error that begin with the path and name the line or byte.
-TriangleMesh readObj(const std::string& path, std::string_view content);
+// of the mesh are in range. It may have no triangle; the caller rejects it then. `report` gets
+// notes, and fans if there are other triangles in their place. Errors are std::runtime_error that
+// begin with the path and name the line or byte.
+TriangleMesh readObj(const std::string& path, std::string_view content, MeshFileReport* report);
 // Reads ascii OFF files, with or without texture coordinates, colours and normals.
-TriangleMesh readOff(const std::string& path, std::string_view content);
+TriangleMesh readOff(const std::string& path, std::string_view content, MeshFileReport* report);
 // Reads ascii and binary PLY files of either byte order.
-TriangleMesh readPly(const std::string& path, std::string_view content);
+TriangleMesh readPly(const std::string& path, std::string_view content, MeshFileReport* report);
 // Reads ascii and binary STL files. The vertices of facets are not merged, even if they are equal.
-TriangleMesh readStl(const std::string& path, std::string_view content);
+TriangleMesh readStl(const std::string& path, std::string_view content, MeshFileReport* report);
 
-// Turns a polygon into a fan of triangles around its first vertex. Vertices are added one by one.
-class PolygonFan {
- public:
-  // The indices are appended to `triangles`, three for each triangle. The list must outlive the
-  // fan.
-  explicit PolygonFan(HostList<std::uint32_t>* triangles) : triangles_(triangles) {}
+// Reads a file with the reader for its name's ending, and rejects what readMeshFile() rejects. If
+// the file cannot be read, and its content shows why, as for an HTML page, the error says that.
+TriangleMesh readMeshContent(const std::string& path, std::string_view content,
+                             MeshFileReport* report);
 
-  // Adds the next corner of the polygon. From the third corner on, each adds one triangle, so the
-  // order of the corners, and with it the outside, is kept. The result is right for convex
-  // polygons.
-  void add(std::uint32_t vertex) {
-    if (size_ == 0) first_ = vertex;
-    if (size_ >= 2) triangles_->insert(triangles_->end(), {first_, previous_, vertex});
-    previous_ = vertex;
-    ++size_;
-  }
-  std::size_t size() const { return size_; }
-
- private:
-  HostList<std::uint32_t>* triangles_;
-  std::uint32_t first_ = 0, previous_ = 0;
-  std::size_t size_ = 0;
-};
+// Returns what the content of a file that no reader can read looks like, to be put after its name:
+// "is a Git LFS pointer ...". Returns an empty text if it looks like nothing known.
+std::string unreadableBecause(std::string_view content);
 
 }  // namespace deformable_contact_monitor

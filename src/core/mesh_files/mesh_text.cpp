@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
@@ -30,6 +31,30 @@ bool isHexadecimal(std::string_view number) {
   return digits + 1 < number.size() && number[digits] == '0' && lower(number[digits + 1]) == 'x';
 }
 
+// Windows programs write numbers that are not finite as "1.#QNAN", "-1.#IND00" or "1.#INF".
+constexpr std::string_view kSpecialStart = "1.#";
+
+std::string_view withoutSign(std::string_view word) {
+  return word.substr(!word.empty() && (word[0] == '+' || word[0] == '-') ? 1 : 0);
+}
+
+// Returns the number that such a word spells; nothing if it is not one. Padding as in
+// "1.#QNAN0e+000" may follow the name.
+std::optional<float> toSpecial(std::string_view word) {
+  std::string_view name = withoutSign(word);
+  if (name.substr(0, kSpecialStart.size()) != kSpecialStart) return std::nullopt;
+  name.remove_prefix(kSpecialStart.size());
+  for (const std::string_view known : {"INF", "IND", "QNAN", "SNAN"}) {
+    if (!equalIgnoringCase(name.substr(0, known.size()), known)) continue;
+    name.remove_prefix(known.size());
+    if (name.find_first_not_of("0123456789+-eE") != std::string_view::npos) return std::nullopt;
+    if (known != "INF") return std::numeric_limits<float>::quiet_NaN();
+    const float infinity = std::numeric_limits<float>::infinity();
+    return word[0] == '-' ? -infinity : infinity;
+  }
+  return std::nullopt;
+}
+
 // Returns the number that all of `word` spells, as real() says; nothing if it is no number. strtof
 // rounds correctly, but needs a NUL after its text, and it accepts hexadecimal numbers, which mesh
 // files do not have.
@@ -47,7 +72,7 @@ std::optional<float> toFloat(std::string_view word) {
   char* end = nullptr;
   const float value = strtof_l(text, &end, kClassic);
   const bool is_number = !word.empty() && end == text + word.size() && !isHexadecimal(word);
-  return is_number ? std::optional<float>(value) : std::nullopt;
+  return is_number ? std::optional<float>(value) : toSpecial(word);
 }
 
 }  // namespace
@@ -145,8 +170,16 @@ bool MeshText::nextLine() {
 std::string_view MeshText::word() {
   if (atLineEnd()) return {};
   const char* first = at_;
-  while (at_ != end_ && (isOrdinary(*at_) || !isDelimiter(at_))) ++at_;
+  while (at_ != end_ && (isOrdinary(*at_) || !isDelimiter(at_) || isInSpecial(first))) ++at_;
   return {first, static_cast<std::size_t>(at_ - first)};
+}
+
+// Returns whether the cursor is at the '#' of a number such as "1.#QNAN", which begins at `first`,
+// and not at a comment after "1.".
+bool MeshText::isInSpecial(const char* first) const {
+  if (*at_ != '#' || at_ + 1 == end_ || lower(at_[1]) < 'a' || lower(at_[1]) > 'z') return false;
+  const std::string_view word(first, static_cast<std::size_t>(at_ + 1 - first));
+  return withoutSign(word) == kSpecialStart;
 }
 
 std::string_view MeshText::wordOnAnyLine() { return skipToWord() ? word() : std::string_view(); }

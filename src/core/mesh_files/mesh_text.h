@@ -39,7 +39,8 @@ class MeshText {
 
   // Returns the next word of this line as the nearest float32. Numbers beyond its range become
   // infinity, and numbers below it a zero with the text's sign. "nan" and "inf" may have all of C's
-  // spellings. Throws if there is no number; `what` names it in the message.
+  // spellings, and those of Windows programs ("1.#QNAN", "-1.#IND", "1.#INF"), whose '#' begins no
+  // comment. Throws if there is no number; `what` names it in the message.
   float real(const char* what);
 
   // Returns the next word of this line as an integer in [0, limit). Throws if there is none.
@@ -64,6 +65,7 @@ class MeshText {
 
  private:
   bool isDelimiter(const char* p) const;
+  bool isInSpecial(const char* first) const;
   const char* continuation(const char* p) const;
   void skipBlanks();
   void skipRestOfLine();

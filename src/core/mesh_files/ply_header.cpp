@@ -43,6 +43,7 @@ PlyElement readElement(MeshText& text) {
   element.name = quoted(text.word());
   if (element.name == "'vertex'") element.kind = PlyElementKind::kVertex;
   if (element.name == "'face'") element.kind = PlyElementKind::kFace;
+  if (element.name == "'tristrips'") element.kind = PlyElementKind::kStrips;
   element.count = text.count("the number of elements", UINT64_MAX);
   return element;
 }
@@ -53,7 +54,7 @@ PlyRole roleOf(std::string_view name, PlyElementKind kind) {
     if (name == "x") return PlyRole::kX;
     if (name == "y") return PlyRole::kY;
     if (name == "z") return PlyRole::kZ;
-  } else if (kind == PlyElementKind::kFace &&
+  } else if (kind != PlyElementKind::kOther &&
              (name == "vertex_indices" || name == "vertex_index")) {
     return PlyRole::kVertexIndices;
   }
@@ -92,20 +93,20 @@ void requireRoles(const MeshText& text, const PlyElement& element) {
   if (element.count > 0 && element.properties.empty()) {
     text.fail("element " + element.name + " has no properties");
   }
-  const bool complete =
-      element.kind == PlyElementKind::kVertex
-          ? hasRole(element, PlyRole::kX) && hasRole(element, PlyRole::kY) &&
-                hasRole(element, PlyRole::kZ)
-          : element.kind != PlyElementKind::kFace || hasRole(element, PlyRole::kVertexIndices);
+  if (element.kind == PlyElementKind::kOther) return;
+  const bool is_vertex = element.kind == PlyElementKind::kVertex;
+  const bool complete = is_vertex
+                            ? hasRole(element, PlyRole::kX) && hasRole(element, PlyRole::kY) &&
+                                  hasRole(element, PlyRole::kZ)
+                            : hasRole(element, PlyRole::kVertexIndices);
   if (!complete) {
     text.fail("element " + element.name +
-              (element.kind == PlyElementKind::kFace ? " has no list vertex_indices"
-                                                     : " has no properties x, y and z"));
+              (is_vertex ? " has no properties x, y and z" : " has no list vertex_indices"));
   }
 }
 
-// Appends an element. There may be only one list of vertices to which indices refer, and one of
-// faces.
+// Appends an element. There may be only one list of vertices to which indices refer, one of faces,
+// and one of strips.
 void addElement(const MeshText& text, PlyElement element, PlyHeader* header) {
   const auto same_kind = [&element](const PlyElement& o) { return o.kind == element.kind; };
   if (element.kind != PlyElementKind::kOther &&

@@ -31,8 +31,8 @@ struct PlyProperty {
   PlyRole role = PlyRole::kIgnored;
 };
 
-// Vertices and faces are read; records of other elements are skipped.
-enum class PlyElementKind { kVertex, kFace, kOther };
+// Vertices, faces and triangle strips are read; records of other elements are skipped.
+enum class PlyElementKind { kVertex, kFace, kStrips, kOther };
 
 // An element is a table of `count` records that all have the same properties.
 struct PlyElement {
@@ -51,8 +51,8 @@ struct PlyHeader {
 };
 
 // Returns the header. Throws std::runtime_error, "<path>:<line>: <what>", unless there is at most
-// one vertex element, with one scalar x, y and z each, and at most one face element, with one list
-// of vertex indices.
+// one vertex element, with one scalar x, y and z each, and at most one element of faces and one of
+// triangle strips (tristrips), with one list of vertex indices each.
 PlyHeader readPlyHeader(const std::string& path, std::string_view content);
 
 }  // namespace deformable_contact_monitor

@@ -1,11 +1,12 @@
 // Reads the vertices and faces of Wavefront OBJ files. Other statements do not describe triangles
-// and are skipped. Polygons become fans of triangles. Groups and objects are joined into one mesh.
+// and are skipped. Groups and objects are joined into one mesh.
 #include <charconv>
 #include <system_error>
 #include <utility>
 
 #include "core/mesh_files/mesh_readers.h"
 #include "core/mesh_files/mesh_text.h"
+#include "core/mesh_files/polygons.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -28,7 +29,7 @@ class ObjReader {
   ObjReader(const std::string& path, std::string_view content)
       : text_(path, content, MeshTextRules{true, true}) {}
 
-  TriangleMesh read() {
+  TriangleMesh read(MeshFileReport* report) {
     if (!text_.skipToWord()) return {};
     do {
       const std::string_view statement = text_.word();
@@ -43,6 +44,7 @@ class ObjReader {
                                            std::to_string(farthest_index_) + ", but there are " +
                                            std::to_string(mesh_.vertexCount()) + " vertices");
     }
+    polygons_.triangulate(mesh_.vertices, report);
     return std::move(mesh_);
   }
 
@@ -55,10 +57,11 @@ class ObjReader {
 
   // Reads the corners of a face up to the end of the line.
   void readFace() {
-    PolygonFan fan(&mesh_.triangles);
-    while (!text_.atLineEnd()) fan.add(vertexIndex(text_.word()));
-    if (fan.size() < 3) {
-      text_.fail("a face needs 3 vertices or more, this one has " + std::to_string(fan.size()));
+    polygons_.begin();
+    while (!text_.atLineEnd()) polygons_.add(vertexIndex(text_.word()));
+    if (polygons_.size() < 3) {
+      text_.fail("a face needs 3 vertices or more, this one has " +
+                 std::to_string(polygons_.size()));
     }
   }
 
@@ -87,6 +90,7 @@ class ObjReader {
 
   MeshText text_;
   TriangleMesh mesh_;
+  PolygonList polygons_{&mesh_.triangles};
   // A face may come before its vertices, so the largest index is checked at the end.
   std::int64_t farthest_index_ = 0;
   std::size_t farthest_line_ = 0;
@@ -94,8 +98,8 @@ class ObjReader {
 
 }  // namespace
 
-TriangleMesh readObj(const std::string& path, std::string_view content) {
-  return ObjReader(path, content).read();
+TriangleMesh readObj(const std::string& path, std::string_view content, MeshFileReport* report) {
+  return ObjReader(path, content).read(report);
 }
 
 }  // namespace deformable_contact_monitor

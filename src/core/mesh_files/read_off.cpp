@@ -6,6 +6,7 @@
 
 #include "core/mesh_files/mesh_readers.h"
 #include "core/mesh_files/mesh_text.h"
+#include "core/mesh_files/polygons.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -36,7 +37,7 @@ void readHeaderWord(MeshText& text) {
 
 }  // namespace
 
-TriangleMesh readOff(const std::string& path, std::string_view content) {
+TriangleMesh readOff(const std::string& path, std::string_view content, MeshFileReport* report) {
   MeshText text(path, content, MeshTextRules{true, false});
   readHeaderWord(text);
   if (!text.skipToWord()) text.failAt({}, "the number of vertices");
@@ -59,6 +60,7 @@ TriangleMesh readOff(const std::string& path, std::string_view content) {
 
   checkFits(text, face_count, 8, "faces");
   mesh.triangles.reserve(3 * face_count);
+  PolygonList polygons(&mesh.triangles);
   for (std::uint64_t f = 0; f < face_count; ++f) {
     if (!text.nextLine()) {
       text.fail("the file ends after " + std::to_string(f) + " of " + std::to_string(face_count) +
@@ -68,12 +70,13 @@ TriangleMesh readOff(const std::string& path, std::string_view content) {
     if (size < 3) {
       text.fail("a face needs 3 vertices or more, this one has " + std::to_string(size));
     }
-    PolygonFan fan(&mesh.triangles);
+    polygons.begin();
     for (std::uint64_t i = 0; i < size; ++i) {
-      fan.add(static_cast<std::uint32_t>(text.count("vertex index", vertex_count)));
+      polygons.add(static_cast<std::uint32_t>(text.count("vertex index", vertex_count)));
     }
   }
   if (text.nextLine()) text.fail("more lines than the counts at the top announce");
+  polygons.triangulate(mesh.vertices, report);
   return mesh;
 }
 

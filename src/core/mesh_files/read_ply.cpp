@@ -1,16 +1,18 @@
-// Reads vertices and faces of an ascii or binary PLY file. Other elements and properties are
-// skipped. The header (ply_header.h) tells how the records are laid out. readElements() walks
-// through all records once. It is a template over the encoding: BinaryBody and AsciiBody have the
-// same functions.
+// Reads vertices, faces and triangle strips of an ascii or binary PLY file. Other elements and
+// properties are skipped. The header (ply_header.h) tells how the records are laid out. PlyReader
+// walks through all records once. It is a template over the encoding: BinaryBody and AsciiBody have
+// the same functions.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/mesh_files/mesh_readers.h"
 #include "core/mesh_files/mesh_text.h"
 #include "core/mesh_files/ply_header.h"
+#include "core/mesh_files/polygons.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -43,6 +45,14 @@ class BinaryBody {
            std::to_string(limit) + ")");
     }
     return static_cast<std::uint64_t>(value);
+  }
+
+  // Skips the number -1 if it is next, and returns whether it was.
+  bool skipsMinusOne(PlyType type) {
+    const std::size_t begin = at_;
+    if (number(type) == -1) return true;
+    at_ = begin;
+    return false;
   }
 
   // Skips that many numbers. The product cannot overflow, because `times` is below 2^31.
@@ -132,6 +142,13 @@ class AsciiBody {
     return text_.count(what, limit);
   }
 
+  bool skipsMinusOne(PlyType) {
+    MeshText ahead = text_;
+    if (ahead.word() != "-1") return false;
+    text_.word();
+    return true;
+  }
+
   void skip(PlyType, std::uint64_t times) {
     for (std::uint64_t i = 0; i < times; ++i) text_.real("a number");
   }
@@ -159,77 +176,116 @@ class AsciiBody {
   MeshText text_;
 };
 
+// Reads the records of a file, each property by its role.
 template <typename Body>
-void readFaceIndices(Body& body, const PlyProperty& property, std::uint64_t vertex_count,
-                     TriangleMesh* mesh) {
-  const std::uint64_t size =
-      body.count("the number of a face's vertices", property.count_type, kCountLimit);
-  if (size < 3) body.fail("a face needs 3 vertices or more, this one has " + std::to_string(size));
-  PolygonFan fan(&mesh->triangles);
-  for (std::uint64_t i = 0; i < size; ++i) {
-    fan.add(static_cast<std::uint32_t>(body.count("vertex index", property.type, vertex_count)));
-  }
-}
+class PlyReader {
+ public:
+  PlyReader(Body body, const PlyHeader& header) : body_(std::move(body)), header_(header) {}
 
-template <typename Body>
-void readProperty(Body& body, const PlyProperty& property, const PlyHeader& header,
-                  float* coordinates, TriangleMesh* mesh) {
-  switch (property.role) {
-    case PlyRole::kX:
-      coordinates[0] = body.real(property.type);
-      break;
-    case PlyRole::kY:
-      coordinates[1] = body.real(property.type);
-      break;
-    case PlyRole::kZ:
-      coordinates[2] = body.real(property.type);
-      break;
-    case PlyRole::kVertexIndices:
-      readFaceIndices(body, property, header.vertex_count, mesh);
-      break;
-    case PlyRole::kIgnored:
-      body.skip(property.type, property.is_list ? body.count("the length of a list",
-                                                             property.count_type, kCountLimit)
-                                                : 1);
+  TriangleMesh read(MeshFileReport* report) {
+    for (const PlyElement& element : header_.elements) readElement(element);
+    body_.end();
+    polygons_.triangulate(mesh_.vertices, report);
+    return std::move(mesh_);
   }
-}
 
-template <typename Body>
-TriangleMesh readElements(Body body, const PlyHeader& header) {
-  TriangleMesh mesh;
-  for (const PlyElement& element : header.elements) {
-    // Checks the count against the size of the file before memory is allocated for it.
+ private:
+  // Checks the count against the size of the file before memory is allocated for it.
+  void readElement(const PlyElement& element) {
     const auto shortest = std::max<std::uint64_t>(1, Body::shortestRecord(element));
-    if (element.count > body.remaining() / shortest) {
-      body.fail(std::to_string(element.count) + " elements " + element.name +
-                " announced, but the file is too short for them");
+    if (element.count > body_.remaining() / shortest) {
+      body_.fail(std::to_string(element.count) + " elements " + element.name +
+                 " announced, but the file is too short for them");
     }
-    if (element.count >= kCountLimit) body.fail("2^31 elements or more");
+    if (element.count >= kCountLimit) body_.fail("2^31 elements or more");
     const bool is_vertex = element.kind == PlyElementKind::kVertex;
-    if (is_vertex) mesh.vertices.reserve(3 * element.count);
-    if (element.kind == PlyElementKind::kFace) mesh.triangles.reserve(3 * element.count);
+    if (is_vertex) mesh_.vertices.reserve(3 * element.count);
+    if (element.kind == PlyElementKind::kFace) mesh_.triangles.reserve(3 * element.count);
     for (std::uint64_t record = 0; record < element.count; ++record) {
       float coordinates[3] = {};
-      body.beginRecord();
+      body_.beginRecord();
       for (const PlyProperty& property : element.properties) {
-        readProperty(body, property, header, coordinates, &mesh);
+        readProperty(property, element.kind, coordinates);
       }
-      body.endRecord();
-      if (is_vertex) mesh.vertices.insert(mesh.vertices.end(), coordinates, coordinates + 3);
+      body_.endRecord();
+      if (is_vertex) mesh_.vertices.insert(mesh_.vertices.end(), coordinates, coordinates + 3);
     }
   }
-  body.end();
-  return mesh;
-}
+
+  void readProperty(const PlyProperty& property, PlyElementKind kind, float* coordinates) {
+    switch (property.role) {
+      case PlyRole::kX:
+        coordinates[0] = body_.real(property.type);
+        break;
+      case PlyRole::kY:
+        coordinates[1] = body_.real(property.type);
+        break;
+      case PlyRole::kZ:
+        coordinates[2] = body_.real(property.type);
+        break;
+      case PlyRole::kVertexIndices:
+        kind == PlyElementKind::kStrips ? readStrips(property) : readFace(property);
+        break;
+      case PlyRole::kIgnored:
+        body_.skip(property.type, property.is_list ? body_.count("the length of a list",
+                                                                 property.count_type, kCountLimit)
+                                                   : 1);
+    }
+  }
+
+  std::uint32_t readIndex(const PlyProperty& property) {
+    return static_cast<std::uint32_t>(
+        body_.count("vertex index", property.type, header_.vertex_count));
+  }
+
+  void readFace(const PlyProperty& property) {
+    const std::uint64_t size =
+        body_.count("the number of a face's vertices", property.count_type, kCountLimit);
+    if (size < 3) {
+      body_.fail("a face needs 3 vertices or more, this one has " + std::to_string(size));
+    }
+    polygons_.begin();
+    for (std::uint64_t i = 0; i < size; ++i) polygons_.add(readIndex(property));
+  }
+
+  // Reads one list of strips. Each vertex from the third on makes a triangle with the two before
+  // it, of which every second one is turned round; the index -1 begins another strip. Triangles
+  // that use a vertex twice only lead to the next part of a strip and are no surface.
+  void readStrips(const PlyProperty& property) {
+    const std::uint64_t size =
+        body_.count("the number of a strip's vertices", property.count_type, kCountLimit);
+    std::uint32_t a = 0, b = 0;
+    std::uint64_t length = 0;
+    for (std::uint64_t i = 0; i < size; ++i) {
+      if (body_.skipsMinusOne(property.type)) {
+        length = 0;
+        continue;
+      }
+      const std::uint32_t c = readIndex(property);
+      ++length;
+      if (length >= 3 && a != b && b != c && a != c) {
+        const bool is_turned = length % 2 == 0;
+        mesh_.triangles.insert(mesh_.triangles.end(), {is_turned ? b : a, is_turned ? a : b, c});
+      }
+      a = b;
+      b = c;
+    }
+  }
+
+  Body body_;
+  const PlyHeader& header_;
+  TriangleMesh mesh_;
+  PolygonList polygons_{&mesh_.triangles};
+};
 
 }  // namespace
 
-TriangleMesh readPly(const std::string& path, std::string_view content) {
+TriangleMesh readPly(const std::string& path, std::string_view content, MeshFileReport* report) {
   const PlyHeader header = readPlyHeader(path, content);
   if (header.format == PlyFormat::kAscii) {
-    return readElements(AsciiBody(path, content, header), header);
+    return PlyReader<AsciiBody>(AsciiBody(path, content, header), header).read(report);
   }
-  return readElements(BinaryBody(path, content, header), header);
+  return PlyReader<BinaryBody>(BinaryBody(path, content, header), header).read(report);
 }
 
 }  // namespace deformable_contact_monitor

@@ -23,7 +23,7 @@ std::size_t binaryFacetCount(std::string_view content) {
   return count;
 }
 
-// The content must have exactly the size that its header announces.
+// The content must have at least the size that its header announces.
 TriangleMesh readBinary(std::string_view content) {
   const std::size_t count = binaryFacetCount(content);
   TriangleMesh mesh;
@@ -45,6 +45,14 @@ void expect(MeshText& text, const char* keyword) {
   if (!equalIgnoringCase(word, keyword)) text.failAt(word, quoted(keyword));
 }
 
+// Reads "endloop" or the like, which some programs write as two words, and throws if it is not
+// there. `word` is the next word.
+void expectEnd(MeshText& text, std::string_view word, const char* of, const std::string& wanted) {
+  if (equalIgnoringCase(word, std::string("end") + of)) return;
+  if (!equalIgnoringCase(word, "end")) text.failAt(word, wanted);
+  expect(text, of);
+}
+
 // Reads a facet whose keyword "facet" was just read.
 void readFacet(MeshText& text, TriangleMesh* mesh) {
   expect(text, "normal");
@@ -56,8 +64,8 @@ void readFacet(MeshText& text, TriangleMesh* mesh) {
     for (int i = 0; i < 3; ++i) mesh->vertices.push_back(text.real("a coordinate"));
     mesh->triangles.push_back(static_cast<std::uint32_t>(mesh->triangles.size()));
   }
-  expect(text, "endloop");
-  expect(text, "endfacet");
+  expectEnd(text, text.wordOnAnyLine(), "loop", "'endloop'");
+  expectEnd(text, text.wordOnAnyLine(), "facet", "'endfacet'");
 }
 
 // Reads one solid after the other. The name of a solid goes to the end of its line.
@@ -70,7 +78,7 @@ TriangleMesh readAscii(const std::string& path, std::string_view content) {
     text.nextLine();
     std::string_view word = text.word();
     for (; equalIgnoringCase(word, "facet"); word = text.wordOnAnyLine()) readFacet(text, &mesh);
-    if (!equalIgnoringCase(word, "endsolid")) text.failAt(word, "'facet' or 'endsolid'");
+    expectEnd(text, word, "solid", "'facet' or 'endsolid'");
     any = text.nextLine();
   }
   return mesh;
@@ -86,23 +94,33 @@ bool beginsAscii(const std::string& path, std::string_view content) {
 
 }  // namespace
 
-// Many binary files begin with "solid" too, so the size decides first.
-TriangleMesh readStl(const std::string& path, std::string_view content) {
+// Many binary files begin with "solid" too, so the size decides first. Less bytes than a facet has,
+// or zeros, may follow the last facet. More than that may be facets that were not counted.
+TriangleMesh readStl(const std::string& path, std::string_view content, MeshFileReport* report) {
   const bool has_header = content.size() >= kHeaderSize;
-  if (has_header && content.size() == kHeaderSize + kFacetSize * binaryFacetCount(content)) {
-    return readBinary(content);
-  }
+  const std::size_t count = has_header ? binaryFacetCount(content) : 0;
+  const std::size_t size = kHeaderSize + kFacetSize * count;
+  if (has_header && content.size() == size) return readBinary(content);
   if (beginsAscii(path, content)) return readAscii(path, content);
   if (!has_header) {
     throw std::runtime_error(
         path + ": neither ascii STL (no 'solid' at its start) nor binary STL " +
         "(shorter than the header; ends at byte " + std::to_string(content.size()) + ")");
   }
-  const std::size_t count = binaryFacetCount(content);
-  throw std::runtime_error(
-      path + ": binary STL of " + std::to_string(count) + " facets would have " +
-      std::to_string(kHeaderSize + kFacetSize * count) + " bytes, this file has " +
-      std::to_string(content.size()) + " (count at byte 80)");
+  const std::string facets = "binary STL of " + std::to_string(count) + " facets";
+  if (content.size() < size) {
+    throw std::runtime_error(path + ": " + facets + " would have " + std::to_string(size) +
+                             " bytes, this file has " + std::to_string(content.size()) +
+                             " (count at byte 80)");
+  }
+  const std::string_view rest = content.substr(size);
+  const std::string behind = std::to_string(rest.size()) + " bytes behind its last facet";
+  if (rest.size() >= kFacetSize && rest.find_first_not_of('\0') != std::string_view::npos) {
+    throw std::runtime_error(path + ": " + facets + " (count at byte 80) with " + behind +
+                             ": the count is wrong, or something else was appended");
+  }
+  report->notes.push_back(facets + " with " + behind + ", which are ignored");
+  return readBinary(content);
 }
 
 }  // namespace deformable_contact_monitor

@@ -11,9 +11,14 @@ std::vector<MeshFrame> readMeshFrames(const std::vector<std::string>& paths, dou
                                       const Eigen::Vector3d& offset,
                                       const std::function<void(std::size_t)>& progress) {
   std::vector<MeshFrame> frames;
+  MeshFileReport last_report;
   for (const std::string& path : paths) {
     MeshFrame frame;
-    frame.mesh = readMeshFile(path);
+    MeshFileReport report;
+    frame.mesh = readMeshFile(path, &report);
+    // The triangles of polygons are those of the first frame with these faces.
+    if (report.fans == last_report.fans) frame.mesh.triangles = frames.back().mesh.triangles;
+    last_report = std::move(report);
     for (std::size_t i = 0; i < frame.mesh.vertices.size(); ++i) {
       float& coordinate = frame.mesh.vertices[i];
       coordinate =

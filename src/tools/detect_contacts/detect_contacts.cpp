@@ -25,13 +25,23 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Returns the vertices of the earlier file. Both states must have the same triangles, because
-// vertex i moves from its place in the first file to that in the second. Throws std::runtime_error,
-// naming the later file, if the triangles differ.
+// Reads a mesh file. Prints a note for each thing that may not be meant as it was read.
+TriangleMesh readNotedMeshFile(const std::string& file, MeshFileReport* report) {
+  TriangleMesh mesh = readMeshFile(file, report);
+  for (const std::string& note : report->notes) {
+    std::fprintf(stderr, "detect_contacts: note: %s: %s\n", file.c_str(), note.c_str());
+  }
+  return mesh;
+}
+
+// Returns the vertices of the earlier file. Both states must have the same faces, because vertex i
+// moves from its place in the first file to that in the second. The triangles of polygons are those
+// of the later file. Throws std::runtime_error, naming the later file, if the faces differ.
 std::vector<float> earlierVertices(const std::string& earlier_file, const std::string& later_file,
-                                   const TriangleMesh& later) {
-  TriangleMesh earlier = readMeshFile(earlier_file);
-  if (earlier.vertexCount() != later.vertexCount() || earlier.triangles != later.triangles) {
+                                   const TriangleMesh& later, const MeshFileReport& later_report) {
+  MeshFileReport report;
+  TriangleMesh earlier = readNotedMeshFile(earlier_file, &report);
+  if (earlier.vertexCount() != later.vertexCount() || report.fans != later_report.fans) {
     throw std::runtime_error(later_file + ": is no later state of " + earlier_file +
                              ", for its triangles are others");
   }
@@ -47,10 +57,12 @@ Scene readScene(const DetectArguments& arguments, Progress* progress) {
   for (std::size_t first = 0; first < arguments.meshes.size(); first += states) {
     const std::string& file = arguments.meshes[first + states - 1];
     progress->set("reading " + file);
-    const BodyId body = scene.addBody(file, readMeshFile(file));
+    MeshFileReport report;
+    const BodyId body = scene.addBody(file, readNotedMeshFile(file, &report));
     if (arguments.swept()) {
-      scene.setEarlier(body, RigidTransform(),
-                       earlierVertices(arguments.meshes[first], file, scene.body(body).mesh));
+      scene.setEarlier(
+          body, RigidTransform(),
+          earlierVertices(arguments.meshes[first], file, scene.body(body).mesh, report));
     }
     scene.setMargin(body, arguments.margin_m);
     for (BodyId other = 0; other < body; ++other) scene.setPairEnabled(other, body, true);

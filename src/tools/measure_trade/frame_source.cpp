@@ -21,7 +21,12 @@ class MeshFrames : public FrameSource {
   MeshFrames(const MeshFrameFiles& files, const std::function<void(const std::string&)>& progress) {
     for (const std::string& file : files.states) {
       progress("reading " + file);
-      addState(file, readMeshFile(file), files.split);
+      MeshFileReport report;
+      TriangleMesh mesh = readMeshFile(file, &report);
+      // The triangles of polygons are those of the first state with these faces.
+      if (report.fans == fans_) mesh.triangles = states_.back().triangles;
+      fans_ = std::move(report.fans);
+      addState(file, std::move(mesh), files.split);
     }
     addBody(files.states.front(), states_.front());
     scene_.setPairEnabled(kDeforming, kDeforming, files.self);
@@ -89,6 +94,7 @@ class MeshFrames : public FrameSource {
   std::vector<std::string> labels_;  // of states_
   std::vector<std::string> pair_classes_;
   std::vector<TriangleMesh> states_;
+  HostList<std::uint32_t> fans_;  // MeshFileReport::fans of the last state
   std::map<std::string, std::string> file_of_name_;
   Scene scene_;
   std::size_t next_ = 0;

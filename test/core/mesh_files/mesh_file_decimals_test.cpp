@@ -166,6 +166,43 @@ TEST_F(MeshFileDecimalsTest, InfinityAndNan) {
   }
 }
 
+// The numbers are as Windows programs write them. Their '#' begins no comment.
+TEST_F(MeshFileDecimalsTest, InfinityAndNanOfWindows) {
+  for (const std::string sign : {"", "-", "+"}) {
+    for (const char* name :
+         {"1.#INF", "1.#inf00", "1.#INF000e+000", "1.#QNAN", "1.#QNAN0", "1.#IND", "1.#IND00",
+          "1.#SNAN", "1.#qnan0e+000", "nan(ind)", "nan(snan)"}) {
+      const std::string text = sign + name;
+      const std::vector<std::pair<std::string, std::string>> files = {
+          {"a.obj", "v 0 1 " + text + "\nv 0 0 0 # x\nf 1 2 2\n"},
+          {"a.off", "OFF\n2 1 0\n0 1 " + text + "\n0 0 0# x\n3 0 1 1\n"},
+          {"a.ply",
+           "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+           "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+           "end_header\n0 1 " +
+               text + "\n0 0 0\n3 0 1 1\n"},
+          {"a.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 1 " + text +
+                        "\nvertex 0 0 0\nvertex 0 0 0\nendloop\nendfacet\nendsolid\n"}};
+      for (const auto& [file, content] : files) {
+        const float value = read(file, content).vertices[2];
+        if (text.find("INF") == std::string::npos && text.find("inf") == std::string::npos) {
+          EXPECT_TRUE(std::isnan(value)) << file << " " << text;
+        } else {
+          EXPECT_TRUE(std::isinf(value) && (value < 0) == (sign == "-")) << file << " " << text;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(read("a.obj", "v 0 0 1.# a comment\nv 0 0 1.#\nv 0 0 -1.\nf 1 2 3\n").vertices,
+            (std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, -1}));
+  for (const char* text : {"1.#J", "1.#comment", "1.#QNANx", "1.#IN", "1.#infinity"}) {
+    const std::string error = errorOf(write("b.obj", objOf({text})));
+    EXPECT_NE(error.find("b.obj:2: a coordinate expected, but there is '" + std::string(text)),
+              std::string::npos)
+        << error;
+  }
+}
+
 TEST_F(MeshFileDecimalsTest, WhatIsNoDecimalIsRefused) {
   for (const char* text :
        {"0x10", "-0X1p3", "0x",  "1e",    "1e+", "+-1",     "--1",  "++1",    "-",  "+",

@@ -157,6 +157,73 @@ TEST_F(MeshFileTest, BadFilesAreRefusedByNameAndPlace) {
   }
 }
 
+std::string wideText(const std::string& text, bool is_big_endian) {
+  std::string wide;
+  for (const char c : text) {
+    wide += is_big_endian ? std::string(1, '\0') + c : c + std::string(1, '\0');
+  }
+  return wide;
+}
+
+// These files lie in the place of a mesh file when something went wrong.
+TEST_F(MeshFileTest, FilesOfOtherKindsAreRefusedWithTheirKind) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string lfs = "version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 684\n";
+  const std::string zeros(500, '\0');
+  const std::vector<std::pair<std::string, std::string>> kinds = {
+      {lfs, ": is a Git LFS pointer"},
+      {"<!DOCTYPE html>\n<html>v 0 0 0</html>", ": is an HTML page"},
+      {"\xEF\xBB\xBF\n <HTML>\nf \n", ": is an HTML page"},
+      {"\xFF\xFE" + wideText(obj, false), ": is UTF-16"},
+      {"\xFE\xFF" + wideText(obj, true), ": is UTF-16"},
+      {wideText(obj, false), ": is UTF-16"},
+      {"PK\3\4" + zeros, ": is a zip archive"},
+      {"\x1f\x8b" + zeros, ": is a gzip archive"},
+      {"", ": is empty"},
+      {" \n\r\n", ": holds nothing but blanks"},
+      {zeros, ": holds nothing but blanks or zero bytes"}};
+  for (const auto& [content, kind] : kinds) {
+    for (const char* name : {"a.obj", "a.off", "a.ply", "a.stl"}) {
+      const std::string file = write(name, content);
+      const std::string said = errorOf(file);
+      EXPECT_EQ(said.substr(0, file.size() + kind.size()), file + kind) << said;
+    }
+  }
+  // A mesh may begin as it likes.
+  EXPECT_EQ(read("a.stl", binaryStl(1, 50, lfs.substr(0, 60))).triangleCount(), 1U);
+  EXPECT_EQ(read("a.obj", lfs + obj).triangleCount(), 1U);
+}
+
+TEST_F(MeshFileTest, StlWithBytesBehindItsLastFacet) {
+  const std::string facet = binaryStl(1, 50, "x");
+  for (const std::string& rest :
+       {std::string(7, '\0'), std::string("\n"), std::string(49, 'x'), std::string(1000, '\0')}) {
+    MeshFileReport report;
+    EXPECT_EQ(readMeshFile(write("a.stl", facet + rest), &report).triangleCount(), 1U);
+    ASSERT_EQ(report.notes.size(), 1U);
+    EXPECT_EQ(report.notes[0], "binary STL of 1 facets with " + std::to_string(rest.size()) +
+                                   " bytes behind its last facet, which are ignored");
+    EXPECT_EQ(readMeshFile(path("a.stl")).triangleCount(), 1U);
+  }
+  // Facets that were not counted must not be left out in silence.
+  const std::string said = errorOf(write("a.stl", facet + std::string(50, 'x')));
+  EXPECT_NE(said.find(": binary STL of 1 facets (count at byte 80) with 50 bytes behind its last "
+                      "facet: the count is wrong, or something else was appended"),
+            std::string::npos)
+      << said;
+}
+
+TEST_F(MeshFileTest, StlKeywordsOfTwoWords) {
+  const std::string facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
+  const std::string two = facet + "vertex 0 1 0\nend loop\nEND Facet\n";
+  EXPECT_EQ(read("a.stl", "solid c\n" + two + two + "end solid c\nsolid\n" + two + "endsolid\n")
+                .triangleCount(),
+            3U);
+  EXPECT_NE(errorOf(write("a.stl", "solid c\n" + facet + "vertex 0 1 0\nend facet\n"))
+                .find(":7: 'loop' expected, but there is 'facet'"),
+            std::string::npos);
+}
+
 TEST_F(MeshFileTest, WhatIsNoFileIsRefused) {
   EXPECT_EQ(errorOf(path("none.obj")), path("none.obj") + ": No such file or directory");
   std::filesystem::create_directory(path("folder.ply"));
@@ -167,7 +234,8 @@ TEST_F(MeshFileTest, WhatIsNoFileIsRefused) {
             ": cannot tell the format");
 }
 
-using Reader = TriangleMesh (*)(const std::string& path, std::string_view content);
+using Reader = TriangleMesh (*)(const std::string& path, std::string_view content,
+                                MeshFileReport* report);
 
 // Either a valid mesh or an error that begins with the path; memory in proportion to the file.
 // Returns whether it was read.
@@ -177,7 +245,8 @@ bool expectHarmless(Reader read, const std::string& content) {
   largest_allocation = 0;
   const auto start = std::chrono::steady_clock::now();
   try {
-    const TriangleMesh mesh = read(path, content);
+    MeshFileReport report;
+    const TriangleMesh mesh = read(path, content, &report);
     EXPECT_NO_THROW(validate(mesh, path));
     is_read = true;
   } catch (const std::runtime_error& error) {

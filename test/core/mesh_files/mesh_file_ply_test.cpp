@@ -188,5 +188,50 @@ TEST_F(MeshFileTest, PlyWithCarriageReturns) {
   EXPECT_EQ(read("a.ply", text).vertices, (std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
 }
 
+// Strips as OpenGL has them: every second triangle is turned round, and -1 begins another strip.
+TEST_F(MeshFileTest, PlyTriangleStrips) {
+  for (const std::string format : kFormats) {
+    for (const std::string type : {"char", "short", "int", "int32"}) {
+      PlyWriter writer(format,
+                       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                       "element tristrips 3\nproperty int id\nproperty list int " +
+                           type + " vertex_indices\nelement face 1\n" +
+                           "property list uchar int vertex_index\n");
+      putVertices(writer, "float");
+      const auto putStrip = [&](const std::vector<int>& indices) {
+        writer.put("int", 7).put("int", static_cast<double>(indices.size()));
+        for (const int index : indices) writer.put(type, index);
+        writer.endRecord();
+      };
+      // The strip restarts three times, also for what is too short; 1 1 and 2 2 lead on without a
+      // triangle of their own.
+      putStrip({0, 1, 2, 0, 1, -1, -1, 2, 1, 0, -1, 0, 1, -1});
+      putStrip({0, 1, 2, 2, 1, 1, 0, 2});
+      putStrip({});
+      writer.put("uchar", 3).put("int", 2).put("int", 1).put("int", 0).endRecord();
+      EXPECT_EQ(read("a.ply", writer.text()).triangles,
+                (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 0, 2, 0, 1, 2, 1,
+                                            0, 0, 1, 2, 0, 1, 2, 2, 1, 0}))
+          << format << " " << type;
+    }
+  }
+}
+
+TEST_F(MeshFileTest, BadPlyTriangleStrips) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n"
+      "0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"3 0 1 3", ":13: vertex index '3' is out of range"},
+      {"3 0 1 -2", ":13: vertex index '-2' is out of range"},
+      {"4 0 1 2", ":13: vertex index expected, but the line ends"},
+      {"3 -1 -1 -1", ": holds no triangle"}};
+  for (const auto& [strip, message] : files) {
+    const std::string said = errorOf(write("a.ply", head + strip + "\n"));
+    EXPECT_NE(said.find("a.ply" + message), std::string::npos) << said;
+  }
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

@@ -35,6 +35,20 @@ class DetectContacts(Case):
         self.assertEqual(self.pairs(*reversed(meshes)), "0 0 2 0\n1 1 2 0\n")
         self.assertEqual(self.pairs(meshes[1], self.mesh("above.obj", TOUCHING)), "")
 
+    def test_polygons_are_what_they_look_like(self):
+        """A needle through the notch of an L touches nothing, whatever corner the L begins with."""
+        corners = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n"
+        notch = self.mesh("notch.obj", "v 1.2 1.2 -1\nv 1.2 1.25 1\nv 1.25 1.2 1\nf 1 2 3\n")
+        needle = self.mesh("needle.obj", "v .2 .2 -1\nv .2 .25 2\nv .25 .2 2\nf 1 2 3\n")
+        for first in range(6):
+            face = "f " + " ".join(str((first + i) % 6 + 1) for i in range(6))
+            shape = self.mesh("l.obj", corners + face)
+            self.assertEqual(self.works("--pairs", "-", shape, notch).stdout, "")
+            self.assertNotEqual(self.works("--pairs", "-", shape, needle).stdout, "")
+        bent = self.mesh("bent.obj", corners.replace("1 1 0", "1 1 9") + "f 1 2 3 4 5 6\n")
+        done = self.works(bent, needle)
+        self.assertIn("detect_contacts: note: " + bent + ": 1 of 1 polygons of 4", done.stderr)
+
     def test_self_contacts(self):
         fold = self.mesh("fold.obj", FOLD)
         floor = self.mesh("floor.obj", FLOOR)

@@ -90,6 +90,14 @@ class DetectSwept(Case):
             self.assertEqual((report["contacts"], report["rejected_triangles"]), (0, 1))
             self.assertFalse(report["complete"])
 
+    def test_swept_polygons_have_the_triangles_of_the_later_state(self):
+        floor = self.mesh("floor.obj", "v 9 9 1\nv 9 8 1\nv 8 9 1\nf 1 2 3\n")
+        convex, dart = (self.mesh(name, "v 0 0 0\nv 4 4 0\nv 0 8 0\nv %s 0\nf 1 2 3 4\n" % corner)
+                        for name, corner in (("convex.obj", "-4 4"), ("dart.obj", "2 4")))
+        for states in (convex, dart), (dart, convex):
+            report = self.json("--swept", floor, floor, *states)
+            self.assertEqual((report["triangles"], report["complete"]), (3, True))
+
     def test_swept_refuses(self):
         floor, _, before, behind = files = self.swept_files()
         two = self.mesh("two.obj", FLOOR + "f 3 2 1\n")
