@@ -9,6 +9,7 @@
 
 #include "core/ccd/body_motion.h"
 #include "core/ccd/merged_steps.h"
+#include "core/ccd/pad_times.h"
 #include "core/ccd/sub_step_scene.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
@@ -118,6 +119,7 @@ const StepResult& SubStepDetector::detect(const Scene& scene, const std::vector<
   if (std::none_of(motions.begin(), motions.end(), [](const auto& m) { return m.has_value(); })) {
     detector_.detect(step, swept);
     detector_.swapResult(result_.detection);
+    includePads(step, swept, &result_.detection);
   } else {
     detectRotating(step, motions, tolerance_m, swept);
   }
@@ -138,19 +140,20 @@ void SubStepDetector::detectRotating(const Scene& step,
   MergedSteps merged;
   bool guaranteed = true;
   straight_ = step;
-  if (keepStraightPairs(motions, &straight_)) {
-    const DetectionResult& part = detector_.detect(straight_, options);
-    guaranteed = part.guaranteed;
-    merged.add(part, 0, 1);
-  }
+  const auto add = [&](const Scene& scene, double from, double to) {
+    detector_.detect(scene, options);
+    detector_.swapResult(part_);
+    includePads(scene, options, &part_);
+    guaranteed = guaranteed && part_.guaranteed;
+    merged.add(part_, from, to);
+  };
+  if (keepStraightPairs(motions, &straight_)) add(straight_, 0, 1);
   SubStepScene sub_steps(step, motions, tolerance_m, &rotating_);
   const std::vector<double> cuts = sub_steps.cuts(kMostSubSteps);
   for (std::size_t i = 0; i + 1 < cuts.size() && !merged.isCutOff(); ++i) {
     sub_steps.moveTo(cuts[i], cuts[i + 1]);
     result_.pad_m = std::max(result_.pad_m, sub_steps.largestPad());
-    const DetectionResult& part = detector_.detect(rotating_, options);
-    guaranteed = guaranteed && part.guaranteed;
-    merged.add(part, cuts[i], cuts[i + 1]);
+    add(rotating_, cuts[i], cuts[i + 1]);
   }
   result_.sub_steps = static_cast<int>(cuts.size()) - 1;
   result_.outlying = sub_steps.outlying();

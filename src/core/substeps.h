@@ -17,8 +17,12 @@ namespace deformable_contact_monitor {
 struct DCM_EXPORT StepResult {
   // The result of the whole interval, with swept motion. Counters, times and left_out are sums over
   // the sub-steps (a pair that is found in several counts in each); sizes are the largest ones.
-  // Times of a first contact are those on the straight lines, rounded outwards. A contact that no
-  // straight line makes is within_pad.
+  // A contact that no straight line makes is within_pad. Of the first time of a contact this is
+  // certain for the given paths:
+  // - Before `low` there is no contact. A pair with a pad has the time before which the two
+  //   triangles are farther apart than the pad; a pair without one, that on the straight lines.
+  // - At some time in [low, high] the triangles are at most the pad apart; without a pad, they
+  //   touch. For contacts that are within_pad, `high` is 1, and they may never come so near.
   DetectionResult detection;
   int sub_steps = 1;  // for pairs with a body that rotates
   float pad_m = 0;    // the largest sum of the pads of such a pair [m]; 0: no body rotates
@@ -67,6 +71,7 @@ class DCM_EXPORT SubStepDetector {
 
   Detector& detector_;
   StepResult result_;
+  DetectionResult part_;  // of one detection
   Scene step_, straight_, rotating_;
 };
 

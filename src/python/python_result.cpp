@@ -128,13 +128,15 @@ constexpr const char* kFirstTimesText =
     R"(When each contact begins: (k, 2) float32, low and high, in the rows of pairs.
 
 Parts [0, 1] of the step: certainly not before low, certainly at some time in [low, high]; at most
-2^-20 apart where predicates are exact. 0 and 0: at its beginning. Of what within_pad marks: the time
-before which it is certainly none, and 1.
+2^-20 apart where predicates are exact. 0 and 0: at its beginning. These are the times of the straight
+ways, from which pads may differ. Of what within_pad marks: the time before which the two are farther
+apart than their pads, and 1.
 None unless Detector(motion='swept', first_times=True).)";
 
 constexpr const char* kWithinPadText =
     R"(Which contacts are none on the straight ways, but may be one within the pads: (k,) bool.
 
+Some of them stay farther apart than their pads, by up to 1/2048 of their way.
 None unless motion is swept and some body that takes part has a pad.)";
 
 constexpr const char* kWithoutStepText =

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cfloat>
 #include <cmath>
 #include <random>
@@ -120,7 +121,10 @@ constexpr int kKinds = 6;
 class MarginExtremes : public DetectorSuite {
  protected:
   void expectVerdicts(const Scene& scene, const std::string& what) {
-    const Expected expected = byVerdictsAlone(scene);
+    expectFound(scene, byVerdictsAlone(scene), what);
+  }
+
+  void expectFound(const Scene& scene, const Expected& expected, const std::string& what) {
     found_ += expected.contacts.size();
     near_ += static_cast<std::size_t>(
         std::count_if(expected.separations_m.begin(), expected.separations_m.end(),
@@ -157,6 +161,54 @@ TEST_P(MarginExtremes, MarginsOfAnySize) {
       expectVerdicts(farScene(kind, 6, 1e30F, margin_m), std::to_string(margin_m));
       if (HasFatalFailure()) return;
     }
+  }
+}
+
+// Adds a body of points, each a triangle. Their coordinates are multiples of the least float32.
+BodyId addPoints(const std::vector<std::array<int, 3>>& points, Scene* scene) {
+  std::vector<Triangle> triangles;
+  for (const auto& [x, y, z] : points) {
+    const auto at = [](int k) { return std::ldexp(static_cast<float>(k), -149); };
+    const Vec3f v{at(x), at(y), at(z)};
+    triangles.push_back({{v, v, v}});
+  }
+  return scene->addBody("points", meshOf(triangles));
+}
+
+// Distances of points at whole multiples of the least float32, where rounding to float32 changes
+// up to half of a distance. Integers say which are near.
+TEST_P(MarginExtremes, PointsAtMultiplesOfTheLeastFloat) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 40; ++i) {
+    std::vector<std::array<int, 3>> points[2] = {{{0, 0, 0}}, {{1, 1, 0}}};
+    const int margin = i == 0 ? 1 : 1 + static_cast<int>(random() % 5);
+    const auto coordinate = [&] { return static_cast<int>(random() % 24); };
+    for (int k = 0; k < 60 && i > 0; ++k) {
+      for (auto& list : points) list.push_back({coordinate(), coordinate(), coordinate()});
+    }
+    Scene scene;
+    for (const auto& list : points) addPoints(list, &scene);
+    scene.setPairEnabled(0, 1, true);
+    scene.setMargin(i % 2, std::ldexp(static_cast<float>(margin), -149));
+    Expected expected;
+    for (std::uint32_t a = 0; a < points[0].size(); ++a) {
+      for (std::uint32_t b = 0; b < points[1].size(); ++b) {
+        int squared = 0, most = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const int gap = std::abs(points[0][a][k] - points[1][b][k]);
+          squared += gap * gap;
+          most = std::max(most, gap);
+        }
+        // A square root of an integer is never half of an odd number.
+        if (most > margin || 4 * squared > (2 * margin + 1) * (2 * margin + 1)) continue;
+        expected.contacts.push_back({0, a, 1, b});
+        const double nearest = std::round(std::sqrt(static_cast<double>(squared)));
+        expected.separations_m.push_back(static_cast<float>(std::ldexp(nearest, -149)));
+      }
+    }
+    ASSERT_FALSE(i == 0 && expected.contacts.empty());
+    expectFound(scene, expected, "scene " + std::to_string(i));
+    if (HasFatalFailure()) return;
   }
 }
 

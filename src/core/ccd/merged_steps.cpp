@@ -95,14 +95,12 @@ void MergedSteps::addContacts(const DetectionResult& part, double from, double t
   contacts_.swap(both_);
 }
 
-// A contact on the straight lines replaces one within the pads, even one that came earlier: first
-// times are those on the straight lines.
+// A contact within the pads may come before one on the straight lines, and its upper bound is 1.
 MergedSteps::Contact MergedSteps::merged(const Contact& earlier, const Contact& later) {
-  if (earlier.within_pad != later.within_pad) return earlier.within_pad ? later : earlier;
-  Contact both = earlier;
-  both.first.low = std::min(earlier.first.low, later.first.low);
-  both.first.high = std::min(earlier.first.high, later.first.high);
-  return both;
+  return {earlier.pair,
+          {std::min(earlier.first.low, later.first.low),
+           std::min(earlier.first.high, later.first.high)},
+          earlier.within_pad && later.within_pad};
 }
 
 void MergedSteps::write(bool first_times, bool pads, DetectionResult* result) const {

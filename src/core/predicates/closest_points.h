@@ -11,9 +11,9 @@
 namespace deformable_contact_monitor {
 
 // The closest points of a and b. Each lies on its triangle, and their distance is that of the
-// triangles, up to 2^-22 of the points' largest coordinate, rounding to float32 included, and 2^-24
-// of the smaller triangle's longest edge. The direction is right to 2^-13 rad, an angle by which it
-// may turn where the distance hardly changes.
+// triangles, up to 2^-22 of the points' largest coordinate, rounding to float32 included, or 2^-50
+// of the distance if that is more, and 2^-24 of the smaller triangle's longest edge. The direction
+// is right to 2^-13 rad, an angle by which it may turn where the distance hardly changes.
 struct ClosestPoints {
   Vec3f on_a, on_b;
   Vec3d direction;      // from a to b, a unit vector

@@ -26,8 +26,9 @@ struct Verdict {
 // Boxes and planes decide first, so that most pairs need no distance.
 DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float margin_m) {
   if (margin_m == 0) return {};
-  constexpr double kSlack = 1 + 1e-6;  // rounding
-  const double most_m = margin_m * kSlack;
+  // The distance may be rounded down by half a step, which is most of a margin near 2^-149.
+  constexpr double kSlack = 1 + 1e-6, kLeastStep = 0x1p-149;
+  const double most_m = margin_m * kSlack + kLeastStep;
   const Aabb box_a = boxOf(a), box_b = boxOf(b);
   if (areApart(box_a, box_b, margin_m) || squaredGap(box_a, box_b) > most_m * most_m ||
       arePlanesApart(a, b, most_m)) {

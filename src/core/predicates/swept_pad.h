@@ -2,6 +2,11 @@
 // each other. The bound is for links that rotate: their points move on arcs, and stay within the
 // bound of the straight lines.
 //
+// Triangles that are farther apart than the pad may also count as within it: the test gives up
+// after ten halvings, when they are at most the pad and 1/2048 of their way apart, where the way is
+// how far a vertex of one moves as seen from the other. It gives up sooner, and at a larger part of
+// the way, where 100 intervals were not enough.
+//
 // Two triangles are more than the pad apart during an interval if, along some fixed direction n,
 // one lies beyond the other by more than pad |n| at both ends: differences of projections are
 // linear in time. n is the direction of their shortest distance in the middle of the interval, so

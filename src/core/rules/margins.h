@@ -23,11 +23,12 @@ DCM_HD inline float pairPad(float pad_a_m, float pad_b_m) {
 }
 
 // Returns the slack of the half-space rule for a body with this margin or motion bound [scaled]:
-// twice the margin and a little more, because distances are rounded before they are compared with
-// it. Each body is inflated by its full own margin.
+// twice the margin and a little more, because distances are rounded to float32 before they are
+// compared with it. Each body is inflated by its full own margin.
 inline float scaledSlack(float margin_m, const SceneScale& scale) {
-  constexpr double kMore = 1 + 1e-6;
-  const double slack = 2 * (margin_m * scale.scale) * kMore;
+  if (margin_m == 0) return 0;
+  constexpr double kMore = 1 + 1e-6, kLeastStep = 0x1p-149;
+  const double slack = 2 * ((margin_m * kMore + kLeastStep) * scale.scale);
   return slack > 0 ? std::nextafter(static_cast<float>(least<double>(slack, FLT_MAX)), INFINITY)
                    : 0.0F;
 }

@@ -48,7 +48,7 @@ TriangleMesh randomBody(bool small, std::mt19937* random) {
     for (int k = 0; k < 3; ++k) body.triangles.push_back(body.triangles[t + k]);
     for (const int k : {0, 1, 1}) body.triangles.push_back(body.triangles[t + k]);
   }
-  if (below(6) == 0) {  // all of them, or some, once more or twice, turned around
+  if (below(12) == 0) {  // all of them, or some, once more or twice, turned around
     const std::size_t count = body.triangles.size();
     const unsigned share = 1 + below(3), times = 1 + below(2);
     for (std::size_t t = 0; t < count; t += 3) {

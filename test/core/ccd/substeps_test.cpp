@@ -31,6 +31,28 @@ TEST_P(SubSteps, AFingerThatSwingsThroughAClothIsSeenAtItsTime) {
   EXPECT_NEAR(first, 0.45, 0.06);
 }
 
+// The tip at (1, 0, 0) moves on an arc of 0.019 rad, which is taken for one straight line. The arc
+// is on the edge of the plate at half of it, and from then on beyond it. The line gets there at
+// 0.875.
+TEST_P(SubSteps, TheFirstTimeOfATipThatTurnsIsNotLate) {
+  constexpr double kAngle = 0.019, kArc = 0.5, kLine = 0.875;
+  const Vec3d on_arc{std::cos(kArc * kAngle), std::sin(kArc * kAngle), 0};
+  const Vec3d on_line{1 - kLine * (1 - std::cos(kAngle)), kLine * std::sin(kAngle), 0};
+  const Vec3d along = on_line - on_arc;
+  TriangleMesh plate =
+      meshOf({{{toFloat(on_arc - along), toFloat(on_line + along), Vec3f{2, 0.01F, 0}}}});
+  const TriangleMesh tip = meshOf({{{{1, 0, -0.1F}, {1, 0, 0.1F}, {1, 0, 0.1F}}}});
+  Scene scene = pairScene(tip, plate);
+  const std::vector<BodyPath> paths{{{0, RigidTransform()}, {1, turnedAboutZ(kAngle)}}, {}};
+  const StepResult& result = steps_.detect(scene, paths, 1e-4, timed());
+  ASSERT_EQ(result.sub_steps, 1);
+  ASSERT_EQ(result.detection.contacts.size(), 1U);
+  EXPECT_EQ(result.detection.within_pad[0], 0);
+  EXPECT_LE(result.detection.first_times[0].low, kArc + 1e-3);
+  EXPECT_GT(result.detection.first_times[0].low, 0.1);
+  EXPECT_NEAR(result.detection.first_times[0].high, kLine, 1e-2);
+}
+
 TEST_P(SubSteps, WhatMovesStraightHasOneExactStepBesideWhatTurns) {
   const Swing swing;
   Scene without = swing.scene;

@@ -1,6 +1,7 @@
 // The geometry of pairs that can be checked by hand.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cfloat>
 #include <cmath>
 
@@ -116,6 +117,30 @@ TEST(GeometryOfSinglePair, ADepthBeyondFloats) {
   const PairGeometry g = of(a, b);
   EXPECT_TRUE(isFinite(g.point_a) && isFinite(g.point_b) && isFinite(g.normal));
   EXPECT_LE(g.separation_m, 0);
+}
+
+// The foot of the perpendicular from a vertex 1e10 m away has coordinates of millimetres. Its error
+// is a part of the distance.
+TEST(GeometryOfSinglePair, AClosestPointFarFromTheOther) {
+  const Triangle slope{{{-3, -1, -2.5F}, {4, 0.5F, 2}, {-1, 3, 0.75F}}};
+  const Vec3d normal = cross(toDouble(slope.v[1]) - toDouble(slope.v[0]),
+                             toDouble(slope.v[2]) - toDouble(slope.v[0]));
+  const double size = std::sqrt(dot(normal, normal));
+  const Vec3f far = toFloat(normal * (1e10 / size));
+  const PairGeometry g = of(slope, Triangle{{far, far, far}});
+  EXPECT_NEAR(1e10, g.separation_m, 1e4);
+  const double error = std::max(
+      0x1p-22 * std::max({std::abs(g.point_a.x), std::abs(g.point_a.y), std::abs(g.point_a.z)}),
+      0x1p-50 * g.separation_m);
+  EXPECT_LE(std::abs(dot(toDouble(g.point_a) - toDouble(slope.v[0]), normal)) / size, error);
+  EXPECT_EQ(far, g.point_b);
+}
+
+// The normal is negated if a and b are swapped. Triangles that are equal cannot be told apart.
+TEST(GeometryOfSinglePair, EqualTrianglesHaveANormalOfSomeSign) {
+  const PairGeometry g = of(kFlat, kFlat);
+  EXPECT_EQ(1, lengthOf(g.normal));
+  EXPECT_NE(0, g.flags & kCoplanar);
 }
 
 // An edge from one end of the floats to the other, through a small triangle.
