@@ -1,5 +1,5 @@
 // Declares what the device builds when a scene is laid out, before the stages: the tiles of
-// triangles, and the rings of triangles around vertices (core/common/vertex_fans.h).
+// triangles, and the rings of triangles around vertices (core/cpu/fans.h).
 #pragma once
 
 #include <cuda_runtime.h>

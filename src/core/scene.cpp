@@ -15,6 +15,13 @@ std::uint64_t nextRevision() {
   return ++last;
 }
 
+// Returns the length, or throws std::invalid_argument if it is negative or not finite.
+float checkedLength(const Body& body, const std::string& what, float length_m) {
+  if (std::isfinite(length_m) && length_m >= 0) return length_m;
+  throw std::invalid_argument(body.name + ": " + what + " " + std::to_string(length_m) +
+                              " m is not a finite number >= 0");
+}
+
 }  // namespace
 
 void Scene::useMemory(std::pmr::memory_resource& memory) {
@@ -110,20 +117,12 @@ void Scene::clearEarlier(BodyId id) { checkedBody(id).earlier.reset(); }
 
 void Scene::setPad(BodyId id, float pad_m) {
   Body& body = checkedBody(id);
-  if (!std::isfinite(pad_m) || pad_m < 0) {
-    throw std::invalid_argument(body.name + ": pad " + std::to_string(pad_m) +
-                                " m is not a finite number >= 0");
-  }
-  body.pad_m = pad_m;
+  body.pad_m = checkedLength(body, "pad", pad_m);
 }
 
 void Scene::setMargin(BodyId id, float margin_m) {
   Body& body = checkedBody(id);
-  if (!std::isfinite(margin_m) || margin_m < 0) {
-    throw std::invalid_argument(body.name + ": margin " + std::to_string(margin_m) +
-                                " m is not a finite number >= 0");
-  }
-  body.margin_m = margin_m;
+  body.margin_m = checkedLength(body, "margin", margin_m);
 }
 
 void Scene::setPairEnabled(BodyId a, BodyId b, bool enabled) {

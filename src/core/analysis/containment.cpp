@@ -7,16 +7,150 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
+#include <vector>
 
-#include "core/analysis/point_tree.h"
-#include "core/analysis/posed_components.h"
+#include "core/analysis/mesh_components.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/posed_body.h"
 #include "core/common/scene_queries.h"
 #include "core/predicates/aabb.h"
 #include "core/predicates/ray_crossing.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
+
+namespace {
+
+// A balanced k-d tree that halves the points along x, y and z in turn. It only compares
+// coordinates, so equal, distant and clustered points cost no more than others. With n points a
+// query takes about n^(2/3) steps at most, and one more for each point found. Any number of threads
+// may query.
+class PointTree {
+ public:
+  // Takes finite points.
+  explicit PointTree(std::vector<Vec3f> points) : points_(std::move(points)) {
+    order_.resize(points_.size());
+    std::iota(order_.begin(), order_.end(), 0U);
+    halve(0, order_.size(), 0);
+  }
+
+  // Calls visit(index) for each point within the closed box, in any order.
+  template <class Visit>
+  void visitWithin(const Aabb& box, const Visit& visit) const {
+    look(0, order_.size(), 0, box, visit);
+  }
+
+ private:
+  // Orders the points of [begin, end): the middle one is the median along the axis, points before
+  // it are not greater there, and points after it not less.
+  void halve(std::size_t begin, std::size_t end, int axis) {
+    if (end - begin < 2) return;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [this](std::size_t i) {
+      return order_.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    std::nth_element(at(begin), at(middle), at(end),
+                     [this, axis](std::uint32_t i, std::uint32_t j) {
+                       return points_[i][axis] < points_[j][axis];
+                     });
+    halve(begin, middle, (axis + 1) % 3);
+    halve(middle + 1, end, (axis + 1) % 3);
+  }
+
+  template <class Visit>
+  void look(std::size_t begin, std::size_t end, int axis, const Aabb& box,
+            const Visit& visit) const {
+    if (begin == end) return;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const Vec3f& point = points_[order_[middle]];
+    if (box.min[axis] <= point[axis]) look(begin, middle, (axis + 1) % 3, box, visit);
+    if (intersects(box, {point, point})) visit(order_[middle]);
+    if (point[axis] <= box.max[axis]) look(middle + 1, end, (axis + 1) % 3, box, visit);
+  }
+
+  std::vector<Vec3f> points_;
+  std::vector<std::uint32_t> order_;
+};
+
+}  // namespace
+
+// Poses the components of a body in each cycle, and keeps what does not change between cycles. One
+// thread at a time.
+class PosedComponents {
+ public:
+  // Begins a cycle. The body must live, unchanged, until the next update(). Returns false if the
+  // limit was over before the end.
+  bool update(const Body& body, const CycleLimit& limit) {
+    posed_.emplace(body);
+    tree_.reset();
+    if (!components_.update(body, limit)) return false;
+    const MeshComponents& components = components_.get();
+    box_ = Aabb();
+    boxes_.assign(components.count(), Aabb());
+    is_finite_ = true;
+    constexpr std::uint64_t kStepsALook = 1 << 12;
+    PacedLimit pace(limit, kStepsALook);
+    for (std::uint32_t c = 0; c < components.count(); ++c) {
+      for (std::uint32_t i = components.first[c]; i < components.first[c + 1]; ++i) {
+        if (pace.over()) return false;
+        const Triangle triangle = posed_->triangle(components.triangles[i]);
+        is_finite_ = is_finite_ && isFinite(triangle);
+        boxes_[c].include(boxOf(triangle));
+      }
+      box_.include(boxes_[c]);
+    }
+    return true;
+  }
+
+  const MeshComponents& components() const { return components_.get(); }
+  const PosedBody& posed() const { return *posed_; }
+  // Returns whether the pose keeps all triangles finite that were received finite.
+  bool isFinitePosed() const { return is_finite_; }
+  const Aabb& box() const { return box_; }
+  const Aabb& box(std::uint32_t component) const { return boxes_[component]; }
+
+  // Returns some point of the component [m].
+  Vec3f point(std::uint32_t component) const {
+    const MeshComponents& of = components();
+    return posed_->triangle(of.triangles[of.first[component]]).v[0];
+  }
+
+  // Returns a tree of one point of each component, in the order of components. Makes it on the
+  // first call after update().
+  const PointTree& tree() {
+    if (!tree_) {
+      std::vector<Vec3f> points;
+      points.reserve(components().count());
+      for (std::uint32_t c = 0; c < components().count(); ++c) points.push_back(point(c));
+      tree_.emplace(std::move(points));
+    }
+    return *tree_;
+  }
+
+  // Returns the mean of the corners of the component's triangles [m].
+  Vec3d centroid(std::uint32_t component) const {
+    const MeshComponents& of = components();
+    Vec3d sum;
+    for (std::uint32_t i = of.first[component]; i < of.first[component + 1]; ++i) {
+      for (const Vec3f& corner : posed_->triangle(of.triangles[i]).v) sum = sum + toDouble(corner);
+    }
+    return sum * (1.0 / (3.0 * (of.first[component + 1] - of.first[component])));
+  }
+
+ private:
+  BodyComponents components_;
+  std::optional<PosedBody> posed_;
+  std::optional<PointTree> tree_;
+  std::vector<Aabb> boxes_;  // by component
+  Aabb box_;
+  bool is_finite_ = true;
+};
 
 namespace {
 

@@ -2,21 +2,48 @@
 // tolerance or before a deadline. core/detector_pool.h says what it promises.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <memory_resource>
 #include <utility>
 #include <vector>
 
-#include "core/bounds/exact_part.h"
 #include "core/bounds/pair_rounds.h"
 #include "core/bounds/time_estimates.h"
 #include "core/common/cycle_limit.h"
 #include "core/common/parallel.h"
 #include "core/detector.h"
+#include "core/scene.h"
 #include "core/tiling_cache.h"
 
 namespace deformable_contact_monitor {
+
+// Owns the exact detector's scene: a copy of the scene that has only some of its pairs. What did
+// not change since the last cycle is not copied again, and pairs that stay the same keep their
+// revision, so the warm-start data of detectors stays valid.
+class ExactPart {
+ public:
+  // `memory`: where vertices are stored. It must outlive this object.
+  explicit ExactPart(std::pmr::memory_resource& memory) : memory_(&memory) {}
+
+  // Returns a scene with these pairs alone, (a, b) with a <= b, ascending; valid until the next
+  // call. Bodies keep their ids. Bodies without a pair have no triangles, and none has an earlier
+  // state, because the scene is for one moment.
+  const Scene& sceneOf(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs);
+
+ private:
+  // The revisions of a body when it was last copied.
+  struct Copied {
+    std::uint64_t topology_revision = 0, vertices_revision = 0;  // 0: nothing was copied
+  };
+
+  void copy(const Body& body, BodyId id);
+
+  std::pmr::memory_resource* memory_;
+  Scene part_;
+  std::vector<Copied> copied_;  // per body
+};
 
 // Shares the pairs of a cycle between bounds of tiles and an exact detector, and makes one result
 // of both. Keeps what both leave for later cycles. One thread at a time.

@@ -77,7 +77,7 @@ std::size_t trianglesNear(const PosedTile& tile, const OrientedBox& box, double 
   const double far =
       most(most(most(-tile.box.min.x, tile.box.max.x), most(-tile.box.min.y, tile.box.max.y)),
            most(-tile.box.min.z, tile.box.max.z));
-  const double slack = 1e-12 * (size + 3 * most(far, 0.0));  // as in oriented_box.cpp
+  const double slack = 1e-12 * (size + 3 * most(far, 0.0));  // as in posed_tile.cpp
   for (std::size_t i = 0; i < tile.vertex_count; ++i) {
     const Vec3d w = toDouble(tile.vertex(i)) - box.centre;
     for (std::size_t k = 0; k < 3; ++k) at[k][i] = dot(box.axis[k], w);

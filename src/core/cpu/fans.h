@@ -9,12 +9,25 @@
 #include <vector>
 
 #include "core/common/cycle_limit.h"
-#include "core/common/vertex_fans.h"
 #include "core/cpu/lane_triangle.h"
 #include "core/cpu/transform.h"
+#include "core/export.h"
 #include "core/scene.h"
+#include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {
+
+// The ring of vertex v goes from ring[begin[v]] up to ring[begin[v + 1]]. Any two entries that
+// follow one another form a triangle of the mesh with v, in the mesh's orientation, and the mesh
+// has no other triangle with v. If a vertex has no such ring, is in too many triangles, or in none,
+// its ring begins with v itself.
+struct VertexFans {
+  std::vector<std::uint32_t> begin;  // per vertex, and one more; empty: too large for 32 bits
+  std::vector<std::uint32_t> ring;   // indices of vertices
+};
+
+// Returns the rings of a valid mesh. Compares vertices by index, not by coordinates.
+DCM_EXPORT VertexFans vertexFans(const TriangleMesh& mesh);
 
 // Lists the vertices of a mesh that have fans in groups of four whose fans are alike: equally many
 // ring points, and either all closed or all open. The last group of a kind is filled up with its

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/cpu/lane_box.h"
+#include "core/cpu/sort.h"
 
 namespace deformable_contact_monitor {
 namespace {

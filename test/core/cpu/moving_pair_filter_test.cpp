@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cpu/lane_box.h"
+#include "core/cpu/sort.h"
 #include "core/predicates/swept_exact.h"
 #include "moving_pairs.h"
 

@@ -1,7 +1,5 @@
 // The triangles around a vertex: their order, certificates about all of them, and what detectors
 // make of those.
-#include "core/common/vertex_fans.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/cpu/fans.h"
 #include "core/predicates/adjacency.h"
 #include "core/predicates/vertex_fan.h"
 #include "detector_suite.h"
