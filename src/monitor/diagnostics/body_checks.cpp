@@ -3,9 +3,7 @@
 // The size check compares boxes only, so it costs one pass over the vertices per object and second.
 #include "monitor/diagnostics/body_checks.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include <Eigen/Geometry>
 #include <optional>
 #include <sstream>
 
@@ -14,63 +12,28 @@ namespace {
 
 constexpr double kAnomalousFactor = 100;  // times the robot's largest side
 
-// An axis-aligned box in double precision, which holds the sizes that this check looks for.
-struct Box {
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double low[3] = {kInfinity, kInfinity, kInfinity};
-  double high[3] = {-kInfinity, -kInfinity, -kInfinity};
+// Boxes in double precision, which holds the sizes that this check looks for.
+using Box = Eigen::AlignedBox3d;
 
-  void add(const double (&point)[3]) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], point[axis]);
-      high[axis] = std::max(high[axis], point[axis]);
-    }
-  }
-
-  bool isEmpty() const { return low[0] > high[0]; }
-
-  double largestSide() const {
-    double side = 0;
-    for (int axis = 0; axis < 3; ++axis) side = std::max(side, high[axis] - low[axis]);
-    return side;
-  }
-};
+double largestSide(const Box& box) { return box.isEmpty() ? 0 : box.sizes().maxCoeff(); }
 
 // Returns the box of the finite vertices, in the body's frame.
 Box boxOf(const TriangleMesh& mesh) {
   Box box;
   for (std::size_t i = 0; i + 2 < mesh.vertices.size(); i += 3) {
-    const float* const v = &mesh.vertices[i];
-    if (std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2])) {
-      box.add({v[0], v[1], v[2]});
-    }
+    const Eigen::Map<const Eigen::Vector3f> vertex(&mesh.vertices[i]);
+    if (vertex.array().isFinite().all()) box.extend(vertex.cast<double>());
   }
   return box;
 }
 
 // Extends `all` by the eight corners of the box in that pose.
 void addPosed(const Box& box, const RigidTransform& pose, Box* all) {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(pose.rotation);
+  const Eigen::Map<const Eigen::Vector3d> translation(pose.translation);
   for (int corner = 0; !box.isEmpty() && corner < 8; ++corner) {
-    double posed[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      posed[axis] = pose.translation[axis];
-      for (int i = 0; i < 3; ++i) {
-        const bool is_high = ((corner >> i) & 1) != 0;
-        posed[axis] += pose.rotation[3 * axis + i] * (is_high ? box.high[i] : box.low[i]);
-      }
-    }
-    all->add(posed);
+    all->extend(rotation * box.corner(static_cast<Box::CornerType>(corner)) + translation);
   }
-}
-
-// Returns the distance [m] between two boxes; 0 if they overlap.
-double gap(const Box& a, const Box& b) {
-  double squares = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double apart = std::max({a.low[axis] - b.high[axis], b.low[axis] - a.high[axis], 0.0});
-    squares += apart * apart;
-  }
-  return std::sqrt(squares);
 }
 
 // Returns the box of the links that have a pose in this cycle.
@@ -87,13 +50,13 @@ Box robotBox(const CycleReport& report) {
 // Returns what is anomalous about an object, and what to check; empty: nothing.
 std::string describeAnomaly(const Box& body, const Box& robot) {
   std::ostringstream text;
-  const double robot_m = robot.largestSide();
-  if (body.largestSide() > kAnomalousFactor * robot_m) {
-    text << "its mesh is " << body.largestSide() << " m long, and the robot " << robot_m
+  const double robot_m = largestSide(robot);
+  if (largestSide(body) > kAnomalousFactor * robot_m) {
+    text << "its mesh is " << largestSide(body) << " m long, and the robot " << robot_m
          << " m; is it in millimetres?";
-  } else if (gap(body, robot) > kAnomalousFactor * robot_m) {
-    text << "its mesh is " << gap(body, robot) << " m away from the robot, which is " << robot_m
-         << " m long; check its unit and its frame";
+  } else if (body.exteriorDistance(robot) > kAnomalousFactor * robot_m) {
+    text << "its mesh is " << body.exteriorDistance(robot) << " m away from the robot, which is "
+         << robot_m << " m long; check its unit and its frame";
   }
   return text.str();
 }
@@ -138,7 +101,7 @@ std::vector<SizeCheck::Finding> SizeCheck::look(const CycleReport& report, Stead
     if (status.kind != BodyKind::kDeformable || !is_here || now < due_[status.name]) continue;
     due_[status.name] = now + std::chrono::seconds(1);
     if (!robot) robot = robotBox(report);
-    if (robot->isEmpty() || robot->largestSide() <= 0) break;
+    if (robot->isEmpty() || largestSide(*robot) <= 0) break;
     Box body;
     addPosed(boxOf(report.scene->body(id).mesh), report.scene->body(id).pose, &body);
     findings.emplace_back(status.name, body.isEmpty() ? "" : describeAnomaly(body, *robot));

@@ -33,16 +33,10 @@ RigidTransform toRigidTransform(const geometry_msgs::Transform& transform) {
   y /= n;
   z /= n;
   w /= n;
-  RigidTransform pose;
-  const double rotation[9] = {
-      1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
-      2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
-      2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
-  std::copy(std::begin(rotation), std::end(rotation), std::begin(pose.rotation));
-  pose.translation[0] = transform.translation.x;
-  pose.translation[1] = transform.translation.y;
-  pose.translation[2] = transform.translation.z;
-  return pose;
+  return {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),  //
+           2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),  //
+           2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)},
+          {transform.translation.x, transform.translation.y, transform.translation.z}};
 }
 
 std::vector<PoseAnswer> TransformLookup::lookup(const std::vector<FrameAtStamp>& frames) const {

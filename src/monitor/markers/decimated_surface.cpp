@@ -5,14 +5,16 @@
 // replaces each set by its vertex nearest to the cell's center, and lists what triangles remain.
 #include "monitor/markers/decimated_surface.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
+#include "core/analysis/union_find.h"
+#include "core/common/vertex_identity.h"
 #include "core/vector3.h"
 
 namespace deformable_contact_monitor {
@@ -22,82 +24,20 @@ using Corners = std::array<std::uint32_t, 3>;
 
 constexpr double kMostCells = 1 << 20;  // per axis, so that three cell numbers fit into 64 bits
 
-// The box of the finite vertices.
-struct Extent {
-  std::array<double, 3> low{}, high{};
-  bool any = false, all_finite = true;
-
-  double longest() const {
-    return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
-  }
-};
-
-std::array<double, 3> position(const TriangleMesh& mesh, std::size_t i) {
-  const Vec3f v = mesh.vertex(i);
-  return {v.x, v.y, v.z};
+// Returns a vertex in double precision.
+Eigen::Array3d position(const TriangleMesh& mesh, std::size_t i) {
+  return Eigen::Map<const Eigen::Array3f>(&mesh.vertices[3 * i]).cast<double>();
 }
-
-bool isFinite(const std::array<double, 3>& p) { return std::isfinite(p[0] + p[1] + p[2]); }
-
-// Returns the box of a mesh, and whether all its vertices are finite.
-Extent extentOf(const TriangleMesh& mesh) {
-  Extent extent;
-  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
-    const std::array<double, 3> p = position(mesh, i);
-    if (!isFinite(p)) {
-      extent.all_finite = false;
-      continue;
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      extent.low[axis] = extent.any ? std::min(extent.low[axis], p[axis]) : p[axis];
-      extent.high[axis] = extent.any ? std::max(extent.high[axis], p[axis]) : p[axis];
-    }
-    extent.any = true;
-  }
-  return extent;
-}
-
-// Returns for each vertex one vertex with the same coordinates. With it, triangles that share no
-// vertex index (a triangle soup) are connected like those of a welded mesh.
-std::vector<std::uint32_t> welded(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.vertexCount());
-  std::iota(order.begin(), order.end(), 0U);
-  std::vector<std::uint32_t> same = order;
-  order.erase(std::remove_if(order.begin(), order.end(),
-                             [&](std::uint32_t i) { return !isFinite(position(mesh, i)); }),
-              order.end());
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return std::make_pair(position(mesh, a), a) < std::make_pair(position(mesh, b), b);
-  });
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    if (position(mesh, order[i]) == position(mesh, order[i - 1]))
-      same[order[i]] = same[order[i - 1]];
-  }
-  return same;
-}
-
-// Disjoint sets of vertices (union-find), each represented by one of its vertices.
-class VertexSets {
- public:
-  explicit VertexSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
-  std::uint32_t of(std::uint32_t i) {
-    for (; parent_[i] != i; i = parent_[i]) parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[of(a)] = of(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // Clusters the vertices of a mesh in a grid of one cell size.
 class Clustering {
  public:
+  // `welded`: for each vertex one vertex with the same coordinates. With it, triangles that share
+  // no vertex index (a triangle soup) are connected like those of a welded mesh. `low`: the least
+  // coordinates of the mesh.
   Clustering(const TriangleMesh& mesh, const std::vector<std::uint32_t>& welded,
-             const Extent& extent, double cell_m)
-      : mesh_(mesh), extent_(extent), cell_m_(cell_m), cells_(mesh.vertexCount()) {
+             const Eigen::Array3d& low, double cell_m)
+      : mesh_(mesh), low_(low), cell_m_(cell_m), cells_(mesh.vertexCount()) {
     for (std::size_t i = 0; i < cells_.size(); ++i) cells_[i] = cellOf(i);
     joinWithinCells(welded);
   }
@@ -131,33 +71,27 @@ class Clustering {
  private:
   static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
+  // Returns a vertex's place in the grid, in cell sizes.
+  Eigen::Array3d placeOf(std::size_t i) const { return (position(mesh_, i) - low_) / cell_m_; }
+
   // Returns the cell of a vertex: 21 bits per axis; kNowhere if the vertex is not finite.
   std::uint64_t cellOf(std::size_t i) const {
-    const std::array<double, 3> p = position(mesh_, i);
-    if (!isFinite(p)) return kNowhere;
-    std::uint64_t cell = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double n = std::floor((p[axis] - extent_.low[axis]) / cell_m_);
-      cell = (cell << 21U) | static_cast<std::uint64_t>(std::min(std::max(n, 0.0), kMostCells));
-    }
-    return cell;
+    if (!isFinite(mesh_.vertex(i))) return kNowhere;
+    const Eigen::Array3d n = placeOf(i).floor().max(0).min(kMostCells);
+    return static_cast<std::uint64_t>(n[0]) << 42U | static_cast<std::uint64_t>(n[1]) << 21U |
+           static_cast<std::uint64_t>(n[2]);
   }
 
   // Returns a vertex's squared distance to the center of its cell, in cell sizes.
   double squaredDistanceToCenter(std::size_t i) const {
-    const std::array<double, 3> p = position(mesh_, i);
-    double sum = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double n = (p[axis] - extent_.low[axis]) / cell_m_;
-      sum += (n - std::floor(n) - 0.5) * (n - std::floor(n) - 0.5);
-    }
-    return sum;
+    const Eigen::Array3d n = placeOf(i);
+    return (n - n.floor() - 0.5).square().sum();
   }
 
   // Joins vertices only along edges. Layers of a folded cloth that lie in the same cell stay apart,
   // because they may move away from each other.
   void joinWithinCells(const std::vector<std::uint32_t>& welded) {
-    VertexSets sets(cells_.size());
+    UnionFind sets(cells_.size());
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
       if (cells_[a] == cells_[b] && cells_[a] != kNowhere) sets.join(a, b);
     };
@@ -171,15 +105,15 @@ class Clustering {
     std::vector<std::uint32_t> best(cells_.size());
     std::iota(best.begin(), best.end(), 0U);
     for (std::uint32_t i = 0; i < cells_.size(); ++i) {
-      std::uint32_t& of_set = best[sets.of(i)];
+      std::uint32_t& of_set = best[sets.find(i)];
       if (squaredDistanceToCenter(i) < squaredDistanceToCenter(of_set)) of_set = i;
     }
     vertex_.resize(cells_.size());
-    for (std::uint32_t i = 0; i < cells_.size(); ++i) vertex_[i] = best[sets.of(i)];
+    for (std::uint32_t i = 0; i < cells_.size(); ++i) vertex_[i] = best[sets.find(i)];
   }
 
   const TriangleMesh& mesh_;
-  const Extent& extent_;
+  const Eigen::Array3d low_;
   const double cell_m_;
   std::vector<std::uint64_t> cells_;
   std::vector<std::uint32_t> vertex_;  // what each vertex became
@@ -197,9 +131,19 @@ const HostList<std::uint32_t>& DecimatedSurface::triangles(const TriangleMesh& m
 // The number of triangles falls with the square of the cell size, so the second try mostly fits.
 void DecimatedSurface::choose(const TriangleMesh& mesh) {
   constexpr int kTries = 8;
-  const Extent extent = extentOf(mesh);
-  const std::vector<std::uint32_t> same = welded(mesh);
-  const double whole_m = std::max(extent.longest(), std::numeric_limits<double>::min());
+  Eigen::AlignedBox3d extent;  // of the finite vertices
+  bool all_finite = true;
+  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
+    if (isFinite(mesh.vertex(i))) {
+      extent.extend(position(mesh, i).matrix());
+    } else {
+      all_finite = false;
+    }
+  }
+  std::vector<std::uint32_t> welded;
+  VertexIdentity().identify(mesh.vertices, welded);
+  const double longest_m = extent.isEmpty() ? 0 : extent.sizes().maxCoeff();
+  const double whole_m = std::max(longest_m, std::numeric_limits<double>::min());
   double cell_m = cell_m_;
   if (!(cell_m > whole_m / kMostCells && cell_m <= whole_m)) {
     cell_m = whole_m / std::sqrt(static_cast<double>(limit_) / 2 + 1);
@@ -207,7 +151,7 @@ void DecimatedSurface::choose(const TriangleMesh& mesh) {
   HostList<std::uint32_t> best;
   bool fits = false;
   for (int i = 0; i < kTries || !fits; ++i) {
-    HostList<std::uint32_t> found = Clustering(mesh, same, extent, cell_m).remaining();
+    HostList<std::uint32_t> found = Clustering(mesh, welded, extent.min(), cell_m).remaining();
     const double share = static_cast<double>(found.size()) / 3 / static_cast<double>(limit_);
     if (share <= 1 && (!fits || found.size() > best.size())) {
       best = std::move(found);
@@ -221,7 +165,7 @@ void DecimatedSurface::choose(const TriangleMesh& mesh) {
   }
   remaining_ = std::move(best);
   source_ = mesh.triangles;
-  is_chosen_ = extent.all_finite;
+  is_chosen_ = all_finite;
 }
 
 }  // namespace deformable_contact_monitor
