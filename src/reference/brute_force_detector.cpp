@@ -3,8 +3,6 @@
 //
 // It has no clusters, no sweep and no float32 filter, so that a mistake in one of these shows as a
 // difference to this result. During a time interval it asks for the verdict on every pair.
-#include "reference/brute_force_detector.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -22,6 +20,7 @@
 #include "core/predicates/swept_triangle.h"
 #include "core/rules/margins.h"
 #include "reference/posed_triangles.h"
+#include "reference/reference_detectors.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -33,11 +32,6 @@ struct MovingBodyTriangle {
   MovingTriangle moving;    // in the scene frame
 };
 
-// Returns the triangles of a body in ascending order of index. Triangles with a vertex that is not
-// finite in either state are left out. A body without an earlier state stands still. Once the limit
-// is over, some are missing.
-std::vector<MovingBodyTriangle> movingTriangles(const Body& body, const CycleLimit& limit);
-
 // A contact in continuous detection.
 struct SweptContact {
   FirstContact first;
@@ -45,11 +39,9 @@ struct SweptContact {
   bool within_pad;
 };
 
-// Returns the contact of a pair, or nothing. Adds to the counters candidates, exact and undecided.
-std::optional<SweptContact> sweptContactOf(const MovingBodyTriangle& a, const MovingBodyTriangle& b,
-                                           bool same_body, float pad_m, const Options& options,
-                                           Counters& counters);
-
+// Returns the triangles of a body in ascending order of index. Triangles with a vertex that is not
+// finite in either state are left out. A body without an earlier state stands still. Once the limit
+// is over, some are missing.
 std::vector<MovingBodyTriangle> movingTriangles(const Body& body, const CycleLimit& limit) {
   const PosedBody from = PosedBody::earlier(body), to(body);
   const auto count = static_cast<std::uint32_t>(body.mesh.triangleCount());
@@ -62,6 +54,7 @@ std::vector<MovingBodyTriangle> movingTriangles(const Body& body, const CycleLim
   return triangles;
 }
 
+// Returns the contact of a pair, or nothing. Adds to the counters candidates, exact and undecided.
 std::optional<SweptContact> sweptContactOf(const MovingBodyTriangle& a, const MovingBodyTriangle& b,
                                            bool same_body, float pad_m, const Options& options,
                                            Counters& counters) {

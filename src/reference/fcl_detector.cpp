@@ -1,11 +1,8 @@
 // Uses FCL's bounding volume hierarchies behind the detector's interface. Each cycle builds a model
 // of every body from its posed triangles and collides the models of all enabled pairs. It does not
 // refit the models of the last cycle, so its time includes building them.
-#include "reference/fcl_detector.h"
-
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
-#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
 #include <fcl/narrowphase/detail/traversal/collision/mesh_collision_traversal_node.h>
 #include <fcl/narrowphase/detail/traversal/collision_node.h>
 
@@ -17,27 +14,9 @@
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
 #include "reference/posed_triangles.h"
+#include "reference/reference_detectors.h"
 
 namespace deformable_contact_monitor {
-
-namespace {
-
-// FCL computes in double here, so the conversion is exact.
-fcl::Vector3d toFcl(const Vec3f& v) { return {v.x, v.y, v.z}; }
-
-Vec3d fromFcl(const fcl::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-}  // namespace
-
-FclClosestPoints fclClosestPoints(const Triangle& a, const Triangle& b) {
-  const fcl::Vector3d of_a[3] = {toFcl(a.v[0]), toFcl(a.v[1]), toFcl(a.v[2])};
-  const fcl::Vector3d of_b[3] = {toFcl(b.v[0]), toFcl(b.v[1]), toFcl(b.v[2])};
-  fcl::Vector3d on_a, on_b;
-  const double distance =
-      fcl::detail::TriangleDistance<double>::triDistance(of_a, of_b, on_a, on_b);
-  return {fromFcl(on_a), fromFcl(on_b), distance};
-}
-
 namespace {
 
 using Model = fcl::BVHModel<fcl::OBBRSS<double>>;

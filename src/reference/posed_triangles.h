@@ -1,11 +1,12 @@
 // Lists the finite triangles of a body, as received and in the scene frame. All reference backends
-// start from these.
+// start from these, with the same rounding to float32 as the other backends.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "core/common/cycle_limit.h"
+#include "core/common/posed_body.h"
 #include "core/options.h"
 #include "core/predicates/adjacency.h"
 #include "core/predicates/triangle.h"
@@ -22,6 +23,17 @@ struct PosedTriangle {
 
 // Returns the triangles of a body in ascending order of index. Triangles with a vertex that is not
 // finite are left out. Once the limit is over, some are missing.
-std::vector<PosedTriangle> finiteTriangles(const Body& body, const CycleLimit& limit);
+inline std::vector<PosedTriangle> finiteTriangles(const Body& body, const CycleLimit& limit) {
+  const auto count = static_cast<std::uint32_t>(body.mesh.triangleCount());
+  const PosedBody posed(body);
+  std::vector<PosedTriangle> triangles;
+  triangles.reserve(count);
+  PacedLimit pace(limit, 1 << 14);
+  for (std::uint32_t t = 0; t < count && !pace.over(); ++t) {
+    const PosedTriangle triangle{t, posed.received(t), posed.triangle(t)};
+    if (isFinite(triangle.posed)) triangles.push_back(triangle);
+  }
+  return triangles;
+}
 
 }  // namespace deformable_contact_monitor

@@ -11,7 +11,7 @@
 #include "core/common/stopwatch.h"
 #include "core/cpu_detector.h"
 #include "core/mesh_file.h"
-#include "reference/fcl_detector.h"
+#include "reference/reference_detectors.h"
 #include "rivals.h"
 #include "robot_scenes.h"
 #include "run_benchmark.h"

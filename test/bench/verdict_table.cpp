@@ -18,7 +18,7 @@
 #include "tools/common/run_tool.h"
 #ifdef DCM_HAVE_FCL
 #include "pair_verdict.h"
-#include "reference/fcl_detector.h"
+#include "reference/reference_detectors.h"
 #endif
 
 namespace deformable_contact_monitor {

@@ -14,7 +14,7 @@
 #include "cuda/cuda_detector.h"
 #include "cuda/device/cuda_error.h"
 #include "pair_sets.h"
-#include "reference/brute_force_detector.h"
+#include "reference/reference_detectors.h"
 #include "test_data.h"
 
 namespace deformable_contact_monitor {

@@ -12,7 +12,7 @@
 #include "core/rules/geometry_of_pair.h"
 #include "detector_suite.h"
 #include "random_scenes.h"
-#include "reference/fcl_detector.h"
+#include "reference/reference_detectors.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {

@@ -12,7 +12,7 @@
 #include "detector_suite.h"
 #include "pair_verdict.h"
 #include "random_scenes.h"
-#include "reference/fcl_detector.h"
+#include "reference/reference_detectors.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {

@@ -6,7 +6,7 @@
 #include "cgal_oracle.h"
 #include "detector_suite.h"
 #include "random_scenes.h"
-#include "reference/fcl_detector.h"
+#include "reference/reference_detectors.h"
 #include "refusal.h"
 #include "scenes.h"
 

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "fuzz_target.h"
-#include "reference/brute_force_detector.h"
+#include "reference/reference_detectors.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -4,10 +4,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "reference/brute_force_detector.h"
-#ifdef DCM_HAVE_FCL
-#include "reference/fcl_detector.h"
-#endif
+#include "reference/reference_detectors.h"
 
 namespace deformable_contact_monitor {
 

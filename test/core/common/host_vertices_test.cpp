@@ -12,12 +12,9 @@
 #include "core/cpu_detector.h"
 #include "core/detector_pool.h"
 #include "pair_sets.h"
-#include "reference/brute_force_detector.h"
+#include "reference/reference_detectors.h"
 #include "refusal.h"
 #include "scenes.h"
-#ifdef DCM_HAVE_FCL
-#include "reference/fcl_detector.h"
-#endif
 
 namespace deformable_contact_monitor {
 namespace {

@@ -13,12 +13,33 @@
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/geometry_of_pair.h"
 #include "geometry_pairs.h"
-#include "reference/fcl_detector.h"
 
 #ifdef DCM_HAVE_FCL
 
+#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
+
 namespace deformable_contact_monitor {
 namespace {
+
+// Where two triangles are closest, as FCL computes it: in double, with rounding.
+struct FclClosestPoints {
+  Vec3d on_a, on_b;
+  double distance = 0;  // [m]
+};
+
+fcl::Vector3d toFcl(const Vec3f& v) { return {v.x, v.y, v.z}; }
+
+Vec3d fromFcl(const fcl::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+// Returns the closest points of triangles that do not intersect.
+FclClosestPoints fclClosestPoints(const Triangle& a, const Triangle& b) {
+  const fcl::Vector3d of_a[3] = {toFcl(a.v[0]), toFcl(a.v[1]), toFcl(a.v[2])};
+  const fcl::Vector3d of_b[3] = {toFcl(b.v[0]), toFcl(b.v[1]), toFcl(b.v[2])};
+  fcl::Vector3d on_a, on_b;
+  const double distance =
+      fcl::detail::TriangleDistance<double>::triDistance(of_a, of_b, on_a, on_b);
+  return {fromFcl(on_a), fromFcl(on_b), distance};
+}
 
 double sine(const Vec3d& u, const Vec3d& v) {
   return lengthOf(cross(u, v)) / (lengthOf(u) * lengthOf(v));

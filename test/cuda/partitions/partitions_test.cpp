@@ -18,7 +18,7 @@
 #include "pair_sets.h"
 #include "partition_stand_in.h"
 #include "random_scenes.h"
-#include "reference/brute_force_detector.h"
+#include "reference/reference_detectors.h"
 #include "scene_walk.h"
 #include "scenes.h"
 #include "swept/swept_scenes.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "loop_fixture.h"
-#include "reference/brute_force_detector.h"
+#include "reference/reference_detectors.h"
 
 namespace deformable_contact_monitor {
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "reference/brute_force_detector.h"
+#include "reference/reference_detectors.h"
 #include "scenes.h"
 #include "tools/evaluate_bag/evaluation_summary.h"
 

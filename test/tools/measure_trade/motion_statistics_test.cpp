@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "reference/brute_force_detector.h"
+#include "reference/reference_detectors.h"
 #include "scenes.h"
 #include "tools/measure_trade/motion_measurement.h"
 
