@@ -4,14 +4,10 @@
 #include <ros/console.h>
 #include <tf2/exceptions.h>
 
+#include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
-
-bool isUsableStamp(const ros::Time& stamp, const ros::Time& now) {
-  constexpr double kMaxAheadS = 5;  // tf2 keeps 10 s
-  return now.isZero() || secondsBetween(stamp, now) <= kMaxAheadS;
-}
 
 // Subscribes to both topics and starts the thread. Static transforms hold at all times, so their
 // stamps are not checked.

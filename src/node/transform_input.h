@@ -14,11 +14,6 @@
 
 namespace deformable_contact_monitor {
 
-// Returns whether a transform with that stamp may enter the buffer at `now` (zero: no clock yet).
-// tf2 keeps transforms within some seconds of the newest one, so a stamp from far ahead of the
-// clock would exclude all that follow.
-bool isUsableStamp(const ros::Time& stamp, const ros::Time& now);
-
 // Subscribes in a thread of its own, so that transforms arrive while other callbacks are busy.
 class TransformInput {
  public:

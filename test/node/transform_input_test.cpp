@@ -1,7 +1,7 @@
 // Tests which transforms may enter the buffer.
-#include "node/transform_input.h"
-
 #include <gtest/gtest.h>
+
+#include "monitor/input/usable_stamp.h"
 
 namespace deformable_contact_monitor {
 namespace {

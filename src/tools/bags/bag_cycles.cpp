@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <exception>
+#include <memory>
 
 #include "monitor/time_difference.h"
 #include "tools/bags/bag_messages.h"
@@ -69,7 +70,9 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
   for (const auto& [frame, transforms] : contents.static_transforms) {
     addTransform(transforms.front().value, true);
     if (transforms.size() > 1) changing_frames_.push_back({&transforms, 0});
+    for (std::size_t i = 1; i < transforms.size(); ++i) changes_.insert(transforms[i].received);
   }
+  for (std::size_t i = 1; i < robots.size(); ++i) changes_.insert(robots[i].received);
   refused_transforms_ = contents.refused_transforms;
   plan(contents);
 }
@@ -80,6 +83,7 @@ void BagCycles::plan(const BagContents& contents) {
   for (const BagContents::Mesh& mesh : contents.meshes) {
     const auto input = input_of_topic_.find(mesh.topic);
     if (input == input_of_topic_.end()) continue;
+    event_of_mesh_[mesh.number] = events_.size();
     events_.push_back({mesh.stamp, plus(mesh.received, kLookAheadS), mesh.received, false,
                        input->second, mesh.number});
   }
@@ -112,6 +116,10 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
 
 // Keeps a mesh until its cycle, and hands transforms to the buffer at once.
 void BagCycles::take(const BagMessage& message) {
+  for (; !changes_.empty() && *changes_.begin() <= message.received;
+       changes_.erase(changes_.begin())) {
+    postpone(*changes_.begin());
+  }
   received_ = std::max(received_, message.received);
   if (isMesh(message)) {
     const std::uint64_t number = meshes_read_++;
@@ -155,8 +163,34 @@ void BagCycles::notePlayed(const ros::Time& received) {
   for (; next_played_ < events_.size(); ++next_played_) {
     Event& event = events_[next_played_];
     if (event.stamp > newest_transform_) return;
-    if (event.played) event.received = received;
+    if (event.played) event.due = received;
   }
+}
+
+// Puts off the cycles that still wait for transforms when something changes.
+void BagCycles::postpone(const ros::Time& change) {
+  for (const auto& [number, message] : held_) {
+    const auto index = event_of_mesh_.find(number);
+    if (secondsBetween(change, message.received) > parameters_.tf_timeout_s) continue;
+    if (index == event_of_mesh_.end() || !isLate(events_[index->second], message)) continue;
+    events_[index->second].due = change;
+  }
+}
+
+// Returns whether the node would wait for the transforms of this mesh.
+bool BagCycles::isLate(const Event& event, const BagMessage& message) const {
+  const auto posed = boost::make_shared<DeformableMesh>();
+  std_msgs::Header& header = posed->header;
+  try {
+    header.frame_id = parameters_.objects[event.input].frame_id;
+    if (header.frame_id.empty()) header = headerOf(message);
+  } catch (const std::exception&) {  // scanBags() has counted it
+    return false;
+  }
+  header.stamp = event.stamp;
+  IncomingMesh mesh{posed};
+  mesh.topology = std::make_shared<const Topology>();  // its triangles do not matter here
+  return lookup_.isWorthWaiting(scene_.awaitedFrames(event.input, event.stamp, mesh));
 }
 
 // Returns true if nothing that was recorded within kLookAheadS after the mesh is missing.
@@ -169,15 +203,14 @@ bool BagCycles::isReady(const Event& event) const {
 // Runs the cycles whose meshes are all ready. Meshes with one stamp share a cycle.
 void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
   while (next_ < events_.size() && isReady(events_[next_])) {
-    const ros::Time stamp = events_[next_].stamp;
-    ros::Time received;
+    const ros::Time stamp = events_[next_].stamp, due = events_[next_].due;
     std::size_t end = next_;
     // All meshes of this stamp must be ready before its cycle runs.
     for (; end < events_.size() && events_[end].stamp == stamp; ++end) {
       if (!isReady(events_[end])) return;
-      received = std::max(received, events_[end].received);
+      if (!knowsSame(events_[end].due, due)) break;
     }
-    recallAt(received);
+    recallAt(due);
     CycleTrigger trigger;
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
@@ -198,16 +231,26 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
   }
 }
 
+// Returns whether nothing changed between two times of receipt.
+bool BagCycles::knowsSame(const ros::Time& a, const ros::Time& b) const {
+  return a == b ||
+         (indexAt(robots_, a) == indexAt(robots_, b) &&
+          std::all_of(changing_frames_.begin(), changing_frames_.end(),
+                      [&](const ChangingFrame& frame) {
+                        return indexAt(*frame.transforms, a) == indexAt(*frame.transforms, b);
+                      }));
+}
+
 // Sets the robot and the static transforms that had been recorded by then. Cycles run in the order
 // of stamps, so an earlier value may come back.
-void BagCycles::recallAt(const ros::Time& received) {
+void BagCycles::recallAt(const ros::Time& due) {
   for (ChangingFrame& frame : changing_frames_) {
-    const std::size_t index = indexAt(*frame.transforms, received);
+    const std::size_t index = indexAt(*frame.transforms, due);
     if (index == frame.current) continue;
     frame.current = index;
     addTransform((*frame.transforms)[index].value, true);
   }
-  const std::size_t robot = indexAt(robots_, received);
+  const std::size_t robot = indexAt(robots_, due);
   if (robot == robot_) return;
   robot_ = robot;
   scene_.setRobot(robots_[robot].value);

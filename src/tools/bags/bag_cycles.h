@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,8 +42,9 @@ struct PlayedObject {
 // mesh gets its cycle, in the order of stamps; meshes with the same stamp share one; no transform
 // is late. So the same bags always give the same cycles.
 //
-// A cycle knows the robot and the static transforms that had been recorded when the last of its
-// meshes was, and before the first ones were recorded, these.
+// A cycle knows the robot and the static transforms that had been recorded when the node would have
+// run it: when its mesh came or, at most tf_timeout_s later, its transforms. Before the first of
+// these were recorded, it knows the first.
 //
 // A mesh waits until the bags are read some seconds beyond it, so that transforms which were
 // recorded late are known. Memory holds only those seconds of the bags.
@@ -72,8 +74,9 @@ class BagCycles {
     // The bags must be read up to this time of receipt first. For a played object, this is a
     // transform's stamp.
     ros::Time ready;
-    // When it was recorded. For a played object, this is when a transform of its stamp was.
-    ros::Time received;
+    // The time of receipt up to which the cycle knows the robot and the static transforms. Of a
+    // played object, it is that of a transform with its stamp.
+    ros::Time due;
     bool played = false;
     std::size_t input = 0;     // index of inputs_
     std::uint64_t number = 0;  // BagContents::Mesh::number
@@ -91,12 +94,15 @@ class BagCycles {
   void takeTransforms(const BagMessage& message);
   void addTransform(const geometry_msgs::TransformStamped& transform, bool is_static);
   void notePlayed(const ros::Time& received);
+  void postpone(const ros::Time& change);
+  bool isLate(const Event& event, const BagMessage& message) const;
   // These run the cycles whose meshes are ready.
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
   std::optional<IncomingMesh> nextMesh(const Event& event);
   DeformableMesh::ConstPtr nextPlayed(const ros::Time& stamp);
-  void recallAt(const ros::Time& received);
+  bool knowsSame(const ros::Time& a, const ros::Time& b) const;
+  void recallAt(const ros::Time& due);
   void detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
                 const std::function<void(CycleReport*)>& visit);
 
@@ -108,6 +114,7 @@ class BagCycles {
   MonitorScene scene_;
   std::size_t robot_ = 0;  // of robots_: the one in scene_
   std::vector<ChangingFrame> changing_frames_;
+  std::set<ros::Time> changes_;  // times of receipt when robot or static transforms change
   std::vector<RecordedMeshReader> mesh_readers_;  // by object
   MeshInputs inputs_;
   tf2::BufferCore buffer_;
@@ -119,6 +126,7 @@ class BagCycles {
   // Messages that wait for their cycle, by number. They are decoded in the order of stamps, because
   // a mesh may use the triangles of the mesh before it.
   std::map<std::uint64_t, BagMessage> held_;
+  std::map<std::uint64_t, std::size_t> event_of_mesh_;  // index of events_, by number
   std::uint64_t meshes_read_ = 0;
   ros::Time received_, newest_transform_;  // the newest times that were read so far
   bool at_end_ = false;                    // the bags are read to their end

@@ -116,6 +116,15 @@ std::string toText(const BagMessage& message) {
   return text.data;
 }
 
+std_msgs::Header headerOf(const BagMessage& message) {
+  std_msgs::Header header;
+  // IStream's argument is not const, but it only reads, and it checks each length.
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),
+                                     static_cast<std::uint32_t>(message.bytes.size()));
+  ros::serialization::deserialize(stream, header);
+  return header;
+}
+
 sensor_msgs::JointState toJointState(const BagMessage& message) {
   sensor_msgs::JointState state;
   decode(message, &state);

@@ -3,6 +3,7 @@
 
 #include <deformable_contact_monitor/LinkMeshes.h>
 #include <sensor_msgs/JointState.h>
+#include <std_msgs/Header.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -27,6 +28,8 @@ bool isJointState(const BagMessage& message);
 tf2_msgs::TFMessage toTransforms(const BagMessage& message);
 LinkMeshes toLinkMeshes(const BagMessage& message);
 std::string toText(const BagMessage& message);
+// Reads the header that the message begins with.
+std_msgs::Header headerOf(const BagMessage& message);
 // Without a stamp it has that of its receipt.
 sensor_msgs::JointState toJointState(const BagMessage& message);
 

@@ -19,7 +19,7 @@ namespace deformable_contact_monitor {
 // Everything that BagCycles is made with.
 struct BagSetup {
   MonitorParameters parameters;
-  // At least one: without links if no robot is needed. Each holds from when it was recorded.
+  // There is at least one. It has no links if no robot is needed.
   History<RobotGeometry> robots;
   std::string robot_from;      // where the robots come from, for people
   History<std::string> urdfs;  // of the robots; empty: there are none

@@ -101,7 +101,7 @@ Json configurationJson(const BagSetup& setup) {
                         {"triangles", link.mesh.triangleCount()},
                         {"source", link.source},
                         {"problem", link.problem}};
-      // Of a link that changed while recording, each version is there.
+      // A link that changed while recording is listed with each of its meshes.
       if (!contains(json["links"], described)) json["links"].push_back(std::move(described));
     }
   }

@@ -1,5 +1,5 @@
-// What an evaluation knows at which time: nothing that was recorded later, except where there is no
-// earlier value. The scene is a finger, a box of 0.1 m around the origin, and one triangle through
+// Checks that an evaluation knows nothing that was recorded later, except where there is no earlier
+// value. The scene is a finger, a box of 0.1 m around the origin, and one triangle through
 // it that a camera sees.
 #include <console_bridge/console.h>
 #include <deformable_contact_monitor/DeformableMesh.h>
@@ -122,15 +122,15 @@ std::string urdf(const std::string& joint_type, double size, double z = 0) {
          "upper='9' effort='1' velocity='1'/></joint></robot>";
 }
 
-// What an evaluation finds: in each cycle, in the order of stamps, whether finger and object touch:
-// "C", not "-", UNKNOWN "?", another state or no such pair "!".
+// The states of the finger and an object stand in the order of the object's cycles: "C" is CONTACT,
+// "-" NONE, "?" UNKNOWN.
 struct Found {
   std::map<std::string, std::string> states;  // by object
   std::vector<ContactEvent> events;
   std::vector<std::string> warnings;
 };
 
-Found evaluate(const BagFiles& files, MonitorParameters configured = MonitorParameters()) {
+Found evaluate(const BagFiles& files, const MonitorParameters& configured = MonitorParameters()) {
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 prints a line for each bad transform
   Found found;
@@ -157,7 +157,8 @@ Found evaluate(const BagFiles& files, MonitorParameters configured = MonitorPara
 }
 
 // Evaluates a bag with a URDF that is given beside it, or with what is in the bag.
-Found evaluate(WrittenBag* bag, const std::string& urdf_xml = "") {
+Found evaluate(WrittenBag* bag, const std::string& urdf_xml = "",
+               const MonitorParameters& parameters = MonitorParameters()) {
   BagFiles files;
   files.bags = {bag->finish()};
   files.reference_frame = "base_link";
@@ -169,7 +170,7 @@ Found evaluate(WrittenBag* bag, const std::string& urdf_xml = "") {
     std::fclose(file);
     files.robot_description = path;
   }
-  Found found = evaluate(files);
+  Found found = evaluate(files, parameters);
   if (!urdf_xml.empty()) std::remove(path);
   return found;
 }
@@ -228,6 +229,38 @@ TEST(RecordedTime, TheTimeOfRecordingCountsAndNotTheStamp) {
   Found found = evaluate(&bag, urdf("prismatic", 0.1));
   EXPECT_EQ(found.states["quick"], "--");
   EXPECT_EQ(found.states["slow"], "CC");
+}
+
+// The node runs a cycle when its transforms are there, with what is static then.
+TEST(RecordedTime, ACycleThatWaitsForTransformsKnowsWhatComesMeanwhile) {
+  for (const double timeout_s : {0.05, 0.2}) {
+    WrittenBag bag;
+    bag.camera(0, 1);
+    for (int i = 1; i <= 6; ++i) {
+      const ros::Time stamp = at(kPeriod * i);
+      bag.mesh(stamp + ros::Duration(0.01), stamp, "cloth");
+      if (i == 4) bag.camera(kPeriod * i + 0.08, 0);
+      bag.transform("/tf", stamp + ros::Duration(0.1), stamp, "finger", 0);
+    }
+    MonitorParameters parameters;
+    parameters.reference_frame = "base_link";
+    parameters.tf_timeout_s = timeout_s;
+    EXPECT_EQ(evaluate(&bag, urdf("prismatic", 0.1), parameters).states["cloth"],
+              timeout_s > 0.1 ? "---CCC" : "----CC");
+  }
+}
+
+// Meshes of one stamp share a cycle only if the node would have known the same for both.
+TEST(RecordedTime, MeshesOfOneStampThatKnowDifferentThings) {
+  WrittenBag bag;
+  bag.camera(0, 1);
+  bag.finger(1);
+  bag.mesh(at(1.1), at(1), "quick");
+  bag.camera(1.2, 0);
+  bag.mesh(at(1.3), at(1), "slow");
+  Found found = evaluate(&bag, urdf("prismatic", 0.1));
+  EXPECT_EQ(found.states["quick"], "-");
+  EXPECT_EQ(found.states["slow"], "C");
 }
 
 // tf2 decides by a frame's first transform whether it is static.
