@@ -156,6 +156,11 @@ void NodeDiagnostics::describeStatus(Status& status) const {
     }
     status.add("robot links", robot ? robot->links.size() : 0);
     status.add("robot triangles", triangles);
+    for (const std::string& link : robot ? robot->unmonitored_links : std::vector<std::string>()) {
+      status.add("link " + link, robot->kind == GeometryKind::kVisual
+                                     ? "not monitored: collision but no visual geometry"
+                                     : "not monitored: visual but no collision geometry");
+    }
     if (!robot) status.mergeSummary(DiagnosticStatus::ERROR, "no robot received yet");
     if (!unusable.empty()) {
       status.mergeSummary(DiagnosticStatus::WARN, "links without usable geometry: " + unusable);

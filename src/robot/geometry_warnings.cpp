@@ -43,12 +43,26 @@ Extent measure(const TriangleMesh& mesh) {
   return extent;
 }
 
+// Names the links that have geometry of the other kind only.
+std::string unmonitoredLinks(const RobotGeometry& robot) {
+  const bool is_visual = robot.kind == GeometryKind::kVisual;
+  std::string names;
+  for (const std::string& name : robot.unmonitored_links) {
+    names += (names.empty() ? "'" : ", '") + name + "'";
+  }
+  return "links with " +
+         std::string(is_visual ? "collision but no visual" : "visual but no collision") +
+         " geometry are not monitored: " + names +
+         "; set geometry to collision_or_visual to monitor them";
+}
+
 }  // namespace
 
 double linkLengthM(const LinkGeometry& link) { return measure(link.mesh).largest_m; }
 
 std::vector<std::string> geometryWarnings(const RobotGeometry& robot) {
   std::vector<std::string> warnings;
+  if (!robot.unmonitored_links.empty()) warnings.push_back(unmonitoredLinks(robot));
   for (const LinkGeometry& link : robot.links) {
     if (!link.problem.empty()) continue;
     const auto warn = [&](const auto&... parts) {
@@ -69,6 +83,9 @@ std::vector<std::string> geometryWarnings(const RobotGeometry& robot) {
     }
     if (extent.non_finite > 0) {
       warn(extent.non_finite, " vertices are not finite; their triangles take no part");
+    }
+    for (const std::string& note : link.notes) {
+      warnings.push_back("link '" + link.link + "': " + note);
     }
   }
   return warnings;

@@ -27,7 +27,7 @@ MeshStreamHeader readHeader(ReaderProcess& reader) {
   if (header.start != kMeshStreamStart) {
     throw std::runtime_error("its reader's answer is none: is it of another version?");
   }
-  if (header.refusal_bytes > kMaxRefusalBytes ||
+  if (header.refusal_bytes > kMaxRefusalBytes || header.note_bytes > kMaxRefusalBytes ||
       !fitsMeshLimit(header.vertices, header.triangles, kMaxMeshMib * kBytesPerMib)) {
     throw std::runtime_error("more than " + std::to_string(kMaxMeshMib) +
                              " MiB of vertices and triangles");
@@ -53,6 +53,8 @@ SourceMesh readMesh(ReaderProcess& reader) {
       throw std::runtime_error("its reader's answer has a vertex index out of range");
     }
   }
+  mesh.note.resize(header.note_bytes);
+  reader.read(mesh.note.data(), mesh.note.size());
   return mesh;
 }
 

@@ -42,11 +42,11 @@ class ReadingStopped : public std::runtime_error {
   ReadingStopped() : std::runtime_error("reading the robot's meshes was stopped") {}
 };
 
-// Reads one STL (ascii or binary), DAE or OBJ file and no other file that it names. The format is
-// the file name's ending; the content of an STL tells ascii from binary. Node hierarchies are
-// applied, nodes in depth-first order; polygons are triangulated; points and lines are dropped;
-// nothing is joined or removed. As in rviz, COLLADA's <unit> is applied and its <up_axis> is not:
-// a link's frame is the one of the file's numbers.
+// Reads one STL, OBJ, PLY, OFF or DAE file and no other file that it names. The format is the file
+// name's ending. All but DAE are read as readMeshFile() (core/mesh_file.h) reads them. Of a DAE,
+// node hierarchies are applied, nodes in depth-first order; polygons are triangulated; points and
+// lines are dropped; nothing is joined or removed. As in rviz, COLLADA's <unit> is applied and its
+// <up_axis> is not: a link's frame is the one of the file's numbers.
 // Throws std::runtime_error, "<path>: <what>", if the file cannot be read within the limits of
 // reading_limits.h or holds no triangle, and ReadingStopped. Thread-safe.
 SourceMesh readLinkMeshFile(const std::string& path, const MeshReading& reading = {});

@@ -1,6 +1,7 @@
 // The format in which read_link_mesh writes to its standard output: a header, then either the
-// vertices (three doubles each) and triangles (three std::uint32_t each), or the text that says why
-// the file was rejected. The byte order is this machine's, since both ends are of one build.
+// vertices (three doubles each), triangles (three std::uint32_t each) and a note, or the text that
+// says why the file was rejected. The byte order is this machine's, since both ends are of one
+// build.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +12,17 @@
 namespace deformable_contact_monitor {
 
 // Tells this format and its version, in case another program is found under the reader's name.
-constexpr std::uint64_t kMeshStreamStart = 0x316873656d6d6364;  // "dcmmesh1"
+constexpr std::uint64_t kMeshStreamStart = 0x326873656d6d6364;  // "dcmmesh2"
 
 // Begins every answer. It has no padding, so it is written and read as it is in memory.
 struct MeshStreamHeader {
   std::uint64_t start = kMeshStreamStart;
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
+  std::uint64_t note_bytes = 0;     // the length of SourceMesh::note
   std::uint64_t refusal_bytes = 0;  // 0: a mesh follows; else the length of the text
 };
-static_assert(sizeof(MeshStreamHeader) == 32, "no padding");
+static_assert(sizeof(MeshStreamHeader) == 40, "no padding");
 
 using StreamVertex = Eigen::Vector3d;
 using StreamTriangle = std::array<std::uint32_t, 3>;

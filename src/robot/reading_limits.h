@@ -32,7 +32,7 @@ constexpr std::size_t kMaxMeshMib = 256;
 // for very many triangles.
 constexpr std::size_t kMaxRobotMib = 1024;
 
-// Length of the message that says why a file was rejected.
+// Length of the message that says why a file was rejected, or what is unusual about it.
 constexpr std::size_t kMaxRefusalBytes = 4096;
 
 // Most readers at once, however many cores there are, because their memory adds up.

@@ -31,7 +31,7 @@ class GeometryLoader {
       const std::string name = describe(*element.geometry);
       geometry.source += (geometry.source.empty() ? "" : "; ") + name;
       try {
-        append(element, builder);
+        append(element, builder, &geometry.notes);
       } catch (const std::exception& e) {
         geometry.problem += (geometry.problem.empty() ? "" : "; ") + name + ": " + e.what();
       }
@@ -63,7 +63,8 @@ class GeometryLoader {
 
   // Adds the triangles of one element. A mesh is scaled in its own frame first, and then placed at
   // the element's origin. A negative scale is allowed; it mirrors the mesh.
-  void append(const UrdfElement& element, LinkMeshBuilder& builder) {
+  void append(const UrdfElement& element, LinkMeshBuilder& builder,
+              std::vector<std::string>* notes) {
     if (!element.origin.matrix().allFinite()) {
       throw std::invalid_argument("its origin is not finite");
     }
@@ -75,7 +76,9 @@ class GeometryLoader {
         text << "its scale is " << scale.transpose() << ", but must be finite and nowhere zero";
         throw std::invalid_argument(text.str());
       }
-      builder.append(files_.mesh(mesh->filename), element.origin * Eigen::Scaling(scale));
+      const SourceMesh& source = files_.mesh(mesh->filename);
+      builder.append(source, element.origin * Eigen::Scaling(scale));
+      if (!source.note.empty()) notes->push_back(mesh->filename + ": " + source.note);
     } else if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
       builder.append(makeBox({box->dim.x, box->dim.y, box->dim.z}), element.origin);
     } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
@@ -131,19 +134,23 @@ RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometry
   requireLinks(options.links, "links", document);
   requireLinks(options.ignored_links, "ignored_links", document);
 
-  std::vector<const UrdfLink*> links;
-  for (const UrdfLink& link : document.links) {
-    const bool wanted = options.links.empty() || contains(options.links, link.name);
-    const bool has_geometry = !link.elements.empty() || !link.problem.empty();
-    if (!wanted || !has_geometry || contains(options.ignored_links, link.name)) continue;
-    links.push_back(&link);
-  }
-  const LinkMeshFiles files(meshUris(links), resolve, reading);
-  GeometryLoader loader(files, reading.stop);
   RobotGeometry robot;
   robot.name = document.name;
   robot.root_link = document.root_link;
-  for (const UrdfLink& link : document.links) robot.link_names.insert(link.name);
+  robot.kind = options.kind;
+  std::vector<const UrdfLink*> links;
+  for (const UrdfLink& link : document.links) {
+    robot.link_names.insert(link.name);
+    const bool wanted = options.links.empty() || contains(options.links, link.name);
+    if (!wanted || contains(options.ignored_links, link.name)) continue;
+    if (!link.elements.empty() || !link.problem.empty()) {
+      links.push_back(&link);
+    } else if (link.has_others) {
+      robot.unmonitored_links.push_back(link.name);
+    }
+  }
+  const LinkMeshFiles files(meshUris(links), resolve, reading);
+  GeometryLoader loader(files, reading.stop);
   for (const UrdfLink* link : links) robot.links.push_back(loader.load(*link));
   return robot;
 }

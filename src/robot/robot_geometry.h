@@ -18,6 +18,8 @@ struct LinkGeometry {
   std::string source;   // the files and primitives it came from, for people
   TriangleMesh mesh;    // [m], in the link's frame; origins and scales applied
   std::string problem;  // why the link has no usable geometry; empty: it has
+  // Each note names a mesh file and what in it may not be meant as it was read.
+  std::vector<std::string> notes = {};
 };
 
 // The geometry of all links of a robot, and the rules of its SRDF.
@@ -27,6 +29,10 @@ struct RobotGeometry {
   std::vector<LinkGeometry> links;  // document order; links without geometry do not appear
   // The names of all links, also of those that the options leave out and those without geometry.
   std::set<std::string> link_names;
+  // Links that the options select, but that have only geometry of the other kind: visual where
+  // `kind` is collision, and the reverse. They are not among `links`.
+  std::vector<std::string> unmonitored_links;
+  GeometryKind kind = GeometryKind::kCollision;
   Srdf srdf;  // which links may touch each other; loadRobotGeometry() leaves it empty
 };
 
@@ -37,20 +43,23 @@ struct RobotGeometryOptions {
   std::vector<std::string> ignored_links;  // never these
 };
 
-// Loads every link's collision (or visual) elements as triangles: meshes (STL, DAE, OBJ) and
-// primitives. A link whose mesh cannot be loaded keeps its place, with `problem` set and an empty
-// mesh, so that a missing or harmful file affects no other link. Triangles are in the order of the
-// elements and, within an STL, of its file; equal vertices are stored once. Takes little more than
-// reading.robot_time at most. Throws std::invalid_argument, naming element and line where there is
-// one, if the URDF itself is malformed or a name in the options is no link; and ReadingStopped.
+// Loads every link's collision (or visual) elements as triangles: meshes (STL, DAE, OBJ, PLY, OFF)
+// and primitives. A link whose mesh cannot be loaded keeps its place, with `problem` set and an
+// empty mesh, so that a missing or harmful file affects no other link. Triangles are in the order
+// of the elements and, within an STL, of its file; equal vertices are stored once. Takes little
+// more than reading.robot_time at most. Throws std::invalid_argument, naming element and line where
+// there is one, if the URDF itself is malformed or a name in the options is no link; and
+// ReadingStopped.
 RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
                                 const ResourceResolver& resolve, const MeshReading& reading = {});
 
 // Returns the longest side of the box around the link's finite vertices [m]; 0 if it has none.
 double linkLengthM(const LinkGeometry& link);
 
-// Returns one line for each fact about a usable link that its owner should know: it is longer than
-// 10 m or shorter than 1 mm, has more than 200 000 triangles, or has vertices that are not finite.
+// Returns one line for each fact about a robot that its owner should know: links that are not
+// monitored because their geometry is of the other kind; and usable links that are longer than 10 m
+// or shorter than 1 mm, have more than 200 000 triangles or vertices that are not finite, or whose
+// files have something unusual.
 std::vector<std::string> geometryWarnings(const RobotGeometry& robot);
 
 }  // namespace deformable_contact_monitor

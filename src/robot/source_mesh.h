@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace deformable_contact_monitor {
 struct SourceMesh {
   std::vector<Eigen::Vector3d> vertices;                // [m], unless a scale is applied later
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
+  std::string note;  // what may not be meant as it was read from a file; empty: nothing
 };
 
 // Collects source meshes into one mesh of a link. Triangles keep their order. Each vertex is

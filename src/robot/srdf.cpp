@@ -11,6 +11,7 @@
 
 #include "robot/nearest_name.h"
 #include "robot/regular_file.h"
+#include "robot/xml_text.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -81,10 +82,7 @@ Srdf readSrdf(const std::string& xml) {
                                 " MiB");
   }
   XMLDocument document;
-  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
-    fail(std::max(document.ErrorLineNum(), 1),
-         std::string("not well-formed XML: ") + document.ErrorName());
-  }
+  if (const auto error = parseXml(xml, &document)) fail(error->line, error->what);
   const XMLElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) fail(1, "there is no element 'robot'");
 

@@ -9,6 +9,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "robot/xml_text.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -62,11 +64,19 @@ const char* requireName(const XMLElement& element) {
 }
 
 // Copies a link with its elements of one kind. Each copied element keeps only origin and geometry.
-UrdfText::Link copyLink(const XMLElement& from, const char* kind, tinyxml2::XMLNode& to) {
-  UrdfText::Link link{requireName(from), from.GetLineNum(), 0};
+UrdfText::Link copyLink(const XMLElement& from, GeometryKind kind, tinyxml2::XMLNode& to) {
+  UrdfText::Link link;
+  link.name = requireName(from);
+  link.line = from.GetLineNum();
+  const bool has_collision = from.FirstChildElement("collision") != nullptr;
+  const bool has_visual = from.FirstChildElement("visual") != nullptr;
+  link.is_visual =
+      kind == GeometryKind::kVisual || (kind == GeometryKind::kCollisionOrVisual && !has_collision);
+  link.has_others = link.is_visual ? has_collision : has_visual;
+  const char* element_name = link.is_visual ? "visual" : "collision";
   XMLElement* copy = copyElement(from, to);
-  for (const XMLElement* e = from.FirstChildElement(kind); e != nullptr;
-       e = e->NextSiblingElement(kind)) {
+  for (const XMLElement* e = from.FirstChildElement(element_name); e != nullptr;
+       e = e->NextSiblingElement(element_name)) {
     ++link.elements;
     XMLElement* element = copyElement(*e, *copy);
     for (const char* part : {"origin", "geometry"}) {
@@ -184,10 +194,7 @@ std::string unguarded(std::string text) {
 UrdfText readUrdfText(const std::string& urdf_xml, GeometryKind kind) {
   if (urdf_xml.empty()) throw std::invalid_argument("robot description: is empty");
   XMLDocument document;
-  if (document.Parse(urdf_xml.data(), urdf_xml.size()) != tinyxml2::XML_SUCCESS) {
-    fail(std::max(document.ErrorLineNum(), 1),
-         std::string("not well-formed XML: ") + document.ErrorName());
-  }
+  if (const auto error = parseXml(urdf_xml, &document)) fail(error->line, error->what);
   const XMLElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) fail(1, "there is no element 'robot'");
   requireName(*robot);
@@ -195,11 +202,10 @@ UrdfText readUrdfText(const std::string& urdf_xml, GeometryKind kind) {
   UrdfText text;
   XMLDocument copy;
   XMLElement* robot_copy = copyElement(*robot, copy);
-  const char* element = kind == GeometryKind::kCollision ? "collision" : "visual";
   std::map<std::string, int> link_lines;
   for (const XMLElement* e = robot->FirstChildElement("link"); e != nullptr;
        e = e->NextSiblingElement("link")) {
-    text.links.push_back(copyLink(*e, element, *robot_copy));
+    text.links.push_back(copyLink(*e, kind, *robot_copy));
     const auto [first, is_new] = link_lines.emplace(text.links.back().name, e->GetLineNum());
     if (!is_new) {
       fail(e->GetLineNum(), "link '" + first->first + "' is there twice, first in line " +
@@ -231,8 +237,9 @@ UrdfDocument readUrdf(const std::string& urdf_xml, GeometryKind kind) {
     if (!found) refuse(text, "link '" + entry.name + "' cannot be read");
     UrdfLink link;
     link.name = entry.name;
-    link.elements = kind == GeometryKind::kCollision ? convert(found->collision_array)
-                                                     : convert(found->visual_array);
+    link.has_others = entry.has_others;
+    link.elements =
+        entry.is_visual ? convert(found->visual_array) : convert(found->collision_array);
     // urdfdom drops an element that it cannot read, and all that follow it, and goes on.
     if (link.elements.size() != entry.elements) {
       link.elements.clear();

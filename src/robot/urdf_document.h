@@ -8,13 +8,20 @@
 #include <urdf_model/link.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace deformable_contact_monitor {
 
-enum class GeometryKind { kCollision, kVisual };
+// Selects the elements of a link: its collision elements, its visual elements, or the collision
+// elements, and the visual ones only of a link that has no others.
+enum class GeometryKind { kCollision, kVisual, kCollisionOrVisual };
+
+// Names of the kinds in parameters and options, in the order of the enum.
+constexpr std::array<const char*, 3> kGeometryKinds = {"collision", "visual",
+                                                       "collision_or_visual"};
 
 // The part of a URDF that says where each link's geometry is, as text that is safe for urdfdom.
 struct UrdfText {
@@ -22,6 +29,8 @@ struct UrdfText {
     std::string name;
     int line = 0;
     std::size_t elements = 0;  // collision or visual elements
+    bool is_visual = false;    // they are visual elements
+    bool has_others = false;   // there are elements of the other kind
   };
 
   std::string xml;          // robot, links with one kind of geometry, joints; guarded (see below)
@@ -50,6 +59,7 @@ struct UrdfLink {
   std::string name;
   std::vector<UrdfElement> elements;  // document order
   std::string problem;                // why the elements could not be read; empty: they could
+  bool has_others = false;            // the link has elements of the other kind
 };
 
 struct UrdfDocument {

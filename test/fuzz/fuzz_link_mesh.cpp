@@ -1,15 +1,15 @@
 // Mesh files of links. The first byte is the format, and whether the others are the file or what a
 // mostly well-formed one is made of. Under libFuzzer they are read as the child reads them, but in
-// this process: our checks, then Assimp. Then Assimp's crashes show too, and test/fuzz/run tells
-// them from ours by their stacks. Elsewhere the child reads them, as in the product, where its
-// crash is a refusal.
+// this process: by our readers, or COLLADA by our checks and Assimp. Then Assimp's crashes show
+// too, and test/fuzz/run tells them from ours by their stacks. Elsewhere the child reads them, as
+// in the product, where its crash is a refusal.
 #include <stdexcept>
 #include <string>
 
 #include "fuzz_target.h"
 #include "mesh_writer.h"
 #include "robot/link_mesh_files.h"
-#include "robot/read_link_mesh/assimp_mesh.h"
+#include "robot/read_link_mesh/foreign_mesh.h"
 #include "scratch_file.h"
 
 namespace deformable_contact_monitor {
@@ -17,7 +17,7 @@ namespace {
 
 SourceMesh readFile(const std::string& path) {
 #ifdef DCM_FUZZ_WITHOUT_CHILD
-  return readWithAssimp(path);
+  return readForeignMesh(path);
 #else
   return readLinkMeshFile(path);
 #endif

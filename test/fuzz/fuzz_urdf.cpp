@@ -29,7 +29,7 @@ void trySrdf(const std::string& text) {
 bool tryUrdf(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return false;
   RobotGeometryOptions options;
-  options.kind = data[0] % 2 == 0 ? GeometryKind::kCollision : GeometryKind::kVisual;
+  options.kind = static_cast<GeometryKind>(data[0] % kGeometryKinds.size());
   constexpr std::uint8_t kMade = 128;
   ByteSource source(data + 1, size - 1);
   const std::string text = data[0] < kMade ? source.text(size) : urdfFrom(&source);

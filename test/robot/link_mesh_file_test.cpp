@@ -2,6 +2,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "core/mesh_file.h"
 #include "robot/link_mesh_files.h"
 #include "robot_test_support.h"
 #include "test_data.h"
@@ -120,6 +121,100 @@ TEST(LinkMeshFile, AsciiStl) {
                 triangles[0]);
 }
 
+// The vertices and triangles of a file are the same as a link and elsewhere, and so are the notes.
+void expectAsReadMeshFile(const std::string& path) {
+  SCOPED_TRACE(path);
+  MeshFileReport report;
+  std::string error;
+  TriangleMesh expected;
+  try {
+    expected = readMeshFile(path, &report);
+  } catch (const std::runtime_error& refused) {
+    error = refused.what();
+  }
+  if (!error.empty()) {
+    const std::string line = path + ":";
+    const bool has_line = error.compare(0, line.size(), line) == 0 && error[line.size()] != ' ';
+    EXPECT_EQ(failure(path), has_line ? path + ": line " + error.substr(line.size()) : error);
+    return;
+  }
+  const SourceMesh mesh = readLinkMeshFile(path);
+  EXPECT_EQ(mesh.note, report.notes.empty() ? "" : report.notes[0]);
+  ASSERT_EQ(mesh.vertices.size(), expected.vertexCount());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Vec3f v = expected.vertex(i);
+    if (isFinite(v)) {
+      ASSERT_EQ(mesh.vertices[i], Eigen::Vector3d(v.x, v.y, v.z));
+    } else {
+      ASSERT_FALSE(mesh.vertices[i].allFinite());
+    }
+  }
+  ASSERT_EQ(mesh.triangles.size(), expected.triangleCount());
+  for (std::size_t i = 0; i < expected.triangles.size(); ++i) {
+    ASSERT_EQ(mesh.triangles[i / 3][i % 3], expected.triangles[i]);
+  }
+}
+
+TEST(LinkMeshFile, FilesAreReadAsEverywhere) {
+  const TemporaryFolder folder;
+  const std::string vertices = "0 0 0\n2 0 0\n2 1 0\n0.1 0.1 0\n1 2 0\n0 2 1e-3\n";
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0.1\nvertex 0 1 0\n";
+  const std::string stl = binaryStl("cad", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
+           {"a.off", "OFF\n6 2 0\n" + vertices + "6 1 2 3 4 5 0\n3 0 1 5\n"},
+           {"a.PLY",
+            "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
+            "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
+            "end_header\n" +
+                vertices + "6 0 1 2 -1 3 4\n"},
+           {"two_words.stl", "solid c\n" + facet + "end loop\nend facet\nend solid c\n"},
+           {"cut.stl", "solid c\n" + facet + "endloop\n"},
+           {"trailing.stl", stl + "1234567"},
+           {"uncounted.stl", stl + std::string(50, 'x')},
+           {"bent.obj", "v 0 0 0\nv 1 0 0\nv 1 1 9\nv 0 1 0\nf 1 2 3 4\n"},
+           {"nan.obj", "v 0 0 0\nv 1 0 -1.#IND\nv 1 1 9\nf 1 2 3\n"},
+           {"bad.obj", "v 0 0 0\nf 1 2 x\n"},
+           {"wide.obj", "\xFF\xFEv" + std::string(1, '\0') + " "},
+           {"page.ply", "<html>ply</html>"}}) {
+    expectAsReadMeshFile(folder.write(name, text));
+  }
+  EXPECT_EQ(failure(folder.write("cut.stl", "solid c\n" + facet + "endloop\n")),
+            (folder.path() / "cut.stl: line 8: 'endfacet' expected, but the file ends").string());
+}
+
+TEST(LinkMeshFile, FieldFilesAreReadAsEverywhere) {
+  DCM_REQUIRE_TEST_DATA();
+  for (const auto& entry : std::filesystem::directory_iterator(testDataFile("field/meshes"))) {
+    expectAsReadMeshFile(entry.path());
+  }
+  expectAsReadMeshFile(testDataFile("field/urdf/lfs.stl"));
+}
+
+TEST(LinkMeshFile, FilesOfOtherKindsAreRefusedWithTheirKind) {
+  const TemporaryFolder folder;
+  const std::string good = colladaText("", kTurned);
+  for (const auto& [text, kind] : std::vector<std::pair<std::string, std::string>>{
+           {"version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 684\n",
+            "is a Git LFS pointer"},
+           {"<?xml version=\"1.0\"?>\n<!DOCTYPE html><html><body/></html>", "is an HTML page"},
+           {"\xFF\xFE<" + std::string(1, '\0'), "is UTF-16 text"},
+           {"PK\3\4 COLLADA", "is a zip archive"},
+           {" \n", "holds nothing but blanks"},
+           {"", "is empty"}}) {
+    for (const char* name : {"a.stl", "a.obj", "a.dae", "a.ply", "a.off"}) {
+      const std::string path = folder.write(name, text);
+      const bool is_xml = path.substr(path.size() - 4) == ".dae";
+      EXPECT_EQ(failure(path).find(path + (is_xml ? ": line 1: " : ": ") + kind), 0U)
+          << failure(path);
+    }
+  }
+  // XML allows nothing ahead of its declaration, but programs write it.
+  const auto triangles =
+      cornersOf(readLinkMeshFile(folder.write("a.dae", "<!-- made -->\n" + good)));
+  EXPECT_EQ(triangles.size(), 1U);
+}
+
 TEST(LinkMeshFile, WhatIsNoMeshIsRefusedByName) {
   const TemporaryFolder folder;
   const std::string missing = (folder.path() / "missing.stl").string();
@@ -136,7 +231,7 @@ TEST(LinkMeshFile, WhatIsNoMeshIsRefusedByName) {
     const std::string path = folder.write(name, garbage);
     EXPECT_EQ(failure(path).find(path + ": "), 0U) << failure(path);
   }
-  EXPECT_NE(failure(folder.write("a.ply", "ply\n")).find("'.ply' is no mesh format"),
+  EXPECT_NE(failure(folder.write("a.fbx", "x")).find("'.fbx' is no mesh format"),
             std::string::npos);
   EXPECT_NE(failure(folder.write("a", "x")).find("'' is no mesh format"), std::string::npos);
   EXPECT_NE(failure(folder.write("points.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\np 1\nl 1 2\n")), "");

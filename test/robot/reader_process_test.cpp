@@ -176,21 +176,40 @@ TEST_F(ReaderProcess, OneThatHangsIsEndedInTime) {
   }
 }
 
-// Faces in which finding ears takes a minute.
-TEST_F(ReaderProcess, AFileThatTakesTooLong) {
-  constexpr int kCorners = 19'000;
-  std::string vertices, face = "f";
+// Returns a COLLADA file with polygons in which Assimp takes a minute to find ears.
+std::string slowCollada() {
+  constexpr int kCorners = 19'000, kFaces = 40;
+  std::string vertices, face, faces, sizes;
   for (int i = 0; i < kCorners; ++i) {
     const double angle = 6.283 * i / kCorners, radius = 1 + 0.3 * (i % 2);
-    vertices += "v " + std::to_string(radius * std::cos(angle)) + " " +
-                std::to_string(radius * std::sin(angle)) + " 0\n";
-    face += " " + std::to_string(i + 1);
+    vertices += std::to_string(radius * std::cos(angle)) + " " +
+                std::to_string(radius * std::sin(angle)) + " 0 ";
+    face += std::to_string(i) + " ";
   }
-  std::string faces;
-  for (int i = 0; i < 40; ++i) faces += face + "\n";
+  for (int i = 0; i < kFaces; ++i) {
+    faces += face;
+    sizes += std::to_string(kCorners) + " ";
+  }
+  return "<?xml version=\"1.0\"?><COLLADA "
+         "xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset/>"
+         "<library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"q\" "
+         "count=\"57000\">" +
+         vertices +
+         "</float_array><technique_common><accessor source=\"#q\" count=\"19000\" stride=\"3\">"
+         "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
+         "type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input "
+         "semantic=\"POSITION\" source=\"#p\"/></vertices><polylist count=\"40\"><input "
+         "semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><vcount>" +
+         sizes + "</vcount><p>" + faces +
+         "</p></polylist></mesh></geometry></library_geometries><library_visual_scenes>"
+         "<visual_scene id=\"s\"><node><instance_geometry url=\"#g\"/></node></visual_scene>"
+         "</library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+}
+
+TEST_F(ReaderProcess, AFileThatTakesTooLong) {
   MeshReading reading;
   reading.file_time = milliseconds(3000);
-  const std::string slow = folder_.write("slow.obj", vertices + faces);
+  const std::string slow = folder_.write("slow.dae", slowCollada());
   const std::string good = folder_.write("good.obj", "v 0 0 0\nv 1 0 0\nv 0 2 3\nf 1 2 3\n");
   const auto start = steady_clock::now();
   const std::string problem = load(robotOf({slow, good}), reading).links.at(0).problem;
@@ -199,7 +218,7 @@ TEST_F(ReaderProcess, AFileThatTakesTooLong) {
 }
 
 TEST_F(ReaderProcess, WhatDripsIsEndedInTimeToo) {
-  MeshReading reading = scripted("while :; do printf dcmmesh1; sleep 0.01; done");
+  MeshReading reading = scripted("while :; do printf dcmmesh2; sleep 0.01; done");
   reading.file_time = milliseconds(300);
   EXPECT_NE(failure(reading), "");
 }

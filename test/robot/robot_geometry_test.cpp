@@ -104,6 +104,104 @@ TEST(RobotGeometry, CollisionOrVisual) {
             1280U);
 }
 
+// Links with collision geometry, visual geometry, both, and none.
+std::string linksOfEachKind() {
+  const std::string visual = "<visual><geometry><sphere radius=\"1\"/></geometry></visual>";
+  std::string urdf = "<robot name=\"r\"><link name=\"root\"/>";
+  for (const auto& [name, content] :
+       std::vector<std::pair<std::string, std::string>>{{"solid", box("1 1 1")},
+                                                        {"tip", visual},
+                                                        {"both", visual + box("1 1 1")},
+                                                        {"cover", visual},
+                                                        {"frame", ""}}) {
+    urdf += "<link name=\"" + name + "\">" + content + "</link><joint name=\"j_" + name +
+            "\" type=\"fixed\"><parent link=\"root\"/><child link=\"" + name + "\"/></joint>";
+  }
+  return urdf + "</robot>";
+}
+
+TEST(RobotGeometry, LinksWithGeometryOfTheOtherKindAreNamed) {
+  RobotGeometryOptions options;
+  const std::string advice = "; set geometry to collision_or_visual to monitor them";
+  RobotGeometry robot = loadRobotGeometry(linksOfEachKind(), options, noFiles);
+  expectLinks(robot, {"solid", "both"});
+  EXPECT_EQ(robot.unmonitored_links, (std::vector<std::string>{"tip", "cover"}));
+  EXPECT_EQ(geometryWarnings(robot),
+            std::vector<std::string>{"links with visual but no collision geometry are not "
+                                     "monitored: 'tip', 'cover'" +
+                                     advice});
+  options.kind = GeometryKind::kVisual;
+  robot = loadRobotGeometry(linksOfEachKind(), options, noFiles);
+  expectLinks(robot, {"tip", "both", "cover"});
+  EXPECT_EQ(geometryWarnings(robot),
+            std::vector<std::string>{"links with collision but no visual geometry are not "
+                                     "monitored: 'solid'" +
+                                     advice});
+  options.kind = GeometryKind::kCollisionOrVisual;
+  robot = loadRobotGeometry(linksOfEachKind(), options, noFiles);
+  expectLinks(robot, {"solid", "tip", "both", "cover"});
+  EXPECT_EQ(robot.links[1].mesh.triangleCount(), 1280U);
+  EXPECT_EQ(robot.links[2].mesh.triangleCount(), 12U);  // the collision geometry of both
+  EXPECT_TRUE(geometryWarnings(robot).empty());
+  // Links that nobody wants are not named.
+  options.kind = GeometryKind::kCollision;
+  options.ignored_links = {"tip"};
+  EXPECT_EQ(loadRobotGeometry(linksOfEachKind(), options, noFiles).unmonitored_links,
+            std::vector<std::string>{"cover"});
+  options.links = {"solid", "tip"};
+  EXPECT_TRUE(loadRobotGeometry(linksOfEachKind(), options, noFiles).unmonitored_links.empty());
+}
+
+// A collision element that cannot be read is a problem, and no reason to use another one.
+TEST(RobotGeometry, VisualGeometryStandsInForNoBadCollisionGeometry) {
+  RobotGeometryOptions options;
+  options.kind = GeometryKind::kCollisionOrVisual;
+  const RobotGeometry robot = loadRobotGeometry(
+      oneLinkUrdf(mesh("/no.stl") + "<visual><geometry><sphere radius=\"1\"/></geometry></visual>"),
+      options, noFiles);
+  ASSERT_EQ(robot.links.size(), 1U);
+  EXPECT_EQ(robot.links[0].problem, "link 'l': /no.stl: no files here: /no.stl");
+}
+
+TEST(RobotGeometry, CommentsAheadOfTheDeclarationAreTaken) {
+  const std::string declaration = "<?xml version=\"1.0\"?>";
+  const std::string robot = "\n<robot name=\"r\"><link name=\"a\"/>\n</robot>";
+  for (const std::string& start :
+       {std::string(), std::string("\n \t"), std::string("<!-- exported\nby <a> tool -->\n"),
+        std::string("<!-- one --><!-- <?xml ?> two -->\r\n"), std::string("\xEF\xBB\xBF<!---->"),
+        std::string("<?xml-model href=\"x\"?><!-- x -->")}) {
+    EXPECT_EQ(loadRobotGeometry(start + declaration + robot, {}, noFiles).name, "r") << start;
+    EXPECT_EQ(loadRobotGeometry(start + robot, {}, noFiles).name, "r") << start;
+  }
+  // Lines are those of the text.
+  EXPECT_EQ(refusal("<!-- a\n\n-->\n" + declaration + "\n<robot name=\"r\">\n<link/></robot>"),
+            "robot description, line 6: link without a name");
+  EXPECT_NE(refusal("<!-- not closed" + declaration + robot), "");
+  EXPECT_NE(refusal("text" + declaration + robot), "");
+}
+
+TEST(RobotGeometry, DescriptionsOfOtherKindsAreRefusedWithTheirKind) {
+  EXPECT_EQ(refusal("version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 6\n")
+                .find("robot description, line 1: is a Git LFS pointer"),
+            0U);
+  EXPECT_EQ(refusal("<!DOCTYPE html><html><robot name=\"r\"/></html>")
+                .find("robot description, line 1: is an HTML page"),
+            0U);
+}
+
+// The path and the URI are the user's, and the reason is the file's.
+TEST(RobotGeometry, AFileThatIsNoMeshIsNamedAsInTheDescription) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write(
+      "lfs.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 684\n");
+  const LinkGeometry link =
+      loadLink(mesh("package://arm/lfs.stl"), [&path](const std::string&) { return path; });
+  EXPECT_EQ(link.problem,
+            "link 'l': package://arm/lfs.stl: " + path +
+                ": is a Git LFS pointer, not the file that it stands for; get that with 'git lfs "
+                "pull'");
+}
+
 TEST(RobotGeometry, SeveralElementsMergeInOrder) {
   const LinkGeometry link = loadLink(
       box("2 2 2") +
@@ -309,6 +407,11 @@ TEST(RobotGeometry, WarningsNameLinkAndFact) {
   ASSERT_EQ(warnings(spheres).size(), 1U);
   EXPECT_NE(warnings(spheres)[0].find("200960 triangles"), std::string::npos);
   const TemporaryFolder folder;
+  const std::string bent =
+      folder.write("bent.obj", "v 0 0 0\nv 1 0 0\nv 1 1 9\nv 0 1 0\nf 1 2 3 4\n");
+  ASSERT_EQ(warnings(mesh(bent)).size(), 1U);
+  EXPECT_EQ(warnings(mesh(bent))[0].find("link 'l': " + bent + ": 1 of 1 polygons of 4 or more"),
+            0U);
   const std::string file = folder.write("t.obj", kOneTriangleObj);
   const std::vector<std::string> overflow = warnings(mesh(file, "1 1e39 1"));  // beyond float32
   ASSERT_EQ(overflow.size(), 1U);

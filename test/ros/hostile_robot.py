@@ -15,6 +15,7 @@ import unittest
 import roslib.packages
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from std_srvs.srv import Trigger
 
 from deformable_contact_monitor.msg import ContactState, LinkMeshes
@@ -33,15 +34,27 @@ ITSELF = """<?xml version="1.0"?>
 """
 
 
-def slow_obj():
-    """Faces that take a reader longer than it may."""
-    corners = 19000
-    lines = []
+def slow_dae():
+    """COLLADA with polygons that take a reader longer than it may."""
+    corners, faces = 19000, 40
+    places = []
     for i in range(corners):
         angle, radius = 2 * math.pi * i / corners, 1 + 0.3 * (i % 2)
-        lines.append(f"v {radius * math.cos(angle):.7f} {radius * math.sin(angle):.7f} 0")
-    face = "f " + " ".join(str(i + 1) for i in range(corners))
-    return "\n".join(lines + [face] * 40) + "\n"
+        places.append(f"{radius * math.cos(angle):.7f} {radius * math.sin(angle):.7f} 0")
+    face = " ".join(str(i) for i in range(corners))
+    params = "".join(f'<param name="{axis}" type="float"/>' for axis in "XYZ")
+    return f"""<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/>
+<library_geometries><geometry id="g"><mesh><source id="p">
+<float_array id="q" count="{3 * corners}">{" ".join(places)}</float_array><technique_common>
+<accessor source="#q" count="{corners}" stride="3">{params}</accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist count="{faces}"><input semantic="VERTEX" source="#v" offset="0"/>
+<vcount>{f"{corners} " * faces}</vcount><p>{(face + " ") * faces}</p></polylist></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="s"><node>
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+"""
 
 
 def urdf(geometry_of):
@@ -74,7 +87,7 @@ class HostileRobot(unittest.TestCase):
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
-        self.slow = urdf({"good": BOX, "bad": self.mesh("slow.obj", slow_obj())})
+        self.slow = urdf({"good": BOX, "bad": self.mesh("slow.dae", slow_dae())})
 
     def tearDown(self):
         self.folder.cleanup()
@@ -121,11 +134,17 @@ class HostileRobot(unittest.TestCase):
         """Its process is of another package."""
         mesh = self.mesh("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 2 3\nf 1 2 3\n")
         nodelet, = roslib.packages.find_node("nodelet", "nodelet")
-        self.start("standalone", urdf({"read": mesh}),
+        tip = (f'<link name="tip"><visual><geometry>{BOX}</geometry></visual></link>'
+               '<joint name="j" type="fixed"><parent link="read"/><child link="tip"/></joint>')
+        self.start("standalone", urdf({"read": mesh}).replace("</robot>", tip + "</robot>"),
                    (nodelet, "standalone", PACKAGE + "/ContactMonitor"))
         message = Log("/standalone/robot_meshes", LinkMeshes).wait("the robot")
         self.assertEqual([(link.link, len(link.triangles)) for link in message.meshes],
                          [("read", 3)])
+        # A link that is not monitored, because it has visual geometry only, is named.
+        Log("/diagnostics", DiagnosticArray).wait("the link that is not monitored", lambda array: any(
+            value.key == "link tip" and value.value.startswith("not monitored: visual")
+            for status in array.status for value in status.values))
 
     def test_a_bad_file_and_a_slow_reload_cost_nobody_else(self):
         node = self.start("reloading", urdf({"good": BOX, "bad": self.mesh("self.dae", ITSELF)}))

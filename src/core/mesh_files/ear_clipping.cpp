@@ -23,6 +23,17 @@ bool isBetween(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return (isBefore(a, b) && isBefore(b, c)) || (isBefore(c, b) && isBefore(b, a));
 }
 
+// Returns whether there are more sides than a polygon without crossings can have: its corners are
+// those of a plane graph, which has less than three edges for each, and a side leads along each
+// edge in each direction once. Nothing else would end soon where many sides lie on each other.
+bool hasTooManySides(std::vector<Vec3f> corners) {
+  corners.erase(std::unique(corners.begin(), corners.end(), isSame), corners.end());
+  const std::size_t sides = corners.size();
+  std::sort(corners.begin(), corners.end(), isBefore);
+  const auto end = std::unique(corners.begin(), corners.end(), isSame);
+  return sides > 6 * static_cast<std::size_t>(end - corners.begin());
+}
+
 enum class Contact { kNone, kTouch, kCross };
 
 // Tells how the segments a b and c d meet.
@@ -254,6 +265,7 @@ bool overlap(const std::vector<Vec3f>& corners, const std::vector<PolygonTriangl
 
 std::optional<std::vector<PolygonTriangle>> clipEars(const std::vector<Vec3f>& corners,
                                                      std::uint64_t* work) {
+  if (hasTooManySides(corners)) return std::nullopt;
   const Contact contact = selfContact(corners, work);
   if (contact == Contact::kCross || *work == 0) return std::nullopt;
   std::optional<std::vector<PolygonTriangle>> triangles = EarClipper(corners, work).run();

@@ -68,8 +68,11 @@ void readFacet(MeshText& text, TriangleMesh* mesh) {
   expectEnd(text, text.wordOnAnyLine(), "facet", "'endfacet'");
 }
 
-// Reads one solid after the other. The name of a solid goes to the end of its line.
+// Reads one solid after the other. The name of a solid goes to the end of its line. DOS programs
+// end a text with Ctrl-Z, and others fill their blocks with zero bytes.
 TriangleMesh readAscii(const std::string& path, std::string_view content) {
+  constexpr std::string_view kFiller("\0\x1a", 2);
+  content = content.substr(0, content.find_last_not_of(kFiller) + 1);
   MeshText text(path, content, MeshTextRules{});
   TriangleMesh mesh;
   bool any = text.skipToWord();

@@ -43,8 +43,8 @@ void readRobot(ParameterReader* reader, MonitorParameters* p) {
       static_cast<RobotSourceKind>(reader->choice("robot_source", {"urdf", "topic"}, 0));
   p->robot_description = reader->text("robot_description", p->robot_description);
   p->srdf = reader->text("srdf", p->srdf);
-  p->geometry.kind =
-      static_cast<GeometryKind>(reader->choice("geometry", {"collision", "visual"}, 0));
+  p->geometry.kind = static_cast<GeometryKind>(
+      reader->choice("geometry", {"collision", "visual", "collision_or_visual"}, 0));
   p->geometry.links = reader->texts("links");
   p->geometry.ignored_links = reader->texts("ignored_links");
   p->strict_geometry = reader->flag("strict_geometry", p->strict_geometry);

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "robot/mesh_stream.h"
-#include "robot/read_link_mesh/assimp_mesh.h"
+#include "robot/read_link_mesh/foreign_mesh.h"
 #include "robot/reading_limits.h"
 
 namespace deformable_contact_monitor {
@@ -58,9 +58,11 @@ bool writeMesh(const SourceMesh& mesh) {
   MeshStreamHeader header;
   header.vertices = mesh.vertices.size();
   header.triangles = mesh.triangles.size();
+  header.note_bytes = std::min(mesh.note.size(), kMaxRefusalBytes);
   return write(&header, sizeof(header)) &&
          write(mesh.vertices.data(), mesh.vertices.size() * sizeof(StreamVertex)) &&
-         write(mesh.triangles.data(), mesh.triangles.size() * sizeof(StreamTriangle));
+         write(mesh.triangles.data(), mesh.triangles.size() * sizeof(StreamTriangle)) &&
+         write(mesh.note.data(), header.note_bytes);
 }
 
 // Writes the reason, cut to its longest length. A text of no length would mean that a mesh follows,
@@ -76,7 +78,7 @@ bool writeRefusal(const char* reason) {
 // could not be written.
 bool answer(const std::string& path) {
   try {
-    return writeMesh(readWithAssimp(path));
+    return writeMesh(readForeignMesh(path));
   } catch (const std::bad_alloc&) {
     return writeRefusal(
         ("takes more than " + std::to_string(kMaxMemoryMib) + " MiB of memory to read").c_str());

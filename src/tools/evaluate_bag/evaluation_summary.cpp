@@ -93,7 +93,7 @@ Json configurationJson(const BagSetup& setup) {
   Json json;
   json["reference_frame"] = p.reference_frame;
   json["robot"] = setup.robot_from;
-  json["geometry"] = p.geometry.kind == GeometryKind::kCollision ? "collision" : "visual";
+  json["geometry"] = kGeometryKinds.at(static_cast<std::size_t>(p.geometry.kind));
   json["links"] = Json::array();
   for (const Recorded<RobotGeometry>& robot : setup.robots) {
     for (const LinkGeometry& link : robot.value.links) {

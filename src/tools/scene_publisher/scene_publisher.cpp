@@ -60,7 +60,7 @@ std::optional<Robot> loadRobot(const ros::NodeHandle& node) {
   MeshReading reading;
   reading.stop = ros::isShuttingDown;
   robot.geometry = loadRobotGeometry(xml, {}, makeRosResolver(), reading);
-  robot.model = urdf::parseURDF(guarded(xml));
+  robot.model = urdf::parseURDF(readUrdfText(xml, GeometryKind::kCollision).xml);
   if (robot.model == nullptr) throw std::runtime_error(key + ": urdfdom cannot read it");
   return robot;
 }

@@ -219,6 +219,8 @@ TEST_F(MeshFileTest, StlKeywordsOfTwoWords) {
   EXPECT_EQ(read("a.stl", "solid c\n" + two + two + "end solid c\nsolid\n" + two + "endsolid\n")
                 .triangleCount(),
             3U);
+  EXPECT_EQ(
+      read("a.stl", "solid\n" + two + "endsolid\n\x1a" + std::string(9, '\0')).triangleCount(), 1U);
   EXPECT_NE(errorOf(write("a.stl", "solid c\n" + facet + "vertex 0 1 0\nend facet\n"))
                 .find(":7: 'loop' expected, but there is 'facet'"),
             std::string::npos);

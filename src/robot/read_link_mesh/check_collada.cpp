@@ -1,7 +1,6 @@
-// Checks a COLLADA or OBJ text before Assimp reads it. The COLLADA check walks through the whole
-// XML tree with tinyxml2, since the elements with numbers may be at many places. The OBJ check
-// looks only at the lines of faces.
-#include "robot/read_link_mesh/input_checks.h"
+// Checks a COLLADA text. It walks through the whole XML tree with tinyxml2, since the elements with
+// numbers may be at many places.
+#include "robot/read_link_mesh/check_collada.h"
 
 #include <tinyxml2.h>
 
@@ -13,6 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "robot/xml_text.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -132,50 +133,14 @@ class Visitor : public tinyxml2::XMLVisitor {
   std::vector<const XMLElement*> accessors_;
 };
 
-constexpr char kDigits[] = "0123456789";
-
-// Checks the vertex numbers of one face, text[first, last).
-void checkFace(const std::string& text, std::size_t first, std::size_t last, std::size_t line) {
-  for (std::size_t at = text.find_first_of(kDigits, first); at < last;
-       at = text.find_first_of(kDigits, at)) {
-    const std::size_t end = std::min(text.find_first_not_of(kDigits, at), last);
-    const std::string number = text.substr(at, end - at);
-    if (!isIndex(number)) {
-      throw std::runtime_error("line " + std::to_string(line) + ": a face has " +
-                               shortened(number) + ", which is no index");
-    }
-    at = end;
-  }
-}
-
 }  // namespace
 
 void checkCollada(const std::string& text) {
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    fail(std::max(document.ErrorLineNum(), 1),
-         std::string("not well-formed XML: ") + document.ErrorName());
-  }
+  if (const auto error = parseXml(text, &document)) fail(error->line, error->what);
   Visitor visitor;
   document.Accept(&visitor);
   visitor.checkAccessors();
-}
-
-void checkObj(const std::string& text) {
-  bool is_face = false, continues = false;
-  std::size_t line = 1;
-  for (std::size_t first = 0; first < text.size(); ++line) {
-    const std::size_t last = std::min(text.find('\n', first), text.size());
-    if (!continues) {
-      const std::size_t start = text.find_first_not_of(" \t", first);
-      is_face = start < last && text[start] == 'f';
-    }
-    if (is_face) checkFace(text, first, last, line);
-    // A backslash at the end of a line continues the statement on the next line.
-    const std::size_t end = text.find_last_not_of(" \t\r", last == first ? first : last - 1);
-    continues = end != std::string::npos && end >= first && end < last && text[end] == '\\';
-    first = last + 1;
-  }
 }
 
 }  // namespace deformable_contact_monitor

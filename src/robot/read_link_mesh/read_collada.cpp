@@ -1,26 +1,22 @@
-// Reads a mesh file with Assimp: checks its text, imports it, triangulates polygons, and joins the
+// Reads COLLADA with Assimp: checks the text, imports it, triangulates polygons, and joins the
 // meshes of all nodes in the frame of the file.
-#include "robot/read_link_mesh/assimp_mesh.h"
+#include "robot/read_link_mesh/read_collada.h"
 
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include <algorithm>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <cstdint>
-#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "robot/mesh_stream.h"
-#include "robot/read_link_mesh/input_checks.h"
+#include "robot/read_link_mesh/check_collada.h"
 #include "robot/reading_limits.h"
-#include "robot/regular_file.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -49,19 +45,6 @@ class SingleFile : public Assimp::IOSystem {
 // The most corners that a face may have. Assimp takes two seconds to triangulate such a face. The
 // outlines of drawn parts have hundreds of corners.
 constexpr unsigned kMaxFaceCorners = 20'000;
-
-// Returns the file name's ending in small letters, with its dot. Other endings are an error: Assimp
-// would go by the content next and read any of its forty formats.
-std::string knownEnding(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending != ".stl" && ending != ".dae" && ending != ".obj") {
-    throw std::runtime_error("'" + ending +
-                             "' is no mesh format of robot links: STL, DAE and OBJ are");
-  }
-  return ending;
-}
 
 // Assimp's matrices are stored row by row, and the fourth column is the translation.
 Eigen::Affine3d toEigen(const aiMatrix4x4& m) {
@@ -133,20 +116,16 @@ void requireModestFaces(const aiScene& scene) {
 
 }  // namespace
 
-SourceMesh readWithAssimp(const std::string& path) {
-  const std::string bytes = readRegularFile(path);
-  const std::string ending = knownEnding(path);
-  if (ending == ".dae") checkCollada(bytes);
-  if (ending == ".obj") checkObj(bytes);
-
+SourceMesh readCollada(const std::string& text) {
+  checkCollada(text);
   Assimp::Importer importer;
   // Keeps the axes of a COLLADA file. Without this, Assimp rotates the scene so that y points up,
   // and rviz takes that rotation out again.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   // Without this, Assimp makes a mesh of the skeleton of a scene that has no mesh.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-  const std::string name = "mesh" + ending;
-  importer.SetIOHandler(new SingleFile(name, bytes));  // the importer deletes it
+  const std::string name = "mesh.dae";
+  importer.SetIOHandler(new SingleFile(name, text));  // the importer deletes it
   // Reads without any post-processing first: faces must be checked before they are triangulated,
   // and vertices are not to be joined.
   const aiScene* scene = importer.ReadFile(name, 0);
