@@ -5,8 +5,11 @@
 #pragma once
 
 #include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,5 +40,20 @@ std::vector<std::uint32_t> toTriangles(pybind11::handle triangles, std::size_t v
 // Whether they are finite is checked by Scene::setPose().
 RigidTransform toPose(pybind11::handle rotation, pybind11::handle translation,
                       const std::string& body);
+
+// An argument of Scene::setDeviceVertices(): an array in the memory of a CUDA device, through the
+// interface that CuPy, Numba and PyTorch share. The Python array owns the memory.
+struct DeviceArray {
+  const float* xyz;  // null: there are none
+  std::size_t count;
+  void* stream;  // a cudaStream_t; null: the legacy default stream
+};
+
+// Reads `vertices`' __cuda_array_interface__, version 2 or later: (n, 3) float32, contiguous.
+// `stream` takes precedence over the interface's own stream; 1 and 2 are the legacy and the
+// per-thread default stream. Makes no CUDA call. Throws std::invalid_argument that names the body
+// and the argument, and says what was given.
+DeviceArray toDeviceArray(pybind11::handle vertices, std::optional<std::uintptr_t> stream,
+                          const std::string& body);
 
 }  // namespace deformable_contact_monitor

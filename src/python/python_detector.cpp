@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -61,20 +62,16 @@ CPU instead), or where another thread uses this detector.)";
 constexpr int kMaxDevice = 1023;
 constexpr std::int64_t kMaxMemoryMib = 1 << 20;
 
-// Reads the name of a value, or throws with all names.
-AdjacentPairs toAdjacentPairs(const std::string& name) {
-  for (const AdjacentPairs adjacent : {AdjacentPairs::kBeyondShared, AdjacentPairs::kSkip}) {
-    if (name == toString(adjacent)) return adjacent;
+// Returns the one of `all` that has this name. Throws with all names if there is none.
+template <class Choice>
+Choice choiceOf(const std::string& argument, const std::string& name,
+                std::initializer_list<Choice> all) {
+  std::string names;
+  for (const Choice choice : all) {
+    if (name == toString(choice)) return choice;
+    names += (names.empty() ? "" : ", ") + std::string(toString(choice));
   }
-  throw std::invalid_argument("adjacent_pairs '" + name + "' is none of beyond_shared, skip");
-}
-
-// Reads the name of a value, or throws with all names.
-Motion toMotion(const std::string& name) {
-  for (const Motion motion : {Motion::kInstant, Motion::kSwept}) {
-    if (name == toString(motion)) return motion;
-  }
-  throw std::invalid_argument("motion '" + name + "' is none of instant, swept");
+  throw std::invalid_argument(argument + " '" + name + "' is none of " + names);
 }
 
 // Checks the ranges that CudaSettings cannot hold.
@@ -125,7 +122,8 @@ std::unique_ptr<PythonDetector> makePythonDetector(
     float fuzzifier, int iterations, int refresh_period, int threads, bool geometry,
     const std::string& motion, bool first_times, float tolerance_m) {
   Options options;
-  options.adjacent = toAdjacentPairs(adjacent_pairs);
+  options.adjacent = choiceOf("adjacent_pairs", adjacent_pairs,
+                              {AdjacentPairs::kBeyondShared, AdjacentPairs::kSkip});
   options.predicates = toPredicates(predicates);
   options.overlap = overlap;
   options.clusters = clusters;
@@ -134,7 +132,7 @@ std::unique_ptr<PythonDetector> makePythonDetector(
   options.refresh_period = refresh_period;
   options.threads = threads;
   options.geometry = geometry;
-  options.motion = toMotion(motion);
+  options.motion = choiceOf("motion", motion, {Motion::kInstant, Motion::kSwept});
   options.first_times = first_times;
   options.tolerance_m = tolerance_m;
   if (tolerance_m > 0 && options.motion == Motion::kSwept) {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "python/array_arguments.h"
-#include "python/device_array.h"
 
 namespace deformable_contact_monitor {
 namespace py = pybind11;

@@ -32,7 +32,7 @@ class PythonScene {
   // Replaces the vertices [m]. Their number must stay the same.
   void setVertices(std::int64_t id, pybind11::handle vertices);
   // Replaces the vertices by an array in device memory, which is read but not copied (see
-  // device_array.h). Keeps the array alive until the body gets other vertices.
+  // array_arguments.h). Keeps the array alive until the body gets other vertices.
   void setDeviceVertices(std::int64_t id, pybind11::object vertices,
                          std::optional<std::uintptr_t> stream);
   // Sets the pose: p_scene = rotation p_body + translation [m].
