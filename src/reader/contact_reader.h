@@ -14,9 +14,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "reader/monitor_margins.h"
 
 namespace deformable_contact_monitor {
 
@@ -105,9 +108,7 @@ class ContactReader {
       if (because.empty()) because = obstacle(state);
       if (!because.empty()) because.insert(0, state.body_a + " and " + state.body_b + ": ");
     }
-    if (because.empty() && !is_listed && !rules_.unlisted_may_move) {
-      because = body == "*" ? "no pair is monitored" : body + " is in no state";
-    }
+    if (because.empty() && !is_listed && !rules_.unlisted_may_move) because = missing(body);
     return {because.empty(), because};
   }
 
@@ -124,6 +125,34 @@ class ContactReader {
       least = std::min(least, certainDistance(state, newest_.tolerance));
     }
     return is_listed || rules_.unlisted_may_move ? least : 0;
+  }
+
+  // Returns nearest() in words: "0.1250 m, hand and cloth", "hand and cloth: CONTACT", "beyond the
+  // margin of 0.05 m" if no pair has a distance, or why nothing is known. `margins` are the
+  // monitor's; nothing: not known.
+  std::string nearestText(const std::string& body, const ros::Time& now,
+                          const std::optional<MonitorMargins>& margins = std::nullopt) const {
+    const std::string because = whyUnknown(body, now);
+    if (!because.empty()) return because;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const ContactState* first = nullptr;  // of the nearest
+    double least_m = kInfinity, margin_m = kInfinity;
+    for (const ContactState& state : newest_.states) {
+      if (!concerns(state, body)) continue;
+      const double distance_m = certainDistance(state, newest_.tolerance);
+      if (distance_m < least_m) first = &state;
+      least_m = std::min(least_m, distance_m);
+      const bool is_none = state.state == ContactState::NONE;
+      if (is_none && margins) margin_m = std::min(margin_m, margins->of(state));
+      if (is_none && !margins) margin_m = 0;
+    }
+    if (first != nullptr) {
+      const std::string pair = first->body_a + " and " + first->body_b;
+      const std::string touching = nameOfContact(*first);
+      return touching.empty() ? text("%.4f m, ", least_m) + pair : pair + ": " + touching;
+    }
+    if (margin_m == kInfinity) return "no pair that matters";  // none, or all are ALLOWED
+    return margins ? text("beyond the margin of %g m", margin_m) : "beyond the monitor's margin";
   }
 
   // Returns the body's pairs that are known to touch, or to have touched since their last cycle. An
@@ -191,10 +220,36 @@ class ContactReader {
     return is_apart && !is_number ? "its distance is no number" : "";
   }
 
+  // Returns "CONTACT" or "PASSED" if the state is one of these; else empty.
+  static std::string nameOfContact(const ContactState& state) {
+    if (state.state == ContactState::CONTACT) return "CONTACT";
+    return state.state == ContactState::PASSED ? "PASSED" : "";
+  }
+
+  // Returns why something about the body is not known; empty if all is.
+  std::string whyUnknown(const std::string& body, const ros::Time& now) const {
+    std::string because = silence(now);
+    bool is_listed = false;
+    for (std::size_t i = 0; because.empty() && i < newest_.states.size(); ++i) {
+      const ContactState& state = newest_.states[i];
+      if (!concerns(state, body)) continue;
+      is_listed = true;
+      because = doubt(state, now);
+      if (!because.empty()) because.insert(0, state.body_a + " and " + state.body_b + ": ");
+    }
+    const bool is_missing = because.empty() && !is_listed && !rules_.unlisted_may_move;
+    return is_missing ? missing(body) : because;
+  }
+
+  // Returns what is said of a body without states.
+  static std::string missing(const std::string& body) {
+    return body == "*" ? "no pair is monitored" : body + " is in no state";
+  }
+
   // Returns why a known state forbids its bodies to move; empty if it does not.
   std::string obstacle(const ContactState& state) const {
-    if (state.state == ContactState::CONTACT) return "CONTACT";
-    if (state.state == ContactState::PASSED) return "PASSED";
+    const std::string touching = nameOfContact(state);
+    if (!touching.empty()) return touching;
     if (state.state != ContactState::NEAR) return "";
     const double distance_m = certainDistance(state, newest_.tolerance);
     return distance_m > rules_.clearance_m ? "" : text("NEAR, %.4f m", distance_m);

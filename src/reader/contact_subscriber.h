@@ -1,11 +1,15 @@
 // Subscribes to a monitor's ~contact_states, and asks a ContactReader at the present ROS time.
 #pragma once
 
+#include <ros/names.h>
 #include <ros/node_handle.h>
+#include <ros/param.h>
 #include <ros/subscriber.h>
+#include <ros/time.h>
 #include <ros/transport_hints.h>
 
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +26,7 @@ class ContactSubscriber {
   ContactSubscriber(ros::NodeHandle node, const std::string& topic,
                     const ReaderRules& rules = ReaderRules())
       : reader_(rules),
+        monitor_(ros::names::parentNamespace(node.resolveName(topic))),
         subscriber_(node.subscribe(topic, 1, &ContactSubscriber::store, this,
                                    ros::TransportHints().tcpNoDelay())) {}
   ContactSubscriber(const ContactSubscriber&) = delete;
@@ -38,6 +43,14 @@ class ContactSubscriber {
     return reader_.nearest(body, ros::Time::now());
   }
 
+  // Answers as ContactReader::nearestText() does, with the margins of the monitor. Asks the
+  // parameter server for them, but not again within a second, below the namespace of the topic.
+  std::string nearestText(const std::string& body) const {
+    const std::optional<MonitorMargins> margins = readMargins();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return reader_.nearestText(body, ros::Time::now(), margins);
+  }
+
   std::vector<ContactState> contacts(const std::string& body) const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return reader_.contacts(body, ros::Time::now());
@@ -49,8 +62,24 @@ class ContactSubscriber {
     reader_.store(states, ros::Time::now());
   }
 
+  // Asks the master without mutex_, because that may take long.
+  std::optional<MonitorMargins> readMargins() const {
+    const std::lock_guard<std::mutex> lock(margins_mutex_);
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    if (!margins_read_.isZero() && now - margins_read_ < ros::WallDuration(1)) return margins_;
+    margins_read_ = now;
+    XmlRpc::XmlRpcValue parameters;
+    margins_.reset();
+    if (ros::param::get(monitor_, parameters)) margins_ = marginsOf(parameters);
+    return margins_;
+  }
+
   mutable std::mutex mutex_;  // guards reader_
   ContactReader reader_;
+  const std::string monitor_;         // its private namespace
+  mutable std::mutex margins_mutex_;  // guards what follows
+  mutable ros::SteadyTime margins_read_;
+  mutable std::optional<MonitorMargins> margins_;
   ros::Subscriber subscriber_;
 };
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,25 @@ ReaderRules rulesOf(const Json& given) {
   return rules;
 }
 
+// Returns parameters as the parameter server returns them.
+XmlRpc::XmlRpcValue treeOf(const Json& given) {
+  XmlRpc::XmlRpcValue tree;
+  if (given.is_object()) {
+    tree.begin();  // makes it a map, which may be empty
+    for (const auto& [name, value] : given.items()) tree[name] = treeOf(value);
+  } else if (given.is_array()) {
+    tree.setSize(static_cast<int>(given.size()));
+    for (std::size_t i = 0; i < given.size(); ++i) tree[static_cast<int>(i)] = treeOf(given[i]);
+  } else if (given.is_number_integer()) {
+    tree = given.get<int>();
+  } else if (given.is_number()) {
+    tree = given.get<double>();
+  } else {
+    tree = given.get<std::string>();
+  }
+  return tree;
+}
+
 void expectAnswers(const ContactReader& reader, const Json& step) {
   const ros::Time now(step.at("now").get<double>());
   const std::string body = step.at("body");
@@ -71,6 +91,10 @@ void expectAnswers(const ContactReader& reader, const Json& step) {
     pairs.push_back(state.body_a + " " + state.body_b);
   }
   EXPECT_EQ(pairs, step.at("contacts").get<std::vector<std::string>>());
+  if (!step.contains("text")) return;
+  std::optional<MonitorMargins> margins;
+  if (step.contains("monitor")) margins = marginsOf(treeOf(step["monitor"]));
+  EXPECT_EQ(reader.nearestText(body, now, margins), step["text"].get<std::string>());
 }
 
 TEST(ContactReaderTest, answersAsTheTableSays) {

@@ -50,6 +50,9 @@ class Answers(unittest.TestCase):
             answer = reader.may_move(step["body"], now)
             self.assertEqual((bool(answer), answer.because), (not step["because"], step["because"]))
             self.assertEqual(reader.nearest(step["body"], now), float(step["nearest"]))
+            if "text" in step:
+                margins = contact_reader.margins_of(step["monitor"]) if "monitor" in step else None
+                self.assertEqual(reader.nearest_text(step["body"], now, margins), step["text"])
             self.assertEqual(["%s %s" % (state.body_a, state.body_b)
                               for state in reader.contacts(step["body"], now)], step["contacts"])
 

@@ -59,6 +59,7 @@ class Controllers(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
+        rospy.set_param("/contact_monitor", {"margin_m": 0.0625, "link_margin_m": {"panda_hand": 0.125}})
         cls.monitor = Monitor()
         cls.log = Log("/rosout", RosLog)
         cls.folder = pathlib.Path(tempfile.mkdtemp())
@@ -69,7 +70,7 @@ class Controllers(unittest.TestCase):
         self.monitor.state.state, self.monitor.silent = ContactState.NONE, False
         program = subprocess.Popen(command)
         try:
-            self.says("panda_hand may move")
+            self.says("panda_hand may move: beyond the margin of 0.125 m")
             self.monitor.state.state = ContactState.CONTACT
             self.says("panda_hand and cloth: CONTACT")
             self.monitor.state.state = ContactState.ALLOWED

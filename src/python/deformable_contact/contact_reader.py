@@ -5,6 +5,7 @@ but messages and times that it is given; ContactSubscriber needs rospy.
 """
 import math
 import threading
+import time
 
 NONE, NEAR, CONTACT, ALLOWED, UNKNOWN, PASSED = range(6)
 
@@ -41,6 +42,25 @@ def certain_distance(state, tolerance_m):
     if low > 0 and math.isfinite(low):
         return low
     return max(0.0, separation - tolerance_m)
+
+
+def margins_of(parameters):
+    """The margin of each body by its name, and of all others by "*" [m], from the private
+    parameters of a monitor. Values of a wrong type are ignored: a monitor does not start with
+    them."""
+    def number(mapping, fallback):
+        value = mapping.get("margin_m") if isinstance(mapping, dict) else mapping
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        return float(value) if is_number else fallback
+
+    margins = {"*": number(parameters, 0.0)}
+    links, objects = parameters.get("link_margin_m"), parameters.get("objects")
+    for name, margin_m in links.items() if isinstance(links, dict) else ():
+        margins[name] = number(margin_m, margins["*"])
+    for one in objects if isinstance(objects, list) else ():
+        if isinstance(one, dict) and isinstance(one.get("name"), str):
+            margins[one["name"]] = number(one, margins["*"])
+    return margins
 
 
 class ContactReader:
@@ -105,7 +125,7 @@ class ContactReader:
                 return MoveAnswer("%s and %s: %s" % (state.body_a, state.body_b, because))
         if states or self.unlisted_may_move:
             return MoveAnswer("")
-        return MoveAnswer("no pair is monitored" if body == "*" else body + " is in no state")
+        return MoveAnswer(_missing(body))
 
     def nearest(self, body, now):
         """The least certain_distance() of its pairs [m], for a speed; 0 where anything is not
@@ -120,6 +140,30 @@ class ContactReader:
         return min((certain_distance(state, self.newest.tolerance) for state in states),
                    default=math.inf)
 
+    def nearest_text(self, body, now, margins=None):
+        """nearest() in words: "0.1250 m, hand and cloth", "hand and cloth: CONTACT", "beyond the
+        margin of 0.05 m" where no pair has a distance, or why nothing is known. margins: those of
+        the monitor (margins_of()); None: they are not known."""
+        states = self._states_of(body) if self.newest is not None else []
+        because = self._why_unknown(body, states, now)
+        if because:
+            return because
+        distances = [certain_distance(state, self.newest.tolerance) for state in states]
+        least_m = min(distances, default=math.inf)
+        if math.isfinite(least_m):
+            state = states[distances.index(least_m)]
+            pair = "%s and %s" % (state.body_a, state.body_b)
+            if state.state in (CONTACT, PASSED):
+                return "%s: %s" % (pair, "CONTACT" if state.state == CONTACT else "PASSED")
+            return "%.4f m, %s" % (least_m, pair)
+        pairs = [(state.body_a, state.body_b) for state in states if state.state == NONE]
+        if not pairs:
+            return "no pair that matters"  # none, or all are ALLOWED
+        if margins is None:
+            return "beyond the monitor's margin"
+        return "beyond the margin of %g m" % min(
+            max(margins.get(name, margins["*"]) for name in pair) for pair in pairs)
+
     def contacts(self, body, now):
         """Its pairs that are known to touch, or to have touched since their last cycle. None is no
         reason to move: ask may_move()."""
@@ -127,6 +171,17 @@ class ContactReader:
             return []
         return [state for state in self._states_of(body)
                 if state.state in (CONTACT, PASSED) and not self._doubt(state, now)]
+
+    def _why_unknown(self, body, states, now):
+        """Why something about the body is not known; empty: all is."""
+        because = self._silence(now)
+        for state in states if not because else ():
+            because = self._doubt(state, now)
+            if because:
+                return "%s and %s: %s" % (state.body_a, state.body_b, because)
+        if because or states or self.unlisted_may_move:
+            return because
+        return _missing(body)
 
     def _states_of(self, body):
         return [state for state in self.newest.states
@@ -183,6 +238,8 @@ class ContactSubscriber:
         import rospy
         from deformable_contact_monitor.msg import ContactStates
 
+        self._monitor = rospy.resolve_name(topic).rpartition("/")[0]  # its private namespace
+        self._margins, self._margins_read_s = None, -math.inf
         self._now = rospy.Time.now
         self._lock = threading.Lock()
         self._reader = ContactReader(**rules)
@@ -197,13 +254,37 @@ class ContactSubscriber:
         with self._lock:
             return self._reader.nearest(body, self._now())
 
+    def nearest_text(self, body):
+        """As ContactReader's, with the margins of the monitor: below the topic's namespace on the
+        parameter server, which is not asked again within a second."""
+        margins = self._read_margins()
+        with self._lock:
+            return self._reader.nearest_text(body, self._now(), margins)
+
     def contacts(self, body):
         with self._lock:
             return self._reader.contacts(body, self._now())
 
+    def _read_margins(self):
+        import rospy
+
+        if time.monotonic() - self._margins_read_s > 1:
+            self._margins_read_s = time.monotonic()
+            try:
+                parameters = rospy.get_param(self._monitor or "/", None)
+            except OSError:  # there is no master
+                parameters = None
+            self._margins = margins_of(parameters) if isinstance(parameters, dict) else None
+        return self._margins
+
     def _store(self, states):
         with self._lock:
             self._reader.store(states, self._now())
+
+
+def _missing(body):
+    """What is said of a body without states."""
+    return "no pair is monitored" if body == "*" else body + " is in no state"
 
 
 def _seconds(a, b):

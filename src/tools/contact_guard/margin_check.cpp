@@ -3,43 +3,14 @@
 #include "tools/contact_guard/margin_check.h"
 
 #include <algorithm>
-#include <map>
 #include <sstream>
 #include <vector>
 
-#include "monitor/rules/parameter_reader.h"
 #include "reader/contact_reader.h"
+#include "reader/monitor_margins.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-// The largest margin that the monitor accepts [m].
-constexpr double kLargestM = 10;
-
-// The margin of single bodies, and the common margin of all others [m].
-struct Margins {
-  double common_m = 0;
-  std::map<std::string, double> own_m;
-
-  double of(const std::string& body) const {
-    const auto found = own_m.find(body);
-    return found == own_m.end() ? common_m : found->second;
-  }
-};
-
-// Reads the monitor's margins. Bad values are ignored, since the monitor does not start with them.
-Margins readMargins(const XmlRpc::XmlRpcValue& monitor) {
-  std::vector<std::string> problems;
-  ParameterReader reader(monitor, "", &problems);
-  Margins margins;
-  margins.common_m = reader.number("margin_m", 0, 0, kLargestM);
-  margins.own_m = reader.numbers("link_margin_m", 0, kLargestM);
-  for (ParameterReader& object : reader.structs("objects")) {
-    const std::string name = object.text("name", "");
-    margins.own_m[name] = object.number("margin_m", margins.common_m, 0, kLargestM);
-  }
-  return margins;
-}
 
 // Returns whether the guard regards the pair, as Guard::counts() does.
 bool counts(const ContactState& state, const std::vector<std::string>& links) {
@@ -53,11 +24,11 @@ bool counts(const ContactState& state, const std::vector<std::string>& links) {
 // Compares in float32, because the monitor keeps margins as float32.
 std::string tooSmallMargins(const XmlRpc::XmlRpcValue& monitor, const ContactStates& states,
                             const GuardParameters& parameters) {
-  const Margins margins = readMargins(monitor);
+  const MonitorMargins margins = marginsOf(monitor);
   std::string first;
   std::size_t count = 0;
   for (const ContactState& state : states.states) {
-    const double margin_m = std::max(margins.of(state.body_a), margins.of(state.body_b));
+    const double margin_m = margins.of(state);
     if (state.state == ContactState::ALLOWED || !counts(state, parameters.links) ||
         static_cast<float>(margin_m) >= static_cast<float>(parameters.slow_distance_m)) {
       continue;

@@ -1,0 +1,63 @@
+// The margins of a running monitor, from its parameters. ~contact_states does not say them.
+#pragma once
+
+#include <deformable_contact_monitor/ContactState.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+namespace deformable_contact_monitor {
+
+// The margin of single bodies, and the common margin of all others [m].
+struct MonitorMargins {
+  double common_m = 0;
+  std::map<std::string, double> own_m;
+
+  double of(const std::string& body) const {
+    const auto found = own_m.find(body);
+    return found == own_m.end() ? common_m : found->second;
+  }
+  // Returns the margin of a pair, the larger one of its two bodies.
+  double of(const ContactState& state) const {
+    return std::max(of(state.body_a), of(state.body_b));
+  }
+};
+
+// Reads margins from the private parameters of a monitor, as the parameter server returns them. A
+// value of a wrong type is ignored, because a monitor does not start with it.
+inline MonitorMargins marginsOf(XmlRpc::XmlRpcValue parameters) {
+  using XmlRpc::XmlRpcValue;
+  const auto numberOf = [](XmlRpcValue& map, const std::string& name, double fallback) {
+    if (!map.hasMember(name)) return fallback;
+    const XmlRpcValue& value = map[name];
+    if (value.getType() == XmlRpcValue::TypeInt) {
+      return static_cast<double>(static_cast<const int&>(value));
+    }
+    const bool is_number = value.getType() == XmlRpcValue::TypeDouble;
+    return is_number ? static_cast<const double&>(value) : fallback;
+  };
+  MonitorMargins margins;
+  if (parameters.getType() != XmlRpcValue::TypeStruct) return margins;
+  margins.common_m = numberOf(parameters, "margin_m", 0);
+  XmlRpcValue& links = parameters["link_margin_m"];
+  if (links.getType() == XmlRpcValue::TypeStruct) {
+    for (const auto& link : links) {
+      margins.own_m[link.first] = numberOf(links, link.first, margins.common_m);
+    }
+  }
+  XmlRpcValue& objects = parameters["objects"];
+  if (objects.getType() != XmlRpcValue::TypeArray) return margins;
+  for (int i = 0; i < objects.size(); ++i) {
+    XmlRpcValue& object = objects[i];
+    if (object.getType() != XmlRpcValue::TypeStruct || !object.hasMember("name")) continue;
+    const XmlRpcValue& name = object["name"];
+    if (name.getType() != XmlRpcValue::TypeString) continue;
+    margins.own_m[static_cast<const std::string&>(name)] =
+        numberOf(object, "margin_m", margins.common_m);
+  }
+  return margins;
+}
+
+}  // namespace deformable_contact_monitor
