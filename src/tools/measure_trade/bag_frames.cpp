@@ -40,10 +40,12 @@ struct Frame {
 // because they would need twice the memory of the vertices.
 class BagFrames : public FrameSource {
  public:
-  explicit BagFrames(const PairClasses& classes) : pair_classes_(namesOf(classes)) {}
+  BagFrames(const PairClasses& classes, std::size_t most_frames)
+      : pair_classes_(namesOf(classes)), most_frames_(most_frames) {}
 
   // Copies what the cycle's scene changes. Call it for each cycle, in order.
   void add(const CycleReport& cycle) {
+    if (cycles_++ % every_ != 0) return;
     if (frames_.empty()) start(cycle);
     const Scene& scene = *cycle.scene;
     Frame frame;
@@ -59,8 +61,16 @@ class BagFrames : public FrameSource {
       frame.pairs.push_back({pair.a, pair.b, scene.pairEnabled(pair.a, pair.b)});
     }
     frames_.push_back(std::move(frame));
+    if (most_frames_ > 0 && frames_.size() > most_frames_) keepEverySecond();
   }
   bool isEmpty() const { return frames_.empty(); }
+
+  // Returns which of the cycles are frames, in words; empty: all are.
+  std::string sampleText() const {
+    if (every_ == 1) return "";
+    return std::to_string(frames_.size()) + " of " + std::to_string(cycles_) +
+           " cycles are measured, one in " + std::to_string(every_) + " (--frames 0: all)";
+  }
 
   bool next() override {
     if (next_ == frames_.size()) return false;
@@ -89,6 +99,13 @@ class BagFrames : public FrameSource {
     shown_.resize(deformable_.size());
   }
 
+  void keepEverySecond() {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < frames_.size(); i += 2) std::swap(frames_[kept++], frames_[i]);
+    frames_.resize(kept);
+    every_ *= 2;
+  }
+
   // Returns the triangles of the previous frame if they are the same.
   std::shared_ptr<const HostList<std::uint32_t>> sharedTriangles(BodyId id,
                                                                  const TriangleMesh& mesh) {
@@ -112,6 +129,8 @@ class BagFrames : public FrameSource {
   }
 
   std::vector<std::string> pair_classes_;
+  std::size_t most_frames_;             // 0: no limit
+  std::size_t cycles_ = 0, every_ = 1;  // of the cycles that came, one in every_ is a frame
   Scene scene_;
   std::vector<bool> deformable_;
   std::vector<Frame> frames_;
@@ -122,7 +141,7 @@ class BagFrames : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
+std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t most_frames,
                                            const std::function<void(const std::string&)>& progress,
                                            const std::function<void(const std::string&)>& warn) {
   // The reader forks, so it is made before anything starts threads.
@@ -134,7 +153,7 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
   BagContents contents = scanBags(&reader, [](std::uint64_t) {});
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);
-  auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes);
+  auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes, most_frames);
   bool has_changed = false;
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
     // All frames are of one scene, whose links do not change.
@@ -151,6 +170,7 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files,
   });
   if (!problem.empty()) throw std::runtime_error("damaged: " + problem);
   if (frames->isEmpty()) throw std::runtime_error("the bags have no cycle to measure");
+  if (!frames->sampleText().empty()) warn(frames->sampleText());
   return frames;
 }
 

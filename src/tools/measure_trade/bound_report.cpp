@@ -109,6 +109,9 @@ std::string boundsText(const TradeArguments& arguments, const std::vector<BoundM
   const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
   const std::string budget =
       arguments.budget_ms ? " within " + numberText(*arguments.budget_ms) + " ms" : "";
+  if (chosen && all[*chosen].setting.overlap == 1 && !all[*chosen].setting.isBounded()) {
+    text += "Keep the defaults: exact detection, without tolerance and budget\n";
+  }
   return text +
          (chosen ? "Chosen" + budget + ": " + describe(all[*chosen].setting)
                  : "No setting decides all pairs" + budget) +
@@ -129,9 +132,9 @@ std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundM
   std::istringstream lines(boundsText(arguments, all));
   for (std::string words; std::getline(lines, words);) text += "# " + words + "\n";
   text += "backend: " + m.setting.backend + "\nthreads: " + std::to_string(arguments.base.threads) +
-          "\ntolerance_m: " + numberText(m.setting.tolerance_m) +
-          "\nbudget_ms: " + numberText(arguments.budget_ms.value_or(0)) + "\npair_classes: [" +
-          joined(frames.pairClasses(), ", ") + "]\n";
+          "\ntolerance_m: " + numberText(m.setting.tolerance_m) + "\n";
+  if (arguments.writes_budget) text += "budget_ms: " + numberText(*arguments.budget_ms) + "\n";
+  text += "pair_classes: [" + joined(frames.pairClasses(), ", ") + "]\n";
   return text;
 }
 

@@ -31,8 +31,8 @@ std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
 // Returns a line for each setting, and the choice.
 std::string boundsText(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all);
 
-// Returns the node's parameters. If no setting was chosen, they have the largest tolerance.
-// budget_ms is that of the arguments.
+// Returns the node's parameters. If no setting was chosen, they have the largest tolerance. They
+// have a budget_ms, that of the arguments, only if the arguments ask for it.
 std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames);
 

@@ -109,7 +109,8 @@ std::unique_ptr<FrameSource> makeMeshFrames(
 
 #ifndef DCM_HAVE_BAGS
 std::unique_ptr<FrameSource> makeBagFrames(
-    const BagFiles& files, const std::function<void(const std::string&)>& /*progress*/,
+    const BagFiles& files, std::size_t /*most_frames*/,
+    const std::function<void(const std::string&)>& /*progress*/,
     const std::function<void(const std::string&)>& /*warn*/) {
   throw std::runtime_error(files.bags.front() +
                            ": this build reads no bags: it was made without ROS");

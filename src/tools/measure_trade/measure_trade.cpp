@@ -46,7 +46,11 @@ void note(const std::string& what) {
 // Opens the bags or the mesh files of the command line.
 std::unique_ptr<FrameSource> openFrames(const TradeArguments& arguments,
                                         const SayProgress& progress) {
-  if (!arguments.recorded.bags.empty()) return makeBagFrames(arguments.recorded, progress, note);
+  // Between frames that are left out, objects move farther than in one step.
+  const auto most_frames = static_cast<std::size_t>(arguments.swept ? 0 : arguments.most_frames);
+  if (!arguments.recorded.bags.empty()) {
+    return makeBagFrames(arguments.recorded, most_frames, progress, note);
+  }
   return makeMeshFrames(arguments.meshes, progress);
 }
 
@@ -75,6 +79,9 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
                                 std::to_string(arguments.repeats) + ", setting " +
                                 std::to_string(i + 1) + " of " + std::to_string(settings.size()) +
                                 ": " + describe(settings[i]) + ": ";
+      const double all = static_cast<double>(settings.size()) * arguments.repeats;
+      progress->setDone((static_cast<double>(settings.size()) * repeat + static_cast<double>(i)) /
+                        all);
       Measurement& sum = results.measurements[i];
       sum.setting = settings[i];
       const std::unique_ptr<Detector> detector = makeBackend(settings[i].backend);
@@ -83,12 +90,15 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
           [&](const std::string& what) { progress->set(place + what); }, &sum);
     }
   }
+  progress->setDone(1);
   // All settings are compared only after everything was measured.
   std::vector<Worth> worth;
   for (const Measurement& m : results.measurements) worth.push_back(m.worth());
   results.front = paretoFront(worth);
   results.chosen = choose(worth, arguments.budget_ms);
   results.fastest = fastest(worth);
+  if (results.chosen)
+    results.chosen = defaultsIfAsGood(results.measurements, *results.chosen, arguments.budget_ms);
   if (results.chosen) results.as_fast = asFast(worth, *results.chosen);
   return results;
 }
@@ -171,12 +181,16 @@ std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, 
   const int frame_count = static_cast<int>(truth.size());
   const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
   for (BoundMeasurement& m : all) {
-    progress->set(describe(m.setting));
+    const auto done = &m - all.data();
+    progress->setDone(static_cast<double>(done) / static_cast<double>(all.size()));
+    progress->set("setting " + std::to_string(done + 1) + " of " + std::to_string(all.size()) +
+                  ": " + describe(m.setting));
     const auto tilings = m.setting.isBounded() ? std::make_shared<TilingCache>() : nullptr;
     const std::unique_ptr<Detector> detector =
         makeDetector(m.setting.backend, WithoutCuda::kRefuse, CudaSettings(), note, tilings);
     measureBounds(frames, truth, cycles, arguments.base, detector.get(), tilings.get(), &m);
   }
+  progress->setDone(1);
   return all;
 }
 

@@ -81,6 +81,11 @@ void addRun(CommandLine* line, TradeArguments* arguments) {
             inRange(1, 1000));
   line->add("--warm-up", &arguments->warm_up,
             "Cycles at the start of each repeat that are not counted", inRange(0, 1000000000));
+  line->add(
+      "--frames", &arguments->most_frames,
+      "With --bag: most cycles of the bags that are measured, spread evenly over them; 0: all",
+      inRange(0, 1000000000));
+  line->requireFor("--frames", "--bag");
   line->add("--out", &arguments->out_folder, "Folder for the results; it is made if it is missing");
   line->add("--budget-ms", &arguments->budget_ms,
             "Choose the most accurate setting that takes at most this time in 95 of 100 cycles; "
@@ -90,12 +95,21 @@ void addRun(CommandLine* line, TradeArguments* arguments) {
             "File for the chosen setting, as parameters of contact_monitor (yaml)");
   line->addFlag("--force", &arguments->force, "Replace an existing file of --write-config");
   line->requireFor("--force", "--write-config");
+  line->addFlag(
+      "--write-budget", &arguments->writes_budget,
+      "Also write --budget-ms, as budget_ms. The node's budget counts from the arrival of a "
+      "mesh, so it includes the wait for transforms: pairs that are not decided by then are "
+      "UNKNOWN");
+  for (const char* option : {"--budget-ms", "--write-config", "--tolerance"}) {
+    line->requireFor("--write-budget", option);
+  }
 }
 
 // Options that only the grid has.
-constexpr const char* kGridOptions[] = {
-    "--overlaps", "--predicates",      "--clusters", "--fuzzifiers", "--iterations",
-    "--cycles",   "--refresh-periods", "--warm-up",  "--budget-ms",  "--write-config"};
+constexpr const char* kGridOptions[] = {"--overlaps",        "--predicates", "--clusters",
+                                        "--fuzzifiers",      "--iterations", "--cycles",
+                                        "--refresh-periods", "--warm-up",    "--budget-ms",
+                                        "--write-config",    "--frames"};
 
 // Adds the options of --swept.
 void addSwept(CommandLine* line, TradeArguments* arguments) {

@@ -24,7 +24,9 @@ struct TradeArguments {
   int least_cycles = 20;  // cycles of each setting, rounded up to whole passes through the frames
   int repeats = 3;        // the cycles are divided among so many passes through the grid
   int warm_up = 5;        // cycles before the measured ones, in each repeat
+  int most_frames = 100;  // of bags, spread evenly over them; 0: all
   std::optional<double> budget_ms;
+  bool writes_budget = false;  // config_file gets budget_ms
   std::string out_folder = "trade";
   std::string config_file;  // parameters to write; empty: none
   bool force = false;       // replace an existing config_file

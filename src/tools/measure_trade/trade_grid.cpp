@@ -91,6 +91,14 @@ std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base) {
   return settings;
 }
 
+bool isDefault(const Setting& setting) {
+  const Options& options = setting.options;
+  const Options usual;
+  return options.predicates == usual.predicates && options.overlap == usual.overlap &&
+         options.clusters == usual.clusters && options.fuzzifier == usual.fuzzifier &&
+         options.iterations == usual.iterations && options.refresh_period == usual.refresh_period;
+}
+
 std::string describe(const Setting& setting) {
   const Options& options = setting.options;
   const Options usual;

@@ -36,6 +36,9 @@ struct TradeGrid {
 // Everything else is as in `base`. No setting comes twice.
 std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base);
 
+// Returns whether the node runs with these options if none of them is set.
+bool isDefault(const Setting& setting);
+
 // Returns the setting in words: "cpu, exact, overlap 0.5, clusters auto", and what else differs
 // from the defaults.
 std::string describe(const Setting& setting);

@@ -92,6 +92,25 @@ Worth Measurement::worth() const {
   return worth;
 }
 
+// The defaults need no configuration, so they are preferred unless another setting is faster beyond
+// the noise.
+std::size_t defaultsIfAsGood(const std::vector<Measurement>& all, std::size_t chosen,
+                             std::optional<double> budget_ms) {
+  const Worth best = all[chosen].worth();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Worth worth = all[i].worth();
+    const bool finds_as_much = worth.recall >= best.recall && worth.precision >= best.precision &&
+                               worth.guaranteed >= best.guaranteed;
+    const bool is_over_budget =
+        budget_ms && worth.p95_ms > *budget_ms && worth.p95_ms > best.p95_ms;
+    if (isDefault(all[i].setting) && all[i].setting.backend == all[chosen].setting.backend &&
+        finds_as_much && !is_over_budget && isMedianWithinNoise(worth, best)) {
+      return i;
+    }
+  }
+  return chosen;
+}
+
 // Uses the default options: exact predicates and overlap 1 find every contact by proof.
 ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,
                           const SayProgress& progress) {

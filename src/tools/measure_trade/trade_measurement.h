@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,12 @@ struct Measurement {
   // Returns the criteria by which the setting is compared with others.
   Worth worth() const;
 };
+
+// Returns the index of the setting to use in place of `chosen`: that of the default options on the
+// same backend, if it finds as much, keeps the budget as well and is no slower beyond the noise of
+// the repeats. Otherwise returns `chosen`.
+std::size_t defaultsIfAsGood(const std::vector<Measurement>& all, std::size_t chosen,
+                             std::optional<double> budget_ms);
 
 // Measures sum->setting once more, and adds to `sum`. The detector must be new or reset. Throws
 // std::runtime_error if contacts were left out because device memory was short.

@@ -286,7 +286,8 @@ std::string choiceText(const TradeArguments& arguments, const TradeResults& resu
     return "Chosen " +
            (arguments.budget_ms ? "for " + budgetText(*arguments.budget_ms) : "without a budget") +
            ": " + describe(m.setting) + "\n  " + worthText(m.worth()) + "\n" + noiseText(m) +
-           otherChoices(arguments, results);
+           otherChoices(arguments, results) +
+           (isDefault(m.setting) ? "Keep the defaults: this setting is the node's own.\n" : "");
   }
   // Nothing was chosen, so the fastest setting shows how far the budget is away.
   const Measurement& m = results.measurements[results.fastest];

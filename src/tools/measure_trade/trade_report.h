@@ -42,8 +42,8 @@ std::string linksCsv(const TradeResults& results, const FrameSource& frames);
 std::string summaryJson(const TradeArguments& arguments, const TradeResults& results,
                         const FrameSource& frames);
 
-// Returns some lines: which setting was chosen or that none keeps the budget, and how noise affects
-// that.
+// Returns some lines: which setting was chosen or that none keeps the budget, how noise affects
+// that, and whether these are the defaults.
 std::string choiceText(const TradeArguments& arguments, const TradeResults& results);
 
 // Returns the chosen setting as parameters of contact_monitor, with a comment that says what was

@@ -98,7 +98,8 @@ class Bounds(Case):
         with open(self.path("chosen.yaml")) as file:
             chosen = yaml.safe_load(file)
         self.assertEqual(chosen["tolerance_m"], 0, "the least that keeps it")
-        self.assertEqual((chosen["budget_ms"], chosen["backend"]), (100000, "cpu"))
+        self.assertEqual((chosen["backend"], chosen["threads"]), ("cpu", 1))
+        self.assertNotIn("budget_ms", chosen, "it is not asked for")
         self.assertEqual(chosen["pair_classes"], ["robot_deformable"])
         summary = self.summary()
         self.assertEqual(summary["broken_promises"], [])
@@ -109,7 +110,28 @@ class Bounds(Case):
         self.works("--tolerance", "--tolerances-m", "0.001,0.2", *self.scene(), "--budget-ms",
                    "0.000001", "--cycles", "4", "--write-config", "other.yaml")
         with open(self.path("other.yaml")) as file:
-            self.assertEqual(yaml.safe_load(file)["tolerance_m"], 0.2, "none keeps it")
+            other = yaml.safe_load(file)
+        self.assertEqual(other["tolerance_m"], 0.2, "none keeps it")
+        self.assertNotIn("budget_ms", other)
+
+    def test_a_budget_is_written_where_it_is_asked_for(self):
+        self.works("--tolerance", "--tolerances-m", "0.2", "--budgets-ms", "0", *self.scene(),
+                   "--cycles", "4", "--budget-ms", "12.5", "--write-config", "chosen.yaml",
+                   "--write-budget")
+        with open(self.path("chosen.yaml")) as file:
+            self.assertEqual(yaml.safe_load(file)["budget_ms"], 12.5)
+        for missing in (["--budget-ms", "5"], ["--write-config", "other.yaml"]):
+            self.assert_refused(["--tolerance", "--write-budget", *missing, *self.scene()],
+                                "--write-budget")
+
+    def test_exact_detection_is_the_default(self):
+        done = self.works("--tolerance", "--tolerances-m", "0", "--budgets-ms", "0", "--overlaps",
+                          "1", "--cycles", "4", *self.scene(), "--write-config", "chosen.yaml")
+        self.assertIn("\nKeep the defaults: exact", done.stdout)
+        with open(self.path("chosen.yaml")) as file:
+            text = file.read()
+        self.assertIn("\n# Keep the defaults: exact", text)
+        self.assertEqual(yaml.safe_load(text)["tolerance_m"], 0)
 
     def test_cuda_is_refused_or_beside(self):
         done = self.run_tool(*self.OPTIONS, *self.scene(), "--backends", "cpu,cuda")

@@ -54,6 +54,28 @@ class TradeBag(unittest.TestCase):
         self.assertEqual({recalls["1", clusters] for clusters in ("0", "64")}, {1.0})
         self.assertLess(recalls["0", "64"], 1)
 
+    def test_a_long_bag_is_sampled(self):
+        bag = write_bag(self.path("panda.bag"), self.scene.events())
+        expected = self.scene.expected()
+        for most in (FRAMES - 1, 5, 1, 0):
+            done = self.run_tool("--bag", bag, "--config", self.path("config.yaml"), "--overlaps",
+                                 "1", "--clusters", "0", "--predicates", "exact", "--repeats", "1",
+                                 "--cycles", "1", "--warm-up", "0", "--frames", str(most))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            step = next(2**i for i in range(20) if most == 0 or -(-FRAMES // 2**i) <= most)
+            kept = range(0, FRAMES, step)
+            with open(self.path("out/summary.json")) as file:
+                frames = json.load(file)["frames"]
+            self.assertEqual([frame["contacts"] for frame in frames],
+                             [len(expected[frame]) for frame in kept])
+            note = (f"note: {len(kept)} of {FRAMES} cycles are measured, one in {step} "
+                    "(--frames 0: all)")
+            self.assertEqual(note in done.stderr, step > 1, done.stderr)
+        for other in (["--swept"], ["--frames", "-1"]):
+            done = self.run_tool("--bag", bag, "--frames", "5", *other)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("--frames", done.stderr)
+
     def test_swept(self):
         """What instant motion finds is the oracle's, in each stretch from one kept frame on."""
         every = 4

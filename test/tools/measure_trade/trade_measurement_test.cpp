@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <stdexcept>
+#include <vector>
 
 #include "core/cpu_detector.h"
 #include "scenes.h"
@@ -145,6 +147,39 @@ TEST_F(TradeMeasurement, ContactsLeftOutAreNoMeasurement) {
   EXPECT_THROW(
       measured(Options(), [](DetectionResult* result, std::size_t) { result->left_out = 1; }),
       std::runtime_error);
+}
+
+// A setting that took so long in each of its repeats, and finds a part of the contacts.
+Measurement timed(const Setting& setting, const std::vector<double>& ms, double recall = 1) {
+  Measurement m;
+  m.setting = setting;
+  m.round_trip_ms = ms;
+  m.repeats.assign(ms.size(), 1);
+  m.external.add(recall, 0);
+  m.guaranteed = setting.options.overlap == 1;
+  return m;
+}
+
+TEST(TradeDefaults, AreChosenUnlessAnotherSettingIsFasterBeyondTheNoise) {
+  Setting usual{"cpu", Options()}, many = usual, lossy = usual, other_backend = usual;
+  many.options.clusters = 64;
+  lossy.options.overlap = 0.5F;
+  other_backend.backend = "cuda";
+  EXPECT_TRUE(isDefault(usual));
+  for (const Setting& setting : {many, lossy}) EXPECT_FALSE(isDefault(setting));
+  const auto chosen = [](const Measurement& best, const Measurement& defaults,
+                         std::optional<double> budget_ms = std::nullopt) {
+    return defaultsIfAsGood({best, defaults}, 0, budget_ms);
+  };
+  const Measurement fast = timed(many, {10, 11, 12});
+  EXPECT_EQ(chosen(fast, timed(usual, {11, 12, 13})), 1U);
+  EXPECT_EQ(chosen(fast, timed(usual, {13, 14, 15})), 0U) << "they are slower";
+  EXPECT_EQ(chosen(fast, timed(usual, {11, 12, 13}, 0.9)), 0U) << "they find less";
+  EXPECT_EQ(chosen(fast, timed(other_backend, {11, 12, 13})), 0U) << "they run elsewhere";
+  EXPECT_EQ(chosen(fast, timed(usual, {11, 12, 13}), 12.5), 0U) << "they exceed the budget";
+  EXPECT_EQ(chosen(fast, timed(usual, {11, 12, 13}), 20), 1U);
+  EXPECT_EQ(chosen(timed(lossy, {10, 11, 12}, 0.9), timed(usual, {11, 12, 13})), 1U);
+  EXPECT_EQ(chosen(timed(usual, {10, 11, 12}), fast), 0U);
 }
 
 TEST(TradeGrid, InFullAndOneAtATime) {
