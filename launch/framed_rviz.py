@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Starts rviz with the camera on what a monitor monitors: its robot and its objects.
 
-Usage: framed_rviz.py [--monitor NAME] [--wait SECONDS] [--watch SECONDS] [rviz's own options]. Waits
-for the links and meshes of the monitor (default /contact_monitor), at most 10 s, then watches for
-another 4 s where they move. Then it becomes rviz, with config/demo.rviz and a camera that sees all.
+Waits for the links and meshes of the monitor, then watches where they move. Then it becomes rviz, with
+config/demo.rviz and a camera that sees all. rviz gets every other argument, and remappings (a:=b);
+"rviz --help" lists rviz's own options.
 """
 import argparse
 import math
@@ -103,13 +103,25 @@ def moved(pose, p):
     return [x + 2 * c + o for x, c, o in zip(p, cross(u, once), (t.x, t.y, t.z))]
 
 
+def parse(words):
+    """Returns the options of this program, the words for rviz, and remappings, for both. Ends the
+    program at --help, before anything of ROS starts."""
+    parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--monitor", metavar="NAME", default="/contact_monitor",
+                        help="the monitor's node (default: %(default)s)")
+    parser.add_argument("--wait", metavar="SECONDS", type=float, default=10,
+                        help="longest wait for links and meshes [s] (default: %(default)s)")
+    parser.add_argument("--watch", metavar="SECONDS", type=float, default=4,
+                        help="how long it then watches them [s] (default: %(default)s)")
+    remappings = [word for word in words if ":=" in word]
+    arguments, for_rviz = parser.parse_known_args([word for word in words if ":=" not in word])
+    return arguments, for_rviz, remappings
+
+
 def main():
+    arguments, for_rviz, remappings = parse(sys.argv[1:])
     import rospy
-    parser = argparse.ArgumentParser(description=__doc__, add_help=False)
-    parser.add_argument("--monitor", default="/contact_monitor")
-    parser.add_argument("--wait", type=float, default=10)
-    parser.add_argument("--watch", type=float, default=4)
-    arguments, for_rviz = parser.parse_known_args(rospy.myargv()[1:])
     rospy.init_node("framed_rviz", anonymous=True)
     look = Look(rospy.resolve_name(arguments.monitor))
     end = time.monotonic() + arguments.wait
@@ -129,7 +141,6 @@ def main():
     os.makedirs(os.path.dirname(path), exist_ok=True)
     with open(path, "w") as file:
         file.write(text)
-    remappings = [a for a in sys.argv[1:] if ":=" in a]
     rospy.signal_shutdown("becomes rviz")
     os.execvp("rviz", ["rviz", "-d", path, "-f", look.frame, *for_rviz, *remappings])
 

@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
 """The camera of launch/framed_rviz.py: what it is to see lies within the picture."""
+import contextlib
 import importlib.util
+import io
 import itertools
 import math
 import os
+import sys
 import types
 import unittest
+from unittest import mock
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SPEC = importlib.util.spec_from_file_location(
@@ -43,6 +47,24 @@ class FramedRviz(unittest.TestCase):
         self.assertEqual(framed_rviz.box_of([(1, 5, 3), (nan, 0, 0), (2, 4, 9)]),
                          ((1, 4, 3), (2, 5, 9)))
         self.assertIsNone(framed_rviz.box_of([(nan, 1, 1)]))
+
+    def test_help_and_wrong_values_end_it_before_ros_starts(self):
+        for words, code, text in ((["--help"], 0, "--monitor NAME"), (["a:=b", "-h"], 0, "rviz"),
+                                  (["--wait", "long"], 2, "--wait")):
+            out = io.StringIO()
+            with self.assertRaises(SystemExit) as end, contextlib.redirect_stdout(out), \
+                    contextlib.redirect_stderr(out), mock.patch.object(sys, "argv", ["", *words]):
+                framed_rviz.main()
+            self.assertEqual(end.exception.code, code)
+            self.assertIn(text, out.getvalue())
+        self.assertNotIn("rospy", sys.modules)
+
+    def test_rviz_gets_its_own_arguments(self):
+        arguments, for_rviz, remappings = framed_rviz.parse(
+            ["--wait", "3", "-f", "map", "a:=b", "--fullscreen", "__name:=view"])
+        self.assertEqual((arguments.monitor, arguments.wait), ("/contact_monitor", 3))
+        self.assertEqual(for_rviz, ["-f", "map", "--fullscreen"])
+        self.assertEqual(remappings, ["a:=b", "__name:=view"])
 
     def test_only_the_view_changes(self):
         with open(framed_rviz.CONFIG) as file:

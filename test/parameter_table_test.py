@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import unittest
+from xml.etree import ElementTree
 
 SOURCE_DIR = os.environ.get("DCM_SOURCE_DIR") or os.path.dirname(
     os.path.dirname(os.path.abspath(__file__)))
@@ -125,6 +126,19 @@ class ParameterTable(unittest.TestCase):
                 if anchor and not path:
                     headings = re.findall(r"^#+ (.*)$", text_of("config", "README.md"), re.M)
                     self.assertIn(anchor, [h.lower().replace(" ", "-") for h in headings])
+
+
+class Launch(unittest.TestCase):
+
+    def test_nothing_remains_of_an_earlier_start(self):
+        """roslaunch deletes the private parameters of nodes with clear_params before it sets any."""
+        nodes = [node for name in os.listdir(os.path.join(SOURCE_DIR, "launch"))
+                 if name.endswith(".launch")
+                 for node in ElementTree.fromstring(text_of("launch", name)).iter("node")
+                 if node.get("type") in ("contact_monitor", "contact_guard", "nodelet")]
+        self.assertEqual(len(nodes), 5)
+        for node in nodes:
+            self.assertEqual(node.get("clear_params"), "true", node.attrib)
 
 
 if __name__ == "__main__":

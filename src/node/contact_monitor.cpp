@@ -24,12 +24,18 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Reads all parameters of the private namespace at once, and logs names that nothing reads.
+// Reads all parameters of the private namespace at once. Logs what is not at its default, because
+// parameters stay on the parameter server from one start to the next, and names that nothing reads.
 MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   ros::param::get(private_node.getNamespace(), tree);
   std::vector<std::string> warnings;
   MonitorParameters parameters = parseParameters(tree, &warnings);
+  std::string changed;
+  for (const std::string& value : parameters.changed) changed += "\n  " + value;
+  ROS_INFO_STREAM("on the parameter server below "
+                  << private_node.getNamespace() << ": "
+                  << (changed.empty() ? "the defaults alone" : "not the default are") << changed);
   for (const std::string& warning : warnings) ROS_WARN_STREAM(warning);
   if (parameters.objects.empty()) {
     ROS_WARN("~objects is empty, so no object is monitored; list objects with their topics there");

@@ -1,13 +1,17 @@
 // Runs the monitor as a node of its own. Exit code: 0 after a shutdown, 1 if it could not start or
-// is no longer registered with the ROS master.
+// is no longer registered with the ROS master, and 2 if the command line is wrong.
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "node/contact_monitor.h"
 #include "robot/link_mesh_files.h"
@@ -15,6 +19,42 @@
 namespace {
 
 std::atomic<int> exit_code{0};
+
+constexpr const char* kHelp =
+    R"(A node that publishes which triangles of a robot's links and of deforming objects touch.
+
+Usage: roslaunch deformable_contact_monitor contact_monitor.launch [NAME:=VALUE...]
+       rosrun deformable_contact_monitor contact_monitor [REMAPPING...]
+
+  roslaunch deformable_contact_monitor contact_monitor.launch \
+    reference_frame:=base_link objects:="[{name: cloth, topic: /cloth/mesh}]"
+
+By rosrun it has private parameters (_margin_m:=0.05) and takes remappings (__name:=monitor).
+config/contact_monitor.yaml explains all parameters. The launch file's arguments are listed by
+roslaunch --ros-args deformable_contact_monitor contact_monitor.launch
+
+Options:
+  -h [ --help ]         Print this and exit
+  --version             Print the version and exit
+)";
+
+// Answers --help and --version, and refuses every other word that ROS does not read. Returns the
+// exit code; nothing: the node is to run. Does not touch ROS, so that a running node of the same
+// name goes on.
+std::optional<int> answer(int argc, const char* const* argv) {
+  std::vector<std::string> words;
+  ros::removeROSArgs(argc, argv, words);
+  for (const std::string& word : words) {
+    const bool is_help = word == "--help" || word == "-h";
+    if (!is_help && word != "--version") continue;
+    std::fputs(is_help ? kHelp : "contact_monitor " DCM_VERSION "\n", stdout);
+    return 0;
+  }
+  if (words.size() < 2) return std::nullopt;  // the first is the program's name
+  std::fprintf(stderr, "contact_monitor: '%s' is not one of its arguments (see --help)\n",
+               words[1].c_str());
+  return 2;
+}
 
 // Ends the process within a second of Ctrl-C. Otherwise a shutdown waits for a ROS master that does
 // not answer, or until a robot of millions of triangles is prepared. The node writes no files, so
@@ -31,6 +71,7 @@ void endSoonAfterShutdown() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (const std::optional<int> code = answer(argc, argv)) return *code;
   ros::init(argc, argv, "contact_monitor");
   const ros::NodeHandle node, private_node("~");  // outlive the try block: ROS logs with them only
   endSoonAfterShutdown();

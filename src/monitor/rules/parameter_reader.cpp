@@ -45,6 +45,21 @@ void ParameterReader::addProblem(const std::string& name, const std::string& wha
   problems_->push_back(where_ + name + " " + what);
 }
 
+// XmlRpcValue writes lists in braces and maps in brackets; yaml has them the other way round.
+void ParameterReader::addChanged(const std::string& name, const XmlRpcValue& value) {
+  constexpr std::size_t kMostCharacters = 100;
+  const bool is_list = value.getType() == XmlRpcValue::TypeArray;
+  if ((is_list || value.getType() == XmlRpcValue::TypeStruct) && value.size() == 0) return;
+  std::string text = shown(value);
+  for (char& c : text) {
+    const std::string from = "[]{}", to = "{}[]";
+    const std::size_t at = from.find(c);
+    if (at != std::string::npos) c = to[at];
+  }
+  if (text.size() > kMostCharacters) text = text.substr(0, kMostCharacters) + "...";
+  changed_.push_back(name + ": " + text);
+}
+
 // XmlRpcValue's operator[] would add a missing member, hence the check before.
 const XmlRpcValue* ParameterReader::find(const std::string& name) {
   known_.insert(name);
@@ -56,9 +71,13 @@ const XmlRpcValue* ParameterReader::find(const std::string& name) {
 bool ParameterReader::flag(const std::string& name, bool fallback) {
   const XmlRpcValue* value = find(name);
   if (value == nullptr) return fallback;
-  if (value->getType() == XmlRpcValue::TypeBoolean) return static_cast<const bool&>(*value);
-  addProblem(name, "is " + shown(*value) + ", must be true or false");
-  return fallback;
+  if (value->getType() != XmlRpcValue::TypeBoolean) {
+    addProblem(name, "is " + shown(*value) + ", must be true or false");
+    return fallback;
+  }
+  const bool flag = static_cast<const bool&>(*value);
+  if (flag != fallback) addChanged(name, XmlRpcValue(flag ? "true" : "false"));
+  return flag;
 }
 
 // The two functions below check one value, which may be an element of a list or map. They return
@@ -79,6 +98,7 @@ int ParameterReader::integer(const std::string& name, int fallback, int low, int
   const XmlRpcValue* value = find(name);
   int integer = fallback;
   if (value == nullptr || !toInteger(name, *value, low, high, &integer)) return fallback;
+  if (integer != fallback) addChanged(name, *value);
   return integer;
 }
 
@@ -90,6 +110,7 @@ std::vector<int> ParameterReader::integers(const std::string& name, int low, int
     addProblem(name, "is " + shown(*value) + ", must be a list of whole numbers: [0, 1]");
     return {};
   }
+  addChanged(name, *value);
   std::vector<int> integers;
   for (int i = 0; i < value->size(); ++i) {
     const std::string item = name + "[" + std::to_string(i) + "]";
@@ -122,6 +143,8 @@ double ParameterReader::number(const std::string& name, double fallback, double 
   const XmlRpcValue* value = find(name);
   double number = fallback;
   if (value == nullptr || !toNumber(name, *value, low, high, &number)) return fallback;
+  // Defaults that are stored as float32 are those of the configuration file, rounded.
+  if (static_cast<float>(number) != static_cast<float>(fallback)) addChanged(name, *value);
   return number;
 }
 
@@ -134,9 +157,12 @@ std::string ParameterReader::text(const std::string& name, const std::string& fa
   }
   const auto& text = static_cast<const std::string&>(*value);
   // No text parameter has a meaning for an empty text; mostly a launch argument was forgotten.
-  if (!text.empty()) return text;
-  addProblem(name, "is empty");
-  return fallback;
+  if (text.empty()) {
+    addProblem(name, "is empty");
+    return fallback;
+  }
+  if (text != fallback) addChanged(name, *value);
+  return text;
 }
 
 // Lists all choices in the error message.
@@ -152,12 +178,13 @@ std::size_t ParameterReader::choice(const std::string& name,
   return fallback;
 }
 
-std::vector<std::string> ParameterReader::texts(const std::string& name) {
+std::vector<std::string> ParameterReader::texts(const std::string& name,
+                                                const std::vector<std::string>& fallback) {
   const XmlRpcValue* value = find(name);
-  if (value == nullptr) return {};
+  if (value == nullptr) return fallback;
   if (value->getType() != XmlRpcValue::TypeArray) {
     addProblem(name, "is " + shown(*value) + ", must be a list of texts: [a, b]");
-    return {};
+    return fallback;
   }
   std::vector<std::string> texts;
   for (int i = 0; i < value->size(); ++i) {
@@ -168,6 +195,7 @@ std::vector<std::string> ParameterReader::texts(const std::string& name) {
       addProblem(name + "[" + std::to_string(i) + "]", "is " + shown(item) + ", must be text");
     }
   }
+  if (texts != fallback) addChanged(name, *value);
   return texts;
 }
 
@@ -180,6 +208,7 @@ std::map<std::string, double> ParameterReader::numbers(const std::string& name, 
     addProblem(name, "is " + shown(*value) + ", must be a map of names to numbers: {a: 0.1}");
     return {};
   }
+  addChanged(name, *value);
   std::map<std::string, double> numbers;
   const std::string prefix = name + "/";
   for (const auto& [key, item] : *value) {
@@ -197,6 +226,7 @@ std::vector<ParameterReader> ParameterReader::structs(const std::string& name) {
     addProblem(name, "is " + shown(*value) + ", must be a list of maps: [{name: a}, {name: b}]");
     return {};
   }
+  addChanged(name, *value);
   std::vector<ParameterReader> readers;
   readers.reserve(static_cast<std::size_t>(value->size()));
   for (int i = 0; i < value->size(); ++i) {

@@ -28,7 +28,8 @@ class ParameterReader {
   // Returns the index of the value among `choices`; `fallback` is an index, too.
   std::size_t choice(const std::string& name, const std::vector<std::string>& choices,
                      std::size_t fallback);
-  std::vector<std::string> texts(const std::string& name);
+  std::vector<std::string> texts(const std::string& name,
+                                 const std::vector<std::string>& fallback = {});
   std::vector<int> integers(const std::string& name, int low, int high);
   std::map<std::string, double> numbers(const std::string& name, double low, double high);
   // Returns one reader for each map of a list. They add to the same problems.
@@ -43,7 +44,12 @@ class ParameterReader {
   // Returns the names that are set but were never asked for, each with the nearest known name.
   std::vector<std::string> unknown() const;
 
+  // Returns what is set to another value than its fallback, as "<name>: <value>", in the order in
+  // which it was asked for. Long values are cut.
+  const std::vector<std::string>& changed() const { return changed_; }
+
  private:
+  void addChanged(const std::string& name, const XmlRpc::XmlRpcValue& value);
   // Returns the value or null, and notes that the name is known.
   const XmlRpc::XmlRpcValue* find(const std::string& name);
   bool toInteger(const std::string& name, const XmlRpc::XmlRpcValue& value, int low, int high,
@@ -55,6 +61,7 @@ class ParameterReader {
   std::string where_;
   std::vector<std::string>* problems_;
   std::set<std::string> known_;
+  std::vector<std::string> changed_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -116,7 +116,7 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
       {"deformable_deformable", &classes.deformable_deformable},
       {"deformable_self", &classes.deformable_self},
       {"robot_self", &classes.robot_self}};
-  const std::vector<std::string> names = reader->texts("pair_classes");
+  const std::vector<std::string> names = reader->texts("pair_classes", {"robot_deformable"});
   for (const std::string& name : names) {
     const auto found = by_name.find(name);
     if (found != by_name.end()) {
@@ -246,6 +246,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   readOutput(&reader, &p);
   for (const std::string& problem : problems(p.detector)) found.push_back("~" + problem);
   warnOfUnknown(reader, warnings);
+  p.changed = reader.changed();
   if (found.empty()) return p;
   // Warnings are part of the text: a misspelled name often explains a problem.
   std::string all =

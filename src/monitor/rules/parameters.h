@@ -86,6 +86,8 @@ struct MonitorParameters {
   double diagnostic_min_rate_hz = 5;
 
   std::size_t max_mesh_bytes = std::size_t{512} << 20U;  // max_mesh_mib
+
+  std::vector<std::string> changed;  // what is not at its default, each as "name: value"
 };
 
 // Returns whether a tolerance or a budget is set, so that results may be less than exact.

@@ -92,10 +92,11 @@ bool answer(const std::string& path) {
 
 int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
-  if (argc != 2 || isatty(STDOUT_FILENO) == 1) {
+  const bool is_help = argc == 2 && std::string(argv[1]) == "--help";
+  if (is_help || argc != 2 || isatty(STDOUT_FILENO) == 1) {
     std::fputs("Usage: read_link_mesh FILE, by programs that load a robot; it writes binary data\n",
-               stderr);
-    return 2;
+               is_help ? stdout : stderr);
+    return is_help ? 0 : 2;
   }
   dcm::endWithParent();
   dcm::limitThisProcess();

@@ -163,14 +163,16 @@ void CommandLine::requireFor(const std::string& option, const std::string& requi
   required_for_.emplace_back(option, required);
 }
 
-// Abbreviated options are not accepted: a new option would change their meaning.
 bool CommandLine::parse(int argc, const char* const* argv) {
+  return parse(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
+}
+
+// Abbreviated options are not accepted: a new option would change their meaning.
+bool CommandLine::parse(const std::vector<std::string>& words) {
   using namespace po::command_line_style;
   try {
-    const po::parsed_options parsed = po::command_line_parser(argc, argv)
-                                          .options(options_)
-                                          .style(unix_style & ~allow_guessing)
-                                          .run();
+    const po::parsed_options parsed =
+        po::command_line_parser(words).options(options_).style(unix_style & ~allow_guessing).run();
     if (printAnswer(parsed)) return false;
     readAll(parsed);
   } catch (const po::error& error) {

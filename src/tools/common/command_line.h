@@ -129,6 +129,8 @@ class CommandLine {
   // Reads the command line. Returns false if --help or --version was asked for and is printed.
   // Throws as refuseUsage() does, and names the option.
   bool parse(int argc, const char* const* argv);
+  // Does the same with the words that follow the program's name.
+  bool parse(const std::vector<std::string>& words);
 
  private:
   using Words = std::vector<std::string>;

@@ -18,6 +18,9 @@
 #include <utility>
 
 #include "core/steady_time.h"
+#include "tools/common/command_line.h"
+#include "tools/common/ros_words.h"
+#include "tools/common/run_tool.h"
 #include "tools/contact_guard/guard.h"
 #include "tools/contact_guard/guard_parameters.h"
 #include "tools/contact_guard/margin_check.h"
@@ -27,11 +30,18 @@ namespace {
 
 SteadyTime steadyNow() { return std::chrono::steady_clock::now(); }
 
-// Reads all parameters of the private namespace at once. Throws GuardParameterError.
+// Reads all parameters of the private namespace at once, and logs what is not at its default.
+// Throws GuardParameterError.
 GuardParameters readParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   ros::param::get(private_node.getNamespace(), tree);
-  return parseGuardParameters(tree);
+  GuardParameters parameters = parseGuardParameters(tree);
+  std::string changed;
+  for (const std::string& value : parameters.changed) changed += "\n  " + value;
+  ROS_INFO_STREAM("on the parameter server below "
+                  << private_node.getNamespace() << ": "
+                  << (changed.empty() ? "the defaults alone" : "not the default are") << changed);
+  return parameters;
 }
 
 // Runs the guard on two threads: callbacks on a spinner's thread, the output in run(). A callback
@@ -171,15 +181,12 @@ class GuardNode {
   ros::Subscriber states_;
 };
 
-}  // namespace
-}  // namespace deformable_contact_monitor
-
-// Exit code: 0 after a shutdown, 1 after an exception, such as wrong parameters.
-int main(int argc, char** argv) {
+// Runs the node until ROS shuts down. Returns the exit code.
+int runGuard(int argc, char** argv) {
   ros::init(argc, argv, "contact_guard");
   const ros::NodeHandle node, private_node("~");  // outlive the try: without one, ROS logs nothing
   try {
-    deformable_contact_monitor::GuardNode guard(node, private_node);
+    GuardNode guard(node, private_node);
     ros::AsyncSpinner spinner(1);
     spinner.start();
     guard.run();
@@ -188,4 +195,23 @@ int main(int argc, char** argv) {
     return 1;
   }
   return 0;
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
+
+// Exit code: 0 after a shutdown, 1 after an exception, such as wrong parameters, and 2 if the
+// command line is wrong.
+int main(int argc, char** argv) {
+  namespace dcm = deformable_contact_monitor;
+  return dcm::runTool("contact_guard", [argc, argv] {
+    dcm::CommandLine line(
+        "contact_guard",
+        "A node that publishes a speed scale and a stop, computed from the states of a running\n"
+        "contact_monitor. Start it by\n\n"
+        "  roslaunch deformable_contact_monitor contact_guard.launch slow_distance_m:=0.1",
+        "It has private parameters (_stop_distance_m:=0.02) and takes remappings (__name:=guard).\n"
+        "Its README and contact_guard.launch list them.");
+    return line.parse(dcm::wordsForNode(argc, argv)) ? dcm::runGuard(argc, argv) : 0;
+  });
 }

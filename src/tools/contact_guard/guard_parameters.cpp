@@ -30,6 +30,7 @@ GuardParameters parseGuardParameters(const XmlRpc::XmlRpcValue& tree) {
   p.rate_hz = reader.number("rate_hz", p.rate_hz, 1, 1000);
   p.latch = reader.flag("latch", p.latch);
   for (const std::string& name : reader.unknown()) found.push_back(name + " is no parameter");
+  p.changed = reader.changed();
   if (found.empty()) return p;
   std::string all = std::to_string(found.size()) + " bad parameter(s):";
   for (const std::string& problem : found) all += "\n  " + problem;

@@ -22,6 +22,8 @@ struct GuardParameters {
   double max_silence_s = 0.5;  // longest silence of the monitor or the ROS clock, wall time
   double rate_hz = 50;         // least rate of the output
   bool latch = false;          // a stop stays until it is released
+
+  std::vector<std::string> changed;  // what is not at its default, each as "name: value"
 };
 
 // Thrown with every problem of the parameters, one a line.

@@ -197,8 +197,12 @@ def report(folder):
 
 
 if __name__ == "__main__":
+    if "--help" in sys.argv or "-h" in sys.argv:
+        print(__doc__)
+        sys.exit(0)
     if len(sys.argv) != 2:
-        sys.exit(__doc__)
+        print("evaluation_report.py: one folder is expected (see --help)", file=sys.stderr)
+        sys.exit(2)
     plt.rcParams.update({"svg.hashsalt": "evaluate_bag", "axes.spines.top": False,
                          "axes.spines.right": False})
     try:

@@ -21,6 +21,7 @@
 #include "robot/urdf_document.h"
 #include "tools/common/command_line.h"
 #include "tools/common/robot_obstacles.h"
+#include "tools/common/ros_words.h"
 #include "tools/common/run_tool.h"
 #include "tools/common/scene_object.h"
 #include "tools/scene_publisher/joint_mover.h"
@@ -174,13 +175,14 @@ int run(const Settings& s) {
 
 int main(int argc, char** argv) {
   namespace dcm = deformable_contact_monitor;
-  ros::init(argc, argv, "scene_publisher");
-  return dcm::runTool("scene_publisher", [argc, argv] {
+  return dcm::runTool("scene_publisher", [&argc, argv] {
     dcm::Settings settings;
     dcm::CommandLine line(
         "scene_publisher",
         "Publishes a deforming mesh, from files or as a simulated cloth, and moves a robot.");
     describe(&line, &settings);
-    return line.parse(argc, argv) ? dcm::run(settings) : 0;
+    if (!line.parse(dcm::wordsForNode(argc, argv))) return 0;
+    ros::init(argc, argv, "scene_publisher");
+    return dcm::run(settings);
   });
 }

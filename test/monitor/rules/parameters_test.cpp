@@ -90,6 +90,36 @@ TEST(Parameters, ToleranceAndBudget) {
   expectIn("~tolerance_m is above 0, which is not supported with motion: swept", refusalOf(swept));
 }
 
+// Each by its name and value, in the order of the configuration file's parts.
+TEST(Parameters, WhatIsNotAtItsDefaultIsListed) {
+  EXPECT_TRUE(parse(XmlRpcValue()).changed.empty());
+  XmlRpcValue tree, none;
+  none.begin();  // an empty map
+  tree["reference_frame"] = "base_link";
+  tree["margin_m"] = 0;
+  tree["link_margin_m"] = none;
+  tree["objects"] = list();
+  tree["pair_classes"] = list("robot_deformable");
+  tree["overlap"] = 1.0;
+  tree["swept_tolerance_m"] = 1e-4;
+  tree["containment"] = false;
+  tree["max_contacts"] = 0;
+  EXPECT_TRUE(parse(tree).changed.empty()) << parse(tree).changed.front();
+  tree["link_margin_m"]["hand"] = 0.5;
+  tree["geometry"] = "visual";
+  tree["objects"] = list(object(std::string(1000, 'c')));
+  tree["max_contacts"] = 7;
+  tree["containment"] = true;
+  const std::vector<std::string> changed = parse(tree).changed;
+  ASSERT_EQ(changed.size(), 5U);
+  EXPECT_EQ(changed[0], "geometry: visual");
+  EXPECT_EQ(changed[1], "link_margin_m: {hand:0.5}");
+  EXPECT_EQ(changed[2].substr(0, 18), "objects: [{name:cc");
+  EXPECT_LT(changed[2].size(), 120U);
+  EXPECT_EQ(changed[3], "containment: true");
+  EXPECT_EQ(changed[4], "max_contacts: 7");
+}
+
 TEST(Parameters, ValuesArrive) {
   XmlRpcValue tree, cable = object("cable"), rule, margins;
   cable["topic"] = "/camera/cable";
