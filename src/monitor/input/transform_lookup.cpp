@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
 
 #include "monitor/time_difference.h"
 
@@ -110,7 +111,7 @@ PoseAnswer TransformLookup::find(const FrameAtStamp& question) const {
         buffer_.lookupTransform(reference_frame_, question.frame, question.stamp);
     answer.pose = toRigidTransform(found.transform);
     answer.outcome = PoseAnswer::Outcome::kFound;
-  } catch (const tf2::TransformException&) {
+  } catch (const std::runtime_error&) {  // tf2's, or ros::Duration's if stamps are decades apart
     answer.outcome = PoseAnswer::Outcome::kNever;
   }
   return answer;

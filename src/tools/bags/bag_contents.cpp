@@ -7,9 +7,11 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <tuple>
 #include <utility>
 
 #include "monitor/input/transform_lookup.h"
+#include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
 #include "tools/bags/bag_meshes.h"
 #include "tools/bags/bag_messages.h"
@@ -47,8 +49,34 @@ void addStatic(const ros::Time& received, const geometry_msgs::TransformStamped&
             &contents->static_transforms[plainFrame(transform.child_frame_id)]);
 }
 
-// Notes frames, parents and stamps. `newest` is the newest stamp of a transform or joint so far.
-void lookAtTransforms(const BagMessage& message, ros::Time* newest, BagContents* contents) {
+// The first reading keeps this until its end.
+struct Scan {
+  ros::Time newest;  // stamp of a transform or a joint
+  TimeJumps transform_jumps, mesh_jumps;
+};
+
+// Adds the stamp of a transform or joint to a span, unless it is odd. What was before the clock
+// went back does not count.
+void addMoving(const std::string& source, const ros::Time& stamp, const ros::Time& received,
+               std::map<std::string, BagContents::Span>* spans, Scan* scan, BagContents* contents) {
+  const std::size_t jumps = scan->transform_jumps.all().size();
+  const TimeJumps::Fit fit = scan->transform_jumps.look(source, stamp, received);
+  BagContents::Span& span = (*spans)[source];
+  if (scan->transform_jumps.all().size() > jumps) {
+    for (auto& [frame, of] : contents->moving) of = {};
+    for (auto& [joint, of] : contents->joints) of = {};
+  }
+  if (fit == TimeJumps::Fit::kOdd) return;
+  if (fit == TimeJumps::Fit::kAnew) {
+    span = {};
+    scan->newest = stamp;
+  }
+  span.add(stamp);
+  scan->newest = std::max(scan->newest, stamp);
+}
+
+// Notes frames, parents and stamps.
+void lookAtTransforms(const BagMessage& message, Scan* scan, BagContents* contents) {
   for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
     const std::string frame = plainFrame(transform.child_frame_id);
     contents->parents[frame] = plainFrame(transform.header.frame_id);
@@ -57,46 +85,47 @@ void lookAtTransforms(const BagMessage& message, ros::Time* newest, BagContents*
     if (is_fixed) {
       addStatic(message.received, transform, contents);
     } else {
-      contents->moving[frame].add(transform.header.stamp);
-      *newest = std::max(*newest, transform.header.stamp);
+      ++contents->moving_transforms;
+      contents->transforms_far_ahead += !isUsableStamp(transform.header.stamp, message.received);
+      addMoving(frame, transform.header.stamp, message.received, &contents->moving, scan, contents);
     }
   }
 }
 
 // Notes the stamps of each joint's positions.
-void lookAtJoints(const BagMessage& message, ros::Time* newest, BagContents* contents) {
+void lookAtJoints(const BagMessage& message, Scan* scan, BagContents* contents) {
   const sensor_msgs::JointState state = toJointState(message);
   for (const auto& [joint, position] : positionsIn(state)) {
-    contents->joints[joint].add(state.header.stamp);
+    addMoving(joint, state.header.stamp, message.received, &contents->joints, scan, contents);
   }
-  *newest = std::max(*newest, state.header.stamp);
 }
 
 // Notes a mesh. A message that cannot be read stays in the list, so that the numbers of meshes are
 // the same in both readings.
-void lookAtMesh(const BagMessage& message, const ros::Time& newest, BagContents::Topic* topic,
+void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
                 BagContents* contents) {
   const std::uint64_t number = contents->meshes.size();
   // The mesh gets its place in the list before it is decoded, which may throw.
-  contents->meshes.push_back({message.received, message.received, number, message.topic});
+  contents->meshes.push_back({message.received, message.received, number, message.topic, 0, {}});
   const BagMeshHead head = headOf(message);
   ros::Time& stamp = contents->meshes.back().stamp;
   if (!head.stamp.isZero()) stamp = head.stamp;
+  scan->mesh_jumps.look(message.topic, stamp, message.received);
   if (head.mesh) {
     const std::string& object = head.mesh->object;
     if (topic->object.empty()) topic->object = object;
     contents->triangles_ahead.add(message.topic + '\n' + object, number, stamp, head.mesh);
   }
-  if (newest.isZero()) return;
+  if (scan->newest.isZero()) return;
   contents->transforms_ahead_s =
-      std::max(contents->transforms_ahead_s, secondsBetween(newest, stamp));
+      std::max(contents->transforms_ahead_s, secondsBetween(scan->newest, stamp));
 }
 
-void lookAt(const BagMessage& message, ros::Time* newest, BagContents::Topic* topic,
+void lookAt(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
             BagContents* contents) {
-  if (isTransforms(message)) lookAtTransforms(message, newest, contents);
-  if (isJointState(message)) lookAtJoints(message, newest, contents);
-  if (isMesh(message)) lookAtMesh(message, *newest, topic, contents);
+  if (isTransforms(message)) lookAtTransforms(message, scan, contents);
+  if (isJointState(message)) lookAtJoints(message, scan, contents);
+  if (isMesh(message)) lookAtMesh(message, scan, topic, contents);
   if (isLinkMeshes(message)) {
     const auto same = [](const LinkMeshes& a, const LinkMeshes& b) { return a.meshes == b.meshes; };
     addChange(message.received, toLinkMeshes(message), same, &contents->link_meshes);
@@ -109,7 +138,38 @@ void lookAt(const BagMessage& message, ros::Time* newest, BagContents::Topic* to
   }
 }
 
+// Sorts the meshes in the order of their cycles. A mesh whose stamp is so far behind that no
+// transform of it can be kept has its cycle in the order of receipt, so that nothing waits for it.
+void sortMeshes(BagContents* contents) {
+  constexpr double kFarBehindS = 600;
+  struct Topic {
+    std::size_t part = 0;
+    ros::Time newest;
+  };
+  std::map<std::string, Topic> topics;
+  for (BagContents::Mesh& mesh : contents->meshes) {
+    Topic& topic = topics[mesh.topic];
+    mesh.part = contents->jumps.partAt(mesh.received);
+    if (contents->jumps.isLeftover(mesh.stamp, mesh.received)) --mesh.part;
+    if (mesh.part != topic.part) topic = {mesh.part, ros::Time()};
+    const bool is_far = secondsBetween(topic.newest, mesh.stamp) > kFarBehindS;
+    mesh.place = is_far ? topic.newest : mesh.stamp;
+    // A stamp from far ahead says nothing about those after it.
+    if (topic.newest.isZero() || secondsBetween(mesh.place, topic.newest) <= kFarBehindS) {
+      topic.newest = std::max(topic.newest, mesh.place);
+    }
+  }
+  std::sort(contents->meshes.begin(), contents->meshes.end(),
+            [](const BagContents::Mesh& a, const BagContents::Mesh& b) {
+              return std::tie(a.part, a.place, a.number) < std::tie(b.part, b.place, b.number);
+            });
+}
+
 }  // namespace
+
+bool BagContents::isUsable(const ros::Time& stamp, const ros::Time& received) const {
+  return 2 * transforms_far_ahead > moving_transforms || isUsableStamp(stamp, received);
+}
 
 // Sums the damaged messages of all topics.
 std::uint64_t BagContents::damaged() const {
@@ -136,10 +196,12 @@ void BagContents::Span::add(const ros::Time& stamp) {
   last = std::max(last, stamp);
 }
 
-// Takes the latest first stamp among the frames that start within kEdgeS of the first frame.
+// Takes the latest first stamp among the frames that start within kEdgeS of the first frame. A span
+// without a time belongs to a frame that has only odd stamps.
 ros::Time BagContents::settled() const {
   ros::Time start, latest;
   for (const auto& [frame, span] : moving) {
+    if (span.first.isZero()) continue;
     if (start.isZero() || span.first < start) start = span.first;
   }
   for (const auto& [frame, span] : moving) {
@@ -194,7 +256,7 @@ bool isStatic(const std::string& topic) { return endsWith(topic, "tf_static"); }
 // A message that cannot be read is counted as damaged, and the reading goes on.
 BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>& progress) {
   BagContents contents;
-  ros::Time newest;  // stamp of a transform or a joint
+  Scan scan;
   std::uint64_t count = 0;
   contents.problem = reader->read([&](const BagMessage& message) {
     progress(++count);
@@ -202,17 +264,16 @@ BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>
     topic.type = message.type;
     ++topic.messages;
     try {
-      lookAt(message, &newest, &topic, &contents);
+      lookAt(message, &scan, &topic, &contents);
     } catch (const std::exception&) {
       ++topic.damaged;
     }
   });
   contents.triangles_ahead.settle();
-  // The cycles run in this order.
-  std::sort(contents.meshes.begin(), contents.meshes.end(),
-            [](const BagContents::Mesh& a, const BagContents::Mesh& b) {
-              return a.stamp != b.stamp ? a.stamp < b.stamp : a.number < b.number;
-            });
+  // Without transforms, the meshes tell where the clock went back.
+  const bool has_transforms = !contents.moving.empty() || !contents.joints.empty();
+  contents.jumps = has_transforms ? scan.transform_jumps : scan.mesh_jumps;
+  sortMeshes(&contents);
   return contents;
 }
 

@@ -18,6 +18,7 @@
 
 #include "tools/bags/bag_reader.h"
 #include "tools/bags/joint_transforms.h"
+#include "tools/bags/time_jumps.h"
 #include "tools/bags/triangles_ahead.h"
 
 namespace deformable_contact_monitor {
@@ -57,6 +58,8 @@ struct BagContents {
     ros::Time received;
     std::uint64_t number = 0;  // counts all meshes in order of receipt, from 0
     std::string topic;
+    std::size_t part = 0;  // how often the clock had gone back
+    ros::Time place;       // in the order of the part's cycles; usually the stamp
   };
 
   // The first and the last of some stamps.
@@ -67,7 +70,8 @@ struct BagContents {
   };
 
   std::map<std::string, Topic> topics;  // of the types that cycles need
-  std::vector<Mesh> meshes;             // ascending stamps; equal ones in order of receipt
+  std::vector<Mesh> meshes;  // ascending parts and places; equal ones in order of receipt
+  TimeJumps jumps;           // where the clock went back
   // The static transforms of each frame, without repetitions. As in tf2, a frame whose first
   // transform is static stays so: its later transforms on /tf are listed here too.
   std::map<std::string, History<geometry_msgs::TransformStamped>> static_transforms;
@@ -79,6 +83,8 @@ struct BagContents {
   // such frames, no joints or no URDF.
   History<std::shared_ptr<const JointTransforms>> joint_transforms;
   TrianglesAhead triangles_ahead;
+  // Counts the transforms on /tf, and those of them that are far ahead of their recording.
+  std::uint64_t moving_transforms = 0, transforms_far_ahead = 0;
   // The largest lead of a transform's or joint's stamp over the stamp of a mesh that was recorded
   // at the same time [s].
   double transforms_ahead_s = 0;
@@ -88,6 +94,9 @@ struct BagContents {
   std::string robot_semantic;               // the newest text on robot_description_semantic (SRDF)
   std::string problem;                      // why the reading stopped early; empty: it did not
 
+  // Returns whether a transform on /tf counts: the node ignores stamps from far ahead of its clock.
+  // If most stamps are, it is the recorder's clock that is wrong.
+  bool isUsable(const ros::Time& stamp, const ros::Time& received) const;
   // Returns the number of damaged messages on all topics.
   std::uint64_t damaged() const;
   bool hasFrame(const std::string& frame) const;

@@ -8,6 +8,7 @@
 #include <boost/make_shared.hpp>
 #include <exception>
 #include <memory>
+#include <tuple>
 
 #include "monitor/time_difference.h"
 #include "tools/bags/bag_messages.h"
@@ -75,6 +76,9 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
   for (std::size_t i = 1; i < robots.size(); ++i) changes_.insert(robots[i].received);
   refused_transforms_ = contents.refused_transforms;
   plan(contents);
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    if (!events_[i].played) event_of_mesh_[events_[i].number] = i;
+  }
 }
 
 // Lists the cycles in advance, in the order of stamps. A played object gets cycles at its own rate
@@ -83,9 +87,8 @@ void BagCycles::plan(const BagContents& contents) {
   for (const BagContents::Mesh& mesh : contents.meshes) {
     const auto input = input_of_topic_.find(mesh.topic);
     if (input == input_of_topic_.end()) continue;
-    event_of_mesh_[mesh.number] = events_.size();
     events_.push_back({mesh.stamp, plus(mesh.received, kLookAheadS), mesh.received, false,
-                       input->second, mesh.number});
+                       input->second, mesh.number, mesh.part, mesh.place});
   }
   if (played_ == nullptr) return;
   // Before and after, some link would be UNKNOWN in every cycle.
@@ -97,15 +100,19 @@ void BagCycles::plan(const BagContents& contents) {
     const double since_s = static_cast<double>(i) / played_->rate_hz;
     const ros::Time stamp = plus(first, since_s);
     if (stamp > last) break;
-    events_.push_back({stamp, plus(stamp, kLookAheadS), stamp, true, input, 0});
+    events_.push_back({stamp, plus(stamp, kLookAheadS), stamp, true, input, 0,
+                       contents.jumps.all().size(), stamp});
   }
-  std::stable_sort(events_.begin(), events_.end(),
-                   [](const Event& a, const Event& b) { return a.stamp < b.stamp; });
+  std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
+    return std::tie(a.part, a.place) < std::tie(b.part, b.place);
+  });
 }
 
 // After the end of the bags, nothing can come any more, so the remaining cycles run at once.
 std::string BagCycles::run(BagReader* reader, const std::function<void(CycleReport*)>& visit) {
   std::string problem = reader->read([&](const BagMessage& message) {
+    const std::size_t part = contents_.jumps.partAt(message.received);
+    if (part != part_) startPart(part, visit);
     take(message);
     release(visit);
   });
@@ -139,8 +146,15 @@ void BagCycles::takeTransforms(const BagMessage& message) {
     for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
       const std::string frame = plainFrame(transform.child_frame_id);
       // Other transforms of static frames were refused in the first reading.
-      if (contents_.static_transforms.count(frame) == 0 && contents_.moving.count(frame) > 0) {
+      if (contents_.static_transforms.count(frame) > 0 || contents_.moving.count(frame) == 0) {
+        continue;
+      }
+      const ros::Time& stamp = transform.header.stamp;
+      if (contents_.jumps.isLeftover(stamp, message.received)) continue;
+      if (contents_.isUsable(stamp, message.received)) {
         addTransform(transform, isStatic(message.topic));
+      } else {
+        ++refused_transforms_;
       }
     }
   } else if (isJointState(message) && !contents_.joint_transforms.empty()) {
@@ -162,7 +176,7 @@ void BagCycles::addTransform(const geometry_msgs::TransformStamped& transform, b
 void BagCycles::notePlayed(const ros::Time& received) {
   for (; next_played_ < events_.size(); ++next_played_) {
     Event& event = events_[next_played_];
-    if (event.stamp > newest_transform_) return;
+    if (event.part > part_ || event.stamp > newest_transform_) return;
     if (event.played) event.due = received;
   }
 }
@@ -193,9 +207,24 @@ bool BagCycles::isLate(const Event& event, const BagMessage& message) const {
   return lookup_.isWorthWaiting(scene_.awaitedFrames(event.input, event.stamp, mesh));
 }
 
+// Ends the part of the bags before the clock went back, and forgets what depends on time, as the
+// node does.
+void BagCycles::startPart(std::size_t part, const std::function<void(CycleReport*)>& visit) {
+  const TimeJumps::Jump& jump = contents_.jumps.all()[part - 1];
+  part_ = part;
+  newest_transform_ = ros::Time();
+  release(visit);
+  for (MeshInput& input : inputs_) input.forget();
+  buffer_.clear();
+  forgets_ = "time jump: the clock went back by " +
+             std::to_string(secondsBetween(jump.from, jump.to)) + " s";
+  planner_.forgetAll(forgets_);
+}
+
 // Returns true if nothing that was recorded within kLookAheadS after the mesh is missing.
 bool BagCycles::isReady(const Event& event) const {
-  if (at_end_) return true;
+  if (at_end_ || event.part < part_) return true;
+  if (event.part > part_) return false;
   if (event.played) return newest_transform_ >= event.ready;
   return held_.count(event.number) > 0 && received_ >= event.ready;
 }
@@ -206,7 +235,9 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
     const ros::Time stamp = events_[next_].stamp, due = events_[next_].due;
     std::size_t end = next_;
     // All meshes of this stamp must be ready before its cycle runs.
-    for (; end < events_.size() && events_[end].stamp == stamp; ++end) {
+    const std::size_t part = events_[next_].part;
+    for (; end < events_.size() && events_[end].stamp == stamp && events_[end].part == part;
+         ++end) {
       if (!isReady(events_[end])) return;
       if (!knowsSame(events_[end].due, due)) break;
     }
@@ -255,6 +286,7 @@ void BagCycles::recallAt(const ros::Time& due) {
   robot_ = robot;
   scene_.setRobot(robots_[robot].value);
   planner_.forgetAll("the robot changed");
+  forgets_ = "robot changed";
 }
 
 // Returns nothing if the message is damaged or the played object has ended.
@@ -311,6 +343,7 @@ void BagCycles::detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
   report.sweeps = planner_.plan(trigger, scene_, lookup_, report);
   report.now = stamp;
   visit(&report);
+  forgets_.clear();
 }
 
 }  // namespace deformable_contact_monitor

@@ -62,6 +62,10 @@ class BagCycles {
   // interval.
   Scene& sceneOfStep() { return scene_.sceneOfStep(); }
 
+  // Returns why the visited cycle forgets all earlier ones, as the node does: "robot changed", or
+  // the clock went back. Empty: it does not.
+  const std::string& forgets() const { return forgets_; }
+
   // Returns the index of the robot that the visited cycle has.
   std::size_t robot() const { return robot_; }
 
@@ -80,6 +84,8 @@ class BagCycles {
     bool played = false;
     std::size_t input = 0;     // index of inputs_
     std::uint64_t number = 0;  // BagContents::Mesh::number
+    std::size_t part = 0;      // BagContents::Mesh::part
+    ros::Time place;           // BagContents::Mesh::place
   };
   // A frame whose static transform changes.
   struct ChangingFrame {
@@ -97,6 +103,7 @@ class BagCycles {
   void postpone(const ros::Time& change);
   bool isLate(const Event& event, const BagMessage& message) const;
   // These run the cycles whose meshes are ready.
+  void startPart(std::size_t part, const std::function<void(CycleReport*)>& visit);
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
   std::optional<IncomingMesh> nextMesh(const Event& event);
@@ -120,8 +127,10 @@ class BagCycles {
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;
   StepPlanner planner_;
-  std::vector<Event> events_;    // ascending stamps
-  std::size_t next_ = 0;         // of events_
+  std::vector<Event> events_;  // ascending stamps
+  std::size_t next_ = 0;       // of events_
+  std::size_t part_ = 0;       // of the bags, which is being read
+  std::string forgets_;
   std::size_t next_played_ = 0;  // of events_: the first whose stamp no transform has reached
   // Messages that wait for their cycle, by number. They are decoded in the order of stamps, because
   // a mesh may use the triangles of the mesh before it.

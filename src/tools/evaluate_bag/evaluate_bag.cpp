@@ -196,13 +196,11 @@ int evaluate(const EvaluateArguments& arguments) {
                    bags.setup.played ? &*bags.setup.played : nullptr);
 
   EvaluationEnd end;
-  std::size_t robot = cycles.robot();
   end.problem = cycles.run(&bags.reader, [&](CycleReport* cycle) {
     bags.progress->set("cycle " + std::to_string(cycle->cycle) + ", stamp " +
                        stampText(cycle->header.stamp));
-    if (cycles.robot() != robot) {
-      robot = cycles.robot();
-      for (auto& run : runs) run->forget("robot changed", cycle->header.stamp);
+    if (!cycles.forgets().empty()) {
+      for (auto& run : runs) run->forget(cycles.forgets(), cycle->header.stamp);
     }
     evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
   });

@@ -126,7 +126,8 @@ void LinksTable::add(std::size_t run, const EvaluationRun& of) {
     if (state.stamp != stamp) continue;  // the cycle did not check this pair
     const Key key{run, {state.body_a, state.body_b}};
     const auto found = open_.find(key);
-    if (found != open_.end() && found->second.state == state.state) {
+    // A sequence also ends where the clock goes back.
+    if (found != open_.end() && found->second.state == state.state && found->second.to <= stamp) {
       Stretch& stretch = found->second;
       stretch.to = stamp;
       ++stretch.cycles;

@@ -27,6 +27,14 @@ TEST(BagContents, WhatComesLateOrStopsEarlyIsNotWaitedFor) {
   EXPECT_EQ(contents.ended(), ros::Time(200));
 }
 
+TEST(BagContents, AFrameWithoutATimeIsNotWaitedFor) {
+  BagContents contents;
+  contents.moving["hand"] = span(100, 200);
+  contents.moving["odd"] = {};
+  EXPECT_EQ(contents.settled(), ros::Time(100));
+  EXPECT_EQ(contents.ended(), ros::Time(200));
+}
+
 TEST(BagContents, ASpanIsOfStampsInAnyOrder) {
   BagContents::Span all;
   for (const double stamp : {5.0, 3.0, 9.0, 4.0}) all.add(ros::Time(stamp));
