@@ -1,6 +1,7 @@
 // The command line of evaluate_bag.
 #include "tools/evaluate_bag/evaluate_arguments.h"
 
+#include "robot/urdf_document.h"
 #include "tools/common/backend_choice.h"
 #include "tools/common/command_line.h"
 
@@ -48,6 +49,9 @@ bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   line.add("--threads", &arguments->threads,
            "Threads of the cpu backend, instead of the configuration's; 0: all cores",
            inRange(0, 1024));
+  line.add("--geometry", &arguments->geometry,
+           "Elements of the URDF whose meshes are used, instead of the configuration's geometry",
+           oneOf({kGeometryKinds.begin(), kGeometryKinds.end()}));
   line.addFlag("--pairs", &arguments->pairs, "Also write every triangle pair to pairs.csv");
   bool without_report = false;
   line.addFlag("--no-report", &without_report, "Do not draw report.html");

@@ -21,6 +21,7 @@ struct EvaluateArguments {
   std::vector<std::string> backends, predicates;
   std::vector<float> overlaps;
   std::optional<int> threads;  // of the cpu backend; nothing: as the configuration says
+  std::string geometry;        // one of kGeometryKinds; empty: as the configuration says
   bool pairs = false;          // also write pairs.csv
   bool report = true;          // draw report.html
   SceneObject object;          // an object that is not in the bags

@@ -7,6 +7,7 @@
 #include <console_bridge/console.h>
 #include <ros/time.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "core/common/stopwatch.h"
+#include "robot/urdf_document.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_setup.h"
@@ -99,12 +101,18 @@ std::string damage(const BagContents& contents) {
   return contents.damaged() > 0 ? std::to_string(contents.damaged()) + " messages" : "";
 }
 
-// Names the damage of a bag in the error, because what is missing may have been in the part that
-// could not be read.
+// Applies the options that are none of setUpBags(). Names the damage of a bag in the error, because
+// what is missing may have been in the part that could not be read.
 BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& configured,
                BagContents* contents) {
+  MonitorParameters parameters = configured;
+  const auto* const kind =
+      std::find(kGeometryKinds.begin(), kGeometryKinds.end(), arguments.geometry);
+  if (kind != kGeometryKinds.end()) {
+    parameters.geometry.kind = static_cast<GeometryKind>(kind - kGeometryKinds.begin());
+  }
   try {
-    return setUpBags(arguments.files, configured, arguments.object, contents, warn);
+    return setUpBags(arguments.files, parameters, arguments.object, contents, warn);
   } catch (const std::exception& error) {
     const std::string damaged = damage(*contents);
     if (damaged.empty()) throw;

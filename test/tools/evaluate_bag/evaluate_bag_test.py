@@ -89,6 +89,25 @@ class EvaluateBag(EvaluationCase):
         self.assert_refused(["--config", self.text("c.yaml", CONFIG), bag], "no robot",
                             "--robot-description")
 
+    def test_a_link_with_visual_geometry_only(self):
+        with open(DATA / "robots/panda_description/urdf/panda.urdf") as file:
+            text = file.read()
+        hand = text[text.index('<link name="panda_hand">'):]
+        hand = hand[:hand.index("</link>")]
+        begin, end = hand.index("<collision>"), hand.index("</collision>") + len("</collision>")
+        urdf = self.text("bare.urdf", text.replace(hand, hand[:begin] + hand[end:]))
+        without = [event for event in self.events if event[1] != "/contact_monitor/robot_meshes"]
+        bag = self.bag("bare.bag", without)
+
+        def evaluated(*arguments):
+            made = self.evaluate(bag, "--robot-description", urdf, *arguments)["configuration"]
+            return made["geometry"], "panda_hand" in [link["name"] for link in made["links"]]
+        self.assertEqual(evaluated(), ("collision", False))
+        self.assertEqual(evaluated("--geometry", "collision_or_visual"),
+                         ("collision_or_visual", True))
+        self.assertEqual(evaluated("--geometry", "visual"), ("visual", True))
+        self.assert_refused(["--geometry", "convex", bag], "--geometry", "collision_or_visual")
+
     def test_links_may_touch_by_the_srdf(self):
         path = DATA / "robots/panda_description/urdf/panda.srdf"
         with open(path) as file:
