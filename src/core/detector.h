@@ -47,7 +47,8 @@ using TrianglePairs = HostList<TrianglePair>;
 
 // When two triangles touch first, as parts [0, 1] of the time interval: certainly not before `low`,
 // and certainly at some time in [low, high]. With exact predicates these are at most 2^-20 apart.
-// Both are 0 if the triangles touch at the beginning.
+// Both are 0 if the triangles touch at the beginning. A detector gives the times of the straight
+// lines. Those of SubStepDetector (substeps.h) hold for bodies that rotate too.
 struct FirstContact {
   float low, high;
 };
@@ -61,8 +62,9 @@ struct DCM_EXPORT BodyDistance {
   // decided exactly. +inf: there is no witness, and the next three members mean nothing.
   float high_m = std::numeric_limits<float>::infinity();
   TrianglePair witness{0, 0, 0, 0};
-  // Those two points [m], each with an error of at most 2^-22 of its largest coordinate. If the
-  // triangles intersect, the points are near their intersection.
+  // Those two points [m], each with an error of at most 2^-22 of its largest coordinate, or 2^-50
+  // of the distance if that is more. If the triangles intersect, the points are near their
+  // intersection.
   Vec3f point_a, point_b;
   bool is_listed = false;           // all contacts of the pair are in DetectionResult::contacts
   std::uint32_t contact_count = 0;  // how many contacts of the pair are in that list
@@ -101,7 +103,9 @@ struct DCM_EXPORT DetectionResult {
   // is 1.
   std::vector<FirstContact> first_times;
   // For each contact, 1 if it is not a contact on the straight lines, but may be one within the
-  // pads; else 0. Empty unless motion is swept and Scene::anyPad().
+  // pads; else 0. Some of these stay farther apart than their pads, by up to 1/2048 of the way that
+  // they move relative to each other, rarely by more. Empty unless motion is swept and
+  // Scene::anyPad().
   std::vector<std::uint8_t> within_pad;
   // Bodies that take part in swept motion without an earlier state. They count as standing still.
   std::vector<BodyId> without_step;

@@ -18,13 +18,14 @@ enum GeometryFlag : std::uint8_t {
 
 // The geometry of one contact in the scene frame. All numbers are finite, and have the same bits on
 // every backend. If a and b are swapped, the normal changes its sign, the closest points are
-// swapped, and everything else stays the same.
+// swapped, and everything else stays the same. Only for triangles with the same coordinates in the
+// same order the normal stays the same too, because they cannot be told apart.
 struct PairGeometry {
   // For triangles that intersect: the ends of their intersection segment, or of the longest chord
   // of their intersection if they are coplanar; equal if they touch in a point. The points lie on
   // both triangles within 2^-22 of their largest coordinate (or 2^-148 m, if that is more). For
-  // triangles that are apart: the closest points of a and of b, with the same error plus 2^-24 of
-  // the smaller triangle's longest edge [m].
+  // triangles that are apart: the closest points of a and of b, with the same error, or 2^-50 of
+  // their distance if that is more, plus 2^-24 of the smaller triangle's longest edge [m].
   Vec3f point_a, point_b;
   // Unit vector from a to b: moving b along it separates the triangles. It points to either side if
   // they are coplanar, and is zero if it is undefined.

@@ -18,6 +18,7 @@
 #include "core/common/stopwatch.h"
 #include "core/common/work_counters.h"
 #include "core/detector.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -55,13 +56,13 @@ constexpr double kSlack = 0x1p-50;
 
 float roundedDown(double x) {
   const double least = x * (1 - kSlack);
-  const auto near = static_cast<float>(least);
+  const float near = toFloat(least);
   return near > least ? std::nextafter(near, 0.0F) : near;
 }
 
 float roundedUp(double x) {
   const double most = x * (1 + kSlack);
-  const auto near = static_cast<float>(most);
+  const float near = toFloat(most);
   return std::min(near < most ? std::nextafter(near, 2.0F) : near, 1.0F);
 }
 

@@ -18,6 +18,21 @@ DCM_HD inline Real most(Real a, Real b) {
   return a < b ? b : a;
 }
 
+// Returns the float32 that is nearest to x. Use it where the rounding decides something: g++ 12 and
+// others leave out a conversion to float32 and back to double if they convert several numbers at
+// once (CMakeLists.txt). They cannot see through this function.
+DCM_HD inline float toFloat(double x) {
+  auto rounded = static_cast<float>(x);
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDA_ARCH__)
+#if defined(__x86_64__)
+  asm("" : "+x"(rounded));
+#elif defined(__aarch64__)
+  asm("" : "+w"(rounded));
+#endif
+#endif
+  return rounded;
+}
+
 struct Vec3f {
   float x = 0, y = 0, z = 0;
 
@@ -51,9 +66,7 @@ struct Vec3d {
 };
 
 DCM_HD inline Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
-DCM_HD inline Vec3f toFloat(const Vec3d& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
+DCM_HD inline Vec3f toFloat(const Vec3d& v) { return {toFloat(v.x), toFloat(v.y), toFloat(v.z)}; }
 DCM_HD inline Vec3d operator-(const Vec3d& a, const Vec3d& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }

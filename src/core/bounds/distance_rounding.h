@@ -14,14 +14,14 @@ namespace deformable_contact_monitor {
 // Returns the greatest float32 that is not greater than a distance >= 0. +inf stays.
 inline float roundedDown(double distance_m) {
   if (distance_m > FLT_MAX) return std::isinf(distance_m) ? INFINITY : FLT_MAX;
-  const auto rounded = static_cast<float>(distance_m);
+  const float rounded = toFloat(distance_m);
   return rounded > distance_m ? std::nextafter(rounded, 0.0F) : rounded;
 }
 
 // Returns the least float32 that is not less than a distance >= 0.
 inline float roundedUp(double distance_m) {
   if (distance_m > FLT_MAX) return INFINITY;
-  const auto rounded = static_cast<float>(distance_m);
+  const float rounded = toFloat(distance_m);
   return rounded < distance_m ? std::nextafter(rounded, INFINITY) : rounded;
 }
 

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/vector3.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -136,7 +138,7 @@ std::vector<float> verticesBetween(const HostList<float>& from, const HostList<f
   std::vector<float> between(from.size());
   for (std::size_t i = 0; i < from.size(); ++i) {
     const double x = from[i];
-    between[i] = static_cast<float>(x + at * (to[i] - x));
+    between[i] = toFloat(x + at * (to[i] - x));
   }
   return between;
 }

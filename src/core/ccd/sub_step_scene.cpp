@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/common/posed_body.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -44,7 +45,7 @@ double distanceOf(const float* v) {
 
 // Returns the least float32 that is not less than x.
 float roundedUp(double x) {
-  const auto near = static_cast<float>(x);
+  const float near = toFloat(x);
   return near < x ? std::nextafter(near, INFINITY) : near;
 }
 

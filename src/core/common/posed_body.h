@@ -89,8 +89,8 @@ inline Aabb posedBox(const Aabb& received, const RigidTransform& pose, bool is_i
     }
     // Covers the float32 rounding of the vertices (2^-24 of their size) and of the box itself.
     const double reach = extent + size * 2.5e-7 + 1e-44;
-    min[i] = static_cast<float>(centre - reach);
-    max[i] = static_cast<float>(centre + reach);
+    min[i] = toFloat(centre - reach);
+    max[i] = toFloat(centre + reach);
   }
   return {{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }

@@ -21,7 +21,7 @@ namespace deformable_contact_monitor {
 // float32 becomes the largest float32.
 DCM_HD inline Vec3f nearestFloats(const Vec3d& v) {
   const auto nearest = [](double x) {
-    return static_cast<float>(least<double>(most<double>(x, -FLT_MAX), FLT_MAX));
+    return toFloat(least<double>(most<double>(x, -FLT_MAX), FLT_MAX));
   };
   return {nearest(v.x), nearest(v.y), nearest(v.z)};
 }

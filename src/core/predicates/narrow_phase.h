@@ -37,7 +37,7 @@ DCM_HD inline Verdict nearVerdict(const Triangle& a, const Triangle& b, float ma
   const double distance = separation(a, b);
   if (distance > most_m) return {};
   constexpr float kLeast = 1.4e-45F;  // 0 is for those that intersect
-  const float rounded = most(kLeast, static_cast<float>(least<double>(distance, FLT_MAX)));
+  const float rounded = most(kLeast, toFloat(least<double>(distance, FLT_MAX)));
   if (rounded > margin_m) return {};
   return {true, rounded};
 }

@@ -87,7 +87,7 @@ DCM_HD inline bool fillCrossing(const Triangle& a, const Triangle& b, bool a_has
   geometry.normal = toFloat(way.direction);
   if (!way.unique) geometry.flags |= kNormalNotUnique;
   if (way.length > FLT_MAX) geometry.flags |= kSeparationUndefined;
-  geometry.separation_m = 0.0F - static_cast<float>(least<double>(way.length, FLT_MAX));
+  geometry.separation_m = 0.0F - toFloat(least<double>(way.length, FLT_MAX));
   return true;
 }
 
@@ -115,8 +115,7 @@ DCM_HD DCM_RARE inline void fillApart(const Triangle& a, const Triangle& b, floa
   geometry.separation_m = separation_m;
   if (separation_m > 0) return;
   if (closest.distance > FLT_MAX) geometry.flags |= kSeparationUndefined;
-  geometry.separation_m =
-      most(kLeast, static_cast<float>(least<double>(closest.distance, FLT_MAX)));
+  geometry.separation_m = most(kLeast, toFloat(least<double>(closest.distance, FLT_MAX)));
 }
 
 }  // namespace detail

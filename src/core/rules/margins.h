@@ -29,8 +29,7 @@ inline float scaledSlack(float margin_m, const SceneScale& scale) {
   if (margin_m == 0) return 0;
   constexpr double kMore = 1 + 1e-6, kLeastStep = 0x1p-149;
   const double slack = 2 * ((margin_m * kMore + kLeastStep) * scale.scale);
-  return slack > 0 ? std::nextafter(static_cast<float>(least<double>(slack, FLT_MAX)), INFINITY)
-                   : 0.0F;
+  return slack > 0 ? std::nextafter(toFloat(least<double>(slack, FLT_MAX)), INFINITY) : 0.0F;
 }
 
 // Returns by how much a body's boxes and clusters grow in continuous detection [m]: its motion

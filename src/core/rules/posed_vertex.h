@@ -14,9 +14,9 @@ DCM_HD inline Vec3f apply(const RigidTransform& pose, const Vec3f& v) {
   const double x = v.x, y = v.y, z = v.z;
   const double* r = pose.rotation;
   const double* t = pose.translation;
-  return {static_cast<float>(((r[0] * x + r[1] * y) + r[2] * z) + t[0]),
-          static_cast<float>(((r[3] * x + r[4] * y) + r[5] * z) + t[1]),
-          static_cast<float>(((r[6] * x + r[7] * y) + r[8] * z) + t[2])};
+  return {toFloat(((r[0] * x + r[1] * y) + r[2] * z) + t[0]),
+          toFloat(((r[3] * x + r[4] * y) + r[5] * z) + t[1]),
+          toFloat(((r[6] * x + r[7] * y) + r[8] * z) + t[2])};
 }
 
 // Returns a body's vertex in the scene frame [m]. `identity` is pose.isIdentity(): then the vertex
