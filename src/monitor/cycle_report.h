@@ -79,6 +79,7 @@ struct SweepReport {
 struct CycleReport {
   std_msgs::Header header;  // stamp of the mesh that triggered the cycle, and the reference frame
   std::uint64_t cycle = 0;  // number of the cycle, counted from 1
+  std::uint64_t epoch = 0;  // in which the cycle began (LoopRequests::requestReset())
   std::vector<BodyStatus> bodies;  // indexed by BodyId: links in URDF order, then objects
   std::vector<MonitoredPair> pairs;
   AttachedObjects attached;

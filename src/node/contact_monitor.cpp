@@ -276,19 +276,22 @@ bool ContactMonitor::getContacts(GetContacts::Request& /*request*/,
   return true;
 }
 
-// Takes effect when the detection thread takes the request, which may be after the answer.
+// States are UNKNOWN from the answer on, also where a cycle is running. Everything else takes
+// effect when the detection thread takes the request.
 bool ContactMonitor::setEnabled(std_srvs::SetBool::Request& request,
                                 std_srvs::SetBool::Response& response) {
-  requests_.setEnabled(request.data);
+  const std::uint64_t epoch = requests_.setEnabled(request.data);
+  if (!request.data) states_.discard("disabled", epoch);
   response.success = true;
   response.message = request.data ? "enabled" : "disabled: every pair is UNKNOWN";
   return true;
 }
 
 // Asks the detection thread to discard everything that it knows, as after a jump of ROS time.
+// States are UNKNOWN from the answer on.
 bool ContactMonitor::requestReset(std_srvs::Trigger::Request& /*request*/,
                                   std_srvs::Trigger::Response& response) {
-  requests_.requestReset();
+  states_.discard("reset", requests_.requestReset());
   response.success = true;
   response.message = "meshes, transforms and contact states are discarded";
   return true;

@@ -32,6 +32,13 @@ void StatePublisher::forget(const std::string& body, const std::string& reason) 
   publishLocked(now, now);
 }
 
+void StatePublisher::discard(const std::string& reason, std::uint64_t epoch) {
+  const ros::Time now = ros::Time::now();
+  tracker_.discard(reason, now, epoch);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  publishLocked(now, now);
+}
+
 // Publishes if a state expired, or if nothing was published for a second, so that subscribers can
 // tell a quiet monitor from a dead one.
 void StatePublisher::beat(const std::string& why) {

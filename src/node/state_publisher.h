@@ -6,6 +6,7 @@
 #include <deformable_contact_monitor/ContactStates.h>
 #include <ros/node_handle.h>
 
+#include <cstdint>
 #include <mutex>
 #include <string>
 
@@ -28,6 +29,10 @@ class StatePublisher {
 
   // Forgets the states of the pairs of `body`, or of all if it is empty, and publishes that.
   void forget(const std::string& body, const std::string& reason);
+
+  // Forgets all states and publishes that, as a service answers. Cycles of earlier epochs that are
+  // still running make nothing known any more.
+  void discard(const std::string& reason, std::uint64_t epoch);
 
   // Publishes the states if one of them has become too old, and at least once a second. A state
   // that is too old becomes UNKNOWN because of `why`. Call it some hundred times a second.

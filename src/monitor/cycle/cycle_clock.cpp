@@ -23,8 +23,13 @@ CycleClock::CycleClock(double max_mesh_age_s, double budget_s, SteadyTime start)
       heartbeat_due_(start + kHeartbeatPeriod) {}
 
 double CycleClock::update(const ros::Time& now) {
-  const double back_s = secondsBetween(ros_time_, now);
+  const double back_s = backS(now);
   ros_time_ = now;
+  return back_s;
+}
+
+double CycleClock::backS(const ros::Time& now) const {
+  const double back_s = secondsBetween(ros_time_, now);
   return back_s > kClockToleranceS ? back_s : 0;
 }
 

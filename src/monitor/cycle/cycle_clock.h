@@ -23,6 +23,8 @@ class CycleClock {
   // Sets ROS time (zero: there is none yet). Returns by how much it went back [s] if that is more
   // than the clocks of two machines may differ, else 0.
   double update(const ros::Time& now);
+  // Returns what update(now) would, but sets nothing.
+  double backS(const ros::Time& now) const;
   // Returns the time that update() set.
   const ros::Time& rosTime() const { return ros_time_; }
 

@@ -13,6 +13,11 @@
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
+namespace {
+
+constexpr double kMaxAheadS = 1;  // as for meshes
+
+}  // namespace
 
 DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources sources,
                              LoopTime time, std::unique_ptr<Detector> detector,
@@ -75,6 +80,7 @@ void DetectionLoop::lookAtTime() {
 
 void DetectionLoop::lookAtRequests() {
   const Requests requests = sources_.requests.take();
+  epoch_ = requests.epoch;
   if (requests.reset) reset("reset");
   if (requests.live) applyLive(*requests.live);
   if (requests.allowed_contacts) {
@@ -87,7 +93,7 @@ void DetectionLoop::lookAtRequests() {
     noteRules();
   }
   lookAtRobot();
-  applyEnabled(requests.enabled);
+  applyEnabled(requests);
 }
 
 // Publishes the rules again, as they or the pairs that they concern have changed.
@@ -124,23 +130,25 @@ void DetectionLoop::lookAtRobot() {
   sink_->sendRobot(*robot_);
 }
 
-// Drops every mesh while the monitor is disabled.
-void DetectionLoop::applyEnabled(bool enabled) {
-  if (!enabled) {
+// Drops every mesh while the monitor is disabled. If it was disabled and enabled since the last
+// step, what came before is forgotten all the same.
+void DetectionLoop::applyEnabled(const Requests& requests) {
+  if (requests.disabled || !requests.enabled) {
     for (MeshInput& input : inputs_) {
       input.dropIf([](const ros::Time&) { return true; });
     }
     scheduler_.clear();
   }
-  if (enabled == enabled_) return;
-  enabled_ = enabled;
-  sink_->recordEnabled(enabled);
-  ROS_INFO_STREAM((enabled ? "enabled" : "disabled"));
-  if (!enabled) {
-    planner_.forgetAll("it was disabled");
-    sink_->forgetStates("", "disabled");
-    heartbeat();
+  const bool is_change = requests.enabled != enabled_;
+  enabled_ = requests.enabled;
+  if (is_change) {
+    sink_->recordEnabled(enabled_);
+    ROS_INFO_STREAM((enabled_ ? "enabled" : "disabled"));
   }
+  if (!requests.disabled) return;
+  planner_.forgetAll("it was disabled");
+  sink_->forgetStates("", "disabled");
+  if (!enabled_) heartbeat();
 }
 
 // Waits for the robot, as its links' names are unknown before.
@@ -179,6 +187,7 @@ void DetectionLoop::dropLeftovers() {
 // Takes the newest mesh of each object. A rejected mesh asks for a cycle too: its object is UNKNOWN
 // in it.
 void DetectionLoop::takeMeshes() {
+  if (!enabled_) return;  // the next step drops them
   const SteadyTime now = time_.steady();
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     if (!scheduler_.mayAdd(i, now)) continue;
@@ -220,7 +229,8 @@ void DetectionLoop::lookAtRobotsTime() {
   scheduler_.add(robot, std::move(request), now);
 }
 
-// Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known.
+// Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known,
+// or the present if that is far ahead of the clock, as such a state would never become too old.
 // Nothing: a cycle of that stamp is done, or the transforms are too old.
 std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   const std::vector<std::string> links = scene_.selfPairedLinks();
@@ -228,6 +238,7 @@ std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   const ros::Time now = clock_.rosTime();
   const std::optional<ros::Time> newest = lookup_.newestCommon(links, parameters_.max_mesh_age_s);
   if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
+  if (!now.isZero() && secondsBetween(*newest, now) > kMaxAheadS) return now;
   const bool is_old = !now.isZero() && secondsBetween(now, *newest) > parameters_.max_mesh_age_s;
   return *newest > robots_stamp_ && !is_old ? newest : std::nullopt;
 }
@@ -300,6 +311,11 @@ CycleReport DetectionLoop::findContacts(const ros::Time& t, const CycleTrigger& 
     sink_->recordDetectorError(error.what());
   }
   report.now = time_.ros();
+  if (clock_.backS(report.now) == 0) return report;
+  // The next step resets everything. Until then, nothing of the time before is said to be known.
+  for (BodyStatus& body : report.bodies) {
+    if (body.triggered) body.unknown_because = "the clock went back during the cycle";
+  }
   return report;
 }
 
@@ -352,6 +368,7 @@ SteadyTime DetectionLoop::wakeTime() const {
 
 CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {
   CycleReport report = scene_.makeReport(stamp, ++cycle_);
+  report.epoch = epoch_;
   report.options = options_;
   report.backend = detector_->backend();
   report.now = time_.ros();

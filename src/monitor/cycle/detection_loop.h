@@ -64,7 +64,7 @@ class DetectionLoop {
   void lookAtRobot();
   void noteRules();
   void applyLive(const LiveParameters& live);
-  void applyEnabled(bool enabled);
+  void applyEnabled(const Requests& requests);
   void warnOfUnknownNames();
   void reset(const std::string& reason);
   void dropLeftovers();
@@ -106,7 +106,7 @@ class DetectionLoop {
   SteadyTime robots_look_;                      // when to look for a new one
   bool enabled_ = true;
   bool names_checked_ = false;  // of the allowed contacts, against the bodies'
-  std::uint64_t cycle_ = 0;
+  std::uint64_t cycle_ = 0, epoch_ = 0;
   SteadyTime list_due_, last_warning_;
 };
 

@@ -66,16 +66,19 @@ void LoopRequests::change(const LiveParameters& live) {
   wakeLocked();
 }
 
-void LoopRequests::requestReset() {
+std::uint64_t LoopRequests::requestReset() {
   const std::lock_guard<std::mutex> lock(mutex_);
   requests_.reset = true;
   wakeLocked();
+  return ++requests_.epoch;
 }
 
-void LoopRequests::setEnabled(bool enabled) {
+std::uint64_t LoopRequests::setEnabled(bool enabled) {
   const std::lock_guard<std::mutex> lock(mutex_);
   requests_.enabled = enabled;
+  requests_.disabled = requests_.disabled || !enabled;
   wakeLocked();
+  return requests_.epoch += enabled ? 0 : 1;
 }
 
 void LoopRequests::wake() {
@@ -101,11 +104,12 @@ bool LoopRequests::wait(SteadyTime then) {
   return !stopped_;
 }
 
-// All requests are events, except `enabled`: it stays as it was last asked for.
+// All requests are events, except `enabled` and `epoch`: they stay as they were last asked for.
 Requests LoopRequests::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
   Requests taken = std::exchange(requests_, Requests());
   requests_.enabled = taken.enabled;
+  requests_.epoch = taken.epoch;
   return taken;
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,7 +24,9 @@ struct Requests {
   std::shared_ptr<const AllowedContacts> allowed_contacts;  // all rules in force; null: unchanged
   std::shared_ptr<const AttachedObjects> attached;          // all attachments; null: unchanged
   std::optional<LiveParameters> live;                       // nothing: unchanged
+  bool disabled = false;                                    // perhaps enabled again meanwhile
   bool enabled = true;                                      // as last asked for
+  std::uint64_t epoch = 0;  // how often everything known was to be discarded, since the start
 };
 
 // Collects what services, rqt_reconfigure and the robot source ask of the detection thread, and
@@ -47,8 +50,11 @@ class LoopRequests {
   std::vector<std::string> releaseFromOthers(const std::set<std::string>& links);
 
   void change(const LiveParameters& live);
-  void requestReset();
-  void setEnabled(bool enabled);
+  // Either function, unless it enables, asks that everything known is discarded. Returns the epoch
+  // that begins with it: what was found in a cycle of an earlier one must not become known any more
+  // (ContactStateTracker::discard()), also if that cycle is still running.
+  std::uint64_t requestReset();
+  std::uint64_t setEnabled(bool enabled);
 
   // Ends wait(), as a new mesh or robot waits elsewhere.
   void wake();

@@ -14,6 +14,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
+constexpr double kMaxAheadS = 1;  // of the clock, as for meshes
+
 // Returns whether each body that is not known is an object that did not trigger this cycle. Such an
 // object has cycles of its own, which tell more about the pair.
 bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
@@ -94,6 +96,7 @@ void ContactStateTracker::updateTrack(const CycleReport& report, const Monitored
     if (!problem.empty() && !track->isKnown()) track->state.reason = problem;
     return;
   }
+  if (report.epoch < epoch_) return;
   const IntervalFinding interval = found.inInterval(pair);
   if (track->isKnown() && report.header.stamp < track->state.stamp) {
     return updateOlder(report, interval, track);
@@ -122,8 +125,12 @@ bool ContactStateTracker::applyInterval(const CycleReport& report, const Interva
   }
   // NONE also says that nothing touched since the last known state. Without a known state there is
   // nothing to say that about, so a pair without an interval may then be NONE.
-  if (interval.problem.empty() || (!interval.has_interval && !track->isKnown())) return true;
-  interrupt(ContactState::UNKNOWN, interval.problem, report.now, track);
+  const bool joins = !track->isKnown() || interval.from <= track->state.stamp;
+  if (interval.problem.empty() && joins) return true;
+  if (!interval.has_interval && !track->isKnown()) return true;
+  interrupt(ContactState::UNKNOWN,
+            joins ? interval.problem : "the step begins later than the state before", report.now,
+            track);
   return false;
 }
 
@@ -191,8 +198,10 @@ bool ContactStateTracker::expire(const ros::Time& now, const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
   bool any = false;
   for (Track& track : tracks_) {
-    if (!track.isKnown() || secondsBetween(now, track.state.stamp) <= rules_.max_age_s) continue;
-    interrupt(ContactState::UNKNOWN, why, now, &track);
+    const double age_s = secondsBetween(now, track.state.stamp);
+    const bool is_ahead = age_s < -kMaxAheadS;
+    if (!track.isKnown() || (age_s <= rules_.max_age_s && !is_ahead)) continue;
+    interrupt(ContactState::UNKNOWN, is_ahead ? "the clock went back" : why, now, &track);
     any = true;
   }
   return any;
@@ -231,6 +240,19 @@ std::vector<ContactEvent> ContactStateTracker::takeEvents() {
 void ContactStateTracker::forget(const std::string& body, const std::string& reason,
                                  const ros::Time& now) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  forgetLocked(body, reason, now);
+}
+
+void ContactStateTracker::discard(const std::string& reason, const ros::Time& now,
+                                  std::uint64_t epoch) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  epoch_ = std::max(epoch_, epoch);
+  forgetLocked("", reason, now);
+}
+
+// The caller holds mutex_.
+void ContactStateTracker::forgetLocked(const std::string& body, const std::string& reason,
+                                       const ros::Time& now) {
   for (Track& track : tracks_) {
     const ContactState& state = track.state;
     if (!body.empty() && state.body_a != body && state.body_b != body) continue;

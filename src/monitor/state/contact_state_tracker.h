@@ -40,13 +40,14 @@ class ContactStateTracker {
   // - What is known of a later stamp stays, except that a NONE or NEAR becomes PASSED if the pair
   //   touched in the report's interval.
   // - With motion: swept, NONE and NEAR also say that the pair did not touch since its last known
-  //   state. If the pair was known before but has no time interval, that cannot be said, and they
-  //   become UNKNOWN.
+  //   state. If the pair was known before but has no time interval, or one that starts later than
+  //   that state, that cannot be said, and they become UNKNOWN.
   // States follow each cycle at once. Only events are debounced.
   void update(const CycleReport& report);
 
-  // Makes every known state UNKNOWN, because of `why`, that is older than max_age_s at `now`.
-  // Returns whether there was one.
+  // Makes every known state UNKNOWN, because of `why`, that is older than max_age_s at `now`, and
+  // every one that is more than a second ahead of `now`, because the clock went back. Returns
+  // whether there was one.
   bool expire(const ros::Time& now, const std::string& why);
 
   // Returns all pairs in the order of the last report. `stamp` is that of the header; UNKNOWN and
@@ -65,6 +66,10 @@ class ContactStateTracker {
   // because of `reason`, and their `since` starts anew.
   void forget(const std::string& body, const std::string& reason, const ros::Time& now);
 
+  // Forgets all pairs, and from now on finds nothing in reports of an epoch before this one
+  // (CycleReport::epoch): they are of cycles that had begun before.
+  void discard(const std::string& reason, const ros::Time& now, std::uint64_t epoch);
+
  private:
   struct Track {
     ContactState state;  // as it was last found; UNKNOWN and ALLOWED have no stamp
@@ -80,6 +85,7 @@ class ContactStateTracker {
     }
   };
 
+  void forgetLocked(const std::string& body, const std::string& reason, const ros::Time& now);
   void listPairs(const CycleReport& report);
   void updateTrack(const CycleReport& report, const MonitoredPair& pair, const PairStates& found,
                    Track* track);
@@ -97,7 +103,7 @@ class ContactStateTracker {
 
   mutable std::mutex mutex_;  // guards all that follows
   std::string frame_;         // frame and number of the last report's cycle
-  std::uint64_t cycle_ = 0;
+  std::uint64_t cycle_ = 0, epoch_ = 0;
   std::vector<Track> tracks_;  // in the order of the last report's pairs
   std::vector<ContactEvent> events_;
 };

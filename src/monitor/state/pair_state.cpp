@@ -290,6 +290,7 @@ IntervalFinding PairStates::inInterval(const MonitoredPair& pair) const {
     finding.problem = report_.bodies[id].name + ": no step from the previous cycle: " + skipped;
     return finding;
   }
+  finding.from = interval.sweep->from;
   finding.passed = interval.touched.of(pair.a, pair.b);
   if (finding.touched()) {
     const auto low = interval.first_low.find({pair.a, pair.b});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deformable_contact_monitor/ContactState.h>
+#include <ros/time.h>
 
 #include <cstddef>
 #include <map>
@@ -63,6 +64,7 @@ std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair);
 
 // The contacts of a pair in its time interval (motion: swept).
 struct IntervalFinding {
+  ros::Time from;       // where the interval starts; zero if there is none
   PairSummary passed;   // triangle pairs that touched in the interval, where they are at its end
   float first_low = 0;  // part [0, 1] of the interval before which there was certainly no contact
   // Why the pair may have touched unnoticed; empty if `passed` says all.

@@ -59,6 +59,39 @@ TEST_F(ChangesTest, DisabledDropsMeshesAndSaysWhy) {
   EXPECT_EQ(step(), (Lines{"enabled", "cycle 50.75: *cloth@50.75 cable(no mesh yet)"}));
 }
 
+TEST_F(ChangesTest, AMeshThatComesInAStepOfADisabledMonitorHasNoCycle) {
+  give(0, 50);
+  step();
+  requests_.setEnabled(false);
+  said_.at_heartbeat = [this] { give(0, 50.25); };
+  EXPECT_EQ(step().back(), "heartbeat 50: cloth(disabled) cable(disabled)");
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(meshes()[0].counters().dropped, 1U);
+}
+
+TEST_F(ChangesTest, WhatWasDisabledForAMomentForgetsAllTheSame) {
+  give(0, 50);
+  step();
+  requests_.setEnabled(false);
+  requests_.setEnabled(true);
+  give(0, 50.25);
+  EXPECT_EQ(step(), Lines{"forget all: disabled"});
+  EXPECT_EQ(meshes()[0].counters().dropped, 1U);
+  give(0, 50.375);
+  EXPECT_EQ(step(), Lines{"cycle 50.375: *cloth@50.375 cable(no mesh yet)"});
+}
+
+TEST_F(ChangesTest, ReportsTellTheEpochInWhichTheirCycleBegan) {
+  std::vector<std::uint64_t> epochs;
+  said_.at_result = [&](const CycleReport& report) { epochs.push_back(report.epoch); };
+  give(0, 50);
+  at_cycle_ = [this] { requests_.requestReset(); };
+  step();
+  give(0, 50.0625);
+  step();
+  EXPECT_EQ(epochs, (std::vector<std::uint64_t>{0, 1}));
+}
+
 TEST_F(ChangesTest, AllowedContactsHoldAtOnce) {
   step();
   ASSERT_EQ(said_.pairs.size(), 1U);
@@ -185,6 +218,16 @@ TEST_F(ChangesTest, AClockThatGoesBackResets) {
   ros_time_ = ros::Time(50);
   EXPECT_EQ(stepAfter(1000), (Lines{"forget all: no new mesh",
                                     "heartbeat 50: cloth(no mesh yet) cable(no mesh yet)"}));
+}
+
+TEST_F(ChangesTest, WhatACycleFoundBeforeTheClockWentBackIsNotKnown) {
+  give(0, 50);
+  at_cycle_ = [this] { ros_time_ = ros::Time(40); };
+  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50(the clock went back during the cycle) cable(no mesh "
+                          "yet)"});
+  give(1, 40);
+  at_cycle_ = [this] { ros_time_ = ros::Time(39.95); };
+  EXPECT_EQ(step().back(), "cycle 40: cloth(no mesh yet) *cable@40") << "a small step";
 }
 
 TEST_F(ChangesTest, ForHalfASecondAfterAJumpMeshesFromBeforeAreDropped) {

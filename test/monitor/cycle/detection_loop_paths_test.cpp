@@ -127,5 +127,18 @@ TEST_F(PathsTest, TheRobotsOwnCyclesHaveStepsOfTheirOwn) {
   EXPECT_TRUE(path(1).empty());
 }
 
+// A state of that stamp would never become too old.
+TEST_F(PathsTest, TheRobotsOwnCycleIsOfThePresentIfTransformsAreFarAheadOfTheClock) {
+  useRobot(2);
+  parameters_.pair_classes = {false, false, false, true};
+  for (const char* const link : {"link0", "link1"}) {
+    addTransform(&transforms_, link, 49);
+    addTransform(&transforms_, link, 51);
+  }
+  EXPECT_EQ(step().back(), "cycle 51: *link0@51 *link1@51 cloth cable");
+  for (const char* const link : {"link0", "link1"}) addTransform(&transforms_, link, 51.5);
+  EXPECT_EQ(stepAfter(200).back(), "cycle 50: *link0@50 *link1@50 cloth cable");
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

@@ -134,6 +134,17 @@ TEST_F(StepsTest, AfterItWasDisabledThereIsNone) {
   EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: it was disabled)"});
 }
 
+TEST_F(StepsTest, AfterItWasDisabledForAMomentThereIsNone) {
+  give(0, 50);
+  step();
+  requests_.setEnabled(false);
+  requests_.setEnabled(true);
+  step();
+  give(0, 50.125);
+  step();
+  EXPECT_EQ(steps(), Lines{"0 of cloth: (cloth: it was disabled)"});
+}
+
 TEST_F(StepsTest, AfterTheClockWentBackThereIsNone) {
   give(0, 50);
   step();

@@ -61,6 +61,7 @@ struct FakeSink : CycleSink {
     std::vector<MonitoredPair> pairs;  // of the latest report
     RulesInForce rules;
     std::function<void(const CycleReport&)> at_result;  // called with each cycle
+    std::function<void()> at_heartbeat;                 // called once
     bool wants_geometry = false;                        // what the loop is told
     SteadyTime published;                               // when states are out: what it is told
     SteadyTime arrival;                                 // of the latest cycle's mesh
@@ -100,7 +101,10 @@ struct FakeSink : CycleSink {
     log->arrival = arrival;
     return log->published;
   }
-  void sendHeartbeat(const CycleReport& report) override { addReport("heartbeat", report); }
+  void sendHeartbeat(const CycleReport& report) override {
+    addReport("heartbeat", report);
+    if (log->at_heartbeat) std::exchange(log->at_heartbeat, nullptr)();
+  }
   void listPairs(const CycleReport& report) override { log->pairs = report.pairs; }
   void forgetStates(const std::string& body, const std::string& reason) override {
     add("forget " + (body.empty() ? "all" : body) + ": " + reason);

@@ -68,6 +68,24 @@ TEST_F(LoopRequestsTest, EnabledStaysAsItWasAskedFor) {
   EXPECT_TRUE(requests_.take().enabled);
 }
 
+TEST_F(LoopRequestsTest, DisabledForAMomentIsTakenOnce) {
+  requests_.setEnabled(false);
+  requests_.setEnabled(true);
+  const Requests requests = requests_.take();
+  EXPECT_TRUE(requests.enabled);
+  EXPECT_TRUE(requests.disabled);
+  EXPECT_FALSE(requests_.take().disabled);
+}
+
+TEST_F(LoopRequestsTest, AnEpochBeginsWithEachRequestThatDiscards) {
+  EXPECT_EQ(requests_.take().epoch, 0U);
+  EXPECT_EQ(requests_.requestReset(), 1U);
+  EXPECT_EQ(requests_.setEnabled(false), 2U);
+  EXPECT_EQ(requests_.setEnabled(true), 2U);
+  EXPECT_EQ(requests_.take().epoch, 2U);
+  EXPECT_EQ(requests_.take().epoch, 2U);
+}
+
 TEST_F(LoopRequestsTest, RulesAddUpAndAreTakenOnce) {
   EXPECT_EQ(requests_.changeAllowedContacts({false, {}, {rule("arm", "cloth")}}).size(), 2U);
   EXPECT_EQ(requests_.changeAllowedContacts({false, {}, {rule("hand", "cloth")}}).size(), 3U);

@@ -100,5 +100,34 @@ TEST(ContactStateTrackerTest, rejectedTrianglesAreNotNoContact) {
   EXPECT_EQ(statesOf(take(&less, sample.report)), "aC?");
 }
 
+// The service has answered: what a cycle finds that had begun before is not known any more.
+TEST(ContactStateTrackerTest, whatWasDiscardedStaysUnknownUntilACycleThatBeginsLater) {
+  SampleReport sample;
+  ContactStateTracker tracker(rules(1, 1));
+  EXPECT_EQ(statesOf(take(&tracker, sample.report)), "aC-");
+  tracker.discard("disabled", sample.report.now, 2);
+  EXPECT_EQ(statesOf(tracker.states(sample.report.now, sample.report.now)), "a??");
+  EXPECT_EQ(texts(tracker.takeEvents()).back(), "END arm/hand cloth 0 disabled");
+  sample.report.epoch = 1;
+  const ContactStates message = take(&tracker, sample.report);
+  EXPECT_EQ(statesOf(message), "a??");
+  EXPECT_EQ(message.states[kHandCloth].reason, "disabled");
+  sample.report.epoch = 2;
+  EXPECT_EQ(statesOf(take(&tracker, sample.report)), "aC-");
+}
+
+// Until the monitor has noticed that the clock went back, states would never become too old.
+TEST(ContactStateTrackerTest, whatIsFarAheadOfTheClockIsNotKnown) {
+  SampleReport sample;
+  ContactStateTracker tracker(rules(1, 1));
+  take(&tracker, sample.report);
+  const ros::Time stamp = sample.report.header.stamp;
+  EXPECT_FALSE(tracker.expire(stamp - ros::Duration(1), "old"));
+  EXPECT_TRUE(tracker.expire(stamp - ros::Duration(1.1), "old"));
+  const ContactStates message = tracker.states(stamp, stamp);
+  EXPECT_EQ(statesOf(message), "a??");
+  EXPECT_EQ(message.states[kHandCloth].reason, "the clock went back");
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

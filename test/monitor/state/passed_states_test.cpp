@@ -78,6 +78,19 @@ TEST(PassedStatesTest, WhatTouchedInBetweenAndDoesNotAtTheStampHasPassed) {
   EXPECT_EQ(feed.run("--P-NnC"), "NONE NONE PASSED NONE PASSED NEAR CONTACT");
 }
 
+// A cycle in between was lost, for example because memory ran out before it was published.
+TEST(PassedStatesTest, AStepThatBeginsLaterThanTheStateBeforeIsUnknown) {
+  Feed feed;
+  feed.run("-");
+  feed.stamp += ros::Duration(0.1);
+  EXPECT_EQ(feed.run("--"), "UNKNOWN NONE");
+  EXPECT_EQ(feed.run("n"), "NEAR");
+  feed.stamp += ros::Duration(0.1);
+  EXPECT_EQ(feed.run("nP"), "UNKNOWN PASSED");
+  feed.stamp += ros::Duration(0.1);
+  EXPECT_EQ(feed.run("P-"), "PASSED NONE") << "that is known, whatever happened before";
+}
+
 TEST(PassedStatesTest, ItIsDescribedByWhatTouched) {
   Feed feed;
   feed.run("--P");
