@@ -1,0 +1,318 @@
+// Judges every message of states by the truth.
+#include "state_judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+#include <utility>
+
+#include "monitor/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr double kRounding = 1e-5;  // [m] of float32 vertices, with room to spare
+constexpr double kPad = 0.004;      // [m] PASSED may be claimed of bodies so near to each other
+constexpr double kMostAheadS = 1;
+
+bool isKnown(const ContactState& state) {
+  return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
+}
+
+bool isApart(const ContactState& state) {
+  return state.state == ContactState::NONE || state.state == ContactState::NEAR;
+}
+
+const char* nameOf(std::uint8_t state) {
+  constexpr const char* kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
+  return state < 6 ? kNames[state] : "?";
+}
+
+}  // namespace
+
+void StateJudge::fault(const ContactState& state, const std::string& what) {
+  std::ostringstream text;
+  text << state.body_a << "/" << state.body_b << " " << nameOf(state.state) << " at " << state.stamp
+       << ": " << what;
+  addFault(text.str());
+}
+
+std::optional<std::size_t> StateJudge::objectOf(const std::string& name) const {
+  for (std::size_t i = 0; i < parameters_.objects.size(); ++i) {
+    if (parameters_.objects[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+void StateJudge::beginCycle(const MeshInputs& meshes) {
+  ++begun_;
+  refused_.clear();
+  for (const MeshInput& input : meshes) refused_.push_back(!input.counters().problem.empty());
+}
+
+void StateJudge::forget(const std::string& body) {
+  if (body.empty()) {
+    starts_.clear();
+  } else {
+    starts_.erase(body);
+  }
+}
+
+void StateJudge::answer(bool is_enabled) {
+  const bool was_enabled = std::exchange(is_enabled_, is_enabled);
+  if (!is_enabled || was_enabled) floor_ = begun_;
+}
+
+void StateJudge::judge(const ContactStates& message, bool expired) {
+  for (const ContactState& state : message.states) judgeState(nullptr, state, expired);
+}
+
+void StateJudge::judgeCycle(const CycleReport& report, const ContactStates& message) {
+  for (const ContactState& state : message.states) judgeState(&report, state, false);
+  rememberCycle(report);
+}
+
+void StateJudge::judgeState(const CycleReport* report, const ContactState& state, bool expired) {
+  ++states_;
+  const Names names(state.body_a, state.body_b);
+  const auto found = known_.find(names);
+  if (!isKnown(state)) {
+    if (found != known_.end()) known_.erase(found);
+    return;
+  }
+  ++known_count_;
+  const Known* const before = found == known_.end() ? nullptr : &found->second;
+  const bool is_kept =
+      before != nullptr && before->state == state.state && before->stamp == state.stamp;
+  if (is_kept) return judgeKept(state, *before, expired);
+  if (!is_enabled_) fault(state, "though the monitor is disabled");
+  if (report == nullptr) {
+    fault(state, "no cycle found it");
+  } else {
+    if (begun_ <= floor_) fault(state, "of a cycle that began before ~reset or ~set_enabled");
+    judgeClaim(*report, state, before);
+  }
+  known_[names] = {state.state, state.stamp, begun_};
+}
+
+void StateJudge::judgeKept(const ContactState& state, const Known& before, bool expired) {
+  if (!is_enabled_) fault(state, "still, though the monitor is disabled");
+  if (is_enabled_ && before.cycle <= floor_) fault(state, "still, after ~reset or ~set_enabled");
+  const double age_s = secondsBetween(world_.now(), state.stamp);
+  if (expired && age_s > parameters_.max_mesh_age_s) fault(state, "too old");
+  if (expired && age_s < -kMostAheadS) fault(state, "still, from the future");
+}
+
+// Finds out what the cycle used of a body; nothing: the world knows of no valid data.
+std::optional<StateJudge::Used> StateJudge::usedOf(const BodyStatus& body) const {
+  Used used;
+  used.stamp = body.stamp;
+  used.frame = body.name;
+  used.object = objectOf(body.name);
+  if (used.object) {
+    const SentMesh* const mesh = world_.mesh(*used.object, body.stamp);
+    if (mesh == nullptr || !mesh->is_good) return std::nullopt;
+    used.frame = mesh->frame;
+    used.topology = mesh->topology;
+    used.local = mesh->shape;
+  } else {
+    const SmallShape* const link = world_.link(body.name);
+    if (link == nullptr) return std::nullopt;
+    used.local = *link;
+  }
+  const std::optional<RigidTransform> pose = world_.poseAt(used.frame, body.stamp);
+  if (!pose) return std::nullopt;
+  used.pose = *pose;
+  used.placed = used.local;
+  for (Vec3d& v : used.placed.vertices) v = transformed(*pose, v);
+  return used;
+}
+
+void StateJudge::judgeClaim(const CycleReport& report, const ContactState& state,
+                            const Known* before) {
+  const auto body = [&report](const std::string& name) {
+    return &*std::find_if(report.bodies.begin(), report.bodies.end(),
+                          [&name](const BodyStatus& one) { return one.name == name; });
+  };
+  const BodyStatus *const a = body(state.body_a), *const b = body(state.body_b);
+  const std::optional<Used> used_a = usedOf(*a), used_b = usedOf(*b);
+  if (!used_a || !used_b) {
+    return fault(state, (used_a ? b : a)->name + " has no valid data of the stamp that was used");
+  }
+  const Claim claim{&report, &state, a, b, *used_a, *used_b};
+  if (!judgeData(claim)) return;
+  ++judged_;
+  passed_ += state.state == ContactState::PASSED;
+  if (state.stamp == report.header.stamp) judgeAtStamp(claim);
+  if (parameters_.motion == Motion::kSwept) judgeInterval(claim, before);
+}
+
+// Judges whether these data may be used in a cycle of that stamp.
+bool StateJudge::judgeData(const Claim& claim) {
+  const ros::Time& stamp = claim.report->header.stamp;
+  const std::size_t faults = faults_.size();
+  if (secondsBetween(stamp, claim.report->now) > kMostAheadS) {
+    fault(*claim.state, "from the future");
+  }
+  if (claim.state->stamp < stamp) fault(*claim.state, "older than its cycle");
+  if (!claim.a->triggered && !claim.b->triggered) fault(*claim.state, "not of this cycle");
+  for (const auto& [used, body] : {std::pair(&claim.used_a, claim.a), {&claim.used_b, claim.b}}) {
+    const double age_s = secondsBetween(stamp, used->stamp);
+    if (age_s < 0 || age_s > parameters_.max_mesh_age_s || (!used->object && age_s != 0)) {
+      fault(*claim.state, body->name + " is as it was " + std::to_string(age_s) + " s before");
+    }
+    const auto start = starts_.find(body->name);
+    if (used->object && start != starts_.end() && start->second.bodies.count(body->name) > 0 &&
+        start->second.bodies.at(body->name).stamp > used->stamp && start->second.stamp <= stamp) {
+      fault(*claim.state, body->name + " has had a newer mesh in a cycle");
+    }
+    if (used->object && refused_[*used->object]) {
+      fault(*claim.state, "the newest mesh of " + body->name + " was refused");
+    }
+  }
+  return faults == faults_.size();
+}
+
+void StateJudge::judgeAtStamp(const Claim& claim) {
+  const SmallShape &a = claim.used_a.placed, &b = claim.used_b.placed;
+  const ContactState& state = *claim.state;
+  const double distance = distanceBetween(a, b);
+  const double tolerance = parameters_.detector.tolerance_m;
+  const auto [least, most] = std::minmax_element(margins_m_.begin(), margins_m_.end());
+  const bool is_whole = a.brokenShare() == 0 && b.brokenShare() == 0;
+  double depth = -1;
+  if (parameters_.containment && is_whole) {
+    if (claim.state->body_b != "cloth") depth = std::max(depth, depthWithin(a, b));
+    if (claim.state->body_a != "cloth") depth = std::max(depth, depthWithin(b, a));
+  }
+  const std::string found = "the distance is " + std::to_string(distance) + " m";
+  if (state.state == ContactState::CONTACT) {
+    if (distance > tolerance + kRounding && depth < -kRounding) fault(state, found);
+    return;
+  }
+  if (distance == 0) fault(state, "they touch");
+  if (depth > kRounding) fault(state, "one is within the other");
+  if (state.state == ContactState::NONE && distance < *least - kRounding) fault(state, found);
+  if (state.state == ContactState::NEAR && distance > *most + tolerance + kRounding) {
+    fault(state, found);
+  }
+  if (state.state == ContactState::NEAR &&
+      (state.min_separation > distance + kRounding ||
+       state.min_separation < distance - tolerance - kRounding)) {
+    fault(state, found + " and not " + std::to_string(state.min_separation));
+  }
+  const double broken = std::max(a.brokenShare(), b.brokenShare());
+  if (broken > parameters_.tolerated_rejects + 1e-9) fault(state, "triangles are not finite");
+}
+
+// Returns the cycle before of whoever triggered this one, from which the pair's interval starts;
+// null if there is none.
+const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
+  const Start* latest = nullptr;
+  const bool is_of_links = !claim.used_a.object && !claim.used_b.object;
+  for (const auto& [used, body] : {std::pair(&claim.used_a, claim.a), {&claim.used_b, claim.b}}) {
+    if (!body->triggered || (!is_of_links && !used->object)) continue;
+    const auto found = starts_.find(is_of_links ? "robot" : body->name);
+    if (found == starts_.end()) continue;
+    const Start& start = found->second;
+    const double gap_s = secondsBetween(claim.report->header.stamp, start.stamp);
+    if (gap_s > parameters_.max_mesh_age_s) continue;
+    if (latest == nullptr || latest->cycle < start.cycle) latest = &start;
+  }
+  if (latest == nullptr) return nullptr;
+  for (const Used* used : {&claim.used_a, &claim.used_b}) {
+    const std::string& name = (used == &claim.used_a ? claim.a : claim.b)->name;
+    const auto from = latest->bodies.find(name);
+    if (from == latest->bodies.end() || from->second.stamp > used->stamp ||
+        from->second.topology != used->topology || from->second.frame != used->frame) {
+      return nullptr;
+    }
+  }
+  return latest;
+}
+
+void StateJudge::judgeInterval(const Claim& claim, const Known* before) {
+  const ContactState& state = *claim.state;
+  if (state.state == ContactState::CONTACT) return;
+  const Start* const start = startOf(claim);
+  if (start == nullptr) {
+    if (before != nullptr) fault(state, "it was known before, and no step joins");
+    return;
+  }
+  const bool has_one_clock = !claim.used_a.object || !claim.used_b.object;
+  if (has_one_clock && before != nullptr && before->stamp != start->stamp) {
+    fault(state, "the state before is not where the step began");
+  }
+  const std::optional<SmallMotion> a = motionOf(start->bodies.at(claim.a->name), claim.used_a);
+  const std::optional<SmallMotion> b = motionOf(start->bodies.at(claim.b->name), claim.used_b);
+  if (!a || !b) {
+    if (before != nullptr) fault(state, "transforms are missing in the step");
+    return;
+  }
+  const SmallShape middle_a = a->at(0.5), middle_b = b->at(0.5);
+  const double broken = std::max(middle_a.brokenShare(), middle_b.brokenShare());
+  if (isApart(state) && before != nullptr && broken > parameters_.tolerated_rejects + 1e-9) {
+    fault(state, "in the step, triangles are not finite");
+  }
+  const Encounter met = encounterOf(*a, *b);
+  double pad = kPad;
+  for (const SweepReport& sweep : claim.report->sweeps) {
+    if (sweep.result != nullptr) pad += 2 * sweep.result->pad_m;
+  }
+  if (isApart(state) && before != nullptr && met.is_certain) {
+    std::ostringstream text;
+    text << "they touched on the way from where they were at " << start->stamp;
+    fault(state, text.str());
+  }
+  if (state.state == ContactState::PASSED && met.least_m > pad) {
+    std::ostringstream text;
+    text << "on the way from where they were at " << start->stamp << " they came within "
+         << met.least_m << " m";
+    fault(state, text.str());
+  }
+}
+
+// Frames are where transforms say every 5 ms, as the monitor promises; vertices move on straight
+// lines in their frame.
+std::optional<SmallMotion> StateJudge::motionOf(const Used& from, const Used& to) const {
+  const std::int64_t length_ns = nanosecondsBetween(to.stamp, from.stamp);
+  const bool stands = to.frame == "base" || length_ns == 0;
+  const std::int64_t parts = stands ? 1 : std::clamp<std::int64_t>(length_ns / 5000000 + 1, 1, 200);
+  SmallMotion motion{{}, {}, to.local.triangles};
+  for (std::int64_t i = 0; i <= parts; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(parts);
+    ros::Time stamp;
+    stamp.fromNSec(from.stamp.toNSec() + length_ns * i / parts);
+    const std::optional<RigidTransform> pose = i == 0       ? from.pose
+                                               : i == parts ? to.pose
+                                                            : world_.poseAt(to.frame, stamp);
+    if (!pose) return std::nullopt;
+    motion.times.push_back(part);
+    motion.vertices.push_back(to.local.vertices);
+    for (std::size_t k = 0; k < to.local.vertices.size(); ++k) {
+      const Vec3d &begin = from.local.vertices[k], &end = to.local.vertices[k];
+      motion.vertices.back()[k] = transformed(*pose, begin + (end - begin) * part);
+    }
+  }
+  return motion;
+}
+
+void StateJudge::rememberCycle(const CycleReport& report) {
+  Start start{begun_, report.header.stamp, {}};
+  bool is_robots = false;
+  for (const BodyStatus& body : report.bodies) {
+    is_robots = is_robots || (body.triggered && body.kind == BodyKind::kLink);
+    if (body.stamp.isZero() || !body.unknown_because.empty()) continue;
+    const std::optional<Used> used = usedOf(body);
+    if (!used) continue;
+    start.bodies[body.name] = *used;
+    if (used->object) world_.mesh(*used->object, used->stamp)->was_used = true;
+  }
+  for (const BodyStatus& body : report.bodies) {
+    if (body.triggered && body.kind == BodyKind::kDeformable) starts_[body.name] = start;
+  }
+  if (is_robots) starts_["robot"] = start;
+}
+
+}  // namespace deformable_contact_monitor
