@@ -96,8 +96,9 @@ class World:
         self.tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
         self.publishers = {name: rospy.Publisher("/" + name, DeformableMesh, queue_size=10)
                            for name in SHEETS}
-        wait_until(lambda: all(publisher.get_num_connections() > 0
-                               for publisher in [self.tf, *self.publishers.values()]), "the monitor")
+        senders = [self.tf, *self.publishers.values()]
+        wait_until(lambda: all(sender.get_num_connections() > 0 for sender in senders),
+                   "the monitor")
         self.ended = threading.Event()
         self.threads = [threading.Thread(target=self._send, args=(name, random.Random(seed)),
                                          daemon=True)
