@@ -185,9 +185,19 @@ void ContactMonitor::noteBackend(const BackendState& state) {
   }
 }
 
-// A mesh goes to its object's mailbox as it is; the detection thread examines it. A topic that
-// begins with '~' is in the private namespace, any other relative one in the node's.
+// A topic that begins with '~' is in the private namespace, any other relative one in the node's.
+std::pair<ros::NodeHandle*, std::string> ContactMonitor::nameOf(const ObjectParameters& object) {
+  if (object.topic.empty()) return {&private_node_, "objects/" + object.name + "/mesh"};
+  if (object.topic.front() == '~') return {&private_node_, object.topic.substr(1)};
+  return {&node_, object.topic};
+}
+
+// A mesh goes to its object's mailbox as it is; the detection thread examines it.
 void ContactMonitor::subscribeToMeshes() {
+  requireOwnTopics(parameters_.objects, [this](const ObjectParameters& object) {
+    const auto [node, topic] = nameOf(object);
+    return node->resolveName(topic);
+  });
   for (std::size_t i = 0; i < meshes_.size(); ++i) {
     const ObjectParameters& object = parameters_.objects[i];
     const MeshReceiver store = [this, i](const IncomingMesh& mesh) {
@@ -203,13 +213,10 @@ void ContactMonitor::subscribeToMeshes() {
       meshes_[i].store(mesh);
       requests_.wake();
     };
-    const bool is_private = object.topic.empty() || object.topic.front() == '~';
-    const std::string topic = object.topic.empty() ? "objects/" + object.name + "/mesh"
-                              : is_private         ? object.topic.substr(1)
-                                                   : object.topic;
+    const auto [node, topic] = nameOf(object);
     ros::SubscribeOptions options =
         meshSubscription(topic, object, parameters_.max_mesh_bytes, store);
-    subscribers_.push_back((is_private ? private_node_ : node_).subscribe(options));
+    subscribers_.push_back(node->subscribe(options));
   }
 }
 

@@ -16,7 +16,9 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/steady_time.h"
@@ -52,6 +54,9 @@ class ContactMonitor {
  private:
   // Parts of the constructor.
   std::unique_ptr<DetectionLoop> makeLoop();
+  // Returns the topic of an object, and the node handle in whose namespace it is.
+  std::pair<ros::NodeHandle*, std::string> nameOf(const ObjectParameters& object);
+  // Throws ParameterError if two objects have one topic.
   void subscribeToMeshes();
   void advertiseServices();
 

@@ -29,20 +29,13 @@ bool same(const RobotGeometry& a, const RobotGeometry& b) {
 // Logs each link with its size, then what is suspicious about the robot and its SRDF.
 void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
   for (const LinkGeometry& link : robot.links) {
-    if (link.problem.empty()) {
-      ROS_INFO_STREAM(describeLink(link, parameters));
-    } else {
-      ROS_WARN_STREAM(describeLink(link, parameters));
-    }
+    if (link.problem.empty()) ROS_INFO_STREAM(describeLink(link, parameters));
   }
-  for (const std::string& warning : geometryWarnings(robot)) ROS_WARN_STREAM(warning);
+  for (const std::string& line : robotWarnings(robot, parameters)) ROS_WARN_STREAM(line);
   if (robot.srdf == Srdf()) return;
   ROS_INFO_STREAM("the SRDF allows contacts between links of robot '"
                   << robot.srdf.robot << "': " << robot.srdf.disabled.size() << " pairs, "
                   << robot.srdf.disabled_links.size() << " links by default");
-  for (const std::string& warning : srdfWarnings(robot.srdf, robot.name, robot.link_names)) {
-    ROS_WARN_STREAM(warning);
-  }
 }
 
 }  // namespace
@@ -157,9 +150,8 @@ RobotGeometry RobotSource::loadFromDescription() const {
 void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
   try {
     RobotGeometry sent = fromLinkMeshes(*message);
-    const std::string ignored = namesOfNoLink(parameters_.geometry.ignored_links, sent);
-    if (!ignored.empty())
-      ROS_WARN_STREAM("~ignored_links: " << ignored << ": no such link was sent");
+    const std::string ignored = ignoredLinksWarning(sent, parameters_.geometry);
+    if (!ignored.empty()) ROS_WARN_STREAM(ignored);
     RobotGeometry robot = selectedLinks(std::move(sent), parameters_.geometry);
     robot.srdf = srdf_;
     checkRobot(robot, parameters_);

@@ -100,8 +100,10 @@ bool tryBag(const std::uint8_t* data, std::size_t size) {
     requireThat(*refusal.what() != '\0', "a refusal without a reason");
   }
   try {
-    BagReader reader({file.path()}, neededMessages(MonitorParameters()));
-    BagContents contents = scanBags(&reader, [](std::uint64_t) {});
+    BagReader reader({file.path()}, neededMessages(MonitorParameters(), BagFiles()));
+    BagFiles files;
+    files.bags = {file.path()};
+    BagContents contents = scanBags(&reader, files, true, [](std::uint64_t) {});
     if (contents.topics.empty()) return false;
     evaluate(file, &reader, &contents);
     return true;

@@ -97,6 +97,13 @@ class Startup(unittest.TestCase):
         for value in ("7.5", "sloppy", "-3", "much", "robot_robot", "cloth"):
             self.assertIn(value, output)
 
+    def test_two_objects_with_one_topic_are_refused(self):
+        objects = [{"name": "cloth", "topic": "/cloth"}, {"name": "cable", "topic": "cloth"}]
+        code, output = start_and_fail("one_topic", {**GOOD, "objects": objects, "margin_m": "1e-3"})
+        self.assertGreater(code, 0, output)
+        self.assertIn("objects 'cloth' and 'cable' have one topic, /cloth", output)
+        self.assertNotIn("margin_m", output)
+
     def test_a_robot_that_cannot_be_had_is_refused(self):
         code, output = start_and_fail("no_robot", {**GOOD, "robot_description": "/nowhere"})
         self.assertGreater(code, 0, output)

@@ -233,10 +233,10 @@ void DetectionLoop::lookAtRobotsTime() {
 // or the present if that is far ahead of the clock, as such a state would never become too old.
 // Nothing: a cycle of that stamp is done, or the transforms are too old.
 std::optional<ros::Time> DetectionLoop::robotsStamp() const {
-  const std::vector<std::string> links = scene_.selfPairedLinks();
-  if (links.empty()) return std::nullopt;
+  const std::vector<std::string> frames = scene_.selfPairedFrames();
+  if (frames.empty()) return std::nullopt;
   const ros::Time now = clock_.rosTime();
-  const std::optional<ros::Time> newest = lookup_.newestCommon(links, parameters_.max_mesh_age_s);
+  const std::optional<ros::Time> newest = lookup_.newestCommon(frames, parameters_.max_mesh_age_s);
   if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
   if (!now.isZero() && secondsBetween(*newest, now) > kMaxAheadS) return now;
   const bool is_old = !now.isZero() && secondsBetween(now, *newest) > parameters_.max_mesh_age_s;

@@ -193,23 +193,27 @@ std::vector<FrameAtStamp> MonitorScene::awaitedFrames(std::size_t object, const 
   }
   for (const MonitoredPair& pair : pairs_) {
     if (pair.allowed || pair.b != id || !isLink(pair.a) || !link_problems_[pair.a].empty() ||
-        bodies_[pair.a].name == parameters_.reference_frame) {
+        parameters_.frameOf(bodies_[pair.a].name) == parameters_.reference_frame) {
       continue;
     }
-    frames.push_back({bodies_[pair.a].name, t});
+    frames.push_back(frameOfLink(pair.a, t));
   }
   return frames;
 }
 
-std::vector<std::string> MonitorScene::selfPairedLinks() const {
-  std::set<std::string> links;
+FrameAtStamp MonitorScene::frameOfLink(BodyId id, const ros::Time& t) const {
+  return {parameters_.frameOf(bodies_[id].name), t, bodies_[id].name};
+}
+
+std::vector<std::string> MonitorScene::selfPairedFrames() const {
+  std::set<std::string> frames;
   for (const MonitoredPair& pair : pairs_) {
     if (pair.allowed || !isLink(pair.b)) continue;
     for (const BodyId id : {pair.a, pair.b}) {
-      if (link_problems_[id].empty()) links.insert(bodies_[id].name);
+      if (link_problems_[id].empty()) frames.insert(parameters_.frameOf(bodies_[id].name));
     }
   }
-  return {links.begin(), links.end()};
+  return {frames.begin(), frames.end()};
 }
 
 TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& trigger,
@@ -223,7 +227,7 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
   for (BodyId id = 0; id < bodies_.size(); ++id) {
     if (!needed[id] || !isKnown(id)) continue;
     if (isLink(id)) {
-      questions.push_back({id, {bodies_[id].name, t}});
+      questions.push_back({id, frameOfLink(id, t)});
     } else {
       const IncomingMesh& mesh = *meshes[id - first_object_];
       questions.push_back({id, {plainFrame(mesh.message->header.frame_id), mesh.stamp()}});

@@ -72,8 +72,8 @@ class MonitorScene {
   // cycle does not wait for the frames of other objects.
   std::vector<FrameAtStamp> awaitedFrames(std::size_t object, const ros::Time& t,
                                           const IncomingMesh& mesh) const;
-  // Returns the links, by frame, whose poses the robot's own cycles need.
-  std::vector<std::string> selfPairedLinks() const;
+  // Returns the frames of the links whose poses the robot's own cycles need.
+  std::vector<std::string> selfPairedFrames() const;
 
   // Brings the bodies of the cycle's pairs (isOfCycle) to stamp `t`. Links are posed at `t`. Each
   // object, also one that triggered the cycle, has its newest accepted mesh at `t`, posed at that
@@ -110,6 +110,8 @@ class MonitorScene {
     FrameAtStamp frame;
   };
 
+  // Returns the question for the pose of a link at stamp `t`.
+  FrameAtStamp frameOfLink(BodyId id, const ros::Time& t) const;
   void listPairs();
   void applyMargin();
   void clearStatuses();

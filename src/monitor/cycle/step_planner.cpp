@@ -113,7 +113,7 @@ BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const std::string
 // Returns where the body was and how it came here. If transforms between the cycles are missing, it
 // is skipped.
 StepBody stepBody(const UsedCycle& from_cycle, const UsedCycle& now, BodyId id,
-                  const std::string& body_name, const std::string& reference_frame,
+                  const std::string& link_frame, const std::string& reference_frame,
                   const TransformLookup& lookup) {
   StepBody body;
   body.takes_part = true;
@@ -123,7 +123,7 @@ StepBody stepBody(const UsedCycle& from_cycle, const UsedCycle& now, BodyId id,
   const UsedBody& to = *now.bodies[id];
   body.pose = from.pose;
   if (from.mesh.message != to.mesh.message) body.mesh = from.mesh.message;
-  const std::string frame = to.mesh.message == nullptr ? body_name : frameOf(to);
+  const std::string frame = to.mesh.message == nullptr ? link_frame : frameOf(to);
   if (frame == reference_frame) return body;
   try {
     body.path = pathBetween(from, to, frame, lookup);
@@ -184,7 +184,7 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
       for (const BodyId id : {pair.a, pair.b}) {
         StepBody& body = interval.bodies[id];
         if (number == 0 || body.takes_part) continue;
-        body = stepBody(*starts[number], *used, id, scene.bodies()[id].name,
+        body = stepBody(*starts[number], *used, id, parameters_.frameOf(scene.bodies()[id].name),
                         parameters_.reference_frame, lookup);
       }
     }

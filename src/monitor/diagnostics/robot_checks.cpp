@@ -66,6 +66,25 @@ void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters)
   }
 }
 
+std::vector<std::string> robotWarnings(const RobotGeometry& robot,
+                                       const MonitorParameters& parameters) {
+  std::vector<std::string> warnings;
+  for (const LinkGeometry& link : robot.links) {
+    if (!link.problem.empty()) warnings.push_back(describeLink(link, parameters));
+  }
+  const auto add = [&warnings](const std::vector<std::string>& lines) {
+    warnings.insert(warnings.end(), lines.begin(), lines.end());
+  };
+  add(geometryWarnings(robot));
+  if (!(robot.srdf == Srdf())) add(srdfWarnings(robot.srdf, robot.name, robot.link_names));
+  return warnings;
+}
+
+std::string ignoredLinksWarning(const RobotGeometry& sent, const RobotGeometryOptions& options) {
+  const std::string missing = namesOfNoLink(options.ignored_links, sent);
+  return missing.empty() ? "" : "~ignored_links: " + missing + ": no such link was sent";
+}
+
 std::string describeLink(const LinkGeometry& link, const MonitorParameters& parameters) {
   if (!link.problem.empty()) return link.problem + "; the link is UNKNOWN";
   std::ostringstream text;

@@ -22,6 +22,14 @@ std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeom
 // links have no usable geometry. The text lists all of these.
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters);
 
+// Returns what a user should know about a robot that is used, a line each: links without usable
+// geometry, unusual sizes and numbers of triangles, and names in its SRDF that no link has.
+std::vector<std::string> robotWarnings(const RobotGeometry& robot,
+                                       const MonitorParameters& parameters);
+
+// Returns a line that names the ignored links that were not sent; empty: there are none.
+std::string ignoredLinksWarning(const RobotGeometry& sent, const RobotGeometryOptions& options);
+
 // Returns "link 'hand': 12 triangles, 0.2 m long, margin 0.01 m, from box ...". For a link without
 // usable geometry, returns why, and that the link is UNKNOWN.
 std::string describeLink(const LinkGeometry& link, const MonitorParameters& parameters);

@@ -4,6 +4,7 @@
 #include <tf2/exceptions.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -18,6 +19,33 @@ std::string shown(const ros::Time& stamp) {
   std::ostringstream text;
   text << stamp;
   return text.str();
+}
+
+// Returns the first few frames that are a prefix and the name. Only a prefix that ends with a
+// separator counts, so that 'forearm' is not proposed for 'arm'.
+std::vector<std::string> withPrefix(const std::vector<std::string>& frames,
+                                    const std::string& name) {
+  constexpr std::size_t kMost = 3;
+  std::set<std::string> found;
+  for (const std::string& frame : frames) {
+    if (frame.size() <= name.size()) continue;
+    const std::size_t length = frame.size() - name.size();
+    const bool is_separated = std::isalnum(static_cast<unsigned char>(frame[length - 1])) == 0;
+    if (is_separated && frame.compare(length, std::string::npos, name) == 0) found.insert(frame);
+  }
+  std::vector<std::string> few(found.begin(), found.end());
+  few.resize(std::min(few.size(), kMost));
+  return few;
+}
+
+// Returns the names in quotes.
+std::string listed(const std::vector<std::string>& names, const char* between) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += text.empty() ? "" : between;
+    text += "'" + name + "'";
+  }
+  return text;
 }
 
 }  // namespace
@@ -43,7 +71,12 @@ RigidTransform toRigidTransform(const geometry_msgs::Transform& transform) {
 std::vector<PoseAnswer> TransformLookup::lookup(const std::vector<FrameAtStamp>& frames) const {
   std::vector<PoseAnswer> answers;
   answers.reserve(frames.size());
-  for (const FrameAtStamp& frame : frames) answers.push_back(ask(frame));
+  for (const FrameAtStamp& frame : frames) {
+    answers.push_back(ask(frame));
+    if (answers.back().outcome == PoseAnswer::Outcome::kNever) {
+      answers.back().problem += prefixHint(frame);
+    }
+  }
   return answers;
 }
 
@@ -102,6 +135,27 @@ PoseAnswer TransformLookup::ask(const FrameAtStamp& question) const {
   // The transform may have come between the two lookups.
   const PoseAnswer again = find(question);
   return again.outcome == PoseAnswer::Outcome::kFound ? again : answer;
+}
+
+// Proposes frames that end with the names of missing ones: robots with a prefix have such frames.
+std::string TransformLookup::prefixHint(const FrameAtStamp& question) const {
+  const auto is_missing = [this](const std::string& frame) { return !buffer_._frameExists(frame); };
+  const bool link_is_missing = !question.link.empty() && is_missing(question.frame);
+  if (!link_is_missing && !is_missing(reference_frame_)) return "";
+  std::vector<std::string> frames;
+  buffer_._getFrameStrings(frames);
+  std::string hint;
+  if (is_missing(reference_frame_)) {
+    const std::vector<std::string> found = withPrefix(frames, reference_frame_);
+    if (!found.empty()) hint += "; there is " + listed(found, ", ") + ": set reference_frame to it";
+  }
+  if (link_is_missing) {
+    std::vector<std::string> found = withPrefix(frames, question.link);
+    if (!found.empty()) hint += "; there is " + listed(found, ", ");
+    for (std::string& frame : found) frame.resize(frame.size() - question.link.size());
+    if (!found.empty()) hint += ": set frame_prefix to " + listed(found, " or ");
+  }
+  return hint;
 }
 
 PoseAnswer TransformLookup::find(const FrameAtStamp& question) const {

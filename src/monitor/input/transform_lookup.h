@@ -29,6 +29,7 @@ RigidTransform toRigidTransform(const geometry_msgs::Transform& transform);
 struct FrameAtStamp {
   std::string frame;
   ros::Time stamp;
+  std::string link{};  // whose frame it is; empty: it is no link's
 };
 
 struct PoseAnswer {
@@ -52,6 +53,8 @@ class TransformLookup {
       : buffer_(buffer), reference_frame_(std::move(reference_frame)) {}
 
   // Returns one answer for each question, in their order. A pose is always that of the very stamp.
+  // If the frame of a link, or the reference frame, was never seen, the problem proposes frames
+  // that have a prefix before that name.
   std::vector<PoseAnswer> lookup(const std::vector<FrameAtStamp>& frames) const;
 
   // Returns whether one of these poses is late but may still come. A pose for which giveUp() was
@@ -76,6 +79,7 @@ class TransformLookup {
   PoseAnswer ask(const FrameAtStamp& question) const;
   PoseAnswer find(const FrameAtStamp& question) const;
   PoseAnswer explain(const FrameAtStamp& question) const;
+  std::string prefixHint(const FrameAtStamp& question) const;
 
   const tf2::BufferCore& buffer_;
   const std::string reference_frame_;

@@ -5,6 +5,8 @@
 #include "monitor/rules/parameter_reader.h"
 
 #include <cmath>
+#include <locale>
+#include <regex>
 #include <sstream>
 #include <utility>
 
@@ -28,6 +30,22 @@ std::string range(T low, T high) {
   std::ostringstream text;
   text << "must be in [" << low << ", " << high << "]";
   return text.str();
+}
+
+// Returns whether the text is a decimal number with an exponent.
+bool isExponential(const std::string& text) {
+  static const std::regex kNumber(R"([-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+)");
+  constexpr std::size_t kLongest = 64;  // std::regex recurses
+  return text.size() <= kLongest && std::regex_match(text, kNumber);
+}
+
+// Reads a number of that form in every locale.
+double toDouble(const std::string& text) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  double number = 0;
+  in >> number;  // beyond the range of double, it is the largest number
+  return number;
 }
 
 }  // namespace
@@ -127,6 +145,9 @@ bool ParameterReader::toNumber(const std::string& name, const XmlRpcValue& value
     *number = static_cast<const int&>(value);
   } else if (value.getType() == XmlRpcValue::TypeDouble) {
     *number = static_cast<const double&>(value);
+  } else if (value.getType() == XmlRpcValue::TypeString &&
+             isExponential(static_cast<const std::string&>(value))) {
+    *number = toDouble(static_cast<const std::string&>(value));
   } else {
     addProblem(name, "is " + shown(value) + ", must be a number");
     return false;
@@ -148,19 +169,24 @@ double ParameterReader::number(const std::string& name, double fallback, double 
   return number;
 }
 
+// An empty text mostly means that a launch argument was forgotten.
 std::string ParameterReader::text(const std::string& name, const std::string& fallback) {
-  const XmlRpcValue* value = find(name);
+  const XmlRpcValue* const value = find(name);
+  std::string text = optionalText(name, fallback);
+  const bool is_text = value != nullptr && value->getType() == XmlRpcValue::TypeString;
+  if (!is_text || !text.empty()) return text;
+  addProblem(name, "is empty");
+  return fallback;
+}
+
+std::string ParameterReader::optionalText(const std::string& name, const std::string& fallback) {
+  const XmlRpcValue* const value = find(name);
   if (value == nullptr) return fallback;
   if (value->getType() != XmlRpcValue::TypeString) {
     addProblem(name, "is " + shown(*value) + ", must be text");
     return fallback;
   }
   const auto& text = static_cast<const std::string&>(*value);
-  // No text parameter has a meaning for an empty text; mostly a launch argument was forgotten.
-  if (text.empty()) {
-    addProblem(name, "is empty");
-    return fallback;
-  }
   if (text != fallback) addChanged(name, *value);
   return text;
 }

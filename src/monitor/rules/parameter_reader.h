@@ -22,9 +22,12 @@ class ParameterReader {
 
   bool flag(const std::string& name, bool fallback);
   int integer(const std::string& name, int fallback, int low, int high);
+  // A text such as 1e-3 is a number: YAML 1.1, which rosparam and roslaunch read, takes a number
+  // with an exponent for a text unless it has a decimal point and the exponent has a sign.
   double number(const std::string& name, double fallback, double low, double high);
-  // An empty text is a problem.
+  // An empty text is a problem for the first, and a value for the second.
   std::string text(const std::string& name, const std::string& fallback);
+  std::string optionalText(const std::string& name, const std::string& fallback);
   // Returns the index of the value among `choices`; `fallback` is an index, too.
   std::size_t choice(const std::string& name, const std::vector<std::string>& choices,
                      std::size_t fallback);

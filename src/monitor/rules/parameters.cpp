@@ -42,6 +42,10 @@ void readRobot(ParameterReader* reader, MonitorParameters* p) {
   p->robot_source =
       static_cast<RobotSourceKind>(reader->choice("robot_source", {"urdf", "topic"}, 0));
   p->robot_description = reader->text("robot_description", p->robot_description);
+  p->frame_prefix = reader->optionalText("frame_prefix", p->frame_prefix);
+  if (p->frame_prefix.substr(0, 1) == "/") {
+    reader->addProblem("frame_prefix", "is '" + p->frame_prefix + "', must not begin with '/'");
+  }
   p->srdf = reader->text("srdf", p->srdf);
   p->geometry.kind = static_cast<GeometryKind>(
       reader->choice("geometry", {"collision", "visual", "collision_or_visual"}, 0));
@@ -254,6 +258,20 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   for (const std::string& problem : found) all += "\n  " + problem;
   for (const std::string& warning : *warnings) all += "\n  " + warning;
   throw ParameterError(all);
+}
+
+void requireOwnTopics(const std::vector<ObjectParameters>& objects,
+                      const std::function<std::string(const ObjectParameters&)>& topic_of) {
+  std::map<std::string, std::string> names;  // by topic
+  std::string problems;
+  for (const ObjectParameters& object : objects) {
+    const auto [other, is_new] = names.emplace(topic_of(object), object.name);
+    if (is_new) continue;
+    problems += (problems.empty() ? "" : "\n") + ("objects '" + other->second + "' and '") +
+                object.name + "' have one topic, " + other->first +
+                "; give each object a topic of its own";
+  }
+  if (!problems.empty()) throw ParameterError(problems);
 }
 
 LiveParameters startValues(const MonitorParameters& parameters) {

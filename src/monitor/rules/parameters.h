@@ -8,6 +8,7 @@
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -48,6 +49,7 @@ struct MonitorParameters {
 
   RobotSourceKind robot_source = RobotSourceKind::kUrdf;
   std::string robot_description = "robot_description";
+  std::string frame_prefix;
   std::string srdf = kSrdfAuto;  // kSrdfAuto, kSrdfNone, or a path or URL
   RobotGeometryOptions geometry;
   bool strict_geometry = false;
@@ -88,6 +90,9 @@ struct MonitorParameters {
   std::size_t max_mesh_bytes = std::size_t{512} << 20U;  // max_mesh_mib
 
   std::vector<std::string> changed;  // what is not at its default, each as "name: value"
+
+  // Returns the TF frame of a link.
+  std::string frameOf(const std::string& link) const { return frame_prefix + link; }
 };
 
 // Returns whether a tolerance or a budget is set, so that results may be less than exact.
@@ -106,6 +111,11 @@ struct ParameterError : std::runtime_error {
 // known. Throws ParameterError, whose text contains these warnings too.
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings);
+
+// Throws ParameterError if two objects have one topic. `topic_of` returns an object's absolute
+// topic.
+void requireOwnTopics(const std::vector<ObjectParameters>& objects,
+                      const std::function<std::string(const ObjectParameters&)>& topic_of);
 
 // The parameters that may change while the monitor runs (dynamic_reconfigure).
 struct LiveParameters {

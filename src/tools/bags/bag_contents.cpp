@@ -19,10 +19,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 // Publishers that start within this time of the first belong to the start of the recording, and
 // those that end within it of the last belong to its end [s].
 constexpr double kEdgeS = 5;
@@ -123,19 +119,23 @@ void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic
 
 void lookAt(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
             BagContents* contents) {
-  if (isTransforms(message)) lookAtTransforms(message, scan, contents);
-  if (isJointState(message)) lookAtJoints(message, scan, contents);
+  const BagTopics& chosen = contents->chosen;
+  const auto is_on = [&message](const std::string& name) { return message.topic == name; };
+  if (isTransforms(message) && chosen.transforms.count(message.topic) > 0) {
+    lookAtTransforms(message, scan, contents);
+  }
+  if (isJointState(message) && is_on(chosen.joint_states)) {
+    lookAtJoints(message, scan, contents);
+  }
   if (isMesh(message)) lookAtMesh(message, scan, topic, contents);
-  if (isLinkMeshes(message)) {
+  if (isLinkMeshes(message) && is_on(chosen.link_meshes)) {
     const auto same = [](const LinkMeshes& a, const LinkMeshes& b) { return a.meshes == b.meshes; };
     addChange(message.received, toLinkMeshes(message), same, &contents->link_meshes);
   }
-  if (isText(message) && endsWith(message.topic, "robot_description")) {
+  if (isText(message) && is_on(chosen.robot_description)) {
     addChange(message.received, toText(message), std::equal_to<>(), &contents->robot_descriptions);
   }
-  if (isText(message) && endsWith(message.topic, "robot_description_semantic")) {
-    contents->robot_semantic = toText(message);
-  }
+  if (isText(message) && is_on(chosen.robot_semantic)) contents->robot_semantic = toText(message);
 }
 
 // Sorts the meshes in the order of their cycles. A mesh whose stamp is so far behind that no
@@ -223,12 +223,13 @@ ros::Time BagContents::ended() const {
 
 // Fixed joints become static transforms. Frames of moving joints count as known while their joint
 // was recorded.
-void BagContents::addJointTransforms(const History<std::string>& urdfs) {
+void BagContents::addJointTransforms(const History<std::string>& urdfs,
+                                     const std::string& frame_prefix) {
   if (joints.empty()) return;
   const std::map<std::string, std::string> in_tf = parents;
   const auto is_missing = [&in_tf](const std::string& frame) { return in_tf.count(frame) == 0; };
   for (const Recorded<std::string>& urdf : urdfs) {
-    const auto made = std::make_shared<const JointTransforms>(urdf.value, is_missing);
+    const auto made = std::make_shared<const JointTransforms>(urdf.value, frame_prefix, is_missing);
     for (const geometry_msgs::TransformStamped& transform : made->fixed()) {
       addStatic(urdf.received, transform, this);
       parents[transform.child_frame_id] = transform.header.frame_id;
@@ -251,14 +252,19 @@ std::string stampText(const ros::Time& stamp) {
   return text;
 }
 
-bool isStatic(const std::string& topic) { return endsWith(topic, "tf_static"); }
-
-// A message that cannot be read is counted as damaged, and the reading goes on.
-BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>& progress) {
+// A message that cannot be read is counted as damaged, and the reading goes on. Topics are chosen
+// before the first message is used, and also if there is none.
+BagContents scanBags(BagReader* reader, const BagFiles& files, bool needs_robot,
+                     const std::function<void(std::uint64_t)>& progress) {
   BagContents contents;
+  const auto choose = [&] {
+    contents.recorded = reader->topics();
+    contents.chosen = chooseTopics(contents.recorded, files, needs_robot);
+  };
   Scan scan;
   std::uint64_t count = 0;
   contents.problem = reader->read([&](const BagMessage& message) {
+    if (count == 0) choose();
     progress(++count);
     BagContents::Topic& topic = contents.topics[message.topic];
     topic.type = message.type;
@@ -269,6 +275,7 @@ BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>
       ++topic.damaged;
     }
   });
+  if (count == 0) choose();
   contents.triangles_ahead.settle();
   // Without transforms, the meshes tell where the clock went back.
   const bool has_transforms = !contents.moving.empty() || !contents.joints.empty();

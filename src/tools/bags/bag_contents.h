@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "tools/bags/bag_reader.h"
+#include "tools/bags/bag_topics.h"
 #include "tools/bags/joint_transforms.h"
 #include "tools/bags/time_jumps.h"
 #include "tools/bags/triangles_ahead.h"
@@ -70,6 +71,8 @@ struct BagContents {
   };
 
   std::map<std::string, Topic> topics;  // of the types that cycles need
+  RecordedTopics recorded;              // all topics of the bags
+  BagTopics chosen;                     // those from which everything but meshes is read
   std::vector<Mesh> meshes;  // ascending parts and places; equal ones in order of receipt
   TimeJumps jumps;           // where the clock went back
   // The static transforms of each frame, without repetitions. As in tf2, a frame whose first
@@ -78,7 +81,7 @@ struct BagContents {
   std::uint64_t refused_transforms = 0;        // static ones that tf2 does not accept
   std::map<std::string, Span> moving;          // frames with transforms that are not static
   std::map<std::string, std::string> parents;  // the latest parent of each frame
-  std::map<std::string, Span> joints;          // joints in /joint_states
+  std::map<std::string, Span> joints;          // joints with positions
   // Compute the poses of frames that TF does not have, one for each URDF. Empty if there are no
   // such frames, no joints or no URDF.
   History<std::shared_ptr<const JointTransforms>> joint_transforms;
@@ -90,8 +93,8 @@ struct BagContents {
   double transforms_ahead_s = 0;
   // These have no repetitions.
   History<LinkMeshes> link_meshes;
-  History<std::string> robot_descriptions;  // texts on a topic of that name (URDF)
-  std::string robot_semantic;               // the newest text on robot_description_semantic (SRDF)
+  History<std::string> robot_descriptions;  // URDFs
+  std::string robot_semantic;               // the newest SRDF
   std::string problem;                      // why the reading stopped early; empty: it did not
 
   // Returns whether a transform on /tf counts: the node ignores stamps from far ahead of its clock.
@@ -109,22 +112,17 @@ struct BagContents {
   ros::Time settled() const;
   ros::Time ended() const;
 
-  // Adds the frames that joint states and the URDFs give and TF does not have. Throws as
-  // JointTransforms does.
-  void addJointTransforms(const History<std::string>& urdfs);
+  // Adds the frames that joint states and the URDFs give and TF does not have. A link's frame is
+  // `frame_prefix` and its name. Throws as JointTransforms does.
+  void addJointTransforms(const History<std::string>& urdfs, const std::string& frame_prefix);
 };
 
-// The topic that joint states are read from.
-constexpr const char* kJointsTopic = "/joint_states";
-
 // Reads the bags once, and keeps what comes before damage. Calls `progress` with the number of
-// messages so far. Throws as BagReader::read does.
-BagContents scanBags(BagReader* reader, const std::function<void(std::uint64_t)>& progress);
+// messages so far. Throws as BagReader::read and chooseTopics() do.
+BagContents scanBags(BagReader* reader, const BagFiles& files, bool needs_robot,
+                     const std::function<void(std::uint64_t)>& progress);
 
 // Returns a stamp as tables and messages show it: seconds with nine decimals.
 std::string stampText(const ros::Time& stamp);
-
-// Returns true if transforms on this topic are static.
-bool isStatic(const std::string& topic);
 
 }  // namespace deformable_contact_monitor

@@ -48,8 +48,7 @@ ros::Duration cacheTime(const BagContents& contents, double max_mesh_age_s) {
 std::string topicOf(const ObjectParameters& object) {
   const std::string& topic = object.topic;
   if (topic.empty()) return "/contact_monitor/objects/" + object.name + "/mesh";
-  if (topic.front() == '~') return "/contact_monitor/" + topic.substr(1);
-  return topic.front() == '/' ? topic : "/" + topic;
+  return absoluteTopic(topic.front() == '~' ? "contact_monitor/" + topic.substr(1) : topic);
 }
 
 BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& contents,
@@ -142,7 +141,8 @@ void BagCycles::take(const BagMessage& message) {
 // Adds the transforms of a message to the buffer, except those of frames that are static.
 // recallAt() adds these.
 void BagCycles::takeTransforms(const BagMessage& message) {
-  if (isTransforms(message)) {
+  const BagTopics& chosen = contents_.chosen;
+  if (isTransforms(message) && chosen.transforms.count(message.topic) > 0) {
     for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
       const std::string frame = plainFrame(transform.child_frame_id);
       // Other transforms of static frames were refused in the first reading.
@@ -157,7 +157,8 @@ void BagCycles::takeTransforms(const BagMessage& message) {
         ++refused_transforms_;
       }
     }
-  } else if (isJointState(message) && !contents_.joint_transforms.empty()) {
+  } else if (isJointState(message) && message.topic == chosen.joint_states &&
+             !contents_.joint_transforms.empty()) {
     const auto& all = contents_.joint_transforms;
     const JointTransforms& joints = *all[indexAt(all, message.received)].value;
     for (const geometry_msgs::TransformStamped& transform : joints.at(toJointState(message))) {
@@ -313,7 +314,8 @@ DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
   const std::optional<MeshFrame> frame =
       played_->next([&](const std::string& link) -> std::optional<Eigen::Isometry3d> {
         try {
-          return tf2::transformToEigen(buffer_.lookupTransform(played_->frame, link, stamp));
+          const std::string frame = parameters_.frameOf(link);
+          return tf2::transformToEigen(buffer_.lookupTransform(played_->frame, frame, stamp));
         } catch (const tf2::TransformException&) {
           return std::nullopt;
         }

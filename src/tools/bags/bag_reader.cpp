@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <ros/names.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <signal.h>
@@ -103,9 +104,10 @@ constexpr std::uint32_t kLongest = 0xC0000000;  // longest message [bytes]
 
 // Precedes the texts and bytes of each answer in the pipe.
 struct Header {
-  enum Kind : std::uint32_t { kMessage, kEnd, kCannotOpen };
+  enum Kind : std::uint32_t { kTopic, kMessage, kEnd, kCannotOpen };
   std::uint32_t kind = kEnd;
-  std::uint32_t topic = 0, type = 0, md5 = 0, bytes = 0;  // lengths; kEnd, kCannotOpen: only bytes
+  // Lengths. kTopic has a topic and a type; kEnd and kCannotOpen have only bytes.
+  std::uint32_t topic = 0, type = 0, md5 = 0, bytes = 0;
   std::uint32_t sec = 0, nsec = 0;
 };
 
@@ -128,6 +130,19 @@ void sendText(int pipe, Header::Kind kind, const std::string& text) {
   header.bytes = static_cast<std::uint32_t>(text.size());
   send(pipe, &header, sizeof header);
   send(pipe, text.data(), text.size());
+}
+
+// Sends the names and types of the bag's topics with messages.
+void sendTopics(int pipe, const rosbag::Bag& bag) {
+  rosbag::View all(bag);
+  for (const rosbag::ConnectionInfo* const connection : all.getConnections()) {
+    Header header;
+    header.kind = Header::kTopic;
+    header.topic = static_cast<std::uint32_t>(connection->topic.size());
+    header.type = static_cast<std::uint32_t>(connection->datatype.size());
+    send(pipe, &header, sizeof header);
+    send(pipe, (connection->topic + connection->datatype).data(), header.topic + header.type);
+  }
 }
 
 // The stream that MessageInstance::write writes to. It checks the length that the bag claims.
@@ -220,6 +235,7 @@ void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection
     return sendText(pipe, Header::kCannotOpen, error.what());
   }
   try {
+    for (const rosbag::Bag& bag : bags) sendTopics(pipe, bag);
     for (const rosbag::MessageInstance& message : view) sendMessage(pipe, message);
     sendText(pipe, Header::kEnd, "");
   } catch (const std::bad_alloc&) {
@@ -230,6 +246,8 @@ void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection
 }
 
 }  // namespace
+
+std::string absoluteTopic(const std::string& name) { return ros::names::clean("/" + name); }
 
 // Counts the messages of each connection twice: in the indices behind the chunks, and in the list
 // of chunks at the end of the bag. Both, and the numbers in the bag's header, must agree.
@@ -268,7 +286,7 @@ void checkBagIndex(const std::string& path) {
   }
 }
 bool BagSelection::has(const std::string& topic, const std::string& type) const {
-  const auto of_topic = types_of_topics.find(topic);
+  const auto of_topic = types_of_topics.find(absoluteTopic(topic));
   return types.count(type) > 0 || (of_topic != types_of_topics.end() && of_topic->second == type);
 }
 
@@ -349,13 +367,19 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
     gone_ = false;
     // The child may be damaged by the bag, so its lengths are checked too.
     if (header.bytes > kLongest) break;
+    if (header.kind == Header::kTopic) {
+      const std::string topic = absoluteTopic(receiveText(header.topic));
+      topics_[topic] = receiveText(header.type);
+      if (gone_) break;
+      continue;
+    }
     if (header.kind != Header::kMessage) {
       std::string text = receiveText(header.bytes);
       if (header.kind == Header::kCannotOpen) throw std::runtime_error(text);
       return text;
     }
     BagMessage message;
-    message.topic = receiveText(header.topic);
+    message.topic = absoluteTopic(receiveText(header.topic));
     message.type = receiveText(header.type);
     message.md5 = receiveText(header.md5);
     message.bytes.resize(header.bytes);

@@ -16,7 +16,11 @@
 
 namespace deformable_contact_monitor {
 
-// A recorded message, still serialized.
+// Returns a topic's name with one leading slash and no other superfluous ones. Names that were
+// recorded without a leading slash mean the same topics as those with one.
+std::string absoluteTopic(const std::string& name);
+
+// A recorded message, still serialized. Its topic is an absoluteTopic().
 struct BagMessage {
   std::string topic, type, md5;
   ros::Time received;
@@ -24,7 +28,7 @@ struct BagMessage {
 };
 
 // Selects the messages that are read: all messages of some types, and on some topics the messages
-// of one type.
+// of one type. Topics are absolute.
 struct BagSelection {
   std::set<std::string> types;
   std::map<std::string, std::string> types_of_topics;
@@ -52,6 +56,10 @@ class BagReader {
   // exception of `visit` passes through, and the reader cannot be used after it.
   std::string read(const std::function<void(const BagMessage&)>& visit);
 
+  // Returns the types of all topics with messages, whether they are selected or not. They are known
+  // when read() visits its first message, and afterwards.
+  const std::map<std::string, std::string>& topics() const { return topics_; }
+
  private:
   bool receive(void* data, std::size_t size);
   std::string receiveText(std::size_t size);
@@ -59,6 +67,7 @@ class BagReader {
 
   std::vector<std::string> paths_;
   BagSelection selection_;
+  std::map<std::string, std::string> topics_;
   pid_t process_ = -1;
   int requests_ = -1, messages_ = -1;  // this process's ends of the pipes
   bool gone_ = false;                  // the child ended, or must not be asked again

@@ -8,10 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "monitor/cycle/monitor_scene.h"
 #include "monitor/diagnostics/robot_checks.h"
 #include "monitor/input/mesh_subscription.h"
 #include "monitor/input/transform_lookup.h"
 #include "monitor/messages/contact_messages.h"
+#include "robot/nearest_name.h"
 #include "tools/bags/bag_messages.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/common/yaml_parameters.h"
@@ -21,6 +23,13 @@ namespace {
 
 using Warn = std::function<void(const std::string&)>;
 
+// Returns the names as a list for people.
+std::string listed(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 // Returns what follows the last slash of a topic.
 std::string lastPart(const std::string& topic) {
   const std::size_t slash =
@@ -28,25 +37,87 @@ std::string lastPart(const std::string& topic) {
   return slash == std::string::npos ? topic : topic.substr(slash + 1);
 }
 
-// Makes every topic of meshes an object.
-void addRecordedObjects(const BagContents& contents, MonitorParameters* parameters) {
+// Returns the topics with meshes.
+std::set<std::string> meshTopics(const BagContents& contents) {
   std::set<std::string> topics;
   for (const BagContents::Mesh& mesh : contents.meshes) topics.insert(mesh.topic);
-  for (const std::string& topic : topics) {
-    ObjectParameters object;
+  return topics;
+}
+
+// Throws unless the meshes of that object can be on the topic.
+void checkChosenTopic(const BagContents& contents, const std::string& object,
+                      const std::string& topic) {
+  const std::string what = "--topic " + object + "=" + topic + ": ";
+  const std::set<std::string> topics = meshTopics(contents);
+  if (topics.count(topic) == 0) {
+    throw std::runtime_error(what + "no deformable mesh was recorded there" +
+                             (topics.empty() ? "" : "; there are meshes on " + listed(topics)));
+  }
+  const std::string& name = contents.topics.at(topic).object;
+  if (!name.empty() && name != object) {
+    throw std::runtime_error(what + "its messages are of object '" + name + "'");
+  }
+}
+
+// Makes every topic of meshes an object. Where several have meshes of one object, an option must
+// choose; the others are left out then.
+void addRecordedObjects(const BagFiles& files, const BagContents& contents,
+                        MonitorParameters* parameters, const Warn& warn) {
+  const std::map<std::string, std::string> chosen = objectTopics(files);
+  std::map<std::string, std::set<std::string>> topics_of;  // by object
+  for (const auto& [object, topic] : chosen) checkChosenTopic(contents, object, topic);
+  for (const std::string& topic : meshTopics(contents)) {
+    const auto is_on = [&topic](const auto& choice) { return choice.second == topic; };
+    const auto choice = std::find_if(chosen.begin(), chosen.end(), is_on);
     const std::string& name = contents.topics.at(topic).object;
-    object.name = name.empty() ? lastPart(topic) : name;
-    object.topic = topic;
+    topics_of[choice != chosen.end() ? choice->first
+              : name.empty()         ? lastPart(topic)
+                                     : name]
+        .insert(topic);
+  }
+  for (auto& [name, topics] : topics_of) {
+    const auto choice = chosen.find(name);
+    if (choice != chosen.end()) topics.erase(choice->second);
+    if (choice != chosen.end() && !topics.empty()) {
+      warn("object '" + name + "' is on " + choice->second + "; the meshes on " + listed(topics) +
+           " are left out");
+    } else if (topics.size() > 1) {
+      throw std::runtime_error("object '" + name + "' is on " + listed(topics) +
+                               ": choose one with --topic " + name + "=" + *topics.begin());
+    }
+    ObjectParameters object;
+    object.name = name;
+    object.topic = choice != chosen.end() ? choice->second : *topics.begin();
     object.margin_m = parameters->margin_m;
     parameters->objects.push_back(object);
   }
 }
 
-// Adds the played object, unless the configuration has an object of that name.
-void addPlayedObject(const SceneObject& object, MonitorParameters* parameters) {
+// Gives the configuration's objects the topics that the option chooses.
+void chooseTopics(const BagFiles& files, std::vector<ObjectParameters>* objects) {
+  std::vector<std::string> names;
+  for (const ObjectParameters& object : *objects) names.push_back(object.name);
+  for (const auto& [name, topic] : objectTopics(files)) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+      throw std::runtime_error("--topic " + name + "=" + topic + ": " + files.config +
+                               " has no object '" + name + "'" + nearestNameHint(name, names));
+    }
+    (*objects)[static_cast<std::size_t>(found - names.begin())].topic = topic;
+  }
+}
+
+// Adds the played object, unless the configuration has an object of that name. Throws if meshes of
+// that name were recorded as well.
+void addPlayedObject(const SceneObject& object, const BagContents& contents,
+                     MonitorParameters* parameters) {
   std::vector<ObjectParameters>& objects = parameters->objects;
-  const auto same = [&object](const ObjectParameters& other) { return other.name == object.name; };
-  if (std::any_of(objects.begin(), objects.end(), same)) return;
+  for (const ObjectParameters& other : objects) {
+    if (other.name != object.name) continue;
+    if (meshTopics(contents).count(topicOf(other)) == 0) return;
+    throw std::runtime_error("object '" + object.name + "' was recorded on " + topicOf(other) +
+                             "; give the played one another name with --object");
+  }
   ObjectParameters added;
   added.name = object.name;
   added.topic = "~objects/" + object.name + "/mesh";
@@ -85,11 +156,15 @@ void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* set
   if (!files.robot_description.empty()) {
     setup->urdfs = {{ros::Time(), readRobotDescription(files.robot_description)}};
     setup->robot_from = files.robot_description;
-  } else if (!contents.link_meshes.empty()) {
+  }
+  if (!contents.link_meshes.empty()) {
     setup->robots = robotsOf<LinkMeshes>(
         contents.link_meshes, parameters,
-        [&](const LinkMeshes& sent) {
-          return selectedLinks(fromLinkMeshes(sent), parameters.geometry);
+        [&](const LinkMeshes& message) {
+          const RobotGeometry sent = fromLinkMeshes(message);
+          const std::string ignored = ignoredLinksWarning(sent, parameters.geometry);
+          if (!ignored.empty()) warn(ignored);
+          return selectedLinks(sent, parameters.geometry);
         },
         warn);
     setup->robot_from = "the bags' link meshes";
@@ -112,7 +187,7 @@ void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* set
       warn);
   // Nobody chose a frame, so the root link is the most useful one.
   if (files.config.empty() && files.reference_frame.empty()) {
-    setup->parameters.reference_frame = setup->robots.front().value.root_link;
+    setup->parameters.reference_frame = parameters.frameOf(setup->robots.front().value.root_link);
   }
 }
 
@@ -120,9 +195,9 @@ void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* set
 void useJoints(const BagSetup& setup, BagContents* contents, const Warn& warn) {
   if (setup.urdfs.empty()) return;
   try {
-    contents->addJointTransforms(setup.urdfs);
+    contents->addJointTransforms(setup.urdfs, setup.parameters.frame_prefix);
   } catch (const std::exception& error) {
-    warn(std::string("the URDF poses no links by /joint_states: ") + error.what());
+    warn("the URDF poses no links by " + contents->chosen.joint_states + ": " + error.what());
   }
 }
 
@@ -145,8 +220,6 @@ void loadSrdf(const BagFiles& files, const BagContents& contents, BagSetup* setu
     return warn(std::string("the bags' robot_description_semantic is not used: ") + error.what());
   }
   for (Recorded<RobotGeometry>& robot : setup->robots) robot.value.srdf = srdf;
-  const RobotGeometry& newest = setup->robots.back().value;
-  for (const std::string& line : srdfWarnings(srdf, newest.name, newest.link_names)) warn(line);
 }
 
 // Warns about a reference frame that no transform knows, because everything in other frames would
@@ -163,9 +236,7 @@ void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
                 "', the root of the transforms; choose another "
                 "with --reference-frame");
   }
-  std::string all;
-  for (const std::string& root : roots) all += (all.empty() ? "" : ", ") + root;
-  warn("no transform knows the reference frame '" + frame + "'; their roots are: " + all);
+  warn("no transform knows the reference frame '" + frame + "'; their roots are: " + listed(roots));
 }
 
 // Makes the object that is not in the bags. The robot's links push a simulated cloth.
@@ -193,10 +264,8 @@ PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
 // most frequent mistake.
 void checkObjects(const BagFiles& files, const BagContents& contents, const BagSetup& setup,
                   const Warn& warn) {
-  std::set<std::string> there;
-  for (const BagContents::Mesh& mesh : contents.meshes) there.insert(mesh.topic);
-  std::string recorded;
-  for (const std::string& topic : there) recorded += (recorded.empty() ? "" : ", ") + topic;
+  const std::set<std::string> there = meshTopics(contents);
+  const std::string recorded = listed(there);
   if (there.empty() && !setup.played) {
     throw std::runtime_error(
         "no deformable mesh in the bags: record the topic too (launch/record.launch), or give "
@@ -205,9 +274,16 @@ void checkObjects(const BagFiles& files, const BagContents& contents, const BagS
   bool any = setup.played.has_value();
   for (const ObjectParameters& object : setup.parameters.objects) {
     if (setup.played && setup.played->object == object.name) continue;
-    any |= there.count(topicOf(object)) > 0;
-    if (there.count(topicOf(object)) > 0) continue;
-    warn("object '" + object.name + "': nothing was recorded on " + topicOf(object) +
+    const auto other = contents.recorded.find(topicOf(object));
+    const bool is_there = there.count(topicOf(object)) > 0 && other != contents.recorded.end() &&
+                          other->second == messageType(object.type);
+    any |= is_there;
+    if (is_there) continue;
+    const std::string found =
+        other == contents.recorded.end()
+            ? "nothing was recorded"
+            : other->second + " was recorded, and not " + messageType(object.type) + ",";
+    warn("object '" + object.name + "': " + found + " on " + topicOf(object) +
          (recorded.empty() ? "" : "; there are meshes on " + recorded));
   }
   if (!any) {
@@ -216,31 +292,73 @@ void checkObjects(const BagFiles& files, const BagContents& contents, const BagS
   }
 }
 
-// Warns once about all links without geometry.
-void warnOfLinks(const History<RobotGeometry>& robots, const Warn& warn) {
-  std::string first;
-  std::set<std::string> links;
-  for (const Recorded<RobotGeometry>& robot : robots) {
-    for (const LinkGeometry& link : robot.value.links) {
-      if (link.problem.empty()) continue;
-      if (links.empty()) first = link.problem;
-      links.insert(link.link);
+// Returns the bodies that the monitor will have, by name and kind.
+std::vector<BodyStatus> bodiesOf(const RobotGeometry& robot, const MonitorParameters& parameters) {
+  std::vector<BodyStatus> bodies;
+  for (const LinkGeometry& link : robot.links) {
+    bodies.push_back({link.link, BodyKind::kLink, ros::Time(), 0, ""});
+  }
+  for (const ObjectParameters& object : parameters.objects) {
+    bodies.push_back({object.name, BodyKind::kDeformable, ros::Time(), 0, ""});
+  }
+  return bodies;
+}
+
+// Warns of what is suspicious about the robots, as the node does, and of names that they lack.
+void warnOfRobots(const BagSetup& setup, const Warn& warn) {
+  const MonitorParameters& parameters = setup.parameters;
+  std::set<std::string> warned;
+  for (const Recorded<RobotGeometry>& robot : setup.robots) {
+    std::vector<std::string> lines = robotWarnings(robot.value, parameters);
+    for (const std::string& line : describeUnknownNames(parameters, parameters.allowed_contacts,
+                                                        bodiesOf(robot.value, parameters))) {
+      lines.push_back(line);
+    }
+    for (const std::string& line : lines) {
+      if (warned.insert(line).second) warn(line);
     }
   }
-  if (!links.empty()) {
-    warn(std::to_string(links.size()) +
-         " link(s) without usable geometry are UNKNOWN; the first: " + first);
+}
+
+// Warns about topics that are not read although they may have what is missing.
+void warnOfTopics(const BagSetup& setup, const BagContents& contents, const Warn& warn) {
+  const BagTopics& chosen = contents.chosen;
+  if (!chosen.other_transforms.empty()) warn(chosen.other_transforms);
+  if (chosen.other_joint_states.empty()) return;
+  const auto has_no_frame = [&](const LinkGeometry& link) {
+    const std::string frame = setup.parameters.frameOf(link.link);
+    return frame != setup.parameters.reference_frame && !contents.hasFrame(frame);
+  };
+  const std::vector<LinkGeometry>& links = setup.robots.front().value.links;
+  const auto link = std::find_if(links.begin(), links.end(), has_no_frame);
+  if (link == links.end()) return;
+  warn("no transform has the frame of link '" + link->link + "'; " + chosen.other_joint_states);
+}
+
+// Returns why an object cannot be played.
+std::string whyNotPlayed(const BagTopics& chosen) {
+  std::string why =
+      "no moving transform in the bags, and no joint states of the robot's joints on " +
+      chosen.joint_states + ": no time to play an object in";
+  for (const std::string& hint : {chosen.other_transforms, chosen.other_joint_states}) {
+    if (!hint.empty()) why += "; " + hint;
   }
+  return why;
 }
 
 }  // namespace
 
 MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
-  if (files.config.empty()) return MonitorParameters();
+  MonitorParameters parameters;
   std::vector<std::string> warnings;
   try {
-    MonitorParameters parameters = parseParameters(readYamlParameters(files.config), &warnings);
-    for (const std::string& warning : warnings) warn(files.config + ": " + warning);
+    if (!files.config.empty()) {
+      parameters = parseParameters(readYamlParameters(files.config), &warnings);
+      for (const std::string& warning : warnings) warn(files.config + ": " + warning);
+    }
+    if (!files.frame_prefix.empty()) parameters.frame_prefix = plainFrame(files.frame_prefix);
+    if (!parameters.objects.empty()) chooseTopics(files, &parameters.objects);
+    requireOwnTopics(parameters.objects, topicOf);
     return parameters;
   } catch (const ParameterError& error) {
     std::string text = error.what();
@@ -251,13 +369,13 @@ MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
 }
 
 // Joint states are needed where TF lacks a frame, which is known only after the first reading.
-BagSelection neededMessages(const MonitorParameters& parameters) {
+BagSelection neededMessages(const MonitorParameters& parameters, const BagFiles& files) {
   BagSelection selection;
   selection.types = neededTypes();
   for (const ObjectParameters& object : parameters.objects) {
     selection.types_of_topics[topicOf(object)] = messageType(object.type);
   }
-  selection.types_of_topics.emplace(kJointsTopic,
+  selection.types_of_topics.emplace(jointStatesTopic(files),
                                     ros::message_traits::datatype<sensor_msgs::JointState>());
   return selection;
 }
@@ -270,8 +388,8 @@ BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
   if (!files.reference_frame.empty()) {
     parameters.reference_frame = plainFrame(files.reference_frame);
   }
-  if (parameters.objects.empty()) addRecordedObjects(*contents, &parameters);
-  if (object.isWanted()) addPlayedObject(object, &parameters);
+  if (parameters.objects.empty()) addRecordedObjects(files, *contents, &parameters, warn);
+  if (object.isWanted()) addPlayedObject(object, *contents, &parameters);
   if (parameters.pair_classes.needRobot()) {
     loadRobot(files, *contents, &setup, warn);
     loadSrdf(files, *contents, &setup, warn);
@@ -279,16 +397,12 @@ BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
   } else {
     setup.robots.emplace_back();
   }
-  warnOfLinks(setup.robots, warn);
+  warnOfRobots(setup, warn);
   checkReferenceFrame(files, *contents, &parameters, warn);
+  warnOfTopics(setup, *contents, warn);
   if (object.isWanted()) {
     // The object is played while transforms are known, so there must be some.
-    if (contents->ended().isZero()) {
-      throw std::runtime_error(
-          "no moving transform in the bags, and no /joint_states of the robot's joints: no time to "
-          "play "
-          "an object in");
-    }
+    if (contents->ended().isZero()) throw std::runtime_error(whyNotPlayed(contents->chosen));
     setup.played = playedObject(object, setup);
   }
   checkObjects(files, *contents, setup, warn);

@@ -10,8 +10,8 @@
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
-#include "tools/bags/bag_files.h"
 #include "tools/bags/bag_reader.h"
+#include "tools/common/bag_files.h"
 #include "tools/common/scene_object.h"
 
 namespace deformable_contact_monitor {
@@ -26,14 +26,15 @@ struct BagSetup {
   std::optional<PlayedObject> played;
 };
 
-// Reads the parameters of the configuration file; without a file, returns the defaults. `warn` gets
-// unknown names. Throws std::runtime_error, one line, if the file is invalid.
+// Reads the parameters of the configuration file; without a file, returns the defaults. The
+// options' frame prefix and topics of objects replace those of the file. `warn` gets unknown names.
+// Throws std::runtime_error, one line, if the file is invalid, or if two objects have one topic.
 MonitorParameters readBagParameters(const BagFiles& files,
                                     const std::function<void(const std::string&)>& warn);
 
 // Returns the messages that cycles with these parameters need. Types that cameras send too, such as
 // point clouds, are read only on the topics of objects.
-BagSelection neededMessages(const MonitorParameters& parameters);
+BagSelection neededMessages(const MonitorParameters& parameters, const BagFiles& files);
 
 // Sets up the cycles. `configured` comes from readBagParameters(). Without a configuration file:
 // - the objects are the topics of deformable meshes, named by their messages or by the topic;

@@ -57,14 +57,14 @@ geometry_msgs::TransformStamped stamped(const std::string& parent, const std::st
 
 // URDF names may contain characters that urdfdom changes; readUrdfText() guards them, and
 // unguarded() restores them.
-JointTransforms::JointTransforms(const std::string& urdf_xml,
+JointTransforms::JointTransforms(const std::string& urdf_xml, const std::string& frame_prefix,
                                  const std::function<bool(const std::string& frame)>& wanted) {
   const urdf::ModelInterfaceSharedPtr model =
       urdf::parseURDF(readUrdfText(urdf_xml, GeometryKind::kCollision).xml);
   if (!model) throw std::invalid_argument("urdfdom cannot read it");
   for (const auto& [name, joint] : model->joints_) {
-    const std::string frame = unguarded(joint->child_link_name);
-    const std::string parent = unguarded(joint->parent_link_name);
+    const std::string frame = frame_prefix + unguarded(joint->child_link_name);
+    const std::string parent = frame_prefix + unguarded(joint->parent_link_name);
     if (!isPosed(*joint) || !wanted(frame)) continue;
     const KDL::Segment segment = toKdl(*joint);
     if (joint->type == urdf::Joint::FIXED) {

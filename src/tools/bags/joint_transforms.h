@@ -19,9 +19,10 @@ namespace deformable_contact_monitor {
 // the joint that they mimic. Frames of floating and planar joints stay unknown.
 class JointTransforms {
  public:
-  // `wanted` returns true for frames that shall be computed: those that TF does not have. Throws
-  // std::invalid_argument, one line, if the URDF cannot be read.
-  JointTransforms(const std::string& urdf_xml,
+  // A link's frame is `frame_prefix` and its name. `wanted` returns true for frames that shall be
+  // computed: those that TF does not have. Throws std::invalid_argument, one line, if the URDF
+  // cannot be read.
+  JointTransforms(const std::string& urdf_xml, const std::string& frame_prefix,
                   const std::function<bool(const std::string& frame)>& wanted);
 
   struct Moving {

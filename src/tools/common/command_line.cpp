@@ -146,6 +146,22 @@ void CommandLine::addWords(const std::string& name, std::vector<std::string>* wo
   repeatable_.insert(name);
 }
 
+// Collects the values of all words.
+void CommandLine::addRepeated(const std::string& name, std::vector<std::string>* values,
+                              const std::string& help) {
+  addOption({name, "TEXT,...", 1, 1}, help, joined(*values, ","),
+            [name, values](const Words& words) {
+              values->clear();
+              for (const std::string& word : words) {
+                for (const std::string& value : splitAtCommas(word)) {
+                  if (value.empty()) refuseUsage(name + ": has an empty value");
+                  values->push_back(value);
+                }
+              }
+            });
+  repeatable_.insert(name);
+}
+
 void CommandLine::addPositionals(const std::string& name, std::vector<std::string>* words,
                                  bool required, const std::string& help) {
   positionals_ = name;

@@ -115,6 +115,11 @@ class CommandLine {
   // Adds an option that takes as many words as `numbers` has elements.
   void addNumbers(const std::string& name, std::vector<double>* numbers, const std::string& help);
 
+  // Adds an option that may be given several times, and each time has one or more values, separated
+  // by commas.
+  void addRepeated(const std::string& name, std::vector<std::string>* values,
+                   const std::string& help);
+
   // Adds an option that takes all words up to the next option. It may be given several times.
   void addWords(const std::string& name, std::vector<std::string>* words, const std::string& help);
 

@@ -26,19 +26,8 @@ constexpr const char* kFooter =
 bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   CommandLine line("evaluate_bag", kDescription, kFooter);
   line.addPositionals("BAG", &arguments->files.bags, true, "Bags, read as one recording");
-  line.add(
-      "--config", &arguments->files.config,
-      "Parameters of contact_monitor (yaml). Without it, every topic of deformable meshes is an "
-      "object, and all other parameters have their defaults");
+  describe(&line, &arguments->files);
   line.add("--expect", &arguments->expectations, "Which bodies must touch, and when (yaml)");
-  line.add(
-      "--robot-description", &arguments->files.robot_description,
-      "URDF, or a rosparam dump of it. Without it, the bags' link meshes or robot_description");
-  line.add("--srdf", &arguments->files.srdf,
-           "SRDF whose disabled pairs of links may touch, or none. Without it, the configuration's "
-           "srdf, where auto is the bags' robot_description_semantic");
-  line.add("--reference-frame", &arguments->files.reference_frame,
-           "Frame of the contacts, instead of the configuration's");
   line.add("--out", &arguments->out, "Folder to write to");
   line.addList("--backends", &arguments->backends,
                "Backends to run and to compare as sets of pairs; each", oneOf(backendNames()));

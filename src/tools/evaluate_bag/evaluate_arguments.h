@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/bags/bag_files.h"
+#include "tools/common/bag_files.h"
 #include "tools/common/scene_object.h"
 
 namespace deformable_contact_monitor {

@@ -8,6 +8,7 @@
 #include <ros/time.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -21,6 +22,8 @@
 #include <vector>
 
 #include "core/common/stopwatch.h"
+#include "core/steady_time.h"
+#include "monitor/diagnostics/body_checks.h"
 #include "robot/urdf_document.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
@@ -43,6 +46,26 @@ using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
 void warn(const std::string& what) {
   std::fprintf(stderr, "evaluate_bag: warning: %s\n", oneLine(what).c_str());
 }
+
+// Prints what the node would log about the bodies of its cycles, once for each body.
+class BodyWarnings {
+ public:
+  // The cycle must have been evaluated. Recorded time decides when a size is checked again.
+  void look(const CycleReport& cycle) {
+    const SteadyTime now{std::chrono::nanoseconds(cycle.header.stamp.toNSec())};
+    for (const auto& [object, anomaly] : size_check_.look(cycle, now)) {
+      if (anomaly.empty() || !warned_.insert(object).second) continue;
+      warn("object '" + object + "': " + anomaly);
+    }
+    if (cycle.containment == nullptr) return;
+    for (const std::string& line : open_bodies_.look(cycle)) warn(line);
+  }
+
+ private:
+  SizeCheck size_check_;
+  OpenBodies open_bodies_;
+  std::set<std::string> warned_;
+};
 
 // Everything that is written while the evaluation runs.
 struct Tables {
@@ -167,12 +190,13 @@ struct Scanned {
   explicit Scanned(const EvaluateArguments& arguments)
       : configured(readBagParameters(arguments.files, warn)),
         // The reader forks, so it must be made before any thread starts.
-        reader(arguments.files.bags, neededMessages(configured)) {
+        reader(arguments.files.bags, neededMessages(configured, arguments.files)) {
     ros::Time::init();
     console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
     if (!arguments.expectations.empty()) expectations = readExpectations(arguments.expectations);
     progress.emplace("reading the bags");
-    contents = scanBags(&reader, [this](std::uint64_t count) {
+    const bool needs_robot = configured.pair_classes.needRobot();
+    contents = scanBags(&reader, arguments.files, needs_robot, [this](std::uint64_t count) {
       if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
     });
     setup = setUp(arguments, configured, &contents);
@@ -203,6 +227,7 @@ int evaluate(const EvaluateArguments& arguments) {
   BagCycles cycles(bags.setup.parameters, bags.contents, bags.setup.robots,
                    bags.setup.played ? &*bags.setup.played : nullptr);
 
+  BodyWarnings warnings;
   EvaluationEnd end;
   end.problem = cycles.run(&bags.reader, [&](CycleReport* cycle) {
     bags.progress->set("cycle " + std::to_string(cycle->cycle) + ", stamp " +
@@ -211,6 +236,7 @@ int evaluate(const EvaluateArguments& arguments) {
       for (auto& run : runs) run->forget(cycles.forgets(), cycle->header.stamp);
     }
     evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
+    warnings.look(*cycle);
   });
   tables.finish();
   bags.progress.reset();

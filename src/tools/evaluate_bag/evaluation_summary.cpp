@@ -63,7 +63,15 @@ std::string roots(const BagContents& contents) {
 
 // Returns what a user can do about the most frequent reason of UNKNOWN.
 std::string advice(const std::string& reason, const BagContents& contents) {
+  if (has(reason, "set frame_prefix")) return "give --frame-prefix, or set it in --config";
+  if (has(reason, "set reference_frame")) return "give --reference-frame, or set it in --config";
   if (has(reason, "TF ")) {
+    const BagTopics& chosen = contents.chosen;
+    std::string hints = chosen.other_transforms;
+    if (!chosen.other_joint_states.empty()) {
+      hints += (hints.empty() ? "" : "; ") + chosen.other_joint_states;
+    }
+    if (!hints.empty()) return hints;
     return "record /tf and /tf_static together with the meshes, or name a frame of theirs with "
            "--reference-frame (their roots: " +
            roots(contents) + ")";
@@ -92,6 +100,7 @@ Json configurationJson(const BagSetup& setup) {
   const MonitorParameters& p = setup.parameters;
   Json json;
   json["reference_frame"] = p.reference_frame;
+  if (!p.frame_prefix.empty()) json["frame_prefix"] = p.frame_prefix;
   json["robot"] = setup.robot_from;
   json["geometry"] = kGeometryKinds.at(static_cast<std::size_t>(p.geometry.kind));
   json["links"] = Json::array();
@@ -376,8 +385,8 @@ std::string summaryText(const EvaluationEnd& end) {
   if (!end.runs->empty()) text += unknownLines(*(*end.runs)[0]);
   const std::size_t by_joints = posesJson(*end.contents)["joint_states_frames"].size();
   if (by_joints > 0) {
-    text += std::to_string(by_joints) + " frames that TF does not have stand where /joint_states " +
-            "and the URDF say\n";
+    text += std::to_string(by_joints) + " frames that TF does not have stand where " +
+            end.contents->chosen.joint_states + " and the URDF say\n";
   }
   text += verdictText(end) + "\n";
   // snprintf() rounds the seconds.

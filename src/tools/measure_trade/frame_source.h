@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/scene.h"
-#include "tools/bags/bag_files.h"
+#include "tools/common/bag_files.h"
 
 namespace deformable_contact_monitor {
 

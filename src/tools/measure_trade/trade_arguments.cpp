@@ -44,14 +44,7 @@ void addScene(CommandLine* line, TradeArguments* arguments) {
   line->addWords("--bag", &recorded.bags,
                  "Recorded bags instead of mesh files, without --against and --self");
   for (const char* other : {"STATE", "--against", "--self"}) line->refuseTogether("--bag", other);
-  line->add("--config", &recorded.config, "With --bag: parameters of contact_monitor (yaml)");
-  line->add("--robot-description", &recorded.robot_description,
-            "With --bag: URDF, or a rosparam dump of it; not needed if the bags have the robot");
-  line->add("--reference-frame", &recorded.reference_frame,
-            "With --bag: frame of the contacts, instead of the configuration's");
-  for (const char* option : {"--config", "--robot-description", "--reference-frame"}) {
-    line->requireFor(option, "--bag");
-  }
+  describe(line, &recorded, "--bag");
   line->add("--adjacent", &arguments->base.adjacent, kAdjacentHelp);
 }
 

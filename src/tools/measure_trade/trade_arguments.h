@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/options.h"
-#include "tools/bags/bag_files.h"
+#include "tools/common/bag_files.h"
 #include "tools/measure_trade/frame_source.h"
 #include "tools/measure_trade/trade_grid.h"
 

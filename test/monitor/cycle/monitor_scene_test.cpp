@@ -158,7 +158,7 @@ TEST_F(MonitorSceneTest, APartnerThatIsTooOldIsUnknownAndOff) {
 TEST_F(MonitorSceneTest, TheRobotsOwnCycleIsOfItsLinks) {
   parameters_.pair_classes.robot_self = true;
   scene_.setRobot(robot());
-  EXPECT_EQ(scene_.selfPairedLinks(), (std::vector<std::string>{"arm", "hand"}));
+  EXPECT_EQ(scene_.selfPairedFrames(), (std::vector<std::string>{"arm", "hand"}));
   for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
   give(0, 10);
   prepare(10);
@@ -198,6 +198,22 @@ TEST_F(MonitorSceneTest, AnObjectWaitsForItsOwnFrameAndForLinksThatItMayTouch) {
   EXPECT_TRUE(scene_.awaitedFrames(0, ros::Time(10.4), rejected).empty());
 }
 
+TEST_F(MonitorSceneTest, FramesOfLinksHaveThePrefix) {
+  parameters_.frame_prefix = "left/";
+  pose("left/arm", 10, 3);
+  pose("hand", 10, 5);
+  give(0, 10, "camera");
+  pose("camera", 10, 0);
+  prepare(10);
+  EXPECT_EQ(scene_.scene().body(kArm).pose.translation[0], 3);
+  EXPECT_EQ(unknown(kArm), "");
+  EXPECT_EQ(unknown(kCloth), "") << "an object's frame gets no prefix";
+  EXPECT_NE(unknown(kHand).find("TF frame 'left/hand' never seen"), std::string::npos);
+  parameters_.pair_classes.robot_self = true;
+  scene_.setRobot(robot());
+  EXPECT_EQ(scene_.selfPairedFrames(), (std::vector<std::string>{"left/arm", "left/hand"}));
+}
+
 TEST_F(MonitorSceneTest, WithoutAKnownPartnerNoLinkIsPosed) {
   const TransformReport report = prepare(10);
   EXPECT_TRUE(report.misses.empty()) << "nobody asked for " << report.misses[0].body;
@@ -227,7 +243,7 @@ TEST_F(MonitorSceneTest, LinksThatTheSrdfAllowsAreOffInTheRobotsOwnCycles) {
   with_rules.srdf.disabled = {{"hand", "arm", "Adjacent"}, {"hand", "cloth", "is no link"}};
   MonitorScene scene(parameters_);
   scene.setRobot(with_rules);
-  EXPECT_EQ(scene.selfPairedLinks(), (std::vector<std::string>{"arm", "hand", "wrist"}));
+  EXPECT_EQ(scene.selfPairedFrames(), (std::vector<std::string>{"arm", "hand", "wrist"}));
   for (const char* link : {"arm", "hand", "wrist"}) pose(link, 10, 0);
   scene.prepare(ros::Time(10), {{}, true}, inputs_, TransformLookup(buffer_, "base"));
   EXPECT_EQ(scene.scene().enabledPairs(), (std::vector<std::pair<BodyId, BodyId>>{{0, 2}, {1, 2}}));

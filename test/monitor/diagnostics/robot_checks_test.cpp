@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -27,6 +28,20 @@ std::string refusal(const MonitorParameters& parameters) {
     return error.what();
   }
   return "";
+}
+
+TEST(RobotChecksTest, WarnsOfLinksSizesAndTheSrdf) {
+  RobotGeometry odd = robot();
+  odd.links[0].mesh.vertices[3] = 900;
+  std::vector<std::string> warnings = robotWarnings(odd, MonitorParameters());
+  ASSERT_EQ(warnings.size(), 3U) << "without an SRDF, nothing is said of one";
+  EXPECT_EQ(warnings[0], "link 'arm': arm.stl: no such file; the link is UNKNOWN");
+  EXPECT_EQ(warnings[1], "link 'foot': foot.stl: no such file; the link is UNKNOWN");
+  EXPECT_NE(warnings[2].find("if its file is in millimetres"), std::string::npos);
+  odd.name = "panda";
+  odd.srdf.robot = "pr2";
+  warnings = robotWarnings(odd, MonitorParameters());
+  EXPECT_EQ(warnings.back(), "the SRDF is of robot 'pr2', but the robot is 'panda'");
 }
 
 TEST(RobotChecksTest, StrictListsAllThatIsMissingAtOnce) {

@@ -41,6 +41,31 @@ class TransformLookupTest : public ::testing::Test {
   TransformLookup lookup_{buffer_, "base"};
 };
 
+TEST_F(TransformLookupTest, ProposesThePrefixOfFramesThatAreThere) {
+  const auto problem = [this](const std::string& frame, const std::string& link) {
+    return lookup_.lookup({{frame, ros::Time(5), link}}).at(0).problem;
+  };
+  set(transform("base", "left/hand", 5));
+  set(transform("base", "forearm", 5));
+  EXPECT_EQ(problem("hand", "hand"),
+            "TF frame 'hand' never seen; there is 'left/hand': set frame_prefix to 'left/'");
+  EXPECT_EQ(problem("x/hand", "hand"),
+            "TF frame 'x/hand' never seen; there is 'left/hand': set frame_prefix to 'left/'");
+  EXPECT_EQ(problem("arm", "arm"), "TF frame 'arm' never seen") << "the end of a word is no link";
+  EXPECT_EQ(problem("hand", ""), "TF frame 'hand' never seen") << "an object's frame has no prefix";
+  EXPECT_EQ(problem("left/hand", "hand"), "");
+  set(transform("base", "right_hand", 5));
+  EXPECT_EQ(problem("hand", "hand"),
+            "TF frame 'hand' never seen; there is 'left/hand', 'right_hand': set frame_prefix to "
+            "'left/' or 'right_'");
+}
+
+TEST_F(TransformLookupTest, ProposesAReferenceFrame) {
+  set(transform("left/base", "left/hand", 5));
+  EXPECT_EQ(lookup_.lookup({{"left/hand", ros::Time(5), "hand"}}).at(0).problem,
+            "TF frame 'base' never seen; there is 'left/base': set reference_frame to it");
+}
+
 TEST(ToRigidTransform, IsTheRotationOfTheQuaternion) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;

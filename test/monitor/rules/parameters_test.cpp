@@ -8,6 +8,8 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -64,6 +66,55 @@ TEST(Parameters, NothingSetGivesTheDefaults) {
   EXPECT_EQ(p.max_rate_hz, 100);
   EXPECT_FALSE(p.containment);
   EXPECT_TRUE(p.objects.empty());
+}
+
+// PyYAML, and so rosparam, reads these numbers as texts.
+TEST(Parameters, ANumberWithAnExponentMayBeAText) {
+  XmlRpcValue tree, cable = object("cable"), margins;
+  for (const auto& [text, number] : std::vector<std::pair<const char*, float>>{
+           {"1e-3", 1e-3F}, {"1E0", 1}, {"+.5e1", 5}, {"2.e-1", 0.2F}, {"0.01e+2", 1}}) {
+    tree["margin_m"] = cable["margin_m"] = margins["hand"] = text;
+    tree["objects"] = list(cable);
+    tree["link_margin_m"] = margins;
+    const MonitorParameters p = parse(tree);
+    EXPECT_EQ(p.margin_m, number) << text;
+    EXPECT_EQ(p.objects[0].margin_m, number) << text;
+    EXPECT_EQ(static_cast<float>(p.link_margin_m.at("hand")), number) << text;
+  }
+  for (const char* text : {"1", "0.5", "e3", "1e", "1e-3m", " 1e-3", "0x1e3", "1e-3\n", "."}) {
+    tree["margin_m"] = text;
+    expectIn("must be a number", refusalOf(tree));
+  }
+  for (const char* text : {"-1e-3", "1e999", "2e1"}) {
+    tree["margin_m"] = text;
+    expectIn("must be in [0, 10]", refusalOf(tree));
+  }
+}
+
+TEST(Parameters, FramePrefix) {
+  XmlRpcValue tree;
+  EXPECT_EQ(parse(tree).frameOf("hand"), "hand");
+  tree["frame_prefix"] = "";
+  EXPECT_EQ(parse(tree).frameOf("hand"), "hand");
+  tree["frame_prefix"] = "left/";
+  EXPECT_EQ(parse(tree).frameOf("hand"), "left/hand");
+  tree["frame_prefix"] = "/left/";
+  expectIn("~frame_prefix is '/left/', must not begin with '/'", refusalOf(tree));
+  tree["frame_prefix"] = 7;
+  expectIn("~frame_prefix is 7, must be text", refusalOf(tree));
+}
+
+TEST(Parameters, ObjectsHaveTopicsOfTheirOwn) {
+  const std::vector<ObjectParameters> objects = {{"cloth", "/a"}, {"b", "/b"}, {"c", "a"}};
+  EXPECT_NO_THROW(requireOwnTopics(objects, [](const auto& object) { return object.topic; }));
+  try {
+    requireOwnTopics(objects, [](const auto& object) {
+      return "/" + object.topic.substr(object.topic.size() - 1);
+    });
+    ADD_FAILURE() << "was not refused";
+  } catch (const ParameterError& error) {
+    expectIn("objects 'cloth' and 'c' have one topic, /a", error.what());
+  }
 }
 
 TEST(Parameters, ToleranceAndBudget) {

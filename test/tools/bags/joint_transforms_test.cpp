@@ -60,7 +60,7 @@ void expectPose(const geometry_msgs::TransformStamped& found, const std::string&
 }
 
 TEST(JointTransforms, AreTheUrdfsForAnyPositions) {
-  const JointTransforms joints(kRobot, all);
+  const JointTransforms joints(kRobot, "", all);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> position(-7, 7);
   for (int trial = 0; trial < 200; ++trial) {
@@ -89,14 +89,15 @@ TEST(JointTransforms, AreTheUrdfsForAnyPositions) {
 }
 
 TEST(JointTransforms, FixedJointsNeedNoPositionAndFloatingOnesAreUnknown) {
-  const JointTransforms joints(kRobot, all);
+  const JointTransforms joints(kRobot, "", all);
   ASSERT_EQ(joints.fixed().size(), 1U);
   EXPECT_EQ(joints.fixed()[0].child_frame_id, "tool");
   expectPose(joints.fixed()[0], "follower", origin(0, 0, 0.5, -0.4, 0, 0));
 }
 
 TEST(JointTransforms, OnlyFramesThatAreWantedAndJointsThatHaveAPosition) {
-  const JointTransforms joints(kRobot, [](const std::string& frame) { return frame != "wheel"; });
+  const JointTransforms joints(kRobot, "",
+                               [](const std::string& frame) { return frame != "wheel"; });
   sensor_msgs::JointState state = stateOf(1, 2, 3);
   EXPECT_EQ(joints.at(state).size(), 3U);
   state.name = {"roll", "extend"};
@@ -108,8 +109,8 @@ TEST(JointTransforms, OnlyFramesThatAreWantedAndJointsThatHaveAPosition) {
 }
 
 TEST(JointTransforms, WhatIsNoRobotIsRefused) {
-  EXPECT_THROW(JointTransforms("<robot name='r'/>", all), std::invalid_argument);
-  EXPECT_THROW(JointTransforms("no xml", all), std::invalid_argument);
+  EXPECT_THROW(JointTransforms("<robot name='r'/>", "", all), std::invalid_argument);
+  EXPECT_THROW(JointTransforms("no xml", "", all), std::invalid_argument);
 }
 
 }  // namespace

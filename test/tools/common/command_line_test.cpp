@@ -23,7 +23,7 @@ struct Values {
   bool flag = false;
   std::vector<int> list = {1, 2};
   std::vector<double> three = {0, 0, 0};
-  Words words, positionals;
+  Words words, repeated, positionals;
   bool answered = false;  // --help or --version
 };
 
@@ -42,6 +42,7 @@ Values valuesOf(const Words& arguments, bool required = false) {
   line.addList("--list", &values.list, "some", inRange(0, 9));
   line.addNumbers("--three", &values.three, "x y z");
   line.addWords("--words", &values.words, "words");
+  line.addRepeated("--repeated", &values.repeated, "texts");
   line.addPositionals("FILE", &values.positionals, required, "files");
   line.refuseTogether("--words", "--flag");
   line.refuseTogether("--text", "FILE");
@@ -99,6 +100,12 @@ TEST(CommandLine, PositionalsStandAnywhereButAfterWords) {
   EXPECT_EQ(valuesOf({"-", "--words", "a", "b"}).positionals, Words{"-"});
 }
 
+TEST(CommandLine, ARepeatedOptionTakesNoPositionals) {
+  const Values values = valuesOf({"--repeated", "a,b", "file", "--repeated=c"});
+  EXPECT_EQ(values.repeated, (Words{"a", "b", "c"}));
+  EXPECT_EQ(values.positionals, Words{"file"});
+}
+
 TEST(CommandLine, RefusesWithTheOptionsName) {
   for (const auto& [arguments, words] : std::vector<std::pair<Words, std::string>>{
            {{"--text", "c"}, "--text: c is not one of before, a, b c"},
@@ -126,6 +133,7 @@ TEST(CommandLine, RefusesWithTheOptionsName) {
            {{"--real"}, "'--real'"},
            {{"--real", "1", "--real", "2"}, "--real: is given twice"},
            {{"--words"}, "'--words'"},
+           {{"--repeated", "a,,b"}, "--repeated: has an empty value"},
            {{"--flag=1"}, "'--flag'"},
            {{"--fla"}, "'--fla'"},
            {{"-x"}, "'-x'"},

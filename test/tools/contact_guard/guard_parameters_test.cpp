@@ -28,6 +28,12 @@ TEST(GuardParametersTest, nothingIsSet) {
   EXPECT_LT(p.stop_distance_m, p.slow_distance_m);
 }
 
+TEST(GuardParametersTest, aNumberWithAnExponentMayBeAText) {
+  XmlRpc::XmlRpcValue tree;
+  tree["stop_distance_m"] = "1e-3";
+  EXPECT_EQ(parseGuardParameters(tree).stop_distance_m, 1e-3);
+}
+
 TEST(GuardParametersTest, allBadValuesAreListed) {
   XmlRpc::XmlRpcValue tree;
   tree["slow_distance_m"] = 0.1;

@@ -61,6 +61,11 @@ class Parameters(unittest.TestCase):
         contact_test.parse({**PAIR, "state": "contact", "min_pairs": 0, "max_pairs": 7, "hold_s": 3,
                             "within_s": 0, "max_age_s": 0.1, "wait_s": 5, "monitor": "/a/b"})
 
+    def test_a_number_with_an_exponent_may_be_a_text(self):
+        """PyYAML, and so roslaunch, reads it so."""
+        wanted = contact_test.parse({**PAIR, "state": "none", "hold_s": "1e-1", "wait_s": "2.5E1"})
+        self.assertEqual((wanted.hold_s, wanted.wait_s), (0.1, 25))
+
     def test_all_that_is_wrong_is_named_at_once(self):
         bad = {"link": 7, "object": "", "state": "touching", "min_pairs": -1, "max_pairs": 1.5,
                "within_s": "soon", "hold_s": float("nan"), "max_age_s": 0, "wait_s": True,

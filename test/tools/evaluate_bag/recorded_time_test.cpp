@@ -136,8 +136,9 @@ Found evaluate(const BagFiles& files, const MonitorParameters& configured = Moni
   console_bridge::noOutputHandler();  // tf2 prints a line for each bad transform
   Found found;
   const auto warn = [&](const std::string& what) { found.warnings.push_back(what); };
-  BagReader reader(files.bags, neededMessages(configured));
-  BagContents contents = scanBags(&reader, [](std::uint64_t) {});
+  BagReader reader(files.bags, neededMessages(configured, files));
+  BagContents contents =
+      scanBags(&reader, files, configured.pair_classes.needRobot(), [](std::uint64_t) {});
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   EvaluationRun run("cpu", std::make_unique<DetectedContacts>(makeCpuDetector()), Options(),
                     stateRules(setup.parameters), {});

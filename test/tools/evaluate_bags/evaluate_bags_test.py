@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """evaluate_bags as its users see it: the tables of single runs, workers that die, going on."""
+import contextlib
 import glob
+import io
 import os
 import re
 import signal
 import subprocess
+from unittest import mock
 
 from fleet_case import (
     CUT, EXPECTATIONS, FAR, FLEET_TOOL, TOOL, WHOLE, FleetCase, main, processes)
@@ -80,16 +83,18 @@ class EvaluateBags(FleetCase):
         self.assertEqual(fleet["were_there"], len(done))
         self.assertLessEqual(done.items(), self.records().items())
 
-    def test_a_reader_that_crashes_costs_its_bag_alone(self):
-        """Another evaluate_bag, which ends by a signal at one bag."""
+    def test_a_bag_that_fails_costs_itself_alone(self):
+        """Another evaluate_bag ends by a signal at one bag; a link among the bags leads nowhere."""
         self.bag("bags/bad.bag")
         self.bag("bags/good.bag")
+        os.symlink(self.path("no such file"), self.path("bags/gone.bag"))
         self.fake_tool(f'*bad.bag) echo attempt >>{self.path("attempts")}; kill -SEGV $$;;')
         code, out, errors = self.call_tool(
             self.options("fleet", "--workers", "1", "--no-report")["args"][1:])
         self.assertEqual(code, 2, out + errors)
         self.assertEqual(self.states(self.fleet("fleet")),
-                         {"bad.bag": "crashed", "good.bag": "passed"})
+                         {"bad.bag": "crashed", "gone.bag": "refused", "good.bag": "passed"})
+        self.assertRegex(out, "gone.bag: refused: evaluate_bag: .*gone.bag: cannot be read")
         with open(self.path("attempts")) as file:
             self.assertEqual(file.read().count("attempt"), 3)
         self.assertIn("bad.bag: crashed: ", out)
@@ -112,7 +117,8 @@ class EvaluateBags(FleetCase):
         self.assert_usage("--workers", more=["--workers", "0"])
         self.assert_usage("--split-minutes", more=["--split-minutes", "10"])  # of version 0.2
         self.assert_usage("not allowed with", more=["--workers", "1", "--scheduler", "tcp://a:1"])
-        self.assert_usage("127.0.0.1:1", more=["--scheduler", "tcp://127.0.0.1:1"])
+        for address in ("tcp://127.0.0.1:1", "localhost", "foo://a:1", "tcp://127.0.0.1:x", ""):
+            self.assert_usage(f"--scheduler {address}: ", more=["--scheduler", address])
         self.assert_usage("needs --baseline", more=["--allow", self.text("allow.yaml", "[]")])
         self.assert_usage("no run of evaluate_bags", more=["--baseline", self.path("bags")])
 
@@ -123,6 +129,14 @@ class EvaluateBags(FleetCase):
         self.assertEqual(done.returncode, 2, done)
         self.assertIn("install python3-distributed, ", done.stderr)
         self.assertNotIn("Traceback", done.stderr)
+
+    def test_without_a_home(self):
+        errors = io.StringIO()
+        with mock.patch("os.path.expanduser", lambda path: path), \
+                contextlib.redirect_stderr(errors), self.assertRaises(SystemExit) as ended:
+            self.call_tool(["--help"])
+        self.assertEqual(ended.exception.code, 2)
+        self.assertRegex(errors.getvalue(), r"\Aevaluate_bags: this account has no home[^\n]*\n\Z")
 
     def test_every_option_of_evaluate_bag_passes(self):
         texts = [subprocess.run([tool, "--help"], stdout=subprocess.PIPE, check=True,

@@ -94,6 +94,8 @@ class Rules(unittest.TestCase):
                           ("- {change: began, link: foot}", False),
                           ("- {change: began, bag: other/*}", False),
                           ("- {change: began, within_s: 0.05}", False),
+                          ("- {change: began, within_s: 5e-2}", False),
+                          ("- {change: began, within_s: 2e-1}", True),
                           ("- {change: began, within_s: 0.2}", True)):
             self.assertEqual(is_allowed(began, self.allowed(text)), may, text)
         self.assertTrue(is_allowed(slower, []))

@@ -1,6 +1,7 @@
 """Compares a run with an earlier one, and decides which changes do not fail."""
 import fnmatch
 import os
+import re
 
 import yaml
 
@@ -8,6 +9,7 @@ from fleet.changes import KINDS, Change, changes_of
 
 LIMITS = {"within_s": ("began", "ended"), "cycles": ("moved",), "ratio": ("latency",)}
 NAMES = ("change", "bag", "link")
+EXPONENTIAL = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")  # to YAML 1.1, 1e-3 is a text
 
 
 class BaselineError(Exception):
@@ -30,6 +32,8 @@ def _checked(rule):
             continue
         if rule["change"] not in kinds:
             raise ValueError(f"{name} is no limit of {rule['change']}")
+        if isinstance(rule[name], str) and EXPONENTIAL.fullmatch(rule[name]):
+            rule[name] = float(rule[name])
         if isinstance(rule[name], bool) or not isinstance(rule[name], (int, float)) \
                 or not rule[name] >= 0:
             raise ValueError(f"{name} must be a number of at least 0, not {rule[name]!r}")

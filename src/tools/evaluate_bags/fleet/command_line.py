@@ -11,8 +11,11 @@ precedence over 1); 130: the run was stopped."""
 
 # Options that are passed to evaluate_bag, with their numbers of words. evaluate_bag checks them.
 FILES = {"--config": 1, "--expect": 1, "--robot-description": 1, "--srdf": 1, "--meshes": "+"}
-VALUES = {"--reference-frame": 1, "--backends": 1, "--predicates": 1, "--overlaps": 1, "--cloth": 1,
-          "--object": 1, "--frame": 1, "--rate": 1, "--scale": 1, "--offset": 3, "--seed": 1}
+VALUES = {"--reference-frame": 1, "--frame-prefix": 1, "--joint-states": 1,
+          "--robot-description-topic": 1, "--robot-meshes-topic": 1, "--backends": 1,
+          "--predicates": 1, "--overlaps": 1, "--cloth": 1, "--object": 1, "--frame": 1,
+          "--rate": 1, "--scale": 1, "--offset": 3, "--seed": 1}
+REPEATED = ("--tf-topic", "--topic")  # may be given several times
 FLAGS = ("--pairs", "--no-report", "--loop")
 NO_FILES = ("none", "auto")  # words of --srdf
 NAMES_NO_FILE = "://"
@@ -45,6 +48,8 @@ def _parser():
     group = parser.add_argument_group("options of evaluate_bag")
     for name, words in {**FILES, **VALUES}.items():
         group.add_argument(name, nargs=words, metavar="TEXT")
+    for name in REPEATED:
+        group.add_argument(name, action="append", metavar="TEXT")
     for name in FLAGS:
         group.add_argument(name, action="store_true")
     return parser
@@ -72,5 +77,8 @@ def parse(words):
     for name in {**FILES, **VALUES}:
         if _given(arguments, name):
             arguments.passed += [name, *_given(arguments, name)]
+    for name in REPEATED:
+        for word in _given(arguments, name) or ():
+            arguments.passed += [name, word]
     arguments.passed += [name for name in FLAGS if _given(arguments, name)]
     return arguments

@@ -35,8 +35,14 @@ def local_cluster(workers, gpus, folder):
 
 
 def connect(address):
-    """Returns a client of a local cluster, or of a scheduler's address."""
-    return Client(address, timeout=CONNECT_S)
+    """Returns a client of a local cluster, or of a scheduler's address. Raises OSError."""
+    try:
+        return Client(address, timeout=CONNECT_S)
+    except (OSError, ValueError, TypeError, RuntimeError, ImportError) as error:
+        if not isinstance(address, str):
+            raise
+        raise OSError(f"--scheduler {address}: {error}; it must be the address of a running "
+                      "scheduler, as tcp://HOST:8786") from error
 
 
 def _failure(error):

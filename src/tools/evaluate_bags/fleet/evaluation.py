@@ -31,6 +31,14 @@ def _die_with_parent():
     ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGKILL)
 
 
+def size_of(bag):
+    """Returns the bytes of a bag; 0 if it cannot be read, as a link to a file that is gone."""
+    try:
+        return os.path.getsize(bag)
+    except OSError:
+        return 0
+
+
 class Evaluation:
 
     def __init__(self, job):
@@ -77,7 +85,7 @@ class Evaluation:
         code, last_line = self._run_tool()
         record = {"name": self.job["name"], "bag": self.job["bag"], "message": last_line,
                   "machine": socket.gethostname(), "seconds": time.monotonic() - started,
-                  "bytes": os.path.getsize(self.job["bag"])}
+                  "bytes": size_of(self.job["bag"])}
         summary_path = os.path.join(self.attempt, "summary.json")
         if not os.path.exists(summary_path):
             if code != 2:

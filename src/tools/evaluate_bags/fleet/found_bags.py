@@ -17,7 +17,7 @@ def _below(folder):
 
 
 def find_bags(places):
-    """Returns {name: absolute path} in the order of names. A bag in a folder is named by its path
+    """Returns {name: absolute path} in the order of names, also of links whose file is gone. A bag in a folder is named by its path
     from the folder, any other by its file name, so the names are the same in every run."""
     found = {}
     for place in places:
@@ -25,7 +25,7 @@ def find_bags(places):
             paths = [(os.path.relpath(path, place), path) for path in _below(place)]
             if not paths:
                 raise BagsError(f"{place}: no {SUFFIX} file in it")
-        elif os.path.isfile(place):
+        elif os.path.isfile(place) or os.path.islink(place):  # also a link to a file that is gone
             paths = [(os.path.basename(place), place)]
         else:
             raise BagsError(f"{place}: no such file or folder")

@@ -10,7 +10,7 @@ import uuid
 
 from fleet import dask_run, machine
 from fleet.changes import read_summary
-from fleet.evaluation import REFUSED
+from fleet.evaluation import REFUSED, size_of
 from fleet.identity import VARIABLES
 from fleet.progress import Progress
 from fleet.tables import CRASHED, TABLES
@@ -83,7 +83,7 @@ class Run:
 
     def evaluate(self, bags, address):
         """Evaluates the bags on the workers at `address`. Returns {name: record}."""
-        sizes = {name: os.path.getsize(path) for name, path in bags.items()}
+        sizes = {name: size_of(path) for name, path in bags.items()}
         progress = Progress(len(bags), sum(sizes.values()))
         records = {}
 
@@ -110,7 +110,7 @@ class Run:
 
 def evaluate_on_workers(run, bags, arguments):
     """Evaluates the bags on the scheduler of the arguments, or on local workers."""
-    if arguments.scheduler:
+    if arguments.scheduler is not None:
         return _evaluate(run, bags, arguments.scheduler)
     gpus = machine.gpu_names()
     workers = machine.worker_count(arguments.workers, len(bags), len(gpus))

@@ -1,0 +1,42 @@
+// Chooses the topics of bags from which transforms, joint states and the robot are read.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/common/bag_files.h"
+
+namespace deformable_contact_monitor {
+
+// The types of recorded topics, by their absolute names.
+using RecordedTopics = std::map<std::string, std::string>;
+
+// The chosen topics. A text is empty if the bags have no such topic.
+struct BagTopics {
+  std::set<std::string> transforms;  // moving and static ones; some may not be recorded
+  std::string joint_states;          // may not be recorded
+  std::string robot_description, robot_semantic, link_meshes;
+
+  // Say which topics were recorded but are not read, and by which option they would be. Empty:
+  // there are none. The second speaks only of bags without the chosen topic of joint states.
+  std::string other_transforms, other_joint_states;
+};
+
+// Chooses the topics. Those of a robot are chosen only if one is needed. Throws std::runtime_error,
+// one line that names the bags, the topics and the option, if there are several robots to choose
+// from, or if nothing of its kind was recorded on a topic that an option names.
+BagTopics chooseTopics(const RecordedTopics& recorded, const BagFiles& files, bool needs_robot);
+
+// Returns the topic of joint states that the options choose.
+std::string jointStatesTopic(const BagFiles& files);
+
+// Returns the topics of the option --topic by object. Throws std::runtime_error, one line, if a
+// value is not OBJECT=TOPIC, or an object or a topic is there twice.
+std::map<std::string, std::string> objectTopics(const BagFiles& files);
+
+// Returns true if transforms on this topic are static.
+bool isStatic(const std::string& topic);
+
+}  // namespace deformable_contact_monitor
