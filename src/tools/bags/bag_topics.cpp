@@ -72,12 +72,15 @@ class Chooser {
   }
 
   void chooseJointStates(BagTopics* topics) const {
-    const Names there = topicsOf(recorded_, isJointState);
+    Names there = topicsOf(recorded_, isJointState);
     topics->joint_states = jointStatesTopic(files_);
-    if (contains(there, topics->joint_states)) return;
-    if (!files_.joint_states.empty()) refuseMissing("--joint-states", topics->joint_states, there);
+    const auto chosen = std::find(there.begin(), there.end(), topics->joint_states);
+    if (chosen == there.end() && !files_.joint_states.empty()) {
+      refuseMissing("--joint-states", topics->joint_states, there);
+    }
+    if (chosen != there.end()) there.erase(chosen);
     if (there.empty()) return;
-    topics->other_joint_states = "joint states are on " + joined(there, ", ") +
+    topics->other_joint_states = "there are joint states on " + joined(there, ", ") +
                                  "; to read them, give --joint-states " + there.front();
   }
 

@@ -20,7 +20,8 @@ struct BagTopics {
   std::string robot_description, robot_semantic, link_meshes;
 
   // Say which topics were recorded but are not read, and by which option they would be. Empty:
-  // there are none. The second speaks only of bags without the chosen topic of joint states.
+  // there are none. They are worth a warning only if a link's frame is missing; transforms always
+  // are.
   std::string other_transforms, other_joint_states;
 };
 
