@@ -78,9 +78,11 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       ros::WallDuration(1), [this](const ros::WallTimerEvent&) { checkInputsAndMaster(); });
   ros::NodeHandle reconfigure_node(private_node_);
   reconfigure_node.setCallbackQueue(&watch_queue_);
-  reconfigure_ =
-      std::make_unique<Reconfigure>(parameters_, reconfigure_node,
-                                    [this](const LiveParameters& live) { requests_.change(live); });
+  reconfigure_ = std::make_unique<Reconfigure>(parameters_, reconfigure_node,
+                                               [this](const LiveParameters& live) {
+                                                 diagnostics_.recordMaxRate(live.max_rate_hz);
+                                                 requests_.change(live);
+                                               });
   watch_spinner_.start();
   thread_ = startThread(requests_, std::move(loop));
   states_thread_ = std::thread([this] { keepStatesFresh(); });
@@ -132,6 +134,7 @@ void ContactMonitor::warnOfInputs() {
     input.required = parameters_.objects[i].required;
     input.received = meshes_[i].counters().received;
     std::tie(input.refusal, input.anomaly) = diagnostics_.meshProblems(i);
+    input.rivals = meshes_[i].rivals(std::chrono::steady_clock::now());
     input.publishers = subscribers_[i].getNumPublishers();
     const auto type = types.find(input.topic);
     if (type != types.end()) input.type = type->second;
@@ -163,8 +166,9 @@ void ContactMonitor::checkMaster() {
 std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
   return std::make_unique<DetectionLoop>(
       parameters_,
-      LoopSources{requests_, meshes_, buffer_, [this] { return robot_source_.newest(); }},
-      LoopTime{std::chrono::steady_clock::now, ros::Time::now},
+      LoopSources{requests_, meshes_, buffer_, [this] { return robot_source_.newest(); },
+                  [this] { return transforms_.describePublishers(); }},
+      LoopTime{std::chrono::steady_clock::now, ros::Time::now, ros::Time::isSimTime()},
       makeDetector(
           parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda,
           [this](const BackendState& state) { noteBackend(state); },
@@ -178,8 +182,10 @@ void ContactMonitor::noteBackend(const BackendState& state) {
   const BackendStatus status = backendStatus(parameters_.backend, state);
   if (status.level == diagnostic_msgs::DiagnosticStatus::ERROR) {
     ROS_ERROR_STREAM(status.summary);
-  } else if (!status.summary.empty()) {
+  } else if (status.level == diagnostic_msgs::DiagnosticStatus::WARN) {
     ROS_WARN_STREAM(status.summary);
+  } else if (!status.summary.empty()) {
+    ROS_INFO_STREAM(status.summary);
   } else {
     ROS_INFO("contacts are computed with CUDA again");
   }

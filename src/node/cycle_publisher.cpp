@@ -118,6 +118,12 @@ void CyclePublisher::publishMarkers(const CycleReport& report) {
   markers_publisher_.publish(markers);
 }
 
+void CyclePublisher::showUnknown(const CycleReport& report) {
+  if (markers_publisher_.getNumSubscribers() == 0) return;
+  const visualization_msgs::MarkerArray markers = markers_.make(report);
+  if (!markers.markers.empty()) markers_publisher_.publish(markers);
+}
+
 // Warns of bodies with an unlikely size or place, and of surfaces that are not closed.
 void CyclePublisher::checkBodies(const CycleReport& report) {
   for (const auto& [object, anomaly] : size_check_.look(report, std::chrono::steady_clock::now())) {

@@ -43,6 +43,8 @@ class CyclePublisher : public CycleSink {
   void sendHeartbeat(const CycleReport& report) override;
   // Publishes the states after the list of pairs, or which of them are allowed, has changed.
   void listPairs(const CycleReport& report) override { states_.publish(report); }
+  // Publishes ~markers if somebody listens.
+  void showUnknown(const CycleReport& report) override;
   void forgetStates(const std::string& body, const std::string& reason) override {
     states_.forget(body, reason);
   }

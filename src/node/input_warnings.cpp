@@ -68,6 +68,9 @@ std::string InputWarnings::describe(const InputStatus& input, const Watch& watch
     text << "no mesh for " << toSeconds(now - watch.changed) << " s" << describePublishers(input);
   } else if (!input.refusal.empty()) {
     text << "mesh refused: " << input.refusal << "; it came" << describePublishers(input);
+    if (!input.rivals.empty()) text << "; " << input.rivals;
+  } else if (!input.rivals.empty()) {
+    text << input.rivals << " (" << input.topic << ")";
   } else if (!input.anomaly.empty()) {
     text << input.anomaly;
   } else {

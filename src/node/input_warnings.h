@@ -21,6 +21,7 @@ struct InputStatus {
   bool required = true;             // false: it may be missing
   std::uint64_t received = 0;       // messages, since the start
   std::string refusal, anomaly;     // of the newest message; empty: none
+  std::string rivals;               // of publishers whose meshes differ; empty: none
   std::uint32_t publishers = 0;     // connected
   std::optional<std::string> type;  // of the published messages, if the master knows one
 };

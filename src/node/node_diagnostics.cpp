@@ -1,6 +1,8 @@
 // Publishes the monitor's health on /diagnostics. Each describe function fills one status.
 #include "node/node_diagnostics.h"
 
+#include <algorithm>
+
 #include "core/steady_time.h"
 #include "monitor/diagnostics/watches.h"
 #include "monitor/time_difference.h"
@@ -16,8 +18,12 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters, const Mesh
       meshes_(meshes),
       robot_(robot),
       updater_(node, private_node, private_node.getNamespace()),
-      watches_(meshes.size()),
+      max_rate_hz_(parameters.max_rate_hz),
       trade_(parameters.detector.tolerance_m, parameters.budget_ms / 1e3) {
+  for (const ObjectParameters& object : parameters_.objects) {
+    watches_.emplace_back(object.required, parameters_.max_mesh_age_s,
+                          parameters_.diagnostic_min_rate_hz, Clock::now());
+  }
   updater_.setHardwareID("none");
   add("status", [this](Status& status) { describeStatus(status); });
   for (std::size_t i = 0; i < meshes_.size(); ++i) {
@@ -25,7 +31,7 @@ NodeDiagnostics::NodeDiagnostics(const MonitorParameters& parameters, const Mesh
         [this, i](Status& status) { describeMesh(i, status); });
   }
   add("tf", [this](Status& status) { transforms_.describe(status, Clock::now()); });
-  add("timing", [this](Status& status) { timing_.describe(status, Clock::now()); });
+  add("timing", [this](Status& status) { describeTiming(status); });
   add("output", [this](Status& status) { describeOutput(status); });
   add("allowed", [this](Status& status) { describeAllowed(status); });
   if (parameters_.motion == Motion::kSwept) {
@@ -89,13 +95,13 @@ void NodeDiagnostics::recordTrade(const CycleReport& report, double answer_s) {
 void NodeDiagnostics::recordAnomaly(const std::string& object, const std::string& anomaly) {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (std::size_t i = 0; i < watches_.size(); ++i) {
-    if (parameters_.objects[i].name == object) watches_[i].anomaly = anomaly;
+    if (parameters_.objects[i].name == object) watches_[i].setAnomaly(anomaly);
   }
 }
 
 std::pair<std::string, std::string> NodeDiagnostics::meshProblems(std::size_t object) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return {meshes_[object].counters().problem, watches_[object].anomaly};
+  return {meshes_[object].counters().problem, watches_[object].anomaly()};
 }
 
 bool NodeDiagnostics::isEnabled() const {
@@ -129,6 +135,11 @@ void NodeDiagnostics::recordOpenBodies(const std::string& bodies) {
   open_bodies_ = bodies;
 }
 
+void NodeDiagnostics::recordMaxRate(double max_rate_hz) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  max_rate_hz_ = max_rate_hz;
+}
+
 void NodeDiagnostics::recordEnabled(bool enabled) {
   const std::lock_guard<std::mutex> lock(mutex_);
   enabled_ = enabled;
@@ -144,6 +155,10 @@ void NodeDiagnostics::recordRules(const RulesInForce& rules) {
 void NodeDiagnostics::describeStatus(Status& status) const {
   status.summary(DiagnosticStatus::OK, "monitoring");
   if (!enabled_) status.summary(DiagnosticStatus::WARN, "disabled by ~set_enabled");
+  if (ros::Time::now().isZero()) {
+    status.mergeSummary(DiagnosticStatus::ERROR,
+                        "no clock: use_sim_time is set, and nothing came on /clock");
+  }
   if (parameters_.pair_classes.needRobot()) {
     std::size_t triangles = 0;
     std::string unusable;
@@ -187,44 +202,21 @@ void NodeDiagnostics::describeStatus(Status& status) const {
   if (parameters_.containment) status.add("not closed", open_bodies_);
 }
 
-// Computes the rate since the last publication. Of several problems, the most serious one is the
-// summary; a missing object is an error only if it is required.
 void NodeDiagnostics::describeMesh(std::size_t object, Status& status) {
-  MeshWatch& watch = watches_[object];
-  const MeshCounters meshes = meshes_[object].counters();
-  const double rate_hz =
-      static_cast<double>(meshes.received - watch.received) / secondsSince(watch.when);
-  watch.received = meshes.received;
-  watch.when = Clock::now();
+  watches_[object].describe(status,
+                            {meshes_[object].counters(), meshes_[object].rivals(Clock::now()),
+                             ros::Time::now(), ros::Time::isSimTime(), enabled_, max_rate_hz_},
+                            Clock::now());
+}
 
-  const auto bad =
-      parameters_.objects[object].required ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
-  if (meshes.received == 0) {
-    status.summary(bad, "no mesh received yet");
-  } else if (!meshes.problem.empty()) {
-    status.summary(bad, "mesh refused: " + meshes.problem);
-  } else if (rate_hz == 0) {
-    status.summary(bad, "no mesh within the last second");
-  } else if (rate_hz * parameters_.max_mesh_age_s < 1) {
-    status.summary(DiagnosticStatus::WARN,
-                   "slower than max_mesh_age_s, so UNKNOWN between meshes; raise max_mesh_age_s");
-  } else if (rate_hz < parameters_.diagnostic_min_rate_hz) {
-    status.summary(DiagnosticStatus::WARN, "rate below diagnostic_min_rate_hz");
-  } else {
-    status.summary(DiagnosticStatus::OK, meshes.stamped_on_receipt > 0
-                                             ? "meshes arrive, stamped on receipt"
-                                             : "meshes arrive");
+// The fastest object decides how long a cycle may take.
+void NodeDiagnostics::describeTiming(Status& status) {
+  double period_s = 0;
+  for (const MeshWatch& watch : watches_) {
+    if (watch.periodS() == 0) continue;
+    period_s = period_s == 0 ? watch.periodS() : std::min(period_s, watch.periodS());
   }
-  if (!watch.anomaly.empty()) status.mergeSummary(DiagnosticStatus::WARN, watch.anomaly);
-  status.add("rate [Hz]", rate_hz);
-  if (!meshes.newest.isZero()) {
-    status.add("age of newest [s]", secondsBetween(ros::Time::now(), meshes.newest));
-  }
-  status.add("received", meshes.received);
-  status.add("stamped on receipt", meshes.stamped_on_receipt);
-  status.add("dropped", meshes.dropped);
-  status.add("refused", meshes.rejected);
-  status.add("topology changes", meshes.topology_changes);
+  timing_.describe(status, Clock::now(), period_s);
 }
 
 // Tells whether the newest ~contacts is complete, and why not.
@@ -240,7 +232,7 @@ void NodeDiagnostics::describeOutput(Status& status) const {
   if (!output_.complete && !is_whole) status.summary(DiagnosticStatus::WARN, "not complete");
   for (const std::string& skipped : output_.skipped) status.add("skipped", skipped);
   status.add("pairs", output_.pair_count);
-  status.add("truncated", output_.truncated);
+  status.add("truncated", output_.truncated != 0 ? "true" : "false");
   status.add("undecided", output_.undecided);
   status.add("rejected triangles", output_.rejected_triangles);
   status.add("age [s]", output_.age.toSec());

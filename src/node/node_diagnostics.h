@@ -19,6 +19,7 @@
 #include "core/backend_choice.h"
 #include "core/steady_time.h"
 #include "monitor/cycle_report.h"
+#include "monitor/diagnostics/mesh_watch.h"
 #include "monitor/diagnostics/watches.h"
 #include "monitor/input/mesh_input.h"
 #include "monitor/rules/parameters.h"
@@ -57,6 +58,8 @@ class NodeDiagnostics {
   void recordReset(const std::string& reason);
   // Takes the names of bodies that are not closed; empty: all examined bodies are closed.
   void recordOpenBodies(const std::string& bodies);
+  // Takes the highest rate of an object's cycles [Hz]; 0: no limit.
+  void recordMaxRate(double max_rate_hz);
   // Notes whether the monitor is enabled, and which rules are in force.
   void recordEnabled(bool enabled);
   void recordRules(const RulesInForce& rules);
@@ -84,15 +87,9 @@ class NodeDiagnostics {
   // Each of these functions fills the status of the same name. The caller holds the mutex.
   void describeStatus(Status& status) const;
   void describeMesh(std::size_t object, Status& status);
+  void describeTiming(Status& status);
   void describeOutput(Status& status) const;
   void describeAllowed(Status& status) const;
-
-  // Follows one object's meshes.
-  struct MeshWatch {
-    std::string anomaly;
-    std::uint64_t received = 0;  // at the last publication, which was at `when`
-    Clock::time_point when = Clock::now();
-  };
 
   const MonitorParameters& parameters_;
   const MeshInputs& meshes_;
@@ -104,6 +101,7 @@ class NodeDiagnostics {
   mutable std::mutex mutex_;        // guards the members below
   std::vector<MeshWatch> watches_;  // by object
   bool enabled_ = true;
+  double max_rate_hz_;
   std::string backend_, detector_error_, last_reset_, open_bodies_;
   BackendState backend_state_;
   std::uint64_t cycles_ = 0, resets_ = 0;

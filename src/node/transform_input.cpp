@@ -28,6 +28,19 @@ void TransformInput::subscribe(const std::string& topic, bool is_static) {
       topic, 100, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 
+std::string TransformInput::describePublishers() const {
+  std::string text;
+  for (const ros::Subscriber& subscriber : subscribers_) {
+    const std::uint32_t publishers = subscriber.getNumPublishers();
+    text += text.empty() ? "" : ", ";
+    text += publishers == 0   ? "nobody publishes "
+            : publishers == 1 ? "1 node publishes "
+                              : std::to_string(publishers) + " nodes publish ";
+    text += subscriber.getTopic();
+  }
+  return text;
+}
+
 // A transform that tf2 rejects does not affect the others of its message.
 void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>& event,
                              bool is_static) {

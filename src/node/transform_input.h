@@ -20,6 +20,10 @@ class TransformInput {
   // Fills the buffer, which must outlive this.
   TransformInput(tf2::BufferCore& buffer, const ros::NodeHandle& node);
 
+  // Returns how many nodes publish on the topics, as "2 nodes publish /tf, nobody publishes
+  // /tf_static". Any thread.
+  std::string describePublishers() const;
+
   // Returns how many transforms from far ahead of the clock were left out. Any thread.
   std::uint64_t leftOut() const { return left_out_; }
 

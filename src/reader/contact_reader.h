@@ -76,7 +76,7 @@ class ContactReader {
 
   // Takes a message that arrived at `now`. An older message than the stored one (a lower cycle, or
   // an older stamp of the same cycle) is ignored, unless ROS time was reset or the monitor was
-  // restarted.
+  // restarted. After one whose stamp is zero, nothing is known: its monitor has no clock.
   void store(const ContactStates& states, const ros::Time& now) {
     if (is_there_ && now < received_) forget("ROS time went back");
     if (is_there_ && seconds(newest_.header.stamp, now) <= kClockSlackS && isOlder(states)) return;
@@ -193,6 +193,7 @@ class ContactReader {
   // Returns whether a message is older than the stored one. A monitor that was restarted begins at
   // cycle 0 again, but its stamps are newer than all before.
   bool isOlder(const ContactStates& states) const {
+    if (states.header.stamp.isZero()) return false;
     if (states.cycle == newest_.cycle) return states.header.stamp < newest_.header.stamp;
     return states.cycle < newest_.cycle && states.header.stamp <= latest_stamp_;
   }
@@ -201,6 +202,7 @@ class ContactReader {
   std::string silence(const ros::Time& now) const {
     if (now.isZero()) return "ROS time is zero";
     if (!is_there_) return nothing_because_;
+    if (newest_.header.stamp.isZero()) return "the monitor has no clock: its stamp is zero";
     const double silent_s = seconds(now, received_);
     if (silent_s < -kClockSlackS) return text("ROS time went back by %.3f s", -silent_s);
     return silent_s > rules_.max_age_s ? text("no states came for %.3f s", silent_s) : "";

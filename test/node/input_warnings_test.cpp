@@ -111,6 +111,19 @@ TEST_F(InputWarningsTest, WhatIsOddIsNamed) {
             std::vector<std::string>{"object 'cloth': its mesh is 800 m long"});
 }
 
+TEST_F(InputWarningsTest, PublishersThatContradictEachOtherAreNamed) {
+  InputStatus input = cloth();
+  input.rivals = "two nodes: /a and /b";
+  EXPECT_EQ(lookAt(input, 0, 9, true),
+            (std::vector<std::string>{"object 'cloth': two nodes: /a and /b (/robot/cloth)",
+                                      "object 'cloth': two nodes: /a and /b (/robot/cloth)"}));
+  input.refusal = "header.stamp is zero";
+  const std::vector<std::string> all = lookAt(input, 10, 10, true);
+  ASSERT_EQ(all.size(), 1U);
+  expectIn("header.stamp is zero", all[0]);
+  expectIn("two nodes: /a and /b", all[0]);
+}
+
 TEST_F(InputWarningsTest, ASilentClockIsTheOneWarningAboutWhatIsMissing) {
   is_simulated_ = true;
   clock_runs_ = false;

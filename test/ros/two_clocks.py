@@ -182,7 +182,7 @@ class TwoClocks(unittest.TestCase):
         self.assertIn("no new mesh", state(unknown, "sheet").reason)
         self.assertEqual(state(unknown, "cloth").state, ContactState.CONTACT)
         named = self.monitor.states.wait(
-            "the object's name", lambda m: state(m, "sheet").reason.startswith("sheet: newest"))
+            "the object's name", lambda m: state(m, "sheet").reason.startswith("sheet: newest"), since)
         self.assertEqual(state(named, "cloth").state, ContactState.CONTACT)
 
 

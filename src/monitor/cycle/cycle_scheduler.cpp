@@ -65,7 +65,7 @@ void CycleScheduler::append(Entry* entry, CycleRequest request, SteadyTime now) 
 
 // It may be costly to find out who is ready (transforms are looked up), so the one whose turn it is
 // is asked first, and then only those with the same stamp.
-std::vector<std::size_t> CycleScheduler::next(SteadyTime now) {
+std::vector<std::size_t> CycleScheduler::next(SteadyTime now, const ros::Time& ros_time) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (hasRequest(i)) order.push_back(i);
@@ -73,7 +73,7 @@ std::vector<std::size_t> CycleScheduler::next(SteadyTime now) {
   std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
     return entries_[a].last_turn < entries_[b].last_turn;
   });
-  const auto is_ready = [this, now](std::size_t who) { return isReady(who, now); };
+  const auto is_ready = [&](std::size_t who) { return isReady(who, now, ros_time); };
   const auto chosen = std::find_if(order.begin(), order.end(), is_ready);
   if (chosen == order.end()) return {};
   std::vector<std::size_t> together{*chosen};
@@ -89,15 +89,16 @@ std::vector<std::size_t> CycleScheduler::next(SteadyTime now) {
 // Returns whether the first request has all transforms that may still come, or has waited long
 // enough. A request whose time is over although it had its transforms shows that the detector is
 // too slow for all meshes. It is dropped if the next one has its transforms too.
-bool CycleScheduler::isReady(std::size_t who, SteadyTime now) {
+bool CycleScheduler::isReady(std::size_t who, SteadyTime now, const ros::Time& ros_time) {
   if (isRobot(who)) return true;
   std::deque<CycleRequest>& queue = entries_[who].queue;
-  while (queue.size() > 1 && now >= queue[0].give_up && !gate_.must_wait(who, queue[1])) {
+  while (queue.size() > 1 && queue[0].wait.isOver(now, ros_time) &&
+         !gate_.must_wait(who, queue[1])) {
     dropFirst(who);
   }
   if (!gate_.must_wait(who, queue.front())) return true;
   for (CycleRequest& request : queue) request.waits_for_transforms = true;
-  if (now < queue.front().give_up) return false;
+  if (!queue.front().wait.isOver(now, ros_time)) return false;
   gate_.give_up(who, queue.front());
   return true;
 }

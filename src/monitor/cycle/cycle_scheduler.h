@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/steady_time.h"
+#include "monitor/cycle/cycle_clock.h"
 #include "monitor/input/mesh_input.h"
 
 namespace deformable_contact_monitor {
@@ -20,8 +21,8 @@ struct CycleRequest {
   // The mesh that asks for the cycle: accepted or rejected. Without a message it is the robot that
   // asks.
   IncomingMesh mesh;
-  ros::Time stamp;     // of the cycle
-  SteadyTime give_up;  // when the cycle goes ahead without transforms that are late
+  ros::Time stamp;  // of the cycle
+  Wait wait;        // at its end, the cycle goes ahead without transforms that are late
   bool waits_for_transforms = false;
 };
 
@@ -63,8 +64,8 @@ class CycleScheduler {
 
   // Returns who has the next cycle: the one whose last cycle is the longest ago among those that
   // are ready, with all others that are ready for the same stamp, ascending. Who ran out of time in
-  // its last cycle does not share one. Empty: nobody is ready.
-  std::vector<std::size_t> next(SteadyTime now);
+  // its last cycle does not share one. Empty: nobody is ready. `ros_time` is that of the waits.
+  std::vector<std::size_t> next(SteadyTime now, const ros::Time& ros_time);
 
   // Removes the first request of each of them from its queue, as their cycle begins.
   void start(const std::vector<std::size_t>& who);
@@ -96,7 +97,7 @@ class CycleScheduler {
 
   bool isRobot(std::size_t who) const { return who == inputs_.size(); }
   bool isLastReplaceable(std::size_t who) const;
-  bool isReady(std::size_t who, SteadyTime now);
+  bool isReady(std::size_t who, SteadyTime now, const ros::Time& ros_time);
   void append(Entry* entry, CycleRequest request, SteadyTime now);
   void dropFirst(std::size_t object);
 

@@ -36,6 +36,9 @@ class CycleSink {
   virtual void sendHeartbeat(const CycleReport& report) = 0;
   // Publishes the states alone, because the list of pairs, or which of them are allowed, changed.
   virtual void listPairs(const CycleReport& report) = 0;
+  // Shows people the objects that are UNKNOWN where they were last: those that triggered the
+  // report.
+  virtual void showUnknown(const CycleReport& report) = 0;
   // Forgets what is known of the pairs of `body`, or of all pairs if it is empty.
   virtual void forgetStates(const std::string& body, const std::string& reason) = 0;
   virtual void sendRobot(const RobotGeometry& robot) = 0;

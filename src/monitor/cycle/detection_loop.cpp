@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "monitor/input/mesh_adapters.h"
 #include "monitor/rules/rule_texts.h"
 #include "monitor/time_difference.h"
 
@@ -16,6 +17,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr double kMaxAheadS = 1;  // as for meshes
+constexpr char kNoClock[] = "no clock: use_sim_time is set, and nothing came on /clock";
 
 }  // namespace
 
@@ -29,13 +31,15 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       options_(parameters.detector),
       detector_(std::move(detector)),
       sink_(std::move(sink)),
-      clock_(parameters.max_mesh_age_s, parameters.budget_ms / 1e3, time_.steady()),
+      clock_(parameters.max_mesh_age_s, parameters.budget_ms / 1e3, time_.steady(),
+             time_.is_simulated),
       inputs_(sources_.meshes),
       scene_(parameters, detector_->vertexMemory()),
       lookup_(sources_.transforms, parameters.reference_frame),
       scheduler_(maxRatesHz(live_, parameters.objects.size()), inputs_, transformGate()),
       planner_(parameters),
-      detection_(*detector_, {parameters.containment, parameters.swept_tolerance_m, true}) {
+      detection_(*detector_, {parameters.containment, parameters.swept_tolerance_m, true}),
+      deletions_(inputs_.size()) {
   ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
                                 << parameters_.reference_frame << "' on the "
                                 << detector_->backend());
@@ -59,10 +63,11 @@ SteadyTime DetectionLoop::step() {
     lookAtRequests();
     warnOfUnknownNames();
     if (time_.steady() >= list_due_) listPairs();
+    if (time_.steady() >= show_due_) showUnknown();
     dropLeftovers();
     takeMeshes();
     lookAtRobotsTime();
-    const std::vector<std::size_t> turn = scheduler_.next(time_.steady());
+    const std::vector<std::size_t> turn = scheduler_.next(time_.steady(), clock_.rosTime());
     if (!turn.empty()) takeTurn(turn);
     if (clock_.mustBeat(time_.steady()) && scheduler_.isEmpty()) heartbeat();
     return turn.empty() ? wakeTime() : time_.steady();
@@ -73,8 +78,12 @@ SteadyTime DetectionLoop::step() {
   }
 }
 
+// Without a clock no mesh can have a cycle, because nobody knows how old it is.
 void DetectionLoop::lookAtTime() {
+  const bool was_there = clock_.isThere();
   const double back_s = clock_.update(time_.ros());
+  if (clock_.isThere() != was_there) list_due_ = SteadyTime();
+  if (!clock_.isThere()) dropMeshes();
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
 }
 
@@ -130,15 +139,18 @@ void DetectionLoop::lookAtRobot() {
   sink_->sendRobot(*robot_);
 }
 
+// Drops every mesh that has no cycle yet.
+void DetectionLoop::dropMeshes() {
+  for (MeshInput& input : inputs_) {
+    input.dropIf([](const ros::Time&) { return true; });
+  }
+  scheduler_.clear();
+}
+
 // Drops every mesh while the monitor is disabled. If it was disabled and enabled since the last
 // step, what came before is forgotten all the same.
 void DetectionLoop::applyEnabled(const Requests& requests) {
-  if (requests.disabled || !requests.enabled) {
-    for (MeshInput& input : inputs_) {
-      input.dropIf([](const ros::Time&) { return true; });
-    }
-    scheduler_.clear();
-  }
+  if (requests.disabled || !requests.enabled) dropMeshes();
   const bool is_change = requests.enabled != enabled_;
   enabled_ = requests.enabled;
   if (is_change) {
@@ -187,9 +199,10 @@ void DetectionLoop::dropLeftovers() {
 // Takes the newest mesh of each object. A rejected mesh asks for a cycle too: its object is UNKNOWN
 // in it.
 void DetectionLoop::takeMeshes() {
-  if (!enabled_) return;  // the next step drops them
+  if (!mayLook()) return;  // the next step drops them
   const SteadyTime now = time_.steady();
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    lookAtDeletion(i);
     if (!scheduler_.mayAdd(i, now)) continue;
     IncomingMesh mesh;
     const Acceptance answer = inputs_[i].take(clock_.rosTime(), &mesh);
@@ -199,9 +212,25 @@ void DetectionLoop::takeMeshes() {
       planner_.forget(i, why);
       sink_->forgetStates(parameters_.objects[i].name, why);
     }
-    const ros::Time stamp = cycleStamp(mesh.stamp(), answer == Acceptance::kRejected);
-    scheduler_.add(i, {std::move(mesh), stamp, now + fromSeconds(parameters_.tf_timeout_s)}, now);
+    // The stamp of a deletion may be any, and is mostly zero.
+    const ros::Time stamp = mesh.is_deletion
+                                ? clock_.rosTime()
+                                : cycleStamp(mesh.stamp(), answer == Acceptance::kRejected);
+    scheduler_.add(i, {std::move(mesh), stamp, clock_.startWait(parameters_.tf_timeout_s, now)},
+                   now);
   }
+}
+
+// Ends the grace of a deletion that no mesh has followed.
+void DetectionLoop::lookAtDeletion(std::size_t object) {
+  const SteadyTime now = time_.steady();
+  const std::optional<SteadyTime> at = inputs_[object].deletedAt();
+  if (!at) return;
+  Wait& wait = deletions_[object];
+  if (wait.start != *at || wait.length == SteadyTime::duration()) {
+    wait = clock_.startWait(kDeletionGraceS, *at);
+  }
+  if (wait.isOver(now, clock_.rosTime())) inputs_[object].endGrace();
 }
 
 // A rejected mesh may have a senseless stamp, but its object must become UNKNOWN at once.
@@ -216,7 +245,7 @@ ros::Time DetectionLoop::cycleStamp(const ros::Time& stamp, bool rejected) const
 void DetectionLoop::lookAtRobotsTime() {
   const std::size_t robot = inputs_.size();
   const SteadyTime now = time_.steady();
-  if (!live_.pair_classes.robot_self || robot_ == nullptr || !enabled_) return;
+  if (!live_.pair_classes.robot_self || robot_ == nullptr || !mayLook()) return;
   if (scheduler_.hasRequest(robot) || !scheduler_.mayAdd(robot, now) || now < robots_look_) return;
   robots_look_ = now + fromSeconds(1 / live_.robot_rate_hz);
   const std::optional<ros::Time> stamp = robotsStamp();
@@ -225,7 +254,7 @@ void DetectionLoop::lookAtRobotsTime() {
   CycleRequest request;
   request.mesh.arrival = now;
   request.stamp = *stamp;
-  request.give_up = now;
+  request.wait.start = now;
   scheduler_.add(robot, std::move(request), now);
 }
 
@@ -243,8 +272,8 @@ std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   return *newest > robots_stamp_ && !is_old ? newest : std::nullopt;
 }
 
-// Starts the cycle of these objects, or of the robot: it counts from the arrival of their first
-// mesh.
+// Starts the cycle of these objects, or of the robot. It counts from the arrival of their first
+// mesh, by simulated time as far as the mesh has waited, which a slow simulator prolongs.
 void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
   const SteadyTime now = time_.steady();
   const ros::Time stamp = scheduler_.first(who.front()).stamp;
@@ -253,15 +282,14 @@ void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
   double waited_s = 0;
   for (const std::size_t i : who) {
     const CycleRequest& request = scheduler_.first(i);
-    arrival = std::min(arrival, request.mesh.arrival);
+    const SteadyTime::duration wait = request.wait.passed(now, clock_.rosTime());
+    arrival = std::min(arrival, now - wait - (request.wait.start - request.mesh.arrival));
     if (i == inputs_.size()) {
       trigger.robot = true;
       continue;
     }
     trigger.objects.push_back(i);
-    if (!request.waits_for_transforms) continue;
-    const auto taken = request.give_up - fromSeconds(parameters_.tf_timeout_s);
-    waited_s = std::max(waited_s, toSeconds(now - taken));
+    if (request.waits_for_transforms) waited_s = std::max(waited_s, toSeconds(wait));
   }
   scheduler_.start(who);
   scheduler_.finish(who, !detect(stamp, trigger, mostS(who), waited_s, arrival));
@@ -286,7 +314,7 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   sink_->recordStart();
   TransformReport transforms = scene_.prepare(t, trigger, inputs_, lookup_);
   transforms.waited_s = waited_s;
-  lookAtMisses(transforms);
+  lookAtTransforms(transforms);
   sink_->recordTransforms(transforms);
   const SteadyTime budget_end = clock_.deadline(mesh_arrival);
   const SteadyTime deadline = std::min(budget_end, start + fromSeconds(most_s));
@@ -314,7 +342,7 @@ CycleReport DetectionLoop::findContacts(const ros::Time& t, const CycleTrigger& 
   if (clock_.backS(report.now) == 0) return report;
   // The next step resets everything. Until then, nothing of the time before is said to be known.
   for (BodyStatus& body : report.bodies) {
-    if (body.triggered) body.unknown_because = "the clock went back during the cycle";
+    if (body.triggered) body.unknown_because = "time jump: the clock went back during the cycle";
   }
   return report;
 }
@@ -329,11 +357,26 @@ void DetectionLoop::listPairs() {
   sink_->listPairs(report);
 }
 
+// Objects without a new mesh have no cycle in which they would be drawn.
+void DetectionLoop::showUnknown() {
+  constexpr std::chrono::milliseconds kPeriod(250);  // see kUnknownLifetimeS
+  show_due_ = time_.steady() + kPeriod;
+  const std::vector<std::string> why = whyUnknown();
+  if (std::all_of(why.begin(), why.end(), [](const auto& reason) { return reason.empty(); })) {
+    return;
+  }
+  scene_.markUnknown(why);
+  CycleReport report = scene_.makeReport(clock_.rosTime(), cycle_);
+  report.scene = &scene_.scene();
+  for (BodyStatus& body : report.bodies) body.triggered = !body.unknown_because.empty();
+  sink_->showUnknown(report);
+}
+
 // Publishes that nothing is known, so that silence is not mistaken for "no contact".
 void DetectionLoop::heartbeat() {
   clock_.startHeartbeat(time_.steady());
   // If ROS time stands still, no state becomes too old, so all states are forgotten here.
-  sink_->forgetStates("", "no new mesh");
+  sink_->forgetStates("", clock_.isThere() ? "no new mesh" : kNoClock);
   std::vector<std::string> why = whyUnknown();
   for (std::string& reason : why) reason = reason.empty() ? "no new mesh" : reason;
   scene_.markUnknown(why);
@@ -342,8 +385,10 @@ void DetectionLoop::heartbeat() {
 
 // Returns why each object is UNKNOWN; empty: it has a mesh.
 std::vector<std::string> DetectionLoop::whyUnknown() const {
-  std::vector<std::string> why(inputs_.size(), enabled_ ? "" : "disabled");
-  for (std::size_t i = 0; enabled_ && i < why.size(); ++i) {
+  std::vector<std::string> why(inputs_.size(), !enabled_          ? "disabled"
+                                               : clock_.isThere() ? ""
+                                                                  : kNoClock);
+  for (std::size_t i = 0; mayLook() && i < why.size(); ++i) {
     inputs_[i].newestAt(clock_.rosTime(), &why[i]);
   }
   return why;
@@ -353,15 +398,18 @@ std::vector<std::string> DetectionLoop::whyUnknown() const {
 SteadyTime DetectionLoop::wakeTime() const {
   constexpr std::chrono::milliseconds kTransformPeriod(1);  // new transforms wake nobody
   const SteadyTime now = time_.steady();
-  SteadyTime wake = std::min(clock_.heartbeatDue(), list_due_);
+  SteadyTime wake = std::min(list_due_, show_due_);
+  if (scheduler_.isEmpty()) wake = std::min(wake, clock_.heartbeatDue(now));
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     if (scheduler_.hasRequest(i)) {
-      wake = std::min({wake, scheduler_.first(i).give_up, now + kTransformPeriod});
+      wake = std::min(wake, now + kTransformPeriod);
     } else if (inputs_[i].hasWaiting()) {
       wake = std::min(wake, scheduler_.earliest(i));
     }
+    const bool is_deleted = inputs_[i].deletedAt() && !inputs_[i].hasWaiting();
+    if (is_deleted) wake = std::min(wake, deletions_[i].nextLook(now));
   }
-  const bool robot_cycles = live_.pair_classes.robot_self && robot_ != nullptr && enabled_;
+  const bool robot_cycles = live_.pair_classes.robot_self && robot_ != nullptr && mayLook();
   return robot_cycles ? std::min(wake, std::max(robots_look_, scheduler_.earliest(inputs_.size())))
                       : wake;
 }
@@ -375,18 +423,26 @@ CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {
   return report;
 }
 
-// Warns of bodies without a transform.
-void DetectionLoop::lookAtMisses(const TransformReport& transforms) {
-  if (transforms.misses.empty()) return;
+// Warns of bodies without a transform. ROS_WARN_THROTTLE would not do: ROS time may stand still.
+void DetectionLoop::lookAtTransforms(const TransformReport& transforms) {
   const SteadyTime now = time_.steady();
   for (const TransformReport::Miss& miss : transforms.misses) {
     // tf2 prefers a transform from before a time jump, as its stamp is later, so all must go.
     if (clock_.isLeftover(miss.answer.available, now)) return sources_.transforms.clear();
   }
-  // The warning is throttled by the steady clock, as ROS time may stand still.
-  if (now - last_warning_ < std::chrono::seconds(1)) return;
-  last_warning_ = now;
-  ROS_WARN_STREAM(describeMisses(transforms));
+  const TransformWarnings::Said said = transform_warnings_.look(
+      transforms, [this] { return surroundings(); }, now);
+  for (const std::string& line : said.news) ROS_INFO_STREAM(line);
+  for (const std::string& line : said.warnings) ROS_WARN_STREAM(line);
+}
+
+// Returns what helps to find out why a frame was never seen.
+std::string DetectionLoop::surroundings() const {
+  std::vector<std::string> frames;
+  sources_.transforms._getFrameStrings(frames);
+  std::string text = describeKnownFrames(std::move(frames));
+  if (sources_.transform_publishers) text += "; " + sources_.transform_publishers();
+  return text;
 }
 
 }  // namespace deformable_contact_monitor

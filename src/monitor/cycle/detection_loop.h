@@ -20,6 +20,7 @@
 #include "monitor/cycle/loop_requests.h"
 #include "monitor/cycle/monitor_scene.h"
 #include "monitor/cycle/step_planner.h"
+#include "monitor/cycle/transform_warnings.h"
 #include "monitor/input/mesh_input.h"
 #include "monitor/input/transform_lookup.h"
 #include "monitor/rules/parameters.h"
@@ -34,12 +35,15 @@ struct LoopSources {
   tf2::BufferCore& transforms;
   // Returns null while there is no robot, and another object when the robot has changed.
   std::function<std::shared_ptr<const RobotGeometry>()> newest_robot;
+  // Returns who publishes transforms, as a text for people. May be empty.
+  std::function<std::string()> transform_publishers{};
 };
 
 // The clocks that the loop uses; tests replace them.
 struct LoopTime {
   std::function<SteadyTime()> steady;
   std::function<ros::Time()> ros;  // zero: no clock yet
+  bool is_simulated = false;       // ROS time comes from /clock
 };
 
 // Owns everything that only the detection thread uses. It holds no lock while it detects. One
@@ -60,6 +64,8 @@ class DetectionLoop {
 
  private:
   void lookAtTime();
+  bool mayLook() const { return enabled_ && clock_.isThere(); }
+  void dropMeshes();
   void lookAtRequests();
   void lookAtRobot();
   void noteRules();
@@ -71,6 +77,7 @@ class DetectionLoop {
 
   TransformGate transformGate();
   void takeMeshes();
+  void lookAtDeletion(std::size_t object);
   ros::Time cycleStamp(const ros::Time& stamp, bool rejected) const;
   void lookAtRobotsTime();
   std::optional<ros::Time> robotsStamp() const;
@@ -81,10 +88,12 @@ class DetectionLoop {
   CycleReport findContacts(const ros::Time& t, const CycleTrigger& trigger, const Limits& limits);
 
   void listPairs();
+  void showUnknown();
   void heartbeat();
   std::vector<std::string> whyUnknown() const;
   CycleReport makeReport(const ros::Time& stamp);
-  void lookAtMisses(const TransformReport& transforms);
+  void lookAtTransforms(const TransformReport& transforms);
+  std::string surroundings() const;
   SteadyTime wakeTime() const;
 
   const MonitorParameters& parameters_;
@@ -105,9 +114,11 @@ class DetectionLoop {
   ros::Time robots_stamp_;                      // of its own last cycle
   SteadyTime robots_look_;                      // when to look for a new one
   bool enabled_ = true;
-  bool names_checked_ = false;  // of the allowed contacts, against the bodies'
+  std::vector<Wait> deletions_;  // by object, the last one that waited for a new mesh
+  bool names_checked_ = false;   // of the allowed contacts, against the bodies'
   std::uint64_t cycle_ = 0, epoch_ = 0;
-  SteadyTime list_due_, last_warning_;
+  TransformWarnings transform_warnings_;
+  SteadyTime list_due_, show_due_;
 };
 
 }  // namespace deformable_contact_monitor

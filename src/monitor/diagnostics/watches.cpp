@@ -23,6 +23,15 @@ using diagnostic_msgs::DiagnosticStatus;
 
 constexpr std::size_t kLatestCycles = 200;  // that times and shares are computed from
 
+// Returns the nearest-rank percentile of the values, which must not be empty.
+double percentile(const std::deque<double>& values, std::size_t percent) {
+  std::vector<double> sorted(values.begin(), values.end());
+  const std::size_t rank = (sorted.size() - 1) * percent / 100;
+  const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(sorted.begin(), place, sorted.end());
+  return *place;
+}
+
 // Returns "mean 1.000, median 1.000, p95 1.000, max 1.000". `times_ms` must not be empty.
 std::string describeTimes(const std::deque<double>& times_ms) {
   std::vector<double> sorted(times_ms.begin(), times_ms.end());
@@ -97,16 +106,31 @@ double TimingWatch::runsFor(SteadyTime now) const {
   return running_since_ ? toSeconds(now - *running_since_) : 0;
 }
 
-// A cycle that runs for long outweighs a busy loop, so it is set last.
-void TimingWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now) {
-  constexpr double kBusy = 0.9, kLongCycleS = 0.5;
+// A cycle that runs for long outweighs a busy loop, so it is set last. A few cycles tell nothing:
+// the first ones take longer.
+void TimingWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now,
+                           double period_s) {
+  constexpr double kBusy = 0.5, kAlwaysBusy = 0.9, kLongCycleS = 0.5;
+  constexpr std::size_t kFewCycles = 20;
   const double busy = busy_s_ / toSeconds(now - described_);
   busy_s_ = 0;
   described_ = now;
   status.summary(DiagnosticStatus::OK, "in time");
-  if (busy > kBusy) {
+  if (busy > kAlwaysBusy) {
     status.summary(DiagnosticStatus::WARN,
                    "always busy: meshes arrive faster than cycles process them");
+  } else if (busy > kBusy) {
+    status.summaryf(DiagnosticStatus::WARN,
+                    "busy for %.0f %% of the time: little is left until meshes are dropped",
+                    100 * busy);
+  }
+  const std::deque<double>& cycles_ms = times_ms_["cycle [ms]"];
+  const double p95_ms = cycles_ms.size() < kFewCycles ? 0 : percentile(cycles_ms, 95);
+  if (period_s > 0 && p95_ms > 1e3 * period_s) {
+    char text[128];
+    std::snprintf(text, sizeof text, "cycles take %.1f ms (p95), but a mesh comes every %.1f ms",
+                  p95_ms, 1e3 * period_s);
+    status.mergeSummary(DiagnosticStatus::WARN, text);
   }
   if (runsFor(now) > kLongCycleS) {
     status.summary(DiagnosticStatus::WARN,
@@ -114,7 +138,9 @@ void TimingWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status, 
   }
   status.add("busy share", busy);
   status.add("cold starts", cold_starts_);
-  for (const auto& [what, times_ms] : times_ms_) status.add(what, describeTimes(times_ms));
+  for (const auto& [what, times_ms] : times_ms_) {
+    if (!times_ms.empty()) status.add(what, describeTimes(times_ms));
+  }
 }
 
 void MotionWatch::record(const CycleReport& report) {

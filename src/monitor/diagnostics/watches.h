@@ -41,12 +41,14 @@ class TimingWatch {
   // Returns for how long [s] a cycle has been running; 0 if none is.
   double runsFor(SteadyTime now) const;
 
-  // Warns if cycles took more than nine tenths of the time since the last call, or if one has been
-  // running for more than half a second. Adds mean, median, p95 and maximum over the last 200
-  // cycles of: latency, latency of states with and without detection, work, detection, and each
+  // Warns if cycles took more than half of the time since the last call, if the 95th percentile of
+  // their times exceeds `period_s` [s], the least time between two meshes (0: unknown), or if one
+  // has been running for more than half a second. Adds mean, median, p95 and maximum over the last
+  // 200 cycles of: latency, latency of states with and without detection, work, detection, and each
   // stage (transform, cluster, assign, sort, sweep, oversized, narrow_phase, output). In swept
   // motion, adds the time of the steps and the latency without them, which instant motion has.
-  void describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now);
+  void describe(diagnostic_updater::DiagnosticStatusWrapper& status, SteadyTime now,
+                double period_s = 0);
 
  private:
   std::map<std::string, std::deque<double>> times_ms_;  // by what was timed; latest cycles

@@ -30,6 +30,8 @@ struct IncomingMesh {
   bool stamped_on_receipt = false;             // the original message had no stamp of its own
   SteadyTime arrival{};                        // when roscpp received the original message
   std::shared_ptr<const Topology> topology{};  // set on acceptance; fits the message's vertices
+  std::string publisher{};                     // name of the node; empty: not known
+  bool is_deletion = false;  // invalid because the object was deleted; a new mesh may follow soon
 
   const ros::Time& stamp() const { return message->header.stamp; }
 };

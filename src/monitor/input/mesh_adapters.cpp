@@ -39,6 +39,15 @@ std::string shown(const std::string& marker_namespace, std::int32_t id) {
   return "'" + marker_namespace + "'/" + std::to_string(id);
 }
 
+// Returns the invalid mesh that stands for a deletion.
+IncomingMesh deletion(const Marker& message, const std::string& why) {
+  const auto mesh = boost::make_shared<DeformableMesh>();
+  mesh->header = message.header;
+  IncomingMesh deleted{mesh, why};
+  deleted.is_deletion = true;
+  return deleted;
+}
+
 bool isFinite(double x, double y, double z) {
   return std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
 }
@@ -193,7 +202,18 @@ bool ShapeMeshAdapter::isSameTopology(const Message& message) const {
 }
 
 IncomingMesh MarkerAdapter::adapt(const Message& message, const ros::Time& received) {
+  if (message.action == Marker::DELETEALL) {
+    marker_.reset();
+    return deletion(message, "all markers were deleted (DELETEALL)");
+  }
   checkIdentity(message);
+  if (message.action == Marker::DELETE) {
+    marker_.reset();
+    return deletion(message, "marker " + shown(message.ns, message.id) + " was deleted");
+  }
+  if (message.action != Marker::ADD) {
+    reject("the marker's action is " + std::to_string(message.action) + ", not ADD (0)");
+  }
   if (message.type != Marker::TRIANGLE_LIST) {
     reject("the marker's type is " + std::to_string(message.type) + ", not TRIANGLE_LIST (" +
            std::to_string(Marker::TRIANGLE_LIST) + ")");
@@ -219,24 +239,13 @@ IncomingMesh MarkerAdapter::adapt(const Message& message, const ros::Time& recei
   return {mesh, "", stamped_on_receipt};
 }
 
-// Checks that this marker is the object's, and is not being deleted.
-void MarkerAdapter::checkIdentity(const Message& message) {
-  if (message.action == Marker::DELETEALL) {
-    marker_.reset();
-    reject("all markers were deleted (DELETEALL)");
-  }
+// Checks that this marker is the object's, if it has one.
+void MarkerAdapter::checkIdentity(const Message& message) const {
   const std::pair<std::string, std::int32_t> marker{message.ns, message.id};
   if (marker_ && *marker_ != marker) {
     reject("it is marker " + shown(message.ns, message.id) + ", but the object is marker " +
            shown(marker_->first, marker_->second) +
            " until that is deleted; markers need a topic each");
-  }
-  if (message.action == Marker::DELETE) {
-    marker_.reset();
-    reject("marker " + shown(message.ns, message.id) + " was deleted");
-  }
-  if (message.action != Marker::ADD) {
-    reject("the marker's action is " + std::to_string(message.action) + ", not ADD (0)");
   }
 }
 

@@ -26,8 +26,12 @@ namespace deformable_contact_monitor {
 // float32's range it is an infinity.
 //
 // adapt() throws std::invalid_argument if the message is not a valid mesh. The adapter is then
-// unchanged, except that it forgets a deleted marker. `received` is the time of receipt; zero:
+// unchanged. `received` is the time of receipt; zero:
 // there is no clock. The result has no `arrival`.
+
+// How long [s] an object that was deleted keeps its last mesh: many publishers delete a marker
+// before they draw it anew. No mesh within this time means that the object has none.
+constexpr double kDeletionGraceS = 0.2;
 
 // Converts shape_msgs/Mesh. That type has neither stamp nor frame: the stamp is the time of
 // receipt, and the frame is the configured one.
@@ -55,7 +59,8 @@ class ShapeMeshAdapter {
 // time of receipt.
 //
 // The topic's first marker (namespace and id) is the object until it is deleted. Other markers are
-// rejected, and so is the message that deletes it.
+// rejected. The message that deletes it becomes a mesh without vertices that is_deletion, with the
+// reason as its problem, and the adapter forgets the marker.
 class MarkerAdapter {
  public:
   using Message = visualization_msgs::Marker;
@@ -63,7 +68,7 @@ class MarkerAdapter {
   IncomingMesh adapt(const Message& message, const ros::Time& received);
 
  private:
-  void checkIdentity(const Message& message);
+  void checkIdentity(const Message& message) const;
 
   std::optional<std::pair<std::string, std::int32_t>> marker_;  // the object's namespace and id
   std::size_t point_count_ = 0;                                 // of the last mesh

@@ -35,8 +35,16 @@ MeshInput::MeshInput(std::string object, const MeshLimits& limits)
       max_age_ns_(std::llround(1e9 * limits.max_age_s)),
       history_bytes_(limits.history_bytes) {}
 
+// The first of several deletions counts, so that more of them put nothing off. A deletion is
+// received, as far as counters go, when its grace ends.
 void MeshInput::store(IncomingMesh mesh) {
+  rivals_.look(mesh);
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (mesh.is_deletion) {
+    if (!deletion_) deletion_ = std::move(mesh);
+    return;
+  }
+  deletion_.reset();
   ++counters_.received;
   counters_.stamped_on_receipt += mesh.stamped_on_receipt;
   if (waiting_) ++counters_.dropped;
@@ -60,6 +68,19 @@ MeshCounters MeshInput::counters() const {
   return counters_;
 }
 
+std::optional<SteadyTime> MeshInput::deletedAt() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return deletion_ ? std::optional(deletion_->arrival) : std::nullopt;
+}
+
+void MeshInput::endGrace() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!deletion_ || waiting_) return;
+  ++counters_.received;
+  waiting_ = std::move(*deletion_);
+  deletion_.reset();
+}
+
 void MeshInput::countDropped() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counters_.dropped;
@@ -67,6 +88,10 @@ void MeshInput::countDropped() {
 
 void MeshInput::dropIf(const std::function<bool(const ros::Time&)>& unwanted) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (deletion_ && unwanted(deletion_->stamp())) {  // nothing may follow it, so it counts at once
+    deletion_.reset();
+    accepted_.clear();
+  }
   if (!waiting_ || !unwanted(waiting_->stamp())) return;
   waiting_.reset();
   ++counters_.dropped;

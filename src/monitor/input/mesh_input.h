@@ -15,6 +15,7 @@
 #include <string>
 
 #include "monitor/input/incoming_mesh.h"
+#include "monitor/input/rival_publishers.h"
 #include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
@@ -60,12 +61,17 @@ class MeshInput {
 
   // The following functions may be called by any thread.
 
-  // Makes `mesh` the one that waits. One that waited before is dropped.
+  // Makes `mesh` the one that waits. One that waited before is dropped. A deletion waits beside it
+  // for endGrace(), and is forgotten if a mesh comes before.
   void store(IncomingMesh mesh);
   // Offers triangles as if a message with them had arrived and had been dropped; null: none.
   void storeTriangles(const DeformableMesh::ConstPtr& keyframe);
   bool hasWaiting() const;
   MeshCounters counters() const;
+  // Returns when the deletion arrived that waits; nothing: none does.
+  std::optional<SteadyTime> deletedAt() const;
+  // Returns which nodes publish different meshes of the object in turn; empty: none.
+  std::string rivals(SteadyTime now) const { return rivals_.describe(now); }
 
   // The following functions must be called by one thread, the detection thread.
 
@@ -79,7 +85,11 @@ class MeshInput {
   // accepted mesh is still fresh, the old one is only dropped.
   Acceptance take(const ros::Time& now, IncomingMesh* taken);
 
-  // Drops the mesh that waits if its stamp is `unwanted`, which must not call this object.
+  // Makes the deletion that waits count, unless a mesh waits: the object has no mesh from then on.
+  void endGrace();
+
+  // Drops the mesh that waits if its stamp is `unwanted`, which must not call this object. Of such
+  // a deletion, forgets the object's meshes.
   void dropIf(const std::function<bool(const ros::Time&)>& unwanted);
   // Counts a mesh that was taken and accepted, but is dropped before its cycle.
   void countDropped();
@@ -113,8 +123,9 @@ class MeshInput {
   const std::int64_t max_age_ns_;
   const std::size_t history_bytes_;
 
-  mutable std::mutex mutex_;  // guards the next three members; never held for long
-  std::optional<IncomingMesh> waiting_;
+  RivalPublishers rivals_;
+  mutable std::mutex mutex_;  // guards the next four members; never held for long
+  std::optional<IncomingMesh> waiting_, deletion_;
   DeformableMesh::ConstPtr keyframe_;  // newest message with triangles since the last take()
   MeshCounters counters_;
 

@@ -106,6 +106,7 @@ ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_byt
         IncomingMesh mesh = meshOf(event, max_bytes, adapt);
         mesh.arrival =
             std::chrono::steady_clock::now() - fromSeconds(waitedS(event.getReceiptTime()));
+        mesh.publisher = event.getPublisherName();
         receive(mesh);
       });
   options.transport_hints = ros::TransportHints().tcpNoDelay();

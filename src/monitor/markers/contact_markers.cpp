@@ -198,6 +198,40 @@ Aabb boxOf(const Body& body) {
   return box;
 }
 
+// Returns a text over the object; nothing if no vertex of the object is finite. The size of the
+// text follows that of the object, within limits that stay readable.
+std::optional<Marker> textOver(const CycleReport& report, BodyId id, double lifetime_s,
+                               MarkerKey key) {
+  constexpr double kTextPart = 0.1;  // height of the text as part of the object's longest side
+  constexpr double kLeastTextM = 0.01, kMostTextM = 0.2;
+  const Aabb box = boxOf(report.scene->body(id));
+  if (box.empty()) return std::nullopt;
+  Marker marker = makeMarker(report, lifetime_s, std::move(key), Marker::TEXT_VIEW_FACING);
+  const double longest = std::max({double{box.max.x} - box.min.x, double{box.max.y} - box.min.y,
+                                   double{box.max.z} - box.min.z});
+  marker.scale.z = std::clamp(kTextPart * longest, kLeastTextM, kMostTextM);
+  marker.pose.position.x = (double{box.min.x} + box.max.x) / 2;
+  marker.pose.position.y = (double{box.min.y} + box.max.y) / 2;
+  marker.pose.position.z = box.max.z + marker.scale.z;
+  marker.color = makeColor(1, 1, 1, 1);
+  return marker;
+}
+
+// Adds a text over each object that triggered the cycle and is UNKNOWN.
+void addReasons(const CycleReport& report, double lifetime_s, std::vector<Marker>* markers) {
+  if (report.scene == nullptr) return;
+  for (BodyId id = 0; id < report.bodies.size(); ++id) {
+    const BodyStatus& body = report.bodies[id];
+    if (body.kind != BodyKind::kDeformable || !body.triggered) continue;
+    if (body.unknown_because.empty()) continue;
+    std::optional<Marker> text =
+        textOver(report, id, std::max(lifetime_s, kUnknownLifetimeS), unknownKey(id));
+    if (!text) continue;
+    text->text = body.name + " is UNKNOWN: " + body.unknown_because;
+    markers->push_back(std::move(*text));
+  }
+}
+
 }  // namespace
 
 // Deletions come before additions in the array, as rviz applies them in order.
@@ -210,6 +244,7 @@ visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) 
   triangles_.add(report, &markers);
   addLines(report, options_, &markers);
   addWitnesses(report, options_, &markers);
+  addReasons(report, options_.lifetime_s, &markers);
   std::set<MarkerKey> gone = drawnOfCycle(report);
   for (const Marker& marker : markers) {
     gone.erase({marker.ns, marker.id});
@@ -237,7 +272,9 @@ std::set<MarkerKey> ContactMarkers::drawnOfCycle(const CycleReport& report) cons
     }
   }
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
-    if (report.bodies[id].triggered) note(surfaceKey(report, id));
+    if (!report.bodies[id].triggered) continue;
+    note(surfaceKey(report, id));
+    note(unknownKey(id));
   }
   return drawn;
 }
@@ -270,30 +307,19 @@ void PatchMarkers::add(const CycleReport& report, const std::vector<Patch>* patc
   array->markers.insert(array->markers.end(), markers.begin(), markers.end());
 }
 
-// The size of the text follows the size of the object, within limits that stay readable.
 void addHeldMarkers(const CycleReport& report, double lifetime_s,
                     visualization_msgs::MarkerArray* markers) {
-  constexpr double kTextPart = 0.1;  // height of the text as part of the object's longest side
-  constexpr double kLeastTextM = 0.01, kMostTextM = 0.2;
   if (report.scene == nullptr) return;
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
     const BodyStatus& body = report.bodies[id];
     const auto held = report.attached.find(body.name);
     if (held == report.attached.end() || body.kind != BodyKind::kDeformable) continue;
     if (!body.triggered || !body.unknown_because.empty()) continue;
-    const Aabb box = boxOf(report.scene->body(id));
-    if (box.empty()) continue;
-    Marker marker = makeMarker(report, lifetime_s, {"held", static_cast<std::int32_t>(id)},
-                               Marker::TEXT_VIEW_FACING);
-    const double longest = std::max({double{box.max.x} - box.min.x, double{box.max.y} - box.min.y,
-                                     double{box.max.z} - box.min.z});
-    marker.scale.z = std::clamp(kTextPart * longest, kLeastTextM, kMostTextM);
-    marker.pose.position.x = (double{box.min.x} + box.max.x) / 2;
-    marker.pose.position.y = (double{box.min.y} + box.max.y) / 2;
-    marker.pose.position.z = box.max.z + marker.scale.z;
-    marker.color = makeColor(1, 1, 1, 1);
-    marker.text = "held: " + describeHeld(held->first, held->second);
-    markers->markers.push_back(std::move(marker));
+    std::optional<Marker> marker =
+        textOver(report, id, lifetime_s, {"held", static_cast<std::int32_t>(id)});
+    if (!marker) continue;
+    marker->text = "held: " + describeHeld(held->first, held->second);
+    markers->markers.push_back(std::move(*marker));
   }
 }
 

@@ -30,7 +30,9 @@ class ContactMarkers {
   // delete what this cycle's bodies showed before and do not show any more. The kinds are:
   //   "<a>/<b>"            triangles in contact, or paler within the margin
   //   "passed: <a>/<b>"    triangles that touched since the previous cycle and do not any more
-  //   "<object>"           the rest of each known object, translucent (rviz draws the robot)
+  //   "<object>"           the rest of each object, translucent (rviz draws the robot); grey where
+  //                        the object is UNKNOWN: its last mesh
+  //   "unknown"            a text over each object that is UNKNOWN, with the reason
   //   "segments: <a>/<b>"  a line from point_a to point_b of each contact, gray if only near
   //   "normals: <a>/<b>"   a line of kNormalLengthM from its middle along the normal; its tip is
   //                        dark

@@ -19,6 +19,8 @@ MarkerKey surfaceKey(const CycleReport& report, BodyId object) {
   return {report.bodies[object].name, static_cast<std::int32_t>(bodies * bodies + object)};
 }
 
+MarkerKey unknownKey(BodyId object) { return {"unknown", static_cast<std::int32_t>(object)}; }
+
 // rviz complains about an orientation of zeros, hence w = 1 here and below.
 Marker makeMarker(const CycleReport& report, double lifetime_s, MarkerKey key, std::int32_t type) {
   Marker marker;

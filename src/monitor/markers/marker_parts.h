@@ -33,12 +33,19 @@ constexpr char kPassed[] = "passed: ";
 constexpr char kPatch[] = "patch: ";
 constexpr char kWitness[] = "witness: ";
 
+// Markers of an object that is UNKNOWN live for so long [s] at least. Whoever draws them while the
+// object has no cycle must do so more often.
+constexpr double kUnknownLifetimeS = 1;
+
 // Returns the key of a pair of bodies, with the namespace "<kind><a>/<b>". It stays the same while
 // the bodies do.
 MarkerKey pairKey(const CycleReport& report, BodyId a, BodyId b, const std::string& kind = "");
 
 // Returns the key of an object's surface, with the object's name as namespace.
 MarkerKey surfaceKey(const CycleReport& report, BodyId object);
+
+// Returns the key of the text that says why an object is UNKNOWN.
+MarkerKey unknownKey(BodyId object);
 
 // Returns a marker without points. rviz rejects an array with a marker that has none, so whoever
 // publishes it must add three points per triangle, or two per line.

@@ -199,8 +199,9 @@ class ContactTriangles {
 
 }  // namespace
 
-// Surfaces of unknown objects are not drawn, because their place is not known. Triangles that are
-// drawn as contacts are left out of a whole surface; a decimated one has other triangles.
+// The scene holds the last mesh and place of an object that is UNKNOWN, so that is what is drawn.
+// Triangles that are drawn as contacts are left out of a whole surface; a decimated one has other
+// triangles.
 void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* markers) {
   if (report.scene == nullptr) return;
   ContactTriangles contacts(report, options_);
@@ -209,9 +210,8 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
   budget -= contacts.addPassed(budget, markers);
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
     const BodyStatus& body = report.bodies[id];
-    if (body.kind != BodyKind::kDeformable || !body.triggered || !body.unknown_because.empty()) {
-      continue;
-    }
+    if (body.kind != BodyKind::kDeformable || !body.triggered) continue;
+    const bool is_known = body.unknown_because.empty();
     const TriangleSet* const highlighted = contacts.highlighted(id);
     const TriangleMesh& mesh = report.scene->body(id).mesh;
     const std::size_t rest =
@@ -219,8 +219,9 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
     const bool is_whole = rest <= budget;
     const HostList<std::uint32_t>& corners =
         is_whole ? mesh.triangles : decimated(report, id, budget);
-    Marker marker =
-        makeMarker(report, options_.lifetime_s, surfaceKey(report, id), Marker::TRIANGLE_LIST);
+    Marker marker = makeMarker(
+        report, is_known ? options_.lifetime_s : std::max(options_.lifetime_s, kUnknownLifetimeS),
+        surfaceKey(report, id), Marker::TRIANGLE_LIST);
     marker.points.reserve(is_whole ? 3 * rest : corners.size());
     const PosedBody posed(report.scene->body(id));
     for (std::size_t i = 0; i < corners.size(); i += 3) {
@@ -231,7 +232,8 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
       addTriangle({{corner(0), corner(1), corner(2)}}, &marker);
     }
     if (marker.points.empty()) continue;
-    marker.color = makeColor(0.45F, 0.7F, 1, options_.surface_alpha);
+    marker.color = is_known ? makeColor(0.45F, 0.7F, 1, options_.surface_alpha)
+                            : makeColor(0.5F, 0.5F, 0.5F, options_.surface_alpha);
     budget -= marker.points.size() / 3;
     markers->push_back(std::move(marker));
   }

@@ -20,7 +20,8 @@ class TriangleMarkers {
   explicit TriangleMarkers(const MarkerOptions& options) : options_(options) {}
 
   // Appends one TRIANGLE_LIST per pair of bodies with contacts, one per pair that passed, and one
-  // per known object that triggered the cycle, as ContactMarkers::make() says. None is empty.
+  // per object that triggered the cycle and has or had a mesh, as ContactMarkers::make() says. None
+  // is empty.
   void add(const CycleReport& report, std::vector<visualization_msgs::Marker>* markers);
 
  private:

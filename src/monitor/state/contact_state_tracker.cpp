@@ -26,6 +26,17 @@ bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
   return (!lacks(pair.a) || is_partner(pair.a)) && (!lacks(pair.b) || is_partner(pair.b));
 }
 
+ContactState unknown(const std::string& body_a, const std::string& body_b,
+                     const std::string& reason) {
+  ContactState state;
+  state.body_a = body_a;
+  state.body_b = body_b;
+  state.state = ContactState::UNKNOWN;
+  state.reason = reason;
+  state.min_separation = std::numeric_limits<float>::quiet_NaN();
+  return state;
+}
+
 bool isApart(const ContactState& state) {
   return state.state == ContactState::NONE || state.state == ContactState::NEAR;
 }
@@ -162,12 +173,9 @@ void ContactStateTracker::enter(ContactState state, const ros::Time& when, Track
 // Enters UNKNOWN or ALLOWED, which ends an open contact at once.
 void ContactStateTracker::interrupt(std::uint8_t state, const std::string& reason,
                                     const ros::Time& now, Track* track) {
-  ContactState next;
-  next.body_a = track->state.body_a;
-  next.body_b = track->state.body_b;
+  ContactState next = unknown(track->state.body_a, track->state.body_b, reason);
   next.state = state;
-  next.reason = state == ContactState::UNKNOWN ? reason : "";
-  next.min_separation = std::numeric_limits<float>::quiet_NaN();
+  if (state != ContactState::UNKNOWN) next.reason.clear();
   if (track->state.state != ContactState::UNKNOWN) {
     track->state_before = track->state.state;
     track->entered_before = track->entered;
@@ -201,7 +209,8 @@ bool ContactStateTracker::expire(const ros::Time& now, const std::string& why) {
     const double age_s = secondsBetween(now, track.state.stamp);
     const bool is_ahead = age_s < -kMaxAheadS;
     if (!track.isKnown() || (age_s <= rules_.max_age_s && !is_ahead)) continue;
-    interrupt(ContactState::UNKNOWN, is_ahead ? "the clock went back" : why, now, &track);
+    interrupt(ContactState::UNKNOWN, is_ahead ? "time jump: the clock went back" : why, now,
+              &track);
     any = true;
   }
   return any;
@@ -213,7 +222,7 @@ ContactStates ContactStateTracker::states(const ros::Time& stamp, const ros::Tim
   message.header.stamp = stamp;
   message.header.frame_id = frame_;
   message.cycle = cycle_;
-  message.complete = true;
+  message.complete = !now.isZero();
   message.tolerance = rules_.tolerance_m;
   ros::Time oldest = now;
   message.states.reserve(tracks_.size());
@@ -224,11 +233,15 @@ ContactStates ContactStateTracker::states(const ros::Time& stamp, const ros::Tim
     } else {
       state.stamp = now;
     }
-    state.since = toDuration(std::max(0.0, secondsBetween(state.stamp, track.entered)));
+    const ros::Time& entered = track.entered.isZero() ? now : track.entered;  // without a clock
+    state.since = toDuration(std::max(0.0, secondsBetween(state.stamp, entered)));
+    if (now.isZero() && state.state != ContactState::UNKNOWN) {
+      state = unknown(state.body_a, state.body_b, "no clock: ROS time is zero");
+    }
     message.complete = message.complete && state.state != ContactState::UNKNOWN;
     message.states.push_back(std::move(state));
   }
-  message.age = toDuration(secondsBetween(now, oldest));
+  message.age = now.isZero() ? ros::Duration() : toDuration(secondsBetween(now, oldest));
   return message;
 }
 

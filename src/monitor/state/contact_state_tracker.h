@@ -51,11 +51,12 @@ class ContactStateTracker {
   bool expire(const ros::Time& now, const std::string& why);
 
   // Returns all pairs in the order of the last report. `stamp` is that of the header; UNKNOWN and
-  // ALLOWED are stamped `now`. centroid and mean_normal are those of PairSummary. min_separation
-  // [m] is +inf without a triangle pair, and NaN where the state is UNKNOWN or ALLOWED. `since` is
-  // never negative. It counts from the beginning of the state. An UNKNOWN shorter than
-  // since_survives_s does not interrupt the state if the same state follows it; the UNKNOWN's own
-  // `since` counts from when it was reported.
+  // ALLOWED are stamped `now`. If `now` is zero, there is no clock: every pair is UNKNOWN and the
+  // message is not complete, even if it is empty. centroid and mean_normal are those of
+  // PairSummary. min_separation [m] is +inf without a triangle pair, and NaN where the state is
+  // UNKNOWN or ALLOWED. `since` is never negative. It counts from the beginning of the state. An
+  // UNKNOWN shorter than since_survives_s does not interrupt the state if the same state follows
+  // it; the UNKNOWN's own `since` counts from when it was reported.
   ContactStates states(const ros::Time& stamp, const ros::Time& now) const;
 
   // Returns the events since the last call, oldest first. An END with a reason does not come from

@@ -93,7 +93,7 @@ class ContactReader:
     def store(self, states, now):
         """A message that came at `now`. One that is older than what is there (a lower cycle, or an
         older stamp of the same cycle) is ignored, unless ROS time was reset or the monitor began
-        anew."""
+        anew. After one whose stamp is zero nothing is known: its monitor has no clock."""
         if self.newest is not None and _seconds(now, self._received) < 0:
             self.forget("ROS time went back")
         stamp = states.header.stamp
@@ -188,6 +188,8 @@ class ContactReader:
                 if body == "*" or body in (state.body_a, state.body_b)]
 
     def _is_older(self, states):
+        if states.header.stamp.to_nsec() == 0:
+            return False
         if states.cycle == self.newest.cycle:
             return states.header.stamp < self.newest.header.stamp
         return states.cycle < self.newest.cycle and states.header.stamp <= self._latest_stamp
@@ -198,6 +200,8 @@ class ContactReader:
             return "ROS time is zero"
         if self.newest is None:
             return self._nothing_because
+        if self.newest.header.stamp.to_nsec() == 0:
+            return "the monitor has no clock: its stamp is zero"
         silent_s = _seconds(now, self._received)
         if silent_s < -CLOCK_SLACK_S:
             return "ROS time went back by %.3f s" % -silent_s

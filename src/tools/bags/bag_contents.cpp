@@ -96,17 +96,31 @@ void lookAtJoints(const BagMessage& message, Scan* scan, BagContents* contents) 
   }
 }
 
+// Notes which deletions have no effect. An object keeps its mesh for kDeletionGraceS.
+void lookAtDeletion(bool is_deletion, BagContents::Topic* topic, BagContents* contents) {
+  BagContents::Mesh& mesh = contents->meshes.back();
+  const auto of_topic = std::exchange(topic->deletion, std::nullopt);
+  if (is_deletion) topic->deletion = mesh.number;
+  if (!of_topic) return;
+  BagContents::Mesh& deleted = contents->meshes[*of_topic];
+  if (secondsBetween(mesh.received, deleted.received) > kDeletionGraceS) return;
+  (is_deletion ? mesh : deleted).is_passing = true;
+  if (is_deletion) topic->deletion = of_topic;
+}
+
 // Notes a mesh. A message that cannot be read stays in the list, so that the numbers of meshes are
 // the same in both readings.
 void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
                 BagContents* contents) {
   const std::uint64_t number = contents->meshes.size();
   // The mesh gets its place in the list before it is decoded, which may throw.
-  contents->meshes.push_back({message.received, message.received, number, message.topic, 0, {}});
+  contents->meshes.push_back(
+      {message.received, message.received, number, message.topic, 0, {}, false});
   const BagMeshHead head = headOf(message);
   ros::Time& stamp = contents->meshes.back().stamp;
   if (!head.stamp.isZero()) stamp = head.stamp;
   scan->mesh_jumps.look(message.topic, stamp, message.received);
+  lookAtDeletion(head.is_deletion, topic, contents);
   if (head.mesh) {
     const std::string& object = head.mesh->object;
     if (topic->object.empty()) topic->object = object;

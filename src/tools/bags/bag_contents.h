@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -53,6 +54,8 @@ struct BagContents {
     std::string object;  // of DeformableMesh: the object's name in the first message
     std::uint64_t messages = 0;
     std::uint64_t damaged = 0;  // messages that cannot be read
+    // The number of the last mesh that is a deletion, while no other mesh has followed it.
+    std::optional<std::uint64_t> deletion{};
   };
   struct Mesh {
     ros::Time stamp;  // of its header; the time of receipt if that is zero
@@ -61,6 +64,9 @@ struct BagContents {
     std::string topic;
     std::size_t part = 0;  // how often the clock had gone back
     ros::Time place;       // in the order of the part's cycles; usually the stamp
+    // It is a deletion that the node would take no notice of, because a mesh follows it soon, or
+    // because another deletion was there shortly before.
+    bool is_passing = false;
   };
 
   // The first and the last of some stamps.

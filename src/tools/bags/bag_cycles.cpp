@@ -87,7 +87,7 @@ void BagCycles::plan(const BagContents& contents) {
     const auto input = input_of_topic_.find(mesh.topic);
     if (input == input_of_topic_.end()) continue;
     events_.push_back({mesh.stamp, plus(mesh.received, kLookAheadS), mesh.received, false,
-                       input->second, mesh.number, mesh.part, mesh.place});
+                       input->second, mesh.number, mesh.part, mesh.place, mesh.is_passing});
   }
   if (played_ == nullptr) return;
   // Before and after, some link would be UNKNOWN in every cycle.
@@ -100,7 +100,7 @@ void BagCycles::plan(const BagContents& contents) {
     const ros::Time stamp = plus(first, since_s);
     if (stamp > last) break;
     events_.push_back({stamp, plus(stamp, kLookAheadS), stamp, true, input, 0,
-                       contents.jumps.all().size(), stamp});
+                       contents.jumps.all().size(), stamp, false});
   }
   std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
     return std::tie(a.part, a.place) < std::tie(b.part, b.place);
@@ -247,11 +247,12 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
       std::optional<IncomingMesh> mesh = nextMesh(event);
-      if (!mesh) continue;
+      if (!mesh || event.is_passing) continue;
       MeshInput& input = inputs_[event.input];
       // The triangles may come from a later message of the bag.
       if (!event.played) input.storeTriangles(contents_.triangles_ahead.of(event.number));
       input.store(std::move(*mesh));
+      input.endGrace();
       // The rules for stamps and triangles are the node's own.
       const Acceptance answer = input.take(ros::Time(), &*mesh);
       if (answer == Acceptance::kJumped) {

@@ -86,6 +86,7 @@ class BagCycles {
     std::uint64_t number = 0;  // BagContents::Mesh::number
     std::size_t part = 0;      // BagContents::Mesh::part
     ros::Time place;           // BagContents::Mesh::place
+    bool is_passing = false;   // BagContents::Mesh::is_passing
   };
   // A frame whose static transform changes.
   struct ChangingFrame {

@@ -66,18 +66,21 @@ bool isMesh(const BagMessage& message) {
 BagMeshHead headOf(const BagMessage& message) {
   if (message.type == messageType(MeshType::kDeformableMesh)) {
     const DeformableMesh::ConstPtr mesh = decoded<DeformableMesh>(message);
-    return {mesh->header.stamp, mesh};
+    return {mesh->header.stamp, mesh, false};
   }
   if (message.type == messageType(MeshType::kShapeMesh)) {
     check<shape_msgs::Mesh>(message);
     return {};
   }
   if (message.type == messageType(MeshType::kMarker)) {
-    check<visualization_msgs::Marker>(message);
-  } else {
-    check<sensor_msgs::PointCloud2>(message);
+    using visualization_msgs::Marker;
+    const boost::shared_ptr<const Marker> marker = decoded<Marker>(message);
+    const bool is_deletion =
+        marker->action == Marker::DELETE || marker->action == Marker::DELETEALL;
+    return {marker->header.stamp, nullptr, is_deletion};
   }
-  return {stampIn(message.bytes.data(), message.bytes.size()), nullptr};
+  check<sensor_msgs::PointCloud2>(message);
+  return {stampIn(message.bytes.data(), message.bytes.size()), nullptr, false};
 }
 
 RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {

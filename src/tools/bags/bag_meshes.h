@@ -21,6 +21,7 @@ bool isMesh(const BagMessage& message);
 struct BagMeshHead {
   ros::Time stamp;                // of its header; zero: the type has no header
   DeformableMesh::ConstPtr mesh;  // null: it is of another type
+  bool is_deletion = false;       // of a marker
 };
 
 // Reads what the first reading of the bags needs. Throws std::runtime_error as RecordedMeshReader

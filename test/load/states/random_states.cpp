@@ -117,6 +117,7 @@ class RandomRun::Sink : public CycleSink {
     run_.judge_.judge(run_.tracker_.states(now, now), false);
   }
   void recordReset(const std::string& /*reason*/) override { run_.world_.noteReset(); }
+  void showUnknown(const CycleReport& /*report*/) override {}
   void sendRobot(const RobotGeometry& /*robot*/) override {}
   void recordTransforms(const TransformReport& /*transforms*/) override {}
   void recordDetectorError(const std::string& /*error*/) override {}

@@ -16,7 +16,7 @@ TEST(CycleClockTest, TheFirstHeartbeatIsAfterASecond) {
   const CycleClock clock(0.5, 0, kStart);
   EXPECT_FALSE(clock.mustBeat(at(999)));
   EXPECT_TRUE(clock.mustBeat(at(1000)));
-  EXPECT_EQ(clock.heartbeatDue(), at(1000));
+  EXPECT_EQ(clock.heartbeatDue(at(10)), at(1000));
 }
 
 TEST(CycleClockTest, ACyclePutsTheHeartbeatOffUntilItsMeshIsTooOld) {
@@ -34,6 +34,54 @@ TEST(CycleClockTest, HeartbeatsComeOnceASecond) {
   clock.startHeartbeat(at(1200));
   EXPECT_FALSE(clock.mustBeat(at(2199)));
   EXPECT_TRUE(clock.mustBeat(at(2200)));
+}
+
+ros::Time atRos(int ms) { return ros::Time(50 + ms / 1000.0); }
+
+TEST(CycleClockTest, AWaitLastsByTheSteadyClockWhereTimeIsReal) {
+  CycleClock clock(0.5, 0, kStart);
+  clock.update(atRos(0));
+  const Wait wait = clock.startWait(0.05, at(0));
+  EXPECT_FALSE(wait.isOver(at(49), atRos(1000)));
+  EXPECT_TRUE(wait.isOver(at(50), atRos(0)));
+  EXPECT_EQ(wait.passed(at(49), atRos(0)), milliseconds(49));
+  EXPECT_EQ(wait.nextLook(at(10)), at(50));
+}
+
+TEST(CycleClockTest, AWaitLastsByBothClocksWhereTimeIsSimulated) {
+  CycleClock clock(0.5, 0, kStart, true);
+  clock.update(atRos(0));
+  const Wait wait = clock.startWait(0.05, at(0));
+  EXPECT_FALSE(wait.isOver(at(499), atRos(49))) << "a tenth of real time";
+  EXPECT_TRUE(wait.isOver(at(500), atRos(50)));
+  EXPECT_FALSE(wait.isOver(at(49), atRos(490))) << "ten times real time";
+  EXPECT_TRUE(wait.isOver(at(50), atRos(500)));
+  EXPECT_FALSE(wait.isOver(at(4999), atRos(0))) << "it stands still";
+  EXPECT_TRUE(wait.isOver(at(5000), atRos(0)));
+  EXPECT_TRUE(wait.isOver(at(5000), atRos(-10000))) << "it went back";
+  EXPECT_EQ(wait.passed(at(100), atRos(10)), milliseconds(10));
+  EXPECT_EQ(wait.passed(at(100), atRos(1000)), milliseconds(100));
+  EXPECT_EQ(wait.passed(at(100), atRos(-10)), milliseconds(0));
+  EXPECT_EQ(wait.nextLook(at(10)), at(50));
+  EXPECT_EQ(wait.nextLook(at(100)), at(110)) << "ROS time wakes nobody";
+  EXPECT_EQ(wait.nextLook(at(4995)), at(5000));
+  EXPECT_TRUE(clock.startWait(0, at(0)).isOver(at(0), atRos(0)));
+  EXPECT_TRUE(clock.startWait(7, at(0)).isOver(at(7000), atRos(0))) << "a long one is no longer";
+}
+
+TEST(CycleClockTest, HeartbeatsAreMissedBySimulatedTime) {
+  CycleClock clock(0.5, 0, kStart, true);
+  clock.update(atRos(0));
+  clock.startCycle(at(0));
+  clock.update(atRos(300));
+  EXPECT_FALSE(clock.mustBeat(at(3000))) << "a tenth of real time";
+  clock.update(atRos(1000));
+  EXPECT_TRUE(clock.mustBeat(at(3000)));
+  clock.startCycle(at(3000));
+  EXPECT_FALSE(clock.mustBeat(at(7999)));
+  EXPECT_TRUE(clock.mustBeat(at(8000))) << "it stands still";
+  clock.startHeartbeat(at(8000));
+  EXPECT_TRUE(clock.mustBeat(at(9000))) << "then once a second";
 }
 
 TEST(CycleClockTest, AfterAFailureItIsTriedAgainInASecond) {

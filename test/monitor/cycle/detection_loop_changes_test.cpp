@@ -223,8 +223,10 @@ TEST_F(ChangesTest, AClockThatGoesBackResets) {
 TEST_F(ChangesTest, WhatACycleFoundBeforeTheClockWentBackIsNotKnown) {
   give(0, 50);
   at_cycle_ = [this] { ros_time_ = ros::Time(40); };
-  EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50(the clock went back during the cycle) cable(no mesh "
-                          "yet)"});
+  EXPECT_EQ(
+      step(),
+      Lines{"cycle 50: *cloth@50(time jump: the clock went back during the cycle) cable(no mesh "
+            "yet)"});
   give(1, 40);
   at_cycle_ = [this] { ros_time_ = ros::Time(39.95); };
   EXPECT_EQ(step().back(), "cycle 40: cloth(no mesh yet) *cable@40") << "a small step";

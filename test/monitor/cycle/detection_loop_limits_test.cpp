@@ -71,6 +71,24 @@ TEST_F(LimitsTest, WhatAMeshWaitedIsOffItsBudget) {
   }
 }
 
+// A slow simulator lets a mesh wait for transforms for long, of which the budget knows only the
+// simulated time.
+TEST_F(LimitsTest, OfASimulatorsWaitItsOwnTimeIsOffTheBudget) {
+  steady_time_ = std::chrono::steady_clock::now();
+  is_simulated_ = true;
+  parameters_.pair_classes = {false, false, true, false};
+  parameters_.tf_timeout_s = 0.05;
+  parameters_.budget_ms = 20;
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  const SteadyTime taken = steady_time_;
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(stepAfter(80, 8), Lines());
+  addTransform(&transforms_, "camera", 50);
+  EXPECT_EQ(stepAfter(20, 2).size(), 1U);
+  EXPECT_NEAR(1e3 * toSeconds(detector_.deadline - taken), 100 + 20 - 10, 5);
+}
+
 // The user asked for the budget, so a cycle that it ends does not cost the next one time.
 TEST_F(LimitsTest, ABudgetThatEndsCostsNobodyTime) {
   steady_time_ = std::chrono::steady_clock::now();

@@ -40,6 +40,46 @@ TEST_F(TransformsTest, TheWaitEndsAsSoonAsTheTransformComes) {
   EXPECT_EQ(stepAfter(1), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
 }
 
+// A simulator at a tenth of real time publishes transforms at 50 Hz of its own time, and meshes at
+// 30 Hz of it. Two in three meshes wait for their transform, up to 200 ms of real time.
+TEST_F(TransformsTest, ASlowSimulatorsMeshesAllHaveTheirTransforms) {
+  parameters_.tf_timeout_s = 0.05;
+  is_simulated_ = true;
+  addTransform(&transforms_, "camera", 50);
+  int cycles = 0;
+  for (int ms = 1; ms <= 1000; ++ms) {
+    const double stamp_s = 50 + ms / 1000.0;
+    if (ms % 20 == 0) addTransform(&transforms_, "camera", stamp_s);
+    if (ms % 33 == 7) give(0, stamp_s, "camera");
+    for (const std::string& line : stepAfter(10, 1)) {
+      ASSERT_EQ(line.compare(0, 6, "cycle "), 0) << line;
+      EXPECT_NE(line.find("*cloth@"), std::string::npos) << line;
+      EXPECT_EQ(line.find("*cloth("), std::string::npos) << line;
+      ++cycles;
+    }
+  }
+  EXPECT_EQ(cycles, 31);
+}
+
+TEST_F(TransformsTest, AClockThatStandsStillEndsNoWaitForLong) {
+  is_simulated_ = true;
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  EXPECT_EQ(stepAfter(0, 0), Lines());
+  EXPECT_EQ(stepAfter(4999, 0), Lines());
+  EXPECT_EQ(stepAfter(1, 0).back(), "cycle 50: *cloth" + kLate + " cable(no mesh yet)");
+}
+
+TEST_F(TransformsTest, AFastClockLeavesTransformsTheirTimeToCome) {
+  is_simulated_ = true;
+  addTransform(&transforms_, "camera", 49.5);
+  give(0, 50, "camera");
+  EXPECT_EQ(stepAfter(0, 0), Lines());
+  EXPECT_EQ(stepAfter(20, 200), Lines());
+  addTransform(&transforms_, "camera", 50);
+  EXPECT_EQ(stepAfter(1, 10), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
+}
+
 TEST_F(TransformsTest, OthersHaveTheirTurnsMeanwhile) {
   addTransform(&transforms_, "camera", 49.5);
   give(0, 50, "camera");

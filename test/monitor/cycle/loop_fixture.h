@@ -63,6 +63,8 @@ struct FakeSink : CycleSink {
     std::function<void(const CycleReport&)> at_result;  // called with each cycle
     std::function<void()> at_heartbeat;                 // called once
     bool wants_geometry = false;                        // what the loop is told
+    std::string shown;                                  // UNKNOWN objects that were shown last
+    bool has_scene = false;                             // with the scene
     SteadyTime published;                               // when states are out: what it is told
     SteadyTime arrival;                                 // of the latest cycle's mesh
     std::vector<InsidePart> inside;                     // of the latest cycle that looked for them
@@ -106,6 +108,13 @@ struct FakeSink : CycleSink {
     if (log->at_heartbeat) std::exchange(log->at_heartbeat, nullptr)();
   }
   void listPairs(const CycleReport& report) override { log->pairs = report.pairs; }
+  void showUnknown(const CycleReport& report) override {
+    log->shown.clear();
+    for (const BodyStatus& body : report.bodies) {
+      if (body.triggered) log->shown += body.name + "(" + body.unknown_because + ")";
+    }
+    log->has_scene = report.scene != nullptr;
+  }
   void forgetStates(const std::string& body, const std::string& reason) override {
     add("forget " + (body.empty() ? "all" : body) + ": " + reason);
   }
@@ -181,11 +190,17 @@ class LoopTest : public ::testing::Test {
       loop_ = std::make_unique<DetectionLoop>(
           parameters_,
           LoopSources{requests_, meshes(), transforms_, [this] { return newestRobot(); }},
-          LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }}, make_detector_(),
-          std::make_unique<FakeSink>(&said_, &at_cycle_));
+          LoopTime{[this] { return steady_time_; }, [this] { return ros_time_; }, is_simulated_},
+          make_detector_(), std::make_unique<FakeSink>(&said_, &at_cycle_));
     }
     wake_time_ = loop_->step();
     return std::exchange(said_.lines, {});
+  }
+
+  // Makes a step so many milliseconds later by both clocks.
+  Lines stepAfter(int steady_ms, int ros_ms) {
+    ros_time_.fromNSec(ros_time_.toNSec() + ros_ms * 1000000ULL);
+    return stepAfter(steady_ms);
   }
 
   // Makes a step so many milliseconds later.
@@ -210,6 +225,7 @@ class LoopTest : public ::testing::Test {
   FakeSink::Log said_;
   SteadyTime steady_time_{std::chrono::hours(7)};
   ros::Time ros_time_{50};
+  bool is_simulated_ = false;
   // It is called once, when the loop begins a cycle.
   std::function<void()> at_cycle_;
 

@@ -45,18 +45,43 @@ class TimingWatchTest : public ::testing::Test {
   CycleReport report_;
 };
 
-TEST_F(TimingWatchTest, MoreThanNineTenthsOfTheTimeIsBusy) {
-  for (int i = 0; i < 9; ++i) cycle(0.1);
-  now_ += fromSeconds(0.11);
-  EXPECT_EQ(describe().level, DiagnosticStatus::OK) << "0.9 of 1.01 s";
+TEST_F(TimingWatchTest, MoreThanHalfOfTheTimeIsBusy) {
+  for (int i = 0; i < 5; ++i) cycle(0.1);
+  now_ += fromSeconds(0.51);
+  EXPECT_EQ(describe().level, DiagnosticStatus::OK) << "0.5 of 1.01 s";
+  for (int i = 0; i < 5; ++i) cycle(0.1);
+  now_ += fromSeconds(0.49);
+  DiagnosticStatus status = describe();
+  EXPECT_EQ(status.level, DiagnosticStatus::WARN) << "0.5 of 0.99 s";
+  EXPECT_EQ(status.message, "busy for 51 % of the time: little is left until meshes are dropped");
   for (int i = 0; i < 9; ++i) cycle(0.1);
   now_ += fromSeconds(0.09);
-  const DiagnosticStatus status = describe();
+  status = describe();
   EXPECT_EQ(status.level, DiagnosticStatus::WARN) << "0.9 of 0.99 s";
   EXPECT_EQ(status.message, "always busy: meshes arrive faster than cycles process them");
   EXPECT_EQ(valueOf(status, "busy share").substr(0, 4), "0.90");
   now_ += fromSeconds(1);
   EXPECT_EQ(describe().message, "in time") << "each description looks at its own time";
+}
+
+// One cycle in twenty may take longer than the time between two meshes.
+TEST_F(TimingWatchTest, CyclesThatAreLongerThanTheMeshesPeriodAreSaid) {
+  const DetectionResult result;
+  const auto level = [this](double period_s) {
+    diagnostic_updater::DiagnosticStatusWrapper status;
+    now_ += fromSeconds(1000);
+    watch_.describe(status, now_, period_s);
+    return std::make_pair(status.level, status.message);
+  };
+  for (int i = 0; i < 19; ++i) cycle(0.25, &result);
+  EXPECT_EQ(level(0.125).first, DiagnosticStatus::OK) << "a few cycles tell nothing";
+  for (int i = 19; i < 100; ++i) cycle(i < 94 ? 0.0625 : 0.25, &result);
+  EXPECT_EQ(level(0.125).first, DiagnosticStatus::WARN);
+  EXPECT_EQ(level(0.125).second, "cycles take 250.0 ms (p95), but a mesh comes every 125.0 ms");
+  EXPECT_EQ(level(0.25).first, DiagnosticStatus::OK);
+  EXPECT_EQ(level(0).first, DiagnosticStatus::OK) << "no mesh comes";
+  for (int i = 0; i < 200; ++i) cycle(i < 190 ? 0.0625 : 0.25, &result);
+  EXPECT_EQ(level(0.125).first, DiagnosticStatus::OK) << "5 %";
 }
 
 TEST_F(TimingWatchTest, ACycleThatDoesNotEndIsSaid) {
@@ -70,7 +95,7 @@ TEST_F(TimingWatchTest, ACycleThatDoesNotEndIsSaid) {
   EXPECT_EQ(describe().message, "busy: a cycle has been running for 0.750000 s");
   watch_.end(CycleReport(), {0.75, 0.75, 0.75});
   EXPECT_EQ(watch_.runsFor(now_), 0);
-  now_ += fromSeconds(1);
+  now_ += fromSeconds(2);
   EXPECT_EQ(describe().message, "in time");
 }
 

@@ -62,11 +62,10 @@ template <typename Adapter>
 std::string refusalOf(Adapter&& adapter, const typename std::decay_t<Adapter>::Message& message,
                       const ros::Time& received = kReceived) {
   try {
-    adapter.adapt(message, received);
+    return adapter.adapt(message, received).problem;
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
-  return "";
 }
 
 inline void expectIn(const std::string& part, const std::string& all) {

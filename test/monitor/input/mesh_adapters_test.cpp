@@ -268,6 +268,7 @@ TEST(MeshAdapters, TheFirstMarkerIsTheObjectUntilItIsDeleted) {
     expectIn("it is marker 'cloth'/3", refusalOf(adapter, other));
     EXPECT_EQ(refusalOf(adapter, first), "");
     first.action = action;
+    EXPECT_TRUE(MarkerAdapter(adapter).adapt(first, kReceived).is_deletion);
     expectIn("deleted", refusalOf(adapter, first));
     other.action = Marker::ADD;
     EXPECT_EQ(refusalOf(adapter, other), "");

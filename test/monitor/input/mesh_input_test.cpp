@@ -69,6 +69,51 @@ TEST_F(ArrivalTest, AMeshIsTakenOnce) {
   EXPECT_FALSE(input_.hasWaiting());
 }
 
+TEST_F(ArrivalTest, ADeletionCountsWhenItsGraceEndsUnlessAMeshComesBefore) {
+  const auto deletion = [](int ms) {
+    IncomingMesh mesh{boost::make_shared<DeformableMesh>(), "it was deleted"};
+    mesh.is_deletion = true;
+    mesh.arrival = SteadyTime(std::chrono::milliseconds(ms));
+    return mesh;
+  };
+  std::string why_not;
+  input_.store({keyframe(50)});
+  input_.store(deletion(1000));
+  EXPECT_EQ(take().message->header.stamp, ros::Time(50)) << "what came before has its cycle";
+  EXPECT_FALSE(input_.hasWaiting());
+  EXPECT_EQ(input_.deletedAt(), SteadyTime(std::chrono::milliseconds(1000)));
+  EXPECT_NE(input_.newestAt(ros::Time(50.1), &why_not), nullptr);
+  input_.store(deletion(1100));
+  EXPECT_EQ(input_.deletedAt(), SteadyTime(std::chrono::milliseconds(1000))) << "the first counts";
+  input_.store({mesh(50.1)});
+  EXPECT_FALSE(input_.deletedAt());
+  input_.endGrace();
+  EXPECT_EQ(take().message->header.stamp, ros::Time(50.1));
+  EXPECT_EQ(input_.counters().rejected, 0U);
+  EXPECT_EQ(input_.counters().dropped, 0U);
+
+  input_.store(deletion(2000));
+  input_.endGrace();
+  IncomingMesh taken;
+  EXPECT_EQ(input_.take(kNow, &taken), Acceptance::kRejected);
+  EXPECT_EQ(input_.newestAt(ros::Time(50.1), &why_not), nullptr);
+  EXPECT_EQ(why_not, "mesh refused: it was deleted");
+}
+
+TEST_F(ArrivalTest, ADeletionThatIsUnwantedCountsAtOnce) {
+  std::string why_not;
+  input_.store({keyframe(50)});
+  take();
+  IncomingMesh deletion{mesh(0), "it was deleted"};
+  deletion.is_deletion = true;
+  input_.store(deletion);
+  input_.dropIf([](const ros::Time&) { return false; });
+  EXPECT_TRUE(input_.deletedAt());
+  input_.dropIf(always);
+  EXPECT_FALSE(input_.deletedAt());
+  EXPECT_EQ(input_.newestAt(ros::Time(50.1), &why_not), nullptr);
+}
+
 TEST_F(ArrivalTest, TheNewestWaitsOlderOnesAreDroppedAndCounted) {
   for (const double stamp_s : {50.0, 50.1, 50.2}) input_.store({mesh(stamp_s)});
   EXPECT_TRUE(input_.hasWaiting());

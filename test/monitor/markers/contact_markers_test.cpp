@@ -77,9 +77,10 @@ TEST(ContactMarkersTest, whatHasNothingToShowAnyMoreIsDeleted) {
   EXPECT_EQ(triangles(array), (Counts{{"cloth", 3}}));
 
   sample.report.bodies[2].unknown_because = "stale";
-  EXPECT_EQ(actions(markers.make(sample.report)), Actions{"-cloth"});
+  EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"cloth", "unknown"}));
   sample.report.result = nullptr;
   sample.report.scene = nullptr;
+  EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"-cloth", "-unknown"}));
   EXPECT_TRUE(markers.make(sample.report).markers.empty());
 }
 

@@ -47,6 +47,11 @@ inline void expectValid(const MarkerArray& array) {
     EXPECT_EQ(m.pose.orientation.x, 0);
     EXPECT_TRUE(ids.insert({m.ns, m.id}).second);
     if (m.action != Marker::ADD) continue;
+    if (m.type == Marker::TEXT_VIEW_FACING) {
+      EXPECT_FALSE(m.text.empty());
+      EXPECT_GT(m.scale.z, 0);
+      continue;
+    }
     const std::size_t points_each = pointsEach(m.type);
     ASSERT_NE(points_each, 0U) << "type " << m.type;
     EXPECT_GT(m.scale.x * m.scale.y * m.scale.z, 0);

@@ -28,6 +28,25 @@ TEST(ContactStateTrackerTest, unknownIsNeverNoContact) {
   EXPECT_EQ(message.states[kBaseCloth].state, ContactState::UNKNOWN);
 }
 
+// Without a clock (ROS time 0), whatever was known is unknown, and an empty message is not
+// complete.
+TEST(ContactStateTrackerTest, withoutAClockEveryStateIsUnknown) {
+  SampleReport sample;
+  ContactStateTracker tracker(rules(1, 1));
+  EXPECT_FALSE(tracker.states(ros::Time(), ros::Time()).complete);
+  tracker.update(sample.report);
+  const ContactStates message = tracker.states(ros::Time(), ros::Time());
+  EXPECT_EQ(statesOf(message), "???");
+  EXPECT_FALSE(message.complete);
+  EXPECT_EQ(message.age, ros::Duration());
+  for (const ContactState& state : message.states) {
+    EXPECT_EQ(state.reason, "no clock: ROS time is zero");
+    EXPECT_TRUE(std::isnan(state.min_separation));
+    EXPECT_EQ(state.pair_count, 0U);
+    EXPECT_TRUE(state.stamp.isZero());
+  }
+}
+
 // A contact may be among those that did not fit: no pair without one in the list is known.
 TEST(ContactStateTrackerTest, contactsThatWereLeftOutAreNotNoContact) {
   SampleReport sample;
@@ -126,7 +145,7 @@ TEST(ContactStateTrackerTest, whatIsFarAheadOfTheClockIsNotKnown) {
   EXPECT_TRUE(tracker.expire(stamp - ros::Duration(1.1), "old"));
   const ContactStates message = tracker.states(stamp, stamp);
   EXPECT_EQ(statesOf(message), "a??");
-  EXPECT_EQ(message.states[kHandCloth].reason, "the clock went back");
+  EXPECT_EQ(message.states[kHandCloth].reason, "time jump: the clock went back");
 }
 
 }  // namespace

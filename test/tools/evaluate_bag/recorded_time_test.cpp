@@ -10,6 +10,7 @@
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 #include <unistd.h>
+#include <visualization_msgs/Marker.h>
 
 #include <cmath>
 #include <cstdio>
@@ -71,6 +72,18 @@ class WrittenBag {
     mesh.vertices = {0, 0, 0, 0.2F, 0, 0, 0, 0.2F, 0};
     mesh.triangles = {0, 1, 2};
     add("/" + object, received, mesh);
+  }
+  // Adds a marker of the same triangle, or the message that deletes it.
+  void marker(double s, std::int32_t action) {
+    visualization_msgs::Marker marker;
+    marker.action = action;
+    marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
+    marker.header.frame_id = "camera";
+    if (action == visualization_msgs::Marker::ADD) marker.header.stamp = at(s);
+    marker.scale.x = marker.scale.y = marker.scale.z = marker.pose.orientation.w = 1;
+    marker.points.resize(3);
+    marker.points[1].x = marker.points[2].y = 0.2;
+    add("/cloth", at(s + kDelay), marker);
   }
   // Adds meshes with the finger's transforms at `count` stamps, from `first` times the period on.
   void meshes(int first, int count) {
@@ -194,6 +207,31 @@ TEST(RecordedTime, AStaticTransformHoldsFromItsRecordingOn) {
   bag.camera(kPeriod * 11.01, 1);
   bag.meshes(11, 5);
   EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)), "-----CCCCC-----");
+}
+
+// The node does the same: many publishers delete a marker before they draw it anew.
+TEST(RecordedTime, ADeletedMarkerKeepsItsMeshForAMoment) {
+  using visualization_msgs::Marker;
+  WrittenBag bag;
+  bag.camera(0, 0);
+  for (const int i : {1, 2, 3, 4, 8, 9}) {
+    bag.finger(kPeriod * i);
+    for (const std::int32_t deletion : {Marker::DELETEALL, Marker::DELETE}) {
+      if (i != 1 && i != 8) bag.marker(kPeriod * i - 0.0625, deletion);
+    }
+    bag.marker(kPeriod * i, Marker::ADD);
+  }
+  bag.marker(kPeriod * 6, Marker::DELETE);  // 0.25 s before the next marker
+  MonitorParameters configured;
+  configured.objects.resize(1);
+  configured.objects[0].name = "cloth";
+  configured.objects[0].topic = "/cloth";
+  configured.objects[0].type = MeshType::kMarker;
+  BagFiles files;
+  files.reference_frame = "base_link";
+  bag.links(0, 0);
+  files.bags = {bag.finish()};
+  EXPECT_EQ(evaluate(files, configured).states["cloth"], "CCCC?CC");
 }
 
 TEST(RecordedTime, OnlyTheFirstStaticTransformHoldsBefore) {

@@ -1,0 +1,64 @@
+// Tests how objects that are UNKNOWN are drawn.
+#include <gtest/gtest.h>
+
+#include "marker_checks.h"
+#include "monitor/markers/contact_markers.h"
+#include "sample_report.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+const Marker& markerOf(const MarkerArray& array, const std::string& ns) {
+  for (const Marker& marker : array.markers) {
+    if (marker.ns == ns && marker.action == Marker::ADD) return marker;
+  }
+  throw std::runtime_error("no marker " + ns);
+}
+
+TEST(UnknownMarkersTest, TheLastMeshStaysInGreyWithTheReasonOverIt) {
+  SampleReport sample;
+  MarkerOptions options;
+  options.lifetime_s = 0.5;
+  ContactMarkers markers(options);
+  EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"all", "arm/hand/cloth", "cloth"}));
+
+  sample.report.bodies[2].unknown_because = "no mesh";
+  sample.report.result = nullptr;
+  const MarkerArray array = markers.make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(actions(array), (Actions{"-arm/hand/cloth", "cloth", "unknown"}));
+  const Marker &surface = markerOf(array, "cloth"), &text = markerOf(array, "unknown");
+  EXPECT_EQ(surface.points.size(), 9U) << "whole, with what was in contact";
+  EXPECT_EQ(surface.color.r, surface.color.g);
+  EXPECT_EQ(surface.color.g, surface.color.b);
+  EXPECT_EQ(surface.lifetime, ros::Duration(kUnknownLifetimeS));
+  EXPECT_EQ(text.lifetime, surface.lifetime);
+  EXPECT_EQ(text.text, "cloth is UNKNOWN: no mesh");
+  EXPECT_EQ(text.type, Marker::TEXT_VIEW_FACING);
+
+  sample.report.bodies[2].unknown_because = "";
+  sample.report.result = sample.owned_result;
+  EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"-unknown", "arm/hand/cloth", "cloth"}));
+}
+
+TEST(UnknownMarkersTest, WhereNoMeshEverCameNothingIsDrawn) {
+  SampleReport sample;
+  sample.scene.setMesh(2, TriangleMesh());
+  sample.report.result = nullptr;
+  sample.report.bodies[2].unknown_because = "no mesh yet";
+  ContactMarkers markers{MarkerOptions()};
+  EXPECT_EQ(actions(markers.make(sample.report)), Actions{"all"});
+}
+
+TEST(UnknownMarkersTest, OfOthersNothingChanges) {
+  SampleReport sample;
+  ContactMarkers markers{MarkerOptions()};
+  markers.make(sample.report);
+  sample.report.result = nullptr;
+  sample.report.bodies[2].triggered = false;
+  sample.report.bodies[2].unknown_because = "no mesh";
+  EXPECT_EQ(actions(markers.make(sample.report)), Actions());
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
