@@ -1,13 +1,120 @@
+// Implements the detector on one GPU: uploads a scene, runs the stages, and collects the contacts.
 #include <mutex>
 #include <set>
+#include <string>
 
+#include "core/common/cycle_limit.h"
+#include "core/common/stopwatch.h"
 #include "cuda/cuda_detector.h"
-#include "cuda/cycle/single_gpu_detector.cuh"
+#include "cuda/cycle/contact_collector.cuh"
+#include "cuda/cycle/cycle_runner.cuh"
+#include "cuda/cycle/cycle_upload.cuh"
+#include "cuda/cycle/device_cycle.cuh"
 #include "cuda/device/check.cuh"
+#include "cuda/memory/pinned_memory.cuh"
 #include "cuda/partitions/partitioned_detector.h"
 
 namespace deformable_contact_monitor {
 namespace {
+
+// Implements the contract of makeCudaDetector() on settings.device, which must be usable. For one
+// thread at a time. The order of the members matters: each part uses those before it.
+class SingleGpuDetector : public PartitionDetector {
+ public:
+  explicit SingleGpuDetector(const CudaSettings& settings);
+  ~SingleGpuDetector() override;
+
+  std::string backend() const override { return "cuda"; }
+  void reset() override { upload_.reset(); }
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
+  std::pmr::memory_resource& vertexMemory() override;
+  void setPartition(const ScenePartition& partition) override { upload_.setPartition(partition); }
+  const DetectionResult& detect(const Scene& scene, const Options& options) override;
+
+ private:
+  void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
+                    const Stopwatch& watch);
+  void addTimes(double upload_ms, double output_ms, bool swept);
+
+  DetectionResult result_;
+  DeviceCycle cycle_;
+  CycleUpload upload_{cycle_};
+  ContactCollector collector_{cycle_, result_};
+  CycleRunner runner_{cycle_, collector_};
+};
+
+SingleGpuDetector::SingleGpuDetector(const CudaSettings& settings) : cycle_(settings) {
+  result_.contacts.moveTo(pinnedMemory());
+}
+
+// Stops the work that a cycle may have left, and waits for it before memory is freed.
+SingleGpuDetector::~SingleGpuDetector() {
+  cudaSetDevice(cycle_.settings.device);
+  cycle_.stop.set();
+  cudaStreamSynchronize(cycle_.stream.get());
+}
+
+std::pmr::memory_resource& SingleGpuDetector::vertexMemory() { return pinnedOrPlainMemory(); }
+
+const DetectionResult& SingleGpuDetector::detect(const Scene& scene, const Options& options) {
+  const Stopwatch watch{};
+  requireValid(options);
+  checkCuda(cudaSetDevice(cycle_.settings.device), "cudaSetDevice");
+  cudaGetLastError();  // clears an error that this thread has from another device
+  const CycleLimit limit(options.limits);
+  result_.begin(scene, options, isGuaranteed(options));
+  cycle_.stop.clear();
+  if (limit.over()) {
+    result_.cutOff(limit.why());
+  } else {
+    findContacts(scene, options, limit, watch);
+  }
+  result_.round_trip_ms = watch.elapsedMs();
+  upload_.endDetection();
+  return result_;
+}
+
+// Detects the contacts of a scene. `watch` was started at the beginning of the cycle.
+void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
+                                     const CycleLimit& limit, const Stopwatch& watch) {
+  if (!upload_.send(scene, options, limit, result_)) {
+    if (limit.wasOver()) result_.cutOff(limit.why());
+    return;
+  }
+  const double upload_ms = watch.elapsedMs();
+  const bool all = runner_.run(options, limit);
+  const CycleCounters& counted = cycle_.counted();
+  const bool listed = collector_.addTo(options);
+  if (limit.wasOver() && !(all && listed && collector_.allDecided())) result_.cutOff(limit.why());
+  if (counted.unexamined > 0) result_.cutOff("memory_limit_mib");
+  // A tile whose list of clusters had no room reports its pairs in every cluster, so some pairs may
+  // be found several times.
+  if (counted.list_words > cycle_.sizes.list_words) dropRepeated(result_);
+  result_.detect_ms = runner_.deviceMs() + collector_.decideMs();
+  result_.memory_bytes = cycle_.memory.bytes() + collector_.bytes();
+  result_.counters.posed = cycle_.scene.triangleCount();
+  reportCounters(counted, cycle_.sizes.clusters, result_.counters);
+  result_.counters.exact += collector_.decidedOnHost();
+  upload_.endCycle(options, result_.started_cold);
+  addTimes(upload_ms, watch.elapsedMs() - upload_ms - result_.detect_ms,
+           options.motion == Motion::kSwept);
+}
+
+// Fills in the times of the stages [ms]. Without CudaSettings::time_stages the device's stages are
+// one item, because single ones are not timed.
+void SingleGpuDetector::addTimes(double upload_ms, double output_ms, bool swept) {
+  const double decide_ms = collector_.decideMs();
+  if (cycle_.settings.time_stages) {
+    StageTimes times = runner_.stageTimes();
+    times.add(Stage::kOutput, output_ms);
+    result_.stages_ms = times.byName();
+  } else {
+    result_.stages_ms = {{"upload", upload_ms},
+                         {"transform_to_narrow_phase", result_.detect_ms - decide_ms},
+                         {kStageNames[static_cast<int>(Stage::kOutput)], output_ms}};
+  }
+  if (swept) result_.stages_ms.emplace_back("judge_on_host", decide_ms);
+}
 
 // Loads all kernels that a cycle may need, once for each device of the process. CUDA loads a kernel
 // when it runs for the first time, which takes longer than a cycle, so a tiny scene runs them here.

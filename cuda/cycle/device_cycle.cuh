@@ -4,18 +4,50 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <thread>
 
 #include "core/common/cycle_limit.h"
+#include "core/common/stopwatch.h"
 #include "cuda/cuda_detector.h"
 #include "cuda/device/stream.cuh"
 #include "cuda/memory/cycle_arrays.cuh"
+#include "cuda/memory/device_buffer.cuh"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_copy.cuh"
-#include "cuda/memory/host_stop.cuh"
 #include "cuda/stages/stages.cuh"
 
 namespace deformable_contact_monitor {
+
+// Belongs to one detector; for one thread at a time.
+class HostStop {
+ public:
+  // Clears the word. Call it while the device is idle.
+  void clear() { word_[0] = 0; }
+  void set() { static_cast<volatile std::uint32_t&>(word_[0]) = 1; }
+  // Returns the word. If it is not 0, kernels give up the work that they have not begun.
+  std::uint32_t* word() { return word_.data(); }
+
+  // Waits for the stream, and sets the word once the limit is over. If a limit is set, it polls the
+  // stream, and after 2 ms sleeps between two polls.
+  void wait(CudaStream& stream, const CycleLimit& limit) {
+    constexpr double kAwakeMs = 2;
+    constexpr std::chrono::microseconds kSleep(50);
+    const Stopwatch watch{};
+    while (limit.isSet() && !stream.isIdle()) {
+      if (limit.over()) {
+        set();
+        break;
+      }
+      if (watch.elapsedMs() > kAwakeMs) std::this_thread::sleep_for(kSleep);
+    }
+    stream.synchronise();
+  }
+
+ private:
+  PinnedBuffer<std::uint32_t> word_{1};
+};
 
 // Belongs to one detector, and is used by one thread at a time. The order of the fields matters:
 // the stream must outlive all memory that was allocated in it.

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cuda/device/cuda_error.h"
-#include "cuda/memory/contact_arrays.cuh"
+#include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/cycle_sizes.cuh"
 
 namespace deformable_contact_monitor {

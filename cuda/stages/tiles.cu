@@ -2,16 +2,155 @@
 // other. Tiles are made when a scene is laid out, and now and then anew, because bodies deform.
 // Triangles are first sorted along a space-filling curve. Each 2048 consecutive ones are then
 // halved again and again, because tiles cut directly from the curve overlap more.
+#include <cstdint>
 #include <cub/device/device_radix_sort.cuh>
 
 #include "core/rules/space_curve.h"
-#include "cuda/device/bitonic_sort.cuh"
+#include "core/vector3.h"
 #include "cuda/device/boxes.cuh"
-#include "cuda/stages/tile_halving.cuh"
+#include "cuda/device/warp.cuh"
 #include "cuda/stages/tiles.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
+
+// Compares the key of this lane with that of the lane `apart` from it, and returns the one that
+// this lane keeps. Called by a whole warp.
+__device__ inline std::uint32_t exchanged(std::uint32_t key, unsigned apart, bool ascends) {
+  const std::uint32_t other = __shfl_xor_sync(kFullWarp, key, apart);
+  return ((laneId() & apart) == 0) == ascends ? min(key, other) : max(key, other);
+}
+
+// Sorts each `part` of the first `whole` keys in ascending order, by K. Batcher's bitonic sort.
+// Both numbers are powers of two, part >= 64. All threads of the block call it with the same
+// arguments; the block has at least whole / 2 threads. It synchronises the block before the first
+// read and after the last write of the keys. Each lane holds two keys, 32 places apart: a warp
+// sorts its 64 places in registers, which is faster than in shared memory.
+__device__ inline void bitonicSort(std::uint32_t* key, unsigned whole, unsigned part) {
+  const unsigned at = 2 * (threadIdx.x - laneId()) + laneId();
+  const bool mine = at < whole;  // the same for all lanes of a warp
+  const auto ascends = [part](unsigned run, unsigned i) { return run == part || (i & run) == 0; };
+  std::uint32_t low = 0, high = 0;
+  const auto load = [&] {
+    __syncthreads();
+    if (!mine) return;
+    low = key[at];
+    high = key[at + kWarp];
+  };
+  const auto store = [&] {
+    if (mine) {
+      key[at] = low;
+      key[at + kWarp] = high;
+    }
+    __syncthreads();
+  };
+  load();
+  for (unsigned run = 2; run <= part; run *= 2) {
+    // Partners that are more than 32 places apart are exchanged in shared memory.
+    if (run > 2 * kWarp) {
+      store();
+      for (unsigned apart = run / 2; apart > kWarp; apart /= 2) {
+        const unsigned i = 2 * threadIdx.x - (threadIdx.x & (apart - 1));
+        if (i < whole) {
+          const std::uint32_t a = key[i], b = key[i + apart];
+          if ((a > b) == ascends(run, i)) {
+            key[i] = b;
+            key[i + apart] = a;
+          }
+        }
+        if (apart > 2 * kWarp) __syncthreads();
+      }
+      load();
+    }
+    // Partners that are 32 places apart are the two keys of one lane.
+    if (run > kWarp && (low > high) == ascends(run, at)) {
+      const std::uint32_t swapped = low;
+      low = high;
+      high = swapped;
+    }
+    const bool low_ascends = ascends(run, at), high_ascends = ascends(run, at + kWarp);
+#pragma unroll
+    for (unsigned apart = kWarp / 2; apart > 0; apart /= 2) {
+      if (!mine || apart >= run) continue;
+      low = exchanged(low, apart, low_ascends);
+      high = exchanged(high, apart, high_ascends);
+    }
+  }
+  store();
+}
+
+// Lies in shared memory of a block of kThreads threads, all of which make each call. All sets of
+// one size are halved at the same time, by one sort.
+struct TileHalving {
+  static constexpr unsigned kMost = 2048;  // triangles
+  static constexpr unsigned kThreads = kMost / 2;
+
+  // The keys to sort by: the rank of the coordinate, and in the lowest bits the triangle's number.
+  std::uint32_t key[kMost];
+  float at[3][kMost];  // centroids of the triangles
+  std::uint32_t sides[kMost / (2 * kWarp)][kSides];
+
+  // Returns the number of the triangle in a place. Places beyond the number of triangles have
+  // numbers beyond it too.
+  __device__ std::uint32_t triangleAt(std::uint32_t place) const { return key[place] % kMost; }
+
+  // Sets the centroid of triangle i. A coordinate that is not finite counts as zero, because any
+  // tile is right for such a triangle.
+  __device__ void put(std::uint32_t i, const Vec3f& centroid) {
+    for (int k = 0; k < 3; ++k) at[k][i] = fabsf(centroid[k]) < INFINITY ? centroid[k] : 0;
+  }
+
+  // Sorts the first `count` triangles. Every 32 consecutive places then form a tile.
+  __device__ void halve(std::uint32_t count) {
+    for (unsigned i = threadIdx.x; i < kMost; i += kThreads) key[i] = i;
+    unsigned whole = kWarp;
+    while (whole < count) whole *= 2;
+    for (unsigned part = whole; part > kWarp; part /= 2) {
+      __syncthreads();
+      rank(count, whole, part);
+      bitonicSort(key, whole, part);
+    }
+    __syncthreads();
+  }
+
+ private:
+  static constexpr std::uint32_t kRanks = ~std::uint32_t{0} / kMost;  // the last rank: no triangle
+
+  // Returns the position of x in [low, high], as a rank below kRanks.
+  __device__ static std::uint32_t rankOf(float x, float low, float high) {
+    const float from = low / 2, length = high / 2 - from;  // high - low may overflow
+    if (!(length > 0)) return 0;
+    constexpr auto kMostRank = static_cast<float>(kRanks - 1);
+    return static_cast<std::uint32_t>(fminf((x / 2 - from) / length * kMostRank, kMostRank));
+  }
+
+  // Sets the keys to the rank of the coordinate along the longest side of each set; places without
+  // a triangle come last.
+  __device__ void rank(std::uint32_t count, unsigned whole, unsigned part) {
+    for (unsigned i = threadIdx.x; i < whole / part * kSides; i += kThreads) (&sides[0][0])[i] = 0;
+    __syncthreads();
+    for (unsigned i = threadIdx.x; i < whole; i += kThreads) {  // a warp lies in one set
+      const std::uint32_t t = triangleAt(i);
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t bits = orderedBits(at[k][t]);
+        const std::uint32_t low = warpMost(t < count ? ~bits : 0);
+        const std::uint32_t high = warpMost(t < count ? bits : 0);
+        if (laneId() != 0) continue;
+        atomicMax(&sides[i / part][k], low);
+        atomicMax(&sides[i / part][3 + k], high);
+      }
+    }
+    __syncthreads();
+    for (unsigned i = threadIdx.x; i < whole; i += kThreads) {
+      const Aabb box = boxOf(sides[i / part]);
+      const Vec3f side = box.max - box.min;
+      const int k = side.x >= fmaxf(side.y, side.z) ? 0 : side.y >= side.z ? 1 : 2;
+      const std::uint32_t t = triangleAt(i);
+      const std::uint32_t rank = t < count ? rankOf(at[k][t], box.min[k], box.max[k]) : kRanks;
+      key[i] = rank * kMost + t;
+    }
+  }
+};
 
 constexpr unsigned kThreads = 128;
 

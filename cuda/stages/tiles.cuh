@@ -4,8 +4,8 @@
 
 #include <cuda_runtime.h>
 
+#include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
-#include "cuda/memory/scene_arrays.cuh"
 
 namespace deformable_contact_monitor {
 
