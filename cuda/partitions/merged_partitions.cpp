@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "core/common/parallel.h"
-#include "core/common/work_counters.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -135,7 +134,7 @@ void addCounters(const Counters& part, Counters& whole) {
   whole.posed = part.posed;
   whole.culled = part.culled;
   whole.clusters += part.clusters;
-  addWork(part, whole);
+  whole.addWork(part);
 }
 
 // Takes the longest time of each stage [ms], because the devices work at the same time.

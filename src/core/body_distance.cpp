@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/rules/margins.h"
+
 namespace deformable_contact_monitor {
 
 PairDecision decide(const BodyDistance& distance, float margin_m, float tolerance_m) {
@@ -20,6 +22,13 @@ PairDecision decide(const BodyDistance& distance, float margin_m, float toleranc
     return PairDecision::kNear;
   }
   return PairDecision::kOpen;
+}
+
+PairDecision decide(const BodyDistance& distance, const Scene& scene, float tolerance_m) {
+  return decide(
+      distance,
+      pairMargin(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m),
+      tolerance_m);
 }
 
 const char* toString(PairDecision decision) {

@@ -18,6 +18,9 @@ enum class PairDecision {
 // equal.
 DCM_EXPORT PairDecision decide(const BodyDistance& distance, float margin_m, float tolerance_m);
 
+// Does the same with the margin that the scene gives to the two bodies.
+DCM_EXPORT PairDecision decide(const BodyDistance& distance, const Scene& scene, float tolerance_m);
+
 // Returns "none", "near", "contact", "unknown".
 DCM_EXPORT const char* toString(PairDecision decision);
 

@@ -1,8 +1,20 @@
 #include "core/detector.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace deformable_contact_monitor {
+
+void Counters::addWork(const Counters& part) {
+  clustered += part.clustered;
+  large += part.large;
+  cluster_entries += part.cluster_entries;
+  largest_cluster = std::max(largest_cluster, part.largest_cluster);
+  interval_overlaps += part.interval_overlaps;
+  candidates += part.candidates;
+  exact += part.exact;
+  undecided += part.undecided;
+}
 
 void DetectionResult::begin(const Scene& scene, const Options& options, bool is_guaranteed) {
   contacts.clear();
@@ -26,6 +38,14 @@ void DetectionResult::begin(const Scene& scene, const Options& options, bool is_
   detect_ms = 0;
   memory_bytes = 0;
   round_trip_ms = 0;
+}
+
+std::set<std::pair<BodyId, BodyId>> DetectionResult::touchingBodies() const {
+  std::set<std::pair<BodyId, BodyId>> bodies;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (touches(i)) bodies.insert({contacts[i].body_a, contacts[i].body_b});
+  }
+  return bodies;
 }
 
 void DetectionResult::cutOff(const std::string& because) {

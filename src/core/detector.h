@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory_resource>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -88,6 +89,11 @@ struct DCM_EXPORT Counters {
   std::uint64_t candidates = 0;         // pairs passed to the predicates
   std::uint64_t exact = 0;              // candidates that floating-point filters did not decide
   std::uint64_t undecided = 0;          // contacts that conservative predicates only assume
+
+  // Adds what a part of a cycle counted of its own work, such as an interval of a motion or a
+  // partition of the scene. The counters that depend on how the parts overlap (triangles, rejected,
+  // posed, culled, clusters) are left to the caller.
+  void addWork(const Counters& part);
 };
 
 struct DCM_EXPORT DetectionResult {
@@ -132,6 +138,21 @@ struct DCM_EXPORT DetectionResult {
   // Begins a cycle, in every backend: clears the last result, counts the scene's triangles and
   // finds bodies without an earlier state.
   void begin(const Scene& scene, const Options& options, bool is_guaranteed);
+
+  // Returns the distance of a contact's triangles [m]; 0 if they intersect.
+  float separationM(std::size_t contact) const {
+    return separations_m.empty() ? 0 : separations_m[contact];
+  }
+  // Returns whether the two triangles of a contact touch; otherwise they are only near.
+  bool touches(std::size_t contact) const { return separationM(contact) <= 0; }
+  // Returns the pairs of bodies with triangles that touch.
+  std::set<std::pair<BodyId, BodyId>> touchingBodies() const;
+
+  // Returns whether every triangle took part, no contact was left out and nothing was cut off.
+  bool isWhole() const { return counters.rejected == 0 && left_out == 0 && !cut_off; }
+  // Returns whether the result is whole and its settings find every pair by proof. Undecided pairs
+  // are in the list as contacts, so they do not make it incomplete.
+  bool isComplete() const { return guaranteed && isWhole(); }
 
   // Returns whether the deadline ended the cycle early.
   bool isOutOfTime() const { return cut_off && cut_off_because == kNoTime; }

@@ -1,6 +1,8 @@
 // Rigid transforms, such as the pose of a body in the scene frame.
 #pragma once
 
+#include <algorithm>
+
 #include "core/export.h"
 
 namespace deformable_contact_monitor {
@@ -11,13 +13,12 @@ struct DCM_EXPORT RigidTransform {
   double rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double translation[3] = {0, 0, 0};
 
-  // Returns whether all numbers are exactly those of the identity.
-  bool isIdentity() const {
-    constexpr double kIdentity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    for (int i = 0; i < 9; ++i) {
-      if (rotation[i] != kIdentity[i]) return false;
-    }
-    return translation[0] == 0 && translation[1] == 0 && translation[2] == 0;
+  // Returns whether all numbers are exactly those of the identity; == compares as exactly.
+  bool isIdentity() const { return *this == RigidTransform(); }
+
+  bool operator==(const RigidTransform& o) const {
+    return std::equal(rotation, rotation + 9, o.rotation) &&
+           std::equal(translation, translation + 3, o.translation);
   }
 };
 

@@ -16,7 +16,6 @@
 #include "core/ccd/sub_step_scene.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
-#include "core/common/work_counters.h"
 #include "core/detector.h"
 #include "core/vector3.h"
 
@@ -79,7 +78,7 @@ void addCounters(const Counters& part, Counters& sum) {
   sum.posed += part.posed;
   sum.culled += part.culled;
   sum.clusters = std::max(sum.clusters, part.clusters);
-  addWork(part, sum);
+  sum.addWork(part);
 }
 
 // Adds up the times of stages with the same name.
@@ -202,8 +201,8 @@ bool hasEndsOf(const Scene& scene, const std::vector<BodyPath>& paths) {
   for (BodyId id = 0; id < paths.size(); ++id) {
     if (paths[id].empty()) continue;
     const Body& body = scene.body(id);
-    if (!body.earlier || !samePose(body.earlier->pose, paths[id].front().pose) ||
-        !samePose(body.pose, paths[id].back().pose)) {
+    if (!body.earlier || !(body.earlier->pose == paths[id].front().pose) ||
+        !(body.pose == paths[id].back().pose)) {
       return false;
     }
   }

@@ -33,27 +33,32 @@ DCM_HD inline float toFloat(double x) {
   return rounded;
 }
 
-struct Vec3f {
-  float x = 0, y = 0, z = 0;
+template <class Real>
+struct Vec3 {
+  Real x = 0, y = 0, z = 0;
 
-  DCM_HD float operator[](int axis) const { return axis == 0 ? x : (axis == 1 ? y : z); }
+  DCM_HD Real operator[](int axis) const { return axis == 0 ? x : (axis == 1 ? y : z); }
+
+  // Compares coordinates; -0 equals 0.
+  friend DCM_HD bool operator==(const Vec3& a, const Vec3& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+  }
+  friend DCM_HD bool operator!=(const Vec3& a, const Vec3& b) { return !(a == b); }
+  friend DCM_HD Vec3 operator-(const Vec3& a, const Vec3& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
+  friend DCM_HD Vec3 operator+(const Vec3& a, const Vec3& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
+  friend DCM_HD Vec3 operator*(const Vec3& a, Real s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend DCM_HD Real dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+  friend DCM_HD Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  }
 };
 
-// Compares coordinates; -0 equals 0.
-DCM_HD inline bool operator==(const Vec3f& a, const Vec3f& b) {
-  return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-DCM_HD inline bool operator!=(const Vec3f& a, const Vec3f& b) { return !(a == b); }
-DCM_HD inline Vec3f operator-(const Vec3f& a, const Vec3f& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-DCM_HD inline Vec3f operator+(const Vec3f& a, const Vec3f& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-DCM_HD inline Vec3f operator*(const Vec3f& a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-DCM_HD inline float dot(const Vec3f& a, const Vec3f& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+using Vec3f = Vec3<float>;
+using Vec3d = Vec3<double>;
 
 // Returns whether all coordinates are finite. x - x is 0 for a finite x and NaN otherwise, so one
 // comparison checks all three.
@@ -61,24 +66,9 @@ DCM_HD inline bool isFinite(const Vec3f& v) {
   return (v.x - v.x) + (v.y - v.y) + (v.z - v.z) == 0.0F;
 }
 
-struct Vec3d {
-  double x = 0, y = 0, z = 0;
-};
+inline double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
 DCM_HD inline Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
 DCM_HD inline Vec3f toFloat(const Vec3d& v) { return {toFloat(v.x), toFloat(v.y), toFloat(v.z)}; }
-DCM_HD inline Vec3d operator-(const Vec3d& a, const Vec3d& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-DCM_HD inline Vec3d operator+(const Vec3d& a, const Vec3d& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-DCM_HD inline Vec3d operator*(const Vec3d& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-DCM_HD inline double dot(const Vec3d& a, const Vec3d& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-DCM_HD inline Vec3d cross(const Vec3d& a, const Vec3d& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 }  // namespace deformable_contact_monitor

@@ -24,18 +24,6 @@ void noteRejected(CycleReport* report) {
   }
 }
 
-bool touches(const DetectionResult& result, std::size_t contact) {
-  return result.separations_m.empty() || result.separations_m[contact] <= 0;
-}
-
-std::set<std::pair<BodyId, BodyId>> touchingBodies(const DetectionResult& result) {
-  std::set<std::pair<BodyId, BodyId>> bodies;
-  for (std::size_t i = 0; i < result.contacts.size(); ++i) {
-    if (touches(result, i)) bodies.insert({result.contacts[i].body_a, result.contacts[i].body_b});
-  }
-  return bodies;
-}
-
 std::string stepProblem(const CycleReport& report) {
   for (const SweepReport& sweep : report.sweeps) {
     if (!sweep.problem.empty()) return "of a step: " + sweep.problem;

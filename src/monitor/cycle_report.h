@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -112,12 +111,6 @@ bool hasGeometry(const CycleReport& report);
 // Counts the rejected triangles of each body after a detection, and marks bodies as UNKNOWN whose
 // pose makes vertices infinite. Needs the report's scene and result.
 void noteRejected(CycleReport* report);
-
-// Returns whether the two triangles of a contact touch; otherwise they are only near.
-bool touches(const DetectionResult& result, std::size_t contact);
-
-// Returns the pairs of bodies with triangles that touch.
-std::set<std::pair<BodyId, BodyId>> touchingBodies(const DetectionResult& result);
 
 // Returns why the detection of a time interval failed; empty if none did.
 std::string stepProblem(const CycleReport& report);

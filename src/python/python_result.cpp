@@ -56,13 +56,6 @@ py::array geometryTable(const std::vector<PairGeometry>& geometry) {
   return table;
 }
 
-// Defines completeness as the tools and the node do. Undecided pairs are in the list as contacts,
-// so they do not make it incomplete.
-bool isComplete(const DetectionResult& result) {
-  return result.guaranteed && result.counters.rejected == 0 && result.left_out == 0 &&
-         !result.cut_off;
-}
-
 // Returns the counters by their names.
 py::dict toDict(const Counters& counters) {
   py::dict dict;
@@ -167,11 +160,7 @@ floating point), undecided (of the contacts: assumed to be some, by conservative
 
 PythonDistance::PythonDistance(const BodyDistance& in_distance, const Scene& scene,
                                float tolerance_m)
-    : distance(in_distance) {
-  const float margin_m =
-      std::max(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m);
-  state = toString(decide(distance, margin_m, tolerance_m));
-}
+    : distance(in_distance), state(toString(decide(in_distance, scene, tolerance_m))) {}
 
 // Copies everything: the detector overwrites its result in the next cycle.
 PythonResult::PythonResult(const DetectionResult& result, const std::string& in_backend,
@@ -181,7 +170,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       geometry(py::none()),
       first_times(py::none()),
       within_pad(py::none()),
-      complete(isComplete(result)),
+      complete(result.isComplete()),
       guaranteed(result.guaranteed),
       cut_off(result.cut_off),
       started_cold(result.started_cold),

@@ -100,8 +100,8 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
   }
   std::printf("| %s | %zu | %s | %.2f | %zu | %.1f | %.0f | %.0f | %zu |\n", name, count, rule.name,
               static_cast<double>(entries) / static_cast<double>(rule.split.regular.size()),
-              largest, static_cast<double>(output.interval_overlaps) * 1e-6, median(assign_ms),
-              median(sweep_ms), contacts.size());
+              largest, static_cast<double>(output.counters.interval_overlaps) * 1e-6,
+              median(assign_ms), median(sweep_ms), contacts.size());
   std::fflush(stdout);
   return contacts;
 }

@@ -23,8 +23,6 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 using ContactList = std::vector<std::uint32_t>;  // places in DetectionResult::contacts, ascending
 
-double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
-
 // Returns the contacts of each pair of bodies, ascending. Contacts of a pair mostly follow one
 // another in the list.
 std::map<std::pair<BodyId, BodyId>, ContactList> byBodies(const TrianglePairs& pairs) {
@@ -105,10 +103,7 @@ double areaOf(const Body& body, const std::vector<std::uint32_t>& triangles) {
   const PosedBody posed(body);
   double area_m2 = 0;
   for (const std::uint32_t t : triangles) {
-    const Triangle triangle = posed.triangle(t);
-    const Vec3d origin = toDouble(triangle.v[0]);
-    area_m2 +=
-        0.5 * length(cross(toDouble(triangle.v[1]) - origin, toDouble(triangle.v[2]) - origin));
+    area_m2 += 0.5 * length(doubleAreaNormal(posed.triangle(t)));
   }
   return area_m2;
 }
@@ -239,7 +234,7 @@ std::vector<Patch> PatchFinder::find(const Scene& scene, const DetectionResult& 
       patch.body_b = bodies.second;
       PatchSums sums;
       for (const std::uint32_t i : of_patch) {
-        sums.add(result.geometry[i], result.separations_m.empty() || result.separations_m[i] == 0);
+        sums.add(result.geometry[i], result.touches(i));
       }
       sums.finish(&patch);
       patch.triangles_a = trianglesOf(result.contacts, of_patch, &TrianglePair::triangle_a);

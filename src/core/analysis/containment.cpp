@@ -235,18 +235,13 @@ class PairLook {
   std::vector<std::uint32_t> chosen_;
 };
 
-// Returns whether the triangles of a contact intersect. Contacts that are only near do not touch.
-bool touches(const DetectionResult& result, std::size_t contact) {
-  return result.separations_m.empty() || result.separations_m[contact] == 0;
-}
-
 // Returns the pairs of components that touch, sorted, each once, and each from both sides.
 template <class ComponentOf>
 std::vector<Touch> touchesOf(const DetectionResult& result, const ComponentOf& component_of) {
   std::vector<Touch> all;
   for (std::size_t i = 0; i < result.contacts.size(); ++i) {
     const TrianglePair& pair = result.contacts[i];
-    if (pair.body_a == pair.body_b || !touches(result, i)) continue;
+    if (pair.body_a == pair.body_b || !result.touches(i)) continue;
     const Touch touch{pair.body_a, component_of(pair.body_a, pair.triangle_a), pair.body_b,
                       component_of(pair.body_b, pair.triangle_b)};
     // Contacts are sorted, so many of the same two components follow one another.

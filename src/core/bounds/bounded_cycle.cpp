@@ -25,7 +25,7 @@ using IdPair = std::pair<BodyId, BodyId>;
 // rounded to the nearest float32, so the next greater one is an upper bound.
 void addContact(const DetectionResult& exact, std::size_t i, BodyDistance& distance) {
   ++distance.contact_count;
-  const float separation_m = exact.separations_m.empty() ? 0 : exact.separations_m[i];
+  const float separation_m = exact.separationM(i);
   const float high_m = separation_m > 0 ? std::nextafter(separation_m, INFINITY) : 0;
   if (high_m >= distance.high_m) return;
   distance.high_m = high_m;
@@ -268,9 +268,7 @@ const DetectionResult& BoundedCycle::detect(const Scene& scene, const Options& o
 // Adds what the search found to the exact detector's part of the result.
 void BoundedCycle::addBounds(const Scene& scene, const Options& options, const CycleLimit& limit) {
   for (const BodyDistance& distance : rounds_.distances()) {
-    const float margin_m =
-        pairMargin(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m);
-    const PairDecision decision = decide(distance, margin_m, options.tolerance_m);
+    const PairDecision decision = decide(distance, scene, options.tolerance_m);
     // With a tolerance a pair is done when it is decided; without, when all its contacts are
     // listed.
     const bool is_done =

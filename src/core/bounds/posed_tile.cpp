@@ -36,9 +36,9 @@ double sizeOf(const Vec3d& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fa
 
 // Scales a vector to length 1. Returns false if it has no direction.
 bool normalise(Vec3d& v) {
-  const double length = std::sqrt(dot(v, v));
-  if (!(length > 0)) return false;
-  v = v * (1 / length);
+  const double size = length(v);
+  if (!(size > 0)) return false;
+  v = v * (1 / size);
   return true;
 }
 
@@ -224,8 +224,7 @@ void PosedTile::findBoxes() {
       low[k][t] = own.min[static_cast<int>(k)];
       high[k][t] = own.max[static_cast<int>(k)];
     }
-    const Vec3d o = toDouble(hull.v[0]);
-    normal = normal + cross(toDouble(hull.v[1]) - o, toDouble(hull.v[2]) - o);
+    normal = normal + doubleAreaNormal(hull);
   }
   for (std::size_t k = 0; k < 3; ++k) {
     std::fill(low[k].begin() + static_cast<std::ptrdiff_t>(count), low[k].end(), low[k][count - 1]);

@@ -127,11 +127,6 @@ void validate(const BodyPath& path, const std::string& name) {
   }
 }
 
-bool samePose(const RigidTransform& a, const RigidTransform& b) {
-  return std::equal(std::begin(a.rotation), std::end(a.rotation), std::begin(b.rotation)) &&
-         std::equal(std::begin(a.translation), std::end(a.translation), std::begin(b.translation));
-}
-
 std::vector<float> verticesBetween(const HostList<float>& from, const HostList<float>& to,
                                    double at) {
   if (at == 0 || at == 1) return at == 0 ? from : to;

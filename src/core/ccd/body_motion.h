@@ -15,9 +15,6 @@ namespace deformable_contact_monitor {
 // BodyPath.
 void validate(const BodyPath& path, const std::string& name);
 
-// Returns whether all numbers of two poses are equal.
-bool samePose(const RigidTransform& a, const RigidTransform& b);
-
 // Returns vertices (x y z each) that move on straight lines, at a part [0, 1] of the way, rounded
 // to float32 once. At 0 and 1 these are exactly the given ones. Both lists have the same length.
 std::vector<float> verticesBetween(const HostList<float>& from, const HostList<float>& to,

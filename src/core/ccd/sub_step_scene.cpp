@@ -23,8 +23,7 @@ constexpr double kSlackOfSum = 1 + 0x1p-22;
 
 // Returns whether the body is the same in its earlier and its present state.
 bool isStill(const Body& body) {
-  return !body.earlier ||
-         (body.earlier->vertices.empty() && samePose(body.earlier->pose, body.pose));
+  return !body.earlier || (body.earlier->vertices.empty() && body.earlier->pose == body.pose);
 }
 
 // Returns the first `count` vertices in the scene frame [m].

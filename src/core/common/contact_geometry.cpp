@@ -21,16 +21,15 @@ void writeGeometry(const Scene& scene, const Options& options, DetectionResult& 
     result.geometry.clear();
     return;
   }
-  parallelBlocks(limit, contacts.size(), kBlock,
-                 [&](std::size_t, std::size_t begin, std::size_t end) {
-                   for (std::size_t i = begin; i < end; ++i) {
-                     const TrianglePair& pair = contacts[i];
-                     result.geometry[i] =
-                         geometryOf(bodies[pair.body_a].triangle(pair.triangle_a),
-                                    bodies[pair.body_b].triangle(pair.triangle_b),
-                                    result.separations_m.empty() ? 0 : result.separations_m[i]);
-                   }
-                 });
+  parallelBlocks(
+      limit, contacts.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const TrianglePair& pair = contacts[i];
+          result.geometry[i] =
+              geometryOf(bodies[pair.body_a].triangle(pair.triangle_a),
+                         bodies[pair.body_b].triangle(pair.triangle_b), result.separationM(i));
+        }
+      });
   if (limit.wasOver()) result.geometry.clear();
 }
 

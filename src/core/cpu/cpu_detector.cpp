@@ -84,8 +84,6 @@ class CpuDetector : public Detector {
   template <class Primitive>
   void countClusters();
   template <class Primitive>
-  void countPairs(const CycleOutput<Primitive>& output);
-  template <class Primitive>
   ClusterAssignment<Primitive>& assignment() {
     return std::get<ClusterAssignment<Primitive>>(assignments_);
   }
@@ -180,7 +178,7 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
                                                      result_);
   writeGeometry(scene, options, result_);
   countClusters<Primitive>();
-  countPairs(output);
+  result_.counters.addWork(output.counters);
   times.add(Stage::kOutput, watch.lapMs());
 }
 
@@ -197,15 +195,6 @@ void CpuDetector::countClusters() {
     counters.largest_cluster = std::max<std::uint64_t>(
         counters.largest_cluster, assignment.entry_begin[g + 1] - assignment.entry_begin[g]);
   }
-}
-
-// Fills in the counters of pairs.
-template <class Primitive>
-void CpuDetector::countPairs(const CycleOutput<Primitive>& output) {
-  result_.counters.interval_overlaps = output.interval_overlaps;
-  result_.counters.candidates = output.candidates;
-  result_.counters.exact = output.exact;
-  result_.counters.undecided = output.undecided;
 }
 
 }  // namespace

@@ -17,17 +17,17 @@ void narrowPhase(const CycleInput<Triangle>& input, const FilteredPairs<Triangle
   for (const auto& [a, b] : filtered.meeting) {
     output.contacts.add({std::min(a, b), std::max(a, b), 0});
   }
-  output.candidates += filtered.apart + filtered.meeting.size();
+  output.counters.candidates += filtered.apart + filtered.meeting.size();
   PacedLimit pace(input.limit, kPollPeriod);
   for (const Candidate<Triangle>& candidate : filtered.candidates) {
     if (pace.over()) return;
-    ++output.candidates;
+    ++output.counters.candidates;
     PredicateState state{input.options.predicates};
     const Verdict verdict = candidateVerdict(input.set.posed(candidate.a),
                                              input.set.posed(candidate.b), candidate.facts, state);
-    output.exact += state.exact > 0;
+    output.counters.exact += state.exact > 0;
     if (!verdict.contact) continue;
-    output.undecided += state.undecided;
+    output.counters.undecided += state.undecided;
     output.contacts.add({std::min(candidate.a, candidate.b), std::max(candidate.a, candidate.b),
                          verdict.separation_m});
   }
@@ -61,7 +61,7 @@ void narrowPhase(const CycleInput<MovingTriangle>& input,
   PacedLimit pace(input.limit, kPollPeriod);
   for (const Candidate<MovingTriangle>& any_order : filtered.candidates) {
     if (pace.over()) return;
-    ++output.candidates;
+    ++output.counters.candidates;
     const Candidate<MovingTriangle> candidate = inOrder(any_order);
     if (candidate.meet) {
       const float first_high = options.first_times ? 0.0F : 1.0F;
@@ -73,9 +73,9 @@ void narrowPhase(const CycleInput<MovingTriangle>& input,
     PredicateState state{options.predicates};
     const SweptVerdict verdict =
         sweptVerdict(a, b, candidate.shared, options.adjacent, options.first_times, state);
-    output.exact += state.exact > 0;
+    output.counters.exact += state.exact > 0;
     if (verdict.part == PartVerdict::kMeet) {
-      output.undecided += state.undecided;
+      output.counters.undecided += state.undecided;
       output.contacts.add(
           {candidate.a, candidate.b, {verdict.first_low, verdict.first_high}, false});
       continue;

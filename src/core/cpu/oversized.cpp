@@ -108,7 +108,7 @@ class OversizedSweeper {
 
   // Tests a triangle against one other: groups of bodies, boxes, then the filters.
   void meet(const PreparedTriangle<Primitive>& triangle, TriangleIndex other) {
-    ++output_.interval_overlaps;
+    ++output_.counters.interval_overlaps;
     const WorkingSet& set = input_.set;
     const std::vector<std::uint32_t>& group = input_.groups.group;
     if (intersects(set.box(triangle.triangle), set.box(other)) &&

@@ -82,8 +82,8 @@ struct FilteredPairs<Triangle> {
 template <class Primitive>
 struct alignas(kOwnLines) CycleOutput {
   ContactList<Primitive> contacts;
-  std::uint64_t interval_overlaps = 0, candidates = 0, exact = 0, undecided = 0;
-  StageTimes work;  // of this thread
+  Counters counters;  // of pairs
+  StageTimes work;    // of this thread
 
   CycleOutput() = default;
   explicit CycleOutput(const CycleInput<Primitive>& input) : contacts(input.room) {}
@@ -91,10 +91,7 @@ struct alignas(kOwnLines) CycleOutput {
   // Moves everything from `part` to here. `part` must not be used afterwards.
   void take(CycleOutput& part) {
     contacts.take(part.contacts);
-    interval_overlaps += part.interval_overlaps;
-    candidates += part.candidates;
-    exact += part.exact;
-    undecided += part.undecided;
+    counters.addWork(part.counters);
     work.add(part.work, 1);
   }
 };

@@ -20,7 +20,7 @@ bool ClusterSweeper<Primitive>::scan(std::uint32_t row, std::uint32_t begin, std
   } else {
     counts = scanRow(SortedIndex(row), sorted_.packed(0), range, found);
   }
-  output_.interval_overlaps += counts.overlaps;
+  output_.counters.interval_overlaps += counts.overlaps;
   constexpr std::uint32_t kRow = 16;  // what a row costs in addition to its columns, in columns
   if (pace_.over(counts.overlaps + kRow)) return false;
   if (counts.found == 0) return true;

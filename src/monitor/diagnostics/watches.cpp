@@ -166,7 +166,7 @@ void MotionWatch::recordStep(const CycleReport& report, const SweepReport& sweep
   sub_steps_ = sweep.result->sub_steps;
   pad_m_ = sweep.result->pad_m;
   if (report.result == nullptr) return;
-  const auto touching = touchingBodies(*report.result), touched = touchingBodies(result);
+  const auto touching = report.result->touchingBodies(), touched = result.touchingBodies();
   passed_ += static_cast<std::uint64_t>(std::count_if(
       touched.begin(), touched.end(), [&](const auto& pair) { return touching.count(pair) == 0; }));
 }
@@ -189,7 +189,7 @@ void MotionWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status) 
 void TradeWatch::record(const CycleReport& report, double answer_s) {
   if (report.result == nullptr) return;
   Cycle cycle{0, 0, answer_s};
-  const auto touching = touchingBodies(*report.result);
+  const auto touching = report.result->touchingBodies();
   for (const auto& [a, b] : report.scene->enabledPairs()) {
     const std::optional<PairDistance> distance =
         distanceOf(report, {a, b, false}, static_cast<float>(tolerance_m_));

@@ -98,7 +98,7 @@ void addLines(const CycleReport& report, const MarkerOptions& options,
       (result.contacts.size() + options.max_triangles - 1) / options.max_triangles;
   for (std::size_t i = 0; i < result.contacts.size(); i += stride) {
     const PairGeometry& geometry = result.geometry[i];
-    const std_msgs::ColorRGBA& color = touches(result, i) ? touching : near;
+    const std_msgs::ColorRGBA& color = result.touches(i) ? touching : near;
     segments.add(result.contacts[i], segmentOf(geometry), color, color);
     if (hasNormal(geometry)) normals.add(result.contacts[i], normalOf(geometry), root, tip);
   }
@@ -112,7 +112,7 @@ void addWitnesses(const CycleReport& report, const MarkerOptions& options,
                   std::vector<Marker>* markers) {
   constexpr double kDiameterM = 0.01;
   if (report.result == nullptr || report.result->distances.empty()) return;
-  const auto with_triangles = touchingBodies(*report.result);
+  const auto with_triangles = report.result->touchingBodies();
   for (const MonitoredPair& pair : report.pairs) {
     if (!isOfCycle(report.bodies, pair) || with_triangles.count({pair.a, pair.b}) > 0) continue;
     const std::optional<PairDistance> distance =

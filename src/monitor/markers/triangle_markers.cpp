@@ -130,7 +130,7 @@ class ContactTriangles {
   void forEachContact(bool touching, std::map<BodyPair, Drawn>* pairs, const Visit& visit) const {
     auto of_last = pairs->end();
     for (std::size_t i = 0; i < report_.result->contacts.size(); ++i) {
-      if (touches(*report_.result, i) != touching) continue;
+      if (report_.result->touches(i) != touching) continue;
       const TrianglePair& c = report_.result->contacts[i];
       const BodyPair pair{c.body_a, c.body_b};
       if (of_last == pairs->end() || of_last->first != pair) {

@@ -227,9 +227,7 @@ std::optional<PairDistance> distanceOf(const CycleReport& report, const Monitore
   if (found == all.end() || found->body_a != pair.a || found->body_b != pair.b) {
     return std::nullopt;
   }
-  const float margin_m =
-      std::max(report.scene->body(pair.a).margin_m, report.scene->body(pair.b).margin_m);
-  return PairDistance{&*found, decide(*found, margin_m, tolerance_m)};
+  return PairDistance{&*found, decide(*found, *report.scene, tolerance_m)};
 }
 
 std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {

@@ -22,12 +22,6 @@ constexpr std::size_t kBlock = 2048;  // contacts of one block
 
 std::uint64_t key(BodyId a, BodyId b) { return (std::uint64_t{a} << 32U) | b; }
 
-// Returns the unit normal (right-handed) times twice the area of the triangle [m^2].
-Vec3d doubleAreaNormal(const Triangle& t) {
-  const Vec3d origin = toDouble(t.v[0]);
-  return cross(toDouble(t.v[1]) - origin, toDouble(t.v[2]) - origin);
-}
-
 Vec3d cornerSum(const Triangle& t) {
   return toDouble(t.v[0]) + toDouble(t.v[1]) + toDouble(t.v[2]);
 }
@@ -86,7 +80,7 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
       if (has_normal) {
         const Vec3d normal = doubleAreaNormal(of_a.triangle(contacts[i].triangle_a));
         sum.normal_sum = sum.normal_sum + normal;
-        sum.area_sum += std::sqrt(dot(normal, normal));
+        sum.area_sum += length(normal);
       }
     }
     // The vertices have just arrived, but the triangles are not in the cache any more: indices are
@@ -129,8 +123,8 @@ Vec3d PairSummary::centroid() const {
 
 Vec3d PairSummary::meanNormal() const {
   constexpr double kCancelled = 1e-6;  // a shorter sum is rounding
-  const double length = std::sqrt(dot(normal_sum, normal_sum));
-  return length > kCancelled * area_sum ? normal_sum * (1 / length) : Vec3d();
+  const double size = length(normal_sum);
+  return size > kCancelled * area_sum ? normal_sum * (1 / size) : Vec3d();
 }
 
 PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* result) {

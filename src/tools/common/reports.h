@@ -1,5 +1,4 @@
-// Helpers for the reports of all tools: text for JSON and CSV, the machine, plots, and whether a
-// result is complete.
+// Helpers for the reports of all tools: text for JSON and CSV, the machine, and plots.
 //
 // The functions do not print anything. Callers decide where their text goes.
 #pragma once
@@ -9,19 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/detector.h"
-
 namespace deformable_contact_monitor {
-
-// Returns true if every triangle took part, no contact was left out and nothing was cut off.
-inline bool isWhole(const DetectionResult& result) {
-  return result.counters.rejected == 0 && result.left_out == 0 && !result.cut_off;
-}
-
-// Returns true if the result is whole and its settings find every pair by proof.
-inline bool isComplete(const DetectionResult& result) {
-  return result.guaranteed && isWhole(result);
-}
 
 // Returns the text as a field of comma-separated values, quoted where RFC 4180 asks for it.
 std::string csvField(const std::string& text);

@@ -42,7 +42,7 @@ BodyDistance listedDistance(const DetectionResult& result, BodyId a, BodyId b) {
     const TrianglePair& contact = result.contacts[i];
     if (contact.body_a != a || contact.body_b != b) continue;
     ++distance.contact_count;
-    const float high_m = result.separations_m.empty() ? 0 : result.separations_m[i];
+    const float high_m = result.separationM(i);
     if (high_m >= distance.high_m) continue;
     distance.high_m = high_m;
     distance.witness = contact;
@@ -66,9 +66,7 @@ std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& res
   // The core decides, so the tool and the node report the same states.
   std::vector<BodyState> states;
   for (const BodyDistance& distance : distances) {
-    const float margin_m =
-        std::max(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m);
-    states.push_back({distance, decide(distance, margin_m, tolerance_m)});
+    states.push_back({distance, decide(distance, scene, tolerance_m)});
   }
   return states;
 }
@@ -229,7 +227,7 @@ std::string bodyPairs(const Scene& scene, const TrianglePairs& contacts) {
 
 // Returns one line: whether the list has every contact, and each reason why it may not.
 std::string completeness(const DetectionResult& result) {
-  std::string text = isComplete(result) ? "complete: yes" : "complete: no";
+  std::string text = result.isComplete() ? "complete: yes" : "complete: no";
   if (!result.guaranteed) {
     text += result.distances.empty() ? "; these settings or this backend may err"
                                      : "; of pairs of bodies it is certain, of triangles not";
@@ -321,7 +319,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   json["contacts"] = last.contacts.size() + last.left_out;
   json["contacts_left_out"] = last.left_out;
   json["cut_off_because"] = last.cut_off_because;
-  json["complete"] = isComplete(last);
+  json["complete"] = last.isComplete();
   json["guaranteed"] = last.guaranteed;
   json["triangles"] = counters.triangles;
   json["rejected_triangles"] = counters.rejected;

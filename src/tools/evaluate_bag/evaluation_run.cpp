@@ -8,7 +8,6 @@
 
 #include "cuda/device/cuda_error.h"
 #include "tools/common/backend_choice.h"
-#include "tools/common/reports.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -131,12 +130,12 @@ bool isExact(const EvaluationRun& run) {
 }
 
 bool isComplete(const CycleReport& cycle, const DetectionResult& result) {
-  return isWhole(cycle, result) && isComplete(result);
+  return isWhole(cycle, result) && result.isComplete();
 }
 
 // A body without a usable mesh or transform took no part, so its contacts are missing.
 bool isWhole(const CycleReport& cycle, const DetectionResult& result) {
-  return isWhole(result) &&
+  return result.isWhole() &&
          std::all_of(cycle.bodies.begin(), cycle.bodies.end(),
                      [](const BodyStatus& body) { return body.unknown_because.empty(); });
 }

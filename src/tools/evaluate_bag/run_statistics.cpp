@@ -6,8 +6,6 @@
 #include <set>
 #include <tuple>
 
-#include "tools/common/reports.h"
-
 namespace deformable_contact_monitor {
 namespace {
 
@@ -98,7 +96,7 @@ bool isComplete(const CycleReport& cycle, const SweepReport& sweep) {
     const StepBody& body = sweep.bodies[id];
     if (!cycle.bodies[id].unknown_because.empty() || !body.skipped.empty()) return false;
   }
-  return isComplete(sweep.result->detection);
+  return sweep.result->detection.isComplete();
 }
 
 // A reason counts once in a cycle, however many pairs it affects. Pairs of other objects' cycles do

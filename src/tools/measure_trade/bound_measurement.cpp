@@ -25,8 +25,6 @@ Corners cornersOf(const Triangle& t) {
   return {toDouble(t.v[0]), toDouble(t.v[1]), toDouble(t.v[2])};
 }
 
-double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
-
 // Returns the distance of a point to a segment.
 double toPoint(const Vec3d& p, const Vec3d& from, const Vec3d& to) {
   const Vec3d way = to - from;
@@ -80,18 +78,6 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 1 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-// Returns the pairs of bodies with an intersecting pair of triangles.
-std::set<BodyPair> touching(const DetectionResult& result) {
-  std::set<BodyPair> bodies;
-  for (std::size_t i = 0; i < result.contacts.size(); ++i) {
-    const TrianglePair& pair = result.contacts[i];
-    if (pair.body_a == pair.body_b) continue;
-    if (!result.separations_m.empty() && result.separations_m[i] > 0) continue;
-    bodies.insert({pair.body_a, pair.body_b});
-  }
-  return bodies;
-}
-
 // Adds the states of one detection to the sums, and checks them.
 class Counting {
  public:
@@ -103,9 +89,7 @@ class Counting {
   void add(const DetectionResult& result) {
     if (result.distances.empty()) return addExact(result);
     for (const BodyDistance& distance : result.distances) {
-      const float margin_m =
-          std::max(scene_.body(distance.body_a).margin_m, scene_.body(distance.body_b).margin_m);
-      const PairDecision decision = decide(distance, margin_m, sum_->setting.tolerance_m);
+      const PairDecision decision = decide(distance, scene_, sum_->setting.tolerance_m);
       add({distance.body_a, distance.body_b}, decision);
       if (decision == PairDecision::kContact) addClaim(distance.witness);
     }
@@ -115,7 +99,7 @@ class Counting {
   // Takes the states of a detection without tolerance: a pair that was not found is decided unless
   // the detection was cut off.
   void addExact(const DetectionResult& result) {
-    const std::set<BodyPair> found = touching(result);
+    const std::set<BodyPair> found = result.touchingBodies();
     for (const BodyPair& bodies : scene_.enabledPairs()) {
       if (bodies.first == bodies.second) continue;
       const bool is_found = found.count(bodies) > 0;
@@ -211,7 +195,7 @@ TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Option
   frames->rewind();
   while (frames->next()) {
     progress("exact contacts of " + frames->label());
-    truth.push_back(touching(exact->detect(frames->scene(), options)));
+    truth.push_back(exact->detect(frames->scene(), options).touchingBodies());
   }
   return truth;
 }

@@ -17,19 +17,6 @@ PairCounts countsOf(const FrameCounts& counts, const BodyPair& bodies) {
   return found == counts.end() ? PairCounts() : found->second;
 }
 
-// Adds the counters of a cycle.
-void addWork(const Counters& cycle, Counters* sum) {
-  sum->triangles += cycle.triangles;
-  sum->clustered += cycle.clustered;
-  sum->large += cycle.large;
-  sum->clusters += cycle.clusters;
-  sum->cluster_entries += cycle.cluster_entries;
-  sum->interval_overlaps += cycle.interval_overlaps;
-  sum->candidates += cycle.candidates;
-  sum->exact += cycle.exact;
-  sum->undecided += cycle.undecided;
-}
-
 // Returns how the guarantee is broken; empty: it holds. No contact may be missing. Exact predicates
 // must add none either; conservative ones may.
 std::string howBroken(const Setting& setting, const PairCounts& pairs, const std::string& frame) {
@@ -168,7 +155,8 @@ void measure(FrameSource* frames, const ExactResults& exact, const CycleCounts& 
       sum->round_trip_ms.push_back(result.round_trip_ms);
       ++sum->repeats.back();
       sum->guaranteed = sum->guaranteed && result.guaranteed;
-      addWork(result.counters, &sum->work);
+      sum->work.addWork(result.counters);
+      sum->work.clusters += result.counters.clusters;
       addFrame(counts.back(), exact, frame, sum);
     }
     addOnsets(counts, exact, sum);

@@ -95,7 +95,8 @@ TEST(PrototypeQuality, BetterThanRandomOnes) {
   const CycleOutput<Triangle> fuzzy = frame.sweep(clustered(frame, 5));
   for (const unsigned seed : {1U, 2U, 3U}) {
     const CycleOutput<Triangle> random = frame.sweep(frame.randomPrototypes(seed));
-    EXPECT_LT(fuzzy.interval_overlaps, random.interval_overlaps) << "seed " << seed;
+    EXPECT_LT(fuzzy.counters.interval_overlaps, random.counters.interval_overlaps)
+        << "seed " << seed;
     EXPECT_EQ(fuzzy.contacts.size(), random.contacts.size());
   }
 }
@@ -109,9 +110,9 @@ TEST(PrototypeQuality, FollowingTheSceneBeatsFrozenOnes) {
   FuzzyClustering following(Options().fuzzifier);
   following.setPrototypes(old);
   for (int i = 0; i < 5; ++i) following.iterate(now.sample());
-  const std::uint64_t followed = now.sweep(following.prototypes()).interval_overlaps;
-  EXPECT_LT(followed, now.sweep(started).interval_overlaps);
-  EXPECT_LT(followed, now.sweep(old).interval_overlaps);
+  const std::uint64_t followed = now.sweep(following.prototypes()).counters.interval_overlaps;
+  EXPECT_LT(followed, now.sweep(started).counters.interval_overlaps);
+  EXPECT_LT(followed, now.sweep(old).counters.interval_overlaps);
 }
 
 }  // namespace

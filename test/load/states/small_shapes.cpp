@@ -13,8 +13,6 @@ using Triangle = std::array<Vec3d, 3>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
-
 Vec3d mixed(const Vec3d& a, const Vec3d& b, double t) { return a + (b - a) * t; }
 
 double pointToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
