@@ -53,7 +53,7 @@ tidy() {
   say "The flags of each file, and the messages"
   must "configuring" cmake -S . -B build/tidy -G Ninja -DWITH_CUDA=OFF -DBUILD_BENCHMARKS=OFF
   must "generating messages" cmake --build build/tidy \
-    --target deformable_contact_monitor_generate_messages_cpp
+    --target deformable_contact_monitor_generate_messages_cpp deformable_contact_monitor_gencfg
 
   say "clang-tidy on ${#files[@]} files"
   [ ${#files[@]} -gt 0 ] || return 0

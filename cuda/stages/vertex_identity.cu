@@ -121,7 +121,9 @@ __device__ void certifyFans(const CycleArrays& c, const BodyBlock& block, Vec3f*
 // blocks run side by side, because they spend most time waiting for memory. They read
 // scene.received, so that they do not have to wait for scene.posed.
 __global__ void __launch_bounds__(kThreads) identityKernel(CycleArrays c) {
-  __shared__ Vec3f staged[kStagedPoints];
+  // Shared memory holds no type that has default values for its members.
+  __shared__ alignas(Vec3f) unsigned char memory[kStagedPoints * sizeof(Vec3f)];
+  auto* const staged = reinterpret_cast<Vec3f*>(memory);
   const std::uint32_t blocks = c.scene.vertex_block_count;
   if (blockIdx.x < blocks) {
     identify(c, c.scene.vertex_blocks[Place(blockIdx.x)]);

@@ -72,7 +72,7 @@ py::tuple readMesh(const py::object& path) {
     throw std::invalid_argument(refused.what());
   }
   for (const std::string& note : report.notes) {
-    if (PyErr_WarnEx(PyExc_UserWarning, (name + ": " + note).c_str(), 1) != 0) {
+    if (PyErr_WarnFormat(PyExc_UserWarning, 1, "%s: %s", name.c_str(), note.c_str()) != 0) {
       throw py::error_already_set();
     }
   }

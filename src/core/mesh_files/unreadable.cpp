@@ -42,7 +42,7 @@ bool looksWide(std::string_view text) {
          std::min(zeros[0], zeros[1]) * 10 <= half;
 }
 
-using std::string_view_literals::operator""sv;
+using std::string_view_literals::operator""sv;  // NOLINT(misc-unused-using-decls): kArchives' own
 
 // The first bytes of archives, in small letters.
 constexpr std::pair<std::string_view, const char*> kArchives[] = {

@@ -17,6 +17,11 @@ using Box = Eigen::AlignedBox3d;
 
 double largestSide(const Box& box) { return box.isEmpty() ? 0 : box.sizes().maxCoeff(); }
 
+// Returns how many parts are open, as "1 of 3 parts".
+std::string openParts(const Containment::Components& parts) {
+  return std::to_string(parts.open) + " of " + std::to_string(parts.all) + " parts";
+}
+
 // Returns the box of the finite vertices, in the body's frame.
 Box boxOf(const TriangleMesh& mesh) {
   Box box;
@@ -72,11 +77,10 @@ std::vector<std::string> OpenBodies::look(const CycleReport& report) {
     const std::string& body = report.bodies[id].name;
     open_.erase(body);
     if (parts.open == 0) continue;
-    const std::string count =
-        std::to_string(parts.open) + " of " + std::to_string(parts.all) + " parts";
+    const std::string count = openParts(parts);
     open_[body] = count;
     if (!reported_.insert(body).second) continue;
-    lines.push_back("containment: " + count + " of '" + body +
+    lines.push_back(std::string("containment: ").append(count).append(" of '").append(body) +
                     "' are not closed, so nothing is reported as inside of them; close the "
                     "surface where that matters");
   }
@@ -86,7 +90,7 @@ std::vector<std::string> OpenBodies::look(const CycleReport& report) {
 std::string OpenBodies::list() const {
   std::string all;
   for (const auto& [body, count] : open_) {
-    all += (all.empty() ? "" : ", ") + body + " (" + count + ")";
+    all.append(all.empty() ? "" : ", ").append(body).append(" (").append(count).append(")");
   }
   return all;
 }

@@ -284,9 +284,11 @@ void PatchMarkers::add(const CycleReport& report, const std::vector<Patch>* patc
                        visualization_msgs::MarkerArray* array) {
   if (patches == nullptr && drawn_.empty()) return;
   std::vector<Marker> markers;
-  for (const Patch& patch : patches == nullptr ? std::vector<Patch>() : *patches) {
-    addPatch(report, options_.lifetime_s, patch, options_.max_triangles / patches->size(),
-             &markers);
+  if (patches != nullptr) {
+    for (const Patch& patch : *patches) {
+      addPatch(report, options_.lifetime_s, patch, options_.max_triangles / patches->size(),
+               &markers);
+    }
   }
   std::set<std::string> of_cycle;
   for (const MonitoredPair& pair : report.pairs) {

@@ -49,6 +49,7 @@ std::string attachProblem(const std::string& object, const std::vector<std::stri
     problem += (problem.empty() ? "" : "; ") + line;
   };
   std::vector<std::string> known;
+  known.reserve(objects.size());
   for (const ObjectParameters& other : objects) known.push_back(other.name);
   if (std::find(known.begin(), known.end(), object) == known.end()) {
     add("no object '" + object + "' is monitored" + nearestNameHint(object, known));

@@ -106,7 +106,7 @@ class StampFinding {
 
 std::string StampFinding::problem() const {
   if (isContact()) return "";
-  const std::string missing = missingContacts();
+  std::string missing = missingContacts();
   if (!missing.empty() || !distance_ || distance_->isApart()) return missing;
   const std::string& why = report_.result->cut_off_because;
   return why.empty() || why == kNoTime ? "not decided in time" : why;
@@ -127,7 +127,7 @@ std::string StampFinding::missingContacts() const {
   }
   if (result.left_out > 0) return "contacts were left out: memory_limit_mib";
   for (const BodyId id : {pair_.a, pair_.b}) {
-    const std::string problem =
+    std::string problem =
         rejectsProblem(report_, id, report_.bodies.at(id).rejected, rules_.tolerated_rejects, "");
     if (!problem.empty()) return problem;
   }
@@ -310,8 +310,8 @@ std::string PairStates::intervalProblem(const SweepReport& sweep, const Monitore
     if (std::find(outlying.begin(), outlying.end(), id) != outlying.end()) {
       return report_.bodies[id].name + ": in the step, it has vertices too far off to be followed";
     }
-    const std::string problem = rejectsProblem(report_, id, sweep.bodies[id].rejected,
-                                               rules_.tolerated_rejects, "in the step, ");
+    std::string problem = rejectsProblem(report_, id, sweep.bodies[id].rejected,
+                                         rules_.tolerated_rejects, "in the step, ");
     if (!problem.empty()) return problem;
   }
   return "";

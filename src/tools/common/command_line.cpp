@@ -92,10 +92,12 @@ Allowed<std::string> oneOf(const std::vector<std::string>& values) {
           }};
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): the argument is a type
 #define DCM_OPTION_VALUE(Value)                                  \
   template const char* kindOf<Value>();                          \
   template bool fromText(const std::string& text, Value* value); \
   template std::string toText(const Value& value)
+// NOLINTEND(bugprone-macro-parentheses)
 DCM_OPTION_VALUE(std::string);
 DCM_OPTION_VALUE(int);
 DCM_OPTION_VALUE(unsigned);
@@ -185,10 +187,12 @@ bool CommandLine::parse(int argc, const char* const* argv) {
 
 // Abbreviated options are not accepted: a new option would change their meaning.
 bool CommandLine::parse(const std::vector<std::string>& words) {
-  using namespace po::command_line_style;
+  namespace style = po::command_line_style;
   try {
-    const po::parsed_options parsed =
-        po::command_line_parser(words).options(options_).style(unix_style & ~allow_guessing).run();
+    const po::parsed_options parsed = po::command_line_parser(words)
+                                          .options(options_)
+                                          .style(style::unix_style & ~style::allow_guessing)
+                                          .run();
     if (printAnswer(parsed)) return false;
     readAll(parsed);
   } catch (const po::error& error) {
@@ -231,12 +235,14 @@ void CommandLine::readAll(const po::parsed_options& parsed) const {
 // Rules are checked before any value is read.
 void CommandLine::checkRules(const std::set<std::string>& given) const {
   const auto is_given = [&given](const std::string& name) { return given.count(name) != 0; };
+  const auto refuse = [](const std::string& one, const char* between, const std::string& other,
+                         const char* end) { refuseUsage(one + between + other + end); };
   if (positionals_required_ && !is_given(positionals_)) refuseUsage(positionals_ + " is required");
   for (const auto& [one, other] : not_together_) {
-    if (is_given(one) && is_given(other)) refuseUsage(one + " and " + other + ": not together");
+    if (is_given(one) && is_given(other)) refuse(one, " and ", other, ": not together");
   }
   for (const auto& [option, required] : required_for_) {
-    if (is_given(option) && !is_given(required)) refuseUsage(option + ": needs " + required);
+    if (is_given(option) && !is_given(required)) refuse(option, ": needs ", required, "");
   }
 }
 

@@ -31,7 +31,7 @@ std::string shortest(Number value) {
     text.imbue(std::locale::classic());
     text.precision(digits);
     text << value;
-    const std::string written = text.str();
+    std::string written = text.str();
     Number read = 0;
     text >> read;
     if (read == value || digits == std::numeric_limits<Number>::max_digits10) return written;
