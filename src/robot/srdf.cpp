@@ -19,17 +19,17 @@ namespace {
 using tinyxml2::XMLDocument;
 using tinyxml2::XMLElement;
 
-[[noreturn]] void fail(int line, const std::string& what) {
+[[noreturn]] void failSrdf(int line, const std::string& what) {
   throw std::invalid_argument("SRDF, line " + std::to_string(line) + ": " + what);
 }
 
 // Returns `text`, which goes into messages and diagnostics. A control character is an error.
-std::string checked(const char* text, int line) {
+std::string checkedText(const char* text, int line) {
   const auto is_forbidden = [](unsigned char c) {
     return c < 0x20 && c != '\t' && c != '\n' && c != '\r';
   };
   std::string copy = text;
-  if (std::any_of(copy.begin(), copy.end(), is_forbidden)) fail(line, "a control character");
+  if (std::any_of(copy.begin(), copy.end(), is_forbidden)) failSrdf(line, "a control character");
   return copy;
 }
 
@@ -37,16 +37,16 @@ std::string checked(const char* text, int line) {
 std::string required(const XMLElement& element, const char* attribute) {
   const char* value = element.Attribute(attribute);
   if (value == nullptr || *value == '\0') {
-    fail(element.GetLineNum(), std::string(element.Name()) + " without " + attribute);
+    failSrdf(element.GetLineNum(), std::string(element.Name()) + " without " + attribute);
   }
-  return checked(value, element.GetLineNum());
+  return checkedText(value, element.GetLineNum());
 }
 
 // Reads the two links of a rule, and its reason if it has one.
 Srdf::Pair readPair(const XMLElement& element) {
   Srdf::Pair pair{required(element, "link1"), required(element, "link2"), ""};
   const char* reason = element.Attribute("reason");
-  if (reason != nullptr) pair.reason = checked(reason, element.GetLineNum());
+  if (reason != nullptr) pair.reason = checkedText(reason, element.GetLineNum());
   return pair;
 }
 
@@ -82,9 +82,9 @@ Srdf readSrdf(const std::string& xml) {
                                 " MiB");
   }
   XMLDocument document;
-  if (const auto error = parseXml(xml, &document)) fail(error->line, error->what);
+  if (const auto error = parseXml(xml, &document)) failSrdf(error->line, error->what);
   const XMLElement* robot = document.FirstChildElement("robot");
-  if (robot == nullptr) fail(1, "there is no element 'robot'");
+  if (robot == nullptr) failSrdf(1, "there is no element 'robot'");
 
   Srdf srdf;
   srdf.robot = required(*robot, "name");
@@ -96,8 +96,8 @@ Srdf readSrdf(const std::string& xml) {
     const bool disables_link = kind == "disable_default_collisions";
     if (!disables && !enables && !disables_link) continue;
     if (++rules > kMostSrdfRules) {
-      fail(e->GetLineNum(),
-           "more than " + std::to_string(kMostSrdfRules) + " rules, which is the most");
+      failSrdf(e->GetLineNum(),
+               "more than " + std::to_string(kMostSrdfRules) + " rules, which is the most");
     }
     if (disables) srdf.disabled.push_back(readPair(*e));
     if (enables) srdf.enabled.push_back(readPair(*e));

@@ -21,7 +21,7 @@ std::size_t arrayBytes(const DeformableMesh& message) {
   return sizeof(float) * message.vertices.size() + sizeof(std::uint32_t) * message.triangles.size();
 }
 
-[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument(why); }
+[[noreturn]] void rejectMesh(const std::string& why) { throw std::invalid_argument(why); }
 
 // Returns whether a message on the topic of `object` is about that object.
 bool isMeshOf(const std::string& object, const DeformableMesh& message) {
@@ -126,7 +126,7 @@ Acceptance MeshInput::decide(const DeformableMesh* keyframe, const ros::Time& no
                              IncomingMesh* mesh) {
   try {
     if (keyframe != nullptr) learnTopology(*keyframe);
-    if (!mesh->problem.empty()) reject(mesh->problem);
+    if (!mesh->problem.empty()) rejectMesh(mesh->problem);
     checkHeader(*mesh->message);
     if (isOutOfOrder(mesh->stamp(), now)) return Acceptance::kDropped;
     checkAge(mesh->stamp(), now);
@@ -157,9 +157,9 @@ bool MeshInput::isOutOfOrder(const ros::Time& stamp, const ros::Time& now) const
 }
 
 void MeshInput::checkHeader(const DeformableMesh& message) const {
-  if (!isMeshOf(object_, message)) reject("the mesh is of object '" + message.object + "'");
-  if (message.header.stamp.isZero()) reject("header.stamp is zero");
-  if (message.header.frame_id.empty()) reject("header.frame_id is empty");
+  if (!isMeshOf(object_, message)) rejectMesh("the mesh is of object '" + message.object + "'");
+  if (message.header.stamp.isZero()) rejectMesh("header.stamp is zero");
+  if (message.header.frame_id.empty()) rejectMesh("header.frame_id is empty");
 }
 
 // An old mesh usually comes from a bag that is played without its clock, so the text says so.
@@ -167,11 +167,11 @@ void MeshInput::checkAge(const ros::Time& stamp, const ros::Time& now) const {
   if (now.isZero()) return;
   const double ahead_s = secondsBetween(stamp, now);
   if (ahead_s > kMaxAheadS) {
-    reject("header.stamp is " + std::to_string(ahead_s) + " s ahead of this machine's clock");
+    rejectMesh("header.stamp is " + std::to_string(ahead_s) + " s ahead of this machine's clock");
   }
   if (isOld(stamp, now)) {
-    reject("header.stamp is " + std::to_string(-ahead_s) +
-           " s old, and max_mesh_age_s less; a bag needs /clock and use_sim_time");
+    rejectMesh("header.stamp is " + std::to_string(-ahead_s) +
+               " s old, and max_mesh_age_s less; a bag needs /clock and use_sim_time");
   }
 }
 
@@ -199,16 +199,16 @@ void MeshInput::learnTopology(const DeformableMesh& keyframe) {
 // missing.
 void MeshInput::checkTopology(const DeformableMesh& message) const {
   if (rejected_topology_ && rejected_topology_->id == message.topology_id) {
-    reject(rejected_topology_->problem);
+    rejectMesh(rejected_topology_->problem);
   }
   if (!topology_ || topology_->id != message.topology_id) {
-    reject("no triangles of topology_id " + std::to_string(message.topology_id) +
-           " seen yet; publishers send them on change and at least once a second");
+    rejectMesh("no triangles of topology_id " + std::to_string(message.topology_id) +
+               " seen yet; publishers send them on change and at least once a second");
   }
   if (message.vertices.size() != 3 * topology_->vertex_count) {
-    reject(std::to_string(message.vertices.size()) + " vertex coordinates, but topology_id " +
-           std::to_string(topology_->id) + " has " + std::to_string(topology_->vertex_count) +
-           " vertices");
+    rejectMesh(std::to_string(message.vertices.size()) + " vertex coordinates, but topology_id " +
+               std::to_string(topology_->id) + " has " + std::to_string(topology_->vertex_count) +
+               " vertices");
   }
 }
 
