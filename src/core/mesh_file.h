@@ -9,7 +9,7 @@
 
 namespace deformable_contact_monitor {
 
-// What readMeshFile() says beside the mesh.
+// Holds what readMeshFile() reports beside the mesh.
 struct MeshFileReport {
   // One line, without the path, for each thing that may not be meant as it was read: how many
   // polygons are not planar or cross themselves, and bytes that were ignored.
