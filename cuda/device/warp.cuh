@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cub/block/block_scan.cuh>
-#include <cub/warp/warp_scan.cuh>
 
 namespace deformable_contact_monitor {
 
@@ -32,11 +30,13 @@ __device__ inline T warpSum(T x) {
 // Returns the sum of x over the lanes before this one; `total` becomes the sum over all lanes.
 // Called by a whole warp.
 __device__ inline std::uint32_t warpPrefix(std::uint32_t x, std::uint32_t& total) {
-  using Scan = cub::WarpScan<std::uint32_t>;
-  Scan::TempStorage none;  // whole warps shuffle, and need no memory
-  std::uint32_t before;
-  Scan(none).ExclusiveSum(x, before, total);
-  return before;
+  std::uint32_t sum = x;
+  for (unsigned o = 1; o < kWarp; o *= 2) {
+    const std::uint32_t before = __shfl_up_sync(kFullWarp, sum, o);
+    if (laneId() >= o) sum += before;
+  }
+  total = __shfl_sync(kFullWarp, sum, kWarp - 1);
+  return sum - x;
 }
 
 // Reserves one place for each lane of a whole warp that wants it, with one atomic; returns it.
@@ -60,11 +60,16 @@ __device__ inline void warpCount(std::uint32_t* counter, bool counted) {
 // by the whole block of kThreads threads, in whole warps.
 template <unsigned kThreads>
 __device__ std::uint32_t blockPrefix(std::uint32_t x, std::uint32_t& total) {
-  using Scan = cub::BlockScan<std::uint32_t, kThreads, cub::BLOCK_SCAN_WARP_SCANS>;
-  __shared__ typename Scan::TempStorage memory;
-  std::uint32_t before;
+  __shared__ std::uint32_t warp_total[kThreads / kWarp];
+  std::uint32_t before = warpPrefix(x, total);
   __syncthreads();  // other threads may still read the last call's totals
-  Scan(memory).ExclusiveSum(x, before, total);
+  if (laneId() == 0) warp_total[threadIdx.x / kWarp] = total;
+  __syncthreads();
+  total = 0;
+  for (unsigned w = 0; w < kThreads / kWarp; ++w) {
+    before += w < threadIdx.x / kWarp ? warp_total[w] : 0;
+    total += warp_total[w];
+  }
   return before;
 }
 

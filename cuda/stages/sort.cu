@@ -64,14 +64,19 @@ __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& pa
 // Replaces the counts of the buckets by their first places, from `first` on: an exclusive prefix
 // sum. Called by the whole block.
 __device__ void scanBuckets(std::uint32_t* place, std::uint32_t first) {
-  using Scan = cub::BlockScan<std::uint32_t, kThreads, cub::BLOCK_SCAN_WARP_SCANS>;
-  __shared__ Scan::TempStorage memory;
+  __shared__ std::uint32_t warp_total[kWarps];
   constexpr unsigned kEach = kBuckets / kThreads;
-  std::uint32_t* const own = place + threadIdx.x * kEach;
-  std::uint32_t count[kEach];
-  for (unsigned k = 0; k < kEach; ++k) count[k] = own[k];
-  Scan(memory).ExclusiveSum(count, count);
-  for (unsigned k = 0; k < kEach; ++k) own[k] = first + count[k];
+  std::uint32_t count[kEach], sum = 0;
+  for (unsigned k = 0; k < kEach; ++k) sum += count[k] = place[threadIdx.x * kEach + k];
+  std::uint32_t total, begin = warpPrefix(sum, total);
+  if (laneId() == 0) warp_total[threadIdx.x / kWarp] = total;
+  __syncthreads();
+  begin += first;
+  for (unsigned w = 0; w < threadIdx.x / kWarp; ++w) begin += warp_total[w];
+  for (unsigned k = 0; k < kEach; ++k) {
+    place[threadIdx.x * kEach + k] = begin;
+    begin += count[k];
+  }
   __syncthreads();
 }
 
