@@ -132,7 +132,7 @@ class ReplayedBags(unittest.TestCase):
                   *([link_meshes] if link_meshes else [])]
         with rosbag.Bag(bag) as opened:
             recorded = set(opened.get_type_and_topic_info().topics)
-        topics = [topic for topic in topics if {topic, topic[1:]} & recorded]
+        topics = [name for topic in topics for name in (topic, topic[1:]) if name in recorded]
         remapped = [f"{link_meshes}:={monitor.name}/robot_link_meshes"] if link_meshes else []
         player = self.start(
             "rosrun", "rosbag", "play", "--quiet", "--clock", "--hz=200", "--delay=0.5",
@@ -161,10 +161,10 @@ class ReplayedBags(unittest.TestCase):
         self.assertLessEqual(len(lacking), most_lacking + len(evaluation.stamps) // 10)
         self.assertTrue(states - {"UNKNOWN"})
 
-    def check_field(self, name, urdf="finger.urdf", rate=1.0, **more):
+    def check_field(self, name, urdf="finger.urdf", rate=1.0, parameters=None, **more):
         """A bag whose object has its mesh on /cloth/mesh."""
         config = {"reference_frame": "base_link",
-                  "objects": [{"name": "cloth", "topic": "/cloth/mesh"}]}
+                  "objects": [{"name": "cloth", "topic": "/cloth/mesh"}], **(parameters or {})}
         self.check(self.path("field/bags", name), config,
                    urdf and self.path("field/bags", urdf), rate=rate, **more)
 
@@ -174,6 +174,21 @@ class ReplayedBags(unittest.TestCase):
     def test_link_meshes_that_change(self):
         self.check_field("tool_change.bag", urdf=None, rate=5,
                          link_meshes="/contact_monitor/robot_meshes")
+
+    def test_transforms_on_another_topic(self):
+        self.check_field("ghost_tf.bag", rate=2)
+
+    def test_frames_with_a_prefix(self):
+        self.check_field("prefixed.bag", rate=2, parameters={"frame_prefix": "left/"})
+
+    def test_topics_without_a_slash(self):
+        self.check_field("no_slash.bag", rate=2)
+
+    def test_link_meshes_of_two_monitors(self):
+        for topic in ("/left_monitor/robot_meshes", "/right_monitor/robot_meshes"):
+            with self.subTest(topic=topic):
+                self.check_field("two_monitors.bag", urdf=None, rate=2, link_meshes=topic,
+                                 options=("--robot-meshes-topic", topic))
 
     def test_two_cameras_see_one_cloth(self):
         """The one has it at the finger, the other elsewhere."""
