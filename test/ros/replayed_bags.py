@@ -118,8 +118,10 @@ class ReplayedBags(unittest.TestCase):
         self.start(executable("contact_monitor"), "__name:=" + name[1:])
         return Monitor(name)
 
-    def check(self, bag, config, urdf=None, rate=1.0, options=(), link_meshes=None, most_lacking=0):
-        """Replays and evaluates. `most_lacking`: how many cycles lack time, whatever the machine."""
+    def check(self, bag, config, urdf=None, rate=1.0, options=(), link_meshes=None, most_lacking=0,
+              least_share=0.5):
+        """Replays and evaluates. `most_lacking`: how many cycles lack time, whatever the machine;
+        `least_share`: of the evaluated cycles, how many the monitor must have."""
         config = dict(config, tf_timeout_s=1.0)
         with open(os.path.join(self.folder, "config.yaml"), "w") as file:
             yaml.safe_dump(config, file)
@@ -142,9 +144,9 @@ class ReplayedBags(unittest.TestCase):
         player.wait(300)
         last = [max(evaluation.stamps)]
         wait_until(lambda: found_by(monitor, last), "the last cycle")
-        self.compare(found_by(monitor, evaluation.stamps), evaluation, most_lacking)
+        self.compare(found_by(monitor, evaluation.stamps), evaluation, most_lacking, least_share)
 
-    def compare(self, found, evaluation, most_lacking):
+    def compare(self, found, evaluation, most_lacking, least_share):
         lacking, states = set(), set()
         for (stamp, a, b), (state, reason, pairs) in sorted(found.items()):
             with self.subTest(stamp=stamp, a=a, b=b, reason=reason):
@@ -157,7 +159,7 @@ class ReplayedBags(unittest.TestCase):
                 self.assertEqual(pairs, evaluation.pairs.get((stamp, a, b), set()))
                 states.add(state)
         stamps = {stamp for stamp, _, _ in found}
-        self.assertGreater(len(stamps), 0.5 * len(evaluation.stamps))
+        self.assertGreater(len(stamps), least_share * len(evaluation.stamps))
         self.assertLessEqual(len(lacking), most_lacking + len(evaluation.stamps) // 10)
         self.assertTrue(states - {"UNKNOWN"})
 
@@ -244,13 +246,16 @@ class ReplayedBags(unittest.TestCase):
                    self.path("bags/pr2.urdf"))
 
     def test_a_bag_of_version_0_1(self):
+        """It begins between two meshes that have triangles. An evaluation reads ahead to the second
+        one; a monitor has no cycle before."""
         bag = os.path.join(self.folder, "migrated.bag")
         rules = MessageMigrator([os.path.join(SOURCE, "msg/from_0_1.bmr")], False)
         old = os.path.join(SOURCE, "test/tools/bags/recorded_0_1.bag")
         self.assertEqual(fixbag2(rules, old, bag), [])
         with open(os.path.join(SOURCE, "config/demo.yaml")) as file:
             config = yaml.safe_load(file)
-        self.check(bag, config, link_meshes="/contact_monitor/robot_meshes", most_lacking=10)
+        self.check(bag, config, link_meshes="/contact_monitor/robot_meshes", most_lacking=10,
+                   least_share=0.2)
 
 
 if __name__ == "__main__":
