@@ -102,6 +102,7 @@ class Monitor {
  private:
   void runCycle(const ros::Time& now) {
     IncomingMesh mesh;
+    if (inputs_[0].deletedAt()) inputs_[0].endGrace();
     const Acceptance answer = inputs_[0].take(now, &mesh);
     requireThat(answer != Acceptance::kNothing, "a message did not arrive");
     requireThat((answer == Acceptance::kRejected) == !inputs_[0].counters().problem.empty() ||
@@ -109,7 +110,7 @@ class Monitor {
                 "a mesh was rejected without a reason");
     CycleTrigger trigger;
     trigger.objects = {0};
-    const ros::Time& stamp = mesh.stamp();
+    const ros::Time& stamp = mesh.is_deletion ? now : mesh.stamp();
     scene_.prepare(stamp, trigger, inputs_, lookup_);
     CycleReport report = scene_.makeReport(stamp, ++cycle_);
     report.scene = &scene_.scene();

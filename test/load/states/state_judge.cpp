@@ -188,6 +188,7 @@ void StateJudge::judgeAtStamp(const Claim& claim) {
   }
   const std::string found = "the distance is " + std::to_string(distance) + " m";
   if (state.state == ContactState::CONTACT) {
+    if (state.inside && !is_whole) return;  // what is left of a broken surface may be inside
     if (distance > tolerance + kRounding && depth < -kRounding) fault(state, found);
     return;
   }
@@ -220,16 +221,30 @@ const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
     if (gap_s > parameters_.max_mesh_age_s) continue;
     if (latest == nullptr || latest->cycle < start.cycle) latest = &start;
   }
-  if (latest == nullptr) return nullptr;
+  if (latest != nullptr && beginsFrom(*latest, claim)) return latest;
+  // The cycle of the partner, which has not moved since, may be the first that knew both.
+  for (const auto& [used, body] : {std::pair(&claim.used_a, claim.a), {&claim.used_b, claim.b}}) {
+    const auto found = starts_.find(body->name);
+    if (body->triggered || !used->object || found == starts_.end()) continue;
+    const auto partner = found->second.bodies.find(body->name);
+    const bool has_moved =
+        partner == found->second.bodies.end() || partner->second.stamp != used->stamp;
+    if (!has_moved && beginsFrom(found->second, claim)) return &found->second;
+  }
+  return nullptr;
+}
+
+// Returns whether both bodies of the claim were there, with the same triangles and frames.
+bool StateJudge::beginsFrom(const Start& start, const Claim& claim) const {
   for (const Used* used : {&claim.used_a, &claim.used_b}) {
     const std::string& name = (used == &claim.used_a ? claim.a : claim.b)->name;
-    const auto from = latest->bodies.find(name);
-    if (from == latest->bodies.end() || from->second.stamp > used->stamp ||
+    const auto from = start.bodies.find(name);
+    if (from == start.bodies.end() || from->second.stamp > used->stamp ||
         from->second.topology != used->topology || from->second.frame != used->frame) {
-      return nullptr;
+      return false;
     }
   }
-  return latest;
+  return true;
 }
 
 void StateJudge::judgeInterval(const Claim& claim, const Known* before) {

@@ -105,6 +105,7 @@ std::string boundsOf(const std::vector<BoundSetting>& settings, double budget_ms
   TradeArguments arguments;
   arguments.base.threads = 2;
   arguments.budget_ms = budget_ms;
+  arguments.writes_budget = true;
   return boundsYaml(arguments, all, NoFrames());
 }
 
