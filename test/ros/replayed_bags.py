@@ -181,7 +181,8 @@ class ReplayedBags(unittest.TestCase):
         self.check_field("ghost_tf.bag", rate=2)
 
     def test_frames_with_a_prefix(self):
-        self.check_field("prefixed.bag", rate=2, parameters={"frame_prefix": "left/"})
+        self.check_field("prefixed.bag", rate=2,
+                         parameters={"frame_prefix": "left/", "reference_frame": "world"})
 
     def test_topics_without_a_slash(self):
         self.check_field("no_slash.bag", rate=2)
