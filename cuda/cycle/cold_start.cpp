@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/common/posed_body.h"
+#include "core/common/scene_queries.h"
 #include "core/cpu/size_split.h"
 #include "core/cpu/transform.h"
 #include "core/rules/clustering.h"
@@ -97,14 +98,6 @@ void addSampled(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, con
   }
 }
 
-std::size_t trianglesThatTakePart(const Scene& scene) {
-  std::size_t count = 0;
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (scene.takesPart(id)) count += scene.body(id).mesh.triangleCount();
-  }
-  return count;
-}
-
 // Returns whether some triangles may be culled by their partners' boxes. A body that may touch
 // itself keeps all of its triangles, wherever the others are.
 bool needsBoxes(const Scene& scene) {
@@ -116,14 +109,14 @@ bool needsBoxes(const Scene& scene) {
 
 // Returns the sampled triangles of all bodies. It is incomplete if the limit was over.
 template <class Hull>
-WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes,
-                      const CycleLimit& limit) {
+WorkingSet sampledSet(const Scene& scene, const Options& options, const Sample& sample,
+                      BodyBoxes& boxes, const CycleLimit& limit) {
   WorkingSet set;
   set.vertices.reserve(3 * sample.count);
   set.triangle.reserve(sample.count);
   set.boxes.reserve(sample.count);
   const bool culls = needsBoxes(scene);
-  if (culls) boxes.update<Hull>(scene, limit);
+  if (culls) boxes.update<Hull>(scene, options, limit);
   if (limit.wasOver()) return set;
   if (kIsMoving<Hull>) set.common_motion = commonMotionOf(scene);
   PartnerBoxes<BoxOf<Hull>> itself;
@@ -174,7 +167,7 @@ ColdStart measureAs(const Scene& scene, const ScenePartition& partition, const O
   const std::size_t most_seeds = clusterCountFor(options.clusters, policy, triangles, 0);
   const Sample sample{sampleSize(inspection, triangles, most_seeds), triangles};
   ColdStart start;
-  const WorkingSet set = sampledSet<Hull>(scene, sample, boxes, limit);
+  const WorkingSet set = sampledSet<Hull>(scene, options, sample, boxes, limit);
   SizeSplit split;
   if (sample.count > 0) split.spare = split.spare * sample.count / triangles;
   if (!limit.wasOver()) splitBySize(set, split, limit);

@@ -102,7 +102,7 @@ void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
 // Sends poses and margins. Then builds the tiles of new and changed bodies, and the vertex rings
 // that certified fans need. `any_new`: whether there are such bodies.
 void CycleUpload::sendBodiesAndMakeTiles(const Scene& scene, const Options& options, bool any_new) {
-  cycle_.scene.sendBodies(scene, options.motion, inspector_.scale(), cycle_.copies);
+  cycle_.scene.sendBodies(scene, options, inspector_.scale(), cycle_.copies);
   if (any_new) cycle_.copies.launch();
   cycle_.scene.makeTiles(cycle_.stream.get());
   if (cycle_.scene.anySelf() && asksForFans(options)) cycle_.scene.findFans(cycle_.stream.get());

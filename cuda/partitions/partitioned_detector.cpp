@@ -15,6 +15,7 @@
 
 #include "core/common/forks.h"
 #include "core/common/guarded_detector.h"
+#include "core/common/scene_queries.h"
 #include "core/common/stages.h"
 #include "core/common/stopwatch.h"
 #include "cuda/partitions/merged_partitions.h"
@@ -88,14 +89,6 @@ struct DevicePartition {
     }
   }
 };
-
-std::size_t trianglesThatTakePart(const Scene& scene) {
-  std::size_t triangles = 0;
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (scene.takesPart(id)) triangles += scene.body(id).mesh.triangleCount();
-  }
-  return triangles;
-}
 
 // Returns whether some body has its vertices on a device. Such a scene is not divided, because only
 // one device may be able to read them.

@@ -183,7 +183,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       counters(toDict(result.counters)) {
   const bool swept = options.motion == Motion::kSwept;
   // Separations exist only with margins; swept motion has no margins.
-  if (scene.anyMargin() && !swept) {
+  if (scene.anyMargin() && !swept && (options.near_pairs || !options.nearest)) {
     separations = py::array_t<float>(result.separations_m.size(), result.separations_m.data());
   }
   if (options.geometry && result.geometry.size() == result.contacts.size()) {

@@ -90,7 +90,7 @@ class FclDetector : public Detector {
     // A pair of a body with itself was found from both sides.
     result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
                            result_.contacts.end());
-    if (scene.anyMargin()) result_.separations_m.assign(result_.contacts.size(), 0);
+    if (listsNearPairs(scene, options)) result_.separations_m.assign(result_.contacts.size(), 0);
     writeGeometry(scene, options, result_);
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = cycle.elapsedMs();

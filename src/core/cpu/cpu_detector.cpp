@@ -4,6 +4,7 @@
 #include <atomic>
 #include <tuple>
 
+#include "core/bounds/distance_search.h"
 #include "core/common/contact_geometry.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/parallel.h"
@@ -101,6 +102,7 @@ class CpuDetector : public Detector {
   std::tuple<std::vector<SweepBuffers<Triangle>>, std::vector<SweepBuffers<MovingTriangle>>>
       sweep_buffers_;
   std::tuple<ContactWriter<Triangle>, ContactWriter<MovingTriangle>> writers_;
+  DistanceSearch nearest_;
   DetectionResult result_;
 };
 
@@ -127,6 +129,7 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
   if (makeClusters<Primitive>(scene, options, limit, times)) {
     findContacts<Primitive>(scene, options, limit, times);
   }
+  nearest_.find(scene, options, limit, result_);
   if (limit.wasOver()) result_.cutOff(limit.why());
   result_.stages_ms = times.byName();
   result_.round_trip_ms = cycle.elapsedMs();
@@ -139,7 +142,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
                                StageTimes& times) {
   if (limit.over()) return false;
   Stopwatch watch;
-  builder_.build<Primitive>(scene, set_, result_.counters, limit);
+  builder_.build<Primitive>(scene, options, set_, result_.counters, limit);
   if (!kIsMoving<Primitive> && options.adjacent == AdjacentPairs::kBeyondShared &&
       options.predicates == Predicates::kExact && !limit.wasOver()) {
     fans_.certify(scene, set_, limit);
@@ -150,8 +153,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
   result_.started_cold = tracker_.update<Primitive>(set_, split_, options, limit, prototypes_);
   times.add(Stage::kCluster, watch.lapMs());
   if (limit.wasOver()) return false;
-  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment<Primitive>(),
-                   limit);
+  assigner_.assign(scene, set_, split_, prototypes_, options, assignment<Primitive>(), limit);
   times.add(Stage::kAssign, watch.lapMs());
   return !limit.wasOver();
 }
@@ -162,7 +164,7 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
                                StageTimes& times) {
   Stopwatch watch;
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlacks<Primitive>(scene, split_.scale);
+  const std::vector<float> slack = scaledSlacks<Primitive>(scene, options, split_.scale);
   ContactRoom room(settings_.memory_limit_bytes,
                    ContactRoom::bytesEach<Primitive>(options.geometry));
   const CycleInput<Primitive> input{scene,   set_,  split_, assignment<Primitive>(), groups, slack,
