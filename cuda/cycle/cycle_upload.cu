@@ -30,6 +30,7 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   if (was_cold) {
     cycle_.forgetSentParams();
     on_device.forgetSent();
+    cycle_.nearest.forgetSent();
     cycle_.stream.synchronise();  // a failed cycle may have left work that reads the host's memory
   }
   const DeviceScene::Change change = on_device.layOut(scene, options.motion, asksForFans(options));
@@ -64,7 +65,10 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
       return false;
     }
   }
+  // Of several devices, the first one searches the nearest pairs of the whole scene.
+  cycle_.nearest.layOut(scene, on_device.tables(), options.nearest && partition_.isFirst());
   cycle_.growArrays();
+  cycle_.nearest.send(cycle_.copies);
   if (result.started_cold) {
     sendSeeds(start, options);
     sendBodiesAndMakeTiles(scene, options, true);

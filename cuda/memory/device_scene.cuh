@@ -70,6 +70,7 @@ class DeviceScene {
   void sendBodies(const Scene& scene, const Options& options, const SceneScale& scale,
                   HostCopies& copies);
 
+  const SceneTables& tables() const { return tables_; }
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return tables_.group_count; }
   bool anySelf() const { return tables_.any_self; }

@@ -18,13 +18,15 @@ enum class Stage {
   kSweep,
   kOversized,
   kNarrowPhase,
+  kNearest,
   kOutput
 };
 
-constexpr std::size_t kStageCount = 8;
+constexpr std::size_t kStageCount = 9;
 
 constexpr std::array<const char*, kStageCount> kStageNames = {
-    "transform", "cluster", "assign", "sort", "sweep", "oversized", "narrow_phase", "output"};
+    "transform", "cluster",      "assign",  "sort",  "sweep",
+    "oversized", "narrow_phase", "nearest", "output"};
 
 // The time that each stage of one cycle took [ms].
 class StageTimes {
