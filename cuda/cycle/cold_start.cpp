@@ -75,11 +75,10 @@ void add(const MovingTriangle& t, WorkingSet& set) {
 // that is not of an earlier body; it is moved on to the next body. Prefetches vertices, because
 // sampled triangles are far apart in memory.
 template <class Hull>
-void addSampled(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, const Sample& sample,
-                std::size_t first, std::size_t& next, WorkingSet& set) {
+void addSampled(const Body& body, float growth_m, const PartnerBoxes<BoxOf<Hull>>& partners,
+                const Sample& sample, std::size_t first, std::size_t& next, WorkingSet& set) {
   const PosedBody now(body), earlier = PosedBody::earlier(body);
   const std::size_t end = first + body.mesh.triangleCount();
-  const float growth_m = growthOf<Hull>(body);
   std::vector<std::uint32_t> sampled;
   for (; next < sample.count && sample[next] < end; ++next) {
     sampled.push_back(static_cast<std::uint32_t>(sample[next] - first));
@@ -125,8 +124,8 @@ WorkingSet sampledSet(const Scene& scene, const Options& options, const Sample& 
   for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
     if (!scene.takesPart(id)) continue;
     const Body& body = scene.body(id);
-    addSampled<Hull>(body, culls ? boxes.partnersOf<Hull>(scene, id) : itself, sample, first, next,
-                     set);
+    addSampled<Hull>(body, growthOf<Hull>(body, options),
+                     culls ? boxes.partnersOf<Hull>(scene, id) : itself, sample, first, next, set);
     first += body.mesh.triangleCount();
   }
   set.corners.resize(set.vertices.size());
