@@ -85,8 +85,10 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
   const bool all = runner_.run(options, limit);
   const CycleCounters& counted = cycle_.counted();
   const bool listed = collector_.addTo(options);
-  cycle_.nearest.addTo(cycle_.scene.tables(), result_);
-  if (limit.wasOver() && !(all && listed && collector_.allDecided())) result_.cutOff(limit.why());
+  const bool searched = cycle_.nearest.addTo(scene, cycle_.scene.tables(), result_);
+  if (limit.wasOver() && !(all && listed && searched && collector_.allDecided())) {
+    result_.cutOff(limit.why());
+  }
   if (counted.unexamined > 0) result_.cutOff("memory_limit_mib");
   // A tile whose list of clusters had no room reports its pairs in every cluster, so some pairs may
   // be found several times.

@@ -403,6 +403,7 @@ struct NearestBodies {
   // The regions of the two bodies, and the number of this pair's first task. Each pair of regions
   // is a task.
   std::uint32_t first_region_a, first_region_b, regions_b, first_task;
+  std::uint32_t points_on_device;  // 1 if the device computes the closest points
 };
 
 // Up to kWarp consecutive tiles of one body.
@@ -424,13 +425,20 @@ struct NearTiles {
   TileIndex a, b;
 };
 
+// A pair of triangles that was as near as any before it.
+struct NearestHit {
+  unsigned long long key;    // as in NearestArrays::best
+  std::uint32_t pair;        // a place in NearestArrays::pairs
+  std::uint32_t triangle_b;  // its number on the device
+};
+
 // The result of the search for one pair of bodies. Triangles have their numbers in their bodies.
 struct NearestFound {
   enum State : std::uint32_t { kBeyond, kFound, kCutOff };
   State state;
   std::uint32_t triangle_a, triangle_b;
   float distance_m;
-  Vec3f point_a, point_b, normal;
+  Vec3f point_a, point_b, normal;  // only if the device computes them
 };
 
 struct NearestArrays : ArrayGroup {
@@ -448,6 +456,7 @@ struct NearestArrays : ArrayGroup {
   DeviceArray<Aabb, Place> region_boxes{*this, &CycleSizes::regions};  // of their triangles [m]
   DeviceArray<TileBound, TileIndex> tiles{*this, &CycleSizes::nearest_tiles};
   DeviceArray<NearTiles, Place> near_tiles{*this, &CycleSizes::near_tiles};
+  DeviceArray<NearestHit, Place> hits{*this, &CycleSizes::nearest_hits};
   PinnedPointer<NearestFound> found;  // one for each pair, written by the last kernel
 };
 

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/common/contact_geometry.h"
 #include "core/rules/margins.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/device/warp.cuh"
@@ -13,6 +14,9 @@ namespace {
 
 // How many pairs of tiles are listed; if there are more, they are searched at once.
 constexpr std::uint32_t kNearTiles = 1 << 16;
+// How many pairs of triangles that were the best so far are noted; if there are more, the last
+// kernel searches again.
+constexpr std::uint32_t kHits = 1 << 12;
 
 template <class T>
 bool areSame(const std::vector<T>& a, const std::vector<T>& b) {
@@ -59,9 +63,11 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
       const BodyId a = tables.taking_part[i], b = tables.taking_part[j];
       const std::uint64_t its = std::uint64_t{regions.countOf(i)} * regions.countOf(j);
       if (its == 0 || !scene.pairEnabled(a, b)) continue;
+      const bool on_device = scene.body(a).device_vertices || scene.body(b).device_vertices;
       pairs.push_back({BodyIndex(i), BodyIndex(j),
                        pairMargin(scene.body(a).margin_m, scene.body(b).margin_m), regions.first[i],
-                       regions.first[j], regions.countOf(j), static_cast<std::uint32_t>(tasks)});
+                       regions.first[j], regions.countOf(j), static_cast<std::uint32_t>(tasks),
+                       on_device ? 1U : 0U});
       tasks += its;
     }
   }
@@ -80,6 +86,7 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
   CycleSizes::raise(sizes_.regions, regions_.size());
   CycleSizes::raise(sizes_.nearest_tiles, tables.tile_count);
   sizes_.near_tiles = kNearTiles;
+  sizes_.nearest_hits = kHits;
   found_.grow(sizes_.nearest_pairs);
   arrays_.found.pointTo(found_.data());
 }
@@ -95,14 +102,21 @@ void DeviceNearest::send(HostCopies& copies) {
   sent_ = true;
 }
 
-void DeviceNearest::addTo(const SceneTables& tables, DetectionResult& result) const {
+bool DeviceNearest::addTo(const Scene& scene, const SceneTables& tables,
+                          DetectionResult& result) const {
   for (std::size_t i = 0; i < arrays_.pair_count; ++i) {
     const NearestFound& found = found_[i];
+    if (found.state == NearestFound::kCutOff) return false;
     if (found.state != NearestFound::kFound) continue;
     const TrianglePair pair{tables.taking_part[pairs_[i].a.value], found.triangle_a,
                             tables.taking_part[pairs_[i].b.value], found.triangle_b};
-    result.nearest.push_back({pair, found.distance_m, found.point_a, found.point_b, found.normal});
+    // The host computes the points of a few pairs sooner than the device.
+    result.nearest.push_back(
+        pairs_[i].points_on_device != 0
+            ? NearestPair{pair, found.distance_m, found.point_a, found.point_b, found.normal}
+            : nearestPairOf(scene, pair, found.distance_m));
   }
+  return true;
 }
 
 }  // namespace deformable_contact_monitor

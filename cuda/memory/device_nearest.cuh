@@ -28,9 +28,9 @@ class DeviceNearest {
   // Makes the next cycle send everything, because earlier copies may not have arrived.
   void forgetSent() { sent_ = false; }
 
-  // Writes what the last cycle found to result.nearest. Where the search was given up, pairs are
-  // missing; the result then says that it was cut off.
-  void addTo(const SceneTables& tables, DetectionResult& result) const;
+  // Writes what the last cycle found to result.nearest. Returns whether the search was complete;
+  // otherwise pairs are missing.
+  bool addTo(const Scene& scene, const SceneTables& tables, DetectionResult& result) const;
 
  private:
   CycleSizes& sizes_;

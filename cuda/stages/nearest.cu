@@ -60,40 +60,70 @@ __device__ float upperGap(const Vec3f& a, const Vec3f& b) {
   return most < FLT_MAX ? toFloat(most) : FLT_MAX;
 }
 
-// Returns the distance by which pairs are compared [m]; 0 if the triangles intersect, which they do
-// only if their boxes do.
-__device__ __noinline__ float distanceBetween(const Triangle& a, const Triangle& b) {
-  if (intersects(boxOf(a), boxOf(b))) {
-    PredicateState state;
-    if (trianglesIntersect(a, b, state)) return 0;
+// Returns whether two triangles intersect, which they do only if their boxes do.
+__device__ __noinline__ bool meet(const Triangle& a, const Triangle& b) {
+  PredicateState state;
+  return intersects(boxOf(a), boxOf(b)) && trianglesIntersect(a, b, state);
+}
+
+constexpr unsigned kLanesEach = 16;  // that compute one distance
+constexpr unsigned kBoundPairs = kBoundThreads / kLanesEach;
+static_assert(detail::kFeatures <= kLanesEach);
+
+// Returns the distance by which pairs are compared [m]; infinity unless the pair `counts`. Half a
+// warp computes it together, because one lane alone takes several times as long; its lanes give the
+// same triangles. Called by a whole warp.
+__device__ float distanceBetween(const Triangle& a, const Triangle& b, bool counts) {
+  const bool swap = detail::precedes(b, a);
+  const int feature = static_cast<int>(laneId() % kLanesEach);
+  double least2 = counts && feature < detail::kFeatures
+                      ? detail::squaredFeatureDistance(swap ? b : a, swap ? a : b, feature)
+                      : INFINITY;
+  for (unsigned o = kLanesEach / 2; o > 0; o /= 2) {
+    least2 = least(least2, __shfl_xor_sync(kFullWarp, least2, o));
   }
-  return comparedDistance(separation(a, b));
+  bool intersect = counts && feature == 0 && meet(a, b);
+  intersect = (__ballot_sync(kFullWarp, intersect) >> (laneId() & kLanesEach) & 1) != 0;
+  if (intersect) return 0;
+  return counts ? comparedDistance(sqrt(least2)) : INFINITY;
+}
+
+// Notes a pair of triangles that is as near as the best one so far.
+__device__ void addHit(const CycleArrays& c, std::uint32_t pair, Key key, TriangleIndex b) {
+  const std::uint32_t place = atomicAdd(&c.counters().nearest_hits, 1U);
+  if (place < c.nearest.hits.size()) c.nearest.hits[Place(place)] = {key, pair, b.value};
 }
 
 // Sets the first bound of a pair of bodies: the margin, or the distance of the last cycle's nearest
 // triangles. These may be of other bodies by now; any two triangles of the two bodies give a bound.
-__device__ void setFirstBound(const CycleArrays& c, Place pair) {
-  const NearestBodies bodies = c.nearest.pairs[pair];
+// Called by a whole warp, with one pair for each half of it; kNone: none.
+__device__ void setFirstBound(const CycleArrays& c, std::uint32_t pair) {
+  const bool is_pair = pair != kNone;
+  const NearestBodies bodies = c.nearest.pairs[Place(is_pair ? pair : 0)];
   const DeviceBody &a = c.scene.bodies[bodies.a], &b = c.scene.bodies[bodies.b];
-  const uint2 last = c.nearest.last[pair];
+  const uint2 last = c.nearest.last[Place(is_pair ? pair : 0)];
+  const bool in_range = last.x != 0 && last.x <= a.triangle_count && last.y <= b.triangle_count;
+  const TriangleIndex of_a(a.first_triangle + (in_range ? last.x - 1 : 0));
+  const TriangleIndex of_b(b.first_triangle + (in_range ? last.y - 1 : 0));
+  const Triangle hull_a = posedTriangle(c.scene, of_a), hull_b = posedTriangle(c.scene, of_b);
+  const bool counts = is_pair && in_range && isFinite(hull_a) && isFinite(hull_b);
+  const float distance_m = distanceBetween(hull_a, hull_b, counts);
+  if (!is_pair || laneId() % kLanesEach != 0) return;
   Key key = keyOf(bodies.margin_m, kNone);
-  if (last.x != 0 && last.x <= a.triangle_count && last.y <= b.triangle_count) {
-    const TriangleIndex of_a(a.first_triangle + last.x - 1);
-    const Triangle hull_a = posedTriangle(c.scene, of_a);
-    const Triangle hull_b = posedTriangle(c.scene, TriangleIndex(b.first_triangle + last.y - 1));
-    if (isFinite(hull_a) && isFinite(hull_b)) {
-      key = min(key, keyOf(distanceBetween(hull_a, hull_b), of_a.value));
-    }
+  if (distance_m <= bodies.margin_m) {
+    key = keyOf(distance_m, of_a.value);
+    addHit(c, pair, key, of_b);
   }
-  c.nearest.best[pair] = key;
+  c.nearest.best[Place(pair)] = key;
 }
 
 // One block for each of nearest.regions: writes the bounds of its tiles and its own box. Further
-// blocks have a thread for each of nearest.pairs, and set the first bounds.
+// blocks have half a warp for each of nearest.pairs, and set the first bounds.
 __global__ void __launch_bounds__(kBoundThreads) boundKernel(CycleArrays c) {
   if (blockIdx.x >= c.nearest.region_count) {
-    const Place pair((blockIdx.x - c.nearest.region_count) * kBoundThreads + threadIdx.x);
-    if (pair.value < c.nearest.pair_count) setFirstBound(c, pair);
+    const std::uint32_t first = (blockIdx.x - c.nearest.region_count) * kBoundPairs;
+    const std::uint32_t pair = first + threadIdx.x / kLanesEach;
+    setFirstBound(c, pair < c.nearest.pair_count ? pair : kNone);
     return;
   }
   __shared__ BlockBox whole;
@@ -131,15 +161,15 @@ class TilePairSearch {
     tiles_ = tiles;
     key_ = bestOf(c_, tiles.pair);
     const TileBound &bound_a = c_.nearest.tiles[tiles.a], &bound_b = c_.nearest.tiles[tiles.b];
-    if (keyOf(lowerGap(bound_a.box, bound_b.box), bound_a.least) >= key_) return;
+    if (keyOf(lowerGap(bound_a.box, bound_b.box), bound_a.least) > key_) return;
     const Side a(c_, tiles.a), b(c_, tiles.b);
-    const bool near_a = a.counts && keyOf(lowerGap(a.box, bound_b.box), a.triangle.value) < key_;
+    const bool near_a = a.counts && keyOf(lowerGap(a.box, bound_b.box), a.triangle.value) <= key_;
     const bool near_b = b.counts && lowerGap(b.box, bound_a.box) <= distanceOf(key_);
     queued_ = 0;
     for (unsigned left = __ballot_sync(kFullWarp, near_b); left != 0; left &= left - 1) {
       const int j = __ffs(static_cast<int>(left)) - 1;
       const Aabb box{laneVector(b.box.min, j), laneVector(b.box.max, j)};
-      add(near_a && keyOf(lowerGap(a.box, box), a.triangle.value) < key_, j);
+      add(near_a && keyOf(lowerGap(a.box, box), a.triangle.value) <= key_, j);
       if (queued_ >= kWarp) decide(kWarp);
     }
     if (queued_ > 0) decide(queued_);
@@ -172,25 +202,53 @@ class TilePairSearch {
     __syncwarp();
   }
 
-  // Decides the last `count` <= kWarp queued pairs.
+  // Decides the last `count` <= kWarp queued pairs. Each lane filters one of them by planes; half a
+  // warp then computes each distance that is left.
   __device__ void decide(unsigned count) {
     queued_ -= count;
-    if (laneId() < count) {
-      const std::uint16_t lanes = queue_[queued_ + laneId()];
-      const TriangleIndex t =
-          c_.scene.slot_triangle[TileEntryIndex(tiles_.a.value * kWarp + (lanes >> 8))];
-      const TriangleIndex u =
-          c_.scene.slot_triangle[TileEntryIndex(tiles_.b.value * kWarp + (lanes & 0xffU))];
-      const Triangle a = posedTriangle(c_.scene, t), b = posedTriangle(c_.scene, u);
-      const Key best = bestOf(c_, tiles_.pair);
-      const double most_m = distanceOf(best) * (1 + 1e-6) + 0x1p-149;
-      if (keyOf(lowerGap(boxOf(a), boxOf(b)), t.value) < best && !arePlanesApart(a, b, most_m)) {
-        const Key key = keyOf(distanceBetween(a, b), t.value);
-        if (key < best) atomicMin(&c_.nearest.best[Place(tiles_.pair)], key);
-      }
+    unsigned left = __ballot_sync(kFullWarp, laneId() < count && mayBeBest(queued_ + laneId()));
+    while (left != 0) {
+      const unsigned first = __ffs(static_cast<int>(left)) - 1;
+      left &= left - 1;
+      const bool has_second = left != 0;
+      const unsigned second = has_second ? __ffs(static_cast<int>(left)) - 1 : first;
+      left &= left - 1;
+      const bool is_second = laneId() >= kLanesEach;
+      measure(queued_ + (is_second ? second : first), !is_second || has_second);
     }
     __syncwarp();
     key_ = bestOf(c_, tiles_.pair);
+  }
+
+  __device__ TriangleIndex queuedA(unsigned place) const {
+    return triangleAt(tiles_.a, queue_[place] >> 8);
+  }
+  __device__ TriangleIndex queuedB(unsigned place) const {
+    return triangleAt(tiles_.b, queue_[place] & 0xffU);
+  }
+  __device__ TriangleIndex triangleAt(TileIndex tile, unsigned lane) const {
+    return c_.scene.slot_triangle[TileEntryIndex(tile.value * kWarp + lane)];
+  }
+
+  // Returns whether a queued pair may be as near as the best one, by boxes and planes.
+  __device__ bool mayBeBest(unsigned place) const {
+    const TriangleIndex t = queuedA(place);
+    const Triangle a = posedTriangle(c_.scene, t), b = posedTriangle(c_.scene, queuedB(place));
+    const double most_m = distanceOf(key_) * (1 + 1e-6) + 0x1p-149;
+    return keyOf(lowerGap(boxOf(a), boxOf(b)), t.value) <= key_ && !arePlanesApart(a, b, most_m);
+  }
+
+  // Computes the distance of a queued pair, and makes it the best one if it is. Called by a whole
+  // warp, with one pair for each half of it.
+  __device__ void measure(unsigned place, bool counts) {
+    const TriangleIndex t = queuedA(place), u = queuedB(place);
+    const float distance_m =
+        distanceBetween(posedTriangle(c_.scene, t), posedTriangle(c_.scene, u), counts);
+    if (!counts || laneId() % kLanesEach != 0) return;
+    const Key key = keyOf(distance_m, t.value);
+    if (key > bestOf(c_, tiles_.pair)) return;
+    atomicMin(&c_.nearest.best[Place(tiles_.pair)], key);
+    addHit(c_, tiles_.pair, key, u);
   }
 
   const CycleArrays& c_;
@@ -258,7 +316,7 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
       const TileIndex other(b.first_tile.value + j);
       const TileBound& bound = c.nearest.tiles[other];
       const bool near =
-          counts && bound.least != kNone && keyOf(lowerGap(own.box, bound.box), own.least) < key;
+          counts && bound.least != kNone && keyOf(lowerGap(own.box, bound.box), own.least) <= key;
       const std::uint32_t place = warpReserve(&c.counters().near_tiles, near);
       const bool listed = near && place < c.nearest.near_tiles.size();
       if (listed) c.nearest.near_tiles[Place(place)] = {pair, tile, other};
@@ -294,7 +352,6 @@ __device__ void findPartner(const CycleArrays& c, const NearestBodies& bodies, c
                             float distance_m, std::uint32_t warp, std::uint32_t warps,
                             std::uint32_t* least) {
   const Aabb box = boxOf(a);
-  const double most_m = distance_m * (1 + 1e-6) + 0x1p-149;
   const auto isNear = [&](const Aabb& other) { return lowerGap(box, other) <= distance_m; };
   for (std::uint32_t first = warp * kWarp; first < bodies.regions_b; first += warps * kWarp) {
     const std::uint32_t own = first + laneId();
@@ -313,13 +370,28 @@ __device__ void findPartner(const CycleArrays& c, const NearestBodies& bodies, c
       }
       for (unsigned tiles = __ballot_sync(kFullWarp, near); tiles != 0; tiles &= tiles - 1) {
         const std::uint32_t tile = region.first_tile.value + __ffs(static_cast<int>(tiles)) - 1;
-        const TriangleIndex t = c.scene.slot_triangle[TileEntryIndex(tile * kWarp + laneId())];
-        if (t.value == kNone) continue;
-        const Triangle b = posedTriangle(c.scene, t);
-        if (!isFinite(b) || !isNear(boxOf(b)) || arePlanesApart(a, b, most_m)) continue;
-        if (distanceBetween(a, b) == distance_m) atomicMin(least, t.value);
+        for (unsigned lane = 0; lane < kWarp;
+             lane += 2) {  // one triangle for each half of the warp
+          const TriangleIndex t =
+              c.scene.slot_triangle[TileEntryIndex(tile * kWarp + lane + laneId() / kLanesEach)];
+          const bool there = t.value != kNone;
+          const Triangle b = posedTriangle(c.scene, there ? t : TriangleIndex(0));
+          const bool counts = there && isFinite(b) && isNear(boxOf(b));
+          if (__any_sync(kFullWarp, counts) == 0) continue;
+          if (distanceBetween(a, b, counts) == distance_m) atomicMin(least, t.value);
+        }
       }
     }
+  }
+}
+
+// Lowers `least`, in shared memory, to the least triangle of body b in the hits of a pair with that
+// key. Called by a whole block.
+__device__ void partnerInHits(const CycleArrays& c, Place pair, Key key, std::uint32_t* least) {
+  const std::uint32_t count = min(c.counters().nearest_hits, c.nearest.hits.size());
+  for (std::uint32_t i = threadIdx.x; i < count; i += kPairThreads) {
+    const NearestHit hit = c.nearest.hits[Place(i)];
+    if (hit.key == key && hit.pair == pair.value) atomicMin(least, hit.triangle_b);
   }
 }
 
@@ -335,29 +407,31 @@ __global__ void __launch_bounds__(kPairThreads) resultKernel(CycleArrays c) {
   const bool cut_off = c.counters().nearest_cut_off != 0;
   const TriangleIndex t(triangleOf(key));
   const bool found = t.value != kNone && !cut_off;
-  const float distance_m = distanceOf(key);
-  Triangle a;
-  if (found) {
-    a = posedTriangle(c.scene, t);
-    findPartner(c, bodies, a, distance_m, threadIdx.x / kWarp, kPairThreads / kWarp, &least);
+  if (found && c.counters().nearest_hits <= c.nearest.hits.size()) {
+    partnerInHits(c, pair, key, &least);
+  } else if (found) {
+    findPartner(c, bodies, posedTriangle(c.scene, t), distanceOf(key), threadIdx.x / kWarp,
+                kPairThreads / kWarp, &least);
   }
   __syncthreads();
   if (threadIdx.x != 0) return;
   NearestFound result{};
   result.state = cut_off ? NearestFound::kCutOff : NearestFound::kBeyond;
   if (found) {
-    const PairGeometry geometry =
-        geometryOf(a, posedTriangle(c.scene, TriangleIndex(least)), distance_m);
     result.state = NearestFound::kFound;
     result.triangle_a = t.value - c.scene.bodies[bodies.a].first_triangle;
     result.triangle_b = least - c.scene.bodies[bodies.b].first_triangle;
-    result.distance_m = distance_m;
-    result.point_a = geometry.point_a;
-    result.point_b = distance_m > 0 ? geometry.point_b : geometry.point_a;
-    if (distance_m > 0) result.normal = geometry.normal;
+    result.distance_m = distanceOf(key);
     c.nearest.last[pair] = {result.triangle_a + 1, result.triangle_b + 1};
   }
-  c.nearest.found.onHost()[pair.value] = result;
+  NearestFound& to = c.nearest.found.onHost()[pair.value];
+  to = result;
+  if (!found || bodies.points_on_device == 0) return;
+  const PairGeometry geometry = geometryOf(
+      posedTriangle(c.scene, t), posedTriangle(c.scene, TriangleIndex(least)), result.distance_m);
+  to.point_a = geometry.point_a;
+  to.point_b = result.distance_m > 0 ? geometry.point_b : geometry.point_a;
+  if (result.distance_m > 0) to.normal = geometry.normal;
 }
 
 }  // namespace
@@ -366,7 +440,7 @@ void launchNearest(const CycleArrays& cycle, const CycleShape& shape, cudaStream
   const NearestArrays& nearest = cycle.nearest;
   if (nearest.pair_count == 0) return;
   constexpr unsigned kWarps = kTaskThreads / kWarp, kMostBlocksEach = 16;
-  const unsigned pair_blocks = (nearest.pair_count + kBoundThreads - 1) / kBoundThreads;
+  const unsigned pair_blocks = (nearest.pair_count + kBoundPairs - 1) / kBoundPairs;
   boundKernel<<<nearest.region_count + pair_blocks, kBoundThreads, 0, stream>>>(cycle);
   const unsigned task_blocks = std::min((nearest.task_count + kWarps - 1) / kWarps,
                                         kMostBlocksEach * shape.device.multiprocessors);
