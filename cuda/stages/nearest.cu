@@ -15,6 +15,7 @@
 #include "core/rules/geometry_of_pair.h"
 #include "core/rules/nearest.h"
 #include "cuda/device/boxes.cuh"
+#include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/corners.cuh"
 #include "cuda/stages/cut_off.cuh"
@@ -51,6 +52,14 @@ __device__ float lowerGap(const Aabb& a, const Aabb& b) {
   const float most = fmaxf(x, fmaxf(y, z));
   if (!(most > kLeast && most < kMost)) return fminf(most, FLT_MAX) * kRounding;
   return sqrtf(x * x + y * y + z * z) * kRounding;
+}
+
+// Returns the least distance by which triangles in these boxes may be compared [m]. It is sharper
+// than lowerGap(), so that among triangles that are equally near the key decides.
+__device__ float leastCompared(const Aabb& a, const Aabb& b) {
+  constexpr double kRounding = 1 - 0x1p-27;  // separation() is right to 2^-28 of itself
+  const double gap = sqrt(squaredGap(a, b)) * kRounding;
+  return gap > 0 ? comparedDistance(gap) : 0;
 }
 
 // Returns an upper bound of the distance between bodies with these two points [m].
@@ -120,6 +129,7 @@ __device__ void setFirstBound(const CycleArrays& c, std::uint32_t pair) {
 // One block for each of nearest.regions: writes the bounds of its tiles and its own box. Further
 // blocks have half a warp for each of nearest.pairs, and set the first bounds.
 __global__ void __launch_bounds__(kBoundThreads) boundKernel(CycleArrays c) {
+  letNextKernelStart();  // the previous kernel has ended, for this launch is a plain one
   if (blockIdx.x >= c.nearest.region_count) {
     const std::uint32_t first = (blockIdx.x - c.nearest.region_count) * kBoundPairs;
     const std::uint32_t pair = first + threadIdx.x / kLanesEach;
@@ -202,11 +212,17 @@ class TilePairSearch {
     __syncwarp();
   }
 
-  // Decides the last `count` <= kWarp queued pairs. Each lane filters one of them by planes; half a
-  // warp then computes each distance that is left.
+  // Decides the last `count` <= kWarp queued pairs. Each lane filters one of them by its box and
+  // planes. If many are left, each lane computes a distance; else half a warp computes each.
   __device__ void decide(unsigned count) {
+    constexpr int kFew = 12;
     queued_ -= count;
-    unsigned left = __ballot_sync(kFullWarp, laneId() < count && mayBeBest(queued_ + laneId()));
+    const bool open = laneId() < count && mayBeBest(queued_ + laneId());
+    unsigned left = __ballot_sync(kFullWarp, open);
+    if (__popc(left) > kFew) {
+      if (open) measureAlone(queued_ + laneId());
+      left = 0;
+    }
     while (left != 0) {
       const unsigned first = __ffs(static_cast<int>(left)) - 1;
       left &= left - 1;
@@ -235,7 +251,8 @@ class TilePairSearch {
     const TriangleIndex t = queuedA(place);
     const Triangle a = posedTriangle(c_.scene, t), b = posedTriangle(c_.scene, queuedB(place));
     const double most_m = distanceOf(key_) * (1 + 1e-6) + 0x1p-149;
-    return keyOf(lowerGap(boxOf(a), boxOf(b)), t.value) <= key_ && !arePlanesApart(a, b, most_m);
+    return keyOf(leastCompared(boxOf(a), boxOf(b)), t.value) <= key_ &&
+           !arePlanesApart(a, b, most_m);
   }
 
   // Computes the distance of a queued pair, and makes it the best one if it is. Called by a whole
@@ -244,11 +261,20 @@ class TilePairSearch {
     const TriangleIndex t = queuedA(place), u = queuedB(place);
     const float distance_m =
         distanceBetween(posedTriangle(c_.scene, t), posedTriangle(c_.scene, u), counts);
-    if (!counts || laneId() % kLanesEach != 0) return;
-    const Key key = keyOf(distance_m, t.value);
+    if (counts && laneId() % kLanesEach == 0) take(keyOf(distance_m, t.value), u);
+  }
+
+  // Does the same for a pair of this lane alone.
+  __device__ void measureAlone(unsigned place) {
+    const TriangleIndex t = queuedA(place), u = queuedB(place);
+    const Triangle a = posedTriangle(c_.scene, t), b = posedTriangle(c_.scene, u);
+    take(keyOf(meet(a, b) ? 0 : comparedDistance(separation(a, b)), t.value), u);
+  }
+
+  __device__ void take(Key key, TriangleIndex b) {
     if (key > bestOf(c_, tiles_.pair)) return;
     atomicMin(&c_.nearest.best[Place(tiles_.pair)], key);
-    addHit(c_, tiles_.pair, key, u);
+    addHit(c_, tiles_.pair, key, b);
   }
 
   const CycleArrays& c_;
@@ -287,6 +313,8 @@ __device__ void boundByPoints(const CycleArrays& c, std::uint32_t pair, const Ti
 // One warp for each task, a pair of regions: lists the pairs of their tiles that may be nearest. If
 // the list is full, it searches them itself.
 __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
+  awaitPreviousKernel();
+  letNextKernelStart();
   __shared__ std::uint16_t queue[kTaskThreads / kWarp][TilePairSearch::kRoom];
   const std::uint32_t warps = gridDim.x * (kTaskThreads / kWarp);
   const std::uint32_t warp = (blockIdx.x * kTaskThreads + threadIdx.x) / kWarp;
@@ -332,6 +360,8 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
 
 // One warp for each of nearest.near_tiles: searches them.
 __global__ void __launch_bounds__(kTaskThreads) trianglesKernel(CycleArrays c) {
+  awaitPreviousKernel();
+  letNextKernelStart();
   __shared__ std::uint16_t queue[kTaskThreads / kWarp][TilePairSearch::kRoom];
   const std::uint32_t warps = gridDim.x * (kTaskThreads / kWarp);
   const std::uint32_t warp = (blockIdx.x * kTaskThreads + threadIdx.x) / kWarp;
@@ -398,6 +428,7 @@ __device__ void partnerInHits(const CycleArrays& c, Place pair, Key key, std::ui
 // One block for each of nearest.pairs: writes its result to the host's memory, and keeps its
 // triangles for the next cycle.
 __global__ void __launch_bounds__(kPairThreads) resultKernel(CycleArrays c) {
+  awaitPreviousKernel();
   __shared__ std::uint32_t least;
   if (threadIdx.x == 0) least = kNone;
   __syncthreads();
@@ -444,9 +475,10 @@ void launchNearest(const CycleArrays& cycle, const CycleShape& shape, cudaStream
   boundKernel<<<nearest.region_count + pair_blocks, kBoundThreads, 0, stream>>>(cycle);
   const unsigned task_blocks = std::min((nearest.task_count + kWarps - 1) / kWarps,
                                         kMostBlocksEach * shape.device.multiprocessors);
-  if (task_blocks > 0) tilesKernel<<<task_blocks, kTaskThreads, 0, stream>>>(cycle);
-  trianglesKernel<<<4 * shape.device.multiprocessors, kTaskThreads, 0, stream>>>(cycle);
-  resultKernel<<<nearest.pair_count, kPairThreads, 0, stream>>>(cycle);
+  launchDependent(tilesKernel, task_blocks, kTaskThreads, 0, shape.device, stream, cycle);
+  launchDependent(trianglesKernel, 4 * shape.device.multiprocessors, kTaskThreads, 0, shape.device,
+                  stream, cycle);
+  launchDependent(resultKernel, nearest.pair_count, kPairThreads, 0, shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor
