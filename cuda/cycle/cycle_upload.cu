@@ -36,35 +36,8 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   const DeviceScene::Change change = on_device.layOut(scene, options.motion, asksForFans(options));
   if (on_device.triangleCount() == 0) return false;
   result.started_cold = was_cold;
-  const bool inspects = inspector_.needsInspection(change, on_device.triangleCount()) || was_cold;
-  const bool on_host = !on_device.anyFromDevice();
   ColdStart start;
-  // A cold start on the host is inspected before the upload, so that all memory is allocated at
-  // once.
-  const bool inspects_first = was_cold && on_host;
-  if (inspects_first && !adapt(scene, change, options, limit, result.started_cold, start)) {
-    return false;
-  }
-  // Any other scene is inspected on another thread during the upload.
-  BesideTask brief_inspection;
-  if (inspects && !was_cold && on_host) {
-    brief_inspection.start(
-        [&] { start = inspector_.inspect(scene, partition_, options, limit, Inspection::kBrief); });
-  }
-  on_device.sendLayout(scene, stream);
-  on_device.sendVertices(scene, options.motion, cycle_.copies, stream);
-  if (inspects) cycle_.copies.launch();  // the inspection may take long or end the cycle
-  if (!was_cold) sendBodiesAndMakeTiles(scene, options, change.any);
-  brief_inspection.wait();
-  if (inspects && !inspects_first) {
-    const bool adapted = on_host ? adapt(scene, change, options, limit, result.started_cold, start)
-                                 : adapt(on_device.onHost(scene, stream), change, options, limit,
-                                         result.started_cold, start);
-    if (!adapted) {
-      cycle_.stream.synchronise();  // the caller may change the vertices once this returns
-      return false;
-    }
-  }
+  if (!inspectAndSend(scene, change, options, limit, result.started_cold, start)) return false;
   // Of several devices, the first one searches the nearest pairs of the whole scene.
   cycle_.nearest.layOut(scene, on_device.tables(), options.nearest && partition_.isFirst());
   cycle_.growArrays();
@@ -80,6 +53,45 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   setParams(options, limit);
   const bool new_clusters = result.started_cold || reseeds;
   if (new_clusters || change.more_triangles > 0) sizeBins(options, new_clusters);
+  return true;
+}
+
+// Inspects the scene where that is needed, and sends its layout and vertices. A warm start that
+// turns out to need a cold one sets `started_cold`. Returns false if the limit was over.
+bool CycleUpload::inspectAndSend(const Scene& scene, const DeviceScene::Change& change,
+                                 const Options& options, const CycleLimit& limit,
+                                 bool& started_cold, ColdStart& start) {
+  DeviceScene& on_device = cycle_.scene;
+  const cudaStream_t stream = cycle_.stream.get();
+  const bool was_cold = started_cold;
+  const bool inspects = inspector_.needsInspection(change, on_device.triangleCount()) || was_cold;
+  const bool on_host = !on_device.anyFromDevice();
+  // A cold start on the host is inspected before the upload, so that all memory is allocated at
+  // once.
+  const bool inspects_first = was_cold && on_host;
+  if (inspects_first && !adapt(scene, change, options, limit, started_cold, start)) {
+    return false;
+  }
+  // Any other scene is inspected on another thread during the upload.
+  BesideTask brief_inspection;
+  if (inspects && !was_cold && on_host) {
+    brief_inspection.start(
+        [&] { start = inspector_.inspect(scene, partition_, options, limit, Inspection::kBrief); });
+  }
+  on_device.sendLayout(scene, stream);
+  on_device.sendVertices(scene, options.motion, cycle_.copies, stream);
+  if (inspects) cycle_.copies.launch();  // the inspection may take long or end the cycle
+  if (!was_cold) sendBodiesAndMakeTiles(scene, options, change.any);
+  brief_inspection.wait();
+  if (inspects && !inspects_first) {
+    const bool adapted = on_host ? adapt(scene, change, options, limit, started_cold, start)
+                                 : adapt(on_device.onHost(scene, stream), change, options, limit,
+                                         started_cold, start);
+    if (!adapted) {
+      cycle_.stream.synchronise();  // the caller may change the vertices once this returns
+      return false;
+    }
+  }
   return true;
 }
 
