@@ -98,6 +98,7 @@ TEST(GuardMotionTest, leavingIsNeverSlowed) {
   for (const double noise_m : {0.0, 5e-4}) {
     GuardParameters p = byTime();
     p.slow_distance_m = 0.5;
+    p.receding_m = 0;  // only the closing speed shows that it leaves
     Robot robot(p, 0.2, 0, noise_m);
     for (int i = 0; i < 30; ++i) robot.move(0.3);
     robot.output = {false, 1, "", false, ""};  // at the stop, the operator takes over
@@ -178,6 +179,7 @@ TEST(GuardMotionTest, warnsWithinItsDistance) {
   Watch watch(p);
   EXPECT_TRUE(watch.decide().warn) << "nothing is known";
   EXPECT_FALSE(watch.hear(at(0.26F)).warn);
+  EXPECT_TRUE(watch.hear(at(0.25F)).warn);
   GuardOutput output = watch.hear({at(0.25F), stateOf("arm", "cloth", ContactState::NEAR, 0.125)});
   EXPECT_TRUE(output.warn);
   EXPECT_EQ(output.near, "arm and cloth: 0.1250 m");
