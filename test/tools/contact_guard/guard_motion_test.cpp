@@ -79,7 +79,7 @@ TEST(GuardMotionTest, approachesSmoothly) {
   Robot robot(byTime(), 1);
   for (int i = 0; i < 6; ++i) robot.move(0.5);
   double before = robot.output.scale;
-  while (!robot.move(0.5).stop) {
+  for (int i = 0; i < 1000 && !robot.move(0.5).stop; ++i) {
     EXPECT_LT(std::abs(robot.output.scale - before), 0.12) << robot.distance_m;
     before = robot.output.scale;
   }
