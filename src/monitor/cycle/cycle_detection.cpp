@@ -138,6 +138,7 @@ void CycleDetection::runInterval(const Options& options, Scene* scene, Interval*
   Options swept = options;
   swept.motion = Motion::kSwept;
   swept.first_times = true;
+  swept.nearest = false;  // distances are those of the stamp
   swept.geometry = false;
   IntervalPairs pairs(scene);
   sweep->result = nullptr;
