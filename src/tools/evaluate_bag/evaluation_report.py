@@ -130,8 +130,8 @@ def plot_timeline(links, run, start):
 
 
 def distances_of(distances, links, run):
-    """{bodies: [(stamp, distance [m])]} of one run, ascending. The distance is NaN where it is not
-    known: UNKNOWN, or farther apart than the margin (NONE)."""
+    """{bodies: [(stamp, distance [m])]} of one run, ascending, of bodies that were ever near. The
+    distance is NaN where it is not known: UNKNOWN, or farther apart than the margin (NONE)."""
     lines = {}
     for row in distances:
         if row["run"] == run:
@@ -139,7 +139,7 @@ def distances_of(distances, links, run):
             lines.setdefault((row["body_a"], row["body_b"]), []).append(
                 (float(row["stamp"]), distance))
     lines = {bodies: line for bodies, line in lines.items()
-             if not all(math.isnan(distance) for _, distance in line)}
+             if any(distance > 0 for _, distance in line)}
     for row in links:
         bodies = row["body_a"], row["body_b"]
         if row["run"] == run and row["state"] == "NONE" and bodies in lines:
