@@ -185,7 +185,6 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
     reader->addProblem("tolerance_m", "is above 0, which is not supported with motion: swept");
   }
   p->swept_tolerance_m = reader->number("swept_tolerance_m", p->swept_tolerance_m, 0, 1);
-  o.nearest = true;
   o.near_pairs = reader->flag("near_pairs", o.near_pairs);
   o.geometry = reader->flag("contact_geometry", o.geometry);
   p->containment = reader->flag("containment", p->containment);

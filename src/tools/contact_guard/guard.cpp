@@ -230,7 +230,7 @@ double Guard::nearest(const ros::Time& now) const {
   double least = std::numeric_limits<double>::infinity();
   if (parameters_.links.empty()) return reader_.nearest("*", now);
   for (const std::string& link : parameters_.links) {
-    least = std::min(least, reader_.nearest(link, now));
+    least = std::min<double>(least, reader_.nearest(link, now));
   }
   return least;
 }
