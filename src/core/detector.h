@@ -67,6 +67,9 @@ struct DCM_EXPORT BodyDistance {
   // of the distance if that is more. If the triangles intersect, the points are near their
   // intersection.
   Vec3f point_a, point_b;
+  // The nearest pair of the two bodies is known (options.nearest): it is the witness, and in
+  // DetectionResult::nearest, or they are farther apart than their margin, and high_m is +inf.
+  bool is_exact = false;
   bool is_listed = false;           // all contacts of the pair are in DetectionResult::contacts
   std::uint32_t contact_count = 0;  // how many contacts of the pair are in that list
 };

@@ -121,6 +121,7 @@ class DetectorPool : public Detector {
   void reset() override {
     device_.reset();
     cpu_.reset();
+    if (bounded_) bounded_->forget();
   }
 
   void swapResult(DetectionResult& result) override {

@@ -1,78 +1,70 @@
+// Searches the pairs of bodies that do not touch. Tiles by surface are made on a thread of the
+// tiling cache. Until they are there, and for topologies that change all the time, tiles are runs
+// of triangles.
 #include "core/bounds/distance_search.h"
 
-#include <cmath>
-#include <optional>
-#include <vector>
+#include <algorithm>
+#include <cstddef>
 
+#include "core/bounds/pair_search.h"
 #include "core/common/contact_geometry.h"
-#include "core/common/posed_body.h"
-#include "core/predicates/aabb.h"
-#include "core/predicates/triangle_distance.h"
-#include "core/predicates/triangle_intersection.h"
-#include "core/rules/margins.h"
-#include "core/rules/nearest.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// A triangle with finite vertices and its box, in the scene frame.
-struct BoxedTriangle {
-  std::uint32_t index;
-  Triangle hull;
-  Aabb box;
-};
+using IdPair = std::pair<BodyId, BodyId>;
 
-std::vector<BoxedTriangle> boxedTriangles(const Body& body) {
-  std::vector<BoxedTriangle> triangles;
-  const PosedBody posed(body);
-  for (std::uint32_t t = 0; t < body.mesh.triangleCount(); ++t) {
-    const Triangle hull = posed.triangle(t);
-    if (isFinite(hull)) triangles.push_back({t, hull, boxOf(hull)});
-  }
-  return triangles;
+// Returns whether the list of contacts has all pairs of triangles that intersect now, and no others
+// that count as touching.
+bool tellsWhatTouches(const Options& options, const DetectionResult& result) {
+  return options.motion == Motion::kInstant && options.predicates == Predicates::kExact &&
+         options.overlap == 1 && !result.cut_off && result.left_out == 0;
 }
 
-std::optional<PairDistance> nearestOf(const std::vector<BoxedTriangle>& of_a,
-                                      const std::vector<BoxedTriangle>& of_b, float margin_m,
-                                      const CycleLimit& limit) {
-  PairDistance best{margin_m, ~std::uint32_t{0}, ~std::uint32_t{0}};
-  bool found = false;
-  PacedLimit pace(limit, 512);
-  for (const BoxedTriangle& a : of_a) {
-    for (const BoxedTriangle& b : of_b) {
-      if (pace.over()) return std::nullopt;
-      const double reach_m = best.distance_m * (1 + 1e-6) + 0x1p-149;
-      if (squaredGap(a.box, b.box) > reach_m * reach_m) continue;
-      PredicateState state{Predicates::kExact};
-      const float distance_m = trianglesIntersect(a.hull, b.hull, state)
-                                   ? 0
-                                   : comparedDistance(separation(a.hull, b.hull));
-      const PairDistance pair{distance_m, a.index, b.index};
-      if (!pair.precedes(best)) continue;
-      best = pair;
-      found = true;
+bool isBefore(const NearestPair& x, const NearestPair& y) {
+  return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
+}
+
+// Returns the enabled pairs of two bodies that are not in `found`, which is sorted.
+std::vector<IdPair> otherPairs(const Scene& scene, const std::vector<NearestPair>& found) {
+  std::vector<IdPair> others;
+  auto next = found.begin();
+  for (const IdPair& pair : scene.enabledPairs()) {
+    if (pair.first == pair.second) continue;
+    if (next != found.end() && IdPair(next->pair.body_a, next->pair.body_b) == pair) {
+      ++next;
+    } else {
+      others.push_back(pair);
     }
   }
-  return found ? std::optional(best) : std::nullopt;
+  return others;
 }
 
 }  // namespace
 
 void DistanceSearch::find(const Scene& scene, const Options& options, const CycleLimit& limit,
                           DetectionResult& result) {
-  if (!options.nearest) return;
-  std::vector<std::vector<BoxedTriangle>> bodies(scene.bodyCount());
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (scene.takesPart(id)) bodies[id] = boxedTriangles(scene.body(id));
+  if (!options.nearest || limit.over()) return;
+  SearchGoal goal;
+  goal.nearest = true;
+  goal.are_apart = tellsWhatTouches(options, result);
+  if (goal.are_apart) result.nearest = touchingPairs(scene, result);
+  const std::vector<IdPair> pairs = otherPairs(scene, result.nearest);
+  std::vector<std::shared_ptr<const Tiling>> tilings(scene.bodyCount());
+  std::vector<bool> is_new(scene.bodyCount(), true);
+  for (const auto& [a, b] : pairs) {
+    for (const BodyId id : {a, b}) {
+      if (is_new[id]) tilings[id] = tilings_->of(scene.body(id));
+      is_new[id] = false;
+    }
   }
-  for (const auto& [a, b] : scene.enabledPairs()) {
-    if (a == b) continue;
-    const float margin_m = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
-    const auto best = nearestOf(bodies[a], bodies[b], margin_m, limit);
-    if (!best) continue;
-    result.nearest.push_back(
-        nearestPairOf(scene, {a, best->triangle_a, b, best->triangle_b}, best->distance_m));
-  }
+  rounds_.begin(scene, pairs, tilings, goal, limit);
+  rounds_.decide(limit, SteadyTime::max());
+  const std::vector<NearestPair> apart = rounds_.nearest(scene);
+  const auto touching = static_cast<std::ptrdiff_t>(result.nearest.size());
+  result.nearest.insert(result.nearest.end(), apart.begin(), apart.end());
+  std::inplace_merge(result.nearest.begin(), result.nearest.begin() + touching,
+                     result.nearest.end(), isBefore);
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,6 +1,6 @@
 // Compares boxes to find the parts of two bodies that may be near each other. Axis-aligned boxes
-// come first. The oriented boxes of tiles are thinner, but need posed vertices, so they are
-// compared only where the others are near. All gaps are rounded down: no part is left out by
+// come first. The oriented boxes of tiles are thinner, but need posed vertices, so a search
+// compares them only where the others are near. All gaps are rounded down: no part is left out by
 // mistake.
 #include "core/bounds/near_parts.h"
 
@@ -133,9 +133,7 @@ double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, s
       tilesNear(b, region_b, a.regions()[region_a], needed_m, of_b, least_m);
   for (std::size_t i = 0; i < a_count; ++i) {
     for (std::size_t j = 0; j < b_count; ++j) {
-      double low_m = lowerGap(of_a[i].box, of_b[j].box);
-      if (low_m < needed_m)
-        low_m = most(low_m, lowerGap(a.tile(of_a[i].tile), b.tile(of_b[j].tile)));
+      const double low_m = lowerGap(of_a[i].box, of_b[j].box);
       if (low_m >= needed_m) {
         least_m = least(least_m, low_m);
       } else {

@@ -29,7 +29,8 @@ struct NearTriangles {
 double nearRegions(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, double needed_m,
                    std::vector<NearParts>& near);
 
-// Fills `near` with the pairs of tiles of two regions, in their order.
+// Fills `near` with the pairs of tiles of two regions, in their order. It compares the boxes along
+// the axes alone, so no vertex is posed.
 double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, std::size_t region_b,
                  double needed_m, std::vector<NearParts>& near);
 

@@ -1,8 +1,6 @@
 #include "core/common/contact_geometry.h"
 
 #include <cstddef>
-#include <map>
-#include <utility>
 #include <vector>
 
 #include "core/common/parallel.h"
@@ -47,15 +45,17 @@ NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pair, float di
 std::vector<NearestPair> touchingPairs(const Scene& scene, const DetectionResult& result) {
   // Contacts are sorted by (body_a, triangle_a, body_b, triangle_b), so the first one of two bodies
   // is the least.
-  std::map<std::pair<BodyId, BodyId>, TrianglePair> first;
+  const std::size_t bodies = scene.bodyCount();
+  std::vector<const TrianglePair*> first(bodies * bodies);
   for (std::size_t i = 0; i < result.contacts.size(); ++i) {
     const TrianglePair& pair = result.contacts[i];
-    if (pair.body_a != pair.body_b && result.touches(i)) {
-      first.emplace(std::pair(pair.body_a, pair.body_b), pair);
-    }
+    const TrianglePair*& known = first[bodies * pair.body_a + pair.body_b];
+    if (known == nullptr && pair.body_a != pair.body_b && result.touches(i)) known = &pair;
   }
   std::vector<NearestPair> touching;
-  for (const auto& [bodies, pair] : first) touching.push_back(nearestPairOf(scene, pair, 0));
+  for (const TrianglePair* pair : first) {
+    if (pair != nullptr) touching.push_back(nearestPairOf(scene, *pair, 0));
+  }
   return touching;
 }
 

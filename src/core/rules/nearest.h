@@ -1,4 +1,10 @@
-// The rule by which the nearest triangles of two bodies are chosen.
+// The rule by which the nearest triangles of two bodies are chosen, and how bounds of distances
+// tell which pairs of triangles need no look.
+//
+// separation() is right to 2^-28 of itself, and is then rounded to float32. So a pair whose true
+// distance is at least `low_m` has a float32 distance of at least leastCompared(low_m). A pair is
+// left out only if that is more than the best pair's distance, or equal to it while its triangles
+// come later. Bounds must not be rounded up.
 #pragma once
 
 #include <cfloat>
@@ -28,5 +34,28 @@ struct PairDistance {
     return triangle_a != o.triangle_a ? triangle_a < o.triangle_a : triangle_b < o.triangle_b;
   }
 };
+
+// The largest relative error of separation(), and of the double arithmetic on a bound of it.
+constexpr double kSeparationError = 0x1p-28 * (1 + 1e-6);
+
+// Returns the least comparedDistance() that a pair of triangles may have whose distance is at least
+// low_m >= 0 [m]; 0 if they may intersect.
+DCM_HD inline float leastCompared(double low_m) {
+  return low_m > 0 ? comparedDistance(low_m * (1 - kSeparationError)) : 0;
+}
+
+// Returns a distance [m] such that pairs at least so far apart have a comparedDistance() above
+// distance_m: +inf if there are none such.
+DCM_HD inline double certainlyBeyond(float distance_m) {
+  // Rounding to nearest takes what is not nearer than this to the next float32 or beyond.
+  return static_cast<double>(nextafterf(distance_m, INFINITY)) * (1 + 2 * kSeparationError);
+}
+
+// Returns a distance [m] such that pairs at least so far apart have a comparedDistance() of at
+// least distance_m. It is about half a step of float32 below that.
+DCM_HD inline double certainlyNotBelow(float distance_m) {
+  const double middle = (static_cast<double>(nextafterf(distance_m, 0)) + distance_m) / 2;
+  return middle * (1 + 4 * kSeparationError);
+}
 
 }  // namespace deformable_contact_monitor

@@ -120,6 +120,7 @@ void requireOwnTopics(const std::vector<ObjectParameters>& objects,
 // The parameters that may change while the monitor runs (dynamic_reconfigure).
 struct LiveParameters {
   double margin_m = 0;  // of bodies without a margin of their own
+  bool near_pairs = false;
   double max_rate_hz = 100, robot_rate_hz = 30, marker_rate_hz = 10;
   PairClasses pair_classes;
   Predicates predicates = Predicates::kExact;

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/vector3.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -18,6 +19,16 @@ constexpr double kMostAheadS = 1;
 
 bool isKnown(const ContactState& state) {
   return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
+}
+
+// Returns by how much a NEAR state's points are off from each other [m]: with its distance and its
+// normal the way leads from a's point to b's, or to at most `tolerance` beyond it.
+double gapOfPoints(const ContactState& state, double tolerance) {
+  const auto vector = [](const geometry_msgs::Point32& p) { return Vec3d{p.x, p.y, p.z}; };
+  const Vec3d way = vector(state.point_b) - vector(state.point_a), normal = vector(state.normal);
+  const double distance = length(way);
+  return std::max({length(way - normal * distance), state.min_separation - distance,
+                   distance - tolerance - state.min_separation});
 }
 
 bool isApart(const ContactState& state) {
@@ -202,6 +213,9 @@ void StateJudge::judgeAtStamp(const Claim& claim) {
       (state.min_separation > distance + kRounding ||
        state.min_separation < distance - tolerance - kRounding)) {
     fault(state, found + " and not " + std::to_string(state.min_separation));
+  }
+  if (state.state == ContactState::NEAR && gapOfPoints(state, tolerance) > kRounding) {
+    fault(state, "its points are not where it says");
   }
   const double broken = std::max(a.brokenShare(), b.brokenShare());
   if (broken > parameters_.tolerated_rejects + 1e-9) fault(state, "triangles are not finite");

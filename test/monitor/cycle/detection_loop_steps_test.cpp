@@ -253,6 +253,7 @@ TEST_F(StepDetectionTest, ItIsAskedWithTheSameDeadlineAndWithTimes) {
   step();
   EXPECT_EQ(detector_.options.motion, Motion::kSwept);
   EXPECT_TRUE(detector_.options.first_times);
+  EXPECT_FALSE(detector_.options.nearest) << "distances are those of the stamp";
   EXPECT_EQ(detector_.deadline, steady_time_ + std::chrono::seconds(1));
 }
 

@@ -309,6 +309,14 @@ TEST_F(MeshesTest, WhereNothingIsToBeLookedAtNoDetectorRuns) {
   EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
 }
 
+TEST_F(MeshesTest, EachCycleSearchesTheNearestPairsAndListsNearOnesOnRequest) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_TRUE(detector_.options.nearest);
+  EXPECT_FALSE(detector_.options.near_pairs);
+}
+
 TEST_F(MeshesTest, GeometryIsComputedWhileSomebodyWantsIt) {
   give(0, 50);
   give(1, 50);

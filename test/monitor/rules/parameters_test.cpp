@@ -60,6 +60,7 @@ TEST(Parameters, NothingSetGivesTheDefaults) {
   EXPECT_FALSE(p.pair_classes.deformable_self);
   EXPECT_EQ(p.detector.overlap, 1.0F);
   EXPECT_FALSE(p.detector.geometry);
+  EXPECT_FALSE(p.detector.near_pairs);
   EXPECT_EQ(p.detector.predicates, Predicates::kExact);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kBeyondShared);
   EXPECT_EQ(p.backend, BackendChoice::kAuto);
