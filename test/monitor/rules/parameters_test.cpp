@@ -91,6 +91,28 @@ TEST(Parameters, ANumberWithAnExponentMayBeAText) {
   }
 }
 
+// Controllers read margins from the parameter server, and know numbers only.
+TEST(Parameters, MarginsThatAreTextsBecomeNumbers) {
+  XmlRpcValue tree;
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>());
+  XmlRpcValue rope = object("1e3"), cable = object("cable"), margins;
+  rope["margin_m"] = "2e-3";
+  cable["margin_m"] = 0.25;
+  margins["hand"] = "1e-1";
+  margins["arm"] = 2;
+  tree["objects"] = list(cable, object("cloth"));
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>());
+  tree["objects"] = list(cable, rope);
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>{"objects"});
+  EXPECT_EQ(static_cast<double>(tree["objects"][1]["margin_m"]), 0.002);
+  EXPECT_EQ(static_cast<std::string>(tree["objects"][1]["name"]), "1e3");
+  EXPECT_EQ(static_cast<double>(tree["objects"][0]["margin_m"]), 0.25);
+  tree["link_margin_m"] = margins;
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>{"link_margin_m"});
+  EXPECT_EQ(static_cast<double>(tree["link_margin_m"]["hand"]), 0.1);
+  EXPECT_EQ(static_cast<int>(tree["link_margin_m"]["arm"]), 2);
+}
+
 TEST(Parameters, FramePrefix) {
   XmlRpcValue tree;
   EXPECT_EQ(parse(tree).frameOf("hand"), "hand");
