@@ -63,6 +63,9 @@ class Startup(unittest.TestCase):
         self.assertGreater(times["cycle"], times["detection"])
         self.assertGreater(times["latency"], times["detection"])
         self.assertTrue(any(what.startswith("stage ") for what in times), times)
+        output = [value.value for status in timed.status if status.name.endswith("output")
+                  for value in status.values if value.key == "truncated"]
+        self.assertEqual(output, ["false"])
 
     def test_cuda_asked_for_by_name_and_not_to_be_had_is_an_error(self):
         for parameter, value in {**GOOD, "backend": "cuda", "device": 1023}.items():

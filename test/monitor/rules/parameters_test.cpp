@@ -178,19 +178,21 @@ TEST(Parameters, WhatIsNotAtItsDefaultIsListed) {
   tree["containment"] = false;
   tree["max_contacts"] = 0;
   EXPECT_TRUE(parse(tree).changed.empty()) << parse(tree).changed.front();
+  tree["margin_m"] = 0.25;
   tree["link_margin_m"]["hand"] = 0.5;
   tree["geometry"] = "visual";
   tree["objects"] = list(object(std::string(1000, 'c')));
   tree["max_contacts"] = 7;
   tree["containment"] = true;
   const std::vector<std::string> changed = parse(tree).changed;
-  ASSERT_EQ(changed.size(), 5U);
+  ASSERT_EQ(changed.size(), 6U);
   EXPECT_EQ(changed[0], "geometry: visual");
-  EXPECT_EQ(changed[1], "link_margin_m: {hand:0.5}");
-  EXPECT_EQ(changed[2].substr(0, 18), "objects: [{name:cc");
-  EXPECT_LT(changed[2].size(), 120U);
-  EXPECT_EQ(changed[3], "containment: true");
-  EXPECT_EQ(changed[4], "max_contacts: 7");
+  EXPECT_EQ(changed[1], "margin_m: 0.25");
+  EXPECT_EQ(changed[2], "link_margin_m: {hand:0.5}");
+  EXPECT_EQ(changed[3].substr(0, 18), "objects: [{name:cc");
+  EXPECT_LT(changed[3].size(), 120U);
+  EXPECT_EQ(changed[4], "containment: true");
+  EXPECT_EQ(changed[5], "max_contacts: 7");
 }
 
 TEST(Parameters, ValuesArrive) {
