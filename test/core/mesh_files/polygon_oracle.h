@@ -23,7 +23,7 @@ bool operator==(const Point& a, const Point& b);
 // Positive if the corners are in counter-clockwise order.
 std::int64_t doubledArea(const Polygon& polygon);
 
-// Whether the sides ab and cd have a point in common.
+// Returns whether the sides ab and cd have a point in common.
 bool sidesMeet(const Point& a, const Point& b, const Point& c, const Point& d);
 
 // Where the plane of the polygon is: a point is u x + v y + offset, exact in float32.
