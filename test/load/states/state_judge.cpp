@@ -263,6 +263,7 @@ const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
     if (found == starts_.end()) continue;
     const Start& start = found->second;
     if (isTooOld(claim.report->header.stamp, start.stamp)) continue;
+    if (used->object && !hasBody(start, body->name, *used)) continue;
     if (latest == nullptr || latest->cycle < start.cycle) latest = &start;
   }
   if (latest != nullptr && beginsFrom(*latest, claim)) return latest;
@@ -278,17 +279,15 @@ const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
   return nullptr;
 }
 
-// Returns whether both bodies of the claim were there, with the same triangles and frames.
-bool StateJudge::beginsFrom(const Start& start, const Claim& claim) const {
-  for (const Used* used : {&claim.used_a, &claim.used_b}) {
-    const std::string& name = (used == &claim.used_a ? claim.a : claim.b)->name;
-    const auto from = start.bodies.find(name);
-    if (from == start.bodies.end() || from->second.stamp > used->stamp ||
-        from->second.topology != used->topology || from->second.frame != used->frame) {
-      return false;
-    }
-  }
-  return true;
+// Returns whether the body was there before, with the same triangles and frame.
+bool StateJudge::hasBody(const Start& start, const std::string& name, const Used& now) {
+  const auto from = start.bodies.find(name);
+  return from != start.bodies.end() && from->second.stamp <= now.stamp &&
+         from->second.topology == now.topology && from->second.frame == now.frame;
+}
+
+bool StateJudge::beginsFrom(const Start& start, const Claim& claim) {
+  return hasBody(start, claim.a->name, claim.used_a) && hasBody(start, claim.b->name, claim.used_b);
 }
 
 void StateJudge::judgeInterval(const Claim& claim, const Known* before) {

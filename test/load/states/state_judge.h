@@ -102,7 +102,8 @@ class StateJudge {
   std::optional<Used> usedOf(const BodyStatus& body) const;
   std::optional<std::size_t> objectOf(const std::string& name) const;
   const Start* startOf(const Claim& claim) const;
-  bool beginsFrom(const Start& start, const Claim& claim) const;
+  static bool hasBody(const Start& start, const std::string& name, const Used& now);
+  static bool beginsFrom(const Start& start, const Claim& claim);
   std::optional<SmallMotion> motionOf(const Used& from, const Used& to) const;
   void rememberCycle(const CycleReport& report);
 
