@@ -134,12 +134,12 @@ class Startup(unittest.TestCase):
         self.addCleanup(node.wait, WAIT_S)
         self.addCleanup(node.terminate)
 
-        def allowed(diagnostics):
+        def allowed(diagnostics):  # an error as soon as the robot is read
             return [s for s in diagnostics.status
-                    if "odd_srdf" in s.name and s.name.endswith(": allowed")]
+                    if "odd_srdf" in s.name and s.name.endswith(": allowed")
+                    and s.level == DiagnosticStatus.ERROR]
 
-        found, = allowed(Log("/diagnostics", DiagnosticArray).wait("the status", allowed))
-        self.assertEqual(found.level, DiagnosticStatus.ERROR)
+        found, = allowed(Log("/diagnostics", DiagnosticArray).wait("an error", allowed))
         self.assertIn("the SRDF is not used: parameter '/odd_description_semantic': SRDF, line 1: "
                       "robot without name", found.message)
 
