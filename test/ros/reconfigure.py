@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Changes margins, pair classes and rates while the monitor runs, as rqt_reconfigure would."""
 import math
+import subprocess
 import sys
 import threading
 import time
@@ -77,6 +78,14 @@ class Reconfigure(unittest.TestCase):
             self.assertEqual(rospy.get_param(f"/contact_monitor/{key}"), START[key])
         self.assertEqual(rospy.get_param("/contact_monitor/pair_classes"),
                          ["robot_deformable", "robot_self"])
+
+    def test_numbers_with_an_exponent(self):
+        """YAML 1.1 takes 1e-1 for a text, and controllers read margins as numbers."""
+        self.assertEqual(rospy.get_param("/contact_monitor/link_margin_m"), {"palm": 0.1})
+        subprocess.run(["rosrun", "dynamic_reconfigure", "dynparam", "set", "/contact_monitor",
+                        "margin_m", "6e-2"], check=True, timeout=WAIT_S)
+        self.wait_for_state(ContactState.NEAR, "the cloth near the finger")
+        self.assertEqual(rospy.get_param("/contact_monitor/margin_m"), 0.06)
 
     def test_a_margin_makes_near_of_none_and_never_contact(self):
         self.wait_for_state(ContactState.NONE, "nothing near")

@@ -243,7 +243,8 @@ std::optional<Marker> textOver(const CycleReport& report, BodyId id, double life
   marker.pose.position.x = (double{box.min.x} + box.max.x) / 2;
   marker.pose.position.y = (double{box.min.y} + box.max.y) / 2;
   marker.pose.position.z = box.max.z + marker.scale.z;
-  marker.color = makeColor(1, 1, 1, 1);
+  // Legible on rviz's dark ground and on a light one.
+  marker.color = makeColor(0.9F, 0.3F, 0.1F, 1);
   return marker;
 }
 

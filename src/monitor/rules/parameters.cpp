@@ -261,6 +261,25 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   throw ParameterError(all);
 }
 
+std::vector<std::string> writeMarginsAsNumbers(XmlRpc::XmlRpcValue* tree) {
+  std::vector<std::string> changed;
+  if (tree->hasMember("link_margin_m")) {
+    bool is_changed = false;
+    for (auto& link : (*tree)["link_margin_m"]) is_changed |= replaceTextByNumber(&link.second);
+    if (is_changed) changed.push_back("link_margin_m");
+  }
+  if (tree->hasMember("objects")) {
+    XmlRpc::XmlRpcValue& objects = (*tree)["objects"];
+    bool is_changed = false;
+    for (int i = 0; i < objects.size(); ++i) {
+      if (!objects[i].hasMember("margin_m")) continue;
+      is_changed |= replaceTextByNumber(&objects[i]["margin_m"]);
+    }
+    if (is_changed) changed.push_back("objects");
+  }
+  return changed;
+}
+
 void requireOwnTopics(const std::vector<ObjectParameters>& objects,
                       const std::function<std::string(const ObjectParameters&)>& topic_of) {
   std::map<std::string, std::string> names;  // by topic

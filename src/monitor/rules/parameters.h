@@ -112,6 +112,12 @@ struct ParameterError : std::runtime_error {
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings);
 
+// Replaces the margins of links and objects that are texts such as 1e-3 by numbers, because
+// programs that read margins from the parameter server (reader/monitor_margins.h) would take such a
+// text for no margin. Returns the names of the parameters in `tree` that have changed. `tree` must
+// be one that parseParameters() takes.
+std::vector<std::string> writeMarginsAsNumbers(XmlRpc::XmlRpcValue* tree);
+
 // Throws ParameterError if two objects have one topic. `topic_of` returns an object's absolute
 // topic.
 void requireOwnTopics(const std::vector<ObjectParameters>& objects,

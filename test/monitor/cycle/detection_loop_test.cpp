@@ -237,7 +237,7 @@ TEST_F(MeshesTest, WhatIsUnknownIsShownFourTimesASecond) {
   EXPECT_EQ(said_.shown, "cable(no mesh yet)");
   EXPECT_LE(sleepMs(), 1);
   stepAfter(1);
-  EXPECT_EQ(said_.shown, "cloth(newest mesh is 1.000000 s old)cable(no mesh yet)");
+  EXPECT_EQ(said_.shown, "cloth(newest mesh is 1.000 s old)cable(no mesh yet)");
   give(0, 51);
   give(1, 51);
   step();
@@ -282,7 +282,7 @@ TEST_F(MeshesTest, AfterACycleTheHeartbeatWaitsUntilTheMeshIsTooOld) {
   ros_time_ = ros::Time(52.5);
   EXPECT_EQ(stepAfter(2000),
             (Lines{"forget all: no new mesh",
-                   "heartbeat 52.5: cloth(newest mesh is 2.500000 s old) cable(no mesh yet)"}));
+                   "heartbeat 52.5: cloth(newest mesh is 2.500 s old) cable(no mesh yet)"}));
 }
 
 // ROS time may stand still meanwhile.
