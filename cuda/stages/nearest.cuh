@@ -46,9 +46,7 @@ __device__ inline float lowerGap(const Aabb& a, const Aabb& b) {
 // Returns the least distance by which triangles in these boxes may be compared [m]. It is sharper
 // than lowerGap(), so that among triangles that are equally near the key decides.
 __device__ inline float leastCompared(const Aabb& a, const Aabb& b) {
-  constexpr double kRounding = 1 - 0x1p-27;  // separation() is right to 2^-28 of itself
-  const double gap = sqrt(squaredGap(a, b)) * kRounding;
-  return gap > 0 ? comparedDistance(gap) : 0;
+  return leastCompared(sqrt(squaredGap(a, b)));
 }
 
 // Returns an upper bound of the distance between bodies with these two points [m].
