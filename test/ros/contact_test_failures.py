@@ -144,12 +144,12 @@ class ContactTestFailures(unittest.TestCase):
             "nears": ({**keeps, "hold_s": 5},
                       "not kept: palm and cloth keep 0.25 m, but near at 0.2 m at .*; seen in "
                       ".*least distance 0.2 m", {"play": lambda t: near(0.3 if t < 1 else 0.2)}),
-            "turns_lost": ({**keeps, "hold_s": 5}, "not kept: .*, but unknown at .*; unknown because "
-                                                   "mesh stale: cloth: newest mesh is 0.7 s old",
+            "turns_lost": ({**keeps, "hold_s": 5}, "not kept: .*, but unknown at .*; unknown "
+                                                   "because mesh stale: cloth: newest mesh is 0.7",
                            {"play": lambda t: near(0.3) if t < 1 else
                             state("UNKNOWN", reason="cloth: newest mesh is 0.7 s old")}),
-            "sees_little": (keeps, "margin too small: keeps_m is 0.25, but /played/sees_little knows "
-                                   "no distance of the two beyond its margin_m of 0.1 m",
+            "sees_little": (keeps, "margin too small: keeps_m is 0.25, but /played/sees_little "
+                                   "knows no distance of the two beyond its margin_m of 0.1 m",
                             {"play": lambda t: near(0.09)})})
 
     def test_no_master(self):
