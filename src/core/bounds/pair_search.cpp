@@ -204,7 +204,7 @@ void PairSearch::findStart() {
   for (std::size_t i = 0; i < std::min(kMost, triangles_.size()); ++i) {
     const NearTriangles& pair = triangles_[i];
     test(posed_a.posed(pair.a), posed_b.posed(pair.b),
-         {0, posed_a.triangle[pair.a], posed_b.triangle[pair.b]}, pair.low_m == 0);
+         {0, posed_a.triangle[pair.a], posed_b.triangle[pair.b]}, pair.boxes_meet);
   }
   triangles_.clear();
 }
@@ -250,7 +250,11 @@ void PairSearch::openRegions(const Doubt& doubt) {
 // their turn comes.
 void PairSearch::compareTiles(Doubt doubt) {
   doubt.parts = Parts::kOrientedTiles;
-  doubt.low_m = most(doubt.low_m, lowerGap(bodies_.a->tile(doubt.a), bodies_.b->tile(doubt.b)));
+  const PosedTile &a = bodies_.a->tile(doubt.a), &b = bodies_.b->tile(doubt.b);
+  doubt.low_m = most(doubt.low_m, lowerGap(a, b));
+  if (mayPrecede(doubt.low_m, doubt.first_a, doubt.first_b) && hasDirection()) {
+    doubt.low_m = most(doubt.low_m, lowerGapAlong(direction_, a, b));
+  }
   push(doubt);
 }
 
@@ -261,7 +265,9 @@ void PairSearch::openTiles(const Doubt& doubt) {
   open_ = doubt;
   if (++opened_ % kInVain == 0 && goal_.tolerance_m > needed_m_ && findWitness()) return;
   next_triangles_ = 0;
-  settle(nearTriangles(bodies_.a->tile(doubt.a), bodies_.b->tile(doubt.b), needed_m_, triangles_));
+  const PosedTile &a = bodies_.a->tile(doubt.a), &b = bodies_.b->tile(doubt.b);
+  settle(hasDirection() ? nearTrianglesAlong(direction_, a, b, needed_m_, triangles_)
+                        : nearTriangles(a, b, needed_m_, triangles_));
 }
 
 // Looks for a witness among the open tiles' triangles that are apart, but within the tolerance.
@@ -274,7 +280,7 @@ bool PairSearch::findWitness() {
   while (next_triangles_ < std::min(kMost, triangles_.size()) && high_m_ > goal_.tolerance_m) {
     const NearTriangles& pair = triangles_[next_triangles_++];
     test(a.posed(pair.a), b.posed(pair.b), {0, a.triangle[pair.a], b.triangle[pair.b]},
-         pair.low_m == 0);
+         pair.boxes_meet);
   }
   return high_m_ <= goal_.tolerance_m;
 }
@@ -297,7 +303,7 @@ void PairSearch::testTriangles(const CycleLimit& limit, SteadyTime until) {
       settle(low_m);
       continue;
     }
-    test(a.posed(pair.a), b.posed(pair.b), ids, pair.low_m == 0);
+    test(a.posed(pair.a), b.posed(pair.b), ids, pair.boxes_meet);
     if (goal_.tolerance_m > 0 && high_m_ <= goal_.tolerance_m) return;
     if (++tested % kLook == 0 && isTime(limit, until)) return;
   }
@@ -340,6 +346,13 @@ void PairSearch::take(const PairDistance& pair, float high_m) {
   has_points_ = false;
 }
 
+// Returns whether the nearest points so far give a direction, in which those of other parts lie
+// too, more or less.
+bool PairSearch::hasDirection() {
+  findPoints();
+  return direction_ != Vec3d();
+}
+
 // Computes where the witness's triangles are nearest. If they intersect, both points are the same.
 void PairSearch::findPoints() {
   if (has_points_) return;
@@ -348,6 +361,7 @@ void PairSearch::findPoints() {
                                            bodies_.b->posedTriangle(witness_.triangle_b), high_m_);
   points_[0] = geometry.point_a;
   points_[1] = high_m_ > 0 ? geometry.point_b : geometry.point_a;
+  direction_ = toDouble(points_[1]) - toDouble(points_[0]);
 }
 
 }  // namespace deformable_contact_monitor

@@ -97,6 +97,7 @@ class PairSearch {
   void test(const Triangle& hull_a, const Triangle& hull_b, const PairDistance& ids,
             bool boxes_meet);
   void take(const PairDistance& pair, float high_m);
+  bool hasDirection();
   void findPoints();
 
   BodyPair bodies_;
@@ -113,8 +114,9 @@ class PairSearch {
   double needed_m_;  // pairs at least so far apart cannot precede it [m]
   float high_m_ = std::numeric_limits<float>::infinity();
   PairDistance witness_;    // the best pair, or one within the tolerance but beyond the margin
-  Vec3f points_[2];         // the witness's
-  bool has_points_ = true;  // they are those of the present witness, if there is one
+  Vec3f points_[2];         // the witness's nearest points
+  Vec3d direction_;         // from the first to the second; zero if there is none
+  bool has_points_ = true;  // these are of the present witness, if there is one
   std::vector<TrianglePair> contacts_;
 
   // The pair of tiles that is open now, and its pairs of triangles from next_triangles_ on.
