@@ -135,7 +135,8 @@ void addWitnesses(const CycleReport& report, const MarkerOptions& options,
 // ends of the line have the colors of a contact, so that it shows which end is on the robot.
 void addNearest(const CycleReport& report, const MarkerOptions& options,
                 std::vector<Marker>* markers) {
-  constexpr double kWidthM = 0.004, kTextM = 0.03;
+  constexpr double kWidthM = 0.006, kTextM = 0.04;
+  const std_msgs::ColorRGBA orange = makeColor(0.9F, 0.35F, 0, 1);  // on light and dark ground
   for (const MonitoredPair& pair : report.pairs) {
     const std::optional<NearPoints> near = nearPoints(report, pair, options.rules);
     if (!near || !isFinite(near->point_a) || !isFinite(near->point_b)) continue;
@@ -149,7 +150,7 @@ void addNearest(const CycleReport& report, const MarkerOptions& options,
     Marker text = makeMarker(report, options.lifetime_s, pairKey(report, pair.a, pair.b, kDistance),
                              Marker::TEXT_VIEW_FACING);
     text.scale.z = kTextM;
-    text.color = makeColor(1, 1, 1, 1);
+    text.color = orange;
     const Vec3d middle = (toDouble(near->point_a) + toDouble(near->point_b)) * 0.5;
     text.pose.position = toPoint(middle + Vec3d{0, 0, kTextM});
     char length[32];

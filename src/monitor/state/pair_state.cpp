@@ -111,6 +111,8 @@ class StampFinding {
   bool isWithin() const { return inside_.any() && !isTouching() && !isWithinTolerance(); }
   // Returns whether the result lists all contacts of the pair.
   bool isListed() const { return !bounds_ || bounds_->bounds->is_listed; }
+  // Returns whether the nearest triangles of the pair are in the list.
+  bool isInList() const { return isListed() && summary_.count > 0; }
   std::string missingContacts() const;
   float distanceM() const;
   void setPlace(ContactState* state) const;
@@ -124,7 +126,8 @@ class StampFinding {
   const NearestPair* nearest_;  // null if it is not known for certain
 };
 
-// A detection that was cut off has looked at a part of the pairs. What it found to touch does.
+// A detection that was cut off may not have looked at all of a pair, unless its bounds decide the
+// pair. What it found to touch does.
 StampFinding::StampFinding(const CycleReport& report, const MonitoredPair& pair,
                            const PairSummary& summary, const StateRules& rules)
     : report_(report),
@@ -134,7 +137,9 @@ StampFinding::StampFinding(const CycleReport& report, const MonitoredPair& pair,
       inside_(insidePartsOf(report, pair)),
       bounds_(boundsOf(report, pair, rules.tolerance_m)),
       nearest_(nearestOf(report, pair)) {
-  if (nearest_ != nullptr && nearest_->distance_m > 0 && report.result->cut_off) nearest_ = nullptr;
+  const bool is_open =
+      report.result->cut_off && !(bounds_ && bounds_->decision == PairDecision::kNear);
+  if (nearest_ != nullptr && nearest_->distance_m > 0 && is_open) nearest_ = nullptr;
 }
 
 std::string StampFinding::problem() const {
@@ -185,7 +190,7 @@ float StampFinding::distanceLowM() const {
 // large.
 float StampFinding::distanceM() const {
   if (nearest_ != nullptr) return nearest_->distance_m;
-  return isListed() ? static_cast<float>(summary_.min_separation_m) : bounds_->bounds->low_m;
+  return isInList() ? static_cast<float>(summary_.min_separation_m) : bounds_->bounds->low_m;
 }
 
 NearPoints StampFinding::points() const {
@@ -196,8 +201,7 @@ NearPoints StampFinding::points() const {
   if (nearest_ != nullptr) {
     return {nearest_->point_a, nearest_->point_b, nearest_->normal, nearest_->distance_m};
   }
-  const bool is_in_list = summary_.touches() || (isListed() && summary_.count > 0);
-  if (is_in_list) return pointsOf(report_, summary_.nearest);
+  if (summary_.touches() || isInList()) return pointsOf(report_, summary_.nearest);
   if (!bounds_) return {};
   const BodyDistance& witness = *bounds_->bounds;
   return {witness.point_a, witness.point_b, toFloat(bounds_->normal()), witness.low_m};

@@ -94,21 +94,40 @@ TEST_F(NearStatesTest, WhatTouchesIsAContactAlsoWhenCutOff) {
   EXPECT_EQ(toVector(state.point_b), (Vec3f{1, 2, 3}));
 }
 
-TEST_F(NearStatesTest, BoundsOfACutOffCycleStay) {
+// The bounds know that no triangles are missing.
+TEST_F(NearStatesTest, ACutOffCycleKeepsWhatItsBoundsDecide) {
   sample_.scene.setMargin(2, 4);
   BodyDistance bounds;
   bounds.body_b = 2;
-  bounds.low_m = bounds.high_m = 2.5F;
+  bounds.low_m = 2.875F;
+  bounds.high_m = 3;
   bounds.point_a = {5, 0, 0};
-  bounds.point_b = {2.5F, 0, 0};
+  bounds.point_b = {2, 0, 0};
   sample_.result.distances = {bounds};
-  EXPECT_EQ(look().min_separation, 3) << "the nearest pair is exact";
+  rules_.tolerance_m = 0.25F;
   sample_.result.cutOff(kNoTime);
+  EXPECT_EQ(look().state, ContactState::NEAR);
+  EXPECT_EQ(look().min_separation, 3) << "the nearest pair is exact";
+  sample_.result.nearest.clear();
   const ContactState state = look();
   EXPECT_EQ(state.state, ContactState::NEAR);
-  EXPECT_EQ(state.min_separation, 2.5F);
-  EXPECT_EQ(state.point_b.x, 2.5F);
+  EXPECT_EQ(state.min_separation, 2.875F);
+  EXPECT_EQ(state.point_b.x, 2);
   EXPECT_EQ(state.normal.x, -1);
+  sample_.result.distances[0].low_m = 2;
+  EXPECT_EQ(look().state, ContactState::UNKNOWN) << "the bounds do not decide";
+}
+
+// Bounds may say that all contacts of a pair are listed while it is near and none is.
+TEST_F(NearStatesTest, BoundsOfAPairWithoutContactsAreNoInfinity) {
+  BodyDistance bounds;
+  bounds.body_b = 2;
+  bounds.low_m = bounds.high_m = 3;
+  bounds.is_listed = true;
+  sample_.scene.setMargin(2, 4);
+  sample_.result.distances = {bounds};
+  EXPECT_EQ(look().state, ContactState::NEAR);
+  EXPECT_EQ(look().min_separation, 3);
 }
 
 TEST_F(NearStatesTest, ListedPairsAreCountedAndSayWhere) {
