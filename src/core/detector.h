@@ -144,7 +144,9 @@ struct DCM_EXPORT DetectionResult {
   std::vector<BodyDistance> distances;
   // Of each enabled pair of two bodies that touch, or are at most the larger of their margins
   // apart, their nearest triangles, ascending by (body_a, body_b), if options.nearest is set; else
-  // empty. A pair that is missing is farther apart, unless the cycle was cut off.
+  // empty. Those that are listed are exact. A pair that is missing is farther apart, unless the
+  // cycle was cut off, or the pair was decided within options.tolerance_m (see `distances`). With
+  // swept motion they are of the present state, while `contacts` are those of the interval.
   std::vector<NearestPair> nearest;
   // How many contacts were found, but are not in the list, because the backend's memory limit was
   // reached or no time was left to sort them. Which ones are missing is arbitrary.

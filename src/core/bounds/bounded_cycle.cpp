@@ -316,7 +316,9 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
   const std::vector<NearestPair> nearest = rounds_.nearest(scene);
   result_.nearest.insert(result_.nearest.end(), nearest.begin(), nearest.end());
   std::sort(result_.nearest.begin(), result_.nearest.end(),
-            [](const NearestPair& x, const NearestPair& y) { return x.pair < y.pair; });
+            [](const NearestPair& x, const NearestPair& y) {
+              return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
+            });
   countRejected(scene);
 }
 

@@ -96,6 +96,21 @@ class Distances(unittest.TestCase):
                          [1, 2, 0, 1, 2, .5])
         self.assertEqual([float(near[key]) for key in ("nx", "ny", "nz")], [0, 0, 1])
 
+    def test_fcl_has_distances_but_no_near_pairs(self):
+        with open(self.path("near.yaml"), "w") as file:
+            file.write(CONFIG % 1 + "near_pairs: true\n")
+        tool = [TOOL, self.bag(len(HEIGHTS)), "--out", self.path("out"), "--no-report",
+                "--backends", "fcl", "--config"]
+        done = subprocess.run([*tool, self.path("near.yaml")], stderr=subprocess.PIPE,
+                              universal_newlines=True, timeout=300, check=False)
+        self.assertEqual(done.returncode, 2)
+        if "no FCL" in done.stderr:
+            return
+        self.assertIn("fcl lists no near pairs; set near_pairs to false", done.stderr)
+        self.evaluate("--backends", "fcl")
+        self.assertEqual({i: float(row["distance"]) for i, row in self.rows().items()},
+                         {1: .75, 2: .5, 3: .25, 4: 0, 5: .25, 7: .5})
+
     def test_unknown_has_no_distance(self):
         self.evaluate(lost_from=4)
         last = self.rows()[len(HEIGHTS) - 1]
