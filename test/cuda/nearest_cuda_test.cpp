@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/body_distance.h"
 #include "core/cpu_detector.h"
 #include "core/rules/nearest.h"
 #include "cuda/cuda_detector.h"
@@ -143,6 +145,48 @@ TEST_F(NearestOnCuda, WithMoreNearTilesThanAreListed) {
     EXPECT_EQ(nearest_m, found[0].distance_m);
     if (cycle == 1) detector_->reset();
   }
+}
+
+// A cycle that is cut off among its contacts has searched the nearest pairs before, and then tells
+// how each two bodies stand.
+TEST_F(NearestOnCuda, TellsHowBodiesStandWhereACycleIsCutOff) {
+  Scene scene = pairScene(clothGrid(150, 1, 0, 0.1F), clothGrid(140, 1.1F, 0.013F, -0.1F));
+  scene.setPairEnabled(0, 0, true);
+  const BodyId near = scene.addBody("near", clothGrid(20, 0.2F, 0.3F, 0));
+  const BodyId far = scene.addBody("far", clothGrid(20, 0.2F, 3, 0));
+  for (const BodyId id : {near, far}) scene.setPairEnabled(0, id, true);
+  scene.setMargin(0, 1);
+  const std::vector<NearestPair> expected = makeCpuDetector()->detect(scene, options_).nearest;
+  ASSERT_EQ(2U, expected.size());
+  int cut_off = 0, known = 0;
+  for (int i = 0; i < 200; ++i) {
+    RigidTransform pose;
+    pose.translation[0] = 1e-5 * i;
+    scene.setPose(far, pose);
+    Options options = options_;
+    options.limits.deadline =
+        std::chrono::steady_clock::now() + std::chrono::microseconds(10 * (i % 100));
+    const DetectionResult& result = detector_->detect(scene, options);
+    if (!result.cut_off) {
+      ASSERT_TRUE(sameNearest(expected, result.nearest));
+      continue;
+    }
+    ++cut_off;
+    for (const NearestPair& pair : result.nearest) {
+      EXPECT_TRUE(pair == expected[0] || pair == expected[1]);
+    }
+    for (const BodyDistance& distance : result.distances) {
+      if (!distance.is_exact) continue;
+      ++known;
+      const PairDecision decision = decide(distance, scene, 0);
+      EXPECT_EQ(distance.body_b == 1      ? PairDecision::kContact
+                : distance.body_b == near ? PairDecision::kNear
+                                          : PairDecision::kNone,
+                decision);
+    }
+  }
+  EXPECT_GT(cut_off, 0);
+  EXPECT_GT(known, 0);
 }
 
 // A grid over a grid: every vertex is as near as any other.
