@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::json;
 using Entry = NearestBodies::Entry;
 
-Json point(const Vec3f& p) { return {p.x, p.y, p.z}; }
+Json coordinates(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
 // Returns the unit vector between two points, or zero if they are equal.
 Vec3f direction(const Vec3f& from, const Vec3f& to) {
@@ -93,8 +93,8 @@ Json nearestJson(const NearestBodies& bodies) {
                     {"triangles", {nearest.pair.triangle_a, nearest.pair.triangle_b}},
                     {"distance", nearest.distance_m},
                     {"exact", entry.is_exact},
-                    {"points", {point(nearest.point_a), point(nearest.point_b)}},
-                    {"normal", point(nearest.normal)}});
+                    {"points", {coordinates(nearest.point_a), coordinates(nearest.point_b)}},
+                    {"normal", coordinates(nearest.normal)}});
   }
   return json;
 }
