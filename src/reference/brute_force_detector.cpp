@@ -107,11 +107,11 @@ double gapAlongAxes(const Triangle& a, const Triangle& b) {
 
 // Returns the nearest two triangles that are at most the margin apart, or nothing. It leaves out
 // only pairs that are farther apart along one axis than the nearest pair so far.
-std::optional<PairDistance> nearestOf(const std::vector<PosedTriangle>& of_a,
+std::optional<ComparedPair> nearestOf(const std::vector<PosedTriangle>& of_a,
                                       const std::vector<PosedTriangle>& of_b, float margin_m,
                                       const CycleLimit& limit) {
   constexpr double kRounding = 1 + 1e-6, kLeastStep = 0x1p-149;  // of distances to float32
-  std::optional<PairDistance> best;
+  std::optional<ComparedPair> best;
   PacedLimit pace(limit, 512);
   for (const PosedTriangle& a : of_a) {
     for (const PosedTriangle& b : of_b) {
@@ -121,7 +121,7 @@ std::optional<PairDistance> nearestOf(const std::vector<PosedTriangle>& of_a,
       PredicateState state{Predicates::kExact};
       const bool meet = trianglesIntersect(a.posed, b.posed, state);
       const float distance_m = meet ? 0 : comparedDistance(separation(a.posed, b.posed));
-      const PairDistance pair{distance_m, a.index, b.index};
+      const ComparedPair pair{distance_m, a.index, b.index};
       if (distance_m <= margin_m && (!best || pair.precedes(*best))) best = pair;
     }
   }

@@ -84,15 +84,13 @@ TEST_P(NearestSuite, IsTheLeastOfCubesFaceToFaceAndOfDuplicates) {
 // Distances that differ by some steps of float32, of thousands of triangles. A bound that is a
 // millionth too large leaves out the nearest ones.
 TEST_P(NearestSuite, IsTheNearestOfAlmostTies) {
-  for (unsigned seed = 0; seed < 24; ++seed) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
     SCOPED_TRACE(seed);
-    Scene scene = within(1, almostTied(seed, 36));
+    Scene scene = within(1, almostTied(seed, 33));
     if (seed % 3 != 0) turn(scene, static_cast<int>(seed));
     expectSame(scene);
-    for (int again = 0; again < 2; ++again) {
-      roughen(scene, 1, seed + 100 * static_cast<unsigned>(again));
-      expectSame(scene);
-    }
+    roughen(scene, 1, seed + 100);
+    expectSame(scene);
   }
 }
 

@@ -27,7 +27,7 @@ bool isTime(const CycleLimit& limit, SteadyTime until) {
   return until != SteadyTime::max() && std::chrono::steady_clock::now() >= until;
 }
 
-bool comesBefore(std::uint32_t a, std::uint32_t b, const PairDistance& pair) {
+bool comesBefore(std::uint32_t a, std::uint32_t b, const ComparedPair& pair) {
   return a != pair.triangle_a ? a < pair.triangle_a : b < pair.triangle_b;
 }
 
@@ -82,7 +82,7 @@ bool PairSearch::isLater(const Doubt& x, const Doubt& y) {
 // Returns whether pairs of triangles from these on, at least low_m apart, may precede the best one.
 bool PairSearch::mayPrecede(double low_m, std::uint32_t first_a, std::uint32_t first_b) const {
   if (low_m >= needed_m_) return false;
-  return PairDistance{leastCompared(low_m), first_a, first_b}.precedes(best_);
+  return ComparedPair{leastCompared(low_m), first_a, first_b}.precedes(best_);
 }
 
 void PairSearch::push(const Doubt& doubt) {
@@ -163,12 +163,12 @@ BodyDistance PairSearch::distance() const {
   return distance;
 }
 
-std::optional<PairDistance> PairSearch::nearestSoFar() const {
+std::optional<ComparedPair> PairSearch::nearestSoFar() const {
   if (best_.triangle_a == kNoTriangle || best_.distance_m > bodies_.margin_m) return std::nullopt;
   return best_;
 }
 
-std::optional<PairDistance> PairSearch::nearest() const {
+std::optional<ComparedPair> PairSearch::nearest() const {
   return isExact() ? nearestSoFar() : std::nullopt;
 }
 
@@ -298,7 +298,7 @@ void PairSearch::testTriangles(const CycleLimit& limit, SteadyTime until) {
       next_triangles_ = triangles_.size();
       return;
     }
-    const PairDistance ids{0, a.triangle[pair.a], b.triangle[pair.b]};
+    const ComparedPair ids{0, a.triangle[pair.a], b.triangle[pair.b]};
     if (!mayPrecede(low_m, ids.triangle_a, ids.triangle_b)) {
       settle(low_m);
       continue;
@@ -311,7 +311,7 @@ void PairSearch::testTriangles(const CycleLimit& limit, SteadyTime until) {
 
 // Tests two triangles, and updates the bounds, the witness and the contacts. Only triangles whose
 // boxes meet can intersect.
-void PairSearch::test(const Triangle& hull_a, const Triangle& hull_b, const PairDistance& ids,
+void PairSearch::test(const Triangle& hull_a, const Triangle& hull_b, const ComparedPair& ids,
                       bool boxes_meet) {
   // Triangles that are farther apart than this are no better witness, and do not change the
   // decision. Those that come later than the best pair have to be strictly nearer.
@@ -334,7 +334,7 @@ void PairSearch::test(const Triangle& hull_a, const Triangle& hull_b, const Pair
 
 // Takes a pair as the best one if it is, and as the witness if it is the best, or is within the
 // tolerance.
-void PairSearch::take(const PairDistance& pair, float high_m) {
+void PairSearch::take(const ComparedPair& pair, float high_m) {
   if (pair.precedes(best_)) {
     best_ = pair;
     needed_m_ = certainlyBeyond(pair.distance_m);

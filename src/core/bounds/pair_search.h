@@ -56,9 +56,9 @@ class PairSearch {
   // Returns whether the nearest pair is known.
   bool isExact() const { return goal_.nearest && isExhausted(); }
   // Returns the nearest pair if it is known and within the margin.
-  std::optional<PairDistance> nearest() const;
+  std::optional<ComparedPair> nearest() const;
   // Returns the nearest pair found so far that is within the margin.
-  std::optional<PairDistance> nearestSoFar() const;
+  std::optional<ComparedPair> nearestSoFar() const;
 
   // Returns the pairs of triangles that were found to intersect, in any order; the same one may be
   // there twice. If the witness intersects, it is one of them.
@@ -94,9 +94,9 @@ class PairSearch {
   void openTiles(const Doubt& doubt);
   bool findWitness();
   void testTriangles(const CycleLimit& limit, SteadyTime until);
-  void test(const Triangle& hull_a, const Triangle& hull_b, const PairDistance& ids,
+  void test(const Triangle& hull_a, const Triangle& hull_b, const ComparedPair& ids,
             bool boxes_meet);
-  void take(const PairDistance& pair, float high_m);
+  void take(const ComparedPair& pair, float high_m);
   bool hasDirection();
   void findPoints();
 
@@ -110,10 +110,10 @@ class PairSearch {
 
   // The nearest pair so far. While none is found, its distance is the largest that counts, and its
   // triangles come after all others.
-  PairDistance best_;
+  ComparedPair best_;
   double needed_m_;  // pairs at least so far apart cannot precede it [m]
   float high_m_ = std::numeric_limits<float>::infinity();
-  PairDistance witness_;    // the best pair, or one within the tolerance but beyond the margin
+  ComparedPair witness_;    // the best pair, or one within the tolerance but beyond the margin
   Vec3f points_[2];         // the witness's nearest points
   Vec3d direction_;         // from the first to the second; zero if there is none
   bool has_points_ = true;  // these are of the present witness, if there is one

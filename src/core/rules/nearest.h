@@ -24,16 +24,18 @@ DCM_HD inline float comparedDistance(double separation_m) {
 }
 
 // Two triangles of two bodies, and how far they are apart.
-struct PairDistance {
+struct ComparedPair {
   float distance_m;  // comparedDistance(), or 0 if they intersect
   std::uint32_t triangle_a, triangle_b;
 
   // Returns whether this pair is nearer, or as near and its triangles come first.
-  DCM_HD bool precedes(const PairDistance& o) const {
+  DCM_HD bool precedes(const ComparedPair& o) const {
     if (distance_m != o.distance_m) return distance_m < o.distance_m;
     return triangle_a != o.triangle_a ? triangle_a < o.triangle_a : triangle_b < o.triangle_b;
   }
 };
+
+using PairDistance = ComparedPair;  // its name in cuda/
 
 // The largest relative error of separation(), and of the double arithmetic on a bound of it.
 constexpr double kSeparationError = 0x1p-28 * (1 + 1e-6);
