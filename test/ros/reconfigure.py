@@ -111,8 +111,9 @@ class Reconfigure(unittest.TestCase):
         self.assertAlmostEqual(state.normal.z, 1, 6)
         self.assertEqual(state.pair_count, 0)
         self.wait_for_state(ContactState.NEAR, "the palm's distance", (PALM, CLOTH))
-        contacts = self.monitor.contacts.wait("nearest pairs", lambda m: any(m.triggered),
-                                              self.monitor.contacts.count())
+        contacts = self.monitor.contacts.wait(
+            "the cloth's cycle", lambda m: m.triggered[m.bodies.index(CLOTH)],
+            self.monitor.contacts.count())
         self.assertEqual((len(contacts.pairs), contacts.pair_count), (0, 0))
         nearest = {(contacts.bodies[n.body_a], contacts.bodies[n.body_b]): n
                    for n in contacts.nearest}

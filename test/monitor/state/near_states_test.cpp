@@ -108,14 +108,15 @@ TEST_F(NearStatesTest, ACutOffCycleKeepsWhatItsBoundsDecide) {
   sample_.result.cutOff(kNoTime);
   EXPECT_EQ(look().state, ContactState::NEAR);
   EXPECT_EQ(look().min_separation, 3) << "the nearest pair is exact";
+  sample_.result.distances[0].low_m = 2;
+  EXPECT_EQ(look().state, ContactState::UNKNOWN) << "the bounds do not decide";
+  sample_.result.distances[0].low_m = 2.875F;
   sample_.result.nearest.clear();
   const ContactState state = look();
   EXPECT_EQ(state.state, ContactState::NEAR);
   EXPECT_EQ(state.min_separation, 2.875F);
   EXPECT_EQ(state.point_b.x, 2);
   EXPECT_EQ(state.normal.x, -1);
-  sample_.result.distances[0].low_m = 2;
-  EXPECT_EQ(look().state, ContactState::UNKNOWN) << "the bounds do not decide";
 }
 
 // Bounds may say that all contacts of a pair are listed while it is near and none is.
