@@ -272,7 +272,8 @@ class ReplayedBags(unittest.TestCase):
         """It begins between two meshes that have triangles. An evaluation reads ahead to the second
         one; a monitor has no cycle before."""
         bag = os.path.join(self.folder, "migrated.bag")
-        rules = MessageMigrator([os.path.join(SOURCE, "msg/from_0_1.bmr")], False)
+        rules = MessageMigrator([os.path.join(SOURCE, "msg", name)
+                                 for name in ("from_0_1.bmr", "from_0_2.bmr")], False)
         old = os.path.join(SOURCE, "test/tools/bags/recorded_0_1.bag")
         self.assertEqual(fixbag2(rules, old, bag), [])
         with open(os.path.join(SOURCE, "config/demo.yaml")) as file:

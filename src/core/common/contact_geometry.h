@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/detector.h"
+#include "core/export.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -15,7 +16,8 @@ void writeGeometry(const Scene& scene, const Options& options, DetectionResult& 
 
 // Returns the nearest pair of two bodies whose nearest triangles are these, at that distance [m]: 0
 // if they intersect. The vertices of both bodies must be on the host.
-NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pair, float distance_m);
+DCM_EXPORT NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pair,
+                                     float distance_m);
 
 // Returns the nearest pairs of the bodies that touch, from a complete list of contacts: the first
 // contact of each two bodies. `contacts` must be sorted. Pairs of a body with itself, and those

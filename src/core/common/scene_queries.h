@@ -30,7 +30,7 @@ DCM_EXPORT std::size_t trianglesThatTakePart(const Scene& scene);
 DCM_EXPORT bool listsNearPairs(const Scene& scene, const Options& options);
 
 // Returns the margin within which near pairs of the body's triangles are listed [m]: its own, or 0.
-float listedMargin(const Body& body, const Options& options);
+DCM_EXPORT float listedMargin(const Body& body, const Options& options);
 
 // Throws std::invalid_argument, naming the body and the backend, if a body that takes part has its
 // vertices on a device. For backends that cannot read device memory.
