@@ -18,13 +18,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Returns whether the result has bounds of distances: if a tolerance is allowed, although they are
-// exact here, or if contacts may be missing while the search was complete.
-bool tellsDistances(const Options& options, const DetectionResult& result) {
-  if (options.motion == Motion::kSwept) return false;
-  return options.tolerance_m > 0 || (options.nearest && result.cut_off);
-}
-
 // Implements the contract of makeCudaDetector() on settings.device, which must be usable. For one
 // thread at a time. The order of the members matters: each part uses those before it.
 class SingleGpuDetector : public PartitionDetector {
@@ -98,10 +91,9 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
     result_.cutOff(limit.why());
   }
   if (counted.unexamined > 0) result_.cutOff("memory_limit_mib");
-  if (tellsDistances(options, result_)) {
+  if (result_.cut_off && options.nearest && options.motion == Motion::kInstant) {
     result_.distances = distancesOf(scene, scene.enabledPairs(), result_, true, searched);
   }
-  if (!options.nearest) result_.nearest.clear();  // searched for a tolerance alone
   // A tile whose list of clusters had no room reports its pairs in every cluster, so some pairs may
   // be found several times.
   if (counted.list_words > cycle_.sizes.list_words) dropRepeated(result_);

@@ -7,12 +7,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Returns whether the cycle searches nearest pairs. With a tolerance, distances come from these
-// too.
-bool searchesNearest(const Options& options) {
-  return options.nearest || (options.tolerance_m > 0 && options.motion == Motion::kInstant);
-}
-
 // Returns whether certified vertex fans can decide pairs of bodies that may touch themselves.
 bool asksForFans(const Options& options) {
   return options.motion == Motion::kInstant && options.adjacent == AdjacentPairs::kBeyondShared &&
@@ -45,8 +39,7 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   ColdStart start;
   if (!inspectAndSend(scene, change, options, limit, result.started_cold, start)) return false;
   // Of several devices, the first one searches the nearest pairs of the whole scene.
-  cycle_.nearest.layOut(scene, on_device.tables(),
-                        searchesNearest(options) && partition_.isFirst());
+  cycle_.nearest.layOut(scene, on_device.tables(), options.nearest && partition_.isFirst());
   cycle_.growArrays();
   cycle_.nearest.send(cycle_.copies);
   if (result.started_cold) {

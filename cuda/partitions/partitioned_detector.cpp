@@ -98,11 +98,6 @@ bool anyOnDevice(const Scene& scene) {
                      [](const Body& body) { return body.device_vertices.has_value(); });
 }
 
-// Returns whether distances are wanted because of a tolerance.
-bool searchesForTolerance(const Options& options) {
-  return options.tolerance_m > 0 && options.motion == Motion::kInstant;
-}
-
 // Returns whether a device's search for nearest pairs was complete.
 bool isSearched(const DetectionResult& result) {
   return !result.cut_off ||
@@ -178,10 +173,6 @@ class PartitionedDetector : public Detector {
     } else {
       partitions_.front().detector->setPartition(ScenePartition());
     }
-    if (count > 1 && searchesForTolerance(options)) {  // distances are made from the merged result
-      options.near_pairs = options.near_pairs || !options.nearest;
-      options.nearest = true;
-    }
     const auto clusters = static_cast<std::size_t>(options.clusters);
     options.clusters = static_cast<int>((clusters + count - 1) / count);
     for (std::size_t s = 1; s < count; ++s) {
@@ -226,12 +217,10 @@ class PartitionedDetector : public Detector {
     result_.begin(scene, options, isGuaranteed(options));
     const Stopwatch merging{};
     mergePartitions(partitions, result_);
-    const bool is_cut = options.nearest && result_.cut_off && options.motion == Motion::kInstant;
-    if (is_cut || searchesForTolerance(options)) {
+    if (result_.cut_off && options.nearest && options.motion == Motion::kInstant) {
       result_.distances =
           distancesOf(scene, scene.enabledPairs(), result_, true, isSearched(*partitions.front()));
     }
-    if (!options.nearest) result_.nearest.clear();
     if (!result_.started_cold && !result_.cut_off) bounds_.note(took_ms);
     for (auto& [name, ms] : result_.stages_ms) {
       if (name == kStageNames[static_cast<int>(Stage::kOutput)]) ms += merging.elapsedMs();
