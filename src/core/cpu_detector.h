@@ -16,7 +16,7 @@ struct CpuSettings {
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30;
   // Tilings of bodies, for Options::nearest. Detectors may share them if one thread at a time runs
   // one of these. Null: the detector makes its own.
-  std::shared_ptr<TilingCache> tilings;
+  std::shared_ptr<TilingCache> tilings = nullptr;
 };
 
 // Makes a detector that runs on threads of its own TBB arena (see Options::threads). A process that

@@ -18,9 +18,9 @@ std::unique_ptr<Detector> makeBruteForceDetector();
 // Library); only in a build with DCM_HAVE_FCL. Its triangle test works in floating point, so that
 // its pairs may differ from the exact ones (`guaranteed` is always false). It cannot tell whether
 // triangles that share a vertex meet beyond it, so that it leaves out such pairs for all values of
-// `adjacent`. It lists no near pairs: all separations are 0. The distances of nearest pairs are right
-// to about 1e-6 of themselves, and of several pairs at the same distance it takes any. It uses one
-// thread.
+// `adjacent`. It lists no near pairs: all separations are 0. The distances of nearest pairs are
+// right to about 1e-6 of themselves, and of several pairs at the same distance it takes any. It
+// uses one thread.
 std::unique_ptr<Detector> makeFclDetector();
 
 }  // namespace deformable_contact_monitor
