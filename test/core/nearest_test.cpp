@@ -250,7 +250,7 @@ TEST_P(NearestSuite, IsAPartOfWhatIsSwapped) {
   EXPECT_TRUE(detector_->detect(scene, Options()).nearest.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(, NearestSuite, ::testing::ValuesIn(allBackends()), backendName);
+INSTANTIATE_TEST_SUITE_P(, NearestSuite, ::testing::ValuesIn(productBackends()), backendName);
 
 }  // namespace
 }  // namespace deformable_contact_monitor
