@@ -193,10 +193,11 @@ class ContactTestFailures(unittest.TestCase):
             while not ended.is_set():
                 stamp = rospy.Time.now()
                 transforms.send(stamp, boxes_scene.edges(links=["palm"]))
+                time.sleep(0.1)  # the monitor waits only 10 ms for a transform that is late
                 meshes["cloth"].send(stamp, REFERENCE_FRAME, CLOTH)
                 meshes["broken"].send(stamp, REFERENCE_FRAME, (CLOTH[0], beyond))
                 meshes["adrift"].send(stamp, "nowhere", CLOTH)
-                time.sleep(0.2)
+                time.sleep(0.1)
         feeder = threading.Thread(target=feed)
         feeder.start()
         self.addCleanup(feeder.join)
