@@ -246,8 +246,8 @@ void measureFcl(const Settings& settings, MovingScene moving, FclTree tree) {
     times.processor.push_back(processorMs() - before_ms);
     times.whole.push_back(watch.elapsedMs());
   }
-  const bool right = std::fabs(found_m[0] - expected_m[0]) < 1e-5 * expected_m[0] &&
-                     std::fabs(found_m[1] - expected_m[1]) < 1e-5 * expected_m[1];
+  const bool right = std::fabs(found_m[0] - expected_m[0]) <= 1e-5 * expected_m[0] &&
+                     std::fabs(found_m[1] - expected_m[1]) <= 1e-5 * expected_m[1];
   const char* const what[] = {"rebuilt", "refitted bottom-up", "refitted top-down"};
   std::printf("| %s | %zu | inf | FCL, tree %s |", moving.name.c_str(),
               moving.scene.triangleCount(), what[static_cast<int>(tree)]);
