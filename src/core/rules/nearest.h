@@ -35,8 +35,6 @@ struct ComparedPair {
   }
 };
 
-using PairDistance = ComparedPair;  // its name in cuda/
-
 // The largest relative error of separation(), and of the double arithmetic on a bound of it.
 constexpr double kSeparationError = 0x1p-28 * (1 + 1e-6);
 
