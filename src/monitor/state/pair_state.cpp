@@ -16,7 +16,6 @@
 #include "core/limits.h"
 #include "core/pair_geometry.h"
 #include "core/rules/geometry_of_pair.h"
-#include "core/rules/margins.h"
 #include "monitor/messages/contact_messages.h"
 #include "monitor/time_difference.h"
 
@@ -81,11 +80,6 @@ NearPoints pointsOf(const CycleReport& report, std::size_t contact) {
       geometryOf(a.triangle(pair.triangle_a), b.triangle(pair.triangle_b), separation_m);
   if (separation_m <= 0) return {geometry.point_a, geometry.point_a, Vec3f(), 0};
   return {geometry.point_a, geometry.point_b, geometry.normal, separation_m};
-}
-
-// Returns the margin of a pair [m].
-float marginOf(const Scene& scene, const MonitoredPair& pair) {
-  return pairMargin(scene.body(pair.a).margin_m, scene.body(pair.b).margin_m);
 }
 
 // Interprets what a detection found of one pair at the stamp. It is a view of the report, which
@@ -189,9 +183,7 @@ bool StampFinding::isNear() const {
 float StampFinding::distanceLowM() const {
   if (inside_.any() || isTouching() || !missingContacts().empty()) return 0;
   if (nearest_ != nullptr) return std::nextafter(nearest_->distance_m, 0.F);
-  if (bounds_) return bounds_->bounds->low_m;
-  // The search has found nothing within the margin.
-  return pair_.a == pair_.b || isInList() ? 0 : marginOf(*report_.scene, pair_);
+  return bounds_ ? bounds_->bounds->low_m : 0;
 }
 
 // Returns the distance of a pair that is NEAR. With a tolerance it may be too small, but never too
