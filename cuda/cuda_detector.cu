@@ -3,6 +3,7 @@
 #include <set>
 #include <string>
 
+#include "core/bounds/exact_distances.h"
 #include "core/common/cycle_limit.h"
 #include "core/common/stopwatch.h"
 #include "cuda/cuda_detector.h"
@@ -85,8 +86,14 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
   const bool all = runner_.run(options, limit);
   const CycleCounters& counted = cycle_.counted();
   const bool listed = collector_.addTo(options);
-  if (limit.wasOver() && !(all && listed && collector_.allDecided())) result_.cutOff(limit.why());
+  const bool searched = cycle_.nearest.addTo(scene, cycle_.scene.tables(), result_);
+  if (limit.wasOver() && !(all && listed && searched && collector_.allDecided())) {
+    result_.cutOff(limit.why());
+  }
   if (counted.unexamined > 0) result_.cutOff("memory_limit_mib");
+  if (result_.cut_off && options.nearest && options.motion == Motion::kInstant) {
+    result_.distances = distancesOf(scene, scene.enabledPairs(), result_, true, searched);
+  }
   // A tile whose list of clusters had no room reports its pairs in every cluster, so some pairs may
   // be found several times.
   if (counted.list_words > cycle_.sizes.list_words) dropRepeated(result_);

@@ -52,7 +52,9 @@ std::unique_ptr<Detector> makeDetector(BackendChoice choice, WithoutCuda without
   pool.tilings = tilings;
   const bool is_cuda_alone = choice == BackendChoice::kCuda && without_cuda == WithoutCuda::kRefuse;
   if (!is_cuda_alone) {
-    const CpuSettings cpu{settings.memory_limit_bytes};
+    CpuSettings cpu;
+    cpu.memory_limit_bytes = settings.memory_limit_bytes;
+    cpu.tilings = tilings ? tilings : std::make_shared<TilingCache>();
     pool.cpu = [cpu] { return makeCpuDetector(cpu); };
   }
   if (choice != BackendChoice::kCpu) {

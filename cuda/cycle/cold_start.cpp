@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/common/posed_body.h"
+#include "core/common/scene_queries.h"
 #include "core/cpu/size_split.h"
 #include "core/cpu/transform.h"
 #include "core/rules/clustering.h"
@@ -74,11 +75,10 @@ void add(const MovingTriangle& t, WorkingSet& set) {
 // that is not of an earlier body; it is moved on to the next body. Prefetches vertices, because
 // sampled triangles are far apart in memory.
 template <class Hull>
-void addSampled(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, const Sample& sample,
-                std::size_t first, std::size_t& next, WorkingSet& set) {
+void addSampled(const Body& body, float growth_m, const PartnerBoxes<BoxOf<Hull>>& partners,
+                const Sample& sample, std::size_t first, std::size_t& next, WorkingSet& set) {
   const PosedBody now(body), earlier = PosedBody::earlier(body);
   const std::size_t end = first + body.mesh.triangleCount();
-  const float growth_m = growthOf<Hull>(body);
   std::vector<std::uint32_t> sampled;
   for (; next < sample.count && sample[next] < end; ++next) {
     sampled.push_back(static_cast<std::uint32_t>(sample[next] - first));
@@ -97,14 +97,6 @@ void addSampled(const Body& body, const PartnerBoxes<BoxOf<Hull>>& partners, con
   }
 }
 
-std::size_t trianglesThatTakePart(const Scene& scene) {
-  std::size_t count = 0;
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (scene.takesPart(id)) count += scene.body(id).mesh.triangleCount();
-  }
-  return count;
-}
-
 // Returns whether some triangles may be culled by their partners' boxes. A body that may touch
 // itself keeps all of its triangles, wherever the others are.
 bool needsBoxes(const Scene& scene) {
@@ -116,14 +108,14 @@ bool needsBoxes(const Scene& scene) {
 
 // Returns the sampled triangles of all bodies. It is incomplete if the limit was over.
 template <class Hull>
-WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes,
-                      const CycleLimit& limit) {
+WorkingSet sampledSet(const Scene& scene, const Options& options, const Sample& sample,
+                      BodyBoxes& boxes, const CycleLimit& limit) {
   WorkingSet set;
   set.vertices.reserve(3 * sample.count);
   set.triangle.reserve(sample.count);
   set.boxes.reserve(sample.count);
   const bool culls = needsBoxes(scene);
-  if (culls) boxes.update<Hull>(scene, limit);
+  if (culls) boxes.update<Hull>(scene, options, limit);
   if (limit.wasOver()) return set;
   if (kIsMoving<Hull>) set.common_motion = commonMotionOf(scene);
   PartnerBoxes<BoxOf<Hull>> itself;
@@ -132,8 +124,8 @@ WorkingSet sampledSet(const Scene& scene, const Sample& sample, BodyBoxes& boxes
   for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
     if (!scene.takesPart(id)) continue;
     const Body& body = scene.body(id);
-    addSampled<Hull>(body, culls ? boxes.partnersOf<Hull>(scene, id) : itself, sample, first, next,
-                     set);
+    addSampled<Hull>(body, growthOf<Hull>(body, options),
+                     culls ? boxes.partnersOf<Hull>(scene, id) : itself, sample, first, next, set);
     first += body.mesh.triangleCount();
   }
   set.corners.resize(set.vertices.size());
@@ -174,7 +166,7 @@ ColdStart measureAs(const Scene& scene, const ScenePartition& partition, const O
   const std::size_t most_seeds = clusterCountFor(options.clusters, policy, triangles, 0);
   const Sample sample{sampleSize(inspection, triangles, most_seeds), triangles};
   ColdStart start;
-  const WorkingSet set = sampledSet<Hull>(scene, sample, boxes, limit);
+  const WorkingSet set = sampledSet<Hull>(scene, options, sample, boxes, limit);
   SizeSplit split;
   if (sample.count > 0) split.spare = split.spare * sample.count / triangles;
   if (!limit.wasOver()) splitBySize(set, split, limit);

@@ -20,11 +20,19 @@ enum StepNumber {
   kSweep,
   kSweepTriangles,
   kNarrowPhase,
+  kNearest,
   kStepCount
 };
 
 // The stream that a step runs on: the cycle's own stream, or one of the branches.
-enum Branch { kMain = -1, kIdentityBranch, kAdaptBranch, kOversizedBranch, kBranchCount };
+enum Branch {
+  kMain = -1,
+  kIdentityBranch,
+  kAdaptBranch,
+  kOversizedBranch,
+  kNearestBranch,
+  kBranchCount
+};
 
 constexpr unsigned after(StepNumber step) { return 1U << step; }
 
@@ -54,11 +62,15 @@ constexpr Step kList[kStepCount] = {
     {Stage::kSweep, launchSweep, kMain, 0},
     {Stage::kSweep, launchSweepTriangles, kMain, after(kEntryIds)},
     {Stage::kNarrowPhase, launchNarrowPhase, kMain, after(kOversized) | after(kBins)},
+    {Stage::kNearest, launchNearest, kNearestBranch, after(kTransform)},
 };
+
+// The last steps of branches that nothing else waits for: the end of the cycle does.
+constexpr unsigned kLast = after(kFrames) | after(kNearest);
 
 // Returns the steps whose end another branch waits for, as bits. Only these record an event.
 constexpr unsigned awaited() {
-  unsigned steps = after(kFrames);  // the end of the cycle waits for the last step of that branch
+  unsigned steps = kLast;
   for (const Step& step : kList) steps |= step.after;
   return steps;
 }
@@ -156,6 +168,7 @@ void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cuda
   unsigned forked = 0;
   for (int s = 0; s < kStepCount; ++s) {
     const Step& step = kList[s];
+    if (s == kNearest && !shape.nearest) continue;
     cudaStream_t on = stream;
     if (step.branch != kMain) {
       on = branch_[step.branch].get();
@@ -169,6 +182,7 @@ void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cuda
     if ((awaited() >> s & 1) != 0) done_[s].record(on);
   }
   done_[kFrames].makeWait(stream);
+  if (shape.nearest) done_[kNearest].makeWait(stream);
 }
 
 void CycleGraph::runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {

@@ -31,8 +31,8 @@ class CycleGraph {
   StageTimes times() const;
 
  private:
-  static constexpr int kBranches = 3;
-  static constexpr int kSteps = 12;
+  static constexpr int kBranches = 4;
+  static constexpr int kSteps = 13;
 
   // Returns whether arrays and shape are those of the last cycle, compared byte by byte.
   bool isLast(const CycleArrays& cycle, const CycleShape& shape) const;

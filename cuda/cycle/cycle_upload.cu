@@ -30,18 +30,46 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   if (was_cold) {
     cycle_.forgetSentParams();
     on_device.forgetSent();
+    cycle_.nearest.forgetSent();
     cycle_.stream.synchronise();  // a failed cycle may have left work that reads the host's memory
   }
   const DeviceScene::Change change = on_device.layOut(scene, options.motion, asksForFans(options));
   if (on_device.triangleCount() == 0) return false;
   result.started_cold = was_cold;
+  ColdStart start;
+  if (!inspectAndSend(scene, change, options, limit, result.started_cold, start)) return false;
+  // Of several devices, the first one searches the nearest pairs of the whole scene.
+  cycle_.nearest.layOut(scene, on_device.tables(), options.nearest && partition_.isFirst());
+  cycle_.growArrays();
+  cycle_.nearest.send(cycle_.copies);
+  if (result.started_cold) {
+    sendSeeds(start, options);
+    sendBodiesAndMakeTiles(scene, options, true);
+  } else if (reseeds) {
+    launchClusterSeeds(cycle_.arrays, samples, stream);
+    launchClusterStart(cycle_.arrays, stream);
+    cycle_.cycles_since_refresh = 0;
+  }
+  setParams(options, limit);
+  const bool new_clusters = result.started_cold || reseeds;
+  if (new_clusters || change.more_triangles > 0) sizeBins(options, new_clusters);
+  return true;
+}
+
+// Inspects the scene where that is needed, and sends its layout and vertices. A warm start that
+// turns out to need a cold one sets `started_cold`. Returns false if the limit was over.
+bool CycleUpload::inspectAndSend(const Scene& scene, const DeviceScene::Change& change,
+                                 const Options& options, const CycleLimit& limit,
+                                 bool& started_cold, ColdStart& start) {
+  DeviceScene& on_device = cycle_.scene;
+  const cudaStream_t stream = cycle_.stream.get();
+  const bool was_cold = started_cold;
   const bool inspects = inspector_.needsInspection(change, on_device.triangleCount()) || was_cold;
   const bool on_host = !on_device.anyFromDevice();
-  ColdStart start;
   // A cold start on the host is inspected before the upload, so that all memory is allocated at
   // once.
   const bool inspects_first = was_cold && on_host;
-  if (inspects_first && !adapt(scene, change, options, limit, result.started_cold, start)) {
+  if (inspects_first && !adapt(scene, change, options, limit, started_cold, start)) {
     return false;
   }
   // Any other scene is inspected on another thread during the upload.
@@ -56,26 +84,14 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   if (!was_cold) sendBodiesAndMakeTiles(scene, options, change.any);
   brief_inspection.wait();
   if (inspects && !inspects_first) {
-    const bool adapted = on_host ? adapt(scene, change, options, limit, result.started_cold, start)
+    const bool adapted = on_host ? adapt(scene, change, options, limit, started_cold, start)
                                  : adapt(on_device.onHost(scene, stream), change, options, limit,
-                                         result.started_cold, start);
+                                         started_cold, start);
     if (!adapted) {
       cycle_.stream.synchronise();  // the caller may change the vertices once this returns
       return false;
     }
   }
-  cycle_.growArrays();
-  if (result.started_cold) {
-    sendSeeds(start, options);
-    sendBodiesAndMakeTiles(scene, options, true);
-  } else if (reseeds) {
-    launchClusterSeeds(cycle_.arrays, samples, stream);
-    launchClusterStart(cycle_.arrays, stream);
-    cycle_.cycles_since_refresh = 0;
-  }
-  setParams(options, limit);
-  const bool new_clusters = result.started_cold || reseeds;
-  if (new_clusters || change.more_triangles > 0) sizeBins(options, new_clusters);
   return true;
 }
 
@@ -102,7 +118,7 @@ void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
 // Sends poses and margins. Then builds the tiles of new and changed bodies, and the vertex rings
 // that certified fans need. `any_new`: whether there are such bodies.
 void CycleUpload::sendBodiesAndMakeTiles(const Scene& scene, const Options& options, bool any_new) {
-  cycle_.scene.sendBodies(scene, options.motion, inspector_.scale(), cycle_.copies);
+  cycle_.scene.sendBodies(scene, options, inspector_.scale(), cycle_.copies);
   if (any_new) cycle_.copies.launch();
   cycle_.scene.makeTiles(cycle_.stream.get());
   if (cycle_.scene.anySelf() && asksForFans(options)) cycle_.scene.findFans(cycle_.stream.get());

@@ -35,6 +35,8 @@ class CycleUpload {
   void endDetection();
 
  private:
+  bool inspectAndSend(const Scene& scene, const DeviceScene::Change& change, const Options& options,
+                      const CycleLimit& limit, bool& started_cold, ColdStart& start);
   bool adapt(const Scene& scene, const DeviceScene::Change& change, const Options& options,
              const CycleLimit& limit, bool& started_cold, ColdStart& start);
   void setParams(const Options& options, const CycleLimit& limit);

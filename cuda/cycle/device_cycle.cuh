@@ -14,6 +14,7 @@
 #include "cuda/device/stream.cuh"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
+#include "cuda/memory/device_nearest.cuh"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_copy.cuh"
 #include "cuda/stages/stages.cuh"
@@ -91,6 +92,7 @@ struct DeviceCycle {
   CycleSizes sizes;
   CycleArrays arrays{memory};
   DeviceScene scene{settings.device, memory, sizes, arrays.scene};
+  DeviceNearest nearest{sizes, arrays.nearest};
   PinnedBuffer<CycleParams> params{1};
   PinnedBuffer<CycleCounters> counters{1};
   HostStop stop;

@@ -20,6 +20,23 @@ __device__ inline Aabb boxOf(const std::uint32_t* sides) {
           {fromOrderedBits(sides[3]), fromOrderedBits(sides[4]), fromOrderedBits(sides[5])}};
 }
 
+__device__ inline float lowest(float x) { return fromOrderedBits(~warpMost(~orderedBits(x))); }
+__device__ inline float highest(float x) { return fromOrderedBits(warpMost(orderedBits(x))); }
+
+// Returns the box of all lanes' boxes, which may be empty. Called by a whole warp.
+__device__ inline Aabb warpBox(const Aabb& box) {
+  Aabb all;
+  all.min = {lowest(box.min.x), lowest(box.min.y), lowest(box.min.z)};
+  all.max = {highest(box.max.x), highest(box.max.y), highest(box.max.z)};
+  return all;
+}
+
+// Returns `v` of another lane. Called by a whole warp.
+__device__ inline Vec3f laneVector(const Vec3f& v, int lane) {
+  return {__shfl_sync(kFullWarp, v.x, lane), __shfl_sync(kFullWarp, v.y, lane),
+          __shfl_sync(kFullWarp, v.z, lane)};
+}
+
 // A box of a thread block, in shared memory. All threads of the block make each call.
 struct BlockBox {
   std::uint32_t sides[kSides];

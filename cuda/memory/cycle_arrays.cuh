@@ -17,6 +17,7 @@
 #include "core/rules/principal_axes.h"
 #include "cuda/device/boxes.cuh"
 #include "cuda/memory/device_memory.cuh"
+#include "cuda/memory/nearest_arrays.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -403,13 +404,15 @@ struct CycleArrays : ArrayGroup {
         clusters(memory),
         tiles(memory),
         sweep(memory),
-        contacts(memory) {}
+        contacts(memory),
+        nearest(memory) {}
 
   SceneArrays scene;
   ClusterArrays clusters;
   TileArrays tiles;
   SweepArrays sweep;
   ContactArrays contacts;
+  NearestArrays nearest;
 
   PinnedPointer<CycleCounters> host_counters;  // to which the last kernel copies the counters
   PinnedPointer<std::uint32_t> host_stop;      // not 0: the cycle is to end early

@@ -87,6 +87,9 @@ struct alignas(kLine) CycleCounters {
   alignas(kLine) std::uint32_t tile_pairs;
   alignas(kLine) std::uint32_t dense_pairs;
   alignas(kLine) std::uint32_t pairs_taken;
+  alignas(kLine) std::uint32_t near_tiles;
+  std::uint32_t nearest_hits;     // on nearest.hits, including those without room
+  std::uint32_t nearest_cut_off;  // 1 if the search for nearest pairs was given up
   alignas(kLine) unsigned long long candidates;
   alignas(kLine) std::uint32_t open;           // on contacts.open, from its front on
   alignas(kLine) std::uint32_t open_adjacent;  // on contacts.open, from its end backwards

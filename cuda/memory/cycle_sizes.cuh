@@ -16,6 +16,8 @@ struct CycleSizes {
   std::uint32_t vertices = 0, triangles = 0, vertex_blocks = 0, triangle_blocks = 0;
   std::uint32_t tiles = 0, slots = 0;
   std::uint32_t identity_slots = 0, fan_vertices = 0, fan_places = 0;
+  // Sizes of the search for nearest pairs, which DeviceNearest sets where it is asked for.
+  std::uint32_t nearest_pairs = 0, regions = 0, nearest_tiles = 0, near_tiles = 0, nearest_hits = 0;
   // Sizes of what a cycle finds. Candidates and contacts may use half of the memory limit each; the
   // others grow as needed.
   std::uint32_t clusters = 0, samples = 0;

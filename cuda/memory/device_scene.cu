@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/common/parallel.h"
+#include "core/common/scene_queries.h"
 #include "core/rules/margins.h"
 #include "cuda/memory/device_scene.cuh"
 #include "cuda/memory/host_copy.cuh"
@@ -314,16 +315,16 @@ Scene DeviceScene::onHost(const Scene& scene, cudaStream_t stream) const {
   return on_host;
 }
 
-void DeviceScene::sendBodies(const Scene& scene, Motion motion, const SceneScale& scale,
+void DeviceScene::sendBodies(const Scene& scene, const Options& options, const SceneScale& scale,
                              HostCopies& copies) {
-  const bool swept = motion == Motion::kSwept;
-  any_ = {scene.anyMargin(), scene.anyPad()};
+  const bool swept = options.motion == Motion::kSwept;
+  any_ = {listsNearPairs(scene, options), scene.anyPad()};
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
     const Body& from = scene.body(tables_.taking_part[i]);
     DeviceBody& body = tables_.bodies[i];
     body.pose = from.pose;
     body.identity_pose = from.pose.isIdentity() ? 1 : 0;
-    body.margin_m = swept ? grownPad(from.pad_m) : from.margin_m;
+    body.margin_m = swept ? grownPad(from.pad_m) : listedMargin(from, options);
     body.slack = scaledSlack(body.margin_m, scale);
     // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): a needless copy does no harm
     bodies_sent_ = bodies_sent_ && std::memcmp(&staged_bodies_[i], &body, sizeof body) == 0;

@@ -67,8 +67,10 @@ class DeviceScene {
   Scene onHost(const Scene& scene, cudaStream_t stream) const;
 
   // Sends all poses, and margins or pads, with `copies`. `scale`: the scale of the clusters.
-  void sendBodies(const Scene& scene, Motion motion, const SceneScale& scale, HostCopies& copies);
+  void sendBodies(const Scene& scene, const Options& options, const SceneScale& scale,
+                  HostCopies& copies);
 
+  const SceneTables& tables() const { return tables_; }
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return tables_.group_count; }
   bool anySelf() const { return tables_.any_self; }

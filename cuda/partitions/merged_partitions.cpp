@@ -163,6 +163,8 @@ void mergePartitions(const std::vector<const DetectionResult*>& partitions,
     whole.started_cold = whole.started_cold || partition->started_cold;
     if (partition->cut_off) whole.cutOff(partition->cut_off_because);
   }
+  // The first device searches them in the whole scene; the others do not.
+  whole.nearest = partitions.front()->nearest;
   const ListMerger lists(partitions, whole);
   lists.merge(&DetectionResult::contacts);
   lists.merge(&DetectionResult::separations_m);

@@ -13,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/bounds/exact_distances.h"
 #include "core/common/forks.h"
 #include "core/common/guarded_detector.h"
+#include "core/common/scene_queries.h"
 #include "core/common/stages.h"
 #include "core/common/stopwatch.h"
 #include "cuda/partitions/merged_partitions.h"
@@ -89,19 +91,18 @@ struct DevicePartition {
   }
 };
 
-std::size_t trianglesThatTakePart(const Scene& scene) {
-  std::size_t triangles = 0;
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (scene.takesPart(id)) triangles += scene.body(id).mesh.triangleCount();
-  }
-  return triangles;
-}
-
 // Returns whether some body has its vertices on a device. Such a scene is not divided, because only
 // one device may be able to read them.
 bool anyOnDevice(const Scene& scene) {
   return std::any_of(scene.bodies().begin(), scene.bodies().end(),
                      [](const Body& body) { return body.device_vertices.has_value(); });
+}
+
+// Returns whether a device's search for nearest pairs was complete.
+bool isSearched(const DetectionResult& result) {
+  return !result.cut_off ||
+         std::any_of(result.distances.begin(), result.distances.end(),
+                     [](const BodyDistance& distance) { return distance.is_exact; });
 }
 
 // Returns the failure of a device as a BackendError that names the device. Rethrows failures that
@@ -216,6 +217,10 @@ class PartitionedDetector : public Detector {
     result_.begin(scene, options, isGuaranteed(options));
     const Stopwatch merging{};
     mergePartitions(partitions, result_);
+    if (result_.cut_off && options.nearest && options.motion == Motion::kInstant) {
+      result_.distances =
+          distancesOf(scene, scene.enabledPairs(), result_, true, isSearched(*partitions.front()));
+    }
     if (!result_.started_cold && !result_.cut_off) bounds_.note(took_ms);
     for (auto& [name, ms] : result_.stages_ms) {
       if (name == kStageNames[static_cast<int>(Stage::kOutput)]) ms += merging.elapsedMs();

@@ -19,6 +19,9 @@ struct ScenePartition {
 
   DCM_HD bool isWhole() const { return low == -INFINITY && high == INFINITY; }
 
+  // Returns whether no other slab is below this one.
+  bool isFirst() const { return low == -INFINITY; }
+
   DCM_HD bool has(const Vec3f& point) const { return has(point[axis]); }
 
   // Return whether the whole box lies above or below the slab.

@@ -15,23 +15,6 @@ namespace {
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
 
-__device__ float lowest(float x) { return fromOrderedBits(~warpMost(~orderedBits(x))); }
-__device__ float highest(float x) { return fromOrderedBits(warpMost(orderedBits(x))); }
-
-// Returns the box of all lanes' boxes, which may be empty. Called by a whole warp.
-__device__ Aabb warpBox(const Aabb& box) {
-  Aabb all;
-  all.min = {lowest(box.min.x), lowest(box.min.y), lowest(box.min.z)};
-  all.max = {highest(box.max.x), highest(box.max.y), highest(box.max.z)};
-  return all;
-}
-
-// Returns `v` of another lane. Called by a whole warp.
-__device__ Vec3f laneVector(const Vec3f& v, int lane) {
-  return {__shfl_sync(kFullWarp, v.x, lane), __shfl_sync(kFullWarp, v.y, lane),
-          __shfl_sync(kFullWarp, v.z, lane)};
-}
-
 // Returns one of a body's partners for each lane, or the body itself beyond the last partner.
 __device__ BodyIndex partnerOfLane(const SceneArrays& scene, BodyIndex b, const DeviceBody& body,
                                    std::uint32_t first) {

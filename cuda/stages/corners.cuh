@@ -8,6 +8,17 @@
 
 namespace deformable_contact_monitor {
 
+// Returns a triangle in the scene frame [m]; in swept motion, its present state.
+__device__ inline Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triangle) {
+  const VertexIndex* const corner = scene.corners.row(triangle);
+  Triangle posed;
+  for (int k = 0; k < 3; ++k) {
+    const float4 v = scene.posed[corner[k]];
+    posed.v[k] = {v.x, v.y, v.z};
+  }
+  return posed;
+}
+
 // A triangle as stage transform leaves it: its vertices in the scene frame [m] and their nearest
 // prototypes. With kStates == 2 (swept motion) the vertices at the beginning of the time interval
 // come first.

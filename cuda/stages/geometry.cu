@@ -1,22 +1,13 @@
 // Stage output: computes the geometry of sorted contacts, by the same rule as on the host.
 #include "core/rules/geometry_of_pair.h"
 #include "cuda/device/check.cuh"
+#include "cuda/stages/corners.cuh"
 #include "cuda/stages/rows.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
-
-__device__ Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triangle) {
-  const VertexIndex* const corner = scene.corners.row(triangle);
-  Triangle posed;
-  for (int k = 0; k < 3; ++k) {
-    const float4 v = scene.posed[corner[k]];
-    posed.v[k] = {v.x, v.y, v.z};
-  }
-  return posed;
-}
 
 // One thread for each sorted contact: reads its triangles in the scene frame and writes its
 // geometry.

@@ -23,11 +23,12 @@ struct CycleShape {
   bool pads = false;        // in swept motion: some body has a pad
   bool fans = false;        // certified fans decide pairs that share vertices
   bool leaves_few = false;  // as in CycleParams::leaves_few
+  bool nearest = false;     // the nearest pairs of bodies are searched
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
            swept == o.swept && adjacent == o.adjacent && pads == o.pads && fans == o.fans &&
-           leaves_few == o.leaves_few;
+           leaves_few == o.leaves_few && nearest == o.nearest;
   }
 };
 
@@ -114,6 +115,11 @@ std::uint32_t oversizedBlocks(const CycleArrays& cycle);
 // narrow_phase: makes the verdicts on the candidates; the last block copies the counters to the
 // host. Reads contacts.candidates; writes contacts.contacts and separations_m.
 void launchNarrowPhase(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+
+// nearest: finds the nearest triangles of each of nearest.pairs at the present moment, and writes
+// them to the host. Reads scene.posed and the tiles; starts from nearest.last, if there is
+// something. Runs on a branch after launchTransform.
+void launchNearest(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // Prepares another pass: drops the candidates, and before the `first` pass the contacts.
 void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream);

@@ -1,6 +1,7 @@
 #include "core/body_distance.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/rules/margins.h"
 
@@ -12,6 +13,9 @@ PairDecision decide(const BodyDistance& distance, float margin_m, float toleranc
   constexpr float kRounding = 0x1p-20F, kLeastRounding = 6e-45F;
   if (distance.low_m > margin_m) return PairDecision::kNone;
   if (distance.high_m <= tolerance_m) return PairDecision::kContact;
+  if (distance.is_exact) {
+    return std::isfinite(distance.high_m) ? PairDecision::kNear : PairDecision::kNone;
+  }
   // Listed contacts were decided by nearVerdict() (predicates/narrow_phase.h).
   if (distance.is_listed) {
     return distance.contact_count > 0 ? PairDecision::kNear : PairDecision::kNone;

@@ -6,6 +6,7 @@
 
 #include "core/detector.h"
 #include "core/export.h"
+#include "core/tiling_cache.h"
 
 namespace deformable_contact_monitor {
 
@@ -13,6 +14,9 @@ struct CpuSettings {
   // Upper bound of the memory for lists of contacts [bytes]. Contacts beyond it are counted
   // (DetectionResult::left_out), but not listed.
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30;
+  // Tilings of bodies, for Options::nearest. Detectors may share them if one thread at a time runs
+  // one of these. Null: the detector makes its own.
+  std::shared_ptr<TilingCache> tilings = nullptr;
 };
 
 // Makes a detector that runs on threads of its own TBB arena (see Options::threads). A process that

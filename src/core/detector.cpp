@@ -24,6 +24,7 @@ void DetectionResult::begin(const Scene& scene, const Options& options, bool is_
   within_pad.clear();
   without_step.clear();
   distances.clear();
+  nearest.clear();
   for (BodyId id = 0; options.motion == Motion::kSwept && id < scene.bodyCount(); ++id) {
     if (!scene.body(id).earlier && scene.takesPart(id)) without_step.push_back(id);
   }

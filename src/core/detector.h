@@ -67,8 +67,31 @@ struct DCM_EXPORT BodyDistance {
   // of the distance if that is more. If the triangles intersect, the points are near their
   // intersection.
   Vec3f point_a, point_b;
+  // The nearest pair of the two bodies is known (options.nearest): it is the witness, and in
+  // DetectionResult::nearest, or they are farther apart than their margin, and high_m is +inf.
+  bool is_exact = false;
   bool is_listed = false;           // all contacts of the pair are in DetectionResult::contacts
   std::uint32_t contact_count = 0;  // how many contacts of the pair are in that list
+};
+
+// How far two bodies are apart at most their margin, at the present moment also in swept motion.
+// Only triangles with finite vertices count.
+struct DCM_EXPORT NearestPair {
+  // The two triangles that are nearest to each other; of several at the same float32 distance, the
+  // least by (triangle_a, triangle_b). body_a < body_b.
+  TrianglePair pair{0, 0, 0, 0};
+  // Their distance [m], right to 2^-28 of itself before it is rounded to float32. 0: they touch.
+  float distance_m = 0;
+  // The closest points of the two triangles [m], scene frame, each with an error of at most 2^-22
+  // of its largest coordinate, or 2^-50 of the distance if that is more. If they touch: one point
+  // near their intersection, twice.
+  Vec3f point_a, point_b;
+  Vec3f normal;  // a unit vector from a to b, scene frame; zero if they touch
+
+  bool operator==(const NearestPair& o) const {
+    return pair == o.pair && distance_m == o.distance_m && point_a == o.point_a &&
+           point_b == o.point_b && normal == o.normal;
+  }
 };
 
 // Work done in one cycle [triangles or pairs]. Counters mean the same on every backend, and are 0
@@ -99,7 +122,7 @@ struct DCM_EXPORT Counters {
 struct DCM_EXPORT DetectionResult {
   TrianglePairs contacts;  // sorted, each once
   // Distance of each contact's triangles [m]: 0 if they intersect, else above 0. Empty unless
-  // Scene::anyMargin(); then all contacts intersect. Empty in swept motion, which ignores margins.
+  // near pairs are listed (options.near_pairs) and Scene::anyMargin(): then all contacts intersect.
   std::vector<float> separations_m;
   // Geometry of each contact, if options.geometry is set; else empty. Also empty if the limits left
   // no time for all of it. That alone does not set cut_off, because the list is complete.
@@ -116,9 +139,15 @@ struct DCM_EXPORT DetectionResult {
   // Bodies that take part in swept motion without an earlier state. They count as standing still.
   std::vector<BodyId> without_step;
   // Bounds of each enabled pair of two bodies, ascending, if a pool with tilings decided by bounds
-  // (detector_pool.h); else empty. Of a pair that is not listed, `contacts` has those that were
-  // found on the way.
+  // (detector_pool.h), or if a cycle on CUDA that searched nearest pairs was cut off; else empty.
+  // Of a pair that is not listed, `contacts` has those that were found on the way.
   std::vector<BodyDistance> distances;
+  // Of each enabled pair of two bodies that touch, or are at most the larger of their margins
+  // apart, their nearest triangles, ascending by (body_a, body_b), if options.nearest is set; else
+  // empty. Those that are listed are exact. A pair that is missing is farther apart, unless the
+  // cycle was cut off, or the pair was decided within options.tolerance_m (see `distances`). With
+  // swept motion they are of the present state, while `contacts` are those of the interval.
+  std::vector<NearestPair> nearest;
   // How many contacts were found, but are not in the list, because the backend's memory limit was
   // reached or no time was left to sort them. Which ones are missing is arbitrary.
   std::uint64_t left_out = 0;

@@ -9,17 +9,10 @@
 
 #include "core/bounds/bounded_cycle.h"
 #include "core/common/guarded_detector.h"
+#include "core/common/scene_queries.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-std::uint64_t trianglesThatTakePart(const Scene& scene) {
-  std::uint64_t triangles = 0;
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (scene.takesPart(id)) triangles += scene.body(id).mesh.triangleCount();
-  }
-  return triangles;
-}
 
 BackendFault faultOf(const std::runtime_error& error) {
   const auto* known = dynamic_cast<const BackendError*>(&error);
@@ -128,6 +121,7 @@ class DetectorPool : public Detector {
   void reset() override {
     device_.reset();
     cpu_.reset();
+    if (bounded_) bounded_->forget();
   }
 
   void swapResult(DetectionResult& result) override {

@@ -75,11 +75,14 @@ struct PoolSettings {
 // - or options.limits.deadline is set: pairs take turns, the most doubtful tiles first. With
 //   tolerance 0 their contacts are listed afterwards, as long as there is time. If the deadline
 //   comes first, the result is cut off, and each pair has what is certain by then.
-// A body with itself is always detected exactly, and so are pairs of bodies whose tiling is not
-// made yet or whose vertices are on a device. They get the time that the other pairs leave. Bounds
-// are exact whatever options.predicates and options.overlap are. Without a deadline the result does
-// not depend on the number of threads. The cache is used by one thread at a time, the one in
-// detect().
+// With options.nearest, the same search goes on until the nearest pair is exact, or with a
+// tolerance until the pair is decided. DetectionResult::nearest has the pairs that are exact.
+// Contacts are those that touch, unless options.near_pairs is set. With a tolerance, which pairs
+// are exact may depend on earlier cycles. A body with itself is always detected exactly, and so are
+// pairs of bodies whose tiling is not made yet or whose vertices are on a device. They get the time
+// that the other pairs leave. Bounds are exact whatever options.predicates and options.overlap are.
+// Without a deadline the result does not depend on the number of threads. The cache is used by one
+// thread at a time, the one in detect().
 //
 // Forks. A forked process may use and destroy the pool. It detects on one thread of the CPU (see
 // makeCpuDetector()), and makes tilings of its own. A pool that another thread was using at the

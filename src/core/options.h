@@ -39,6 +39,14 @@ struct Options {
   // are exact.
   float tolerance_m = 0;
 
+  // What margins are for. By default, DetectionResult::contacts lists all pairs of triangles within
+  // them, in instant motion; if a margin is large beside the triangles, that list and its cost are
+  // long. With `nearest`, a search finds the nearest pair of each two bodies instead
+  // (DetectionResult::nearest), and contacts are those that touch, unless `near_pairs` asks for the
+  // list as well.
+  bool nearest = false;
+  bool near_pairs = false;
+
   bool geometry = false;  // fill DetectionResult::geometry; instant motion only
 
   Limits limits;  // end a cycle early; none by default

@@ -29,6 +29,9 @@ class MergedSteps {
   // Adds the result of a detection with swept motion in [from, to], parts [0, 1] of the interval.
   void add(const DetectionResult& part, double from, double to);
 
+  // Adds only the nearest pairs of a detection at the present moment.
+  void addNearest(const DetectionResult& part);
+
   bool isCutOff() const { return sums_.cut_off; }
 
   // Writes into a result that has begun and whose `guaranteed` is set: each contact once, with the
@@ -47,6 +50,7 @@ class MergedSteps {
   static Contact merged(const Contact& earlier, const Contact& later);
 
   std::vector<Contact> contacts_, new_, both_;  // sorted
+  std::vector<NearestPair> nearest_;            // no two of the same bodies
   DetectionResult sums_;
 };
 
@@ -98,11 +102,16 @@ void addTimes(const DetectionResult& part, DetectionResult& sum) {
 
 void MergedSteps::add(const DetectionResult& part, double from, double to) {
   addContacts(part, from, to);
+  addNearest(part);
   sums_.left_out += part.left_out;
-  if (part.cut_off) sums_.cutOff(part.cut_off_because);
   sums_.started_cold = sums_.started_cold || part.started_cold;
   addCounters(part.counters, sums_.counters);
   addTimes(part, sums_);
+}
+
+void MergedSteps::addNearest(const DetectionResult& part) {
+  nearest_.insert(nearest_.end(), part.nearest.begin(), part.nearest.end());
+  if (part.cut_off) sums_.cutOff(part.cut_off_because);
 }
 
 void MergedSteps::addContacts(const DetectionResult& part, double from, double to) {
@@ -145,6 +154,12 @@ void MergedSteps::write(bool first_times, bool pads, DetectionResult* result) co
     if (first_times) result->first_times.push_back(contact.first);
     if (pads) result->within_pad.push_back(contact.within_pad ? 1 : 0);
   }
+  result->nearest = nearest_;
+  std::sort(result->nearest.begin(), result->nearest.end(),
+            [](const NearestPair& x, const NearestPair& y) {
+              return std::pair(x.pair.body_a, x.pair.body_b) <
+                     std::pair(y.pair.body_a, y.pair.body_b);
+            });
   result->left_out = sums_.left_out;
   result->cut_off = sums_.cut_off;
   result->cut_off_because = sums_.cut_off_because;
@@ -194,6 +209,14 @@ std::uint64_t countRejected(const Scene& step) {
     count += of_body.count;
   }
   return count;
+}
+
+// Returns the options of a detection at the present moment for the sake of its nearest pairs.
+Options atPresent(Options options) {
+  options.motion = Motion::kInstant;
+  options.first_times = false;
+  options.near_pairs = false;
+  return options;
 }
 
 // Returns whether the scene's poses already are the ends of the paths.
@@ -280,23 +303,34 @@ void SubStepDetector::detectRotating(const Scene& step,
   MergedSteps merged;
   bool guaranteed = true;
   straight_ = step;
-  const auto add = [&](const Scene& scene, double from, double to) {
-    detector_.detect(scene, options);
+  const auto add = [&](const Scene& scene, double from, double to, bool nearest) {
+    Options part_options = options;
+    part_options.nearest = nearest;
+    detector_.detect(scene, part_options);
     detector_.swapResult(part_);
     includePads(scene, options, &part_);
     guaranteed = guaranteed && part_.guaranteed;
     merged.add(part_, from, to);
   };
-  if (keepStraightPairs(motions, &straight_)) add(straight_, 0, 1);
+  if (keepStraightPairs(motions, &straight_)) add(straight_, 0, 1, options.nearest);
   SubStepScene sub_steps(step, motions, tolerance_m, &rotating_);
   const std::vector<double> cuts = sub_steps.cuts(kMostSubSteps);
   for (std::size_t i = 0; i + 1 < cuts.size() && !merged.isCutOff(); ++i) {
     sub_steps.moveTo(cuts[i], cuts[i + 1]);
     result_.pad_m = std::max(result_.pad_m, sub_steps.largestPad());
-    add(rotating_, cuts[i], cuts[i + 1]);
+    // The last sub-step ends in the present state. Only outlying triangles are missing there.
+    const bool is_last = i + 2 == cuts.size();
+    const bool nearest = options.nearest && is_last && sub_steps.outlying().empty();
+    add(rotating_, cuts[i], cuts[i + 1], nearest);
   }
   result_.sub_steps = static_cast<int>(cuts.size()) - 1;
   result_.outlying = sub_steps.outlying();
+  if (options.nearest && !result_.outlying.empty() && !merged.isCutOff()) {
+    const SubStepScene present(step, motions, tolerance_m, &rotating_);
+    detector_.detect(rotating_, atPresent(options));
+    detector_.swapResult(part_);
+    merged.addNearest(part_);
+  }
   result_.detection.begin(step, options, guaranteed);
   merged.write(options.first_times, step.anyPad() || result_.pad_m > 0, &result_.detection);
   std::uint64_t& rejected = result_.detection.counters.rejected;  // the largest number of a part

@@ -17,7 +17,8 @@ namespace deformable_contact_monitor {
 struct DCM_EXPORT StepResult {
   // The result of the whole interval, with swept motion. Counters, times and left_out are sums over
   // the sub-steps (a pair that is found in several counts in each); sizes are the largest ones.
-  // A contact that no straight line makes is within_pad. Of the first time of a contact this is
+  // A contact that no straight line makes is within_pad. `nearest` is of the present state, and has
+  // no pairs of a sub-step that the limits left out. Of the first time of a contact this is
   // certain for the given paths:
   // - Before `low` there is no contact. A pair with a pad has the time before which the two
   //   triangles are farther apart than the pad; a pair without one, that on the straight lines.

@@ -31,6 +31,9 @@ MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   ros::param::get(private_node.getNamespace(), tree);
   std::vector<std::string> warnings;
   MonitorParameters parameters = parseParameters(tree, &warnings);
+  for (const std::string& name : writeMarginsAsNumbers(&tree)) {
+    private_node.setParam(name, tree[name]);
+  }
   std::string changed;
   for (const std::string& value : parameters.changed) changed += "\n  " + value;
   ROS_INFO_STREAM("on the parameter server below "

@@ -23,6 +23,7 @@ MarkerOptions markerOptions(const MonitorParameters& parameters) {
   MarkerOptions options;
   options.lifetime_s = parameters.marker_lifetime_s;
   options.max_triangles = parameters.max_marker_triangles;
+  options.rules = stateRules(parameters);
   return options;
 }
 
@@ -98,7 +99,7 @@ void CyclePublisher::publishPatches(const CycleReport& report) {
   // With a tolerance, the contacts of a pair may be listed only in part. Patches of these would
   // look as if they were all.
   const auto is_part = [&report](const Patch& patch) {
-    const auto distance = distanceOf(report, {patch.body_a, patch.body_b, false}, 0);
+    const auto distance = boundsOf(report, {patch.body_a, patch.body_b, false}, 0);
     return distance && !distance->bounds->is_listed;
   };
   patches_.erase(std::remove_if(patches_.begin(), patches_.end(), is_part), patches_.end());

@@ -27,6 +27,7 @@ PairClasses classesOf(const ContactMonitorConfig& config) {
 
 void fill(const LiveParameters& live, ContactMonitorConfig* config) {
   config->margin_m = live.margin_m;
+  config->near_pairs = live.near_pairs;
   config->max_rate_hz = live.max_rate_hz;
   config->robot_rate_hz = live.robot_rate_hz;
   config->marker_rate_hz = live.marker_rate_hz;
@@ -46,6 +47,7 @@ LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParamete
                           bool has_robot, std::vector<std::string>* rejected) {
   LiveParameters live;
   live.margin_m = usable("margin_m", config.margin_m, in_force.margin_m, rejected);
+  live.near_pairs = config.near_pairs;
   live.max_rate_hz = usable("max_rate_hz", config.max_rate_hz, in_force.max_rate_hz, rejected);
   live.robot_rate_hz =
       usable("robot_rate_hz", config.robot_rate_hz, in_force.robot_rate_hz, rejected);

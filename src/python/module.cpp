@@ -91,7 +91,8 @@ PYBIND11_MODULE(_core, module) {
   bindDetector(module);
   module.def("read_mesh", &readMesh, py::arg("path"), kReadMeshText);
   // Users then see deformable_contact.Scene and not deformable_contact._core.Scene.
-  for (const char* name : {"Detector", "Result", "Scene", "read_mesh"}) {
+  for (const char* name :
+       {"BodyDistance", "Detector", "NearestPair", "Result", "Scene", "read_mesh"}) {
     module.attr(name).attr("__module__") = "deformable_contact";
   }
 }

@@ -46,6 +46,10 @@ tolerance_m: how far off the distance of two bodies may be [m]; 0: exact. Above,
     pairs of two bodies by bounds (Result.distances), sooner, and lists the contacts that it saw on
     the way alone. The first detection of a topology takes about 1 ms longer per 1000 triangles;
     with max_time_s, bounds decide from the fifth on. CUDA is exact all the same. Instant only.
+nearest: whether results have the distance and the nearest triangles of each enabled pair of two
+    bodies within its margin (Result.nearest). The margin then costs a search and no list: pairs
+    are those that touch.
+near_pairs: with nearest, also list as pairs all triangles within the margin.
 
 Raises ValueError that lists every value out of range; RuntimeError, with the reason, where
 backend='cuda' cannot be used.)";
@@ -120,7 +124,7 @@ std::unique_ptr<PythonDetector> makePythonDetector(
     const std::string& backend, std::int64_t device, std::int64_t memory_limit_mib,
     const std::string& adjacent_pairs, const std::string& predicates, float overlap, int clusters,
     float fuzzifier, int iterations, int refresh_period, int threads, bool geometry,
-    const std::string& motion, bool first_times, float tolerance_m) {
+    const std::string& motion, bool first_times, float tolerance_m, bool nearest, bool near_pairs) {
   Options options;
   options.adjacent = choiceOf("adjacent_pairs", adjacent_pairs,
                               {AdjacentPairs::kBeyondShared, AdjacentPairs::kSkip});
@@ -135,6 +139,8 @@ std::unique_ptr<PythonDetector> makePythonDetector(
   options.motion = choiceOf("motion", motion, {Motion::kInstant, Motion::kSwept});
   options.first_times = first_times;
   options.tolerance_m = tolerance_m;
+  options.nearest = nearest;
+  options.near_pairs = near_pairs;
   if (tolerance_m > 0 && options.motion == Motion::kSwept) {
     throw std::invalid_argument("tolerance_m is above 0, which motion 'swept' does not know");
   }
@@ -253,7 +259,8 @@ void bindDetector(py::module& module) {
            py::arg("refresh_period") = options.refresh_period, py::arg("threads") = options.threads,
            py::arg("geometry") = options.geometry, py::arg("motion") = toString(options.motion),
            py::arg("first_times") = options.first_times,
-           py::arg("tolerance_m") = options.tolerance_m, kInitText)
+           py::arg("tolerance_m") = options.tolerance_m, py::arg("nearest") = options.nearest,
+           py::arg("near_pairs") = options.near_pairs, kInitText)
       .def("detect", &Self::detect, py::arg("scene").none(false),
            py::arg("max_time_s") = py::none(), kDetectText)
       .def("reset", &Self::reset,

@@ -81,6 +81,12 @@ std::string describe(const PythonResult& result) {
          (result.complete ? "complete" : "not complete") + ">";
 }
 
+// Returns the text of repr() of a NearestPair.
+std::string describeNearest(const PythonNearest& pair) {
+  return "<NearestPair: " + pair.name_a + " and " + pair.name_b + ", " +
+         std::to_string(pair.nearest.distance_m) + " m>";
+}
+
 // Returns (x, y, z).
 py::tuple toTuple(const Vec3f& v) { return py::make_tuple(v.x, v.y, v.z); }
 
@@ -97,6 +103,17 @@ constexpr const char* kStateText =
 margin and tolerance; 'contact': two points are at most tolerance_m apart; 'unknown': not decided
 in time. All but the last are certain.)";
 
+constexpr const char* kNearestText =
+    R"(The nearest triangles of each enabled pair of two bodies that is at most its margin apart.
+
+A list of NearestPair, ascending by (body_a, body_b); None unless Detector(nearest=True). A pair of
+bodies that is missing is farther apart than the larger of its margins (Scene.set_margin), unless
+cut_off is true: then nothing is known of it. Also in swept motion, distances are those of the
+present moment. A body with itself has no distance.)";
+
+constexpr const char* kNearestPairText =
+    R"(The nearest triangles of two bodies. Of several at the same distance, the first.)";
+
 constexpr const char* kPairsText =
     R"(The contacts: (k, 4) uint32, body_a triangle_a body_b triangle_b.
 
@@ -104,7 +121,8 @@ Each unordered pair once, (body_a, triangle_a) before (body_b, triangle_b), the 
 
 constexpr const char* kSeparationsText = R"(Distance of each contact's triangles [m]: (k,) float32.
 
-0 where they intersect. None where no body that takes part has a margin, and in swept motion: then all of them do.)";
+0 where they intersect. None where all of them do: no body that takes part has a margin, motion is
+swept, or Detector(nearest=True) without near_pairs.)";
 
 constexpr const char* kGeometryText =
     R"(Geometry of each contact: (k,) of messages.GEOMETRY, in the rows of pairs.
@@ -170,6 +188,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       geometry(py::none()),
       first_times(py::none()),
       within_pad(py::none()),
+      nearest(py::none()),
       complete(result.isComplete()),
       guaranteed(result.guaranteed),
       cut_off(result.cut_off),
@@ -183,7 +202,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       counters(toDict(result.counters)) {
   const bool swept = options.motion == Motion::kSwept;
   // Separations exist only with margins; swept motion has no margins.
-  if (scene.anyMargin() && !swept) {
+  if (scene.anyMargin() && !swept && (options.near_pairs || !options.nearest)) {
     separations = py::array_t<float>(result.separations_m.size(), result.separations_m.data());
   }
   if (options.geometry && result.geometry.size() == result.contacts.size()) {
@@ -191,6 +210,14 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
   }
   if (options.first_times) first_times = timeTable(result.first_times);
   if (swept && scene.anyPad()) within_pad = flagList(result.within_pad);
+  if (options.nearest) {
+    py::list all;
+    for (const NearestPair& pair : result.nearest) {
+      all.append(PythonNearest{pair, scene.body(pair.pair.body_a).name,
+                               scene.body(pair.pair.body_b).name});
+    }
+    nearest = all;
+  }
   for (const BodyId body : result.without_step) without_step.append(body);
   for (const BodyDistance& distance : result.distances) {
     distances.append(PythonDistance(distance, scene, options.tolerance_m));
@@ -233,11 +260,44 @@ void bindDistance(py::module& module) {
                              "How many it has of them.");
 }
 
+// Adds the class NearestPair.
+void bindNearest(py::module& module) {
+  using Self = PythonNearest;
+  py::class_<Self>(module, "NearestPair", kNearestPairText)
+      .def_property_readonly(
+          "body_a", [](const Self& self) { return self.nearest.pair.body_a; }, "The lower id.")
+      .def_property_readonly(
+          "body_b", [](const Self& self) { return self.nearest.pair.body_b; }, "The other id.")
+      .def_property_readonly(
+          "names", [](const Self& self) { return py::make_tuple(self.name_a, self.name_b); },
+          "Of the two bodies.")
+      .def_property_readonly(
+          "triangles",
+          [](const Self& self) {
+            return py::make_tuple(self.nearest.pair.triangle_a, self.nearest.pair.triangle_b);
+          },
+          "The two triangles: of body_a, of body_b.")
+      .def_property_readonly(
+          "distance_m", [](const Self& self) { return self.nearest.distance_m; },
+          "Distance of the two bodies [m]; 0: they touch.")
+      .def_property_readonly(
+          "point_a", [](const Self& self) { return toTuple(self.nearest.point_a); },
+          "The nearest point on body_a, in the scene frame [m].")
+      .def_property_readonly(
+          "point_b", [](const Self& self) { return toTuple(self.nearest.point_b); },
+          "The nearest point on body_b, in the scene frame [m].")
+      .def_property_readonly(
+          "normal", [](const Self& self) { return toTuple(self.nearest.normal); },
+          "Unit vector from a to b, in the scene frame; zero if they touch.")
+      .def("__repr__", &describeNearest);
+}
+
 }  // namespace
 
 void bindResult(py::module& module) {
   using Self = PythonResult;
   bindDistance(module);
+  bindNearest(module);
   py::class_<Self>(module, "Result", "What one detect() found. Its arrays are its own.")
       .def_readonly("pairs", &Self::pairs, kPairsText)
       .def_readonly("separations_m", &Self::separations, kSeparationsText)
@@ -246,6 +306,7 @@ void bindResult(py::module& module) {
       .def_readonly("within_pad", &Self::within_pad, kWithinPadText)
       .def_readonly("without_step", &Self::without_step, kWithoutStepText)
       .def_readonly("distances", &Self::distances, kDistancesText)
+      .def_readonly("nearest", &Self::nearest, kNearestText)
       .def_readonly("complete", &Self::complete, kCompleteText)
       .def_readonly("guaranteed", &Self::guaranteed,
                     "Whether the settings in force cannot lose a contact.")

@@ -21,6 +21,12 @@ struct PythonDistance {
   std::string state;  // "none", "near", "contact", "unknown"
 };
 
+// The nearest triangles of two bodies, and the bodies' names.
+struct PythonNearest {
+  NearestPair nearest;
+  std::string name_a, name_b;
+};
+
 // A copy of a result as Python objects. It outlives detector and scene.
 struct PythonResult {
   // The lists that scene and options ask for exist even without contacts: separations, geometry,
@@ -34,6 +40,7 @@ struct PythonResult {
   pybind11::object geometry;     // (k,) of deformable_contact._wire.GEOMETRY, or None
   pybind11::object first_times;  // (k, 2) float32, or None
   pybind11::object within_pad;   // (k,) bool, or None
+  pybind11::object nearest;      // a list of PythonNearest, or None; not of contacts
   // Lists of bodies or pairs of bodies.
   pybind11::list without_step;  // ids
   pybind11::list distances;     // PythonDistance

@@ -1,12 +1,13 @@
 // Reads ~contact_states safely: a state that is unknown, too old or missing never counts as free.
 //
 // A program stores each message in a ContactReader, and asks it whether a body may move, or how far
-// its nearest neighbour is. contact_reader.py of the Python package behaves alike; one table of
-// test cases checks both.
+// off, where and in which direction its nearest neighbour is. contact_reader.py of the Python
+// package behaves alike; one table of test cases checks both.
 #pragma once
 
 #include <deformable_contact_monitor/ContactState.h>
 #include <deformable_contact_monitor/ContactStates.h>
+#include <geometry_msgs/Point32.h>
 #include <ros/time.h>
 
 #include <algorithm>
@@ -42,6 +43,25 @@ struct MoveAnswer {
   std::string because;  // why not; empty: yes
 
   explicit operator bool() const { return yes; }
+};
+
+// Says how far the nearest body is and where, or why that is not known.
+struct NearestAnswer {
+  bool is_known = false;
+  std::string because;  // why it is not known; empty: it is
+  // A distance that is certain [m], >= 0. 0 if the two touch, or if anything is not known; infinity
+  // if nothing is within the monitor's margins.
+  double distance_m = 0;
+  // The body that was asked about (one of a pair if that was "*") and the nearest one; empty if
+  // nothing is known or within the margins.
+  std::string body, other;
+  // Whether the points are known, which they are of NEAR and CONTACT. In the frame of the message
+  // [m]: the nearest points of the two, or one point in the contact, twice.
+  bool has_points = false;
+  geometry_msgs::Point32 point, other_point;
+  geometry_msgs::Point32 normal;  // unit vector from `body` to `other`; zero: not known
+
+  operator double() const { return distance_m; }  // as nearest() returned up to version 0.2
 };
 
 // Returns a distance [m], >= 0, below which the pair certainly is not. Returns 0 if the pair
@@ -98,33 +118,35 @@ class ContactReader {
   // ALLOWED, or NEAR with a certain distance above clearance_m. Otherwise returns no and names the
   // first pair that forbids it.
   MoveAnswer mayMove(const std::string& body, const ros::Time& now) const {
-    std::string because = silence(now);
-    bool is_listed = false;
-    for (std::size_t i = 0; because.empty() && i < newest_.states.size(); ++i) {
-      const ContactState& state = newest_.states[i];
-      if (!concerns(state, body)) continue;
-      is_listed = true;
-      because = doubt(state, now);
-      if (because.empty()) because = obstacle(state);
-      if (!because.empty()) because.insert(0, state.body_a + " and " + state.body_b + ": ");
-    }
-    if (because.empty() && !is_listed && !rules_.unlisted_may_move) because = missing(body);
+    const std::string because =
+        firstReason(body, now, [this](const ContactState& state) { return obstacle(state); });
     return {because.empty(), because};
   }
 
-  // Returns the least certainDistance() of the body's pairs [m], from which a speed may be
-  // computed; 0 if one of them is not known.
-  double nearest(const std::string& body, const ros::Time& now) const {
-    if (!silence(now).empty()) return 0;
-    double least = std::numeric_limits<double>::infinity();
-    bool is_listed = false;
-    for (const ContactState& state : newest_.states) {
-      if (!concerns(state, body)) continue;
-      is_listed = true;
-      if (!doubt(state, now).empty()) return 0;
-      least = std::min(least, certainDistance(state, newest_.tolerance));
+  // Returns the nearest of the body's pairs, by certainDistance(); of several at the same distance,
+  // the first. Its distance_m may set a speed: it is 0 if one of the pairs is not known.
+  NearestAnswer nearest(const std::string& body, const ros::Time& now) const {
+    NearestAnswer answer;
+    answer.because = whyUnknown(body, now);
+    answer.is_known = answer.because.empty();
+    if (!answer.is_known) return answer;
+    const ContactState* const state = nearestState(body);
+    answer.distance_m = std::numeric_limits<double>::infinity();
+    if (state == nullptr) return answer;
+    const bool is_a = body == "*" || body == state->body_a;
+    answer.distance_m = certainDistance(*state, newest_.tolerance);
+    answer.body = is_a ? state->body_a : state->body_b;
+    answer.other = is_a ? state->body_b : state->body_a;
+    answer.has_points = state->state == ContactState::NEAR || state->state == ContactState::CONTACT;
+    answer.point = is_a ? state->point_a : state->point_b;
+    answer.other_point = is_a ? state->point_b : state->point_a;
+    answer.normal = state->normal;
+    if (!is_a) {
+      answer.normal.x = -answer.normal.x;
+      answer.normal.y = -answer.normal.y;
+      answer.normal.z = -answer.normal.z;
     }
-    return is_listed || rules_.unlisted_may_move ? least : 0;
+    return answer;
   }
 
   // Returns nearest() in words: "0.1250 m, hand and cloth", "hand and cloth: CONTACT", "beyond the
@@ -135,21 +157,16 @@ class ContactReader {
     const std::string because = whyUnknown(body, now);
     if (!because.empty()) return because;
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const ContactState* first = nullptr;  // of the nearest
-    double least_m = kInfinity, margin_m = kInfinity;
-    for (const ContactState& state : newest_.states) {
-      if (!concerns(state, body)) continue;
-      const double distance_m = certainDistance(state, newest_.tolerance);
-      if (distance_m < least_m) first = &state;
-      least_m = std::min(least_m, distance_m);
-      const bool is_none = state.state == ContactState::NONE;
-      if (is_none && margins) margin_m = std::min(margin_m, margins->of(state));
-      if (is_none && !margins) margin_m = 0;
+    if (const ContactState* const state = nearestState(body)) {
+      const std::string pair = state->body_a + " and " + state->body_b;
+      const std::string touching = nameOfContact(*state);
+      if (!touching.empty()) return pair + ": " + touching;
+      return text("%.4f m, ", certainDistance(*state, newest_.tolerance)) + pair;
     }
-    if (first != nullptr) {
-      const std::string pair = first->body_a + " and " + first->body_b;
-      const std::string touching = nameOfContact(*first);
-      return touching.empty() ? text("%.4f m, ", least_m) + pair : pair + ": " + touching;
+    double margin_m = kInfinity;
+    for (const ContactState& state : newest_.states) {
+      if (state.state != ContactState::NONE || !concerns(state, body)) continue;
+      margin_m = std::min(margin_m, margins ? margins->of(state) : 0);
     }
     if (margin_m == kInfinity) return "no pair that matters";  // none, or all are ALLOWED
     return margins ? text("beyond the margin of %g m", margin_m) : "beyond the monitor's margin";
@@ -228,19 +245,40 @@ class ContactReader {
     return state.state == ContactState::PASSED ? "PASSED" : "";
   }
 
-  // Returns why something about the body is not known; empty if all is.
-  std::string whyUnknown(const std::string& body, const ros::Time& now) const {
+  // Returns the first reason that `question` has against one of the body's pairs, or why something
+  // about the body is not known; empty if there is no reason.
+  template <class Question>
+  std::string firstReason(const std::string& body, const ros::Time& now,
+                          const Question& question) const {
     std::string because = silence(now);
+    if (!because.empty()) return because;
     bool is_listed = false;
-    for (std::size_t i = 0; because.empty() && i < newest_.states.size(); ++i) {
-      const ContactState& state = newest_.states[i];
+    for (const ContactState& state : newest_.states) {
       if (!concerns(state, body)) continue;
       is_listed = true;
       because = doubt(state, now);
-      if (!because.empty()) because.insert(0, state.body_a + " and " + state.body_b + ": ");
+      if (because.empty()) because = question(state);
+      if (!because.empty()) return state.body_a + " and " + state.body_b + ": " + because;
     }
-    const bool is_missing = because.empty() && !is_listed && !rules_.unlisted_may_move;
-    return is_missing ? missing(body) : because;
+    return is_listed || rules_.unlisted_may_move ? "" : missing(body);
+  }
+
+  // Returns why something about the body is not known; empty if all is.
+  std::string whyUnknown(const std::string& body, const ros::Time& now) const {
+    return firstReason(body, now, [](const ContactState&) { return std::string(); });
+  }
+
+  // Returns the first of the body's states with the least certain distance; null if none has one.
+  const ContactState* nearestState(const std::string& body) const {
+    const ContactState* nearest = nullptr;
+    double least_m = std::numeric_limits<double>::infinity();
+    for (const ContactState& state : newest_.states) {
+      if (!concerns(state, body)) continue;
+      const double distance_m = certainDistance(state, newest_.tolerance);
+      if (distance_m < least_m) nearest = &state;
+      least_m = std::min(least_m, distance_m);
+    }
+    return nearest;
   }
 
   // Returns what is said of a body without states.

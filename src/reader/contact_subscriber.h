@@ -38,7 +38,7 @@ class ContactSubscriber {
     return reader_.mayMove(body, ros::Time::now());
   }
 
-  double nearest(const std::string& body) const {
+  NearestAnswer nearest(const std::string& body) const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return reader_.nearest(body, ros::Time::now());
   }

@@ -18,7 +18,9 @@
 #include "core/predicates/swept_exact.h"
 #include "core/predicates/swept_pad.h"
 #include "core/predicates/swept_triangle.h"
+#include "core/predicates/triangle_intersection.h"
 #include "core/rules/margins.h"
+#include "core/rules/nearest.h"
 #include "reference/posed_triangles.h"
 #include "reference/reference_detectors.h"
 
@@ -90,6 +92,42 @@ bool boxesIntersect(const Triangle& a, const Triangle& b) {
   return true;
 }
 
+// Returns how far two triangles are certainly apart along some axis [m], or 0.
+double gapAlongAxes(const Triangle& a, const Triangle& b) {
+  double gap = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto range = [axis](const Triangle& t) {
+      return std::minmax({double{t.v[0][axis]}, double{t.v[1][axis]}, double{t.v[2][axis]}});
+    };
+    const auto in_a = range(a), in_b = range(b);
+    gap = std::max({gap, in_a.first - in_b.second, in_b.first - in_a.second});
+  }
+  return gap;
+}
+
+// Returns the nearest two triangles that are at most the margin apart, or nothing. It leaves out
+// only pairs that are farther apart along one axis than the nearest pair so far.
+std::optional<ComparedPair> nearestOf(const std::vector<PosedTriangle>& of_a,
+                                      const std::vector<PosedTriangle>& of_b, float margin_m,
+                                      const CycleLimit& limit) {
+  constexpr double kRounding = 1 + 1e-6, kLeastStep = 0x1p-149;  // of distances to float32
+  std::optional<ComparedPair> best;
+  PacedLimit pace(limit, 512);
+  for (const PosedTriangle& a : of_a) {
+    for (const PosedTriangle& b : of_b) {
+      if (pace.over()) return std::nullopt;
+      const float most_m = best ? best->distance_m : margin_m;
+      if (gapAlongAxes(a.posed, b.posed) > most_m * kRounding + kLeastStep) continue;
+      PredicateState state{Predicates::kExact};
+      const bool meet = trianglesIntersect(a.posed, b.posed, state);
+      const float distance_m = meet ? 0 : comparedDistance(separation(a.posed, b.posed));
+      const ComparedPair pair{distance_m, a.index, b.index};
+      if (distance_m <= margin_m && (!best || pair.precedes(*best))) best = pair;
+    }
+  }
+  return best;
+}
+
 // A contact that was found, before sorting.
 struct Found {
   TrianglePair pair;
@@ -116,6 +154,7 @@ class BruteForceDetector : public Detector {
     const CycleLimit limit(options.limits);
     result_.begin(scene, options, options.predicates != Predicates::kFast);
     if (!limit.over()) find(scene, options, limit);
+    if (options.nearest) findNearest(scene, limit);
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = watch.elapsedMs();
     return result_;
@@ -137,10 +176,11 @@ class BruteForceDetector : public Detector {
     const std::vector<std::vector<PosedTriangle>> bodies = posedBodies(scene, limit);
     for (const auto& [a, b] : scene.enabledPairs()) {
       if (limit.over()) break;
-      margin_m_ = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
+      margin_m_ =
+          pairMargin(listedMargin(scene.body(a), options), listedMargin(scene.body(b), options));
       compare(a, bodies[a], b, bodies[b], options, limit);
     }
-    writeContacts(scene);
+    writeContacts(listsNearPairs(scene, options));
     writeGeometry(scene, options, result_);
   }
 
@@ -224,11 +264,24 @@ class BruteForceDetector : public Detector {
     return verdict;
   }
 
+  // Finds the nearest pair of each two bodies at the present moment, from all pairs of triangles.
+  void findNearest(const Scene& scene, const CycleLimit& limit) {
+    for (const auto& [a, b] : scene.enabledPairs()) {
+      if (a == b) continue;
+      const std::vector<PosedTriangle> of_a = finiteTriangles(scene.body(a), limit);
+      const std::vector<PosedTriangle> of_b = finiteTriangles(scene.body(b), limit);
+      const float margin_m = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
+      const auto nearest = nearestOf(of_a, of_b, margin_m, limit);
+      if (!nearest) continue;
+      const TrianglePair pair{a, nearest->triangle_a, b, nearest->triangle_b};
+      result_.nearest.push_back(nearestPairOf(scene, pair, nearest->distance_m));
+    }
+  }
+
   // Sorts the contacts and copies them to the result.
-  void writeContacts(const Scene& scene) {
+  void writeContacts(bool margins) {
     std::sort(found_.begin(), found_.end(),
               [](const Found& x, const Found& y) { return x.pair < y.pair; });
-    const bool margins = scene.anyMargin();
     for (const Found& f : found_) {
       result_.contacts.push_back(f.pair);
       if (margins) result_.separations_m.push_back(f.separation_m);

@@ -5,6 +5,7 @@
 #include <fcl/math/bv/OBBRSS.h>
 #include <fcl/narrowphase/detail/traversal/collision/mesh_collision_traversal_node.h>
 #include <fcl/narrowphase/detail/traversal/collision_node.h>
+#include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
 #include <limits>
@@ -13,6 +14,9 @@
 #include "core/common/contact_geometry.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
+#include "core/predicates/triangle_distance.h"
+#include "core/rules/margins.h"
+#include "core/rules/nearest.h"
 #include "reference/posed_triangles.h"
 #include "reference/reference_detectors.h"
 
@@ -90,8 +94,12 @@ class FclDetector : public Detector {
     // A pair of a body with itself was found from both sides.
     result_.contacts.erase(std::unique(result_.contacts.begin(), result_.contacts.end()),
                            result_.contacts.end());
-    if (scene.anyMargin()) result_.separations_m.assign(result_.contacts.size(), 0);
+    if (listsNearPairs(scene, options)) result_.separations_m.assign(result_.contacts.size(), 0);
     writeGeometry(scene, options, result_);
+    if (options.nearest) {
+      findNearest(scene, bodies, limit);
+      result_.stages_ms.emplace_back("nearest", watch.lapMs());
+    }
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = cycle.elapsedMs();
     return result_;
@@ -121,6 +129,35 @@ class FclDetector : public Detector {
         if (second->index < first->index) std::swap(first, second);
       }
       result_.contacts.push_back({a, first->index, b, second->index});
+    }
+  }
+
+  // Adds the nearest pairs: of bodies that collide, their first contact; of others what FCL finds
+  // nearest, with the distance of these two triangles. FCL may take other triangles at about the
+  // same distance.
+  void findNearest(const Scene& scene, const std::vector<std::unique_ptr<FclBody>>& bodies,
+                   const CycleLimit& limit) {
+    const std::vector<NearestPair> touching = touchingPairs(scene, result_);
+    auto next = touching.begin();
+    for (const auto& [a, b] : scene.enabledPairs()) {
+      if (a == b || limit.over()) continue;
+      if (next != touching.end() && next->pair.body_a == a && next->pair.body_b == b) {
+        result_.nearest.push_back(*next++);
+        continue;
+      }
+      const FclBody &of_a = *bodies[a], &of_b = *bodies[b];
+      if (of_a.triangles.empty() || of_b.triangles.empty()) continue;
+      const fcl::Transform3d identity = fcl::Transform3d::Identity();
+      const fcl::DistanceRequest<double> request;
+      fcl::DistanceResult<double> found;
+      fcl::distance(&of_a.model, identity, &of_b.model, identity, request, found);
+      if (found.b1 < 0 || found.b2 < 0) continue;
+      const PosedTriangle& first = of_a.triangles[static_cast<std::size_t>(found.b1)];
+      const PosedTriangle& second = of_b.triangles[static_cast<std::size_t>(found.b2)];
+      const float distance_m = comparedDistance(separation(first.posed, second.posed));
+      if (distance_m > pairMargin(scene.body(a).margin_m, scene.body(b).margin_m)) continue;
+      result_.nearest.push_back(
+          nearestPairOf(scene, {a, first.index, b, second.index}, distance_m));
     }
   }
 

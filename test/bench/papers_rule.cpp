@@ -72,7 +72,7 @@ Contacts measure(const Scene& scene, const char* name, const WorkingSet& set, co
   constexpr int kRepeats = 5;
   const Prototypes prototypes = prototypesOf(set, rule.split, count);
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlacks(scene, rule.split.scale);
+  const std::vector<float> slack = scaledSlacks(scene, Options(), rule.split.scale);
   const Options options;
   std::vector<double> assign_ms, sweep_ms;
   SweepBuffers<Triangle> buffers;
@@ -110,7 +110,7 @@ void compareRules(const char* name, const Scene& scene, const std::vector<std::s
   WorkingSetBuilder builder;
   WorkingSet set;
   Counters counters;
-  builder.build(scene, set, counters);
+  builder.build(scene, Options(), set, counters);
   SizeSplit split;
   splitBySize(set, split);
   ClusterAssigner assigner;
@@ -119,7 +119,7 @@ void compareRules(const char* name, const Scene& scene, const std::vector<std::s
        [&set](const SizeSplit& s, const Prototypes& p) { return assignByGlobalRadius(set, s, p); }},
       {"half-spaces", split, [&](const SizeSplit& s, const Prototypes& p) {
          ClusterAssignment<Triangle> assignment;
-         assigner.assign(scene, set, s, p, 1, assignment);
+         assigner.assign(scene, set, s, p, Options(), assignment);
          return assignment;
        }}};
   for (const std::size_t count : counts) {

@@ -15,6 +15,7 @@
 
 #include "core/body_distance.h"
 #include "core/common/stopwatch.h"
+#include "core/cpu_detector.h"
 #include "core/mesh_file.h"
 #include "cuda/detector_choice.h"
 #include "moving_scene.h"

@@ -2,6 +2,7 @@
 // of them find what brute force finds, or where that would take too long, what the CPU finds.
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Walker {
   std::string name;
   std::unique_ptr<Detector> detector;
   bool has_little_memory;
+  std::shared_ptr<TilingCache> tilings = nullptr;  // waited for after each step
 };
 
 std::vector<Walker> walkers() {
@@ -28,7 +30,11 @@ std::vector<Walker> walkers() {
   CpuSettings little;
   little.memory_limit_bytes = kLittleBytes;
   all.push_back({"cpu with little memory", makeCpuDetector(little), true});
-  if (all.size() > 2) {
+  const bool has_cuda = all.size() > 2;
+  CpuSettings tiled;
+  tiled.tilings = std::make_shared<TilingCache>();
+  all.push_back({"cpu with tilings", makeCpuDetector(tiled), false, tiled.tilings});
+  if (has_cuda) {
     CudaSettings settings;
     settings.memory_limit_bytes = kLittleBytes;
     all.push_back({"cuda with little memory", makeCudaDetector(settings), true});
@@ -95,6 +101,21 @@ std::uint64_t pairsOf(const Scene& scene) {
   return sameBits(expected.separations_m, found.separations_m);
 }
 
+// Checks the nearest pairs. They are exact whatever the predicates, and whatever was left out.
+::testing::AssertionResult hasNearest(const DetectionResult& expected,
+                                      const DetectionResult& found) {
+  if (found.cut_off || found.nearest == expected.nearest) return ::testing::AssertionSuccess();
+  auto failure = ::testing::AssertionFailure() << "nearest:";
+  for (const NearestPair& pair : found.nearest) {
+    failure << " " << pair.pair << " at " << pair.distance_m;
+  }
+  failure << ", and not";
+  for (const NearestPair& pair : expected.nearest) {
+    failure << " " << pair.pair << " at " << pair.distance_m;
+  }
+  return failure;
+}
+
 std::uint32_t numberFromEnvironment(const char* name, std::uint32_t otherwise) {
   const char* text = std::getenv(name);
   return text == nullptr ? otherwise : static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
@@ -103,12 +124,14 @@ std::uint32_t numberFromEnvironment(const char* name, std::uint32_t otherwise) {
 // How often the walk came to what is worth testing.
 struct Visits {
   std::uint32_t contacts = 0, near = 0, rejected = 0, undecided = 0, left_out = 0, brute_force = 0;
+  std::uint32_t apart = 0;  // bodies, with a nearest pair
 };
 
 std::ostream& operator<<(std::ostream& out, const Visits& visits) {
   return out << "steps with contacts " << visits.contacts << ", near pairs " << visits.near
              << ", rejected triangles " << visits.rejected << ", undecided " << visits.undecided
-             << ", contacts left out " << visits.left_out << ", brute force " << visits.brute_force;
+             << ", nearest pairs apart " << visits.apart << ", contacts left out "
+             << visits.left_out << ", brute force " << visits.brute_force;
 }
 
 class RandomWalk : public testing::Test {
@@ -128,6 +151,8 @@ class RandomWalk : public testing::Test {
     visits_.near += std::any_of(separations_m.begin(), separations_m.end(),
                                 [](float separation_m) { return separation_m > 0; });
     visits_.rejected += expected.counters.rejected > 0 ? 1 : 0;
+    visits_.apart += std::any_of(expected.nearest.begin(), expected.nearest.end(),
+                                 [](const NearestPair& pair) { return pair.distance_m > 0; });
   }
 
   // A walk that comes to all that is worth testing.
@@ -150,6 +175,9 @@ TEST_F(RandomWalk, EveryDetectorKeepsUpWithBruteForce) {
                          : walker.has_little_memory ? isPartOf(expected, found)
                                                     : isWhole(expected, found);
       EXPECT_TRUE(right) << walker.name << ", seed " << seed_ << ", step " << i << ": " << change;
+      EXPECT_TRUE(hasNearest(expected, found))
+          << walker.name << ", seed " << seed_ << ", step " << i << ": " << change;
+      if (walker.tilings) walker.tilings->wait();
       visits_.left_out += found.left_out > 0 ? 1 : 0;
       visits_.undecided += found.counters.undecided > 0 ? 1 : 0;
     }
@@ -158,6 +186,7 @@ TEST_F(RandomWalk, EveryDetectorKeepsUpWithBruteForce) {
   std::cout << "seed " << seed_ << ": " << visits_ << std::endl;
   EXPECT_GT(visits_.contacts, steps / 4);
   EXPECT_GT(visits_.near, steps / 20);
+  EXPECT_GT(visits_.apart, steps / 20);
   EXPECT_GT(visits_.rejected, steps / 20);
   EXPECT_GT(visits_.brute_force, steps / 4);
   EXPECT_GT(visits_.undecided, steps / 100);

@@ -34,7 +34,7 @@ class OnDevice {
     device_scene_.sendLayout(scene, stream_.get());
     HostCopies copies(stream_.get());
     device_scene_.sendVertices(scene, Motion::kInstant, copies, stream_.get());
-    device_scene_.sendBodies(scene, Motion::kInstant, SceneScale(), copies);
+    device_scene_.sendBodies(scene, Options(), SceneScale(), copies);
     copies.launch();
     device_scene_.makeTiles(stream_.get());
     device_scene_.makeTilesAgain(stream_.get());

@@ -18,6 +18,7 @@ using Strings = std::vector<std::string>;
 LiveParameters unusual() {
   LiveParameters live;
   live.margin_m = 0.5;
+  live.near_pairs = true;
   live.max_rate_hz = 7;
   live.robot_rate_hz = 8;
   live.marker_rate_hz = 9;
@@ -32,6 +33,7 @@ LiveParameters unusual() {
 
 void expectSame(const LiveParameters& a, const LiveParameters& b) {
   EXPECT_EQ(a.margin_m, b.margin_m);
+  EXPECT_EQ(a.near_pairs, b.near_pairs);
   EXPECT_EQ(a.max_rate_hz, b.max_rate_hz);
   EXPECT_EQ(a.robot_rate_hz, b.robot_rate_hz);
   EXPECT_EQ(a.marker_rate_hz, b.marker_rate_hz);

@@ -183,9 +183,9 @@ class OnADevice(unittest.TestCase):
             rng = numpy.random.default_rng(seed)
             host, device = Scene(), Scene()
             meshes = [mesh_scenes.soup(rng, 300) for _ in range(2)]
-            for vertices, triangles in meshes:
+            for number, (vertices, triangles) in enumerate(meshes):
                 for scene in host, device:
-                    scene.add_body("body", vertices, triangles)
+                    scene.add_body("body %d" % number, vertices, triangles)
                     scene.set_pair_enabled(0, scene.body_count - 1)
             streams = [{"stream": 1}, {"stream": None}, {"stream": 2},
                        {"stream": driver.stream()}]

@@ -30,6 +30,14 @@ double numberOf(const Json& value) {
   return value == "inf" ? kInfinity : kNaN;
 }
 
+geometry_msgs::Point32 pointOf(const Json& given) {
+  geometry_msgs::Point32 point;
+  point.x = given.at(0);
+  point.y = given.at(1);
+  point.z = given.at(2);
+  return point;
+}
+
 ContactState stateOf(const Json& given, const ContactStates& message) {
   static const std::map<std::string, std::uint8_t> states = {
       {"NONE", ContactState::NONE},       {"NEAR", ContactState::NEAR},
@@ -49,6 +57,9 @@ ContactState stateOf(const Json& given, const ContactStates& message) {
   state.min_separation = static_cast<float>(given.contains("m") ? numberOf(given["m"]) : usual);
   state.distance_low = static_cast<float>(given.contains("low") ? numberOf(given["low"]) : 0);
   state.reason = given.value("why", "");
+  if (given.contains("a")) state.point_a = pointOf(given["a"]);
+  if (given.contains("b")) state.point_b = pointOf(given["b"]);
+  if (given.contains("n")) state.normal = pointOf(given["n"]);
   return state;
 }
 
@@ -79,13 +90,28 @@ XmlRpc::XmlRpcValue treeOf(const Json& given) {
   return tree;
 }
 
+// Compares with the bodies, the points and the normal that are expected, as far as there are any.
+void expectNearest(const NearestAnswer& answer, const Json& expected) {
+  EXPECT_EQ(answer.body, expected.empty() ? "" : expected[0].get<std::string>());
+  EXPECT_EQ(answer.other, expected.empty() ? "" : expected[1].get<std::string>());
+  EXPECT_EQ(answer.has_points, expected.size() > 2);
+  const Json zero = {0, 0, 0};
+  EXPECT_EQ(answer.point, pointOf(answer.has_points ? expected[2] : zero));
+  EXPECT_EQ(answer.other_point, pointOf(answer.has_points ? expected[3] : zero));
+  EXPECT_EQ(answer.normal, pointOf(answer.has_points ? expected[4] : zero));
+}
+
 void expectAnswers(const ContactReader& reader, const Json& step) {
   const ros::Time now(step.at("now").get<double>());
   const std::string body = step.at("body");
   const MoveAnswer answer = reader.mayMove(body, now);
   EXPECT_EQ(answer.because, step.at("because").get<std::string>());
   EXPECT_EQ(static_cast<bool>(answer), step.at("because").get<std::string>().empty());
-  EXPECT_EQ(reader.nearest(body, now), numberOf(step.at("nearest")));
+  const NearestAnswer nearest = reader.nearest(body, now);
+  EXPECT_EQ(nearest.distance_m, numberOf(step.at("nearest")));
+  EXPECT_EQ(nearest.is_known, nearest.because.empty());
+  EXPECT_TRUE(nearest.is_known || nearest.because == answer.because);
+  if (step.contains("at")) expectNearest(nearest, step["at"]);
   std::vector<std::string> pairs;
   for (const ContactState& state : reader.contacts(body, now)) {
     pairs.push_back(state.body_a + " " + state.body_b);

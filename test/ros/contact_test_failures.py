@@ -43,6 +43,14 @@ def run_contact_test(name, parameters, environment=None):
     return ended.returncode, "".join(failures), ended.stdout
 
 
+def near(distance_m):
+    """A state of palm and cloth: NONE at an infinite distance."""
+    made = state("NEAR" if distance_m < 9e9 else "NONE")
+    made.min_separation = distance_m
+    made.distance_low = 0.999 * distance_m if distance_m < 9e9 else 0.0
+    return made
+
+
 class ContactTestFailures(unittest.TestCase):
 
     def check(self, cases, environment=None):
@@ -125,6 +133,26 @@ class ContactTestFailures(unittest.TestCase):
             "slow": ({**none, "wait_s": 4}, r"too slow: .*, last message 0.\d s ago",
                      {"play": apart, "stamp": lambda now, t: now - rospy.Duration(0.99 * t)})})
 
+    def test_a_distance(self):
+        keeps = {"keeps_m": 0.25, "hold_s": 1}
+        for name in ("keeps", "keeps_beyond_the_margin", "nears", "turns_lost"):
+            rospy.set_param(f"/played/{name}/margin_m", 0.25)
+        rospy.set_param("/played/sees_little/margin_m", 0.1)
+        self.check_played({
+            "keeps": (keeps, "", {"play": lambda t: near(0.25)}),
+            "keeps_beyond_the_margin": (keeps, "", {
+                "play": lambda t: near(float("inf") if t < 0.5 else 0.3)}),
+            "nears": ({**keeps, "hold_s": 5},
+                      "not kept: palm and cloth keep 0.25 m, but near at 0.2 m at .*; seen in "
+                      ".*least distance 0.2 m", {"play": lambda t: near(0.3 if t < 1 else 0.2)}),
+            "turns_lost": ({**keeps, "hold_s": 5}, "not kept: .*, but unknown at .*; unknown "
+                                                   "because mesh stale: cloth: newest mesh is 0.7",
+                           {"play": lambda t: near(0.3) if t < 1 else
+                            state("UNKNOWN", reason="cloth: newest mesh is 0.7 s old")}),
+            "sees_little": (keeps, "margin too small: keeps_m is 0.25, but /played/sees_little "
+                                   "knows no distance of the two beyond its margin_m of 0.1 m",
+                            {"play": lambda t: near(0.09)})})
+
     def test_no_master(self):
         with socket.socket() as unused:
             unused.bind(("localhost", 0))  # does not listen
@@ -165,10 +193,11 @@ class ContactTestFailures(unittest.TestCase):
             while not ended.is_set():
                 stamp = rospy.Time.now()
                 transforms.send(stamp, boxes_scene.edges(links=["palm"]))
+                time.sleep(0.1)  # the monitor waits only 10 ms for a transform that is late
                 meshes["cloth"].send(stamp, REFERENCE_FRAME, CLOTH)
                 meshes["broken"].send(stamp, REFERENCE_FRAME, (CLOTH[0], beyond))
                 meshes["adrift"].send(stamp, "nowhere", CLOTH)
-                time.sleep(0.2)
+                time.sleep(0.1)
         feeder = threading.Thread(target=feed)
         feeder.start()
         self.addCleanup(feeder.join)

@@ -23,9 +23,9 @@ PACKAGE = "deformable_contact_monitor"
 WAIT_S = 40  # of wall time; far longer than anything takes, also on a busy machine
 
 
-def executable(name):
-    """Path of one of this build's executables."""
-    return roslib.packages.find_node(PACKAGE, name)[0]
+def executable(name, package=PACKAGE):
+    """Path of one of this build's executables, or of another package's."""
+    return roslib.packages.find_node(package, name)[0]
 
 
 def wait_until(condition, what):

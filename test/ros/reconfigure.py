@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Changes margins, pair classes and rates while the monitor runs, as rqt_reconfigure would."""
 import math
+import subprocess
 import sys
 import threading
 import time
@@ -17,7 +18,7 @@ from monitor_test_support import (
 
 PALM, FINGER, CLOTH = "palm", "finger", "cloth"
 NEAR_M = 0.03  # of the cloth above palm and finger
-START = {"margin_m": 0.01, "max_rate_hz": 0.0, "robot_deformable": True, "robot_self": True,
+START = {"margin_m": 0.01, "near_pairs": False, "max_rate_hz": 0.0, "robot_deformable": True, "robot_self": True,
          "deformable_self": False, "deformable_deformable": False, "predicates": "exact",
          "overlap": 1.0, "clusters": 5, "iterations": 1, "refresh_period": 1,
          "robot_rate_hz": 30.0, "marker_rate_hz": 10.0}
@@ -78,6 +79,14 @@ class Reconfigure(unittest.TestCase):
         self.assertEqual(rospy.get_param("/contact_monitor/pair_classes"),
                          ["robot_deformable", "robot_self"])
 
+    def test_numbers_with_an_exponent(self):
+        """YAML 1.1 takes 1e-1 for a text, and controllers read margins as numbers."""
+        self.assertEqual(rospy.get_param("/contact_monitor/link_margin_m"), {"palm": 0.1})
+        subprocess.run(["rosrun", "dynamic_reconfigure", "dynparam", "set", "/contact_monitor",
+                        "margin_m", "6e-2"], check=True, timeout=WAIT_S)
+        self.wait_for_state(ContactState.NEAR, "the cloth near the finger")
+        self.assertEqual(rospy.get_param("/contact_monitor/margin_m"), 0.06)
+
     def test_a_margin_makes_near_of_none_and_never_contact(self):
         self.wait_for_state(ContactState.NONE, "nothing near")
         since = self.monitor.states.count()
@@ -99,6 +108,34 @@ class Reconfigure(unittest.TestCase):
         self.wait_for_state(ContactState.NEAR, "the palm's own margin", (PALM, CLOTH))
         self.change(margin_m=0.5)
         self.wait_for_state(ContactState.NEAR, "all of them near", (PALM, FINGER))
+
+    def test_far_away_is_near_with_points_and_without_a_list(self):
+        self.change(margin_m=10.0)
+        state = self.wait_for_state(ContactState.NEAR, "the finger's distance")
+        self.assertAlmostEqual(state.min_separation, NEAR_M, 6)
+        self.assertAlmostEqual(state.distance_low, NEAR_M, 6)
+        self.assertAlmostEqual(state.point_a.z, 0.15, 6)
+        self.assertAlmostEqual(state.point_b.z, 0.15 + NEAR_M, 6)
+        self.assertEqual((state.point_a.x, state.point_a.y), (state.point_b.x, state.point_b.y))
+        self.assertAlmostEqual(state.normal.z, 1, 6)
+        self.assertEqual(state.pair_count, 0)
+        self.wait_for_state(ContactState.NEAR, "the palm's distance", (PALM, CLOTH))
+        contacts = self.monitor.contacts.wait(
+            "the cloth's cycle", lambda m: m.triggered[m.bodies.index(CLOTH)],
+            self.monitor.contacts.count())
+        self.assertEqual((len(contacts.pairs), contacts.pair_count), (0, 0))
+        nearest = {(contacts.bodies[n.body_a], contacts.bodies[n.body_b]): n
+                   for n in contacts.nearest}
+        self.assertEqual(nearest[FINGER, CLOTH].distance, state.min_separation)
+        self.assertEqual(nearest[FINGER, CLOTH].point_b.z, state.point_b.z)
+
+        self.change(near_pairs=True)
+        state = self.wait_for(lambda s: s[FINGER, CLOTH].pair_count > 0, "a list")[FINGER, CLOTH]
+        self.assertEqual(state.state, ContactState.NEAR)
+        self.assertEqual(state.min_separation, nearest[FINGER, CLOTH].distance)
+        contacts = self.monitor.contacts.wait("near pairs", lambda m: len(m.pairs) > 100,
+                                              self.monitor.contacts.count())
+        self.assertEqual(contacts.pair_count, len(contacts.pairs))
 
     def test_classes_are_switched_on_and_off(self):
         since = self.monitor.events.count()

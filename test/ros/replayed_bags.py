@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Replays bags to a monitor and evaluates them: the states of each cycle and its pairs must be the
 same. The monitor may say UNKNOWN for lack of time: it lost a mesh, or a transform came too late."""
+import collections
 import csv
 import os
 import shutil
@@ -118,10 +119,19 @@ class ReplayedBags(unittest.TestCase):
         self.start(executable("contact_monitor"), "__name:=" + name[1:])
         return Monitor(name)
 
-    def check(self, bag, config, urdf=None, rate=1.0, options=(), link_meshes=None, most_lacking=0,
-              least_share=0.5):
-        """Replays and evaluates. `most_lacking`: how many cycles lack time, whatever the machine;
-        `least_share`: of the evaluated cycles, how many the monitor must have."""
+    def publish_robot_state(self, joint_states, urdf):
+        """Starts a robot_state_publisher, which makes /tf of the joint states on that topic."""
+        with open(urdf) as file:
+            rospy.set_param("/robot_description", file.read())
+        self.addCleanup(rospy.delete_param, "/robot_description")
+        self.start(executable("robot_state_publisher", "robot_state_publisher"),
+                   f"joint_states:={joint_states}")
+
+    def check(self, bag, config, urdf=None, rate=1.0, options=(), link_meshes=None, joint_states=None,
+              most_lacking=0, least_share=0.5):
+        """Replays and evaluates. `joint_states`: the topic of what /tf is made of, instead of the
+        bag's; `most_lacking`: how many cycles lack time, whatever the machine; `least_share`: of the
+        evaluated cycles, how many the monitor must have."""
         config = dict(config, tf_timeout_s=1.0)
         with open(os.path.join(self.folder, "config.yaml"), "w") as file:
             yaml.safe_dump(config, file)
@@ -130,8 +140,10 @@ class ReplayedBags(unittest.TestCase):
         self.assertGreater(len(evaluation.stamps), 10)
 
         monitor = self.monitor(config, urdf)
-        topics = ["/tf", "/tf_static", *(o["topic"] for o in config["objects"]),
-                  *([link_meshes] if link_meshes else [])]
+        if joint_states:
+            self.publish_robot_state(joint_states, urdf)
+        topics = [*([joint_states] if joint_states else ["/tf", "/tf_static"]),
+                  *(o["topic"] for o in config["objects"]), *([link_meshes] if link_meshes else [])]
         with rosbag.Bag(bag) as opened:
             recorded = set(opened.get_type_and_topic_info().topics)
         topics = [name for topic in topics for name in (topic, topic[1:]) if name in recorded]
@@ -144,10 +156,13 @@ class ReplayedBags(unittest.TestCase):
         player.wait(300)
         last = [max(evaluation.stamps)]
         wait_until(lambda: found_by(monitor, last), "the last cycle")
-        self.compare(found_by(monitor, evaluation.stamps), evaluation, most_lacking, least_share)
+        found = found_by(monitor, evaluation.stamps)
+        print(f"{os.path.basename(bag)}: {len({stamp for stamp, _, _ in found})} of "
+              f"{len(evaluation.stamps)} cycles replayed,", end=" ")
+        self.compare(found, evaluation, most_lacking, least_share)
 
     def compare(self, found, evaluation, most_lacking, least_share):
-        lacking, states = set(), set()
+        lacking, states = set(), collections.Counter()
         for (stamp, a, b), (state, reason, pairs) in sorted(found.items()):
             with self.subTest(stamp=stamp, a=a, b=b, reason=reason):
                 wanted = evaluation.state((a, b), stamp)
@@ -157,11 +172,13 @@ class ReplayedBags(unittest.TestCase):
                     continue
                 self.assertEqual(state, wanted)
                 self.assertEqual(pairs, evaluation.pairs.get((stamp, a, b), set()))
-                states.add(state)
+                states[state] += 1
+        equal = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
+        print(f"{len(lacking)} lacked time; equal states: {equal}", flush=True)
         stamps = {stamp for stamp, _, _ in found}
         self.assertGreater(len(stamps), least_share * len(evaluation.stamps))
         self.assertLessEqual(len(lacking), most_lacking + len(evaluation.stamps) // 10)
-        self.assertTrue(states - {"UNKNOWN"})
+        self.assertTrue(set(states) - {"UNKNOWN"})
 
     def check_field(self, name, urdf="finger.urdf", rate=1.0, parameters=None, **more):
         """A bag whose object has its mesh on /cloth/mesh."""
@@ -186,6 +203,11 @@ class ReplayedBags(unittest.TestCase):
 
     def test_topics_without_a_slash(self):
         self.check_field("no_slash.bag", rate=2)
+
+    def test_joint_states_alone(self):
+        topic = "/robot/joint_states"
+        self.check_field("robot_joints.bag", rate=2, joint_states=topic,
+                         options=("--joint-states", topic))
 
     def test_link_meshes_of_two_monitors(self):
         for topic in ("/left_monitor/robot_meshes", "/right_monitor/robot_meshes"):
@@ -250,7 +272,8 @@ class ReplayedBags(unittest.TestCase):
         """It begins between two meshes that have triangles. An evaluation reads ahead to the second
         one; a monitor has no cycle before."""
         bag = os.path.join(self.folder, "migrated.bag")
-        rules = MessageMigrator([os.path.join(SOURCE, "msg/from_0_1.bmr")], False)
+        rules = MessageMigrator([os.path.join(SOURCE, "msg", name)
+                                 for name in ("from_0_1.bmr", "from_0_2.bmr")], False)
         old = os.path.join(SOURCE, "test/tools/bags/recorded_0_1.bag")
         self.assertEqual(fixbag2(rules, old, bag), [])
         with open(os.path.join(SOURCE, "config/demo.yaml")) as file:

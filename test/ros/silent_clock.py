@@ -7,6 +7,7 @@ import unittest
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Clock
 from rosgraph_msgs.msg import Log as ConsoleLine
 
@@ -56,6 +57,9 @@ class SilentClock(unittest.TestCase):
                              set())
         self.assertFalse(any(message.complete for message in list(monitor.contacts.messages)))
         self.assertIn("it never came", warning("/clock is silent"))
+        Log("/diagnostics", DiagnosticArray).wait("an error for want of a clock", lambda m: any(
+            status.level == DiagnosticStatus.ERROR and "no clock: use_sim_time is set" in status.message
+            for status in m.status if status.name.endswith("status")))
 
         simulator.steps(50)  # the frames must have been seen once
         since = monitor.contacts.count()

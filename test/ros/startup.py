@@ -63,6 +63,9 @@ class Startup(unittest.TestCase):
         self.assertGreater(times["cycle"], times["detection"])
         self.assertGreater(times["latency"], times["detection"])
         self.assertTrue(any(what.startswith("stage ") for what in times), times)
+        output = [value.value for status in timed.status if status.name.endswith("output")
+                  for value in status.values if value.key == "truncated"]
+        self.assertEqual(output, ["false"])
 
     def test_cuda_asked_for_by_name_and_not_to_be_had_is_an_error(self):
         for parameter, value in {**GOOD, "backend": "cuda", "device": 1023}.items():
@@ -131,12 +134,12 @@ class Startup(unittest.TestCase):
         self.addCleanup(node.wait, WAIT_S)
         self.addCleanup(node.terminate)
 
-        def allowed(diagnostics):
+        def allowed(diagnostics):  # an error as soon as the robot is read
             return [s for s in diagnostics.status
-                    if "odd_srdf" in s.name and s.name.endswith(": allowed")]
+                    if "odd_srdf" in s.name and s.name.endswith(": allowed")
+                    and s.level == DiagnosticStatus.ERROR]
 
-        found, = allowed(Log("/diagnostics", DiagnosticArray).wait("the status", allowed))
-        self.assertEqual(found.level, DiagnosticStatus.ERROR)
+        found, = allowed(Log("/diagnostics", DiagnosticArray).wait("an error", allowed))
         self.assertIn("the SRDF is not used: parameter '/odd_description_semantic': SRDF, line 1: "
                       "robot without name", found.message)
 

@@ -240,6 +240,7 @@ class Tolerance(unittest.TestCase):
     def test_an_adversarial_soup_has_an_answer_that_is_true(self):
         touching_soup, near_soup = adversarial_soup(-0.05), adversarial_soup(0.06)
         self.settle("soup", near_soup, "ample", lambda states: states["palm"].distance_low > 0)
+        self.settle("soup", near_soup, "over", lambda states: states["finger"].reason == LATE)
         states, distances = self.look("soup", touching_soup)
         self.assertEqual(distances["finger"], 0)
         self.expect(states, "exact", "finger", CONTACT)

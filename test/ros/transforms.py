@@ -7,12 +7,13 @@ import unittest
 import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Log as ConsoleLine
 
 import boxes_scene
 from boxes_scene import CLOTH, REFERENCE_FRAME
 from deformable_contact_monitor.msg import ContactEvent
 from monitor_test_support import (
-    PACKAGE, ContactState, MeshPublisher, Monitor, Transforms, pairs_of, touching,
+    PACKAGE, ContactState, Log, MeshPublisher, Monitor, Transforms, pairs_of, touching,
     transform_message, until_frames_are_seen, wait_until)
 
 UNKNOWN, CONTACT, NONE = ContactState.UNKNOWN, ContactState.CONTACT, ContactState.NONE
@@ -99,6 +100,7 @@ class TransformTests(unittest.TestCase):
 
     def test_a_frame_that_never_comes_makes_its_object_unknown(self):
         self.check_good_cycle()
+        console = Log("/rosout", ConsoleLine)
         for _ in range(2):
             stamp = self.tick()
             self.transforms.send(stamp, boxes_scene.edges())
@@ -107,6 +109,10 @@ class TransformTests(unittest.TestCase):
             self.assertFalse(contacts.complete)
             self.assertEqual(contacts.pairs, [])
             self.assertEqual(states, {("palm", "cloth"): UNKNOWN, ("finger", "cloth"): UNKNOWN})
+        text = console.wait("a warning", lambda m: m.level == ConsoleLine.WARN
+                            and "cloth: TF frame 'nowhere' never seen" in m.msg).msg
+        self.assertIn("known frames: 'base', 'finger', 'lost', 'palm'; "
+                      "1 node publishes /tf, nobody publishes /tf_static", text)
         self.check_good_cycle()
 
     def test_a_transform_from_far_ahead_shuts_out_none(self):

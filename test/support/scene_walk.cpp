@@ -25,13 +25,16 @@ SceneWalk::SceneWalk(std::uint32_t seed) : random_(seed) {
 std::string SceneWalk::step() {
   // Those that move things are common, so that scenes live on for a while.
   static constexpr Change kChanges[] = {
-      &SceneWalk::moveAll,   &SceneWalk::moveAll,       &SceneWalk::moveAll,
-      &SceneWalk::moveOne,   &SceneWalk::moveOne,       &SceneWalk::pose,
-      &SceneWalk::pose,      &SceneWalk::switchPair,    &SceneWalk::switchPair,
-      &SceneWalk::setMargin, &SceneWalk::setMargin,     &SceneWalk::replaceMesh,
-      &SceneWalk::switchAll, &SceneWalk::replaceMesh,   &SceneWalk::makeStrange,
-      &SceneWalk::scale,     &SceneWalk::changeMeaning, &SceneWalk::changeSpeedOptions,
-      &SceneWalk::addBody};
+      &SceneWalk::moveAll,       &SceneWalk::moveAll,
+      &SceneWalk::moveAll,       &SceneWalk::moveOne,
+      &SceneWalk::moveOne,       &SceneWalk::pose,
+      &SceneWalk::pose,          &SceneWalk::switchPair,
+      &SceneWalk::switchPair,    &SceneWalk::setMargin,
+      &SceneWalk::setMargin,     &SceneWalk::replaceMesh,
+      &SceneWalk::switchAll,     &SceneWalk::replaceMesh,
+      &SceneWalk::makeStrange,   &SceneWalk::scale,
+      &SceneWalk::changeMeaning, &SceneWalk::changeSpeedOptions,
+      &SceneWalk::addBody,       &SceneWalk::changeWhatMarginsAreFor};
   return (this->*kChanges[below(std::size(kChanges))])();
 }
 
@@ -182,6 +185,13 @@ std::string SceneWalk::changeMeaning() {
   options_.predicates = isOneOf(3) ? Predicates::kConservative : Predicates::kExact;
   return std::string("options ") + toString(options_.adjacent) + ", " +
          toString(options_.predicates);
+}
+
+std::string SceneWalk::changeWhatMarginsAreFor() {
+  options_.nearest = !isOneOf(3);
+  options_.near_pairs = isOneOf(2);
+  return std::string(options_.nearest ? "nearest pairs" : "no nearest pairs") +
+         (options_.near_pairs ? ", near pairs" : "");
 }
 
 }  // namespace deformable_contact_monitor

@@ -20,7 +20,7 @@ class SceneWalk {
 
   // One change: a body added, a mesh replaced (also by none), vertices moved, not finite or far
   // off, a body scaled by a power of ten, posed, given a margin, a pair switched, or options
-  // changed. Returns what, for messages.
+  // changed, among them what margins are for. Returns what, for messages.
   std::string step();
 
   const Scene& scene() const { return scene_; }
@@ -41,6 +41,7 @@ class SceneWalk {
   std::string switchAll();
   std::string changeSpeedOptions();
   std::string changeMeaning();
+  std::string changeWhatMarginsAreFor();
 
   TriangleMesh randomMesh();
   void setVertices(BodyId id, const std::vector<float>& vertices);

@@ -66,10 +66,9 @@ bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
                        const CycleLimit& limit) {
   body_ = &body;
   ++cycle_;
-  if (tiling_ != tiling) {
-    tiling_ = std::move(tiling);
-    vertices_revision_ = 0;
-    slots_ = std::make_unique<Slot[]>(tiling_->tileCount());
+  if (tiling_ != tiling || topology_revision_ != body.topology_revision) {
+    begin(std::move(tiling));
+    topology_revision_ = body.topology_revision;
   }
   if (vertices_revision_ != body.vertices_revision && !receive(limit)) return false;
   is_identity_ = body.pose.isIdentity();
@@ -83,14 +82,42 @@ bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
   return true;
 }
 
+// Begins with other tiles. Slots of tiles are kept, because making tiles anew takes memory.
+void BodyTiles::begin(std::shared_ptr<const Tiling> tiling) {
+  tiling_ = std::move(tiling);
+  vertices_revision_ = 0;
+  const std::size_t tiles = tiling_
+                                ? tiling_->tileCount()
+                                : blockCount(body_->mesh.triangleCount(), Tiling::kTileTriangles);
+  received_tiles_.resize(tiles);
+  received_regions_.resize(tiling_ ? tiling_->regionCount()
+                                   : blockCount(tiles, Tiling::kRegionTiles));
+  finite_regions_.resize(received_regions_.size());
+  if (slot_count_ < tiles) {
+    slot_count_ = tiles + tiles / 4;
+    slots_ = std::make_unique<Slot[]>(slot_count_);
+  }
+  first_of_tile_.clear();
+  first_of_region_.clear();
+  if (!tiling_) return;
+  const auto leastOf = [](const auto& list, std::size_t begin, std::size_t end) {
+    return *std::min_element(list.begin() + static_cast<std::ptrdiff_t>(begin),
+                             list.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  for (std::size_t t = 0; t < tiles; ++t) {
+    first_of_tile_.push_back(
+        leastOf(tiling_->triangle, tiling_->tile_begin[t], tiling_->tile_begin[t + 1]));
+  }
+  for (std::size_t r = 0; r < tiling_->regionCount(); ++r) {
+    first_of_region_.push_back(leastOf(first_of_tile_, tileBegin(r), tileEnd(r)));
+  }
+}
+
 // Makes the boxes in the body's own frame. Returns false if the limit is over.
 bool BodyTiles::receive(const CycleLimit& limit) {
   constexpr std::size_t kBlock = 2;  // regions, some 3 000 vertices
   vertices_revision_ = 0;
-  received_tiles_.resize(tiling_->tileCount());
-  received_regions_.resize(tiling_->regionCount());
-  finite_regions_.resize(tiling_->regionCount());
-  parallelBlocks(limit, tiling_->regionCount(), kBlock,
+  parallelBlocks(limit, received_regions_.size(), kBlock,
                  [this](std::size_t, std::size_t begin, std::size_t end) {
                    for (std::size_t r = begin; r < end; ++r) receiveRegion(r);
                  });
@@ -103,18 +130,30 @@ bool BodyTiles::receive(const CycleLimit& limit) {
 
 // Makes the boxes of one region and of its tiles. Regions are independent, so threads share them.
 void BodyTiles::receiveRegion(std::size_t region) {
-  const TriangleMesh& mesh = body_->mesh;
   bool all_finite = true;
   Aabb whole;
   for (std::size_t tile = tileBegin(region); tile < tileEnd(region); ++tile) {
-    const std::uint32_t first = tiling_->vertex_begin[tile];
-    received_tiles_[tile] =
-        receivedBox(mesh.vertices.data(), mesh.vertexCount(), tiling_->vertex.data() + first,
-                    tiling_->vertex_begin[tile + 1] - first, all_finite);
+    receiveTile(tile, all_finite);
     whole.include(received_tiles_[tile]);
   }
   received_regions_[region] = whole;
   finite_regions_[region] = all_finite ? 1 : 0;
+}
+
+void BodyTiles::receiveTile(std::size_t tile, bool& all_finite) {
+  const TriangleMesh& mesh = body_->mesh;
+  const std::uint32_t* vertex;
+  std::size_t count;
+  if (tiling_) {
+    vertex = tiling_->vertex.data() + tiling_->vertex_begin[tile];
+    count = tiling_->vertex_begin[tile + 1] - tiling_->vertex_begin[tile];
+  } else {
+    const std::size_t first = tile * Tiling::kTileTriangles;
+    vertex = mesh.triangles.data() + 3 * first;
+    count = 3 * least(Tiling::kTileTriangles, mesh.triangleCount() - first);
+  }
+  received_tiles_[tile] =
+      receivedBox(mesh.vertices.data(), mesh.vertexCount(), vertex, count, all_finite);
 }
 
 // The box ends at the largest float32, so it holds all finite vertices even if the pose makes
@@ -136,7 +175,11 @@ const PosedTile& BodyTiles::tile(std::size_t tile) const {
   }
   if (slot.made.load(std::memory_order_relaxed) != cycle_) {
     if (slot.tile == nullptr) slot.tile = std::make_unique<PosedTile>();
-    slot.tile->make(*tiling_, tile, PosedBody(*body_));
+    if (tiling_) {
+      slot.tile->make(*tiling_, tile, PosedBody(*body_));
+    } else {
+      slot.tile->makeRun(body_->mesh, tile * Tiling::kTileTriangles, PosedBody(*body_));
+    }
     slot.made.store(cycle_, std::memory_order_release);
   }
   slot.busy.clear(std::memory_order_release);

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <map>
 
-#include "core/bounds/distance_rounding.h"
+#include "core/bounds/exact_distances.h"
 #include "core/common/contact_geometry.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
@@ -20,52 +20,6 @@ namespace deformable_contact_monitor {
 namespace {
 
 using IdPair = std::pair<BodyId, BodyId>;
-
-// Counts a contact, and makes it the pair's witness if it is the nearest so far. Separations are
-// rounded to the nearest float32, so the next greater one is an upper bound.
-void addContact(const DetectionResult& exact, std::size_t i, BodyDistance& distance) {
-  ++distance.contact_count;
-  const float separation_m = exact.separationM(i);
-  const float high_m = separation_m > 0 ? std::nextafter(separation_m, INFINITY) : 0;
-  if (high_m >= distance.high_m) return;
-  distance.high_m = high_m;
-  distance.witness = exact.contacts[i];
-  if (exact.geometry.size() == exact.contacts.size()) {
-    distance.point_a = exact.geometry[i].point_a;
-    distance.point_b = high_m > 0 ? exact.geometry[i].point_b : exact.geometry[i].point_a;
-  }
-}
-
-// Adds a distance for each pair of two different bodies. Its lower bound is 0 unless the exact
-// detector listed all contacts. Then it follows from the nearest contact, or is the margin if there
-// is no contact.
-void addDistances(const Scene& scene, const std::vector<IdPair>& pairs,
-                  const DetectionResult& exact, DetectionResult& result) {
-  std::map<IdPair, BodyDistance> distances;
-  const bool all_listed = exact.guaranteed && !exact.cut_off && exact.left_out == 0;
-  for (const IdPair& pair : pairs) {
-    if (pair.first == pair.second) continue;
-    BodyDistance& distance = distances[pair];
-    distance.body_a = pair.first;
-    distance.body_b = pair.second;
-    distance.is_listed = all_listed;
-  }
-  if (distances.empty()) return;
-  for (std::size_t i = 0; i < exact.contacts.size(); ++i) {
-    const auto found = distances.find({exact.contacts[i].body_a, exact.contacts[i].body_b});
-    if (found != distances.end()) addContact(exact, i, found->second);
-  }
-  for (auto& [pair, distance] : distances) {
-    if (all_listed && distance.contact_count == 0) {
-      distance.low_m =
-          pairMargin(scene.body(pair.first).margin_m, scene.body(pair.second).margin_m);
-    } else if (all_listed) {
-      // Separations are rounded to the nearest float32.
-      distance.low_m = roundedDown(distance.high_m * (1 - 1e-6));
-    }
-    result.distances.push_back(distance);
-  }
-}
 
 // Moves what belongs to two lists of contacts into one, in the order in which they were merged.
 template <class List>
@@ -82,11 +36,12 @@ void mergeBeside(const std::vector<bool>& from_second, const List& second, List&
 // Copies the exact detector's result of these pairs into `result`, which has only stage times so
 // far. Adds the distance of each pair of two different bodies, as far as the list of contacts tells
 // it.
-void takeExactResult(const Scene& scene, const std::vector<IdPair>& pairs,
+void takeExactResult(const Scene& scene, const Options& options, const std::vector<IdPair>& pairs,
                      const DetectionResult& exact, DetectionResult& result) {
   result.contacts = exact.contacts;
   result.separations_m = exact.separations_m;
   result.geometry = exact.geometry;
+  result.nearest = exact.nearest;
   result.left_out = exact.left_out;
   if (exact.cut_off) result.cutOff(exact.cut_off_because);
   result.guaranteed = result.guaranteed && exact.guaranteed;
@@ -95,7 +50,9 @@ void takeExactResult(const Scene& scene, const std::vector<IdPair>& pairs,
   result.counters = exact.counters;
   result.counters.triangles = scene.triangleCount();
   result.stages_ms.insert(result.stages_ms.end(), exact.stages_ms.begin(), exact.stages_ms.end());
-  addDistances(scene, pairs, exact, result);
+  const std::vector<BodyDistance> distances =
+      distancesOf(scene, pairs, exact, options.nearest, options.nearest && !exact.cut_off);
+  result.distances.insert(result.distances.end(), distances.begin(), distances.end());
 }
 
 // Adds contacts, sorted, of pairs of bodies of which `result` has none. Makes their geometry if the
@@ -103,8 +60,9 @@ void takeExactResult(const Scene& scene, const std::vector<IdPair>& pairs,
 // contacts in both lists, so one pass merges them.
 void mergeContacts(const Scene& scene, const Options& options,
                    const std::vector<ListedContact>& contacts, DetectionResult& result) {
+  const bool has_separations = listsNearPairs(scene, options);
   // The exact part may have no margin where the whole scene has one.
-  if (scene.anyMargin()) result.separations_m.resize(result.contacts.size());
+  if (has_separations) result.separations_m.resize(result.contacts.size());
   if (contacts.empty()) return;
   // Geometry is all or nothing: if one of the lists lacks it, the merged result has none.
   const bool had_all_geometry = result.geometry.size() == result.contacts.size();
@@ -112,7 +70,7 @@ void mergeContacts(const Scene& scene, const Options& options,
   added.contacts.reserve(contacts.size());
   for (const ListedContact& contact : contacts) {
     added.contacts.push_back(contact.pair);
-    if (scene.anyMargin()) added.separations_m.push_back(contact.separation_m);
+    if (has_separations) added.separations_m.push_back(contact.separation_m);
   }
   if (had_all_geometry) writeGeometry(scene, options, added);
   std::vector<bool> from_second;
@@ -126,7 +84,7 @@ void mergeContacts(const Scene& scene, const Options& options,
     ++(is_second ? second : first);
   }
   mergeBeside(from_second, added.contacts, result.contacts);
-  if (scene.anyMargin()) mergeBeside(from_second, added.separations_m, result.separations_m);
+  if (has_separations) mergeBeside(from_second, added.separations_m, result.separations_m);
   if (options.geometry && had_all_geometry && added.geometry.size() == contacts.size()) {
     mergeBeside(from_second, added.geometry, result.geometry);
   } else {
@@ -237,7 +195,10 @@ const DetectionResult& BoundedCycle::detect(const Scene& scene, const Options& o
   SteadyTime first_turn = end;  // the exact detector has what is left after it
   if (end != SteadyTime::max() && !exact_pairs_.empty()) first_turn = now + (end - now) / 2;
   threads_.run(options.threads, [&] {
-    rounds_.begin(scene, tiled_pairs_, tiling_, options.tolerance_m, limit);
+    SearchGoal goal;
+    goal.tolerance_m = options.tolerance_m;
+    goal.nearest = options.nearest;
+    rounds_.begin(scene, tiled_pairs_, tiling_, goal, limit);
     rounds_.decide(limit, first_turn);
   });
   double bounds_ms = watch.lapMs();
@@ -252,13 +213,14 @@ const DetectionResult& BoundedCycle::detect(const Scene& scene, const Options& o
   bounds_ms += watch.lapMs();
   result_.stages_ms.emplace_back("bounds", bounds_ms);
   if (options.tolerance_m == 0) {
-    threads_.run(options.threads, [&] { rounds_.list(limit, end); });
+    const bool near_pairs = options.near_pairs || !options.nearest;
+    threads_.run(options.threads, [&] { rounds_.list(limit, end, near_pairs); });
     result_.stages_ms.emplace_back("list", watch.lapMs());
   }
   result_.detect_ms = cycle.elapsedMs();
   // `end` left time for the rest of the cycle. merge_time_ learns how long that takes.
   const SteadyTime merge_begin = std::chrono::steady_clock::now();
-  if (exact != nullptr) takeExactResult(scene, exact_pairs_, *exact, result_);
+  if (exact != nullptr) takeExactResult(scene, options, exact_pairs_, *exact, result_);
   addBounds(scene, options, limit);
   merge_time_.took(std::chrono::steady_clock::now() - merge_begin);
   result_.round_trip_ms = cycle.elapsedMs();
@@ -291,6 +253,12 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
           ->contact_count;
   }
   mergeContacts(scene, options, contacts, result_);
+  const std::vector<NearestPair> nearest = rounds_.nearest(scene);
+  result_.nearest.insert(result_.nearest.end(), nearest.begin(), nearest.end());
+  std::sort(result_.nearest.begin(), result_.nearest.end(),
+            [](const NearestPair& x, const NearestPair& y) {
+              return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
+            });
   countRejected(scene);
 }
 

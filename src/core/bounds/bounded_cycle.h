@@ -63,6 +63,8 @@ class BoundedCycle {
 
   // Returns whether the result of the last detect() belongs to this object, not to `exact`.
   bool ownsResult() const { return owns_result_; }
+  // Forgets the nearest triangles of earlier cycles.
+  void forget() { rounds_.forget(); }
   // Does what Detector::swapResult() does, if this object owns the result.
   void swapResult(DetectionResult& result) { result_.swap(result); }
 

@@ -1,6 +1,6 @@
 // Compares boxes to find the parts of two bodies that may be near each other. Axis-aligned boxes
-// come first. The oriented boxes of tiles are thinner, but need posed vertices, so they are
-// compared only where the others are near. All gaps are rounded down: no part is left out by
+// come first. The oriented boxes of tiles are thinner, but need posed vertices, so a search
+// compares them only where the others are near. All gaps are rounded down: no part is left out by
 // mistake.
 #include "core/bounds/near_parts.h"
 
@@ -49,15 +49,15 @@ std::size_t tilesNear(const BodyTiles& body, std::size_t region, const Aabb& oth
   return count;
 }
 
-// Computes the square of the gap between a box and the box of each of a tile's triangles [m^2].
-// Entries beyond the tile's count are computed too: loops of a fixed length become vector
-// instructions.
-DCM_WIDE_CLONES void squaredGaps(const float* min, const float* max, const PosedTile& tile,
+// Computes the square of the gap between the box of a triangle of `a` and the box of each triangle
+// of `b` [m^2]. Entries beyond the tile's count are computed too: loops of a fixed length become
+// vector instructions.
+DCM_WIDE_CLONES void squaredGaps(const PosedTile& a, std::size_t s, const PosedTile& b,
                                  double* squared) {
   for (std::size_t t = 0; t < kTriangles; ++t) squared[t] = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double lo = min[k], hi = max[k];
-    const float *const low = tile.low[k].data(), *const high = tile.high[k].data();
+    const double lo = a.low[k][s], hi = a.high[k][s];
+    const float *const low = b.low[k].data(), *const high = b.high[k].data();
     for (std::size_t t = 0; t < kTriangles; ++t) {
       const double above = low[t] - hi, below = lo - high[t];
       const double gap = most(most(above, below), 0.0);
@@ -101,6 +101,99 @@ std::size_t trianglesNear(const PosedTile& tile, const OrientedBox& box, double 
   return count;
 }
 
+// Returns a number that is at least the distance of each of a tile's vertices from the origin, in
+// the sum of coordinates.
+double sizeOf(const PosedTile& tile) {
+  double size = 0;
+  for (int k = 0; k < 3; ++k) size += most(std::fabs(tile.box.min[k]), std::fabs(tile.box.max[k]));
+  return size;
+}
+
+// Writes the places of a tile's vertices along a direction, relative to a point [m times the
+// direction's length].
+DCM_WIDE_CLONES void placesAlong(const Vec3d& direction, const Vec3d& from, const PosedTile& tile,
+                                 double* at) {
+  const double x = direction.x, y = direction.y, z = direction.z;
+  const double from_x = from.x, from_y = from.y, from_z = from.z;
+  for (std::size_t i = 0; i < tile.vertex_count; ++i) {
+    at[i] = x * (tile.x[i] - from_x) + y * (tile.y[i] - from_y) + z * (tile.z[i] - from_z);
+  }
+}
+
+// Bounds distances by the places of two tiles' vertices along a direction from a to b.
+class GapAlong {
+ public:
+  GapAlong(const Vec3d& direction, const PosedTile& a, const PosedTile& b)
+      : scale_((1 - 1e-12) / std::sqrt(dot(direction, direction))),
+        slack_m_(1e-14 * (sizeOf(a) + sizeOf(b))) {
+    const Vec3d from = toDouble(a.vertex(0));
+    placesAlong(direction, from, a, of_a_);
+    placesAlong(direction, from, b, of_b_);
+    high_a_ = *std::max_element(of_a_, of_a_ + a.vertex_count);
+    low_b_ = *std::min_element(of_b_, of_b_ + b.vertex_count);
+  }
+
+  // Return lower bounds of the distances between the tiles, between a triangle and the other tile,
+  // and between two triangles [m]; they may be negative. `s` and `t` are triangles of a and of b.
+  double ofTiles() const { return gap(high_a_, low_b_); }
+  double ofA(const PosedTile& a, std::size_t s) const { return gap(highest(a, s), low_b_); }
+  double ofB(const PosedTile& b, std::size_t t) const { return gap(high_a_, lowest(b, t)); }
+  double gap(double high_a, double low_b) const { return (low_b - high_a) * scale_ - slack_m_; }
+
+  double highest(const PosedTile& a, std::size_t s) const {
+    const std::array<std::uint8_t, 3>& corner = a.corners[s];
+    return most(most(of_a_[corner[0]], of_a_[corner[1]]), of_a_[corner[2]]);
+  }
+  double lowest(const PosedTile& b, std::size_t t) const {
+    const std::array<std::uint8_t, 3>& corner = b.corners[t];
+    return least(least(of_b_[corner[0]], of_b_[corner[1]]), of_b_[corner[2]]);
+  }
+
+ private:
+  double scale_, slack_m_;
+  double of_a_[3 * kTriangles], of_b_[3 * kTriangles];
+  double high_a_, low_b_;
+};
+
+// The triangles of two tiles that may be near the other tile, with the ends of each one towards the
+// other tile along a direction.
+struct NearEnds {
+  std::size_t a_count = 0, b_count = 0;
+  std::uint8_t a[kTriangles], b[kTriangles];
+  double end_a[kTriangles], end_b[kTriangles];
+
+  // Lowers least_m to the least distance of the other triangles.
+  NearEnds(const GapAlong& along, const PosedTile& tile_a, const PosedTile& tile_b, double needed_m,
+           double& least_m) {
+    for (std::size_t s = 0; s < tile_a.count; ++s) {
+      const double low_m = along.ofA(tile_a, s);
+      if (low_m >= needed_m) {
+        least_m = least(least_m, low_m);
+      } else {
+        end_a[a_count] = along.highest(tile_a, s);
+        a[a_count++] = static_cast<std::uint8_t>(s);
+      }
+    }
+    for (std::size_t t = 0; t < tile_b.count; ++t) {
+      const double low_m = along.ofB(tile_b, t);
+      if (low_m >= needed_m) {
+        least_m = least(least_m, low_m);
+      } else {
+        end_b[b_count] = along.lowest(tile_b, t);
+        b[b_count++] = static_cast<std::uint8_t>(t);
+      }
+    }
+  }
+};
+
+// Orders pairs of triangles, the nearest first.
+void sortByBound(std::vector<NearTriangles>& near) {
+  std::sort(near.begin(), near.end(), [](const NearTriangles& x, const NearTriangles& y) {
+    if (x.low_m != y.low_m) return x.low_m < y.low_m;
+    return x.a != y.a ? x.a < y.a : x.b < y.b;
+  });
+}
+
 }  // namespace
 
 double nearRegions(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, double needed_m,
@@ -133,9 +226,7 @@ double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, s
       tilesNear(b, region_b, a.regions()[region_a], needed_m, of_b, least_m);
   for (std::size_t i = 0; i < a_count; ++i) {
     for (std::size_t j = 0; j < b_count; ++j) {
-      double low_m = lowerGap(of_a[i].box, of_b[j].box);
-      if (low_m < needed_m)
-        low_m = most(low_m, lowerGap(a.tile(of_a[i].tile), b.tile(of_b[j].tile)));
+      const double low_m = lowerGap(of_a[i].box, of_b[j].box);
       if (low_m >= needed_m) {
         least_m = least(least_m, low_m);
       } else {
@@ -151,6 +242,10 @@ double lowerGap(const PosedTile& a, const PosedTile& b) {
   return most(std::sqrt(squaredGap(a.box, b.box)) * kRounding, lowerGap(a.oriented, b.oriented));
 }
 
+double lowerGapAlong(const Vec3d& direction, const PosedTile& a, const PosedTile& b) {
+  return GapAlong(direction, a, b).ofTiles();
+}
+
 double nearTriangles(const PosedTile& a, const PosedTile& b, double needed_m,
                      std::vector<NearTriangles>& near) {
   near.clear();
@@ -163,27 +258,48 @@ double nearTriangles(const PosedTile& a, const PosedTile& b, double needed_m,
   double left_out2 = INFINITY;
   for (std::size_t i = 0; i < a_count && b_count > 0; ++i) {
     const std::uint8_t s = of_a[i];
-    const float min[3] = {a.low[0][s], a.low[1][s], a.low[2][s]};
-    const float max[3] = {a.high[0][s], a.high[1][s], a.high[2][s]};
     double squared[kTriangles];
-    squaredGaps(min, max, b, squared);
+    squaredGaps(a, s, b, squared);
     for (std::size_t j = 0; j < b_count; ++j) {
       const double low2 = squared[of_b[j]] * (kRounding * kRounding);
       if (low2 >= needed2) {
         left_out2 = least(left_out2, low2);
       } else {
-        near.push_back({std::sqrt(low2), s, of_b[j]});
+        near.push_back({std::sqrt(low2), s, of_b[j], low2 == 0});
       }
     }
   }
   // Without a margin and a tolerance only overlapping boxes are left, so there is no order among
   // them.
-  if (needed_m > 1e-44) {
-    std::sort(near.begin(), near.end(), [](const NearTriangles& x, const NearTriangles& y) {
-      if (x.low_m != y.low_m) return x.low_m < y.low_m;
-      return x.a != y.a ? x.a < y.a : x.b < y.b;
-    });
+  if (needed_m > 1e-44) sortByBound(near);
+  return least(least_m, std::sqrt(left_out2) * kRounding);
+}
+
+double nearTrianglesAlong(const Vec3d& direction, const PosedTile& a, const PosedTile& b,
+                          double needed_m, std::vector<NearTriangles>& near) {
+  near.clear();
+  double least_m = INFINITY;
+  const GapAlong along(direction, a, b);
+  const NearEnds ends(along, a, b, needed_m, least_m);
+  const double needed2 = needed_m * needed_m * (1 + 1e-12);  // so its root is not less
+  double left_out2 = INFINITY;
+  for (std::size_t i = 0; i < ends.a_count && ends.b_count > 0; ++i) {
+    const std::uint8_t s = ends.a[i];
+    double squared[kTriangles];
+    squaredGaps(a, s, b, squared);
+    for (std::size_t j = 0; j < ends.b_count; ++j) {
+      const double low2 = squared[ends.b[j]] * (kRounding * kRounding);
+      const double along_m = along.gap(ends.end_a[i], ends.end_b[j]);
+      if (along_m >= needed_m) {
+        least_m = least(least_m, along_m);
+      } else if (low2 >= needed2) {
+        left_out2 = least(left_out2, low2);
+      } else {
+        near.push_back({most(std::sqrt(low2), along_m), s, ends.b[j], low2 == 0});
+      }
+    }
   }
+  sortByBound(near);
   return least(least_m, std::sqrt(left_out2) * kRounding);
 }
 

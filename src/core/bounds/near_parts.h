@@ -23,13 +23,15 @@ struct NearParts {
 struct NearTriangles {
   double low_m;  // they are certainly no nearer than this [m]
   std::uint8_t a, b;
+  bool boxes_meet;  // otherwise they do not intersect
 };
 
 // Adds to `near` the pairs of region `region_a` of a with regions of b, in the order of b's.
 double nearRegions(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, double needed_m,
                    std::vector<NearParts>& near);
 
-// Fills `near` with the pairs of tiles of two regions, in their order.
+// Fills `near` with the pairs of tiles of two regions, in their order. It compares the boxes along
+// the axes alone, so no vertex is posed.
 double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, std::size_t region_b,
                  double needed_m, std::vector<NearParts>& near);
 
@@ -37,8 +39,17 @@ double nearTiles(const BodyTiles& a, std::size_t region_a, const BodyTiles& b, s
 double nearTriangles(const PosedTile& a, const PosedTile& b, double needed_m,
                      std::vector<NearTriangles>& near);
 
+// Does the same with bounds along a direction from a to b, of any length but zero. If the nearest
+// points of the tiles lie in about this direction, fewer pairs are left, and it is faster.
+double nearTrianglesAlong(const Vec3d& direction, const PosedTile& a, const PosedTile& b,
+                          double needed_m, std::vector<NearTriangles>& near);
+
 // Returns a lower bound of the distance between the triangles of two tiles [m]; +inf if one tile
 // has no triangle.
 double lowerGap(const PosedTile& a, const PosedTile& b);
+
+// Returns another one, from the vertices of two tiles that have triangles, along a direction from a
+// to b of any length but zero. It may be negative.
+double lowerGapAlong(const Vec3d& direction, const PosedTile& a, const PosedTile& b);
 
 }  // namespace deformable_contact_monitor

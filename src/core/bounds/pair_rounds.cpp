@@ -1,6 +1,6 @@
-// Decides all pairs of a cycle, and then lists their contacts. Threads share the pairs. If there is
-// a deadline, each open pair gets a short turn in each round, so that one hard pair cannot take the
-// time of all others.
+// Searches all pairs of a cycle, and then lists their contacts. Threads share the pairs. If there
+// is a deadline, each open pair gets a short turn in each round, so that one hard pair cannot take
+// the time of all others.
 #include "core/bounds/pair_rounds.h"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 
 #include "core/bounds/distance_rounding.h"
 #include "core/bounds/near_parts.h"
+#include "core/common/contact_geometry.h"
 #include "core/common/parallel.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
@@ -73,6 +74,7 @@ class ContactList {
   bool addTiles(const NearParts& tiles) {
     constexpr std::size_t kLook = 64;  // pairs of triangles, about 10 us
     const PosedTile &a = bodies_.a->tile(tiles.a), &b = bodies_.b->tile(tiles.b);
+    if (lowerGap(a, b) >= needed_m_) return true;
     nearTriangles(a, b, needed_m_, triangles_);
     if (isTime()) return false;
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
@@ -109,12 +111,12 @@ class ContactList {
 }  // namespace
 
 void PairRounds::begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
-                       const std::vector<std::shared_ptr<const Tiling>>& tilings, float tolerance_m,
-                       const CycleLimit& limit) {
-  tolerance_m_ = tolerance_m;
+                       const std::vector<std::shared_ptr<const Tiling>>& tilings,
+                       const SearchGoal& goal, const CycleLimit& limit) {
+  goal_ = goal;
   tiles_.resize(scene.bodyCount());
   ready_.assign(scene.bodyCount(), false);
-  pairs_.clear();
+  remember();
   std::vector<bool> is_new(scene.bodyCount(), true);
   // Updates the tiles of a body at its first pair. Later pairs get the same answer.
   const auto isReady = [&](BodyId id) {
@@ -126,12 +128,41 @@ void PairRounds::begin(const Scene& scene, const std::vector<std::pair<BodyId, B
     return ready_[id];
   };
   for (const auto& [a, b] : pairs) {
-    Pair pair{a, b, pairMargin(scene.body(a).margin_m, scene.body(b).margin_m), nullptr, {}};
-    if (isReady(a) && isReady(b)) {
-      pair.search = std::make_unique<PairSearch>(bodiesOf(pair), tolerance_m);
-    }
+    const Body &body_a = scene.body(a), &body_b = scene.body(b);
+    Pair pair{a,
+              b,
+              pairMargin(body_a.margin_m, body_b.margin_m),
+              body_a.topology_revision,
+              body_b.topology_revision,
+              nullptr,
+              {}};
+    if (isReady(a) && isReady(b)) startSearch(pair, goal);
     pairs_.push_back(std::move(pair));
   }
+}
+
+// Keeps the nearest triangles of the last cycle's pairs, and forgets these pairs.
+void PairRounds::remember() {
+  if (pairs_.empty()) return;
+  last_.clear();
+  for (const Pair& pair : pairs_) {
+    const auto nearest = pair.search ? pair.search->nearestSoFar() : std::nullopt;
+    if (!nearest) continue;
+    last_.push_back({pair.topology_a, pair.topology_b, nearest->triangle_a, nearest->triangle_b});
+  }
+  std::sort(last_.begin(), last_.end(), isBefore);
+  pairs_.clear();
+}
+
+// Results with a tolerance depend on where a search starts, so only one for the nearest pair starts
+// from the last cycle.
+void PairRounds::startSearch(Pair& pair, const SearchGoal& goal) {
+  pair.search = std::make_unique<PairSearch>(bodiesOf(pair, pair.margin_m), goal);
+  if (!goal.nearest) return;
+  const Last key{pair.topology_a, pair.topology_b, 0, 0};
+  const auto found = std::lower_bound(last_.begin(), last_.end(), key, isBefore);
+  if (found == last_.end() || isBefore(key, *found)) return;
+  pair.search->startFrom(found->triangle_a, found->triangle_b);
 }
 
 std::vector<PairRounds::Pair*> PairRounds::openPairs() {
@@ -156,7 +187,7 @@ void PairRounds::decide(const CycleLimit& limit, SteadyTime until) {
   }
 }
 
-void PairRounds::list(const CycleLimit& limit, SteadyTime until) {
+void PairRounds::list(const CycleLimit& limit, SteadyTime until, bool near_pairs) {
   std::atomic<std::size_t> all_found{0};
   parallelBlocks(limit, pairs_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     Pair& pair = pairs_[i];
@@ -164,7 +195,11 @@ void PairRounds::list(const CycleLimit& limit, SteadyTime until) {
     const PairDecision decision = pair.search->decision();
     // A pair that is certainly apart has no contacts. A pair that is still open had no time.
     if (decision == PairDecision::kNone || decision == PairDecision::kOpen) return;
-    ContactList found(bodiesOf(pair), limit, until, all_found);
+    if (goal_.nearest && !pair.search->isExact()) return;
+    pair.is_listed = !near_pairs && decision == PairDecision::kNear;  // it has no contacts
+    if (pair.is_listed) return;
+    const float margin_m = near_pairs ? pair.margin_m : 0;
+    ContactList found(bodiesOf(pair, margin_m), limit, until, all_found);
     pair.is_listed = found.find();
     pair.listed = found.takeContacts();
   });
@@ -183,6 +218,17 @@ std::vector<BodyDistance> PairRounds::distances() const {
     distances.push_back(distance);
   }
   return distances;
+}
+
+std::vector<NearestPair> PairRounds::nearest(const Scene& scene) const {
+  std::vector<NearestPair> nearest;
+  for (const Pair& pair : pairs_) {
+    const auto best = pair.search ? pair.search->nearest() : std::nullopt;
+    if (!best) continue;
+    nearest.push_back(nearestPairOf(scene, {pair.a, best->triangle_a, pair.b, best->triangle_b},
+                                    best->distance_m));
+  }
+  return nearest;
 }
 
 std::vector<ListedContact> PairRounds::contacts() const {

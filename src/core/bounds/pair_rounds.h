@@ -1,7 +1,8 @@
-// Decides the pairs of bodies of one cycle by their tiles, and lists their contacts. If there is a
-// deadline, pairs take turns, so that each gets some of the time.
+// Searches the distances of the pairs of bodies of one cycle by their tiles, and lists their
+// contacts. If there is a deadline, pairs take turns, so that each gets some of the time.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -22,26 +23,33 @@ struct ListedContact {
   float separation_m;  // as DetectionResult::separations_m
 };
 
-// Keeps the tiles of bodies for later cycles. One thread at a time calls it, and it uses the
-// threads of the TBB arena in which it is called.
+// Keeps the tiles of bodies, and the nearest triangles of each pair, for later cycles. One thread
+// at a time calls it, and it uses the threads of the TBB arena in which it is called.
 class PairRounds {
  public:
   // Begins a cycle with these pairs of two different bodies each, ascending. `tilings`: one per
-  // body of the scene, not null for bodies in pairs. The scene must live, unchanged, until the
-  // cycle ends.
+  // body of the scene; null where there is none. With goal.nearest, a search starts from the
+  // nearest triangles of the last cycle. The scene must live, unchanged, until the cycle ends.
   void begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
-             const std::vector<std::shared_ptr<const Tiling>>& tilings, float tolerance_m,
+             const std::vector<std::shared_ptr<const Tiling>>& tilings, const SearchGoal& goal,
              const CycleLimit& limit);
 
   // Continues the search of pairs that are open, until none is, or `until` or the limit is reached.
   void decide(const CycleLimit& limit, SteadyTime until);
 
-  // Lists the contacts of all pairs that are decided and not certainly apart. Stops early enough
-  // that the contacts found so far can be sorted before `until`.
-  void list(const CycleLimit& limit, SteadyTime until);
+  // Lists the contacts of all pairs that are decided and not certainly apart: near pairs too, or
+  // only those that touch. Stops early enough that the contacts found so far can be sorted before
+  // `until`.
+  void list(const CycleLimit& limit, SteadyTime until, bool near_pairs);
 
   // Returns what is certain of each pair, in their order.
   std::vector<BodyDistance> distances() const;
+
+  // Returns the nearest pair of each pair whose search is exact and that is within its margin.
+  std::vector<NearestPair> nearest(const Scene& scene) const;
+
+  // Forgets the nearest triangles of earlier cycles.
+  void forget() { last_.clear(); }
 
   // Returns the contacts that were found, sorted, each once.
   std::vector<ListedContact> contacts() const;
@@ -55,21 +63,34 @@ class PairRounds {
   struct Pair {
     BodyId a, b;
     float margin_m;
-    std::unique_ptr<PairSearch> search;  // null: there was no time to begin it
+    std::uint64_t topology_a, topology_b;  // revisions
+    std::unique_ptr<PairSearch> search;    // null: there was no time to begin it
     std::vector<ListedContact> listed;
     bool is_listed = false;  // `listed` is complete
   };
 
-  BodyPair bodiesOf(const Pair& pair) const {
-    return {pair.a, pair.b, tiles_[pair.a].get(), tiles_[pair.b].get(), pair.margin_m};
+  // The nearest triangles of two bodies in the last cycle, by the revisions of their topologies.
+  struct Last {
+    std::uint64_t topology_a, topology_b;
+    std::uint32_t triangle_a, triangle_b;
+  };
+
+  static bool isBefore(const Last& x, const Last& y) {
+    return x.topology_a != y.topology_a ? x.topology_a < y.topology_a : x.topology_b < y.topology_b;
+  }
+  void remember();
+  void startSearch(Pair& pair, const SearchGoal& goal);
+  BodyPair bodiesOf(const Pair& pair, float margin_m) const {
+    return {pair.a, pair.b, tiles_[pair.a].get(), tiles_[pair.b].get(), margin_m};
   }
   // Returns the pairs that have a search which is not done.
   std::vector<Pair*> openPairs();
 
-  float tolerance_m_ = 0;
+  SearchGoal goal_;
   std::vector<std::unique_ptr<BodyTiles>> tiles_;  // per body; null: it was never in a pair
   std::vector<bool> ready_;                        // per body: its tiles are those of this cycle
   std::vector<Pair> pairs_;
+  std::vector<Last> last_;  // sorted by the revisions
 };
 
 }  // namespace deformable_contact_monitor

@@ -157,47 +157,54 @@ double lowerGap(const OrientedBox& a, const OrientedBox& b) {
 }
 
 void PosedTile::make(const Tiling& tiling, std::size_t tile, const PosedBody& body) {
+  const std::uint32_t begin = tiling.tile_begin[tile];
+  count = tiling.tile_begin[tile + 1] - begin;
+  std::copy_n(tiling.triangle.begin() + begin, count, triangle.begin());
+  std::copy_n(tiling.corners.begin() + begin, count, corners.begin());
   const std::uint32_t first = tiling.vertex_begin[tile];
   vertex_count = tiling.vertex_begin[tile + 1] - first;
+  finish(tiling.vertex.data() + first, body);
+}
+
+void PosedTile::makeRun(const TriangleMesh& mesh, std::size_t first, const PosedBody& body) {
+  count = std::min(kTriangles, mesh.triangleCount() - first);
+  vertex_count = 3 * count;
+  for (std::size_t t = 0; t < count; ++t) {
+    triangle[t] = static_cast<std::uint32_t>(first + t);
+    for (std::size_t k = 0; k < 3; ++k) corners[t][k] = static_cast<std::uint8_t>(3 * t + k);
+  }
+  finish(mesh.triangles.data() + 3 * first, body);
+}
+
+// Reads the vertices, whose indices in the body are given, and makes the boxes.
+void PosedTile::finish(const std::uint32_t* vertices, const PosedBody& body) {
   float check = 0;  // becomes NaN with the first coordinate that is not finite
   for (std::size_t i = 0; i < vertex_count; ++i) {
-    const Vec3f v = body.vertex(tiling.vertex[first + i]);
+    const Vec3f v = body.vertex(vertices[i]);
     x[i] = v.x;
     y[i] = v.y;
     z[i] = v.z;
     check += (v.x - v.x) + (v.y - v.y) + (v.z - v.z);
   }
-  if (check == 0) {
-    takeAll(tiling, tile);
-  } else {
-    takeFinite(tiling, tile);
-  }
+  if (check != 0) dropRejected();
   if (count > 0) findBoxes();
 }
 
-void PosedTile::takeAll(const Tiling& tiling, std::size_t tile) {
-  const std::uint32_t first = tiling.tile_begin[tile];
-  count = tiling.tile_begin[tile + 1] - first;
-  for (std::size_t t = 0; t < count; ++t) {
-    triangle[t] = tiling.triangle[first + t];
-    corners[t] = tiling.corners[first + t];
-  }
-}
-
-// Takes the triangles whose vertices are finite, and renumbers the vertices that these still use.
-void PosedTile::takeFinite(const Tiling& tiling, std::size_t tile) {
+// Keeps the triangles whose vertices are finite, and renumbers the vertices that these still use.
+void PosedTile::dropRejected() {
   constexpr std::uint8_t kUnused = 255;
   std::array<std::uint8_t, 3 * kTriangles> place;
   place.fill(kUnused);
   const std::array<float, 3 *kTriangles> all_x = x, all_y = y, all_z = z;
+  const std::size_t all = count;
   count = vertex_count = 0;
-  for (std::uint32_t slot = tiling.tile_begin[tile]; slot < tiling.tile_begin[tile + 1]; ++slot) {
-    const std::array<std::uint8_t, 3> corner = tiling.corners[slot];
+  for (std::size_t t = 0; t < all; ++t) {
+    const std::array<std::uint8_t, 3> corner = corners[t];
     const bool finite = std::all_of(corner.begin(), corner.end(), [&](std::uint8_t i) {
       return isFinite(Vec3f{all_x[i], all_y[i], all_z[i]});
     });
     if (!finite) continue;
-    triangle[count] = tiling.triangle[slot];
+    triangle[count] = triangle[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint8_t i = corner[k];
       if (place[i] == kUnused) {

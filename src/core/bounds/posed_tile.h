@@ -56,9 +56,13 @@ struct PosedTile {
   // Reads and poses the vertices of a tile, and makes its boxes.
   void make(const Tiling& tiling, std::size_t tile, const PosedBody& body);
 
+  // Does the same with a tile of up to kTriangles triangles of a mesh, from `first` on in its
+  // order.
+  void makeRun(const TriangleMesh& mesh, std::size_t first, const PosedBody& body);
+
  private:
-  void takeAll(const Tiling& tiling, std::size_t tile);
-  void takeFinite(const Tiling& tiling, std::size_t tile);
+  void finish(const std::uint32_t* vertices, const PosedBody& body);
+  void dropRejected();
   void findBoxes();
 };
 

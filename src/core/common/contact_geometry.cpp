@@ -1,5 +1,6 @@
 #include "core/common/contact_geometry.h"
 
+#include <cstddef>
 #include <vector>
 
 #include "core/common/parallel.h"
@@ -31,6 +32,31 @@ void writeGeometry(const Scene& scene, const Options& options, DetectionResult& 
         }
       });
   if (limit.wasOver()) result.geometry.clear();
+}
+
+NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pair, float distance_m) {
+  const PosedBody a(scene.body(pair.body_a)), b(scene.body(pair.body_b));
+  const PairGeometry geometry =
+      geometryOf(a.triangle(pair.triangle_a), b.triangle(pair.triangle_b), distance_m);
+  if (distance_m == 0) return {pair, 0, geometry.point_a, geometry.point_a, Vec3f()};
+  return {pair, distance_m, geometry.point_a, geometry.point_b, geometry.normal};
+}
+
+std::vector<NearestPair> touchingPairs(const Scene& scene, const DetectionResult& result) {
+  // Contacts are sorted by (body_a, triangle_a, body_b, triangle_b), so the first one of two bodies
+  // is the least.
+  const std::size_t bodies = scene.bodyCount();
+  std::vector<const TrianglePair*> first(bodies * bodies);
+  for (std::size_t i = 0; i < result.contacts.size(); ++i) {
+    const TrianglePair& pair = result.contacts[i];
+    const TrianglePair*& known = first[bodies * pair.body_a + pair.body_b];
+    if (known == nullptr && pair.body_a != pair.body_b && result.touches(i)) known = &pair;
+  }
+  std::vector<NearestPair> touching;
+  for (const TrianglePair* pair : first) {
+    if (pair != nullptr) touching.push_back(nearestPairOf(scene, *pair, 0));
+  }
+  return touching;
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,7 +1,10 @@
 // Witness points, normals and depths of a result's contacts, computed on the host.
 #pragma once
 
+#include <vector>
+
 #include "core/detector.h"
+#include "core/export.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -10,5 +13,15 @@ namespace deformable_contact_monitor {
 // options.geometry is set. Leaves it empty if options.limits end the work before it is complete.
 // The scene's vertices must be on the host.
 void writeGeometry(const Scene& scene, const Options& options, DetectionResult& result);
+
+// Returns the nearest pair of two bodies whose nearest triangles are these, at that distance [m]: 0
+// if they intersect. The vertices of both bodies must be on the host.
+DCM_EXPORT NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pair,
+                                     float distance_m);
+
+// Returns the nearest pairs of the bodies that touch, from a complete list of contacts: the first
+// contact of each two bodies. `contacts` must be sorted. Pairs of a body with itself, and those
+// that are only near, do not count.
+std::vector<NearestPair> touchingPairs(const Scene& scene, const DetectionResult& result);
 
 }  // namespace deformable_contact_monitor

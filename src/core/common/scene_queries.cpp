@@ -8,6 +8,13 @@
 #include "core/predicates/triangle.h"
 
 namespace deformable_contact_monitor {
+namespace {
+
+bool listsWithinMargins(const Options& options) {
+  return options.motion == Motion::kInstant && (options.near_pairs || !options.nearest);
+}
+
+}  // namespace
 
 BodyGroups::BodyGroups(const Scene& scene) : group(scene.bodyCount()) {
   const auto count = static_cast<BodyId>(scene.bodyCount());
@@ -27,6 +34,22 @@ BodyGroups::BodyGroups(const Scene& scene) : group(scene.bodyCount()) {
     for (const BodyId b : representative) row.push_back(scene.pairEnabled(a, b));
     enabled.push_back(std::move(row));
   }
+}
+
+std::size_t trianglesThatTakePart(const Scene& scene) {
+  std::size_t count = 0;
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    if (scene.takesPart(id)) count += scene.body(id).mesh.triangleCount();
+  }
+  return count;
+}
+
+bool listsNearPairs(const Scene& scene, const Options& options) {
+  return scene.anyMargin() && listsWithinMargins(options);
+}
+
+float listedMargin(const Body& body, const Options& options) {
+  return listsWithinMargins(options) ? body.margin_m : 0;
 }
 
 void requireHostVertices(const Scene& scene, const std::string& backend) {

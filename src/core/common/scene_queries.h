@@ -23,6 +23,15 @@ struct DCM_EXPORT BodyGroups {
   explicit BodyGroups(const Scene& scene);
 };
 
+// Returns the number of triangles of the bodies that take part.
+DCM_EXPORT std::size_t trianglesThatTakePart(const Scene& scene);
+
+// Returns whether contacts include pairs of triangles that are near, but do not touch.
+DCM_EXPORT bool listsNearPairs(const Scene& scene, const Options& options);
+
+// Returns the margin within which near pairs of the body's triangles are listed [m]: its own, or 0.
+DCM_EXPORT float listedMargin(const Body& body, const Options& options);
+
 // Throws std::invalid_argument, naming the body and the backend, if a body that takes part has its
 // vertices on a device. For backends that cannot read device memory.
 void requireHostVertices(const Scene& scene, const std::string& backend);

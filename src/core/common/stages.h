@@ -18,13 +18,15 @@ enum class Stage {
   kSweep,
   kOversized,
   kNarrowPhase,
+  kNearest,
   kOutput
 };
 
-constexpr std::size_t kStageCount = 8;
+constexpr std::size_t kStageCount = 9;
 
 constexpr std::array<const char*, kStageCount> kStageNames = {
-    "transform", "cluster", "assign", "sort", "sweep", "oversized", "narrow_phase", "output"};
+    "transform", "cluster",      "assign",  "sort",  "sweep",
+    "oversized", "narrow_phase", "nearest", "output"};
 
 // The time that each stage of one cycle took [ms].
 class StageTimes {
@@ -40,11 +42,15 @@ class StageTimes {
 
   double totalMs() const { return std::accumulate(ms_.begin(), ms_.end(), 0.0); }
 
-  // Returns the time of each stage by its name [ms], in the order of stages.
+  // Returns the time of each stage by its name [ms], in the order of stages. kNearest is there only
+  // if it ran.
   std::vector<std::pair<std::string, double>> byName() const {
     std::vector<std::pair<std::string, double>> times;
     times.reserve(kStageCount);
-    for (std::size_t s = 0; s < kStageCount; ++s) times.emplace_back(kStageNames[s], ms_[s]);
+    for (std::size_t s = 0; s < kStageCount; ++s) {
+      const bool has_run = s != static_cast<std::size_t>(Stage::kNearest) || ms_[s] > 0;
+      if (has_run) times.emplace_back(kStageNames[s], ms_[s]);
+    }
     return times;
   }
 

@@ -22,10 +22,11 @@ std::size_t place(const std::uint32_t corner[3], std::size_t k) {
 }  // namespace
 
 template <class Primitive>
-std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale) {
+std::vector<float> scaledSlacks(const Scene& scene, const Options& options,
+                                const SceneScale& scale) {
   std::vector<float> slack;
   for (const Body& body : scene.bodies())
-    slack.push_back(scaledSlack(growthOf<Primitive>(body), scale));
+    slack.push_back(scaledSlack(growthOf<Primitive>(body, options), scale));
   return slack;
 }
 
@@ -116,17 +117,17 @@ void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
 // Finds nearest prototypes, lists the clusters of each block of triangles, and gathers the entries.
 template <class Primitive>
 void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
-                             const Prototypes& prototypes, float overlap,
+                             const Prototypes& prototypes, const Options& options,
                              ClusterAssignment<Primitive>& assignment, const CycleLimit& limit) {
   const PrototypesView view = prototypes.view();
-  const std::vector<float> slack = scaledSlacks<Primitive>(scene, split.scale);
+  const std::vector<float> slack = scaledSlacks<Primitive>(scene, options, split.scale);
   findNearest<Primitive>(set, split, view, slack, limit);
 
   const std::size_t count = split.regular.size();
   blocks_.resize(blockCount(count, kBlock));
   parallelBlocks(limit, count, kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
-    assignBlock<Primitive>(set, split, view, overlap, slack, begin, end, limit, block);
+    assignBlock<Primitive>(set, split, view, options.overlap, slack, begin, end, limit, block);
     block.entries.assign(prototypes.size(), 0);
     for (const std::uint32_t g : block.lists) ++block.entries[g];
   });
@@ -185,13 +186,15 @@ void ClusterAssigner::collectEntries(const WorkingSet& set, const SizeSplit& spl
   parallelBlocks(limit, split.regular.size(), kBlock, collectBlock);
 }
 
-template std::vector<float> scaledSlacks<Triangle>(const Scene&, const SceneScale&);
-template std::vector<float> scaledSlacks<MovingTriangle>(const Scene&, const SceneScale&);
+template std::vector<float> scaledSlacks<Triangle>(const Scene&, const Options&, const SceneScale&);
+template std::vector<float> scaledSlacks<MovingTriangle>(const Scene&, const Options&,
+                                                         const SceneScale&);
 template void ClusterAssigner::assign<Triangle>(const Scene&, const WorkingSet&, const SizeSplit&,
-                                                const Prototypes&, float,
+                                                const Prototypes&, const Options&,
                                                 ClusterAssignment<Triangle>&, const CycleLimit&);
 template void ClusterAssigner::assign<MovingTriangle>(const Scene&, const WorkingSet&,
-                                                      const SizeSplit&, const Prototypes&, float,
+                                                      const SizeSplit&, const Prototypes&,
+                                                      const Options&,
                                                       ClusterAssignment<MovingTriangle>&,
                                                       const CycleLimit&);
 

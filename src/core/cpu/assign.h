@@ -53,13 +53,13 @@ struct ClusterAssignment {
 // guess, from cycle to cycle.
 class ClusterAssigner {
  public:
-  // Fills in `assignment`. `overlap` in [0, 1] is the part of each triangle, about its centroid,
-  // that the rule uses; less than 1 may lose contacts. Margins and motion bounds are those of the
-  // bodies. Once the limit is over, the assignment is unspecified.
+  // Fills in `assignment`. options.overlap in [0, 1] is the part of each triangle, about its
+  // centroid, that the rule uses; less than 1 may lose contacts. Margins and motion bounds are
+  // those of the bodies. Once the limit is over, the assignment is unspecified.
   template <class Primitive>
   void assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
-              const Prototypes& prototypes, float overlap, ClusterAssignment<Primitive>& assignment,
-              const CycleLimit& limit = noLimit());
+              const Prototypes& prototypes, const Options& options,
+              ClusterAssignment<Primitive>& assignment, const CycleLimit& limit = noLimit());
 
  private:
   // The clusters of one block of triangles.
@@ -93,6 +93,7 @@ class ClusterAssigner {
 
 // Returns the slack of the half-space rule for each body [scaled].
 template <class Primitive = Triangle>
-std::vector<float> scaledSlacks(const Scene& scene, const SceneScale& scale);
+std::vector<float> scaledSlacks(const Scene& scene, const Options& options,
+                                const SceneScale& scale);
 
 }  // namespace deformable_contact_monitor

@@ -91,7 +91,7 @@ bool BodyBoxes::updateReceived(std::uint64_t revision, const HostList<float>& xy
 }
 
 template <class Primitive>
-void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
+void BodyBoxes::update(const Scene& scene, const Options& options, const CycleLimit& limit) {
   received_.resize(scene.bodyCount());
   earlier_received_.resize(scene.bodyCount());
   posed_.resize(scene.bodyCount());
@@ -103,7 +103,7 @@ void BodyBoxes::update(const Scene& scene, const CycleLimit& limit) {
       const Aabb box = posedBox(received.box, pose, pose.isIdentity());
       all_finite_[id] =
           all_finite_[id] && received.all_finite && isFinite(box.min) && isFinite(box.max);
-      return box.empty() ? box : inflated(box, growthOf<Primitive>(body));
+      return box.empty() ? box : inflated(box, growthOf<Primitive>(body, options));
     };
     all_finite_[id] = true;
     if (!updateReceived(body.vertices_revision, body.mesh.vertices, limit, received_[id])) return;
@@ -140,8 +140,10 @@ PartnerBoxes<BoxOf<Primitive>> BodyBoxes::partnersOf(const Scene& scene, BodyId 
 
 // The instantiations are exported here because a template whose arguments are hidden would be
 // hidden too.
-template DCM_EXPORT void BodyBoxes::update<Triangle>(const Scene&, const CycleLimit&);
-template DCM_EXPORT void BodyBoxes::update<MovingTriangle>(const Scene&, const CycleLimit&);
+template DCM_EXPORT void BodyBoxes::update<Triangle>(const Scene&, const Options&,
+                                                     const CycleLimit&);
+template DCM_EXPORT void BodyBoxes::update<MovingTriangle>(const Scene&, const Options&,
+                                                           const CycleLimit&);
 template DCM_EXPORT PartnerBoxes<Aabb> BodyBoxes::partnersOf<Triangle>(const Scene&, BodyId) const;
 template DCM_EXPORT PartnerBoxes<MovingBox> BodyBoxes::partnersOf<MovingTriangle>(const Scene&,
                                                                                   BodyId) const;

@@ -79,7 +79,7 @@ class BodyBoxes {
 
   // Computes the boxes of all bodies that take part; those of other bodies are unspecified.
   template <class Primitive>
-  void update(const Scene& scene, const CycleLimit& limit);
+  void update(const Scene& scene, const Options& options, const CycleLimit& limit);
 
   // Returns the partners of a body. update() must have been called with the same Primitive.
   template <class Primitive>

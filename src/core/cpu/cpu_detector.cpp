@@ -4,6 +4,7 @@
 #include <atomic>
 #include <tuple>
 
+#include "core/bounds/distance_search.h"
 #include "core/common/contact_geometry.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/parallel.h"
@@ -66,9 +67,14 @@ void addShares(const StageTimes& work, double wall_ms, StageTimes& times) {
 // the next cycle.
 class CpuDetector : public Detector {
  public:
-  explicit CpuDetector(const CpuSettings& settings) : settings_(settings) {}
+  explicit CpuDetector(const CpuSettings& settings)
+      : settings_(settings),
+        distances_(settings.tilings ? settings.tilings : std::make_shared<TilingCache>()) {}
   std::string backend() const override { return "cpu"; }
-  void reset() override { tracker_.clear(); }
+  void reset() override {
+    tracker_.clear();
+    distances_.forget();
+  }
   void swapResult(DetectionResult& result) override { result_.swap(result); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
@@ -101,6 +107,7 @@ class CpuDetector : public Detector {
   std::tuple<std::vector<SweepBuffers<Triangle>>, std::vector<SweepBuffers<MovingTriangle>>>
       sweep_buffers_;
   std::tuple<ContactWriter<Triangle>, ContactWriter<MovingTriangle>> writers_;
+  DistanceSearch distances_;
   DetectionResult result_;
 };
 
@@ -127,10 +134,14 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
   if (makeClusters<Primitive>(scene, options, limit, times)) {
     findContacts<Primitive>(scene, options, limit, times);
   }
+  Stopwatch watch;
+  distances_.find(scene, options, limit, result_);
+  const double nearest_ms = watch.lapMs();
   if (limit.wasOver()) result_.cutOff(limit.why());
   result_.stages_ms = times.byName();
+  if (options.nearest) result_.stages_ms.emplace_back("nearest", nearest_ms);
   result_.round_trip_ms = cycle.elapsedMs();
-  result_.detect_ms = times.totalMs() - times.of(Stage::kOutput);
+  result_.detect_ms = times.totalMs() - times.of(Stage::kOutput) + nearest_ms;
 }
 
 // Runs the stages before pairs come up. Returns false if the limit is over.
@@ -139,7 +150,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
                                StageTimes& times) {
   if (limit.over()) return false;
   Stopwatch watch;
-  builder_.build<Primitive>(scene, set_, result_.counters, limit);
+  builder_.build<Primitive>(scene, options, set_, result_.counters, limit);
   if (!kIsMoving<Primitive> && options.adjacent == AdjacentPairs::kBeyondShared &&
       options.predicates == Predicates::kExact && !limit.wasOver()) {
     fans_.certify(scene, set_, limit);
@@ -150,8 +161,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
   result_.started_cold = tracker_.update<Primitive>(set_, split_, options, limit, prototypes_);
   times.add(Stage::kCluster, watch.lapMs());
   if (limit.wasOver()) return false;
-  assigner_.assign(scene, set_, split_, prototypes_, options.overlap, assignment<Primitive>(),
-                   limit);
+  assigner_.assign(scene, set_, split_, prototypes_, options, assignment<Primitive>(), limit);
   times.add(Stage::kAssign, watch.lapMs());
   return !limit.wasOver();
 }
@@ -162,7 +172,7 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
                                StageTimes& times) {
   Stopwatch watch;
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlacks<Primitive>(scene, split_.scale);
+  const std::vector<float> slack = scaledSlacks<Primitive>(scene, options, split_.scale);
   ContactRoom room(settings_.memory_limit_bytes,
                    ContactRoom::bytesEach<Primitive>(options.geometry));
   const CycleInput<Primitive> input{scene,   set_,  split_, assignment<Primitive>(), groups, slack,

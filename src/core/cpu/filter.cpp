@@ -75,7 +75,7 @@ DCM_WIDE_CLONES void dropByColumns(const Prepared* triangles, std::size_t count,
 PairFilter<Triangle>::PairFilter(const CycleInput<Triangle>& input,
                                  FilterBuffers<Triangle>& buffers)
     : input_(input),
-      margins_(input.scene.anyMargin()),
+      margins_(listsNearPairs(input.scene, input.options)),
       decides_(!margins_ && input.options.predicates == Predicates::kExact),
       adjacent_(buffers.adjacent),
       open_(buffers.open),
@@ -182,8 +182,10 @@ void PairFilter<Triangle>::addCandidate(const Prepared& a, const Prepared& b,
                                         const PlaneSides& sides_a, const PlaneSides& sides_b,
                                         std::vector<Candidate<Triangle>>& candidates) const {
   PairFacts facts;
-  facts.margin_m = pairMargin(input_.scene.body(a.body.value).margin_m,
-                              input_.scene.body(b.body.value).margin_m);
+  if (margins_) {
+    facts.margin_m = pairMargin(input_.scene.body(a.body.value).margin_m,
+                                input_.scene.body(b.body.value).margin_m);
+  }
   if ((sides_a.allOnOne() || sides_b.allOnOne()) && facts.margin_m == 0) return;
   facts.sides = knownSides(sides_a, sides_b);
   candidates.push_back({a.triangle, b.triangle, facts});

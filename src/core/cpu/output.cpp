@@ -43,7 +43,7 @@ struct PerContactFields {
 
   PerContactFields(const Scene& scene, const Options& options, std::size_t count,
                    DetectionResult& result)
-      : separations(options.motion == Motion::kInstant && scene.anyMargin()),
+      : separations(listsNearPairs(scene, options)),
         first_times(options.first_times),
         within_pad(options.motion == Motion::kSwept && scene.anyPad()) {
     result.separations_m.resize(separations ? count : 0);

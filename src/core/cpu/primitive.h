@@ -9,6 +9,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/common/scene_queries.h"
+#include "core/options.h"
 #include "core/predicates/swept_triangle.h"
 #include "core/scene.h"
 
@@ -39,11 +41,11 @@ Vec3f meanOf(const Vec3f points[kPoints<Primitive>]) {
   }
 }
 
-// Returns by how much a body's boxes and clusters grow [m]: its margin, or its motion bound in
-// continuous detection, where margins do not apply.
+// Returns by how much a body's boxes and clusters grow [m]: the margin within which its near pairs
+// are listed, or its motion bound in continuous detection, where margins do not apply.
 template <class Primitive>
-float growthOf(const Body& body) {
-  return kIsMoving<Primitive> ? body.pad_m : body.margin_m;
+float growthOf(const Body& body, const Options& options) {
+  return kIsMoving<Primitive> ? body.pad_m : listedMargin(body, options);
 }
 
 }  // namespace deformable_contact_monitor

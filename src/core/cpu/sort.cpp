@@ -108,8 +108,8 @@ void ClusterSorter<Primitive>::layOut(ClusterIndex cluster, const ClusterEntry<P
       sorted.packed_hi[s][i] = packed.hi;
     }
     // The box is computed again: that is faster than a cache miss.
-    sorted.boxes[i] =
-        boxLanes(entry.posed, growthOf<Primitive>(input_.scene.body(entry.body.value)));
+    sorted.boxes[i] = boxLanes(
+        entry.posed, growthOf<Primitive>(input_.scene.body(entry.body.value), input_.options));
     // It is constructed in place. A copy from the stack would wait for vectors that were written in
     // halves.
     new (&sorted.triangles[i])

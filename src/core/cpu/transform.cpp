@@ -62,9 +62,9 @@ void place(const Body& body, BodyId id, std::uint32_t t, std::size_t i, WorkingS
 // Finds on which sides of the partners' common box each vertex of a body lies; `first` is where
 // they begin in the set.
 template <class Primitive>
-void findSides(const Body& body, const PartnerBoxes<BoxOf<Primitive>>& partners, std::size_t first,
-               const CycleLimit& limit, const WorkingSet& set, std::vector<std::uint8_t>& sides) {
-  const float growth_m = growthOf<Primitive>(body);
+void findSides(const Body& body, float growth_m, const PartnerBoxes<BoxOf<Primitive>>& partners,
+               std::size_t first, const CycleLimit& limit, const WorkingSet& set,
+               std::vector<std::uint8_t>& sides) {
   sides.resize(body.mesh.vertexCount());
   parallelBlocks(limit, sides.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     const Vec3f* const now = &set.vertices[first];
@@ -117,9 +117,8 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
                                         const PartnerBoxes<BoxOf<Primitive>>& partners,
                                         const CycleLimit& limit, const WorkingSet& set) {
   const TriangleMesh& mesh = body.mesh;
-  const float growth_m = growthOf<Primitive>(body);
   const bool has_sides = !partners.self && body_boxes_.allFinite(id);
-  if (has_sides) findSides<Primitive>(body, partners, first, limit, set, sides_);
+  if (has_sides) findSides<Primitive>(body, growth_m_, partners, first, limit, set, sides_);
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
   const auto chooseBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
@@ -135,7 +134,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
         ++block.rejected;
         continue;
       }
-      const BoxOf<Primitive> box = inflated(boxOf(posed), growth_m);
+      const BoxOf<Primitive> box = inflated(boxOf(posed), growth_m_);
       if (!partners.meet(box)) continue;
       block.triangle.push_back(static_cast<std::uint32_t>(t));
       block.boxes.push_back(setBoxOf(box, set));
@@ -173,13 +172,12 @@ void WorkingSetBuilder::addAllTriangles(const Body& body, BodyId id, const Cycle
   const std::size_t first = triangle_count_;
   triangle_count_ += body.mesh.triangleCount();
   growTriangles(triangle_count_, set);
-  const float growth_m = growthOf<Primitive>(body);
   const auto addBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       place(body, id, static_cast<std::uint32_t>(t), first + t, set);
       const std::uint32_t* corner = &set.corners[3 * (first + t)];
       const Primitive posed = set.primitiveOf<Primitive>(corner[0], corner[1], corner[2]);
-      set.boxes[first + t] = setBoxOf(inflated(boxOf(posed), growth_m), set);
+      set.boxes[first + t] = setBoxOf(inflated(boxOf(posed), growth_m_), set);
     }
   };
   parallelBlocks(limit, body.mesh.triangleCount(), kBlock, addBlock);
@@ -235,14 +233,15 @@ void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const CycleL
 
 // Goes through the bodies in order, so that the set is in (body, triangle) order.
 template <class Primitive>
-void WorkingSetBuilder::build(const Scene& scene, WorkingSet& set, Counters& counters,
-                              const CycleLimit& limit) {
-  body_boxes_.update<Primitive>(scene, limit);
+void WorkingSetBuilder::build(const Scene& scene, const Options& options, WorkingSet& set,
+                              Counters& counters, const CycleLimit& limit) {
+  body_boxes_.update<Primitive>(scene, options, limit);
   set.first_vertex.assign(scene.bodyCount(), 0);
   set.common_motion = kIsMoving<Primitive> ? commonMotionOf(scene) : Vec3f();
   vertex_count_ = triangle_count_ = 0;
   for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
     if (!scene.takesPart(id)) continue;
+    growth_m_ = growthOf<Primitive>(scene.body(id), options);
     const PartnerBoxes<BoxOf<Primitive>> partners = body_boxes_.partnersOf<Primitive>(scene, id);
     if (partners.self || !partners.boxes.empty()) {
       addBody<Primitive>(scene, id, partners, limit, set, counters);
@@ -279,9 +278,11 @@ Vec3f commonMotionOf(const Scene& scene) {
 
 // The instantiations are exported here because a template whose arguments are hidden would be
 // hidden too.
-template DCM_EXPORT void WorkingSetBuilder::build<Triangle>(const Scene&, WorkingSet&, Counters&,
+template DCM_EXPORT void WorkingSetBuilder::build<Triangle>(const Scene&, const Options&,
+                                                            WorkingSet&, Counters&,
                                                             const CycleLimit&);
-template DCM_EXPORT void WorkingSetBuilder::build<MovingTriangle>(const Scene&, WorkingSet&,
-                                                                  Counters&, const CycleLimit&);
+template DCM_EXPORT void WorkingSetBuilder::build<MovingTriangle>(const Scene&, const Options&,
+                                                                  WorkingSet&, Counters&,
+                                                                  const CycleLimit&);
 
 }  // namespace deformable_contact_monitor

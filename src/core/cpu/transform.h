@@ -74,7 +74,7 @@ class WorkingSetBuilder {
   // counters.posed (transformed) and counters.culled. Once the limit is over, the content of `set`
   // is unspecified.
   template <class Primitive = Triangle>
-  void build(const Scene& scene, WorkingSet& set, Counters& counters,
+  void build(const Scene& scene, const Options& options, WorkingSet& set, Counters& counters,
              const CycleLimit& limit = noLimit());
 
  private:
@@ -111,6 +111,7 @@ class WorkingSetBuilder {
   // Numbers of vertices and triangles in the set so far. The arrays are at least as long as in the
   // cycle before, so that they need not be cleared.
   std::size_t vertex_count_ = 0, triangle_count_ = 0;
+  float growth_m_ = 0;  // of the body at hand
 };
 
 // Returns the motion that most vertices of a scene have in common during the time interval [m], as

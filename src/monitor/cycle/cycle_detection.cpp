@@ -88,6 +88,7 @@ void CycleDetection::run(const Limits& limits, bool needs_geometry, Scene* scene
   Options options = report->options;
   options.limits = limits;
   options.geometry = options.geometry || needs_geometry;
+  options.nearest = true;  // states tell how far apart two bodies are, and where
   report->result = nullptr;
   report->containment = nullptr;
   try {
@@ -138,6 +139,7 @@ void CycleDetection::runInterval(const Options& options, Scene* scene, Interval*
   Options swept = options;
   swept.motion = Motion::kSwept;
   swept.first_times = true;
+  swept.nearest = false;  // distances are those of the stamp
   swept.geometry = false;
   IntervalPairs pairs(scene);
   sweep->result = nullptr;

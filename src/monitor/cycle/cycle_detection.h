@@ -28,10 +28,11 @@ class CycleDetection {
   // The detector must outlive this.
   CycleDetection(Detector& detector, const DetectionSettings& settings);
 
-  // Runs the detection of one cycle with report->options and fills the report: scene, result,
-  // containment, backend, rejected triangles, and the result of each of report->sweeps that has a
-  // `from`. `scene` is the prepared scene of the cycle. Its enabled pairs are the same afterwards;
-  // its earlier states are those of the last interval. `limits` hold for all of it.
+  // Runs the detection of one cycle with report->options, which includes a search for the nearest
+  // pairs at the stamp, and fills the report: scene, result, containment, backend, rejected
+  // triangles, and the result of each of report->sweeps that has a `from`. `scene` is the prepared
+  // scene of the cycle. Its enabled pairs are the same afterwards; its earlier states are those of
+  // the last interval. `limits` hold for all of it.
   // `needs_geometry` asks for contact geometry even if the options do not.
   // Throws what the detector throws; the report then has no result. An interval whose detection
   // fails does not throw: its `problem` says why.

@@ -321,7 +321,9 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   const CycleReport report = findContacts(t, trigger, {deadline, &sources_.requests.stopped()});
   const bool in_time = !isOutOfTime(report) || deadline == budget_end;
   const SteadyTime detected = time_.steady();
-  clock_.recordCycle(deadline, detected, sink_->sendCycle(report, start, mesh_arrival));
+  const SteadyTime published = sink_->sendCycle(report, start, mesh_arrival);
+  planner_.commit();
+  clock_.recordCycle(deadline, detected, published);
   return in_time;
 }
 

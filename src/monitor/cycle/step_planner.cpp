@@ -170,8 +170,9 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
     if (number > 0) interval.from = from->stamp;
     interval.triggered.insert(interval.triggered.end(), bodies.begin(), bodies.end());
     for (const BodyId id : bodies) interval.bodies[id].skipped = problem;
-    previous_[who] = {used, ""};
   }
+  planned_ = used;
+  planned_triggers_ = std::move(triggers);
   for (const MonitoredPair& pair : report.pairs) {
     if (!scene.scene().pairEnabled(pair.a, pair.b)) continue;
     intervals[beginningOf(pair, scene, beginnings)].pairs.push_back(pair);
@@ -191,6 +192,11 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
     planned.push_back(std::move(interval));
   }
   return planned;
+}
+
+void StepPlanner::commit() {
+  for (const std::size_t who : planned_triggers_) previous_[who] = {planned_, ""};
+  planned_triggers_.clear();
 }
 
 // Returns why there is no interval from the previous cycle of whoever triggered this one; empty if

@@ -45,11 +45,15 @@ class StepPlanner {
   // instant motion. Call it after MonitorScene::prepare() with that trigger, with the report of the
   // same cycle. Bodies of the trigger that had the same previous cycle share an interval. Those
   // that have none to start from share one entry without `from`, in which `skipped` says why.
-  // The next intervals of the trigger's bodies start at this cycle.
   // A body that rotates gets a path. Its frame is looked up every 5 ms between the two stamps, but
   // at most at 200 times.
   std::vector<SweepReport> plan(const CycleTrigger& trigger, const MonitorScene& scene,
                                 const TransformLookup& lookup, const CycleReport& report);
+
+  // Lets the next intervals of the trigger's bodies start at the cycle that was planned last. Call
+  // it when the cycle's states are published: if they are lost, nobody knows what happened in its
+  // intervals, so the next ones start where these started.
+  void commit();
 
   // Forgets the previous cycle of an object (by index), or of all objects and the robot: their next
   // interval has nothing to start from, because of `why`.
@@ -66,6 +70,8 @@ class StepPlanner {
 
   const MonitorParameters& parameters_;
   std::vector<Previous> previous_;  // by object, then the robot
+  std::shared_ptr<const UsedCycle> planned_;
+  std::vector<std::size_t> planned_triggers_;  // as previous_ is indexed
 };
 
 }  // namespace deformable_contact_monitor

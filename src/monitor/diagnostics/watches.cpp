@@ -191,8 +191,8 @@ void TradeWatch::record(const CycleReport& report, double answer_s) {
   Cycle cycle{0, 0, answer_s};
   const auto touching = report.result->touchingBodies();
   for (const auto& [a, b] : report.scene->enabledPairs()) {
-    const std::optional<PairDistance> distance =
-        distanceOf(report, {a, b, false}, static_cast<float>(tolerance_m_));
+    const std::optional<PairBounds> distance =
+        boundsOf(report, {a, b, false}, static_cast<float>(tolerance_m_));
     const bool is_decided = distance ? distance->decision != PairDecision::kOpen
                                      : !report.result->cut_off || touching.count({a, b}) > 0;
     ++cycle.pairs;

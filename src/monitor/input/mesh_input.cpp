@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -244,7 +245,10 @@ const IncomingMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not
   } else if (found == accepted_.rend()) {
     *why_not = "no mesh as old as this cycle";
   } else {
-    *why_not = "newest mesh is " + std::to_string(secondsBetween(t, found->stamp())) + " s old";
+    char text[64];
+    std::snprintf(text, sizeof text, "newest mesh is %.3f s old",
+                  secondsBetween(t, found->stamp()));
+    *why_not = text;
   }
   return nullptr;
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -115,8 +116,7 @@ void addWitnesses(const CycleReport& report, const MarkerOptions& options,
   const auto with_triangles = report.result->touchingBodies();
   for (const MonitoredPair& pair : report.pairs) {
     if (!isOfCycle(report.bodies, pair) || with_triangles.count({pair.a, pair.b}) > 0) continue;
-    const std::optional<PairDistance> distance =
-        distanceOf(report, pair, report.options.tolerance_m);
+    const std::optional<PairBounds> distance = boundsOf(report, pair, report.options.tolerance_m);
     if (!distance || !distance->touches()) continue;
     const BodyDistance& witness = *distance->bounds;
     if (!isFinite(witness.point_a) || !isFinite(witness.point_b)) continue;
@@ -128,6 +128,36 @@ void addWitnesses(const CycleReport& report, const MarkerOptions& options,
                      contactColor(report.bodies[pair.b].kind, options.alpha)};
     marker.color = marker.colors.front();
     markers->push_back(std::move(marker));
+  }
+}
+
+// Adds a line between the nearest points of each pair that is NEAR, and a text with its length. The
+// ends of the line have the colors of a contact, so that it shows which end is on the robot.
+void addNearest(const CycleReport& report, const MarkerOptions& options,
+                std::vector<Marker>* markers) {
+  constexpr double kWidthM = 0.006, kTextM = 0.04;
+  const std_msgs::ColorRGBA orange = makeColor(0.9F, 0.35F, 0, 1);  // on light and dark ground
+  for (const MonitoredPair& pair : report.pairs) {
+    const std::optional<NearPoints> near = nearPoints(report, pair, options.rules);
+    if (!near || !isFinite(near->point_a) || !isFinite(near->point_b)) continue;
+    Marker line = makeMarker(report, options.lifetime_s, pairKey(report, pair.a, pair.b, kNearest),
+                             Marker::LINE_LIST);
+    line.scale.x = kWidthM;
+    line.points = {toPoint(near->point_a), toPoint(near->point_b)};
+    line.colors = {contactColor(report.bodies[pair.a].kind, 1),
+                   contactColor(report.bodies[pair.b].kind, 1)};
+    line.color = line.colors.front();
+    Marker text = makeMarker(report, options.lifetime_s, pairKey(report, pair.a, pair.b, kDistance),
+                             Marker::TEXT_VIEW_FACING);
+    text.scale.z = kTextM;
+    text.color = orange;
+    const Vec3d middle = (toDouble(near->point_a) + toDouble(near->point_b)) * 0.5;
+    text.pose.position = toPoint(middle + Vec3d{0, 0, kTextM});
+    char length[32];
+    std::snprintf(length, sizeof(length), "%.3g m", static_cast<double>(near->distance_m));
+    text.text = length;
+    markers->push_back(std::move(line));
+    markers->push_back(std::move(text));
   }
 }
 
@@ -213,7 +243,8 @@ std::optional<Marker> textOver(const CycleReport& report, BodyId id, double life
   marker.pose.position.x = (double{box.min.x} + box.max.x) / 2;
   marker.pose.position.y = (double{box.min.y} + box.max.y) / 2;
   marker.pose.position.z = box.max.z + marker.scale.z;
-  marker.color = makeColor(1, 1, 1, 1);
+  // Legible on rviz's dark ground and on a light one.
+  marker.color = makeColor(0.9F, 0.3F, 0.1F, 1);
   return marker;
 }
 
@@ -244,6 +275,7 @@ visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) 
   triangles_.add(report, &markers);
   addLines(report, options_, &markers);
   addWitnesses(report, options_, &markers);
+  addNearest(report, options_, &markers);
   addReasons(report, options_.lifetime_s, &markers);
   std::set<MarkerKey> gone = drawnOfCycle(report);
   for (const Marker& marker : markers) {
@@ -267,7 +299,8 @@ std::set<MarkerKey> ContactMarkers::drawnOfCycle(const CycleReport& report) cons
   };
   for (const MonitoredPair& pair : report.pairs) {
     if (!isOfCycle(report.bodies, pair)) continue;
-    for (const char* const kind : {"", kSegments, kNormals, kPassed, kWitness}) {
+    for (const char* const kind :
+         {"", kSegments, kNormals, kPassed, kWitness, kNearest, kDistance}) {
       note(pairKey(report, pair.a, pair.b, kind));
     }
   }

@@ -28,7 +28,7 @@ class ContactMarkers {
   // Returns the markers of the cycle's pairs and of the objects that triggered it. Markers of other
   // bodies stay until their lifetime ends. The first array begins with a DELETEALL; later ones
   // delete what this cycle's bodies showed before and do not show any more. The kinds are:
-  //   "<a>/<b>"            triangles in contact, or paler within the margin
+  //   "<a>/<b>"            triangles in contact, or paler if they are listed within the margin
   //   "passed: <a>/<b>"    triangles that touched since the previous cycle and do not any more
   //   "<object>"           the rest of each object, translucent (rviz draws the robot); grey where
   //                        the object is UNKNOWN: its last mesh
@@ -37,8 +37,11 @@ class ContactMarkers {
   //   "normals: <a>/<b>"   a line of kNormalLengthM from its middle along the normal; its tip is
   //                        dark
   //   "witness: <a>/<b>"   two spheres at the witness points of a contact without triangle pairs
-  // Lines need contacts with geometry. Over max_triangles, contacts come first, each pair of bodies
-  // has an equal part, surfaces are decimated, and only every k-th contact has lines.
+  //   "nearest: <a>/<b>"   a line between the nearest points of a pair that is NEAR
+  //   "distance: <a>/<b>"  a text at that line with its length [m]
+  // Segments and normals need contacts with geometry. Over max_triangles, contacts come first, each
+  // pair of bodies has an equal part, surfaces are decimated, and only every k-th contact has
+  // lines.
   visualization_msgs::MarkerArray make(const CycleReport& report);
 
  private:

@@ -12,15 +12,17 @@
 
 #include "core/vector3.h"
 #include "monitor/cycle_report.h"
+#include "monitor/state/pair_state.h"
 
 namespace deformable_contact_monitor {
 
-// The settings of all markers. The first two are parameters of the node.
+// The settings of all markers. The first two and the rules are parameters of the node.
 struct MarkerOptions {
   double lifetime_s = 0.5;            // > 0: markers vanish when the monitor stops
   std::size_t max_triangles = 20000;  // per array, > 0; the same limit holds for each kind of line
   float alpha = 0.9F;                 // opacity of contact triangles, (0, 1]
   float surface_alpha = 0.6F;         // opacity of the objects' surfaces, (0, 1]
+  StateRules rules;                   // by which pairs are NEAR
 };
 
 // Identifies a marker by its namespace and id, as rviz does.
@@ -32,6 +34,8 @@ constexpr char kNormals[] = "normals: ";
 constexpr char kPassed[] = "passed: ";
 constexpr char kPatch[] = "patch: ";
 constexpr char kWitness[] = "witness: ";
+constexpr char kNearest[] = "nearest: ";
+constexpr char kDistance[] = "distance: ";
 
 // Markers of an object that is UNKNOWN live for so long [s] at least. Whoever draws them while the
 // object has no cycle must do so more often.

@@ -30,6 +30,18 @@ ContactPair toContactPair(const TrianglePair& pair) {
   return message;
 }
 
+NearestTriangles toNearestTriangles(const NearestPair& nearest) {
+  NearestTriangles message;
+  message.body_a = nearest.pair.body_a;
+  message.triangle_a = nearest.pair.triangle_a;
+  message.body_b = nearest.pair.body_b;
+  message.triangle_b = nearest.pair.triangle_b;
+  message.distance = nearest.distance_m;
+  message.point_a = toPoint32(nearest.point_a);
+  message.point_b = toPoint32(nearest.point_b);
+  return message;
+}
+
 ContactGeometry toContactGeometry(const PairGeometry& geometry) {
   ContactGeometry message;
   message.point_a = toPoint32(geometry.point_a);
@@ -147,6 +159,10 @@ ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts,
   message.tolerance = report.options.tolerance_m;
   if (report.result == nullptr) return message;
   const DetectionResult& result = *report.result;
+  message.nearest.reserve(result.nearest.size());
+  for (const NearestPair& nearest : result.nearest) {
+    message.nearest.push_back(toNearestTriangles(nearest));
+  }
   const bool geometry = hasGeometry(report);
   const std::size_t pair_bytes =
       serializationLength(ContactPair()) + (geometry ? serializationLength(ContactGeometry()) : 0);

@@ -36,7 +36,8 @@ std::size_t mostPairs(std::uint64_t most_bytes, std::uint64_t other_bytes,
 // Converts a cycle's contacts at its stamp. `complete` is true iff the settings are complete by
 // proof and nothing was skipped, rejected or truncated; without a detection it is false and there
 // are no pairs. `skipped` holds "<body>: <reason>" for each unknown body, in body order. `geometry`
-// has one entry per pair if hasGeometry(). compute_time is the detection's time from host to host.
+// has one entry per pair if hasGeometry(), `nearest` one per nearest pair of the result.
+// compute_time is the detection's time from host to host.
 ContactArray toContactArray(const CycleReport& report, std::size_t max_contacts,
                             std::uint64_t most_bytes = kMostMessageBytes);
 

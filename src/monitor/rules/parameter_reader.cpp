@@ -50,6 +50,14 @@ double toDouble(const std::string& text) {
 
 }  // namespace
 
+bool replaceTextByNumber(XmlRpcValue* value) {
+  if (value->getType() != XmlRpcValue::TypeString) return false;
+  const std::string text = static_cast<const std::string&>(*value);
+  if (!isExponential(text)) return false;
+  *value = toDouble(text);
+  return true;
+}
+
 ParameterReader::ParameterReader(const XmlRpcValue& tree, std::string where,
                                  std::vector<std::string>* problems)
     : tree_(tree), where_(std::move(where)), problems_(problems) {

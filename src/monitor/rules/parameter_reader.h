@@ -67,4 +67,7 @@ class ParameterReader {
   std::vector<std::string> changed_;
 };
 
+// Replaces a text such as 1e-3 by the number. Returns whether `value` was such a text.
+bool replaceTextByNumber(XmlRpc::XmlRpcValue* value);
+
 }  // namespace deformable_contact_monitor

@@ -185,6 +185,7 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
     reader->addProblem("tolerance_m", "is above 0, which is not supported with motion: swept");
   }
   p->swept_tolerance_m = reader->number("swept_tolerance_m", p->swept_tolerance_m, 0, 1);
+  o.near_pairs = reader->flag("near_pairs", o.near_pairs);
   o.geometry = reader->flag("contact_geometry", o.geometry);
   p->containment = reader->flag("containment", p->containment);
 }
@@ -260,6 +261,25 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   throw ParameterError(all);
 }
 
+std::vector<std::string> writeMarginsAsNumbers(XmlRpc::XmlRpcValue* tree) {
+  std::vector<std::string> changed;
+  if (tree->hasMember("link_margin_m")) {
+    bool is_changed = false;
+    for (auto& link : (*tree)["link_margin_m"]) is_changed |= replaceTextByNumber(&link.second);
+    if (is_changed) changed.push_back("link_margin_m");
+  }
+  if (tree->hasMember("objects")) {
+    XmlRpc::XmlRpcValue& objects = (*tree)["objects"];
+    bool is_changed = false;
+    for (int i = 0; i < objects.size(); ++i) {
+      if (!objects[i].hasMember("margin_m")) continue;
+      is_changed |= replaceTextByNumber(&objects[i]["margin_m"]);
+    }
+    if (is_changed) changed.push_back("objects");
+  }
+  return changed;
+}
+
 void requireOwnTopics(const std::vector<ObjectParameters>& objects,
                       const std::function<std::string(const ObjectParameters&)>& topic_of) {
   std::map<std::string, std::string> names;  // by topic
@@ -277,6 +297,7 @@ void requireOwnTopics(const std::vector<ObjectParameters>& objects,
 LiveParameters startValues(const MonitorParameters& parameters) {
   LiveParameters live;
   live.margin_m = toDecimal(parameters.margin_m);
+  live.near_pairs = parameters.detector.near_pairs;
   live.max_rate_hz = parameters.max_rate_hz;
   live.robot_rate_hz = parameters.robot_rate_hz;
   live.marker_rate_hz = parameters.marker_rate_hz;
@@ -297,6 +318,7 @@ std::vector<double> maxRatesHz(const LiveParameters& live, std::size_t objects) 
 }
 
 void setOptions(const LiveParameters& live, Options* options) {
+  options->near_pairs = live.near_pairs;
   options->predicates = live.predicates;
   options->overlap = static_cast<float>(live.overlap);
   options->clusters = live.clusters;

@@ -112,6 +112,12 @@ struct ParameterError : std::runtime_error {
 MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
                                   std::vector<std::string>* warnings);
 
+// Replaces the margins of links and objects that are texts such as 1e-3 by numbers, because
+// programs that read margins from the parameter server (reader/monitor_margins.h) would take such a
+// text for no margin. Returns the names of the parameters in `tree` that have changed. `tree` must
+// be one that parseParameters() takes.
+std::vector<std::string> writeMarginsAsNumbers(XmlRpc::XmlRpcValue* tree);
+
 // Throws ParameterError if two objects have one topic. `topic_of` returns an object's absolute
 // topic.
 void requireOwnTopics(const std::vector<ObjectParameters>& objects,
@@ -120,6 +126,7 @@ void requireOwnTopics(const std::vector<ObjectParameters>& objects,
 // The parameters that may change while the monitor runs (dynamic_reconfigure).
 struct LiveParameters {
   double margin_m = 0;  // of bodies without a margin of their own
+  bool near_pairs = false;
   double max_rate_hz = 100, robot_rate_hz = 30, marker_rate_hz = 10;
   PairClasses pair_classes;
   Predicates predicates = Predicates::kExact;

@@ -3,7 +3,8 @@
 // At the stamp, a pair is in CONTACT if some of its triangles touch, if a part of one body lies
 // within the other, or if its distance is at most the tolerance. What was found is certain, so
 // CONTACT holds even if the detection was cut off. NEAR and NONE claim that there is no contact:
-// they become UNKNOWN if a contact of the pair may be missing.
+// they become UNKNOWN if a contact of the pair may be missing. A pair that does not touch is NEAR
+// if the detection found a nearest pair of its triangles, which it does within the margin only.
 #include "monitor/state/pair_state.h"
 
 #include <algorithm>
@@ -11,7 +12,10 @@
 #include <cstdint>
 #include <tuple>
 
+#include "core/common/posed_body.h"
 #include "core/limits.h"
+#include "core/pair_geometry.h"
+#include "core/rules/geometry_of_pair.h"
 #include "monitor/messages/contact_messages.h"
 #include "monitor/time_difference.h"
 
@@ -67,33 +71,50 @@ std::string rejectsProblem(const CycleReport& report, BodyId id, std::uint64_t r
          " triangles have a vertex that is not finite (tolerated_rejects)";
 }
 
+// Returns where the triangles of a listed pair are nearest to each other.
+NearPoints pointsOf(const CycleReport& report, std::size_t contact) {
+  const TrianglePair& pair = report.result->contacts[contact];
+  const PosedBody a(report.scene->body(pair.body_a)), b(report.scene->body(pair.body_b));
+  const float separation_m = report.result->separationM(contact);
+  const PairGeometry geometry =
+      geometryOf(a.triangle(pair.triangle_a), b.triangle(pair.triangle_b), separation_m);
+  if (separation_m <= 0) return {geometry.point_a, geometry.point_a, Vec3f(), 0};
+  return {geometry.point_a, geometry.point_b, geometry.normal, separation_m};
+}
+
 // Interprets what a detection found of one pair at the stamp. It is a view of the report, which
 // must have a result.
 class StampFinding {
  public:
   StampFinding(const CycleReport& report, const MonitoredPair& pair, const PairSummary& summary,
-               const StateRules& rules)
-      : report_(report),
-        pair_(pair),
-        summary_(summary),
-        rules_(rules),
-        inside_(insidePartsOf(report, pair)),
-        distance_(distanceOf(report, pair, rules.tolerance_m)) {}
+               const StateRules& rules);
 
   // Returns why the state is UNKNOWN; empty if it is not.
   std::string problem() const;
+  // Returns whether the pair is within its margin and does not touch. There must be no problem.
+  bool isNear() const;
   // Returns a lower bound of the distance that is certain [m]; 0 if there is none.
   float distanceLowM() const;
+  // Returns where a pair that is in CONTACT or NEAR is nearest to each other.
+  NearPoints points() const;
   // Fills in NONE, NEAR or CONTACT with its numbers. There must be no problem.
   void describe(ContactState* state) const;
 
  private:
-  bool isContact() const {
-    return summary_.touches() || inside_.any() || (distance_ && distance_->touches());
+  // Returns whether two triangles of the pair are known to touch.
+  bool isTouching() const {
+    return summary_.touches() || (nearest_ != nullptr && nearest_->distance_m == 0);
   }
+  bool isWithinTolerance() const { return bounds_ && bounds_->touches(); }
+  bool isContact() const { return isTouching() || inside_.any() || isWithinTolerance(); }
+  // Returns whether the surfaces are apart, and one body has parts inside the other.
+  bool isWithin() const { return inside_.any() && !isTouching() && !isWithinTolerance(); }
   // Returns whether the result lists all contacts of the pair.
-  bool isListed() const { return !distance_ || distance_->bounds->is_listed; }
+  bool isListed() const { return !bounds_ || bounds_->bounds->is_listed; }
+  // Returns whether the nearest triangles of the pair are in the list.
+  bool isInList() const { return isListed() && summary_.count > 0; }
   std::string missingContacts() const;
+  float distanceM() const;
   void setPlace(ContactState* state) const;
 
   const CycleReport& report_;
@@ -101,13 +122,30 @@ class StampFinding {
   const PairSummary summary_;
   const StateRules& rules_;
   const InsideParts inside_;
-  const std::optional<PairDistance> distance_;
+  const std::optional<PairBounds> bounds_;
+  const NearestPair* nearest_;  // null if it is not known for certain
 };
+
+// A detection that was cut off may not have looked at all of a pair, unless its bounds decide the
+// pair. What it found to touch does.
+StampFinding::StampFinding(const CycleReport& report, const MonitoredPair& pair,
+                           const PairSummary& summary, const StateRules& rules)
+    : report_(report),
+      pair_(pair),
+      summary_(summary),
+      rules_(rules),
+      inside_(insidePartsOf(report, pair)),
+      bounds_(boundsOf(report, pair, rules.tolerance_m)),
+      nearest_(nearestOf(report, pair)) {
+  const bool is_open =
+      report.result->cut_off && !(bounds_ && bounds_->decision == PairDecision::kNear);
+  if (nearest_ != nullptr && nearest_->distance_m > 0 && is_open) nearest_ = nullptr;
+}
 
 std::string StampFinding::problem() const {
   if (isContact()) return "";
   std::string missing = missingContacts();
-  if (!missing.empty() || !distance_ || distance_->isApart()) return missing;
+  if (!missing.empty() || nearest_ != nullptr || !bounds_ || bounds_->isApart()) return missing;
   const std::string& why = report_.result->cut_off_because;
   return why.empty() || why == kNoTime ? "not decided in time" : why;
 }
@@ -117,7 +155,7 @@ std::string StampFinding::problem() const {
 // off.
 std::string StampFinding::missingContacts() const {
   const DetectionResult& result = *report_.result;
-  if (result.cut_off && !distance_) return result.cut_off_because;
+  if (result.cut_off && !bounds_) return result.cut_off_because;
   if (report_.containment != nullptr && pair_.a != pair_.b &&
       !report_.containment->cut_off_because.empty()) {
     return report_.containment->cut_off_because;
@@ -134,40 +172,72 @@ std::string StampFinding::missingContacts() const {
   return "";
 }
 
+bool StampFinding::isNear() const {
+  if (isContact()) return false;
+  if (nearest_ != nullptr) return true;
+  return bounds_ ? bounds_->decision == PairDecision::kNear : summary_.count > 0;
+}
+
+// The distance of a nearest pair is rounded to the nearest float32, so the next smaller one is
+// certain.
 float StampFinding::distanceLowM() const {
-  const bool is_certain = distance_ && !inside_.any() && missingContacts().empty();
-  return is_certain ? distance_->bounds->low_m : 0;
+  if (inside_.any() || isTouching() || !missingContacts().empty()) return 0;
+  if (nearest_ != nullptr) return std::nextafter(nearest_->distance_m, 0.F);
+  return bounds_ ? bounds_->bounds->low_m : 0;
+}
+
+// Returns the distance of a pair that is NEAR. With a tolerance it may be too small, but never too
+// large.
+float StampFinding::distanceM() const {
+  if (nearest_ != nullptr) return nearest_->distance_m;
+  return isInList() ? static_cast<float>(summary_.min_separation_m) : bounds_->bounds->low_m;
+}
+
+NearPoints StampFinding::points() const {
+  if (isWithin()) {
+    const Vec3f middle = toFloat(inside_.centroid);
+    return {middle, middle, Vec3f(), 0};
+  }
+  if (nearest_ != nullptr) {
+    return {nearest_->point_a, nearest_->point_b, nearest_->normal, nearest_->distance_m};
+  }
+  if (summary_.touches() || isInList()) return pointsOf(report_, summary_.nearest);
+  if (!bounds_) return {};
+  const BodyDistance& witness = *bounds_->bounds;
+  return {witness.point_a, witness.point_b, toFloat(bounds_->normal()), witness.low_m};
 }
 
 void StampFinding::describe(ContactState* state) const {
   state->pair_count = saturated(summary_.count);
   state->min_separation = static_cast<float>(summary_.min_separation_m);
   // If contacts may be missing, a part with a point inside may in truth cross the surface.
-  state->inside = isListed() || distance_->isApart() ? inside_.which : 0;
+  state->inside = isListed() || bounds_->isApart() ? inside_.which : 0;
   if (isContact()) {
     state->state = ContactState::CONTACT;
     state->min_separation = std::min(state->min_separation, 0.F);
-  } else if (distance_ && distance_->decision == PairDecision::kNear) {
+  } else if (isNear()) {
     state->state = ContactState::NEAR;
-    if (!isListed()) state->min_separation = distance_->bounds->low_m;
-  } else if (summary_.count > 0) {
-    state->state = ContactState::NEAR;
+    state->min_separation = distanceM();
   }
   if (state->state != ContactState::NONE) setPlace(state);
 }
 
 // Sets where the pair touches or is near, and the direction from a to b.
 void StampFinding::setPlace(ContactState* state) const {
-  const bool is_within =
-      inside_.any() && !summary_.touches() && !(distance_ && distance_->touches());
-  if (is_within) {
-    state->centroid = toPoint32(inside_.centroid);
-  } else if (summary_.count > 0 || !distance_) {
+  const NearPoints nearest = points();
+  state->point_a = toPoint32(nearest.point_a);
+  state->point_b = toPoint32(nearest.point_b);
+  if (state->state == ContactState::NEAR) {
+    state->normal = toPoint32(nearest.normal);
+  } else if (hasGeometry(report_) && summary_.count > 0) {
+    state->normal = toPoint32(report_.result->geometry[summary_.deepest].normal);
+  }
+  if (summary_.count > 0 && !isWithin()) {
     state->centroid = toPoint32(summary_.centroid());
     state->mean_normal = toPoint32(summary_.meanNormal());
   } else {
-    state->centroid = toPoint32(distance_->centroid());
-    state->mean_normal = toPoint32(distance_->normal());
+    state->centroid = toPoint32((toDouble(nearest.point_a) + toDouble(nearest.point_b)) * 0.5);
+    state->mean_normal = toPoint32(nearest.normal);
   }
 }
 
@@ -199,11 +269,7 @@ StateRules stateRules(const MonitorParameters& parameters) {
   return rules;
 }
 
-Vec3d PairDistance::centroid() const {
-  return (toDouble(bounds->point_a) + toDouble(bounds->point_b)) * 0.5;
-}
-
-Vec3d PairDistance::normal() const {
+Vec3d PairBounds::normal() const {
   constexpr double kRounding = 0x1p-20;  // of the points, relative to their largest coordinate
   const Vec3d a = toDouble(bounds->point_a), b = toDouble(bounds->point_b);
   double largest = 0;
@@ -216,8 +282,8 @@ Vec3d PairDistance::normal() const {
   return way * (1 / length);
 }
 
-std::optional<PairDistance> distanceOf(const CycleReport& report, const MonitoredPair& pair,
-                                       float tolerance_m) {
+std::optional<PairBounds> boundsOf(const CycleReport& report, const MonitoredPair& pair,
+                                   float tolerance_m) {
   if (report.result == nullptr) return std::nullopt;
   const std::vector<BodyDistance>& all = report.result->distances;
   const auto found = std::lower_bound(
@@ -227,7 +293,29 @@ std::optional<PairDistance> distanceOf(const CycleReport& report, const Monitore
   if (found == all.end() || found->body_a != pair.a || found->body_b != pair.b) {
     return std::nullopt;
   }
-  return PairDistance{&*found, decide(*found, *report.scene, tolerance_m)};
+  return PairBounds{&*found, decide(*found, *report.scene, tolerance_m)};
+}
+
+const NearestPair* nearestOf(const CycleReport& report, const MonitoredPair& pair) {
+  if (report.result == nullptr) return nullptr;
+  const std::vector<NearestPair>& all = report.result->nearest;
+  const auto found = std::lower_bound(
+      all.begin(), all.end(), pair, [](const NearestPair& one, const MonitoredPair& of) {
+        return std::tie(one.pair.body_a, one.pair.body_b) < std::tie(of.a, of.b);
+      });
+  const bool is_there =
+      found != all.end() && found->pair.body_a == pair.a && found->pair.body_b == pair.b;
+  return is_there ? &*found : nullptr;
+}
+
+// The nearest pairs and the bounds say all that is needed, so contacts need not be summed up.
+std::optional<NearPoints> nearPoints(const CycleReport& report, const MonitoredPair& pair,
+                                     const StateRules& rules) {
+  if (report.result == nullptr || pair.allowed) return std::nullopt;
+  if (!isOfCycle(report.bodies, pair) || !bodyProblem(report, pair).empty()) return std::nullopt;
+  const StampFinding finding(report, pair, PairSummary(), rules);
+  if (!finding.problem().empty() || !finding.isNear()) return std::nullopt;
+  return finding.points();
 }
 
 std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {
@@ -242,6 +330,7 @@ void IntervalFinding::setPassed(ContactState* state) const {
   state->state = ContactState::PASSED;
   state->pair_count = saturated(passed.count);
   state->min_separation = 0;
+  state->point_a = state->point_b = state->normal = geometry_msgs::Point32();
   state->centroid = toPoint32(passed.centroid());
   state->mean_normal = toPoint32(passed.meanNormal());
 }

@@ -36,9 +36,9 @@ struct StateRules {
 
 StateRules stateRules(const MonitorParameters& parameters);
 
-// The distance of a pair, where a bounded detection found bounds of it. It is a view of the
+// The bounds of a pair's distance, where a bounded detection found some. It is a view of the
 // report's result.
-struct PairDistance {
+struct PairBounds {
   const BodyDistance* bounds = nullptr;  // never null
   PairDecision decision = PairDecision::kOpen;
 
@@ -47,17 +47,29 @@ struct PairDistance {
   bool isApart() const {
     return decision == PairDecision::kNone || decision == PairDecision::kNear;
   }
-  // Returns the middle between the two points of the witness [m]. There must be a witness.
-  Vec3d centroid() const;
   // Returns the unit vector from the witness's point on body a to that on body b; zero if the two
   // are the same up to rounding.
   Vec3d normal() const;
 };
 
-// Returns the distance of a pair by the margins of the report's scene; nothing if the detection has
-// no bounds of the pair, so that its contacts say everything.
-std::optional<PairDistance> distanceOf(const CycleReport& report, const MonitoredPair& pair,
-                                       float tolerance_m);
+// Returns the bounds of a pair's distance, decided by the margins of the report's scene; nothing if
+// the detection has no bounds of the pair, so that its contacts and nearest pairs say everything.
+std::optional<PairBounds> boundsOf(const CycleReport& report, const MonitoredPair& pair,
+                                   float tolerance_m);
+
+// Returns the nearest pair of two bodies that the detection found; null if it found none.
+const NearestPair* nearestOf(const CycleReport& report, const MonitoredPair& pair);
+
+// Where two bodies are nearest to each other, in the scene frame [m].
+struct NearPoints {
+  Vec3f point_a, point_b;
+  Vec3f normal;  // unit vector from a to b; zero if the points are the same up to rounding
+  float distance_m = 0;
+};
+
+// Returns the nearest points of a pair that is NEAR at the report's stamp; nothing if it is not.
+std::optional<NearPoints> nearPoints(const CycleReport& report, const MonitoredPair& pair,
+                                     const StateRules& rules);
 
 // Returns why a body of the pair is not known in this cycle; empty if both are known.
 std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair);

@@ -39,28 +39,40 @@ bool sameTriangleA(const TrianglePair& a, const TrianglePair& b) {
   return a.body_a == b.body_a && a.triangle_a == b.triangle_a;
 }
 
+// Keeps the contact at the lesser distance; of two at the same distance, the first.
+void keepLess(std::size_t contact, double distance_m, std::size_t* kept, double* kept_m) {
+  if (distance_m > *kept_m || (distance_m == *kept_m && contact >= *kept)) return;
+  *kept = contact;
+  *kept_m = distance_m;
+}
+
 void add(const PairSummary& part, PairSummary* sum) {
   sum->count += part.count;
   sum->min_separation_m = std::min(sum->min_separation_m, part.min_separation_m);
+  keepLess(part.nearest, part.nearest_m, &sum->nearest, &sum->nearest_m);
+  keepLess(part.deepest, part.deepest_m, &sum->deepest, &sum->deepest_m);
   sum->corner_sum = sum->corner_sum + part.corner_sum;
   sum->normal_sum = sum->normal_sum + part.normal_sum;
   sum->area_sum += part.area_sum;
 }
 
-// Returns the least separation of contacts [begin, end). The detector's verdict tells whether they
-// touch, the geometry of contacts how deep they are.
-double minSeparationM(const CycleReport& report, const DetectionResult& result, std::size_t begin,
-                      std::size_t end) {
-  const auto least = [begin, end](const std::vector<float>& of_all) {
-    return *std::min_element(of_all.begin() + static_cast<std::ptrdiff_t>(begin),
-                             of_all.begin() + static_cast<std::ptrdiff_t>(end));
-  };
-  float separation_m = result.separations_m.empty() ? 0 : least(result.separations_m);
-  const bool geometry = report.result.get() == &result && hasGeometry(report);
-  for (std::size_t i = begin; i < end && geometry; ++i) {
-    separation_m = std::min(separation_m, result.geometry[i].separation_m);
+// Finds the nearest and the deepest of contacts [begin, end). The detector's verdict tells whether
+// they touch, the geometry of contacts how deep they are.
+void findLeast(const CycleReport& report, const DetectionResult& result, std::size_t begin,
+               std::size_t end, PairSummary* sum) {
+  const auto first = result.separations_m.begin();
+  const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+  sum->nearest =
+      result.separations_m.empty()
+          ? begin
+          : static_cast<std::size_t>(std::min_element(first + at(begin), first + at(end)) - first);
+  sum->nearest_m = result.separationM(sum->nearest);
+  sum->min_separation_m = sum->nearest_m;
+  if (report.result.get() != &result || !hasGeometry(report)) return;
+  for (std::size_t i = begin; i < end; ++i) {
+    keepLess(i, result.geometry[i].separation_m, &sum->deepest, &sum->deepest_m);
   }
-  return separation_m;
+  sum->min_separation_m = std::min(sum->nearest_m, sum->deepest_m);
 }
 
 // Sums up contacts [begin, end), which are all of one pair of bodies. Corners are summed up in the
@@ -95,7 +107,7 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
   const double corners = 3 * static_cast<double>(sum.count);
   sum.corner_sum =
       posedSum(scene.body(a).pose, sum_a, corners) + posedSum(scene.body(b).pose, sum_b, corners);
-  sum.min_separation_m = minSeparationM(report, result, begin, end);
+  findLeast(report, result, begin, end, &sum);
   return sum;
 }
 

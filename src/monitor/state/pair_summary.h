@@ -1,6 +1,7 @@
 // Sums up the contacts of a cycle for each pair of bodies.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
@@ -13,9 +14,16 @@ namespace deformable_contact_monitor {
 
 // The contacts of one pair of bodies. Vectors are in the scene frame.
 struct PairSummary {
-  std::uint64_t count = 0;  // triangle pairs that touch or are within the margin
+  std::uint64_t count =
+      0;  // triangle pairs that touch, or are within the margin if those are listed
   // [m]; 0 if some touch, or minus the depth of the deepest pair if hasGeometry().
   double min_separation_m = std::numeric_limits<double>::infinity();
+  // Contacts of the result, by their place in the list: the one at the least distance, and the
+  // deepest one by its geometry, with these distances [m]; of several, the first. No contact: the
+  // distance is infinite.
+  std::size_t nearest = 0, deepest = 0;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  double deepest_m = std::numeric_limits<double>::infinity();
   Vec3d corner_sum;     // over the six corners of each triangle pair [m]
   Vec3d normal_sum;     // of the distinct triangles of body_a, with length 2 * area [m^2]
   double area_sum = 0;  // of the lengths in normal_sum; tells a cancelled sum from a small one

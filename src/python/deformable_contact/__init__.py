@@ -6,7 +6,8 @@ back. What a contact is: the README of deformable_contact_monitor.
 """
 import importlib
 
-__all__ = ["BodyDistance", "Detector", "Result", "Scene", "__version__", "read_mesh"]
+__all__ = ["BodyDistance", "Detector", "NearestPair", "Result", "Scene", "__version__",
+           "read_mesh"]
 
 
 def __getattr__(name):

@@ -17,7 +17,8 @@ GEOMETRY = numpy.dtype([("point_a", "<f4", (3,)), ("point_b", "<f4", (3,)),
 STATE = numpy.dtype([
     ("stamp", [("secs", "<u4"), ("nsecs", "<u4")]), ("body_a", object), ("body_b", object),
     ("state", "u1"), ("reason", object), ("inside", "u1"), ("pair_count", "<u4"),
-    ("min_separation", "<f4"), ("distance_low", "<f4"), ("centroid", "<f4", (3,)),
+    ("min_separation", "<f4"), ("distance_low", "<f4"), ("point_a", "<f4", (3,)),
+    ("point_b", "<f4", (3,)), ("normal", "<f4", (3,)), ("centroid", "<f4", (3,)),
     ("mean_normal", "<f4", (3,)), ("since", [("secs", "<i4"), ("nsecs", "<i4")])])
 
 

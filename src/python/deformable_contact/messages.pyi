@@ -20,6 +20,7 @@ class ContactArray(genpy.Message):
     topology_ids: numpy.ndarray
     pairs: numpy.ndarray
     geometry: numpy.ndarray
+    nearest: List[Any]
     pair_count: int
     complete: bool
     guaranteed: bool

@@ -344,6 +344,7 @@ void BagCycles::detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
   report.scene = &scene_.scene();
   report.motion = parameters_.motion;
   report.sweeps = planner_.plan(trigger, scene_, lookup_, report);
+  planner_.commit();
   report.now = stamp;
   visit(&report);
   forgets_.clear();

@@ -1,8 +1,8 @@
 // contact_guard: the node that publishes a speed scale and a stop from the states of a monitor.
 //
-// It subscribes to the monitor's ~contact_states and publishes ~speed_scale and ~stop at a fixed
-// rate, and at once if they change. Class Guard decides; this file holds what needs ROS: topics,
-// the service ~release, diagnostics, and two threads.
+// It subscribes to the monitor's ~contact_states and publishes ~speed_scale, ~stop and ~warning at
+// a fixed rate, and at once if they change. Class Guard decides; this file holds what needs ROS:
+// topics, the service ~release, diagnostics, and two threads.
 #include <deformable_contact_monitor/ContactStates.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
@@ -55,6 +55,7 @@ class GuardNode {
         guard_(parameters_, steadyNow()),
         scale_publisher_(private_node.advertise<std_msgs::Float64>("speed_scale", 1)),
         stop_publisher_(private_node.advertise<std_msgs::Bool>("stop", 1)),
+        warning_publisher_(private_node.advertise<std_msgs::Bool>("warning", 1)),
         updater_(node, private_node, private_node.getNamespace()),
         release_(private_node.advertiseService("release", &GuardNode::release, this)),
         states_(node.subscribe(parameters_.monitor + "/contact_states", 1, &GuardNode::store, this,
@@ -99,15 +100,21 @@ class GuardNode {
       before = std::exchange(output_, output);
     }
     const bool turned = output.stop != before.stop;
-    if (!is_due && !turned && output.scale == before.scale) return;
+    const bool warned = output.warn != before.warn;
+    if (!is_due && !turned && !warned && output.scale == before.scale) return;
     std_msgs::Bool stop;
     stop.data = output.stop;
     stop_publisher_.publish(stop);
     std_msgs::Float64 scale;
     scale.data = output.scale;
     scale_publisher_.publish(scale);
+    std_msgs::Bool warning;
+    warning.data = output.warn;
+    warning_publisher_.publish(warning);
     if (turned && output.stop) ROS_WARN_STREAM("stop: " << output.because);
     if (turned && !output.stop) ROS_INFO("no stop any more");
+    // A distance that wavers around warn_distance_m must not fill the log.
+    if (warned && !output.near.empty()) ROS_WARN_STREAM_THROTTLE(1, "near: " << output.near);
   }
 
   // Takes a message in the spinner's thread, and wakes run(). The first message that lists a pair
@@ -125,7 +132,7 @@ class GuardNode {
     if (is_first) checkMargins(states);
   }
 
-  // Compares the monitor's margins with slow_distance_m, and warns once. Asks the ROS master
+  // Compares the monitor's margins with the guard's distances, and warns once. Asks the ROS master
   // without holding the mutex, because that may take long.
   void checkMargins(const ContactStates& states) {
     XmlRpc::XmlRpcValue tree;
@@ -154,12 +161,15 @@ class GuardNode {
       status.summary(DiagnosticStatus::ERROR, "stop: " + output_.because);
     } else if (output_.scale < 1) {
       status.summary(DiagnosticStatus::WARN, "slow: " + output_.because);
+    } else if (output_.warn) {
+      status.summary(DiagnosticStatus::WARN, "near: " + output_.near);
     } else {
       status.summary(DiagnosticStatus::OK, "free");
     }
     if (!margin_warning_.empty()) status.mergeSummary(DiagnosticStatus::WARN, margin_warning_);
     status.add("stop", output_.stop);
     status.add("speed scale", output_.scale);
+    status.add("warning", output_.warn);
     status.add("latched", guard_.isLatched());
     status.add("least certain distance [m]", nearest_m_);
   }
@@ -175,7 +185,7 @@ class GuardNode {
   bool margins_checked_ = false;
   std::string margin_warning_;
 
-  ros::Publisher scale_publisher_, stop_publisher_;
+  ros::Publisher scale_publisher_, stop_publisher_, warning_publisher_;
   diagnostic_updater::Updater updater_;
   ros::ServiceServer release_;
   ros::Subscriber states_;

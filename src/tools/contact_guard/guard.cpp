@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <vector>
@@ -30,6 +31,12 @@ std::string seconds(double value) {
 std::string metres(double value) {
   char text[64];
   std::snprintf(text, sizeof text, "%.4f m", value);
+  return text;
+}
+
+std::string speed(double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3f m/s", value);
   return text;
 }
 
@@ -62,18 +69,28 @@ void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime 
   }
 }
 
-// Updates whether a pair approaches or recedes. The direction turns only after the distance has
-// changed by receding_m from its extreme, so that noise does not turn it. An UNKNOWN state changes
-// nothing: the next known distance is compared with those before it.
+// Follows a pair's distance. An UNKNOWN state changes nothing: the next known distance is compared
+// with those before it.
 void Guard::follow(const ContactState& state, double tolerance_m) {
   if (state.state == ContactState::UNKNOWN) return;
   const PairName name(state.body_a, state.body_b);
   const bool is_near = state.state == ContactState::NEAR || state.state == ContactState::CONTACT;
-  if (!is_near || parameters_.receding_m == 0) {
+  if (!is_near) {
     courses_.erase(name);
+    closing_.erase(name);
     return;
   }
   const double distance_m = certainDistance(state, tolerance_m);
+  if (parameters_.receding_m > 0) turn(name, distance_m);
+  if (parameters_.time_to_contact_s > 0) {
+    closing_[name].add(static_cast<std::int64_t>(state.stamp.toNSec()), distance_m,
+                       parameters_.closing_window_s, parameters_.max_age_s);
+  }
+}
+
+// Updates whether a pair approaches or recedes. The direction turns only after the distance has
+// changed by receding_m from its extreme, so that noise does not turn it.
+void Guard::turn(const PairName& name, double distance_m) {
   const auto [found, is_new] = courses_.emplace(name, Course{false, distance_m});
   Course& course = found->second;
   course.turn_m =
@@ -90,6 +107,7 @@ void Guard::watchClock(const ros::Time& now, SteadyTime steady_now) {
   if (step_s < -ContactReader::kClockSlackS) {
     reader_.forget("ROS time went back by " + seconds(-step_s));
     courses_.clear();
+    closing_.clear();
   }
   ros_time_ = now;
 }
@@ -126,37 +144,77 @@ std::string Guard::missingBody() const {
   return "";
 }
 
-// Returns the scale when nothing stops the robot: the least over all pairs that do not recede.
+std::optional<ClosingEstimate> Guard::closing(const ContactState& state) const {
+  const auto found = closing_.find({state.body_a, state.body_b});
+  return found == closing_.end() ? std::nullopt : found->second.estimate();
+}
+
+// Returns the smaller one of the scales by distance and by time. A pair that certainly leaves slows
+// nothing. After a turn by receding_m the scale by distance alone is lifted, because a pair may
+// approach again before it has turned back by as much.
+Guard::PairScale Guard::scaleOf(const ContactState& state, double distance_m) const {
+  const PairName name(state.body_a, state.body_b);
+  const std::string pair = state.body_a + " and " + state.body_b + ": " + metres(distance_m);
+  const auto motion = closing_.find(name);
+  if (motion != closing_.end() && motion->second.isLeaving()) return {};
+  const auto course = courses_.find(name);
+  PairScale result;
+  if (course == courses_.end() || !course->second.recedes) {
+    result = {scaleByDistance(distance_m, parameters_), pair};
+  }
+  if (motion == closing_.end()) return result;
+  const double mean = scales_.mean(motion->second.oldestNs(), motion->second.newestNs());
+  const auto measured = motion->second.estimate();
+  const double closing_mps = closingAtFullSpeed(measured, mean, parameters_);
+  const double by_time = scaleByTime(distance_m, closing_mps, parameters_);
+  if (by_time >= result.scale) return result;
+  const std::string how = measured ? ", closing at " + speed(measured->mostMps())
+                                   : ", its closing speed is not known yet";
+  return {by_time, pair + how};
+}
+
+// Returns the output when nothing stops the robot: the least scale over all pairs.
 GuardOutput Guard::slowed() const {
-  GuardOutput output{false, 1, ""};
-  const double range_m = parameters_.slow_distance_m - parameters_.stop_distance_m;
+  GuardOutput output{false, 1, "", false, ""};
+  double nearest_m = parameters_.warn_distance_m;
   for (const ContactState& state : reader_.newest().states) {
     if (!counts(state)) continue;
     const double distance_m = certainDistance(state, reader_.newest().tolerance);
-    if (!(distance_m < parameters_.slow_distance_m)) continue;
-    const auto course = courses_.find({state.body_a, state.body_b});
-    if (course != courses_.end() && course->second.recedes) continue;
-    const double share =
-        range_m > 0 ? std::max(0.0, (distance_m - parameters_.stop_distance_m) / range_m) : 0;
-    const double scale = parameters_.least_scale + (1 - parameters_.least_scale) * share;
-    if (scale >= output.scale) continue;
-    output.scale = scale;
-    output.because = state.body_a + " and " + state.body_b + ": " + metres(distance_m);
+    if (!std::isfinite(distance_m)) continue;
+    if (parameters_.warn_distance_m > 0 && distance_m <= nearest_m) {
+      nearest_m = distance_m;
+      output.warn = true;
+      output.near = state.body_a + " and " + state.body_b + ": " + metres(distance_m);
+    }
+    const PairScale scale = scaleOf(state, distance_m);
+    if (scale.scale >= output.scale) continue;
+    output.scale = scale.scale;
+    output.because = scale.because;
   }
   return output;
 }
 
-// The latch keeps its first reason, which tells more than a later one.
+// Notes the output, because a closing speed that is measured later was scaled by it.
 GuardOutput Guard::decide(const ros::Time& now, SteadyTime steady_now) {
+  const GuardOutput output = decideNow(now, steady_now);
+  const auto now_ns = static_cast<std::int64_t>(now.toNSec());
+  scales_.add(now_ns, output.scale);
+  // No sample is older than max_age_s, and a state was not older than that when it arrived.
+  scales_.dropBefore(now_ns - static_cast<std::int64_t>(2e9 * parameters_.max_age_s));
+  return output;
+}
+
+// The latch keeps its first reason, which tells more than a later one.
+GuardOutput Guard::decideNow(const ros::Time& now, SteadyTime steady_now) {
   const std::string cause = causeOfStop(now, steady_now);
   if (!cause.empty()) {
     if (parameters_.latch && !latched_) {
       latched_ = true;
       latched_because_ = cause;
     }
-    return {true, 0, cause};
+    return {true, 0, cause, true, ""};
   }
-  if (latched_) return {true, 0, "latched: " + latched_because_};
+  if (latched_) return {true, 0, "latched: " + latched_because_, true, ""};
   return slowed();
 }
 
@@ -172,7 +230,7 @@ double Guard::nearest(const ros::Time& now) const {
   double least = std::numeric_limits<double>::infinity();
   if (parameters_.links.empty()) return reader_.nearest("*", now);
   for (const std::string& link : parameters_.links) {
-    least = std::min(least, reader_.nearest(link, now));
+    least = std::min<double>(least, reader_.nearest(link, now));
   }
   return least;
 }

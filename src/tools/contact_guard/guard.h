@@ -2,20 +2,24 @@
 // passes messages and times.
 //
 // A pair of bodies stops the robot when its state is UNKNOWN, too old, CONTACT, or nearer than
-// stop_distance_m. Between stop_distance_m and slow_distance_m the scale grows linearly. A pair
-// whose distance grows (it recedes) does not slow the robot.
+// stop_distance_m. Between stop_distance_m and slow_distance_m the scale grows linearly. With
+// time_to_contact_s, a pair that approaches also slows the robot so that this time is left. The
+// smaller scale rules. A pair whose distance grows (it recedes) does not slow the robot.
 #pragma once
 
 #include <deformable_contact_monitor/ContactStates.h>
 #include <ros/time.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/steady_time.h"
 #include "reader/contact_reader.h"
+#include "tools/contact_guard/closing_speed.h"
 #include "tools/contact_guard/guard_parameters.h"
+#include "tools/contact_guard/speed_scale.h"
 
 namespace deformable_contact_monitor {
 
@@ -24,6 +28,8 @@ struct GuardOutput {
   bool stop = true;
   double scale = 0;     // of the speed, [0, 1]; 0 with a stop
   std::string because;  // of a stop; else of a scale below 1; else empty
+  bool warn = true;     // a stop, or a pair at warn_distance_m or nearer
+  std::string near;     // the nearest such pair and its distance; empty: there is none, or a stop
 };
 
 // Decides to stop unless all of these hold: every pair that counts is known, fresh and far enough
@@ -47,6 +53,8 @@ class Guard {
   bool isLatched() const { return latched_; }
   // Returns the least certain distance of the pairs that count [m]; 0 if one of them is unknown.
   double nearest(const ros::Time& now) const;
+  // Returns the closing speed of a pair [m/s], as it was measured; nothing if it is not known.
+  std::optional<ClosingEstimate> closing(const ContactState& state) const;
 
  private:
   // The names of a pair's bodies, in the order of the message.
@@ -57,21 +65,31 @@ class Guard {
     bool recedes = false;
     double turn_m = 0;
   };
+  // What a pair allows, and the reason in words.
+  struct PairScale {
+    double scale = 1;
+    std::string because;
+  };
 
   // Parts of store() and decide(). guard.cpp says what each does.
   bool counts(const ContactState& state) const;
   void follow(const ContactState& state, double tolerance_m);
+  void turn(const PairName& name, double distance_m);
   void watchClock(const ros::Time& now, SteadyTime steady_now);
   std::string causeOfStop(const ros::Time& now, SteadyTime steady_now);
   std::string missingBody() const;
+  PairScale scaleOf(const ContactState& state, double distance_m) const;
   GuardOutput slowed() const;
+  GuardOutput decideNow(const ros::Time& now, SteadyTime steady_now);
 
   const GuardParameters parameters_;
   ContactReader reader_;
-  std::map<PairName, Course> courses_;  // pairs that were NEAR or in CONTACT when last known
-  SteadyTime heard_;                    // arrival of the last message
-  SteadyTime clock_moved_;              // when ROS time last changed
-  ros::Time ros_time_;                  // at the last call
+  std::map<PairName, Course> courses_;        // pairs that were NEAR or in CONTACT when last known
+  std::map<PairName, ClosingSpeed> closing_;  // with time_to_contact_s, the same pairs
+  ScaleHistory scales_;                       // the output so far
+  SteadyTime heard_;                          // arrival of the last message
+  SteadyTime clock_moved_;                    // when ROS time last changed
+  ros::Time ros_time_;                        // at the last call
   bool latched_;
   std::string latched_because_ = "not released since its start";
 };

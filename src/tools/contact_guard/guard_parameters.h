@@ -16,12 +16,16 @@ struct GuardParameters {
   std::vector<std::string> required_bodies;  // each must be in one of those pairs
   double slow_distance_m = 0.1;              // full speed at this distance and beyond
   double stop_distance_m = 0.02;             // stop at this distance and below
+  double warn_distance_m = 0;                // report at this distance and below; 0: at a stop only
   double least_scale = 0.1;                  // scale just above stop_distance_m
-  double receding_m = 0.005;   // a pair recedes after its distance grew by this; 0: never
-  double max_age_s = 0.5;      // of states, in ROS time
-  double max_silence_s = 0.5;  // longest silence of the monitor or the ROS clock, wall time
-  double rate_hz = 50;         // least rate of the output
-  bool latch = false;          // a stop stays until it is released
+  double receding_m = 0.005;       // a pair recedes after its distance grew by this; 0: never
+  double time_to_contact_s = 0;    // least time until stop_distance_m is reached; 0: any
+  double fastest_closing_mps = 1;  // closing speed at full speed while it is not known
+  double closing_window_s = 0.2;   // over which closing speeds are measured
+  double max_age_s = 0.5;          // of states, in ROS time
+  double max_silence_s = 0.5;      // longest silence of the monitor or the ROS clock, wall time
+  double rate_hz = 50;             // least rate of the output
+  bool latch = false;              // a stop stays until it is released
 
   std::vector<std::string> changed;  // what is not at its default, each as "name: value"
 };

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -18,6 +19,7 @@
 #include "tools/common/command_line.h"
 #include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/detect_contacts/nearest_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -50,23 +52,47 @@ BodyDistance listedDistance(const DetectionResult& result, BodyId a, BodyId b) {
   return distance;
 }
 
+// Returns the bounds of a pair's distance that follow from the exact search. A pair that it did not
+// list is farther apart than its margin, unless the cycle was cut off.
+BodyDistance searchedDistance(const Scene& scene, const DetectionResult& result, BodyId a,
+                              BodyId b) {
+  BodyDistance distance;
+  distance.body_a = a;
+  distance.body_b = b;
+  for (const NearestPair& nearest : result.nearest) {
+    if (nearest.pair.body_a != a || nearest.pair.body_b != b) continue;
+    distance.low_m = distance.high_m = nearest.distance_m;
+    distance.witness = nearest.pair;
+    distance.point_a = nearest.point_a;
+    distance.point_b = nearest.point_b;
+    return distance;
+  }
+  if (result.cut_off) return distance;
+  const float margin_m = std::max(scene.body(a).margin_m, scene.body(b).margin_m);
+  distance.low_m = std::nextafter(margin_m, std::numeric_limits<float>::infinity());
+  return distance;
+}
+
 Json point(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
 // Returns the state of each enabled pair of two bodies, ascending. If the result has no bounds
 // (DetectionResult::distances), the listed contacts decide, and the points of a witness are zero.
 std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& result,
-                                  float tolerance_m) {
+                                  const Options& options) {
+  const bool is_searched = options.nearest && !options.near_pairs;
   // Exact detection has no bounds, so they are made from its list.
   std::vector<BodyDistance> distances = result.distances;
   if (distances.empty()) {
     for (const auto& [a, b] : scene.enabledPairs()) {
-      if (a != b) distances.push_back(listedDistance(result, a, b));
+      if (a == b) continue;
+      distances.push_back(is_searched ? searchedDistance(scene, result, a, b)
+                                      : listedDistance(result, a, b));
     }
   }
   // The core decides, so the tool and the node report the same states.
   std::vector<BodyState> states;
   for (const BodyDistance& distance : distances) {
-    states.push_back({distance, decide(distance, scene, tolerance_m)});
+    states.push_back({distance, decide(distance, scene, options.tolerance_m)});
   }
   return states;
 }
@@ -157,6 +183,8 @@ Json optionsJson(const DetectArguments& arguments) {
   json["predicates"] = toString(options.predicates);
   json["overlap"] = options.overlap;
   json["margin"] = arguments.margin_m;
+  json["nearest"] = options.nearest;
+  json["near_pairs"] = options.near_pairs;
   json["tolerance_m"] = options.tolerance_m;
   json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
   json["clusters"] = options.clusters == 0 ? Json("auto") : Json(options.clusters);
@@ -338,7 +366,10 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
   if (arguments.options.first_times) json["at_start"] = countAtStart(last.first_times);
   if (arguments.options.geometry) json["geometry"] = geometryJson(last.geometry);
   if (arguments.bounded()) {
-    json["body_states"] = bodyStatesJson(bodyStates(scene, last, arguments.options.tolerance_m));
+    json["body_states"] = bodyStatesJson(bodyStates(scene, last, arguments.options));
+  }
+  if (arguments.options.nearest) {
+    json["nearest"] = nearestJson(nearestBodies(scene, last, arguments.options.tolerance_m));
   }
   json["memory_bytes"] = last.memory_bytes;
   json["repeat"] = arguments.repeat;
@@ -355,7 +386,10 @@ std::string summary(const DetectArguments& arguments, const Scene& scene,
   std::string states;
   if (arguments.bounded()) {
     states = "pairs of bodies, within " + toText(arguments.options.tolerance_m) + ":\n" +
-             bodyStateLines(scene, bodyStates(scene, last, arguments.options.tolerance_m));
+             bodyStateLines(scene, bodyStates(scene, last, arguments.options));
+  }
+  if (arguments.options.nearest) {
+    states += nearestSummary(scene, nearestBodies(scene, last, arguments.options.tolerance_m));
   }
   return std::to_string(last.contacts.size()) + " contacts\n" + bodyPairs(scene, last.contacts) +
          states + completeness(last) + std::to_string(scene.bodyCount()) + " bodies, " +

@@ -75,6 +75,14 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->add("--geometry", &arguments->geometry_file,
             "Write a line 'bodyA triA bodyB triB ax ay az bx by bz nx ny nz separation flags' for "
             "each contact here (-: standard output)");
+  line->add("--nearest", &arguments->nearest_file,
+            "Write a line 'bodyA triA bodyB triB distance' for each two bodies at most --margin "
+            "apart, with their nearest triangles, here (-: standard output); contacts are then "
+            "those that touch");
+  line->addFlag("--near-pairs", &options.near_pairs,
+                "With --nearest, also list as contacts all triangles within --margin");
+  line->requireFor("--nearest", "--margin");
+  line->requireFor("--near-pairs", "--nearest");
   line->add("--json", &arguments->json_file,
             "Write counts, options and milliseconds here (-: standard output)");
   line->add("--adjacent", &options.adjacent, kAdjacentHelp);
@@ -86,6 +94,7 @@ void refuseOutputs(const DetectArguments& arguments) {
   const std::pair<std::string, std::string> outputs[] = {{"--pairs", arguments.pairs_file},
                                                          {"--times", arguments.times_file},
                                                          {"--geometry", arguments.geometry_file},
+                                                         {"--nearest", arguments.nearest_file},
                                                          {"--json", arguments.json_file}};
   for (const auto& [option, file] : outputs) {
     refuseMeshAsOutput(option, file);
@@ -154,6 +163,7 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   }
   if (!found.empty()) refuseUsage(found);
   options.geometry = !arguments->geometry_file.empty();
+  options.nearest = !arguments->nearest_file.empty();
   refuseOutputs(*arguments);
   return true;
 }

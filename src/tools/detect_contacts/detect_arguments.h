@@ -22,7 +22,7 @@ struct DetectArguments {
   std::optional<double> budget_ms;  // time limit of each detection
   int repeat = 1;
   // File names. Empty: not written; "-": standard output.
-  std::string pairs_file, times_file, geometry_file, json_file;
+  std::string pairs_file, times_file, geometry_file, nearest_file, json_file;
 
   // Returns whether --tolerance-m or --budget-ms asks for states of bodies, not for all contacts.
   bool bounded() const { return options.tolerance_m > 0 || budget_ms; }

@@ -10,6 +10,7 @@
 #include <list>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "tools/common/run_tool.h"
 #include "tools/detect_contacts/contact_report.h"
 #include "tools/detect_contacts/detect_arguments.h"
+#include "tools/detect_contacts/nearest_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -151,6 +153,27 @@ void warn(const DetectArguments& arguments, const DetectionResult& result) {
   }
 }
 
+// Prints a note for each thing that the lines of --nearest do not show.
+void warnOfNearest(const DetectArguments& arguments, const NearestBodies& bodies) {
+  for (const std::string& note : nearestNotes(bodies, arguments.options.tolerance_m)) {
+    std::fprintf(stderr, "detect_contacts: note: %s\n", note.c_str());
+  }
+}
+
+// Throws if the backend would silently ignore --margin. FCL lists only triangles that intersect,
+// but it knows distances of bodies.
+void requireMargins(const DetectArguments& arguments, const Detector& detector) {
+  if (supportsMargins(detector) || arguments.margin_m == 0) return;
+  if (arguments.options.near_pairs) {
+    throw std::invalid_argument("--near-pairs: backend " + detector.backend() +
+                                " lists no near pairs; use --backend auto");
+  }
+  if (!arguments.options.nearest) {
+    throw std::invalid_argument("--margin: backend " + detector.backend() +
+                                " has no margins; use --backend auto");
+  }
+}
+
 // Does everything after parsing. A tolerance or a budget needs tilings, which are built before the
 // first detection, so that all detections use them. The progress line is removed before results are
 // written to the terminal. Throws std::exception, whose text is one line.
@@ -163,11 +186,7 @@ void run(const DetectArguments& arguments) {
         std::fprintf(stderr, "detect_contacts: warning: %s\n", why.c_str());
       },
       tilings);
-  // FCL would silently report only triangles that intersect.
-  if (arguments.margin_m != 0 && !supportsMargins(*detector)) {
-    throw std::invalid_argument("--margin: backend " + detector->backend() +
-                                " has no margins; use --backend auto");
-  }
+  requireMargins(arguments, *detector);
   std::list<Report> reports;
   // Opens a report's file if it was asked for. The list never moves its elements, so pointers stay
   // valid.
@@ -176,6 +195,7 @@ void run(const DetectArguments& arguments) {
   };
   DetectionTimes times;
   const DetectionResult* last = nullptr;  // the detector's
+  NearestBodies nearest_bodies;
   std::string text;
   {
     Progress progress("starting");
@@ -187,11 +207,16 @@ void run(const DetectArguments& arguments) {
     Report* const pairs = open(arguments.pairs_file);
     Report* const times_of_pairs = open(arguments.times_file);
     Report* const geometry = open(arguments.geometry_file);
+    Report* const nearest = open(arguments.nearest_file);
     Report* const json = open(arguments.json_file);
     // The result belongs to the detector, which outlives the reports.
     last = &detect(arguments, scene, detector.get(), &times, &progress);
     progress.set("writing");
     const std::string backend = detector->backend();
+    if (nearest != nullptr) {
+      nearest_bodies = nearestBodies(scene, *last, arguments.options.tolerance_m);
+      nearest->text = nearestLines(nearest_bodies);
+    }
     if (pairs != nullptr) pairs->text = pairLines(last->contacts);
     if (times_of_pairs != nullptr) times_of_pairs->text = timeLines(*last);
     if (geometry != nullptr) geometry->text = geometryLines(*last);
@@ -200,6 +225,7 @@ void run(const DetectArguments& arguments) {
   }
   // Notes come before the results, so that the results are the last lines on a terminal.
   warn(arguments, *last);
+  warnOfNearest(arguments, nearest_bodies);
   writeReports(text, &reports);
 }
 

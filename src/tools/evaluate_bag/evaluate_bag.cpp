@@ -70,7 +70,7 @@ class BodyWarnings {
 // Everything that is written while the evaluation runs.
 struct Tables {
   Tables(const std::string& folder, bool with_pairs, bool swept)
-      : frames(folder), links(folder), events(folder) {
+      : frames(folder), links(folder), events(folder), distances(folder) {
     if (with_pairs) pairs.emplace(folder);
     if (with_pairs && swept) swept_pairs.emplace(folder);
   }
@@ -79,6 +79,7 @@ struct Tables {
     frames.finish();
     links.finish();
     events.finish();
+    distances.finish();
     if (pairs) pairs->finish();
     if (swept_pairs) swept_pairs->finish();
   }
@@ -86,6 +87,7 @@ struct Tables {
   FramesTable frames;
   LinksTable links;
   EventsTable events;
+  DistancesTable distances;
   std::optional<PairsTable> pairs;
   std::optional<SweptPairsTable> swept_pairs;
 };
@@ -113,6 +115,7 @@ void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
   for (std::size_t i = 0; i < runs->size(); ++i) {
     tables->links.add(i, *(*runs)[i]);
     tables->events.add(*cycle, *(*runs)[i]);
+    tables->distances.add(*cycle, *(*runs)[i]);
   }
   if (tables->pairs) tables->pairs->add(*cycle, *(*runs)[0]->result);
   if (tables->swept_pairs) tables->swept_pairs->add(*cycle, (*runs)[0]->steps);
@@ -143,9 +146,17 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
   }
 }
 
+// Returns the margin of an object or a link [m].
+double marginOf(const MonitorParameters& parameters, const std::string& body) {
+  for (const ObjectParameters& object : parameters.objects) {
+    if (object.name == body) return object.margin_m;
+  }
+  return linkMarginM(parameters, body);
+}
+
 // Marks the expectations that name something else than an object or a link with geometry of any
-// robot in the bags.
-void checkNames(const BagSetup& setup, std::vector<Expectation>* expectations) {
+// robot in the bags, and those that no distance within the margins can show.
+void checkExpectations(const BagSetup& setup, std::vector<Expectation>* expectations) {
   std::vector<std::string> bodies;
   std::set<std::string> links;
   for (const Recorded<RobotGeometry>& robot : setup.robots) {
@@ -154,13 +165,15 @@ void checkNames(const BagSetup& setup, std::vector<Expectation>* expectations) {
   }
   for (const ObjectParameters& object : setup.parameters.objects) bodies.push_back(object.name);
   checkBodies(bodies, links, expectations);
+  checkMargins([&setup](const std::string& body) { return marginOf(setup.parameters, body); },
+               expectations);
 }
 
 // Makes the folder, and removes files of an earlier evaluation that this one may not write.
 std::string cleanFolder(const std::string& folder) {
   makeFolder(folder);
-  for (const char* name : {"/frames.csv", "/links.csv", "/events.csv", "/summary.json",
-                           "/pairs.csv", "/swept_pairs.csv", "/report.html"}) {
+  for (const char* name : {"/frames.csv", "/links.csv", "/events.csv", "/distances.csv",
+                           "/summary.json", "/pairs.csv", "/swept_pairs.csv", "/report.html"}) {
     std::error_code none;
     std::filesystem::remove(folder + name, none);
   }
@@ -200,7 +213,7 @@ struct Scanned {
       if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
     });
     setup = setUp(arguments, configured, &contents);
-    checkNames(setup, &expectations);
+    checkExpectations(setup, &expectations);
     for (const Expectation& expectation : expectations) {
       if (!expectation.problem.empty()) warn(arguments.expectations + ": " + expectation.problem);
     }

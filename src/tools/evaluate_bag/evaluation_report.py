@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Turns the tables of evaluate_bag into report.html, one file with its plots inside.
 
-Usage: evaluation_report.py FOLDER, with frames.csv, links.csv and summary.json in it. The page is
-report.html.jinja, beside this script.
+Usage: evaluation_report.py FOLDER, with frames.csv, links.csv, distances.csv and summary.json in
+it. The page is report.html.jinja, beside this script.
 """
 import csv
 import io
@@ -21,6 +21,7 @@ except ImportError as error:
     sys.exit(f"evaluation_report.py: {error}; install python3-jinja2 and python3-matplotlib")
 
 MOST_ROWS = 40  # of the timeline
+MOST_LINES = 10  # of the distances
 COLORS = {"CONTACT": "#c62828", "NEAR": "#f9a825", "UNKNOWN": "#bdbdbd", "ALLOWED": "#90caf9",
           "PASSED": "#6a1b9a"}
 HERE = os.path.dirname(os.path.realpath(__file__))
@@ -128,6 +129,56 @@ def plot_timeline(links, run, start):
     return to_svg(figure), len(touched) - len(shown)
 
 
+def distances_of(distances, links, run):
+    """{bodies: [(stamp, distance [m])]} of one run, ascending, of bodies that were ever near. The
+    distance is NaN where it is not known: UNKNOWN, or farther apart than the margin (NONE)."""
+    lines = {}
+    for row in distances:
+        if row["run"] == run:
+            distance = float(row["distance"]) if row["distance"] else math.nan
+            lines.setdefault((row["body_a"], row["body_b"]), []).append(
+                (float(row["stamp"]), distance))
+    lines = {bodies: line for bodies, line in lines.items()
+             if any(distance > 0 for _, distance in line)}
+    for row in links:
+        bodies = row["body_a"], row["body_b"]
+        if row["run"] == run and row["state"] == "NONE" and bodies in lines:
+            lines[bodies].append((float(row["from"]), math.nan))
+    return {bodies: sorted(line, key=lambda point: point[0]) for bodies, line in lines.items()}
+
+
+def least_of(line):
+    return min(distance for _, distance in line if not math.isnan(distance))
+
+
+def plot_distances(lines, start):
+    """Returns the picture, or None without a line, and how many pairs of bodies are not shown. Those
+    that come nearest come first."""
+    if not lines:
+        return None, 0
+    shown = sorted(lines.items(), key=lambda item: (least_of(item[1]), item[0]))[:MOST_LINES]
+    figure, axes = plt.subplots(figsize=(9, 3.2))
+    for bodies, line in shown:
+        # A marker shows a distance that is known in one cycle alone.
+        axes.plot([stamp - start for stamp, _ in line], [distance for _, distance in line], ".-",
+                  ms=2, lw=1, label=" / ".join(bodies))
+    axes.set(xlabel="time since the first cycle [s]", ylabel="least distance [m]")
+    axes.set_ylim(bottom=0)
+    axes.grid(alpha=.3)
+    axes.legend(fontsize=8, ncol=2)
+    return to_svg(figure), len(lines) - len(shown)
+
+
+def least_rows(lines, start):
+    """Returns (bodies, least distance, time) of each pair, the nearest first."""
+    rows = []
+    for bodies, line in lines.items():
+        least = least_of(line)
+        stamp = next(stamp for stamp, distance in line if distance == least)
+        rows.append((" / ".join(bodies), least, stamp - start))
+    return sorted(rows, key=lambda row: (row[1], row[0]))
+
+
 def stages_of(rows):
     """In order of execution: columns of frames.csv."""
     titles = list(rows[0])
@@ -174,15 +225,19 @@ def write_whole(path, content):
         raise
 
 
-def plots_of(summary, runs, links):
+def plots_of(summary, runs, links, distances):
     """Returns the pictures of the page by their names; none if there was no cycle."""
     if not runs:
         return {}
     first = next(iter(runs))
     start = float(runs[first][0]["stamp"])
     timeline, more_bodies = plot_timeline(links, first, start)
-    return {"timeline": timeline, "more_bodies": more_bodies, "pairs": plot_pairs(runs, start),
-            "latency": plot_latency(runs), "stages": plot_stages(summary, stages_of(runs[first]))}
+    lines = distances_of(distances, links, first)
+    near, more_lines = plot_distances(lines, start)
+    return {"timeline": timeline, "more_bodies": more_bodies, "distances": near,
+            "more_lines": more_lines, "least": least_rows(lines, start),
+            "pairs": plot_pairs(runs, start), "latency": plot_latency(runs),
+            "stages": plot_stages(summary, stages_of(runs[first]))}
 
 
 def report(folder):
@@ -190,8 +245,9 @@ def report(folder):
         summary = json.load(file)
     runs = runs_of(read_table(os.path.join(folder, "frames.csv")))
     links = read_table(os.path.join(folder, "links.csv"))
+    distances = read_table(os.path.join(folder, "distances.csv"))
     page = template("report.html.jinja").render(
-        summary=summary, first=summary["runs"][0], plots=plots_of(summary, runs, links),
+        summary=summary, first=summary["runs"][0], plots=plots_of(summary, runs, links, distances),
         most_rows=MOST_ROWS, bags=", ".join(os.path.basename(bag) for bag in summary["bags"]))
     write_whole(os.path.join(folder, "report.html"), page.encode(errors="replace"))
 

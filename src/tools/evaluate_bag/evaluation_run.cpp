@@ -45,7 +45,7 @@ std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSett
   }
 }
 
-// Returns true if any body has a margin. FCL cannot find pairs at a distance.
+// Returns true if any body has a margin. FCL cannot list pairs of triangles at a distance.
 bool hasMargins(const MonitorParameters& parameters) {
   bool any = parameters.margin_m > 0;
   for (const ObjectParameters& object : parameters.objects) any |= object.margin_m > 0;
@@ -224,8 +224,9 @@ std::vector<std::unique_ptr<EvaluationRun>> makeRuns(
   for (const RunSettings& of : settings) {
     const auto tilings = of.options.tolerance_m > 0 ? std::make_shared<TilingCache>() : nullptr;
     std::unique_ptr<Detector> detector = makeBackend(of.backend, parameters.cuda, warn, tilings);
-    if (hasMargins(parameters) && !supportsMargins(*detector)) {
-      throw std::invalid_argument("backend " + of.backend + " has no margins; set margin_m to 0");
+    if (of.options.near_pairs && hasMargins(parameters) && !supportsMargins(*detector)) {
+      throw std::invalid_argument("backend " + of.backend +
+                                  " lists no near pairs; set near_pairs to false");
     }
     auto source = std::make_unique<DetectedContacts>(std::move(detector), parameters.containment,
                                                      parameters.swept_tolerance_m, tilings);

@@ -155,6 +155,34 @@ void LinksTable::finish() {
   file_.finish();
 }
 
+DistancesTable::DistancesTable(const std::string& folder) : file_(folder + "/distances.csv") {
+  file_.line(
+      "cycle,stamp,run,body_a,body_b,state,distance,distance_low,ax,ay,az,bx,by,bz,nx,ny,nz");
+}
+
+// The distance of a pair that touches is 0, whatever its depth is. An UNKNOWN pair has no numbers,
+// but for a lower bound that is certain all the same. Points and normal are there where the state
+// has them.
+void DistancesTable::add(const CycleReport& cycle, const EvaluationRun& run) {
+  const std::string start = std::to_string(cycle.cycle) + "," + stampText(cycle.header.stamp) +
+                            "," + csvField(run.name()) + ",";
+  for (const ContactState& state : run.states.states) {
+    if (state.stamp != run.states.header.stamp || state.body_a == state.body_b) continue;
+    const bool has_points =
+        state.state == ContactState::NEAR || state.state == ContactState::CONTACT;
+    const bool has_distance = has_points || state.state == ContactState::PASSED;
+    if (!has_distance && state.state != ContactState::UNKNOWN) continue;
+    std::string row = start + csvField(state.body_a) + "," + csvField(state.body_b) + "," +
+                      stateName(state.state);
+    row += has_distance ? numberField(std::max(state.min_separation, 0.0F)) : ",";
+    row += numberField(state.distance_low);
+    for (const auto* v : {&state.point_a, &state.point_b, &state.normal}) {
+      for (const float number : {v->x, v->y, v->z}) row += has_points ? numberField(number) : ",";
+    }
+    file_.line(row);
+  }
+}
+
 PairsTable::PairsTable(const std::string& folder) : file_(folder + "/pairs.csv") {
   file_.line("cycle,stamp,body_a,triangle_a,body_b,triangle_b");
 }

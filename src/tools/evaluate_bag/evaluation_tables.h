@@ -1,5 +1,5 @@
-// The tables that an evaluation writes while it runs: frames.csv, links.csv, events.csv, pairs.csv
-// and swept_pairs.csv. Each file gets its name when finish() is called.
+// The tables that an evaluation writes while it runs: frames.csv, links.csv, events.csv,
+// distances.csv, pairs.csv and swept_pairs.csv. Each file gets its name when finish() is called.
 //
 // Tables are for programs and for comparing evaluations: apart from times, two evaluations of one
 // bag write the same bytes.
@@ -63,6 +63,19 @@ class LinksTable {
   TableFile file_;
   std::vector<std::string> runs_;  // their names
   std::map<Key, Stretch> open_;
+};
+
+// distances.csv: a row for each cycle, run and pair of two bodies that is at most its margin apart
+// or UNKNOWN. A pair that a cycle checked and that has no row is farther apart than its margin.
+class DistancesTable {
+ public:
+  explicit DistancesTable(const std::string& folder);
+  // Takes the states of a run after a cycle.
+  void add(const CycleReport& cycle, const EvaluationRun& run);
+  void finish() { file_.finish(); }
+
+ private:
+  TableFile file_;
 };
 
 // events.csv: a row for each event of each run, in the order of cycles. For PASSED, `from` is the

@@ -2,12 +2,14 @@
 #include "tools/evaluate_bag/expectations.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>
 
 #include "monitor/rules/parameter_reader.h"
 #include "monitor/time_difference.h"
+#include "reader/contact_reader.h"
 #include "robot/nearest_name.h"
 #include "tools/common/yaml_parameters.h"
 
@@ -23,10 +25,17 @@ std::string seconds(double s) {
   return text;
 }
 
+std::string metres(double m) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g m", m);
+  return text;
+}
+
 // Returns the expectation in words, for reports.
 std::string describe(const Expectation& e) {
   const char* const kWords[] = {" touches ", " always touches ", " never touches "};
-  std::string text = e.link + kWords[static_cast<int>(e.touches)] + e.object;
+  std::string text = e.keeps_m > 0 ? e.link + " keeps " + metres(e.keeps_m) + " from " + e.object
+                                   : e.link + kWords[static_cast<int>(e.touches)] + e.object;
   if (e.min_pairs > 1) text += " in " + std::to_string(e.min_pairs) + " pairs or more";
   if (e.from_s > 0) text += " from " + seconds(e.from_s);
   if (e.to_s < kLongestS) text += " to " + seconds(e.to_s);
@@ -71,6 +80,13 @@ std::vector<Expectation> readExpectations(const std::string& path) {
     e.from_s = entry.number("from_s", 0, 0, kLongestS);
     e.to_s = entry.number("to_s", kLongestS, 0, kLongestS);
     e.min_pairs = static_cast<std::uint32_t>(entry.integer("min_pairs", 1, 1, 1 << 30));
+    if (entry.has("keeps_m")) {
+      constexpr double kLeastM = 1e-9, kMostM = 1e6;
+      e.keeps_m = entry.number("keeps_m", kLeastM, kLeastM, kMostM);
+      for (const char* other : {"touches", "min_pairs"}) {
+        if (entry.has(other)) entry.addProblem("keeps_m", std::string("excludes ") + other);
+      }
+    }
     if (e.link.empty() || e.object.empty()) {
       entry.addProblem("link and object", "must both be there");
     }
@@ -104,6 +120,21 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
   }
 }
 
+void checkMargins(const std::function<double(const std::string&)>& marginOf,
+                  std::vector<Expectation>* expectations) {
+  for (Expectation& e : *expectations) {
+    if (e.keeps_m == 0 || !e.problem.empty()) continue;
+    // The monitor keeps margins as float32, and the larger one counts.
+    const double margin_m = std::max(marginOf(e.link), marginOf(e.object));
+    if (e.link == e.object) {
+      e.problem = "keeps_m: a body has no distance from itself";
+    } else if (static_cast<float>(e.keeps_m) > static_cast<float>(margin_m)) {
+      e.problem = "keeps_m " + metres(e.keeps_m) + " is above the margin of the two, " +
+                  metres(margin_m) + ", beyond which nothing is known; set margin_m";
+    }
+  }
+}
+
 ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations) {
   for (Expectation& expectation : expectations) {
     Record record;
@@ -130,6 +161,7 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   record->is_monitored |= state != nullptr;
   // This cycle did not check the pair.
   if (state != nullptr && state->stamp != states.header.stamp) return;
+  if (e.keeps_m > 0) return lookAtDistance(state, states.tolerance, since_s, record);
   // These states prove whether the two touch; the others prove nothing.
   bool known = state != nullptr &&
                (state->state == ContactState::NONE || state->state == ContactState::NEAR ||
@@ -158,6 +190,36 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   }
 }
 
+// The margin of the two is at least keeps_m (see checkMargins()), so NONE is far enough. Compares
+// in float32, as distances are published.
+void ExpectationJudge::lookAtDistance(const ContactState* state, double tolerance_m, double since_s,
+                                      Record* record) {
+  ++record->cycles;
+  const bool is_apart = state != nullptr &&
+                        (state->state == ContactState::NONE || state->state == ContactState::NEAR);
+  const bool touches = state != nullptr && (state->state == ContactState::CONTACT ||
+                                            state->state == ContactState::PASSED);
+  record->unknown += !is_apart && !touches;
+  double distance_m = touches ? 0 : std::numeric_limits<double>::infinity();
+  bool keeps = is_apart;
+  if (is_apart && state->state == ContactState::NEAR) {
+    distance_m = tolerance_m > 0 ? certainDistance(*state, tolerance_m) : state->min_separation;
+    keeps = static_cast<float>(distance_m) >= static_cast<float>(record->expectation.keeps_m);
+  }
+  if (distance_m < record->least_m) {
+    record->least_m = distance_m;
+    record->least_at_s = since_s;
+  }
+  if (keeps || !record->first_break.empty()) return;
+  record->first_break = "at " + seconds(since_s) + ": ";
+  if (is_apart) {
+    record->first_break += "NEAR, " + metres(distance_m);
+    if (tolerance_m > 0) record->first_break += " or more";
+  } else {
+    record->first_break += seen(state);
+  }
+}
+
 // An expectation that can never hold fails first, then one without any cycle, then by its counts.
 std::vector<ExpectationJudge::Verdict> ExpectationJudge::verdicts() const {
   std::vector<Verdict> verdicts;
@@ -169,6 +231,12 @@ std::vector<ExpectationJudge::Verdict> ExpectationJudge::verdicts() const {
       verdict.failure = "not monitored: no pair class that is on has these two";
     } else if (record.cycles == 0) {
       verdict.failure = "no cycle in that time";
+    } else if (record.expectation.keeps_m > 0) {
+      verdict.failure = record.first_break;
+      if (!record.first_break.empty() && std::isfinite(record.least_m)) {
+        verdict.failure +=
+            "; least " + metres(record.least_m) + " at " + seconds(record.least_at_s);
+      }
     } else if (record.expectation.touches != Expectation::Touches::kSometime) {
       verdict.failure = record.first_break;
     } else if (record.touching == 0) {

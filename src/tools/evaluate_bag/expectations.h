@@ -1,13 +1,15 @@
-// Expectations: which bodies must touch in a bag, and when. They make a bag a regression test.
+// Expectations: which bodies must touch in a bag, and when, and which must keep apart. They make a
+// bag a regression test.
 //
 // An expectation names two bodies, and says whether they touch sometime, always or never in a time
-// interval. The states that the node would publish decide.
+// interval, or how far apart they stay in it. The states that the node would publish decide.
 #pragma once
 
 #include <deformable_contact_monitor/ContactStates.h>
 #include <ros/time.h>
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <set>
 #include <string>
@@ -23,17 +25,25 @@ struct Expectation {
   Touches touches = Touches::kSometime;
   double from_s = 0, to_s = std::numeric_limits<double>::infinity();  // after the first cycle [s]
   std::uint32_t min_pairs = 1;  // fewer triangle pairs do not count as a touch
+  double keeps_m = 0;           // above 0: the two stay so far apart; `touches` means nothing then
   std::string problem;          // why it can never hold; empty: it can
 };
 
-// Reads a yaml list of {link, object, touches: sometime|always|never, from_s, to_s, min_pairs}.
-// Throws std::runtime_error that names the file and every problem, in one line.
+// Reads a yaml list of {link, object, touches: sometime|always|never, from_s, to_s, min_pairs}, or
+// with keeps_m in the place of touches and min_pairs. Throws std::runtime_error that names the file
+// and every problem, in one line.
 std::vector<Expectation> readExpectations(const std::string& path);
 
 // Sets the problem of each expectation that names something else than an object or a link with
 // geometry. `links` are all links of the robot.
 void checkBodies(const std::vector<std::string>& bodies, const std::set<std::string>& links,
                  std::vector<Expectation>* expectations);
+
+// Sets the problem of each keeps_m that cannot be shown: above the margin of its two bodies,
+// because a state NONE says only that they are farther apart than that, or of a body with itself.
+// `marginOf` returns the margin of a body [m].
+void checkMargins(const std::function<double(const std::string&)>& marginOf,
+                  std::vector<Expectation>* expectations);
 
 // Checks expectations on the cycles of one run:
 // - A cycle in which the pair is UNKNOWN, ALLOWED or not monitored proves nothing, so `always` and
@@ -42,6 +52,9 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
 // - In swept motion, PASSED breaks `never` and fulfils `sometime`; for `always` it is not a touch.
 // - With a tolerance, a contact may have more pairs than were found, so fewer than min_pairs (if
 //   above 1) prove nothing either.
+// - keeps_m holds in a cycle if the two are certainly at least so far apart: NONE, or NEAR at such
+// a
+//   distance. Everything else breaks it, UNKNOWN too.
 class ExpectationJudge {
  public:
   explicit ExpectationJudge(std::vector<Expectation> expectations);
@@ -65,10 +78,15 @@ class ExpectationJudge {
     bool is_monitored = false;
     std::string first_break;  // for always and never: when it broke first, and the state then
     std::uint32_t most_pairs = 0;
+    double least_m = std::numeric_limits<double>::infinity();  // of keeps_m
+    double least_at_s = 0;
   };
 
   // Checks one expectation at a time after the first cycle [s].
   void look(const ContactStates& states, double since_s, Record* record) const;
+  // Does the same for one with keeps_m. `state` is null if the pair is not monitored.
+  static void lookAtDistance(const ContactState* state, double tolerance_m, double since_s,
+                             Record* record);
 
   std::vector<Record> records_;
   ros::Time start_;

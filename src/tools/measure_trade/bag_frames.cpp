@@ -84,6 +84,9 @@ class BagFrames : public FrameSource {
   }
   void rewind() override { next_ = 0; }
   const Scene& scene() const override { return scene_; }
+  void setMargin(float margin_m) override {
+    for (BodyId body = 0; body < scene_.bodyCount(); ++body) scene_.setMargin(body, margin_m);
+  }
   bool isDeformable(BodyId body) const override { return deformable_.at(body); }
   std::vector<std::string> pairClasses() const override { return pair_classes_; }
   std::string label() const override { return next_ == 0 ? "" : frames_[next_ - 1].label; }

@@ -53,6 +53,9 @@ class MeshFrames : public FrameSource {
   }
   void rewind() override { next_ = 0; }
   const Scene& scene() const override { return scene_; }
+  void setMargin(float margin_m) override {
+    for (BodyId body = 0; body < scene_.bodyCount(); ++body) scene_.setMargin(body, margin_m);
+  }
   bool isDeformable(BodyId body) const override { return body == kDeforming; }
   std::string label() const override { return next_ == 0 ? "" : labels_[next_ - 1]; }
   std::vector<std::string> pairClasses() const override { return pair_classes_; }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,10 @@ class FrameSource {
   // Returns the frame of the last next(). Before the first call, it has all bodies and names
   // already.
   virtual const Scene& scene() const = 0;
+
+  // Sets the margin of all bodies in all frames that follow [m]. Throws std::logic_error if the
+  // source does not support it.
+  virtual void setMargin(float /*margin_m*/) { throw std::logic_error("no margins"); }
 
   // Returns true if the body deforms. Otherwise it is rigid, such as a robot's link.
   virtual bool isDeformable(BodyId body) const = 0;

@@ -1,12 +1,15 @@
 // measure_trade: measures the speed-accuracy trade-off of the detector's settings on a scene.
 //
-// There are three measurements, one for each run function: the grid of settings (run), what instant
-// motion loses (runSwept), and tolerances with time budgets (runBounds). Each opens its output
-// files before it measures, and then writes the tables, draws plots and prints the choice.
+// There are four measurements, one for each run function: the grid of settings (run), what instant
+// motion loses (runSwept), tolerances with time budgets (runBounds), and margins (runMargins). Each
+// opens its output files before it measures, and then writes the tables, draws plots and prints the
+// choice.
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/common/backend_choice.h"
@@ -17,6 +20,8 @@
 #include "tools/measure_trade/bound_measurement.h"
 #include "tools/measure_trade/bound_report.h"
 #include "tools/measure_trade/frame_source.h"
+#include "tools/measure_trade/margin_measurement.h"
+#include "tools/measure_trade/margin_report.h"
 #include "tools/measure_trade/motion_measurement.h"
 #include "tools/measure_trade/motion_report.h"
 #include "tools/measure_trade/trade_arguments.h"
@@ -226,6 +231,71 @@ int runBounds(const TradeArguments& arguments) {
   return holds ? 0 : 1;
 }
 
+// Returns contacts alone first, then both uses of each margin, for each backend.
+std::vector<MarginSetting> marginSettings(const TradeArguments& arguments) {
+  std::vector<MarginSetting> settings;
+  for (const std::string& backend : arguments.grid.backends) {
+    settings.push_back({backend, 0, MarginUse::kIgnored});
+    for (const float margin_m : arguments.margins_m) {
+      settings.push_back({backend, margin_m, MarginUse::kNearPairs});
+      settings.push_back({backend, margin_m, MarginUse::kNearest});
+    }
+  }
+  return settings;
+}
+
+// Measures each setting, and compares the distances of the search with those of the list.
+std::vector<MarginMeasurement> measureAllMargins(const TradeArguments& arguments,
+                                                 FrameSource* frames, Progress* progress) {
+  std::vector<MarginMeasurement> all;
+  for (const MarginSetting& setting : marginSettings(arguments)) {
+    makeBackend(setting.backend);  // fails now if it is missing
+    all.emplace_back();
+    all.back().setting = setting;
+  }
+  int frame_count = 0;
+  for (frames->rewind(); frames->next();) ++frame_count;
+  const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
+  FrameDistances of_list;
+  for (MarginMeasurement& m : all) {
+    const auto done = &m - all.data();
+    progress->setDone(static_cast<double>(done) / static_cast<double>(all.size()));
+    progress->set("setting " + std::to_string(done + 1) + " of " + std::to_string(all.size()) +
+                  ": " + describe(m.setting));
+    const std::unique_ptr<Detector> detector = makeBackend(m.setting.backend);
+    FrameDistances found = measureMargin(frames, cycles, arguments.base, detector.get(), &m);
+    if (m.setting.use == MarginUse::kNearest) compareDistances(of_list, found, &m);
+    if (m.setting.use == MarginUse::kNearPairs) of_list = std::move(found);
+  }
+  progress->setDone(1);
+  return all;
+}
+
+// Measures margins. Returns the exit code.
+int runMargins(const TradeArguments& arguments) {
+  std::vector<MarginMeasurement> all;
+  {
+    Progress progress("starting");
+    const std::unique_ptr<FrameSource> frames =
+        openFrames(arguments, [&](const std::string& what) { progress.set(what); });
+    makeFolder(arguments.out_folder);
+    OutputFile table(arguments.out_folder + "/margins.csv");
+    OutputFile summary(arguments.out_folder + "/summary.json");
+    all = measureAllMargins(arguments, frames.get(), &progress);
+    progress.set("writing");
+    table.write(marginsCsv(arguments, all));
+    summary.write(marginsJson(arguments, all, *frames));
+  }
+  bool holds = true;
+  for (const MarginMeasurement& m : all) {
+    if (m.broken.empty()) continue;
+    std::fprintf(stderr, "measure_trade: BROKEN PROMISE, please report it: %s\n", m.broken.c_str());
+    holds = false;
+  }
+  OutputFile("-").write(marginsText(arguments, all));
+  return holds ? 0 : 1;
+}
+
 // Warns about what the tables do not show.
 void warn(const TradeResults& results) {
   if (results.exact.bodies.empty()) {
@@ -283,6 +353,7 @@ int main(int argc, char** argv) {
     dcm::TradeArguments arguments;
     if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
     if (arguments.bounds) return dcm::runBounds(arguments);
+    if (arguments.margins) return dcm::runMargins(arguments);
     return arguments.swept ? dcm::runSwept(arguments) : dcm::run(arguments);
   });
 }

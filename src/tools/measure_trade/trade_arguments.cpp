@@ -141,6 +141,22 @@ void addBounds(CommandLine* line, TradeArguments* arguments) {
   }
 }
 
+// Adds the options of --margins.
+void addMargins(CommandLine* line, TradeArguments* arguments) {
+  line->addFlag("--margins", &arguments->margins,
+                "Measure instead what margins cost: the search for the nearest triangles of each "
+                "two bodies, beside the list of all triangles within the margin; writes "
+                "margins.csv and summary.json");
+  line->addList("--margins-m", &arguments->margins_m, "With --margins: margins [m]; each",
+                inRange(0.F, 10.F));
+  line->requireFor("--margins-m", "--margins");
+  for (const char* option :
+       {"--swept", "--tolerance", "--overlaps", "--predicates", "--clusters", "--fuzzifiers",
+        "--iterations", "--refresh-periods", "--repeats", "--budget-ms", "--write-config"}) {
+    line->refuseTogether("--margins", option);
+  }
+}
+
 // Converts names that the option's rule has checked.
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   std::vector<Predicates> all;
@@ -186,6 +202,7 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   addRun(&line, arguments);
   addSwept(&line, arguments);
   addBounds(&line, arguments);
+  addMargins(&line, arguments);
   if (!line.parse(argc, argv)) return false;
   grid.predicates = predicatesFrom(predicates);
   for (int i = 0; i < argc; ++i) {

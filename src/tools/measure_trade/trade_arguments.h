@@ -1,7 +1,7 @@
 // The command line of measure_trade.
 //
-// Three measurements share the command line: the grid, --swept and --tolerance. Options that belong
-// to another measurement are errors.
+// Four measurements share the command line: the grid, --swept, --tolerance and --margins. Options
+// that belong to another measurement are errors.
 #pragma once
 
 #include <optional>
@@ -35,7 +35,9 @@ struct TradeArguments {
   bool bounds = false;      // measure tolerances and budgets instead of the grid
   std::vector<float> tolerances_m = {0, 0.001F, 0.005F, 0.02F};
   std::vector<double> budgets_ms = {0, 5, 20};  // 0: none
-  std::string command;                          // the whole command, to be typed again
+  bool margins = false;                         // measure what margins cost instead of the grid
+  std::vector<float> margins_m = {0.02F, 0.1F};
+  std::string command;  // the whole command, to be typed again
 };
 
 // Returns false if --help or --version was asked for and is printed, so nothing is left to do.

@@ -175,7 +175,27 @@ struct TiledBody {
 
 struct Seen {
   std::size_t pairs = 0, apart = 0, tight = 0;  // tight: within 0.1 % of the distance
+  std::size_t along = 0;                        // apart along a direction
 };
+
+// What is said of the pairs of two tiles' triangles: `left_out` of those that are not in `near`.
+void checkTriangles(const PosedTile& a, const PosedTile& b, double needed, double left_out,
+                    const std::vector<NearTriangles>& near) {
+  ASSERT_GE(left_out, needed);
+  std::vector<bool> is_near(a.count * b.count, false);
+  for (const NearTriangles& pair : near) {
+    const double own = trueDistance(a.posed(pair.a), b.posed(pair.b));
+    ASSERT_LE(pair.low_m, own * kTruth);
+    ASSERT_TRUE(own > 0 || pair.boxes_meet);
+    ASSERT_FALSE(is_near[pair.a * b.count + pair.b]);
+    is_near[pair.a * b.count + pair.b] = true;
+  }
+  for (std::size_t i = 0; i < is_near.size(); ++i) {
+    if (is_near[i]) continue;
+    const double own = trueDistance(a.posed(i / b.count), b.posed(i % b.count));
+    ASSERT_GE(own * kTruth, left_out);
+  }
+}
 
 // Both of the pair's own, and what is said of its triangles.
 void checkTiles(const TiledBody& a, std::size_t s, const TiledBody& b, std::size_t t,
@@ -191,22 +211,20 @@ void checkTiles(const TiledBody& a, std::size_t s, const TiledBody& b, std::size
   seen.tight += distance > 0 && distance < INFINITY && low > 0.999 * distance;
   if (of_a.empty() || of_b.empty()) return;
 
+  // Any direction, or that from some vertex to another, which may be near that of the distance.
+  Vec3d direction = toDouble(random.point());
+  if (random.isOneOf(2)) direction = toDouble(tile_b.vertex(0)) - toDouble(tile_a.vertex(0));
+  if (direction == Vec3d()) direction = {1, 0, 0};
+  const double along = lowerGapAlong(direction, tile_a, tile_b);
+  ASSERT_LE(along, distance * kTruth);
+  seen.along += along > 0;
+
   const double needed = std::max(1.5e-45, distance * 2 * random.unit());
   std::vector<NearTriangles> near;
-  const double left_out = nearTriangles(tile_a, tile_b, needed, near);
-  ASSERT_GE(left_out, needed);
-  std::vector<bool> is_near(tile_a.count * tile_b.count, false);
-  for (const NearTriangles& pair : near) {
-    const double own = trueDistance(tile_a.posed(pair.a), tile_b.posed(pair.b));
-    ASSERT_LE(pair.low_m, own * kTruth);
-    ASSERT_FALSE(is_near[pair.a * tile_b.count + pair.b]);
-    is_near[pair.a * tile_b.count + pair.b] = true;
-  }
-  for (std::size_t i = 0; i < is_near.size(); ++i) {
-    if (is_near[i]) continue;
-    const double own = trueDistance(tile_a.posed(i / tile_b.count), tile_b.posed(i % tile_b.count));
-    ASSERT_GE(own * kTruth, left_out);
-  }
+  double left_out = nearTriangles(tile_a, tile_b, needed, near);
+  checkTriangles(tile_a, tile_b, needed, left_out, near);
+  left_out = nearTrianglesAlong(direction, tile_a, tile_b, needed, near);
+  checkTriangles(tile_a, tile_b, needed, left_out, near);
 }
 
 void checkRegions(const TiledBody& a, const TiledBody& b, Random& random) {
@@ -255,6 +273,7 @@ TEST(TileBounds, AreNeverMoreThanTheDistanceOnAnyState) {
     }
   }
   EXPECT_GT(seen.apart, seen.pairs / 4);
+  EXPECT_GT(seen.along, seen.pairs / 20);
   std::printf("%zu pairs of tiles, %zu apart, %zu bounds within 0.1 %%\n", seen.pairs, seen.apart,
               seen.tight);
 }

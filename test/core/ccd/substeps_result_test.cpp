@@ -44,6 +44,34 @@ TEST_P(SubSteps, AnOutlierCostsItsOwnTrianglesAlone) {
   EXPECT_TRUE(samePairs(all, pairOf(result.detection, 0, 1).contacts));
 }
 
+// The nearest pairs are those of the end of the step, whether bodies turn, move straight, or have
+// vertices that take no part in sub-steps.
+TEST_P(SubSteps, NearestPairsAreOfThePresent) {
+  for (const float outlier : {0.0F, 1e30F}) {
+    Swing swing;
+    for (BodyId id = 0; id < swing.scene.bodyCount(); ++id) swing.scene.setMargin(id, 2);
+    TriangleMesh sheet = swing.scene.body(swing.cloth).mesh;
+    if (outlier > 0) sheet.vertices[0] = outlier;
+    swing.scene.setVertices(swing.cloth, sheet.vertices.data(), sheet.vertexCount());
+    Options options = timed();
+    options.nearest = true;
+    const StepResult& result = steps_.detect(swing.scene, swing.paths, 1e-4, options);
+    EXPECT_GT(result.sub_steps, 1);
+    EXPECT_EQ(outlier > 0, !result.outlying.empty());
+    Scene present = swing.scene;
+    for (BodyId id = 0; id < present.bodyCount(); ++id) {
+      if (!swing.paths[id].empty()) present.setPose(id, swing.paths[id].back().pose);
+    }
+    Options now;
+    now.nearest = true;
+    const std::vector<NearestPair> expected = brute_->detect(present, now).nearest;
+    EXPECT_GE(expected.size(), 2U);
+    EXPECT_EQ(expected, result.detection.nearest);
+    options.nearest = false;
+    EXPECT_TRUE(steps_.detect(swing.scene, swing.paths, 1e-4, options).detection.nearest.empty());
+  }
+}
+
 TEST_P(SubSteps, WhatIsWrongIsNamed) {
   const Swing swing;
   const auto ofPath = [&](const BodyPath& path) {

@@ -90,11 +90,11 @@ TEST_P(ScreenTest, LeavesWhatTheRuleLeaves) {
     WorkingSetBuilder builder;
     WorkingSet set;
     Counters counters;
-    builder.build(scene, set, counters);
+    builder.build(scene, Options(), set, counters);
     const SizeSplit split;
     const ClusterAssignment<Triangle> assignment;
     const BodyGroups groups(scene);
-    const std::vector<float> slack = scaledSlacks(scene, split.scale);
+    const std::vector<float> slack = scaledSlacks(scene, Options(), split.scale);
     const CycleInput<Triangle> input{scene, set, split, assignment, groups, slack, options};
     FilterBuffers<Triangle> buffers;
     PairFilter<Triangle> filter(input, buffers);

@@ -21,7 +21,7 @@ class Frame {
     scene_.addBody(file, readMeshFile(testDataFile(file)));
     scene_.setPairEnabled(0, 0, true);
     Counters counters;
-    builder_.build(scene_, set_, counters);
+    builder_.build(scene_, Options(), set_, counters);
     splitBySize(set_, split_);
   }
 
@@ -62,9 +62,9 @@ class Frame {
     Prototypes prototypes;
     prototypes.build(points);
     ClusterAssignment<Triangle> assignment;
-    ClusterAssigner().assign(scene_, set_, split_, prototypes, 1, assignment);
+    ClusterAssigner().assign(scene_, set_, split_, prototypes, Options(), assignment);
     const BodyGroups groups(scene_);
-    const std::vector<float> slack = scaledSlacks(scene_, split_.scale);
+    const std::vector<float> slack = scaledSlacks(scene_, Options(), split_.scale);
     const Options options;
     const CycleInput<Triangle> input{scene_, set_, split_, assignment, groups, slack, options};
     SweepBuffers<Triangle> buffers;

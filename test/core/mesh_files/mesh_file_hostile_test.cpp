@@ -179,6 +179,12 @@ TEST_F(MeshFileTest, FilesOfOtherKindsAreRefusedWithTheirKind) {
       {wideText(obj, false), ": is UTF-16"},
       {"PK\3\4" + zeros, ": is a zip archive"},
       {"\x1f\x8b" + zeros, ": is a gzip archive"},
+      {"BZh91AY" + zeros, ": is a bzip2 archive"},
+      {"\xFD\x37zXZ" + zeros, ": is an xz archive"},
+      {"\x28\xB5\x2F\xFD" + zeros, ": is a zstd archive"},
+      {"7z\xBC\xAF\x27\x1C" + zeros, ": is a 7z archive"},
+      {"Rar!\x1A\7" + zeros, ": is a rar archive"},
+      {"mesh.obj" + std::string(249, '\0') + "ustar" + zeros, ": is a tar archive"},
       {"", ": is empty"},
       {" \n\r\n", ": holds nothing but blanks"},
       {zeros, ": holds nothing but blanks or zero bytes"}};

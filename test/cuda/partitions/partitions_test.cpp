@@ -15,6 +15,7 @@
 #include "cuda/device/cuda_error.h"
 #include "cuda/partitions/partition_bounds.h"
 #include "cuda/partitions/partitioned_detector.h"
+#include "nearest_pairs.h"
 #include "pair_sets.h"
 #include "partition_stand_in.h"
 #include "random_scenes.h"
@@ -72,6 +73,8 @@ std::vector<Maker> makers() {
   if (!same) return same;
   const ::testing::AssertionResult as_far = sameBits(a.separations_m, b.separations_m);
   if (!as_far) return as_far;
+  const testing::AssertionResult as_near = sameNearest(a.nearest, b.nearest);
+  if (!as_near) return as_near;
   if (a.within_pad != b.within_pad) return ::testing::AssertionFailure() << "within_pad";
   if (a.geometry.size() != b.geometry.size() || a.first_times.size() != b.first_times.size()) {
     return ::testing::AssertionFailure() << "geometry or times are missing";
@@ -161,6 +164,7 @@ TEST_P(PartResults, PartitionsFindWhatOneFinds) {
       const std::string step = walk.step();
       Options options = walk.options();
       options.geometry = i % 3 == 0;
+      options.nearest = i % 4 == 0;
       options.overlap = 1;
       options.predicates = Predicates::kExact;
       const DetectionResult& expected = one_->detect(walk.scene(), options);

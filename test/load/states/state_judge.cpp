@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/vector3.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -18,6 +19,16 @@ constexpr double kMostAheadS = 1;
 
 bool isKnown(const ContactState& state) {
   return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
+}
+
+// Returns by how much a NEAR state's points are off from each other [m]: with its distance and its
+// normal the way leads from a's point to b's, or to at most `tolerance` beyond it.
+double gapOfPoints(const ContactState& state, double tolerance) {
+  const auto vector = [](const geometry_msgs::Point32& p) { return Vec3d{p.x, p.y, p.z}; };
+  const Vec3d way = vector(state.point_b) - vector(state.point_a), normal = vector(state.normal);
+  const double distance = length(way);
+  return std::max({length(way - normal * distance), state.min_separation - distance,
+                   distance - tolerance - state.min_separation});
 }
 
 bool isApart(const ContactState& state) {
@@ -82,10 +93,14 @@ void StateJudge::judgeState(const CycleReport* report, const ContactState& state
     return;
   }
   ++known_count_;
-  const Known* const before = found == known_.end() ? nullptr : &found->second;
+  Known* const before = found == known_.end() ? nullptr : &found->second;
   const bool is_kept =
       before != nullptr && before->state == state.state && before->stamp == state.stamp;
-  if (is_kept) return judgeKept(state, *before, expired);
+  if (is_kept) {
+    judgeKept(state, *before, expired);
+    if (report != nullptr) judgeOlder(*report, state, before);
+    return;
+  }
   if (!is_enabled_) fault(state, "though the monitor is disabled");
   if (report == nullptr) {
     fault(state, "no cycle found it");
@@ -93,15 +108,56 @@ void StateJudge::judgeState(const CycleReport* report, const ContactState& state
     if (begun_ <= floor_) fault(state, "of a cycle that began before ~reset or ~set_enabled");
     judgeClaim(*report, state, before);
   }
-  known_[names] = {state.state, state.stamp, begun_};
+  Known now{state.state, state.stamp, begun_, {}, {}};
+  if (before != nullptr) {
+    now.reached_a = before->reached_a;
+    now.reached_b = before->reached_b;
+  }
+  if (report != nullptr) reach(*report, state, &now);
+  known_[names] = now;
+}
+
+void StateJudge::reach(const CycleReport& report, const ContactState& state, Known* known) {
+  for (const BodyStatus& body : report.bodies) {
+    if (body.name == state.body_a) known->reached_a = std::max(known->reached_a, body.stamp);
+    if (body.name == state.body_b) known->reached_b = std::max(known->reached_b, body.stamp);
+  }
+}
+
+// Judges a state that stays in a cycle whose stamp is no newer: the other object had its cycle
+// before. The step of that cycle belongs to what the state says.
+void StateJudge::judgeOlder(const CycleReport& report, const ContactState& state, Known* known) {
+  if (report.header.stamp > known->stamp || parameters_.motion != Motion::kSwept) return;
+  if (!objectOf(state.body_a) || !objectOf(state.body_b)) return;
+  const auto find = [&report](const std::string& name) {
+    return std::find_if(report.bodies.begin(), report.bodies.end(),
+                        [&name](const BodyStatus& one) { return one.name == name; });
+  };
+  const auto a = find(state.body_a), b = find(state.body_b);
+  if (a == report.bodies.end() || b == report.bodies.end() || !(a->triggered || b->triggered)) {
+    return;
+  }
+  const auto is_known = [](const BodyStatus& body) {
+    return !body.stamp.isZero() && body.unknown_because.empty();
+  };
+  if (!is_known(*a) || !is_known(*b)) return;
+  const std::optional<Used> used_a = usedOf(*a), used_b = usedOf(*b);
+  if (!used_a || !used_b) return;
+  if (isApart(state)) judgeInterval({&report, &state, &*a, &*b, *used_a, *used_b}, known);
+  reach(report, state, known);
 }
 
 void StateJudge::judgeKept(const ContactState& state, const Known& before, bool expired) {
   if (!is_enabled_) fault(state, "still, though the monitor is disabled");
   if (is_enabled_ && before.cycle <= floor_) fault(state, "still, after ~reset or ~set_enabled");
   const double age_s = secondsBetween(world_.now(), state.stamp);
-  if (expired && age_s > parameters_.max_mesh_age_s) fault(state, "too old");
+  if (expired && isTooOld(world_.now(), state.stamp)) fault(state, "too old");
   if (expired && age_s < -kMostAheadS) fault(state, "still, from the future");
+}
+
+// The clock counts nanoseconds, and 1e-9 * 300000000 is more than 0.3.
+bool StateJudge::isTooOld(const ros::Time& now, const ros::Time& stamp) const {
+  return nanosecondsBetween(now, stamp) > std::llround(1e9 * parameters_.max_mesh_age_s);
 }
 
 // Finds out what the cycle used of a body; nothing: the world knows of no valid data.
@@ -159,7 +215,7 @@ bool StateJudge::judgeData(const Claim& claim) {
   if (!claim.a->triggered && !claim.b->triggered) fault(*claim.state, "not of this cycle");
   for (const auto& [used, body] : {std::pair(&claim.used_a, claim.a), {&claim.used_b, claim.b}}) {
     const double age_s = secondsBetween(stamp, used->stamp);
-    if (age_s < 0 || age_s > parameters_.max_mesh_age_s || (!used->object && age_s != 0)) {
+    if (age_s < 0 || isTooOld(stamp, used->stamp) || (!used->object && age_s != 0)) {
       fault(*claim.state, body->name + " is as it was " + std::to_string(age_s) + " s before");
     }
     const auto start = starts_.find(body->name);
@@ -203,6 +259,9 @@ void StateJudge::judgeAtStamp(const Claim& claim) {
        state.min_separation < distance - tolerance - kRounding)) {
     fault(state, found + " and not " + std::to_string(state.min_separation));
   }
+  if (state.state == ContactState::NEAR && gapOfPoints(state, tolerance) > kRounding) {
+    fault(state, "its points are not where it says");
+  }
   const double broken = std::max(a.brokenShare(), b.brokenShare());
   if (broken > parameters_.tolerated_rejects + 1e-9) fault(state, "triangles are not finite");
 }
@@ -217,8 +276,8 @@ const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
     const auto found = starts_.find(is_of_links ? "robot" : body->name);
     if (found == starts_.end()) continue;
     const Start& start = found->second;
-    const double gap_s = secondsBetween(claim.report->header.stamp, start.stamp);
-    if (gap_s > parameters_.max_mesh_age_s) continue;
+    if (isTooOld(claim.report->header.stamp, start.stamp)) continue;
+    if (used->object && !hasBody(start, body->name, *used)) continue;
     if (latest == nullptr || latest->cycle < start.cycle) latest = &start;
   }
   if (latest != nullptr && beginsFrom(*latest, claim)) return latest;
@@ -234,17 +293,15 @@ const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
   return nullptr;
 }
 
-// Returns whether both bodies of the claim were there, with the same triangles and frames.
-bool StateJudge::beginsFrom(const Start& start, const Claim& claim) const {
-  for (const Used* used : {&claim.used_a, &claim.used_b}) {
-    const std::string& name = (used == &claim.used_a ? claim.a : claim.b)->name;
-    const auto from = start.bodies.find(name);
-    if (from == start.bodies.end() || from->second.stamp > used->stamp ||
-        from->second.topology != used->topology || from->second.frame != used->frame) {
-      return false;
-    }
-  }
-  return true;
+// Returns whether the body was there before, with the same triangles and frame.
+bool StateJudge::hasBody(const Start& start, const std::string& name, const Used& now) {
+  const auto from = start.bodies.find(name);
+  return from != start.bodies.end() && from->second.stamp <= now.stamp &&
+         from->second.topology == now.topology && from->second.frame == now.frame;
+}
+
+bool StateJudge::beginsFrom(const Start& start, const Claim& claim) {
+  return hasBody(start, claim.a->name, claim.used_a) && hasBody(start, claim.b->name, claim.used_b);
 }
 
 void StateJudge::judgeInterval(const Claim& claim, const Known* before) {
@@ -256,8 +313,13 @@ void StateJudge::judgeInterval(const Claim& claim, const Known* before) {
     return;
   }
   const bool has_one_clock = !claim.used_a.object || !claim.used_b.object;
-  if (has_one_clock && before != nullptr && before->stamp != start->stamp) {
-    fault(state, "the state before is not where the step began");
+  if (has_one_clock && before != nullptr && before->stamp < start->stamp) {
+    fault(state, "the step begins later than the state before");
+  }
+  if (isApart(state) && before != nullptr &&
+      (start->bodies.at(claim.a->name).stamp > before->reached_a ||
+       start->bodies.at(claim.b->name).stamp > before->reached_b)) {
+    fault(state, "the step begins later than what was known before");
   }
   const std::optional<SmallMotion> a = motionOf(start->bodies.at(claim.a->name), claim.used_a);
   const std::optional<SmallMotion> b = motionOf(start->bodies.at(claim.b->name), claim.used_b);

@@ -76,7 +76,8 @@ class StateJudge {
   struct Known {
     std::uint8_t state;
     ros::Time stamp;
-    std::uint64_t cycle;  // in which it was found
+    std::uint64_t cycle;             // in which it was found
+    ros::Time reached_a, reached_b;  // the newest data of each body since the pair is known
   };
   // A state that a cycle found, with all that is needed to judge it.
   struct Claim {
@@ -89,14 +90,20 @@ class StateJudge {
   void fault(const ContactState& state, const std::string& what);
   void judgeState(const CycleReport* report, const ContactState& state, bool expired);
   void judgeKept(const ContactState& state, const Known& before, bool expired);
+  void judgeOlder(const CycleReport& report, const ContactState& state, Known* known);
+  // Notes what data of the bodies the cycle used.
+  static void reach(const CycleReport& report, const ContactState& state, Known* known);
   void judgeClaim(const CycleReport& report, const ContactState& state, const Known* before);
   void judgeAtStamp(const Claim& claim);
   void judgeInterval(const Claim& claim, const Known* before);
   bool judgeData(const Claim& claim);
+  // Returns whether what has that stamp is older than max_mesh_age_s.
+  bool isTooOld(const ros::Time& now, const ros::Time& stamp) const;
   std::optional<Used> usedOf(const BodyStatus& body) const;
   std::optional<std::size_t> objectOf(const std::string& name) const;
   const Start* startOf(const Claim& claim) const;
-  bool beginsFrom(const Start& start, const Claim& claim) const;
+  static bool hasBody(const Start& start, const std::string& name, const Used& now);
+  static bool beginsFrom(const Start& start, const Claim& claim);
   std::optional<SmallMotion> motionOf(const Used& from, const Used& to) const;
   void rememberCycle(const CycleReport& report);
 

@@ -139,6 +139,7 @@ TEST_F(ChangesTest, ANewMarginAndKnobsHoldFromTheNextCycleOn) {
   EXPECT_EQ(detector_.margins_m, (std::vector<float>{0, 0}));
   LiveParameters live = startValues(parameters_);
   live.margin_m = 0.5;
+  live.near_pairs = true;
   live.marker_rate_hz = 3;
   live.predicates = Predicates::kFast;
   live.overlap = 0.25;
@@ -150,10 +151,12 @@ TEST_F(ChangesTest, ANewMarginAndKnobsHoldFromTheNextCycleOn) {
   EXPECT_EQ(step(), Lines{"cycle 50.25: *cloth@50.25 cable@50"});
   EXPECT_EQ(detector_.margins_m, (std::vector<float>{0, 0})) << "a cycle in flight stays as it is";
   EXPECT_EQ(detector_.options.predicates, Predicates::kExact);
+  EXPECT_FALSE(detector_.options.near_pairs);
   give(0, 50.375);
   EXPECT_EQ(step(), (Lines{"markers at 3", "cycle 50.375: *cloth@50.375 cable@50"}));
   EXPECT_EQ(detector_.margins_m, (std::vector<float>{0, 0.5F})) << "the cloth has its own";
   EXPECT_EQ(detector_.options.predicates, Predicates::kFast);
+  EXPECT_TRUE(detector_.options.near_pairs);
   EXPECT_EQ(detector_.options.overlap, 0.25F);
   EXPECT_EQ(detector_.options.clusters, 7);
   EXPECT_EQ(detector_.options.iterations, 2);

@@ -2,6 +2,7 @@
 // which pairs they have, when there is none, and what their detection does.
 #include <chrono>
 #include <memory>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,27 @@ TEST_F(StepsTest, AnObjectsStepsJoinWithoutGaps) {
   EXPECT_EQ(steps(), Lines{"50.125 of cloth: cloth/cable"});
   EXPECT_EQ(earlierZ(0), 5);
   EXPECT_TRUE(std::isnan(earlierZ(1))) << "it stood still";
+}
+
+// Nobody knows what happened in the step of a cycle whose states were lost, even if the state of a
+// pair is of a later stamp, because the other object's clock is ahead.
+TEST_F(StepsTest, AfterACycleThatCouldNotBePublishedTheStepBeginsWhereItsStepBegan) {
+  give(0, 50, "base", 0);
+  give(1, 50, "base", 1);
+  step();
+  give(0, 50.125, "base", 0);
+  step();
+  const auto publish =
+      std::exchange(said_.at_result, [](const CycleReport& /*report*/) { throw std::bad_alloc(); });
+  give(1, 50.0625, "base", -1);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cable: cloth/cable"});
+  said_.at_result = publish;
+  give(1, 50.1875, "base", -2);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cable: cloth/cable"});
+  EXPECT_EQ(earlierZ(1), 1);
+  EXPECT_EQ(found_, Lines{"cloth/cable"});
 }
 
 TEST_F(StepsTest, ObjectsOfOneCycleWithDifferentPreviousOnesHaveAStepEach) {
@@ -253,6 +275,7 @@ TEST_F(StepDetectionTest, ItIsAskedWithTheSameDeadlineAndWithTimes) {
   step();
   EXPECT_EQ(detector_.options.motion, Motion::kSwept);
   EXPECT_TRUE(detector_.options.first_times);
+  EXPECT_FALSE(detector_.options.nearest) << "distances are those of the stamp";
   EXPECT_EQ(detector_.deadline, steady_time_ + std::chrono::seconds(1));
 }
 

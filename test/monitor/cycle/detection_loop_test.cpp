@@ -237,7 +237,7 @@ TEST_F(MeshesTest, WhatIsUnknownIsShownFourTimesASecond) {
   EXPECT_EQ(said_.shown, "cable(no mesh yet)");
   EXPECT_LE(sleepMs(), 1);
   stepAfter(1);
-  EXPECT_EQ(said_.shown, "cloth(newest mesh is 1.000000 s old)cable(no mesh yet)");
+  EXPECT_EQ(said_.shown, "cloth(newest mesh is 1.000 s old)cable(no mesh yet)");
   give(0, 51);
   give(1, 51);
   step();
@@ -282,7 +282,7 @@ TEST_F(MeshesTest, AfterACycleTheHeartbeatWaitsUntilTheMeshIsTooOld) {
   ros_time_ = ros::Time(52.5);
   EXPECT_EQ(stepAfter(2000),
             (Lines{"forget all: no new mesh",
-                   "heartbeat 52.5: cloth(newest mesh is 2.500000 s old) cable(no mesh yet)"}));
+                   "heartbeat 52.5: cloth(newest mesh is 2.500 s old) cable(no mesh yet)"}));
 }
 
 // ROS time may stand still meanwhile.
@@ -307,6 +307,14 @@ TEST_F(MeshesTest, WhereNothingIsToBeLookedAtNoDetectorRuns) {
   detector_.failure = "it ran";
   give(0, 50);
   EXPECT_EQ(step(), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
+}
+
+TEST_F(MeshesTest, EachCycleSearchesTheNearestPairsAndListsNearOnesOnRequest) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  EXPECT_TRUE(detector_.options.nearest);
+  EXPECT_FALSE(detector_.options.near_pairs);
 }
 
 TEST_F(MeshesTest, GeometryIsComputedWhileSomebodyWantsIt) {

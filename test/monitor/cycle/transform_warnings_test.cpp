@@ -78,7 +78,7 @@ TEST_F(TransformWarningsTest, ItIsSaidWhenItIsOver) {
 
 TEST(DescribeKnownFrames, ListsTheFirstInTheirOrder) {
   EXPECT_EQ(describeKnownFrames({}), "no frame is known");
-  EXPECT_EQ(describeKnownFrames({"b", "a"}), "known frames: 'a', 'b'");
+  EXPECT_EQ(describeKnownFrames({"b", "c", "a"}), "known frames: 'a', 'b', 'c'");
   const std::string many = describeKnownFrames(std::vector<std::string>(1000, "frame"));
   EXPECT_NE(many.find(" and 990 more"), std::string::npos) << many;
 }

@@ -1,6 +1,8 @@
 // Tests how objects that are UNKNOWN are drawn.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "marker_checks.h"
 #include "monitor/markers/contact_markers.h"
 #include "sample_report.h"
@@ -39,6 +41,30 @@ TEST(UnknownMarkersTest, TheLastMeshStaysInGreyWithTheReasonOverIt) {
   sample.report.bodies[2].unknown_because = "";
   sample.report.result = sample.owned_result;
   EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"-unknown", "arm/hand/cloth", "cloth"}));
+}
+
+// Returns the luminance of a color with components in [0, 1], as WCAG 2 defines it.
+double luminance(double r, double g, double b) {
+  const auto linear = [](double c) {
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  };
+  return 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+}
+
+// WCAG 2 asks for a contrast of 3 of large texts. The grounds are rviz's own and that of demo.rviz.
+TEST(UnknownMarkersTest, TheReasonIsLegibleOnDarkAndLightGround) {
+  SampleReport sample;
+  sample.report.bodies[2].unknown_because = "no mesh";
+  sample.report.result = nullptr;
+  ContactMarkers markers{MarkerOptions()};
+  const MarkerArray array = markers.make(sample.report);
+  const std_msgs::ColorRGBA& color = markerOf(array, "unknown").color;
+  EXPECT_EQ(color.a, 1);
+  const double text = luminance(color.r, color.g, color.b);
+  const double dark = luminance(48 / 255.0, 48 / 255.0, 48 / 255.0);
+  const double light = luminance(226 / 255.0, 229 / 255.0, 233 / 255.0);
+  EXPECT_GE((text + 0.05) / (dark + 0.05), 3);
+  EXPECT_GE((light + 0.05) / (text + 0.05), 3);
 }
 
 TEST(UnknownMarkersTest, WhereNoMeshEverCameNothingIsDrawn) {

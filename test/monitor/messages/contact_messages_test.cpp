@@ -53,6 +53,26 @@ TEST(ContactArrayTest, carriesTheWholeReport) {
   EXPECT_NEAR(message.age.toSec(), 0.25, 1e-9);
 }
 
+TEST(ContactArrayTest, carriesTheNearestPairs) {
+  SampleReport sample;
+  sample.result.nearest = {{{0, 1, 2, 3}, 0.5F, {1, 2, 3}, {4, 5, 6}, {0, 0, 1}},
+                           {{1, 4, 2, 5}, 0, {7, 8, 9}, {7, 8, 9}, {}}};
+  const ContactArray message = toContactArray(sample.report, 0);
+  ASSERT_EQ(message.nearest.size(), 2U);
+  const NearestTriangles &near = message.nearest[0], &touching = message.nearest[1];
+  EXPECT_EQ(near.body_a, 0U);
+  EXPECT_EQ(near.triangle_a, 1U);
+  EXPECT_EQ(near.body_b, 2U);
+  EXPECT_EQ(near.triangle_b, 3U);
+  EXPECT_EQ(near.distance, 0.5F);
+  EXPECT_EQ(near.point_a, toPoint32(Vec3f{1, 2, 3}));
+  EXPECT_EQ(near.point_b, toPoint32(Vec3f{4, 5, 6}));
+  EXPECT_EQ(touching.body_a, 1U);
+  EXPECT_EQ(touching.distance, 0);
+  EXPECT_EQ(touching.point_b, toPoint32(Vec3f{7, 8, 9}));
+  EXPECT_EQ(message.pair_count, 3U) << "of the list";
+}
+
 TEST(ContactArrayTest, truncationKeepsTheFirstPairsAndTheCount) {
   const SampleReport sample;
   const ContactArray cut = toContactArray(sample.report, 2);
@@ -80,7 +100,8 @@ TEST(ContactArrayTest, aMessageHoldsAsManyPairsAsHaveRoom) {
 }
 
 TEST(ContactArrayTest, beyondItsRoomItIsTruncatedAndSaysSo) {
-  const SampleReport sample;
+  SampleReport sample;
+  sample.result.nearest.resize(1);  // takes room too
   const auto bytesOf = [](const ContactArray& message) {
     return ros::serialization::serializationLength(message);
   };

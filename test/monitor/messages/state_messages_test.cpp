@@ -33,9 +33,11 @@ struct Feed {
   const ContactStates& step(char c) {
     sample.report.header.stamp += ros::Duration(kStepS);
     sample.report.now = sample.report.header.stamp;
-    sample.result.contacts = c == '-' ? TrianglePairs() : contacts;
-    sample.result.separations_m = std::vector<float>();
-    if (c == 'n') sample.result.separations_m = {.1F, .2F, .3F};
+    sample.result.contacts = c == '-' || c == 'n' ? TrianglePairs() : contacts;
+    sample.result.nearest.clear();
+    if (c == 'n') {
+      sample.result.nearest = {{{0, 0, 2, 0}, .1F, {1, 0, 0}, {1, 0, .1F}, {0, 0, 1}}};
+    }
     sample.report.bodies[0].unknown_because = c == '?' ? "no transform" : "";
     sample.report.pairs[kHandCloth].allowed = c == 'a';
     tracker.update(sample.report);
@@ -167,12 +169,16 @@ void expectReadableAlone(const ContactStates& message, const std::vector<BodySta
               s.state == ContactState::NONE);
     EXPECT_TRUE(s.state != ContactState::NEAR || s.min_separation > 0);
     EXPECT_TRUE(s.state != ContactState::CONTACT || s.min_separation <= 0);
-    const bool has_pairs = s.state == ContactState::NEAR || s.state == ContactState::CONTACT;
-    EXPECT_EQ(s.pair_count > 0, has_pairs);
-    for (const geometry_msgs::Point32& p : {s.centroid, s.mean_normal}) {
+    const bool is_near = s.state == ContactState::NEAR;
+    const bool has_place = is_near || s.state == ContactState::CONTACT;
+    EXPECT_EQ(s.pair_count > 0, s.state == ContactState::CONTACT);
+    for (const geometry_msgs::Point32& p :
+         {s.centroid, s.mean_normal, s.point_a, s.point_b, s.normal}) {
       EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
-      EXPECT_TRUE(has_pairs || (p.x == 0 && p.y == 0 && p.z == 0));
+      EXPECT_TRUE(has_place || (p.x == 0 && p.y == 0 && p.z == 0));
     }
+    EXPECT_EQ(s.point_a == s.point_b, !is_near);
+    EXPECT_EQ(s.normal == geometry_msgs::Point32(), !is_near) << "contact_geometry is off";
     EXPECT_FALSE(std::isnan(s.distance_low));
     EXPECT_GE(s.since, ros::Duration(0));
     EXPECT_FALSE(s.stamp.isZero());

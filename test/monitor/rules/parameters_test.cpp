@@ -60,6 +60,7 @@ TEST(Parameters, NothingSetGivesTheDefaults) {
   EXPECT_FALSE(p.pair_classes.deformable_self);
   EXPECT_EQ(p.detector.overlap, 1.0F);
   EXPECT_FALSE(p.detector.geometry);
+  EXPECT_FALSE(p.detector.near_pairs);
   EXPECT_EQ(p.detector.predicates, Predicates::kExact);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kBeyondShared);
   EXPECT_EQ(p.backend, BackendChoice::kAuto);
@@ -89,6 +90,28 @@ TEST(Parameters, ANumberWithAnExponentMayBeAText) {
     tree["margin_m"] = text;
     expectIn("must be in [0, 10]", refusalOf(tree));
   }
+}
+
+// Controllers read margins from the parameter server, and know numbers only.
+TEST(Parameters, MarginsThatAreTextsBecomeNumbers) {
+  XmlRpcValue tree;
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>());
+  XmlRpcValue rope = object("1e3"), cable = object("cable"), margins;
+  rope["margin_m"] = "2e-3";
+  cable["margin_m"] = 0.25;
+  margins["hand"] = "1e-1";
+  margins["arm"] = 2;
+  tree["objects"] = list(cable, object("cloth"));
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>());
+  tree["objects"] = list(cable, rope);
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>{"objects"});
+  EXPECT_EQ(static_cast<double>(tree["objects"][1]["margin_m"]), 0.002);
+  EXPECT_EQ(static_cast<std::string>(tree["objects"][1]["name"]), "1e3");
+  EXPECT_EQ(static_cast<double>(tree["objects"][0]["margin_m"]), 0.25);
+  tree["link_margin_m"] = margins;
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>{"link_margin_m"});
+  EXPECT_EQ(static_cast<double>(tree["link_margin_m"]["hand"]), 0.1);
+  EXPECT_EQ(static_cast<int>(tree["link_margin_m"]["arm"]), 2);
 }
 
 TEST(Parameters, FramePrefix) {
@@ -156,19 +179,21 @@ TEST(Parameters, WhatIsNotAtItsDefaultIsListed) {
   tree["containment"] = false;
   tree["max_contacts"] = 0;
   EXPECT_TRUE(parse(tree).changed.empty()) << parse(tree).changed.front();
+  tree["margin_m"] = 0.25;
   tree["link_margin_m"]["hand"] = 0.5;
   tree["geometry"] = "visual";
   tree["objects"] = list(object(std::string(1000, 'c')));
   tree["max_contacts"] = 7;
   tree["containment"] = true;
   const std::vector<std::string> changed = parse(tree).changed;
-  ASSERT_EQ(changed.size(), 5U);
+  ASSERT_EQ(changed.size(), 6U);
   EXPECT_EQ(changed[0], "geometry: visual");
-  EXPECT_EQ(changed[1], "link_margin_m: {hand:0.5}");
-  EXPECT_EQ(changed[2].substr(0, 18), "objects: [{name:cc");
-  EXPECT_LT(changed[2].size(), 120U);
-  EXPECT_EQ(changed[3], "containment: true");
-  EXPECT_EQ(changed[4], "max_contacts: 7");
+  EXPECT_EQ(changed[1], "margin_m: 0.25");
+  EXPECT_EQ(changed[2], "link_margin_m: {hand:0.5}");
+  EXPECT_EQ(changed[3].substr(0, 18), "objects: [{name:cc");
+  EXPECT_LT(changed[3].size(), 120U);
+  EXPECT_EQ(changed[4], "containment: true");
+  EXPECT_EQ(changed[5], "max_contacts: 7");
 }
 
 TEST(Parameters, ValuesArrive) {

@@ -28,8 +28,10 @@ struct Feed {
     stamp += ros::Duration(0.1);
     sample.report.header.stamp = sample.report.now = stamp;
     sample.sweep().from = stamp - ros::Duration(0.1);
-    if (c == 'n' || c == 'N' || c == 'C') sample.result.contacts = {{0, 0, 2, 0}};
-    if (c == 'n' || c == 'N') sample.result.separations_m = {0.25F};
+    if (c == 'C') sample.result.contacts = {{0, 0, 2, 0}};
+    if (c == 'n' || c == 'N') {
+      sample.result.nearest = {{{0, 0, 2, 0}, 0.25F, {1, 0, 0}, {1, 0, 0.25F}, {0, 0, 1}}};
+    }
     if (c != 'P' && c != 'N' && c != 'C') {
       sample.step.detection.contacts.clear();
       sample.step.detection.first_times.clear();
@@ -89,6 +91,19 @@ TEST(PassedStatesTest, AStepThatBeginsLaterThanTheStateBeforeIsUnknown) {
   EXPECT_EQ(feed.run("nP"), "UNKNOWN PASSED");
   feed.stamp += ros::Duration(0.1);
   EXPECT_EQ(feed.run("P-"), "PASSED NONE") << "that is known, whatever happened before";
+}
+
+// The points would be those at the stamp, where the two do not touch.
+TEST(PassedStatesTest, ItHasNoNearestPoints) {
+  Feed feed;
+  feed.run("-n");
+  EXPECT_EQ(feed.of(kHandCloth).point_b.z, 0.25F);
+  feed.run("N");
+  const ContactState& state = feed.of(kHandCloth);
+  EXPECT_EQ(state.state, ContactState::PASSED);
+  EXPECT_EQ(state.point_a, geometry_msgs::Point32());
+  EXPECT_EQ(state.point_b, geometry_msgs::Point32());
+  EXPECT_EQ(state.normal, geometry_msgs::Point32());
 }
 
 TEST(PassedStatesTest, ItIsDescribedByWhatTouched) {

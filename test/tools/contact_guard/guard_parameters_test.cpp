@@ -44,14 +44,20 @@ TEST(GuardParametersTest, allBadValuesAreListed) {
   tree["max_age_s"] = -1.0;
   tree["max_silence_s"] = std::string("soon");
   tree["receding_m"] = -0.5;
+  tree["warn_distance_m"] = 0.15;
+  tree["time_to_contact_s"] = -1;
+  tree["fastest_closing_mps"] = 0;
+  tree["closing_window_s"] = 0;
   tree["links"] = "hand";
   tree["monitor"] = "a b";
   tree["stop_distance"] = 0.2;
   const std::string refusal = refusalOf(tree);
-  EXPECT_NE(refusal.find("10 bad parameter(s)"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("14 bad parameter(s)"), std::string::npos) << refusal;
   for (const char* name :
        {"~stop_distance_m is above slow_distance_m", "~least_scale", "~rate_hz", "~latch",
-        "~max_age_s", "~max_silence_s", "~receding_m", "~links", "~monitor",
+        "~max_age_s", "~max_silence_s", "~receding_m",
+        "~warn_distance_m is below stop_distance_m; 0 turns it off", "~time_to_contact_s",
+        "~fastest_closing_mps", "~closing_window_s", "~links", "~monitor",
         "~stop_distance (did you mean 'stop_distance_m'?) is no parameter"}) {
     EXPECT_NE(refusal.find(std::string("\n  ") + name), std::string::npos) << name << refusal;
   }
@@ -90,6 +96,23 @@ TEST(MarginCheckTest, namesAPairThatIsSeenTooLate) {
   p.links.clear();
   p.slow_distance_m = 0.05;
   EXPECT_EQ(tooSmallMargins(monitor(), states, p), "");
+}
+
+TEST(MarginCheckTest, knowsWhichDistanceIsTheGreatest) {
+  GuardParameters p;
+  p.warn_distance_m = 0.15;
+  const ContactStates states = pairs({{"hand", "cable"}});
+  std::string text = tooSmallMargins(monitor(), states, p);
+  EXPECT_NE(text.find("(0.1 m), is below warn_distance_m (0.15 m): nothing warns"),
+            std::string::npos)
+      << text;
+  p.time_to_contact_s = 0.5;
+  p.fastest_closing_mps = 0.4;
+  text = tooSmallMargins(monitor(), states, p);
+  EXPECT_NE(text.find("time_to_contact_s at fastest_closing_mps, with stop_distance_m (0.22 m)"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(tooSmallMargins(monitor(), pairs({{"finger", "cloth"}}), GuardParameters()), "");
 }
 
 TEST(MarginCheckTest, withoutAMarginNothingIsSeen) {

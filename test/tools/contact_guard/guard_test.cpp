@@ -3,69 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstdint>
-#include <limits>
 #include <string>
-#include <utility>
 #include <vector>
+
+#include "guard_watch.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-ContactState stateOf(const std::string& a, const std::string& b, std::uint8_t state,
-                     float separation) {
-  ContactState made;
-  made.body_a = a;
-  made.body_b = b;
-  made.state = state;
-  made.min_separation = separation;
-  if (state == ContactState::UNKNOWN) made.reason = "late";
-  return made;
-}
-
-ContactState none(const std::string& a, const std::string& b) {
-  return stateOf(a, b, ContactState::NONE, kInfinity);
-}
-
-ContactState at(float distance_m) {
-  return distance_m > 0 ? stateOf("hand", "cloth", ContactState::NEAR, distance_m)
-                        : stateOf("hand", "cloth", ContactState::CONTACT, 0);
-}
-
-// A guard, and both clocks.
-struct Watch {
-  explicit Watch(const GuardParameters& parameters) : guard(parameters, steady) {}
-
-  void wait(double s) {
-    ros_s += s;
-    steady += fromSeconds(s);
-  }
-
-  // After a cycle 0.1 s later.
-  GuardOutput hear(std::vector<ContactState> states) {
-    wait(0.1);
-    ContactStates message;
-    message.cycle = ++cycle;
-    message.header.stamp = ros::Time(ros_s);
-    for (ContactState& state : states) state.stamp = message.header.stamp;
-    message.states = std::move(states);
-    guard.store(message, ros::Time(ros_s), steady);
-    return decide();
-  }
-  GuardOutput hear(const ContactState& state) { return hear(std::vector<ContactState>{state}); }
-
-  GuardOutput decide() { return guard.decide(ros::Time(ros_s), steady); }
-  std::string release() { return guard.release(ros::Time(ros_s), steady); }
-
-  double ros_s = 100;
-  SteadyTime steady{std::chrono::seconds(7)};
-  std::uint64_t cycle = 0;
-  Guard guard;
-};
 
 GuardParameters distances(double slow_m, double stop_m) {
   GuardParameters p;

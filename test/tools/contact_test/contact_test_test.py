@@ -42,6 +42,26 @@ def message(stamp_s, state, pairs=0, bodies=("palm", "cloth"), header_s=None):
                              stamp=stamp)])
 
 
+def near_message(stamp_s, distance_m, state=None, tolerance_m=0.0):
+    """NEAR at that distance, NONE at an infinite one; or of that state."""
+    made = message(stamp_s, state if state is not None else NEAR if distance_m < 9e9 else NONE)
+    made.states[1].min_separation, made.tolerance = distance_m, tolerance_m
+    if tolerance_m == 0 and distance_m > 0 and distance_m < 9e9:
+        made.states[1].distance_low = 0.999999 * distance_m
+    return made
+
+
+def judge_distances(wanted, distances, tolerance_m=0.0):
+    """After messages every 1/4 s; distances [m], or a state."""
+    judge = contact_test.Judge(contact_test.parse({**PAIR, **wanted}))
+    for step, seen in enumerate(distances):
+        if not judge.passed and not judge.failure:
+            is_distance = isinstance(seen, float)
+            judge.take(near_message(T0 + step / 4, seen if is_distance else float("nan"),
+                                    None if is_distance else seen, tolerance_m), 0.0)
+    return judge
+
+
 def judge(wanted, states, age_s=0.0):
     """After messages every 1/4 s; states: (state, pairs) or a state."""
     judge = contact_test.Judge(contact_test.parse({**PAIR, **wanted}))
@@ -82,12 +102,54 @@ class Parameters(unittest.TestCase):
     def test_what_no_monitor_can_meet_is_refused(self):
         with self.assertRaisesRegex(ValueError, "max_pairs 2 is less than min_pairs 3"):
             contact_test.parse({**PAIR, "state": "contact", "min_pairs": 3, "max_pairs": 2})
-        for state in ("near", "contact"):
+        for state in ("passed", "contact"):
             with self.assertRaisesRegex(ValueError, "max_pairs must not be 0"):
                 contact_test.parse({**PAIR, "state": state, "max_pairs": 0})
+        contact_test.parse({**PAIR, "state": "near", "max_pairs": 0})  # without near_pairs
         for state in ("none", "allowed", "unknown"):
             with self.assertRaisesRegex(ValueError, "min_pairs must be 0"):
                 contact_test.parse({**PAIR, "state": state, "min_pairs": 1})
+
+
+class Distances(unittest.TestCase):
+
+    INF = float("inf")
+
+    def test_the_distance_must_be_kept_from_the_first_state_on(self):
+        wanted = {"keeps_m": 0.25, "hold_s": 0.5}
+        self.assertTrue(judge_distances(wanted, [0.5, self.INF, 0.25]).passed)
+        verdict = judge_distances(wanted, [0.5, 0.125, 0.5])
+        self.assertRegex(verdict.failure, "^not kept: palm and cloth keep 0.25 m, but near at 0.125 m "
+                                          "at 1000.250; seen in 2 .* least distance 0.125 m")
+        self.assertEqual(judge_distances(wanted, [0.5, 0.5]).passed, False)  # not yet
+
+    def test_what_is_not_known_is_not_kept(self):
+        for state in UNKNOWN, ALLOWED:
+            self.assertRegex(judge_distances({"keeps_m": 0.3, "hold_s": 9}, [0.5, state]).failure,
+                             "^not kept: .* but (unknown|allowed) at 1000.250")
+        for state in CONTACT, PASSED:
+            self.assertRegex(judge_distances({"keeps_m": 0.3, "hold_s": 9}, [0.5, state]).failure,
+                             "^not kept: .* but (contact|passed) at 0 m at 1000.250")
+        self.assertEqual(judge_distances({"keeps_m": 0.3}, [UNKNOWN] * 9).failure, "")  # no start
+
+    def test_a_distance_is_certain_within_the_tolerance_alone(self):
+        self.assertTrue(judge_distances({"keeps_m": 0.25}, [0.5], tolerance_m=0.25).passed)
+        self.assertRegex(judge_distances({"keeps_m": 0.25}, [0.5], tolerance_m=0.375).failure,
+                         "^not kept: .* near at 0.125 m")
+
+    def test_distances_are_float32(self):
+        nearest = 0.699999988079071  # the float32 nearest to 0.7
+        self.assertTrue(judge_distances({"keeps_m": 0.7}, [nearest]).passed)
+
+    def test_parameters(self):
+        for more, words in (({"state": "none"}, "state is set, which excludes keeps_m"),
+                            ({"min_pairs": 2}, "min_pairs is set, which"),
+                            ({"within_s": 2}, "within_s is set, which"),
+                            ({"object": "palm"}, "no distance from itself"),
+                            ({"keeps_m": 0}, "keeps_m must be a number"),
+                            ({"keeps_m": "far"}, "keeps_m must be a number")):
+            with self.assertRaisesRegex(ValueError, words):
+                contact_test.parse({**PAIR, "keeps_m": 0.5, **more})
 
 
 class Verdicts(unittest.TestCase):

@@ -148,7 +148,7 @@ class EvaluateBag(EvaluationCase):
                 summary = json.load(file)
             del summary["times"]
             texts = [pathlib.Path(self.path("out/" + name)).read_bytes()
-                     for name in ("links.csv", "pairs.csv")]
+                     for name in ("distances.csv", "links.csv", "pairs.csv")]
             return json.dumps([frames, summary], sort_keys=True), texts
         first = outcome()
         shutil.rmtree(self.path("out"))
@@ -206,7 +206,7 @@ class EvaluateBag(EvaluationCase):
         done = self.run_tool("--config", self.path("config.yaml"), "--no-report", self.bag())
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(set(os.listdir(self.path("out"))),
-                         {"events.csv", "frames.csv", "links.csv", "summary.json"})
+                         {"distances.csv", "events.csv", "frames.csv", "links.csv", "summary.json"})
 
     def test_bad_input(self):
         config = self.text("config.yaml", CONFIG)

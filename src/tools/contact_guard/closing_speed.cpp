@@ -1,0 +1,83 @@
+#include "tools/contact_guard/closing_speed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr std::size_t kLeastSamples = 3;
+constexpr std::size_t kMostSamples = 32;  // bounds the work at high rates
+constexpr double kNanosecond = 1e-9;
+
+// Returns the median. Changes the order of the values; there must be one.
+double medianOf(std::vector<double>* values) {
+  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  if (values->size() % 2 == 1) return *middle;
+  return (*middle + *std::max_element(values->begin(), middle)) / 2;
+}
+
+}  // namespace
+
+void ClosingSpeed::add(std::int64_t stamp_ns, double distance_m, double window_s,
+                       double most_age_s) {
+  if (!std::isfinite(distance_m)) return clear();
+  if (!samples_.empty()) {
+    if (stamp_ns == newestNs()) return;
+    if (stamp_ns < newestNs()) clear();
+  }
+  samples_.push_back({stamp_ns, distance_m});
+  const auto age_s = [&] { return static_cast<double>(stamp_ns - oldestNs()) * kNanosecond; };
+  while (samples_.size() > kMostSamples ||
+         (samples_.size() > kLeastSamples && age_s() > window_s) || age_s() > most_age_s) {
+    samples_.pop_front();
+  }
+}
+
+// Fits a line. The scatter is twice the median distance of the samples from it.
+std::optional<ClosingSpeed::Line> ClosingSpeed::line() const {
+  if (samples_.size() < kLeastSamples) return std::nullopt;
+  const auto timeOf = [this](const Sample& sample) {
+    return static_cast<double>(sample.stamp_ns - oldestNs()) * kNanosecond;
+  };
+  std::vector<double> values;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    for (std::size_t j = i + 1; j < samples_.size(); ++j) {
+      const double change_m = samples_[j].distance_m - samples_[i].distance_m;
+      values.push_back(change_m / (timeOf(samples_[j]) - timeOf(samples_[i])));
+    }
+  }
+  Line line{medianOf(&values), 0};
+  values.clear();
+  for (const Sample& sample : samples_) {
+    values.push_back(sample.distance_m - line.slope_mps * timeOf(sample));
+  }
+  const double start_m = medianOf(&values);
+  for (double& value : values) value = std::abs(value - start_m);
+  line.scatter_m = 2 * medianOf(&values);
+  return line;
+}
+
+// Noise that is spread evenly changes the slope by less than this in about 95 of 100 windows of
+// seven samples.
+std::optional<ClosingEstimate> ClosingSpeed::estimate() const {
+  const std::optional<Line> fit = line();
+  if (!fit) return std::nullopt;
+  const double span_s = static_cast<double>(newestNs() - oldestNs()) * kNanosecond;
+  return ClosingEstimate{-fit->slope_mps, 3 * fit->scatter_m / span_s};
+}
+
+bool ClosingSpeed::isLeaving() const {
+  const std::optional<ClosingEstimate> found = estimate();
+  if (!found || found->mostMps() >= 0) return false;
+  const double greatest_m =
+      std::max_element(samples_.begin(), samples_.end(), [](const Sample& a, const Sample& b) {
+        return a.distance_m < b.distance_m;
+      })->distance_m;
+  return samples_.back().distance_m >= greatest_m - line()->scatter_m;
+}
+
+}  // namespace deformable_contact_monitor

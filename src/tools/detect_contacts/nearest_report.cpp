@@ -1,0 +1,135 @@
+// Writes distances of bodies as lines, as JSON and for people. A pair that is not decided is never
+// written as if it were.
+#include "tools/detect_contacts/nearest_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/body_distance.h"
+#include "tools/common/command_line.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Json = nlohmann::json;
+using Entry = NearestBodies::Entry;
+
+Json coordinates(const Vec3f& p) { return {p.x, p.y, p.z}; }
+
+// Returns the unit vector between two points, or zero if they are equal.
+Vec3f direction(const Vec3f& from, const Vec3f& to) {
+  const double d[3] = {double{to.x} - from.x, double{to.y} - from.y, double{to.z} - from.z};
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  if (!(length > 0)) return Vec3f{0, 0, 0};
+  return Vec3f{static_cast<float>(d[0] / length), static_cast<float>(d[1] / length),
+               static_cast<float>(d[2] / length)};
+}
+
+// Returns the entry of a pair that was decided by bounds: its witness, with the upper bound.
+Entry boundOf(const BodyDistance& distance) {
+  NearestPair nearest;
+  nearest.pair = distance.witness;
+  nearest.distance_m = distance.high_m;
+  nearest.point_a = distance.point_a;
+  nearest.point_b = distance.point_b;
+  nearest.normal = direction(distance.point_a, distance.point_b);
+  return {nearest, false};
+}
+
+}  // namespace
+
+// The exact search is preferred; bounds fill in for pairs that it did not look at.
+NearestBodies nearestBodies(const Scene& scene, const DetectionResult& result, float tolerance_m) {
+  std::map<std::pair<BodyId, BodyId>, Entry> found;
+  for (const NearestPair& nearest : result.nearest) {
+    found[{nearest.pair.body_a, nearest.pair.body_b}] = Entry{nearest, true};
+  }
+  NearestBodies bodies;
+  std::map<std::pair<BodyId, BodyId>, const BodyDistance*> bounds;
+  for (const BodyDistance& distance : result.distances) {
+    bounds[{distance.body_a, distance.body_b}] = &distance;
+  }
+  for (const auto& pair : scene.enabledPairs()) {
+    if (pair.first == pair.second || found.count(pair) > 0) continue;
+    const auto bound = bounds.find(pair);
+    if (bound == bounds.end()) {
+      bodies.open_pairs += result.cut_off ? 1 : 0;
+      continue;
+    }
+    const PairDecision decision = decide(*bound->second, scene, tolerance_m);
+    const bool is_apart = decision == PairDecision::kNone;
+    if (!is_apart && tolerance_m > 0 && decision != PairDecision::kOpen) {
+      found[pair] = boundOf(*bound->second);
+    } else {
+      bodies.open_pairs += is_apart ? 0 : 1;
+    }
+  }
+  for (const auto& [pair, entry] : found) bodies.entries.push_back(entry);
+  return bodies;
+}
+
+std::string nearestLines(const NearestBodies& bodies) {
+  std::string text;
+  char line[100];
+  for (const Entry& entry : bodies.entries) {
+    const TrianglePair& pair = entry.nearest.pair;
+    const int length =
+        std::snprintf(line, sizeof line, "%u %u %u %u %.9g\n", pair.body_a, pair.triangle_a,
+                      pair.body_b, pair.triangle_b, entry.nearest.distance_m);
+    text.append(line, static_cast<std::size_t>(length));
+  }
+  return text;
+}
+
+Json nearestJson(const NearestBodies& bodies) {
+  Json json = Json::array();
+  for (const Entry& entry : bodies.entries) {
+    const NearestPair& nearest = entry.nearest;
+    json.push_back({{"bodies", {nearest.pair.body_a, nearest.pair.body_b}},
+                    {"triangles", {nearest.pair.triangle_a, nearest.pair.triangle_b}},
+                    {"distance", nearest.distance_m},
+                    {"exact", entry.is_exact},
+                    {"points", {coordinates(nearest.point_a), coordinates(nearest.point_b)}},
+                    {"normal", coordinates(nearest.normal)}});
+  }
+  return json;
+}
+
+std::string nearestSummary(const Scene& scene, const NearestBodies& bodies) {
+  constexpr std::size_t kShown = 20;
+  const std::size_t count = bodies.entries.size();
+  std::string text = "pairs of bodies within the margin: " + std::to_string(count) + "\n";
+  for (std::size_t i = 0; i < std::min(count, kShown); ++i) {
+    const NearestPair& nearest = bodies.entries[i].nearest;
+    char apart[120];
+    std::snprintf(apart, sizeof apart, "%s%.6g apart, by triangles %u and %u",
+                  bodies.entries[i].is_exact ? "" : "at most ", nearest.distance_m,
+                  nearest.pair.triangle_a, nearest.pair.triangle_b);
+    text += "  " + scene.body(nearest.pair.body_a).name + " with " +
+            scene.body(nearest.pair.body_b).name + ": " + apart + "\n";
+  }
+  if (count <= kShown) return text;
+  return text + "  and " + std::to_string(count - kShown) + " more pairs of bodies\n";
+}
+
+std::vector<std::string> nearestNotes(const NearestBodies& bodies, float tolerance_m) {
+  std::vector<std::string> notes;
+  if (bodies.open_pairs > 0) {
+    notes.push_back(std::to_string(bodies.open_pairs) +
+                    " pairs of bodies are not decided, so --nearest does not list them");
+  }
+  const auto bounds = std::count_if(bodies.entries.begin(), bodies.entries.end(),
+                                    [](const Entry& entry) { return !entry.is_exact; });
+  if (bounds > 0) {
+    notes.push_back(std::to_string(bounds) +
+                    " distances of --nearest are upper bounds, too large by at most " +
+                    toText(tolerance_m));
+  }
+  return notes;
+}
+
+}  // namespace deformable_contact_monitor

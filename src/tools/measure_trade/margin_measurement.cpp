@@ -1,0 +1,101 @@
+#include "tools/measure_trade/margin_measurement.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/steady_time.h"
+#include "tools/measure_trade/trade_grid.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Returns the least distance of each two bodies, from the nearest pairs or from the list.
+std::vector<std::pair<BodyPair, float>> distancesOf(const DetectionResult& result, MarginUse use) {
+  std::map<BodyPair, float> least;
+  if (use == MarginUse::kNearest) {
+    for (const NearestPair& pair : result.nearest) {
+      least[{pair.pair.body_a, pair.pair.body_b}] = pair.distance_m;
+    }
+  } else if (use == MarginUse::kNearPairs) {
+    for (std::size_t i = 0; i < result.contacts.size(); ++i) {
+      const TrianglePair& pair = result.contacts[i];
+      if (pair.body_a == pair.body_b) continue;
+      const float distance_m = result.separationM(i);
+      const auto [found, is_new] = least.emplace(BodyPair{pair.body_a, pair.body_b}, distance_m);
+      found->second = std::min(found->second, distance_m);
+    }
+  }
+  return {least.begin(), least.end()};
+}
+
+}  // namespace
+
+const char* toString(MarginUse use) {
+  switch (use) {
+    case MarginUse::kNearest:
+      return "nearest";
+    case MarginUse::kNearPairs:
+      return "near_pairs";
+    default:
+      return "touching";
+  }
+}
+
+std::string describe(const MarginSetting& setting) {
+  std::string text = setting.backend + ", " + toString(setting.use);
+  if (setting.use != MarginUse::kIgnored) {
+    text += ", margin " + numberText(setting.margin_m) + " m";
+  }
+  return text;
+}
+
+// The first passes warm the detector up and are not counted.
+FrameDistances measureMargin(FrameSource* frames, const CycleCounts& cycles, const Options& options,
+                             Detector* detector, MarginMeasurement* sum) {
+  Options chosen = options;
+  chosen.nearest = sum->setting.use == MarginUse::kNearest;
+  chosen.near_pairs = sum->setting.use == MarginUse::kNearPairs;
+  frames->setMargin(sum->setting.use == MarginUse::kIgnored ? 0 : sum->setting.margin_m);
+  FrameDistances distances;
+  int warm_up = cycles.warm_up;
+  for (int pass = 0; pass < cycles.passes || warm_up > 0;) {
+    const bool is_counted = warm_up <= 0;
+    distances.clear();
+    frames->rewind();
+    for (; frames->next(); --warm_up) {
+      const SteadyTime start = std::chrono::steady_clock::now();
+      const DetectionResult& result = detector->detect(frames->scene(), chosen);
+      const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
+      distances.push_back(distancesOf(result, sum->setting.use));
+      if (!is_counted) continue;
+      sum->ms.push_back(ms);
+      sum->triangle_pairs += result.contacts.size() + result.left_out;
+      sum->body_pairs += sum->setting.use == MarginUse::kIgnored ? result.touchingBodies().size()
+                                                                 : distances.back().size();
+    }
+    pass += is_counted ? 1 : 0;
+  }
+  return distances;
+}
+
+void compareDistances(const FrameDistances& expected, const FrameDistances& found,
+                      MarginMeasurement* sum) {
+  constexpr double kRounding = 1e-6;
+  const auto isSame = [](const std::pair<BodyPair, float>& a, const std::pair<BodyPair, float>& b) {
+    return a.first == b.first && std::abs(double{a.second} - b.second) <= kRounding * a.second;
+  };
+  for (std::size_t i = 0; i < std::min(expected.size(), found.size()); ++i) {
+    if (std::equal(expected[i].begin(), expected[i].end(), found[i].begin(), found[i].end(),
+                   isSame)) {
+      continue;
+    }
+    sum->broken = describe(sum->setting) + " has other distances than the list of near pairs, in " +
+                  "frame " + std::to_string(i + 1);
+    return;
+  }
+}
+
+}  // namespace deformable_contact_monitor
