@@ -4,6 +4,7 @@ import sys
 import time
 import unittest
 
+import rosgraph
 import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
@@ -101,6 +102,10 @@ class TransformTests(unittest.TestCase):
     def test_a_frame_that_never_comes_makes_its_object_unknown(self):
         self.check_good_cycle()
         console = Log("/rosout", ConsoleLine)
+        # The warning comes once: who is not connected to the monitor by then misses it.
+        publishers = dict(rosgraph.Master(rospy.get_name()).getSystemState()[0])["/rosout"]
+        wait_until(lambda: console.subscriber.get_num_connections() >= len(publishers),
+                   "all publishers of /rosout")
         for _ in range(2):
             stamp = self.tick()
             self.transforms.send(stamp, boxes_scene.edges())
