@@ -79,9 +79,9 @@ void Prototypes::listNeighbours(std::size_t g,
 
 namespace {
 
-constexpr ClusterCountPolicy kClusterCounts{1000, 2048, 600, 8};
+constexpr ClusterCountPolicy kClusterCounts{1000, 2048, 2000, 8};
 constexpr std::uint32_t kLeastSamples = 2048;
-constexpr int kColdIterations = 5;  // a cold start takes as many times the iterations of a refresh
+constexpr int kColdIterations = 2;  // a cold start takes as many times the iterations of a refresh
 
 // Returns refreshed prototypes. `warm` has scaled prototypes to start from; if it is empty, they
 // start from seeds among the points.
