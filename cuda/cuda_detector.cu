@@ -91,9 +91,7 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
     result_.cutOff(limit.why());
   }
   if (counted.unexamined > 0) result_.cutOff("memory_limit_mib");
-  if (result_.cut_off && options.nearest && options.motion == Motion::kInstant) {
-    result_.distances = distancesOf(scene, scene.enabledPairs(), result_, true, searched);
-  }
+  giveDistances(scene, options, searched, &result_);
   // A tile whose list of clusters had no room reports its pairs in every cluster, so some pairs may
   // be found several times.
   if (counted.list_words > cycle_.sizes.list_words) dropRepeated(result_);

@@ -1,6 +1,7 @@
 // Uploads the scene of a cycle. There are three cases. A cold start inspects the scene and makes
 // everything anew. A scene whose bodies have changed is inspected briefly, beside the upload, and
 // may turn out to need a cold start. Any other scene only sends what has changed.
+#include "core/bounds/exact_distances.h"
 #include "core/common/parallel.h"
 #include "cuda/cycle/cycle_upload.cuh"
 
@@ -39,7 +40,8 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   ColdStart start;
   if (!inspectAndSend(scene, change, options, limit, result.started_cold, start)) return false;
   // Of several devices, the first one searches the nearest pairs of the whole scene.
-  cycle_.nearest.layOut(scene, on_device.tables(), options.nearest && partition_.isFirst());
+  cycle_.nearest.layOut(scene, on_device.tables(),
+                        searchesNearest(options) && partition_.isFirst());
   cycle_.growArrays();
   cycle_.nearest.send(cycle_.copies);
   if (result.started_cold) {

@@ -173,6 +173,10 @@ class PartitionedDetector : public Detector {
     } else {
       partitions_.front().detector->setPartition(ScenePartition());
     }
+    if (count > 1 && searchesNearest(options) && !options.nearest) {
+      options.nearest = true;  // merge() makes the distances, and needs the first device's pairs
+      options.near_pairs = true;
+    }
     const auto clusters = static_cast<std::size_t>(options.clusters);
     options.clusters = static_cast<int>((clusters + count - 1) / count);
     for (std::size_t s = 1; s < count; ++s) {
@@ -217,10 +221,7 @@ class PartitionedDetector : public Detector {
     result_.begin(scene, options, isGuaranteed(options));
     const Stopwatch merging{};
     mergePartitions(partitions, result_);
-    if (result_.cut_off && options.nearest && options.motion == Motion::kInstant) {
-      result_.distances =
-          distancesOf(scene, scene.enabledPairs(), result_, true, isSearched(*partitions.front()));
-    }
+    giveDistances(scene, options, isSearched(*partitions.front()), &result_);
     if (!result_.started_cold && !result_.cut_off) bounds_.note(took_ms);
     for (auto& [name, ms] : result_.stages_ms) {
       if (name == kStageNames[static_cast<int>(Stage::kOutput)]) ms += merging.elapsedMs();

@@ -139,8 +139,9 @@ struct DCM_EXPORT DetectionResult {
   // Bodies that take part in swept motion without an earlier state. They count as standing still.
   std::vector<BodyId> without_step;
   // Bounds of each enabled pair of two bodies, ascending, if a pool with tilings decided by bounds
-  // (detector_pool.h), or if a cycle on CUDA that searched nearest pairs was cut off; else empty.
-  // Of a pair that is not listed, `contacts` has those that were found on the way.
+  // (detector_pool.h); on CUDA, where they are exact, with a tolerance, or if a cycle that searched
+  // nearest pairs was cut off; else empty. Of a pair that is not listed, `contacts` has those that
+  // were found on the way.
   std::vector<BodyDistance> distances;
   // Of each enabled pair of two bodies that touch, or are at most the larger of their margins
   // apart, their nearest triangles, ascending by (body_a, body_b), if options.nearest is set; else

@@ -36,7 +36,7 @@ struct Options {
 
   // Allowed error of distances [m], finite and >= 0. Above 0, a detector pool with tilings
   // (detector_pool.h) may decide pairs of bodies with such an error on the CPU. All other detectors
-  // are exact.
+  // are exact; CUDA then fills in DetectionResult::distances, too.
   float tolerance_m = 0;
 
   // What margins are for. By default, DetectionResult::contacts lists all pairs of triangles within

@@ -93,7 +93,7 @@ py::tuple toTuple(const Vec3f& v) { return py::make_tuple(v.x, v.y, v.z); }
 constexpr const char* kDistancesText = R"(What is certain of the distance of pairs of two bodies.
 
 A list of BodyDistance, ascending, of each enabled pair of two bodies, where the detection looked at
-bounds (Detector(tolerance_m=...), on the CPU; with max_time_s from the fifth detection of a
+bounds (Detector(tolerance_m=...); on the CPU with max_time_s from the fifth detection of a
 topology on); else empty, and pairs say all.)";
 
 constexpr const char* kDistanceText = R"(What is certain of the distance of two bodies [m].)";

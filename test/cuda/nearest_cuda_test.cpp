@@ -194,6 +194,27 @@ TEST_F(NearestOnCuda, TellsHowBodiesStandWhereACycleIsCutOff) {
   EXPECT_GT(known, 0);
 }
 
+// With a tolerance, distances are there as on the CPU, and are exact.
+TEST_F(NearestOnCuda, GivesDistancesWithATolerance) {
+  if (detector_ == nullptr) return;
+  Scene scene = pairScene(clothGrid(20, 1, 0, 0.1F), clothGrid(15, 1, 0.4F, 0));
+  const BodyId far = scene.addBody("far", clothGrid(5, 1, 3, 0));
+  scene.setPairEnabled(0, far, true);
+  scene.setMargin(0, 1);
+  for (const bool nearest : {false, true}) {
+    Options options;
+    options.tolerance_m = 0.01F;
+    options.nearest = nearest;
+    const DetectionResult& result = detector_->detect(scene, options);
+    ASSERT_EQ(2U, result.distances.size());
+    EXPECT_EQ(PairDecision::kNear, decide(result.distances[0], scene, 0.01F));
+    EXPECT_EQ(PairDecision::kNone, decide(result.distances[1], scene, 0.01F));
+    const std::vector<NearestPair> expected = makeCpuDetector()->detect(scene, options_).nearest;
+    EXPECT_EQ(expected.at(0).pair, result.distances[0].witness);
+    EXPECT_TRUE(sameNearest(nearest ? expected : std::vector<NearestPair>(), result.nearest));
+  }
+}
+
 // A grid over a grid: every vertex is as near as any other.
 TEST_F(NearestOnCuda, TiesGoToTheLeastTriangles) {
   if (detector_ == nullptr) return;

@@ -52,8 +52,10 @@ std::vector<BodyDistance> distancesOf(const Scene& scene, const std::vector<IdPa
     distance.is_listed = all_listed;
     distance.is_exact = is_searched;
   }
+  auto found = distances.end();  // contacts of one pair of bodies mostly follow each other
   for (std::size_t i = 0; i < exact.contacts.size(); ++i) {
-    const auto found = distances.find({exact.contacts[i].body_a, exact.contacts[i].body_b});
+    const IdPair pair{exact.contacts[i].body_a, exact.contacts[i].body_b};
+    if (found == distances.end() || found->first != pair) found = distances.find(pair);
     if (found != distances.end()) addContact(exact, i, found->second);
   }
   for (const NearestPair& nearest : exact.nearest) {
@@ -72,6 +74,14 @@ std::vector<BodyDistance> distancesOf(const Scene& scene, const std::vector<IdPa
     list.push_back(distance);
   }
   return list;
+}
+
+void giveDistances(const Scene& scene, const Options& options, bool is_searched,
+                   DetectionResult* result) {
+  if (searchesNearest(options) && (options.tolerance_m > 0 || result->cut_off)) {
+    result->distances = distancesOf(scene, scene.enabledPairs(), *result, true, is_searched);
+  }
+  if (!options.nearest) result->nearest.clear();
 }
 
 }  // namespace deformable_contact_monitor

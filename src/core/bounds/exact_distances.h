@@ -6,6 +6,7 @@
 
 #include "core/detector.h"
 #include "core/export.h"
+#include "core/options.h"
 #include "core/scene.h"
 
 namespace deformable_contact_monitor {
@@ -17,5 +18,17 @@ namespace deformable_contact_monitor {
 DCM_EXPORT std::vector<BodyDistance> distancesOf(
     const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
     const DetectionResult& exact, bool wants_nearest, bool is_searched);
+
+// Returns whether an exact detector that can search nearest pairs does so: because the user wants
+// them, or because a tolerance asks for distances of bodies.
+inline bool searchesNearest(const Options& options) {
+  return options.motion == Motion::kInstant && (options.nearest || options.tolerance_m > 0);
+}
+
+// Completes the result of such a detector after its search. Fills in `distances` if there is a
+// tolerance, or if the cycle was cut off, so that contacts may be missing. Removes nearest pairs
+// that were searched for a tolerance alone. `is_searched` says whether the search was complete.
+DCM_EXPORT void giveDistances(const Scene& scene, const Options& options, bool is_searched,
+                              DetectionResult* result);
 
 }  // namespace deformable_contact_monitor

@@ -94,6 +94,13 @@ std::vector<Maker> makers() {
   return ::testing::AssertionSuccess();
 }
 
+// Returns how many enabled pairs are of two different bodies.
+std::size_t pairsOfTwo(const Scene& scene) {
+  const std::vector<std::pair<BodyId, BodyId>> pairs = scene.enabledPairs();
+  return static_cast<std::size_t>(std::count_if(
+      pairs.begin(), pairs.end(), [](const auto& pair) { return pair.first != pair.second; }));
+}
+
 class PartResults : public ::testing::TestWithParam<Maker> {
  protected:
   static std::unique_ptr<Detector> shared(std::size_t count) {
@@ -165,6 +172,7 @@ TEST_P(PartResults, PartitionsFindWhatOneFinds) {
       Options options = walk.options();
       options.geometry = i % 3 == 0;
       options.nearest = i % 4 == 0;
+      options.tolerance_m = i % 6 == 4 ? 0.01F : 0;
       options.overlap = 1;
       options.predicates = Predicates::kExact;
       const DetectionResult& expected = one_->detect(walk.scene(), options);
@@ -173,6 +181,7 @@ TEST_P(PartResults, PartitionsFindWhatOneFinds) {
         const DetectionResult& result = detector->detect(walk.scene(), options);
         ASSERT_TRUE(sameLists(expected, result)) << "seed " << seed << ", " << i << ": " << step;
         ASSERT_FALSE(result.cut_off);
+        ASSERT_EQ(options.tolerance_m > 0 ? pairsOfTwo(walk.scene()) : 0, result.distances.size());
         ASSERT_EQ(expected.guaranteed, result.guaranteed);
         ASSERT_EQ(expected.counters.triangles, result.counters.triangles);
         ASSERT_EQ(expected.counters.rejected, result.counters.rejected);
