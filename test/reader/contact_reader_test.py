@@ -7,6 +7,7 @@ import unittest
 
 import genpy
 from deformable_contact_monitor.msg import ContactState, ContactStates
+from geometry_msgs.msg import Point32
 
 from deformable_contact import contact_reader
 
@@ -23,6 +24,8 @@ def state_of(given, message):
     state.min_separation = float(given.get("m", SEPARATIONS.get(name, math.nan)))
     state.distance_low = float(given.get("low", 0))
     state.reason = given.get("why", "")
+    for name, field in (("a", "point_a"), ("b", "point_b"), ("n", "normal")):
+        setattr(state, field, Point32(*given.get(name, (0, 0, 0))))
     return state
 
 
@@ -49,12 +52,26 @@ class Answers(unittest.TestCase):
                 continue
             answer = reader.may_move(step["body"], now)
             self.assertEqual((bool(answer), answer.because), (not step["because"], step["because"]))
-            self.assertEqual(reader.nearest(step["body"], now), float(step["nearest"]))
+            self.check_nearest(reader.nearest(step["body"], now), step, answer)
             if "text" in step:
                 margins = contact_reader.margins_of(step["monitor"]) if "monitor" in step else None
                 self.assertEqual(reader.nearest_text(step["body"], now, margins), step["text"])
             self.assertEqual(["%s %s" % (state.body_a, state.body_b)
                               for state in reader.contacts(step["body"], now)], step["contacts"])
+
+    def check_nearest(self, nearest, step, answer):
+        self.assertEqual(nearest, float(step["nearest"]))
+        self.assertEqual(nearest.distance_m, float(step["nearest"]))
+        self.assertEqual(nearest.is_known, not nearest.because)
+        if not nearest.is_known:
+            self.assertEqual(nearest.because, answer.because)
+        if "at" not in step:
+            return
+        expected = step["at"] + ["", ""][len(step["at"]):] + [(0, 0, 0)] * 3
+        self.assertEqual([nearest.body, nearest.other], expected[:2])
+        self.assertEqual(nearest.has_points, len(step["at"]) > 2)
+        self.assertEqual([nearest.point, nearest.other_point, nearest.normal],
+                         [tuple(point) for point in expected[2:5]])
 
     def test_cases(self):
         self.assertGreater(len(TABLE["cases"]), 30)

@@ -28,6 +28,43 @@ class MoveAnswer:
         return "yes" if self.yes else "no: " + self.because
 
 
+class NearestAnswer(float):
+    """How far the nearest body is and where, or why that is not known. As a number it is a distance
+    that is certain [m], >= 0: 0 if the two touch, or if anything is not known; infinity if nothing is
+    within the monitor's margins.
+
+    is_known, because: whether everything about the body is known, and why not.
+    body, other: the body that was asked about (one of a pair if that was "*") and the nearest one;
+        empty if nothing is known or within the margins.
+    has_points: whether the points are known, which they are of NEAR and CONTACT.
+    point, other_point: (x, y, z) in the frame of the message [m]: the nearest points of the two, or
+        one point in the contact, twice.
+    normal: unit vector (x, y, z) from `body` to `other`; zero: not known.
+    """
+
+    def __new__(cls, distance_m, because="", state=None, asked="*"):
+        answer = super().__new__(cls, distance_m)
+        answer.because = because
+        answer.is_known = not because
+        answer.body = answer.other = ""
+        answer.has_points = False
+        answer.point = answer.other_point = answer.normal = (0.0, 0.0, 0.0)
+        if state is not None:
+            answer._tell(state, asked in ("*", state.body_a))
+        return answer
+
+    @property
+    def distance_m(self):
+        return float(self)
+
+    def _tell(self, state, is_a):
+        ends = (state.body_a, state.point_a), (state.body_b, state.point_b)
+        (self.body, point), (self.other, other_point) = ends if is_a else ends[::-1]
+        self.has_points = state.state in (NEAR, CONTACT)
+        self.point, self.other_point = _xyz(point), _xyz(other_point)
+        self.normal = _xyz(state.normal, 1.0 if is_a else -1.0)
+
+
 def certain_distance(state, tolerance_m):
     """The distance of a pair [m] that is certain, >= 0; 0 where it touches, or nothing is known;
     infinity where the pair is ALLOWED, and of NONE: nothing is within the monitor's margin.
@@ -128,17 +165,18 @@ class ContactReader:
         return MoveAnswer(_missing(body))
 
     def nearest(self, body, now):
-        """The least certain_distance() of its pairs [m], for a speed; 0 where anything is not
-        known."""
-        if self._silence(now):
-            return 0.0
-        states = self._states_of(body)
-        if any(self._doubt(state, now) for state in states):
-            return 0.0
-        if not states and not self.unlisted_may_move:
-            return 0.0
-        return min((certain_distance(state, self.newest.tolerance) for state in states),
-                   default=math.inf)
+        """A NearestAnswer of the nearest of the body's pairs, by certain_distance(); of several at
+        the same distance, of the first. As a number it may set a speed: it is 0 if one of the pairs
+        is not known."""
+        states = self._states_of(body) if self.newest is not None else []
+        because = self._why_unknown(body, states, now)
+        if because:
+            return NearestAnswer(0.0, because)
+        distances = [certain_distance(state, self.newest.tolerance) for state in states]
+        least_m = min(distances, default=math.inf)
+        if not math.isfinite(least_m):
+            return NearestAnswer(least_m)
+        return NearestAnswer(least_m, "", states[distances.index(least_m)], body)
 
     def nearest_text(self, body, now, margins=None):
         """nearest() in words: "0.1250 m, hand and cloth", "hand and cloth: CONTACT", "beyond the
@@ -284,6 +322,10 @@ class ContactSubscriber:
     def _store(self, states):
         with self._lock:
             self._reader.store(states, self._now())
+
+
+def _xyz(point, sign=1.0):
+    return sign * point.x, sign * point.y, sign * point.z
 
 
 def _missing(body):
