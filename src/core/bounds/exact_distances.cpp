@@ -78,7 +78,8 @@ std::vector<BodyDistance> distancesOf(const Scene& scene, const std::vector<IdPa
 
 void giveDistances(const Scene& scene, const Options& options, bool is_searched,
                    DetectionResult* result) {
-  if (searchesNearest(options) && (options.tolerance_m > 0 || result->cut_off)) {
+  const bool are_wanted = options.tolerance_m > 0 || (options.nearest && result->cut_off);
+  if (are_wanted && options.motion == Motion::kInstant) {
     result->distances = distancesOf(scene, scene.enabledPairs(), *result, true, is_searched);
   }
   if (!options.nearest) result->nearest.clear();

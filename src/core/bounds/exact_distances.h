@@ -22,11 +22,12 @@ DCM_EXPORT std::vector<BodyDistance> distancesOf(
 // Returns whether an exact detector that can search nearest pairs does so: because the user wants
 // them, or because a tolerance asks for distances of bodies.
 inline bool searchesNearest(const Options& options) {
-  return options.motion == Motion::kInstant && (options.nearest || options.tolerance_m > 0);
+  return options.nearest || (options.tolerance_m > 0 && options.motion == Motion::kInstant);
 }
 
 // Completes the result of such a detector after its search. Fills in `distances` if there is a
-// tolerance, or if the cycle was cut off, so that contacts may be missing. Removes nearest pairs
+// tolerance, or if the cycle was cut off, so that contacts may be missing; not in swept motion,
+// where contacts and nearest pairs are of different times. Removes nearest pairs
 // that were searched for a tolerance alone. `is_searched` says whether the search was complete.
 DCM_EXPORT void giveDistances(const Scene& scene, const Options& options, bool is_searched,
                               DetectionResult* result);
