@@ -1,13 +1,13 @@
 // Long-lived detectors, one of each kind, on a scene that changes at random: after every step all
 // of them find what brute force finds, or where that would take too long, what the CPU finds.
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "detector_suite.h"
 #include "scene_walk.h"
+#include "test_data.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -114,11 +114,6 @@ std::uint64_t pairsOf(const Scene& scene) {
     failure << " " << pair.pair << " at " << pair.distance_m;
   }
   return failure;
-}
-
-std::uint32_t numberFromEnvironment(const char* name, std::uint32_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
 }
 
 // How often the walk came to what is worth testing.

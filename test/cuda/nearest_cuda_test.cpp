@@ -5,7 +5,6 @@
 #include <cfloat>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <random>
 #include <string>
@@ -68,14 +67,14 @@ TEST_F(NearestOnCuda, IsThatOfBruteForceInRandomScenes) {
   EXPECT_GT(touching_, 500U);
 }
 
-// DCM_WALK_STEPS sets how many steps each walk takes.
+// DCM_WALK_STEPS sets how many steps each walk takes, and DCM_WALK_SEED the first of four seeds.
 TEST_F(NearestOnCuda, IsThatOfBruteForceInScenesThatWalk) {
   if (detector_ == nullptr) return;
-  const char* const asked = std::getenv("DCM_WALK_STEPS");
-  const int steps = asked == nullptr ? 150 : std::atoi(asked);
-  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+  const std::uint32_t steps = numberFromEnvironment("DCM_WALK_STEPS", 150);
+  const std::uint32_t first = numberFromEnvironment("DCM_WALK_SEED", 1);
+  for (std::uint32_t seed = first; seed < first + 4; ++seed) {
     SceneWalk walk(seed);
-    for (int step = 0; step < steps; ++step) {
+    for (std::uint32_t step = 0; step < steps; ++step) {
       const std::string what = walk.step();
       options_ = walk.options();
       options_.nearest = true;

@@ -22,6 +22,11 @@ std::string testDataFile(const std::string& relative_path) {
   return path.string();
 }
 
+std::uint32_t numberFromEnvironment(const char* name, std::uint32_t otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
+}
+
 bool isCudaRequired() { return std::getenv("DCM_REQUIRE_CUDA") != nullptr; }
 
 }  // namespace deformable_contact_monitor

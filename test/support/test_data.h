@@ -1,9 +1,10 @@
-// Finds the test data and tells whether a CUDA device is required. DCM_REQUIRE_TEST_DATA() skips a
-// test if there are no test data.
+// Finds the test data, and reads the settings of tests from the environment.
+// DCM_REQUIRE_TEST_DATA() skips a test if there are no test data.
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 
 namespace deformable_contact_monitor {
@@ -15,6 +16,9 @@ std::string testDataDir();
 std::string testDataFile(const std::string& relative_path);
 
 bool testDataIsThere();
+
+// Returns the number in an environment variable, or `otherwise` if it is not set.
+std::uint32_t numberFromEnvironment(const char* name, std::uint32_t otherwise);
 
 // Returns whether $DCM_REQUIRE_CUDA is set. If so, a test fails if no CUDA device can be used.
 bool isCudaRequired();

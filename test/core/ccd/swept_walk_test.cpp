@@ -3,23 +3,18 @@
 // $DCM_WALK_SEED say how many steps, and which.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <random>
 #include <string>
 
 #include "scene_walk.h"
 #include "swept_expected.h"
+#include "test_data.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr std::uint64_t kMostPairs = 40000;
-
-std::uint32_t numberFromEnvironment(const char* name, std::uint32_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
-}
 
 std::uint64_t pairsOf(const Scene& scene) {
   std::uint64_t pairs = 0;
