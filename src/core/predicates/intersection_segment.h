@@ -50,19 +50,26 @@ DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q,
 
 }  // namespace detail
 
-// Returns the zero of a linear function whose values at p and q, right to 2^-29 of themselves, have
-// different signs. `exact(v)` returns its value at v as an expansion. The result is off by less
-// than 2^-23 of its largest coordinate.
+// Finds the zero of a linear function whose values at p and q, right to 2^-29 of themselves, have
+// different signs. Returns false if the point could be off by more than 2^-23 of its largest
+// coordinate.
+DCM_HD inline bool zeroNearEnd(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
+                               Vec3d& point) {
+  constexpr double kMostOffset = 16;  // in largest coordinates of the point
+  const bool from_p = fabs(at_p) <= fabs(at_q);
+  const Vec3d base = toDouble(from_p ? p : q), other = toDouble(from_p ? q : p);
+  const double share = (from_p ? at_p : at_q) / (from_p ? at_p - at_q : at_q - at_p);
+  const Vec3d offset = (other - base) * share;
+  point = base + offset;
+  return largestCoordinate(offset) <= kMostOffset * largestCoordinate(point);
+}
+
+// Returns the same zero. `exact(v)` returns the function's value at v as an expansion.
 template <class Exact>
 DCM_HD inline Vec3d zeroBetween(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
                                 const Exact& exact) {
-  constexpr double kMostOffset = 16;  // in largest coordinates of the point
-  const bool from_p = fabs(at_p) <= fabs(at_q);
-  const Vec3f &base = from_p ? p : q, &other = from_p ? q : p;
-  const double share = (from_p ? at_p : at_q) / (from_p ? at_p - at_q : at_q - at_p);
-  const Vec3d offset = (toDouble(other) - toDouble(base)) * share;
-  const Vec3d point = toDouble(base) + offset;
-  if (largestCoordinate(offset) <= kMostOffset * largestCoordinate(point)) return point;
+  Vec3d point;
+  if (zeroNearEnd(p, q, at_p, at_q, point)) return point;
   return detail::exactZeroBetween(p, q, exact(p), exact(q));
 }
 
@@ -234,6 +241,20 @@ DCM_HD DCM_RARE inline void addVerticesWithin(const Triangle& t, const Triangle&
   }
 }
 
+// Returns the sign of expandedOrient2d(a, b, c, axis).
+DCM_HD DCM_RARE inline int sideOfLine(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis) {
+  if (c == a || c == b) return 0;  // common in layers of cloth, and slow otherwise
+  PredicateState state;
+  return orient2d(a, b, c, axis, state);
+}
+
+// Adds the point at which the edges from p to q and from r to s cross at inner points of both.
+DCM_HD DCM_RARE inline void addEdgeCrossing(const Vec3f& p, const Vec3f& q, const Vec3f& r,
+                                            const Vec3f& s, int axis, FarthestPair& points) {
+  const auto height = [&](const Vec3f& v) { return expandedOrient2d(r, s, v, axis); };
+  points.add(nearestFloats(zeroBetween(p, q, height(p).value(), height(q).value(), height)));
+}
+
 // Adds the points at which edges of a and b, all in one plane, cross at inner points of both.
 DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int axis,
                                     FarthestPair& points) {
@@ -241,13 +262,9 @@ DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int ax
     const Vec3f &p = a.v[i], &q = a.v[i == 2 ? 0 : i + 1];
     DCM_ROLLED for (int j = 0; j < 3; ++j) {
       const Vec3f &r = b.v[j], &s = b.v[j == 2 ? 0 : j + 1];
-      const auto height = [&](const Vec3f& v) { return expandedOrient2d(r, s, v, axis); };
-      const Expansion<6> at_p = height(p), at_q = height(q);
-      if (at_p.sign() * at_q.sign() >= 0) continue;
-      if (expandedOrient2d(p, q, r, axis).sign() * expandedOrient2d(p, q, s, axis).sign() >= 0) {
-        continue;
-      }
-      points.add(nearestFloats(zeroBetween(p, q, at_p.value(), at_q.value(), height)));
+      if (sideOfLine(r, s, p, axis) * sideOfLine(r, s, q, axis) >= 0) continue;
+      if (sideOfLine(p, q, r, axis) * sideOfLine(p, q, s, axis) >= 0) continue;
+      addEdgeCrossing(p, q, r, s, axis, points);
     }
   }
 }

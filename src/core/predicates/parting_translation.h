@@ -26,7 +26,7 @@ namespace detail {
 
 DCM_HD inline Vec3d unit(const Vec3d& v) { return v * (1 / sqrt(dot(v, v))); }
 
-DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
+DCM_HD DCM_RARE inline double expandedRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
   Expansion<72> sum;
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const Vec3d u = toDouble(t.v[i]), v = toDouble(t.v[i == 2 ? 0 : i + 1]);
@@ -34,6 +34,12 @@ DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const
     addDeterminant(sum, u, v, toDouble(p), -1);
   }
   return sum.value();
+}
+
+DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
+  double value = 0;
+  const bool is_found = determinantByIntegers(t.v[0], t.v[1], t.v[0], t.v[2], p, q, value);
+  return is_found ? value : expandedRise(t, p, q);
 }
 
 // Returns by how much q is higher above the plane of t than p, in units of its normal; right to
