@@ -134,8 +134,12 @@ DCM_HD inline bool spanOf(const Triangle& t, const double side[3], Span& span) {
 
 // Compares a crossing of a with b's plane and a crossing of b with a's plane. Returns 1 if b's is
 // farther along the product of the normals of a and b, 0 if they are the same point.
-DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b, PredicateState& state) {
-  return orient3d(of_a.low, of_a.high, of_b.low, of_b.high, state);
+DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b) {
+  const int filtered = orient3dFiltered(of_a.low, of_a.high, of_b.low, of_b.high);
+  if (filtered != kUncertain) return filtered;
+  const bool has_shared_end = of_a.low == of_b.low || of_a.low == of_b.high ||
+                              of_a.high == of_b.low || of_a.high == of_b.high;
+  return has_shared_end ? 0 : orient3dExact(of_a.low, of_a.high, of_b.low, of_b.high);
 }
 
 DCM_HD DCM_RARE inline Vec3f pointOf(const Crossing& crossing, const Triangle& plane) {
@@ -154,9 +158,8 @@ DCM_HD inline bool segmentAcrossPlanes(const Triangle& a, const Triangle& b, con
   Span of_a, of_b;
   if (!spanOf(a, heights.of_a, of_a) || !spanOf(b, heights.of_b, of_b)) return false;
   // Along the product of the normals, the span of a begins on its right, that of b on its left.
-  PredicateState state;
-  const int a_then_b = orderOf(of_a.right, of_b.right, state);
-  const int b_then_a = orderOf(of_a.left, of_b.left, state);
+  const int a_then_b = orderOf(of_a.right, of_b.right);
+  const int b_then_a = orderOf(of_a.left, of_b.left);
   if (a_then_b < 0 || b_then_a > 0) return false;
   if (a_then_b == 0 || b_then_a == 0) {  // they touch at a point
     const Crossing &in_a = a_then_b == 0 ? of_a.right : of_a.left,
@@ -165,8 +168,8 @@ DCM_HD inline bool segmentAcrossPlanes(const Triangle& a, const Triangle& b, con
     segment.to = segment.from;
     return true;
   }
-  const int begins = orderOf(of_a.right, of_b.left, state);
-  const int ends = orderOf(of_a.left, of_b.right, state);
+  const int begins = orderOf(of_a.right, of_b.left);
+  const int ends = orderOf(of_a.left, of_b.right);
   const bool from_b = begins > 0 || (begins == 0 && of_b.left.isVertex());
   const bool to_b = ends < 0 || (ends == 0 && of_b.right.isVertex());
   segment.from = from_b ? pointOf(of_b.left, a) : pointOf(of_a.right, b);
@@ -235,8 +238,8 @@ DCM_HD DCM_RARE inline void addVerticesWithin(const Triangle& t, const Triangle&
   const bool has_area = axis >= 0 && orient2d(u.v[0], u.v[1], u.v[2], axis, state) != 0;
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const Vec3f& v = t.v[i];
-    const bool within =
-        has_area ? pointInTriangle(v, u, axis, state) : segmentMeetsEdges(v, v, u, state);
+    const bool within = isVertexOf(u, v) || (has_area ? pointInTriangle(v, u, axis, state)
+                                                      : segmentMeetsEdges(v, v, u, state));
     if (within) points.add(v);
   }
 }

@@ -37,6 +37,7 @@ DCM_HD DCM_RARE inline double expandedRise(const Triangle& t, const Vec3f& p, co
 }
 
 DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
+  if (isVertexOf(t, p) && isVertexOf(t, q)) return 0;  // common in layers of cloth
   double value = 0;
   const bool is_found = determinantByIntegers(t.v[0], t.v[1], t.v[0], t.v[2], p, q, value);
   return is_found ? value : expandedRise(t, p, q);

@@ -40,6 +40,7 @@ DCM_HD inline double exactCrossComponent(const Vec3f& a, const Vec3f& b, const V
 
 DCM_HD DCM_RARE inline Vec3d exactCross(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                         const Vec3f& d) {
+  if ((a == c && b == d) || (a == d && b == c)) return {};  // common in layers of cloth
   return {exactCrossComponent(a, b, c, d, 1, 2), exactCrossComponent(a, b, c, d, 2, 0),
           exactCrossComponent(a, b, c, d, 0, 1)};
 }
@@ -79,6 +80,7 @@ DCM_HD DCM_RARE inline double expandedVolume(const Vec3f& a, const Vec3f& b, con
 
 DCM_HD DCM_RARE inline double exactVolume(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                           const Vec3f& d) {
+  if (a == c || a == d || b == c || b == d || c == d || a == b) return 0;  // common too
   double value = 0;
   return determinantByIntegers(a, b, a, c, a, d, value) ? value : expandedVolume(a, b, c, d);
 }
