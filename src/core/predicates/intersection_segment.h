@@ -50,6 +50,11 @@ DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q,
 
 }  // namespace detail
 
+// Returns one of two points, without taking their addresses: that would keep them out of registers.
+DCM_HD inline Vec3f selected(bool first, const Vec3f& p, const Vec3f& q) {
+  return {first ? p.x : q.x, first ? p.y : q.y, first ? p.z : q.z};
+}
+
 // Finds the zero of a linear function whose values at p and q, right to 2^-29 of themselves, have
 // different signs. Returns false if the point could be off by more than 2^-23 of its largest
 // coordinate.
@@ -57,7 +62,7 @@ DCM_HD inline bool zeroNearEnd(const Vec3f& p, const Vec3f& q, double at_p, doub
                                Vec3d& point) {
   constexpr double kMostOffset = 16;  // in largest coordinates of the point
   const bool from_p = fabs(at_p) <= fabs(at_q);
-  const Vec3d base = toDouble(from_p ? p : q), other = toDouble(from_p ? q : p);
+  const Vec3d base = toDouble(selected(from_p, p, q)), other = toDouble(selected(from_p, q, p));
   const double share = (from_p ? at_p : at_q) / (from_p ? at_p - at_q : at_q - at_p);
   const Vec3d offset = (other - base) * share;
   point = base + offset;

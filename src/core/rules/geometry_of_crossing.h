@@ -73,9 +73,9 @@ struct TurnedTriangle {
   DCM_HD bool turn(const Triangle& t, const double heights[3]) {
     const bool up0 = heights[0] > 0, up1 = heights[1] > 0, up2 = heights[2] > 0;
     const bool is0 = up1 == up2, is1 = up0 == up2;
-    v[0] = is0 ? t.v[0] : (is1 ? t.v[1] : t.v[2]);
-    v[1] = is0 ? t.v[1] : (is1 ? t.v[2] : t.v[0]);
-    v[2] = is0 ? t.v[2] : (is1 ? t.v[0] : t.v[1]);
+    v[0] = selected(is0, t.v[0], selected(is1, t.v[1], t.v[2]));
+    v[1] = selected(is0, t.v[1], selected(is1, t.v[2], t.v[0]));
+    v[2] = selected(is0, t.v[2], selected(is1, t.v[0], t.v[1]));
     height[0] = is0 ? heights[0] : (is1 ? heights[1] : heights[2]);
     height[1] = is0 ? heights[1] : (is1 ? heights[2] : heights[0]);
     height[2] = is0 ? heights[2] : (is1 ? heights[0] : heights[1]);
@@ -91,19 +91,26 @@ struct TurnedTriangle {
     return fabs(rise) > 0x1p-27 * most(fabs(height[1]), fabs(height[2]));
   }
 
-  // Finds where the edge from v[0] to v[1] or v[2] meets the plane, as pointOf() does. Returns
-  // false if too much cancels.
-  DCM_HD bool meetsPlaneAt(bool first_edge, Vec3f& point) const {
-    const Vec3f& other = first_edge ? v[1] : v[2];
-    const double at_other = first_edge ? height[1] : height[2];
+  // Returns the crossing of the edge between v[0] and v[1], or between v[0] and v[2].
+  DCM_HD Crossing crossing(bool of_first_edge) const {
+    const Vec3f other = selected(of_first_edge, v[1], v[2]);
+    const double at_other = of_first_edge ? height[1] : height[2];
     const bool is_up = isUp();
-    Vec3d exact;
-    const bool is_certain = is_up ? zeroNearEnd(other, v[0], at_other, height[0], exact)
-                                  : zeroNearEnd(v[0], other, height[0], at_other, exact);
-    point = nearestFloats(exact);
-    return is_certain;
+    return {selected(is_up, other, v[0]), selected(is_up, v[0], other),
+            is_up ? at_other : height[0], is_up ? height[0] : at_other};
   }
 };
+
+// Finds a point as pointOf() does. Returns false if too much cancels.
+DCM_HD inline bool certainPointOf(bool first, const Crossing& one, const Crossing& other,
+                                  Vec3f& point) {
+  Vec3d exact;
+  const bool is_certain =
+      zeroNearEnd(selected(first, one.low, other.low), selected(first, one.high, other.high),
+                  first ? one.at_low : other.at_low, first ? one.at_high : other.at_high, exact);
+  point = nearestFloats(exact);
+  return is_certain;
+}
 
 // Two triangles that cross each other's planes.
 struct CrossingPair {
@@ -152,11 +159,9 @@ struct CrossingPair {
     };
     if (order(up_a, up_b) < 0 || order(!up_a, !up_b) > 0) return false;
     const bool from_b = order(up_a, !up_b)<0, to_b = order(!up_a, up_b)> 0;
-    is_certain =
-        from_b ? b.meetsPlaneAt(up_b, geometry.point_a) : a.meetsPlaneAt(!up_a, geometry.point_a);
-    return (to_b ? b.meetsPlaneAt(!up_b, geometry.point_b)
-                 : a.meetsPlaneAt(up_a, geometry.point_b)) &&
-           is_certain;
+    is_certain = certainPointOf(from_b, b.crossing(up_b), a.crossing(!up_a), geometry.point_a);
+    is_certain &= certainPointOf(to_b, b.crossing(!up_b), a.crossing(up_a), geometry.point_b);
+    return is_certain;
   }
 
   // Adds the face of an edge of a and an edge of b, if `counts` holds.
@@ -177,16 +182,18 @@ struct CrossingPair {
     bool rises_a, rises_b;
     bool is_certain = a.riseOfOpposite(rises_a);
     is_certain &= b.riseOfOpposite(rises_b);
-    is_certain &= addEdges(a.v[0], a.v[1], alike ? b.v[0] : b.v[2], alike ? b.v[1] : b.v[0],
-                           alike ? volume[0][0] : volume[0][1], !up_a, true);
-    is_certain &= addEdges(a.v[2], a.v[0], alike ? b.v[2] : b.v[0], alike ? b.v[0] : b.v[1],
-                           alike ? volume[1][1] : volume[1][0], up_a, true);
+    is_certain &=
+        addEdges(a.v[0], a.v[1], selected(alike, b.v[0], b.v[2]), selected(alike, b.v[1], b.v[0]),
+                 alike ? volume[0][0] : volume[0][1], !up_a, true);
+    is_certain &=
+        addEdges(a.v[2], a.v[0], selected(alike, b.v[2], b.v[0]), selected(alike, b.v[0], b.v[1]),
+                 alike ? volume[1][1] : volume[1][0], up_a, true);
     double edge_volume;
     const bool back_a = rises_b == up_a, back_b = rises_a == up_b;
-    const Vec3f &p = back_a ? a.v[2] : a.v[0], &q = back_a ? a.v[0] : a.v[1];
+    const Vec3f p = selected(back_a, a.v[2], a.v[0]), q = selected(back_a, a.v[0], a.v[1]);
     is_certain &= certainVolume(p, q, b.v[1], b.v[2], edge_volume);
     is_certain &= addEdges(p, q, b.v[1], b.v[2], edge_volume, rises_b, true);
-    const Vec3f &r = back_b ? b.v[2] : b.v[0], &s = back_b ? b.v[0] : b.v[1];
+    const Vec3f r = selected(back_b, b.v[2], b.v[0]), s = selected(back_b, b.v[0], b.v[1]);
     is_certain &= certainVolume(a.v[1], a.v[2], r, s, edge_volume);
     is_certain &= addEdges(a.v[1], a.v[2], r, s, edge_volume, rises_a, true);
     const bool counts = rises_a == rises_b;

@@ -149,8 +149,8 @@ DCM_HD inline bool crossingGeometryOf(const Triangle& a, const Triangle& b,
   const bool swap = detail::precedes(b, a);
   Triangle first, second;
   for (int i = 0; i < 3; ++i) {
-    first.v[i] = swap ? b.v[i] : a.v[i];
-    second.v[i] = swap ? a.v[i] : b.v[i];
+    first.v[i] = selected(swap, b.v[i], a.v[i]);
+    second.v[i] = selected(swap, a.v[i], b.v[i]);
   }
   if (!detail::fillProperCrossing(first, second, geometry)) return false;
   const Vec3f zero;  // makes 0 of -0
