@@ -46,17 +46,19 @@ DCM_HD inline bool certainCross(const Vec3f& a, const Vec3f& b, const Vec3f& c, 
 struct ClearlyNearestFace {
   Vec3d normal;
   double squared_distance = INFINITY, squared_size = 1;  // the distance is in units of the normal
-  bool is_open = false;
+  bool is_open = false, is_lost = false;  // lost: numbers were too large or too small to compare
+
+  DCM_HD bool isCertain() const { return !is_open && !is_lost; }
 
   // Adds a face, which points outwards, if `counts` holds.
   DCM_HD void add(const Vec3d& face_normal, double distance, bool counts) {
-    constexpr double kClearly = 1 + 0x1p-20, kLeast = 1e-280;
+    constexpr double kClearly = 1 + 0x1p-20, kLeast = 1e-280, kMost = 1e280;
     const double size = dot(face_normal, face_normal), squared = distance * distance;
     if (!counts || !(size > 0)) return;
     const double here = squared * squared_size, best = squared_distance * size;
-    const bool is_nearer = here * kClearly < best && here > kLeast;
-    const bool is_farther = here > best * kClearly && best > kLeast;
-    is_open = (is_open && !is_nearer) || !(is_nearer || is_farther) || !(distance > 0);
+    const bool is_nearer = here * kClearly<best, is_farther = here> best * kClearly;
+    is_lost = is_lost || !(distance > 0 && here > kLeast && here < kMost && best > kLeast);
+    is_open = !is_nearer && (is_open || !is_farther);
     if (!(here < best)) return;
     normal = face_normal;
     squared_distance = squared;
@@ -215,7 +217,7 @@ DCM_HD inline bool fillProperCrossing(const Triangle& first, const Triangle& sec
   geometry.normal = toFloat(nearest.normal * (1 / sqrt(nearest.squared_size)));
   geometry.separation_m = 0.0F - toFloat(depth);
   geometry.flags = 0;
-  return is_certain && !nearest.is_open && depth <= FLT_MAX;
+  return is_certain && nearest.isCertain() && depth <= FLT_MAX;
 }
 
 }  // namespace detail
