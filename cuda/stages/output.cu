@@ -57,7 +57,7 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
   gathered_ = expected > kLongestRow / 2;
   if (gathered_) rows_.gather(cycle, blocks_, stream);
   write(cycle, result, stream);
-  describe(cycle, std::min(most_described, expected + expected / 4 + 1024), result, stream);
+  describe(cycle, most_described, result, stream);
 }
 
 void ContactOutput::fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,

@@ -10,10 +10,10 @@
 #include <cmath>
 
 #include "core/host_device.h"
+#include "core/predicates/contact_determinants.h"
 #include "core/predicates/orientation.h"
 #include "core/predicates/segment_intersection.h"
 #include "core/predicates/triangle.h"
-#include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
@@ -93,8 +93,8 @@ struct Heights {
 
   DCM_HD Heights(const Triangle& a, const Triangle& b) {
     DCM_ROLLED for (int i = 0; i < 3; ++i) {
-      of_a[i] = detail::volumeOf(b.v[0], b.v[1], b.v[2], a.v[i]);
-      of_b[i] = detail::volumeOf(a.v[0], a.v[1], a.v[2], b.v[i]);
+      of_a[i] = detail::contactVolume(b.v[0], b.v[1], b.v[2], a.v[i]);
+      of_b[i] = detail::contactVolume(a.v[0], a.v[1], a.v[2], b.v[i]);
     }
   }
 };

@@ -11,8 +11,8 @@
 #include <cmath>
 
 #include "core/host_device.h"
+#include "core/predicates/contact_determinants.h"
 #include "core/predicates/intersection_segment.h"
-#include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
@@ -105,8 +105,8 @@ DCM_HD inline PartingTranslation partingTranslation(const Triangle& a, const Tri
   const auto next = [](int i) { return i == 2 ? 0 : i + 1; };
   // b leaves a's plane upwards once its lowest vertex does; a does the same downwards from b's
   // plane.
-  nearest.addPlane(detail::crossOf(a.v[0], a.v[1], a.v[1], a.v[2]), heights.of_b, 1);
-  nearest.addPlane(detail::crossOf(b.v[0], b.v[1], b.v[1], b.v[2]), heights.of_a, -1);
+  nearest.addPlane(detail::contactCross(a.v[0], a.v[1], a.v[1], a.v[2]), heights.of_b, 1);
+  nearest.addPlane(detail::contactCross(b.v[0], b.v[1], b.v[1], b.v[2]), heights.of_a, -1);
   double rise_of_b[3], rise_of_a[3];
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     rise_of_b[i] = detail::riseOver(a, b.v[i], b.v[next(i)]);
@@ -120,7 +120,8 @@ DCM_HD inline PartingTranslation partingTranslation(const Triangle& a, const Tri
       if (sign_a * sign_b < 0 || (sign_a == 0 && sign_b == 0)) continue;
       const double sign = sign_a != 0 ? sign_a : sign_b;
       const Vec3f &p = a.v[i], &q = a.v[next(i)], &r = b.v[j], &s = b.v[next(j)];
-      nearest.add(detail::crossOf(p, q, r, s) * sign, sign * detail::volumeOf(p, q, r, s));
+      nearest.add(detail::contactCross(p, q, r, s) * sign,
+                  sign * detail::contactVolume(p, q, r, s));
     }
   }
   return {detail::unit(nearest.normal), sqrt(nearest.squared), nearest.unique};

@@ -40,7 +40,6 @@ DCM_HD inline double exactCrossComponent(const Vec3f& a, const Vec3f& b, const V
 
 DCM_HD DCM_RARE inline Vec3d exactCross(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                         const Vec3f& d) {
-  if ((a == c && b == d) || (a == d && b == c)) return {};  // common in layers of cloth
   return {exactCrossComponent(a, b, c, d, 1, 2), exactCrossComponent(a, b, c, d, 2, 0),
           exactCrossComponent(a, b, c, d, 0, 1)};
 }
@@ -59,30 +58,9 @@ DCM_HD inline Vec3d crossOf(const Vec3f& a, const Vec3f& b, const Vec3f& c, cons
   return enough ? n : exactCross(a, b, c, d);
 }
 
-// Returns det[q1 - p1; q2 - p2; q3 - p3] as Expansion::value() does, by integers where they
-// suffice.
-DCM_HD DCM_RARE inline bool determinantByIntegers(const Vec3f& p1, const Vec3f& q1, const Vec3f& p2,
-                                                  const Vec3f& q2, const Vec3f& p3, const Vec3f& q3,
-                                                  double& value) {
-#if DCM_INT128
-  const float x[18] = {p1.x, p1.y, p1.z, q1.x, q1.y, q1.z, p2.x, p2.y, p2.z,
-                       q2.x, q2.y, q2.z, p3.x, p3.y, p3.z, q3.x, q3.y, q3.z};
-  return determinantAsExpansion(x, value);
-#else
-  return false;
-#endif
-}
-
-DCM_HD DCM_RARE inline double expandedVolume(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                             const Vec3f& d) {
-  return expandedOrient3d(a, b, c, d).value();
-}
-
 DCM_HD DCM_RARE inline double exactVolume(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                           const Vec3f& d) {
-  if (a == c || a == d || b == c || b == d || c == d || a == b) return 0;  // common too
-  double value = 0;
-  return determinantByIntegers(a, b, a, c, a, d, value) ? value : expandedVolume(a, b, c, d);
+  return expandedOrient3d(a, b, c, d).value();
 }
 
 // Returns det[b - a; c - a; d - a].

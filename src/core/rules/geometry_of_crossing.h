@@ -11,34 +11,19 @@
 
 #include "core/host_device.h"
 #include "core/pair_geometry.h"
+#include "core/predicates/contact_determinants.h"
 #include "core/predicates/intersection_segment.h"
 #include "core/predicates/triangle.h"
-#include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
 namespace detail {
 
-// Computes det[b - a; c - a; d - a] as volumeOf() does. Returns false if it is zero, or if double
-// arithmetic does not suffice.
-DCM_HD inline bool certainVolume(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
-                                 double& volume) {
-  double permanent;
-  volume = orient3dDouble(a, b, c, d, permanent);
-  return fabs(volume) >= kEnough * permanent && volume != 0;
-}
-
-// Computes (b - a) x (d - c) as crossOf() does. Returns false if double arithmetic does not
+// Computes det[b - a; c - a; d - a]. Returns false if it is zero, or if double arithmetic does not
 // suffice.
-DCM_HD inline bool certainCross(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
-                                Vec3d& normal) {
-  const Vec3d u = toDouble(b) - toDouble(a), v = toDouble(d) - toDouble(c);
-  const double m1 = u.y * v.z, m2 = u.z * v.y, m3 = u.z * v.x;
-  const double m4 = u.x * v.z, m5 = u.x * v.y, m6 = u.y * v.x;
-  normal = {m1 - m2, m3 - m4, m5 - m6};
-  return (fabs(normal.x) >= kEnough * (fabs(m1) + fabs(m2))) &
-         (fabs(normal.y) >= kEnough * (fabs(m3) + fabs(m4))) &
-         (fabs(normal.z) >= kEnough * (fabs(m5) + fabs(m6)));
+DCM_HD inline bool properVolume(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
+                                double& volume) {
+  return certainVolume(a, b, c, d, volume) && volume != 0;
 }
 
 // The nearest face of the Minkowski difference of two triangles. A face that is nearly as near as
@@ -126,8 +111,8 @@ struct CrossingPair {
     double of_a[3], of_b[3];
     bool is_certain = true;
     for (int i = 0; i < 3; ++i) {
-      is_certain &= certainVolume(second.v[0], second.v[1], second.v[2], first.v[i], of_a[i]);
-      is_certain &= certainVolume(first.v[0], first.v[1], first.v[2], second.v[i], of_b[i]);
+      is_certain &= properVolume(second.v[0], second.v[1], second.v[2], first.v[i], of_a[i]);
+      is_certain &= properVolume(first.v[0], first.v[1], first.v[2], second.v[i], of_b[i]);
     }
     is_certain = is_certain && a.turn(first, of_a) && b.turn(second, of_b);
     if (!is_certain) return false;
@@ -150,8 +135,8 @@ struct CrossingPair {
     bool is_certain = true;
     for (int i = 0; i < 2; ++i) {
       const Vec3f &p = a.v[i == 0 ? 0 : 2], &q = a.v[i == 0 ? 1 : 0];
-      is_certain &= certainVolume(p, q, b.v[0], b.v[1], volume[i][0]);
-      is_certain &= certainVolume(p, q, b.v[2], b.v[0], volume[i][1]);
+      is_certain &= properVolume(p, q, b.v[0], b.v[1], volume[i][0]);
+      is_certain &= properVolume(p, q, b.v[2], b.v[0], volume[i][1]);
     }
     if (!is_certain) return false;
     const bool up_a = a.isUp(), up_b = b.isUp();
@@ -160,7 +145,8 @@ struct CrossingPair {
                     : (back_b ? volume[0][1] : volume[0][0]);
     };
     if (order(up_a, up_b) < 0 || order(!up_a, !up_b) > 0) return false;
-    const bool from_b = order(up_a, !up_b)<0, to_b = order(!up_a, up_b)> 0;
+    const bool from_b = order(up_a, !up_b) < 0;
+    const bool to_b = order(!up_a, up_b) > 0;
     is_certain = certainPointOf(from_b, b.crossing(up_b), a.crossing(!up_a), geometry.point_a);
     is_certain &= certainPointOf(to_b, b.crossing(!up_b), a.crossing(up_a), geometry.point_b);
     return is_certain;
@@ -193,13 +179,13 @@ struct CrossingPair {
     double edge_volume;
     const bool back_a = rises_b == up_a, back_b = rises_a == up_b;
     const Vec3f p = selected(back_a, a.v[2], a.v[0]), q = selected(back_a, a.v[0], a.v[1]);
-    is_certain &= certainVolume(p, q, b.v[1], b.v[2], edge_volume);
+    is_certain &= properVolume(p, q, b.v[1], b.v[2], edge_volume);
     is_certain &= addEdges(p, q, b.v[1], b.v[2], edge_volume, rises_b, true);
     const Vec3f r = selected(back_b, b.v[2], b.v[0]), s = selected(back_b, b.v[0], b.v[1]);
-    is_certain &= certainVolume(a.v[1], a.v[2], r, s, edge_volume);
+    is_certain &= properVolume(a.v[1], a.v[2], r, s, edge_volume);
     is_certain &= addEdges(a.v[1], a.v[2], r, s, edge_volume, rises_a, true);
     const bool counts = rises_a == rises_b;
-    is_certain &= certainVolume(a.v[1], a.v[2], b.v[1], b.v[2], edge_volume) || !counts;
+    is_certain &= properVolume(a.v[1], a.v[2], b.v[1], b.v[2], edge_volume) || !counts;
     is_certain &= addEdges(a.v[1], a.v[2], b.v[1], b.v[2], edge_volume, rises_a, counts);
     return is_certain;
   }

@@ -82,7 +82,7 @@ TEST(DeterminantByIntegers, HasTheBitsOfTheSum) {
     double value = 0;
     if (!detail::determinantByIntegers(p[0], p[1], p[0], p[2], p[0], p[3], value)) continue;
     ++by_integers;
-    const double sum = detail::expandedVolume(p[0], p[1], p[2], p[3]);
+    const double sum = detail::exactVolume(p[0], p[1], p[2], p[3]);
     ASSERT_EQ(0, std::memcmp(&sum, &value, sizeof sum)) << sum << " and " << value;
     long_ones += expandedOrient3d(p[0], p[1], p[2], p[3]).size() > 1 ? 1 : 0;
     const Triangle t{{p[0], p[1], p[2]}};
