@@ -18,6 +18,10 @@ namespace deformable_contact_monitor {
 
 namespace detail {
 
+DCM_HD inline bool isVertexOf(const Triangle& t, const Vec3f& p) {
+  return p == t.v[0] || p == t.v[1] || p == t.v[2];
+}
+
 // Returns det[q1 - p1; q2 - p2; q3 - p3] as Expansion::value() does, by integers. Returns false if
 // these do not suffice.
 DCM_HD DCM_RARE inline bool determinantByIntegers(const Vec3f& p1, const Vec3f& q1, const Vec3f& p2,

@@ -15,10 +15,6 @@ DCM_HD inline bool isFinite(const Triangle& t) {
   return isFinite(t.v[0]) && isFinite(t.v[1]) && isFinite(t.v[2]);
 }
 
-DCM_HD inline bool isVertexOf(const Triangle& t, const Vec3f& p) {
-  return p == t.v[0] || p == t.v[1] || p == t.v[2];
-}
-
 // Returns the right-handed normal of a triangle, whose length is twice the triangle's area [m^2].
 inline Vec3d doubleAreaNormal(const Triangle& t) {
   const Vec3d origin = toDouble(t.v[0]);
