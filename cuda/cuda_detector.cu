@@ -46,6 +46,7 @@ class SingleGpuDetector : public PartitionDetector {
 
 SingleGpuDetector::SingleGpuDetector(const CudaSettings& settings) : cycle_(settings) {
   result_.contacts.moveTo(pinnedMemory());
+  result_.geometry.moveTo(pinnedMemory());
 }
 
 // Stops the work that a cycle may have left, and waits for it before memory is freed.

@@ -105,7 +105,7 @@ void ContactCollector::fetch(const Options& options, const CycleLimit& limit) {
   const ContactFields fields{any.margins && !swept, options.geometry, options.first_times,
                              any.pads && swept};
   output_.fetch(cycle_.arrays, fields, std::min(cycle_.listable(last_contacts_), most), most,
-                result_.contacts, cycle_.stream.get());
+                result_, cycle_.stream.get());
 }
 
 // Grows the page-locked memory step by step where a limit is set, so that the cycle ends in time
@@ -117,12 +117,12 @@ void ContactCollector::complete(const CycleLimit& limit) {
   const cudaStream_t stream = cycle_.stream.get();
   // Allocating page-locked memory takes long, so the limit is checked in between.
   std::uint32_t room = limit.isSet() ? std::min(count, kMostListedLate) : count;
-  output_.makeRoom(room, result_.contacts, stream);
+  output_.makeRoom(room, result_, stream);
   while (room < count && !limit.over()) {
     room = std::min(count, 2 * room);
-    output_.makeRoom(room, result_.contacts, stream);
+    output_.makeRoom(room, result_, stream);
   }
-  output_.fetchAgain(cycle_.arrays, cycle_.params[0].index_bits, room, result_.contacts, stream);
+  output_.fetchAgain(cycle_.arrays, cycle_.params[0].index_bits, room, result_, stream);
   checkCuda(cudaGetLastError(), "a launch");
   cycle_.wait(limit);
 }

@@ -272,7 +272,7 @@ __global__ void __launch_bounds__(kPairThreads) resultKernel(CycleArrays c) {
   NearestFound& to = c.nearest.found.onHost()[pair.value];
   to = result;
   if (!found || bodies.points_on_device == 0) return;
-  const PairGeometry geometry = geometryOf(
+  const PairGeometry geometry = generalGeometryOf(
       posedTriangle(c.scene, t), posedTriangle(c.scene, TriangleIndex(least)), result.distance_m);
   to.point_a = geometry.point_a;
   to.point_b = result.distance_m > 0 ? geometry.point_b : geometry.point_a;

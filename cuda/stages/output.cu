@@ -12,30 +12,32 @@ namespace deformable_contact_monitor {
 
 // Allocates more than is needed, because a slowly growing number of contacts would otherwise
 // allocate in every cycle.
-void ContactOutput::makeRoom(std::uint32_t count, TrianglePairs& contacts, cudaStream_t stream) {
+void ContactOutput::makeRoom(std::uint32_t count, DetectionResult& result, cudaStream_t stream) {
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+  TrianglePairs& contacts = result.contacts;
   if (count > contacts.capacity()) {
     contacts.clear();
     contacts.reserve(count + std::size_t{count} / 4);
   }
   contacts.resize(std::min(contacts.capacity(), kMost));
-  room_ = static_cast<std::uint32_t>(contacts.size());
+  room_ = static_cast<std::uint32_t>(result.contacts.size());
   if (fields_.separations) separations_.grow(room_);
   if (fields_.times()) times_.grow(room_);
   if (!fields_.geometry) return;
-  geometry_.grow(room_);
-  if (geometry_on_device_.grow(room_, stream)) {
-    // Clears the array, because fetches may copy more elements than there are contacts.
-    checkCuda(cudaMemsetAsync(geometry_on_device_.data(), 0, geometry_on_device_.bytes(), stream),
-              "cudaMemsetAsync");
+  if (room_ > result.geometry.capacity()) {
+    result.geometry.clear();
+    result.geometry.reserve(room_);
   }
+  result.geometry.resize(room_);
   keys_.grow(room_, stream);
+  open_.grow(room_, stream);
+  open_count_.grow(kOpenKinds, stream);
   if (fields_.separations) sorted_separations_.grow(room_, stream);
 }
 
-OrderedOutput ContactOutput::output(TrianglePairs& contacts) {
+OrderedOutput ContactOutput::output(DetectionResult& result) {
   OrderedOutput out{};
-  out.pairs = reinterpret_cast<uint4*>(contacts.data());
+  out.pairs = reinterpret_cast<uint4*>(result.contacts.data());
   if (fields_.separations) out.separations_m = separations_.data();
   if (fields_.times()) out.times = times_.data();
   out.room = room_;
@@ -49,45 +51,45 @@ OrderedOutput ContactOutput::output(TrianglePairs& contacts) {
 
 void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
                           std::uint32_t expected, std::uint32_t most_described,
-                          TrianglePairs& contacts, cudaStream_t stream) {
+                          DetectionResult& result, cudaStream_t stream) {
   fields_ = fields;
-  makeRoom(expected, contacts, stream);
+  makeRoom(expected, result, stream);
   gathered_ = expected > kLongestRow / 2;
   if (gathered_) rows_.gather(cycle, blocks_, stream);
-  write(cycle, contacts, stream);
-  describe(cycle, std::min(most_described, expected + expected / 4 + 1024), stream);
+  write(cycle, result, stream);
+  describe(cycle, most_described, result, stream);
 }
 
 void ContactOutput::fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
-                               TrianglePairs& contacts, cudaStream_t stream) {
-  makeRoom(count, contacts, stream);
+                               DetectionResult& result, cudaStream_t stream) {
+  makeRoom(count, result, stream);
   if (too_long_[0] != 0) {
-    rows_.sortAndWrite(cycle, count, index_bits, output(contacts), blocks_, stream);
+    rows_.sortAndWrite(cycle, count, index_bits, output(result), blocks_, stream);
     too_long_[0] = 0;
     room_ = count;
   } else {
-    write(cycle, contacts, stream);
+    write(cycle, result, stream);
   }
-  describe(cycle, count, stream);
+  describe(cycle, count, result, stream);
 }
 
-void ContactOutput::write(const CycleArrays& cycle, TrianglePairs& contacts, cudaStream_t stream) {
+void ContactOutput::write(const CycleArrays& cycle, DetectionResult& result, cudaStream_t stream) {
   if (gathered_) {
-    rows_.write(cycle, output(contacts), blocks_, stream);
+    rows_.write(cycle, output(result), blocks_, stream);
   } else {
-    ContactRows::writeFew(cycle, output(contacts), blocks_, stream);
+    ContactRows::writeFew(cycle, output(result), blocks_, stream);
   }
 }
 
-// Computes the geometry of the first `most` contacts and fetches it.
-void ContactOutput::describe(const CycleArrays& cycle, std::uint32_t most, cudaStream_t stream) {
+// Computes the geometry of the first `most` contacts.
+void ContactOutput::describe(const CycleArrays& cycle, std::uint32_t most, DetectionResult& result,
+                             cudaStream_t stream) {
   described_ = 0;
   if (!fields_.geometry) return;
   described_ = std::min(most, room_);
   launchGeometry(
       cycle, {keys_.data(), fields_.separations ? sorted_separations_.data() : nullptr, described_},
-      geometry_on_device_.data(), stream);
-  geometry_on_device_.download(geometry_.data(), described_, stream);
+      {result.geometry.data(), open_.data(), open_count_.data()}, blocks_, stream);
 }
 
 void ContactOutput::list(std::uint32_t count, DetectionResult& result) const {
@@ -96,9 +98,7 @@ void ContactOutput::list(std::uint32_t count, DetectionResult& result) const {
   if (fields_.separations) {
     result.separations_m.assign(separations_.data(), separations_.data() + count);
   }
-  if (fields_.geometry && count <= described_) {
-    result.geometry.assign(geometry_.data(), geometry_.data() + count);
-  }
+  result.geometry.resize(fields_.geometry && count <= described_ ? count : 0);
   if (fields_.times()) listTimes(count, result);
 }
 

@@ -29,27 +29,26 @@ class ContactOutput {
   // `blocks`: the number of blocks of each launch.
   explicit ContactOutput(unsigned blocks) : blocks_(blocks) {}
 
-  // Enqueues the sort of the contacts and their transfer to `contacts`, which must be in
-  // pinnedMemory(). There is room for at least `expected` contacts, and for more if there once was;
-  // others are not written. Geometry comes with up to `most_described` contacts. The stream must
-  // have been waited for since the last fetch.
+  // Enqueues the sort of the contacts and their transfer to the result, whose contacts and geometry
+  // must be in pinnedMemory(). There is room for at least `expected` contacts, and for more if
+  // there once was; others are not written. Geometry comes with up to `most_described` contacts.
+  // The stream must have been waited for since the last fetch.
   void fetch(const CycleArrays& cycle, const ContactFields& fields, std::uint32_t expected,
-             std::uint32_t most_described, TrianglePairs& contacts, cudaStream_t stream);
+             std::uint32_t most_described, DetectionResult& result, cudaStream_t stream);
   // Returns whether the fetch brought the first `count` contacts with all fields. The stream must
   // have been waited for.
   bool has(std::uint32_t count) const {
     return too_long_[0] == 0 && count <= room_ && (!fields_.geometry || count <= described_);
   }
   // Makes room for `count` contacts. The device must not be writing contacts.
-  void makeRoom(std::uint32_t count, TrianglePairs& contacts, cudaStream_t stream);
+  void makeRoom(std::uint32_t count, DetectionResult& result, cudaStream_t stream);
   // Brings the first `count` contacts if fetch() did not. If rows were too long, it sorts and
   // brings any `count` of them.
   void fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
-                  TrianglePairs& contacts, cudaStream_t stream);
+                  DetectionResult& result, cudaStream_t stream);
 
   std::uint64_t bytes() const {
-    return keys_.bytes() + sorted_separations_.bytes() + geometry_on_device_.bytes() +
-           rows_.bytes();
+    return keys_.bytes() + sorted_separations_.bytes() + open_.bytes() + rows_.bytes();
   }
 
   // Copies the first `count` contacts to the result, or fewer if fewer came. The stream must have
@@ -57,19 +56,19 @@ class ContactOutput {
   void list(std::uint32_t count, DetectionResult& result) const;
 
  private:
-  void write(const CycleArrays& cycle, TrianglePairs& contacts, cudaStream_t stream);
-  OrderedOutput output(TrianglePairs& contacts);
-  void describe(const CycleArrays& cycle, std::uint32_t most, cudaStream_t stream);
+  void write(const CycleArrays& cycle, DetectionResult& result, cudaStream_t stream);
+  OrderedOutput output(DetectionResult& result);
+  void describe(const CycleArrays& cycle, std::uint32_t most, DetectionResult& result,
+                cudaStream_t stream);
   void listTimes(std::uint32_t count, DetectionResult& result) const;
 
   const unsigned blocks_;
   ContactRows rows_;
   DeviceBuffer<std::uint64_t> keys_;
   DeviceBuffer<float> sorted_separations_;
-  DeviceBuffer<PairGeometry> geometry_on_device_;
+  DeviceBuffer<std::uint32_t> open_, open_count_;  // see GeometryOutput
   PinnedBuffer<float> separations_;
   PinnedBuffer<ContactTimes> times_;
-  PinnedBuffer<PairGeometry> geometry_;
   PinnedBuffer<std::uint32_t> too_long_{1};
   bool gathered_ = false;  // the last fetch grouped contacts into rows
   std::uint32_t room_ = 0, described_ = 0;

@@ -64,8 +64,20 @@ struct SortedContacts {
   std::uint32_t most;          // the number of contacts to describe, if there are so many
 };
 
+// Where the geometry of sorted contacts is written, each at its contact's place.
+struct GeometryOutput {
+  PairGeometry* geometry;  // in mapped memory of the host
+  // On the device: the places of contacts that do not properly cross. Those that seem coplanar are
+  // listed from the front, others from the back. There is room for SortedContacts::most.
+  std::uint32_t* open;
+  std::uint32_t* open_count;  // kOpenKinds numbers: how many there are of either kind
+};
+
+constexpr unsigned kOpenKinds = 2;
+
 // Enqueues the computation of each contact's geometry. Reads scene.corners and scene.posed.
-void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted, PairGeometry* geometry,
-                    cudaStream_t stream);
+// `blocks`: the number of blocks of the launch for contacts that do not properly cross.
+void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted,
+                    const GeometryOutput& out, unsigned blocks, cudaStream_t stream);
 
 }  // namespace deformable_contact_monitor

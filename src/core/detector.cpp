@@ -56,10 +56,13 @@ void DetectionResult::cutOff(const std::string& because) {
 
 void DetectionResult::swap(DetectionResult& other) {
   // A pmr container is moved without a copy only within one memory resource.
-  if (contacts.get_allocator() != other.contacts.get_allocator()) {
-    other.contacts.clear();
-    other.contacts.moveTo(*contacts.get_allocator().resource());
-  }
+  const auto toSameMemory = [](auto& list, auto& other_list) {
+    if (list.get_allocator() == other_list.get_allocator()) return;
+    other_list.clear();
+    other_list.moveTo(*list.get_allocator().resource());
+  };
+  toSameMemory(contacts, other.contacts);
+  toSameMemory(geometry, other.geometry);
   std::swap(*this, other);
 }
 

@@ -126,7 +126,7 @@ struct DCM_EXPORT DetectionResult {
   std::vector<float> separations_m;
   // Geometry of each contact, if options.geometry is set; else empty. Also empty if the limits left
   // no time for all of it. That alone does not set cut_off, because the list is complete.
-  std::vector<PairGeometry> geometry;
+  HostList<PairGeometry> geometry;
   // First time of each contact, if options.first_times is set; else empty. For a contact within the
   // pads only (see within_pad), `low` is the time before which it is certainly none, and `high`
   // is 1.

@@ -43,7 +43,7 @@ py::array_t<bool> flagList(const std::vector<std::uint8_t>& flags) {
 
 // Returns records of the wire format. Its fields have the order and the types of PairGeometry's
 // members, but no padding at the end, so each record is copied without it.
-py::array geometryTable(const std::vector<PairGeometry>& geometry) {
+py::array geometryTable(const HostList<PairGeometry>& geometry) {
   constexpr std::size_t kBytes = offsetof(PairGeometry, flags) + sizeof(PairGeometry::flags);
   static_assert(kBytes == 41 && std::is_standard_layout<PairGeometry>::value,
                 "members stand one behind the other");

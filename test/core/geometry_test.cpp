@@ -103,6 +103,32 @@ TEST_P(Geometry, IsTheRulesInRandomScenes) {
   expectRulesGeometry(large, detector_->detect(large, withGeometry()));
 }
 
+// Returns a cloth with vertices on a grid of 1/64 m, in a plane that is level or slopes along x.
+TriangleMesh flatCloth(float slope, float shift) {
+  TriangleMesh mesh = clothGrid(16, 0.25F, 0, 0);
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    mesh.vertices[i] += shift;
+    mesh.vertices[i + 1] += 0.5F * shift;
+    mesh.vertices[i + 2] = slope * mesh.vertices[i];
+  }
+  return mesh;
+}
+
+// Cloths that are equal, and cloths in one plane: contacts share vertices or are coplanar.
+TEST_P(Geometry, IsTheRulesForLayersOfCloth) {
+  const TriangleMesh wave = clothGrid(16, 0.25F, 0, 0.02F);
+  for (const Scene& scene : {pairScene(wave, wave), pairScene(flatCloth(0, 0), flatCloth(0, 0)),
+                             pairScene(flatCloth(0, 0), flatCloth(0, 0.0078125F)),
+                             pairScene(flatCloth(0.25F, 0), flatCloth(0.25F, 0.0078125F)),
+                             pairScene(flatCloth(0.3F, 0), flatCloth(0.3F, 0.0078125F))}) {
+    for (int cycle = 0; cycle < 2; ++cycle) {
+      const DetectionResult& result = detector_->detect(scene, withGeometry());
+      EXPECT_GT(result.contacts.size(), 1000U);
+      expectRulesGeometry(scene, result);
+    }
+  }
+}
+
 // Pairs that predicates below exact list although they are apart must be reported as apart.
 TEST_P(Geometry, MakesNothingUp) {
   std::size_t apart = 0;

@@ -10,10 +10,10 @@
 #include <cmath>
 
 #include "core/host_device.h"
+#include "core/predicates/contact_determinants.h"
 #include "core/predicates/orientation.h"
 #include "core/predicates/segment_intersection.h"
 #include "core/predicates/triangle.h"
-#include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
@@ -50,19 +50,31 @@ DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q,
 
 }  // namespace detail
 
-// Returns the zero of a linear function whose values at p and q, right to 2^-29 of themselves, have
-// different signs. `exact(v)` returns its value at v as an expansion. The result is off by less
-// than 2^-23 of its largest coordinate.
+// Returns one of two points, without taking their addresses: that would keep them out of registers.
+DCM_HD inline Vec3f selected(bool first, const Vec3f& p, const Vec3f& q) {
+  return {first ? p.x : q.x, first ? p.y : q.y, first ? p.z : q.z};
+}
+
+// Finds the zero of a linear function whose values at p and q, right to 2^-29 of themselves, have
+// different signs. Returns false if the point could be off by more than 2^-23 of its largest
+// coordinate.
+DCM_HD inline bool zeroNearEnd(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
+                               Vec3d& point) {
+  constexpr double kMostOffset = 16;  // in largest coordinates of the point
+  const bool from_p = fabs(at_p) <= fabs(at_q);
+  const Vec3d base = toDouble(selected(from_p, p, q)), other = toDouble(selected(from_p, q, p));
+  const double share = (from_p ? at_p : at_q) / (from_p ? at_p - at_q : at_q - at_p);
+  const Vec3d offset = (other - base) * share;
+  point = base + offset;
+  return largestCoordinate(offset) <= kMostOffset * largestCoordinate(point);
+}
+
+// Returns the same zero. `exact(v)` returns the function's value at v as an expansion.
 template <class Exact>
 DCM_HD inline Vec3d zeroBetween(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
                                 const Exact& exact) {
-  constexpr double kMostOffset = 16;  // in largest coordinates of the point
-  const bool from_p = fabs(at_p) <= fabs(at_q);
-  const Vec3f &base = from_p ? p : q, &other = from_p ? q : p;
-  const double share = (from_p ? at_p : at_q) / (from_p ? at_p - at_q : at_q - at_p);
-  const Vec3d offset = (toDouble(other) - toDouble(base)) * share;
-  const Vec3d point = toDouble(base) + offset;
-  if (largestCoordinate(offset) <= kMostOffset * largestCoordinate(point)) return point;
+  Vec3d point;
+  if (zeroNearEnd(p, q, at_p, at_q, point)) return point;
   return detail::exactZeroBetween(p, q, exact(p), exact(q));
 }
 
@@ -81,8 +93,8 @@ struct Heights {
 
   DCM_HD Heights(const Triangle& a, const Triangle& b) {
     DCM_ROLLED for (int i = 0; i < 3; ++i) {
-      of_a[i] = detail::volumeOf(b.v[0], b.v[1], b.v[2], a.v[i]);
-      of_b[i] = detail::volumeOf(a.v[0], a.v[1], a.v[2], b.v[i]);
+      of_a[i] = detail::contactVolume(b.v[0], b.v[1], b.v[2], a.v[i]);
+      of_b[i] = detail::contactVolume(a.v[0], a.v[1], a.v[2], b.v[i]);
     }
   }
 };
@@ -127,8 +139,12 @@ DCM_HD inline bool spanOf(const Triangle& t, const double side[3], Span& span) {
 
 // Compares a crossing of a with b's plane and a crossing of b with a's plane. Returns 1 if b's is
 // farther along the product of the normals of a and b, 0 if they are the same point.
-DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b, PredicateState& state) {
-  return orient3d(of_a.low, of_a.high, of_b.low, of_b.high, state);
+DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b) {
+  const int filtered = orient3dFiltered(of_a.low, of_a.high, of_b.low, of_b.high);
+  if (filtered != kUncertain) return filtered;
+  const bool has_shared_end = of_a.low == of_b.low || of_a.low == of_b.high ||
+                              of_a.high == of_b.low || of_a.high == of_b.high;
+  return has_shared_end ? 0 : orient3dExact(of_a.low, of_a.high, of_b.low, of_b.high);
 }
 
 DCM_HD DCM_RARE inline Vec3f pointOf(const Crossing& crossing, const Triangle& plane) {
@@ -147,9 +163,8 @@ DCM_HD inline bool segmentAcrossPlanes(const Triangle& a, const Triangle& b, con
   Span of_a, of_b;
   if (!spanOf(a, heights.of_a, of_a) || !spanOf(b, heights.of_b, of_b)) return false;
   // Along the product of the normals, the span of a begins on its right, that of b on its left.
-  PredicateState state;
-  const int a_then_b = orderOf(of_a.right, of_b.right, state);
-  const int b_then_a = orderOf(of_a.left, of_b.left, state);
+  const int a_then_b = orderOf(of_a.right, of_b.right);
+  const int b_then_a = orderOf(of_a.left, of_b.left);
   if (a_then_b < 0 || b_then_a > 0) return false;
   if (a_then_b == 0 || b_then_a == 0) {  // they touch at a point
     const Crossing &in_a = a_then_b == 0 ? of_a.right : of_a.left,
@@ -158,8 +173,8 @@ DCM_HD inline bool segmentAcrossPlanes(const Triangle& a, const Triangle& b, con
     segment.to = segment.from;
     return true;
   }
-  const int begins = orderOf(of_a.right, of_b.left, state);
-  const int ends = orderOf(of_a.left, of_b.right, state);
+  const int begins = orderOf(of_a.right, of_b.left);
+  const int ends = orderOf(of_a.left, of_b.right);
   const bool from_b = begins > 0 || (begins == 0 && of_b.left.isVertex());
   const bool to_b = ends < 0 || (ends == 0 && of_b.right.isVertex());
   segment.from = from_b ? pointOf(of_b.left, a) : pointOf(of_a.right, b);
@@ -228,10 +243,24 @@ DCM_HD DCM_RARE inline void addVerticesWithin(const Triangle& t, const Triangle&
   const bool has_area = axis >= 0 && orient2d(u.v[0], u.v[1], u.v[2], axis, state) != 0;
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const Vec3f& v = t.v[i];
-    const bool within =
-        has_area ? pointInTriangle(v, u, axis, state) : segmentMeetsEdges(v, v, u, state);
+    const bool within = isVertexOf(u, v) || (has_area ? pointInTriangle(v, u, axis, state)
+                                                      : segmentMeetsEdges(v, v, u, state));
     if (within) points.add(v);
   }
+}
+
+// Returns the sign of expandedOrient2d(a, b, c, axis).
+DCM_HD DCM_RARE inline int sideOfLine(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis) {
+  if (c == a || c == b) return 0;  // common in layers of cloth, and slow otherwise
+  PredicateState state;
+  return orient2d(a, b, c, axis, state);
+}
+
+// Adds the point at which the edges from p to q and from r to s cross at inner points of both.
+DCM_HD DCM_RARE inline void addEdgeCrossing(const Vec3f& p, const Vec3f& q, const Vec3f& r,
+                                            const Vec3f& s, int axis, FarthestPair& points) {
+  const auto height = [&](const Vec3f& v) { return expandedOrient2d(r, s, v, axis); };
+  points.add(nearestFloats(zeroBetween(p, q, height(p).value(), height(q).value(), height)));
 }
 
 // Adds the points at which edges of a and b, all in one plane, cross at inner points of both.
@@ -241,13 +270,9 @@ DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int ax
     const Vec3f &p = a.v[i], &q = a.v[i == 2 ? 0 : i + 1];
     DCM_ROLLED for (int j = 0; j < 3; ++j) {
       const Vec3f &r = b.v[j], &s = b.v[j == 2 ? 0 : j + 1];
-      const auto height = [&](const Vec3f& v) { return expandedOrient2d(r, s, v, axis); };
-      const Expansion<6> at_p = height(p), at_q = height(q);
-      if (at_p.sign() * at_q.sign() >= 0) continue;
-      if (expandedOrient2d(p, q, r, axis).sign() * expandedOrient2d(p, q, s, axis).sign() >= 0) {
-        continue;
-      }
-      points.add(nearestFloats(zeroBetween(p, q, at_p.value(), at_q.value(), height)));
+      if (sideOfLine(r, s, p, axis) * sideOfLine(r, s, q, axis) >= 0) continue;
+      if (sideOfLine(p, q, r, axis) * sideOfLine(p, q, s, axis) >= 0) continue;
+      addEdgeCrossing(p, q, r, s, axis, points);
     }
   }
 }

@@ -11,8 +11,8 @@
 #include <cmath>
 
 #include "core/host_device.h"
+#include "core/predicates/contact_determinants.h"
 #include "core/predicates/intersection_segment.h"
-#include "core/predicates/triangle_distance.h"
 
 namespace deformable_contact_monitor {
 
@@ -26,7 +26,7 @@ namespace detail {
 
 DCM_HD inline Vec3d unit(const Vec3d& v) { return v * (1 / sqrt(dot(v, v))); }
 
-DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
+DCM_HD DCM_RARE inline double expandedRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
   Expansion<72> sum;
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     const Vec3d u = toDouble(t.v[i]), v = toDouble(t.v[i == 2 ? 0 : i + 1]);
@@ -34,6 +34,13 @@ DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const
     addDeterminant(sum, u, v, toDouble(p), -1);
   }
   return sum.value();
+}
+
+DCM_HD DCM_RARE inline double exactRise(const Triangle& t, const Vec3f& p, const Vec3f& q) {
+  if (isVertexOf(t, p) && isVertexOf(t, q)) return 0;  // common in layers of cloth
+  double value = 0;
+  const bool is_found = determinantByIntegers(t.v[0], t.v[1], t.v[0], t.v[2], p, q, value);
+  return is_found ? value : expandedRise(t, p, q);
 }
 
 // Returns by how much q is higher above the plane of t than p, in units of its normal; right to
@@ -98,8 +105,8 @@ DCM_HD inline PartingTranslation partingTranslation(const Triangle& a, const Tri
   const auto next = [](int i) { return i == 2 ? 0 : i + 1; };
   // b leaves a's plane upwards once its lowest vertex does; a does the same downwards from b's
   // plane.
-  nearest.addPlane(detail::crossOf(a.v[0], a.v[1], a.v[1], a.v[2]), heights.of_b, 1);
-  nearest.addPlane(detail::crossOf(b.v[0], b.v[1], b.v[1], b.v[2]), heights.of_a, -1);
+  nearest.addPlane(detail::contactCross(a.v[0], a.v[1], a.v[1], a.v[2]), heights.of_b, 1);
+  nearest.addPlane(detail::contactCross(b.v[0], b.v[1], b.v[1], b.v[2]), heights.of_a, -1);
   double rise_of_b[3], rise_of_a[3];
   DCM_ROLLED for (int i = 0; i < 3; ++i) {
     rise_of_b[i] = detail::riseOver(a, b.v[i], b.v[next(i)]);
@@ -113,7 +120,8 @@ DCM_HD inline PartingTranslation partingTranslation(const Triangle& a, const Tri
       if (sign_a * sign_b < 0 || (sign_a == 0 && sign_b == 0)) continue;
       const double sign = sign_a != 0 ? sign_a : sign_b;
       const Vec3f &p = a.v[i], &q = a.v[next(i)], &r = b.v[j], &s = b.v[next(j)];
-      nearest.add(detail::crossOf(p, q, r, s) * sign, sign * detail::volumeOf(p, q, r, s));
+      nearest.add(detail::contactCross(p, q, r, s) * sign,
+                  sign * detail::contactVolume(p, q, r, s));
     }
   }
   return {detail::unit(nearest.normal), sqrt(nearest.squared), nearest.unique};

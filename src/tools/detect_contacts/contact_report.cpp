@@ -197,7 +197,7 @@ Json optionsJson(const DetectArguments& arguments) {
 
 // Returns the greatest depth [the meshes' unit], and how many pairs have each flag. Pairs that are
 // apart have no depth.
-Json geometryJson(const std::vector<PairGeometry>& geometry) {
+Json geometryJson(const HostList<PairGeometry>& geometry) {
   const std::pair<const char*, GeometryFlag> flags[] = {
       {"coplanar", kCoplanar},
       {"normal_undefined", kNormalUndefined},
