@@ -2,6 +2,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "core/bounds/exact_distances.h"
 #include "core/common/cycle_limit.h"
@@ -121,35 +122,50 @@ void SingleGpuDetector::addTimes(double upload_ms, double output_ms, bool swept)
   if (swept) result_.stages_ms.emplace_back("judge_on_host", decide_ms);
 }
 
-// Loads all kernels that a cycle may need, once for each device of the process. CUDA loads a kernel
-// when it runs for the first time, which takes longer than a cycle, so a tiny scene runs them here.
-void loadKernels(int device) {
-  static std::mutex mutex;
-  static std::set<int> loaded;
-  const std::lock_guard<std::mutex> lock(mutex);
-  if (loaded.count(device) > 0) return;
+// Returns a number that is equal for options whose cycles run the same kernels.
+unsigned kernelsOf(const Options& options) {
+  const bool swept = options.motion == Motion::kSwept;
+  return (swept ? 1U : 0U) | (options.nearest ? 2U : 0U) | (options.geometry && !swept ? 4U : 0U) |
+         (options.adjacent == AdjacentPairs::kBeyondShared ? 8U : 0U);
+}
+
+// Runs cycles with such options on a tiny scene: step by step, and as a recorded graph.
+void runTinyScene(int device, Options options) {
   Scene scene;
   scene.addBody("", {{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.1F}, {0, 1, 2, 1, 3, 2}});
   scene.addBody("", {{0.2F, 0.2F, -1, 0.2F, 0.3F, 1, 0.3F, 0.2F, 1}, {0, 1, 2}});
   scene.setPairEnabled(0, 0, true);
   scene.setPairEnabled(0, 1, true);
   scene.setEarlier(1, RigidTransform());
-  Options options;
-  options.clusters = 2;
+  options.limits = Limits();
   CudaSettings settings;
   settings.device = device;
   SingleGpuDetector detector(settings);
-  for (int i = 0; i < 3; ++i) detector.detect(scene, options);  // the third is a recorded graph
-  options.motion = Motion::kSwept;
-  detector.detect(scene, options);
-  loaded.insert(device);
+  for (const int clusters : {1, 2}) {
+    options.clusters = clusters;
+    for (int i = 0; i < 3; ++i) detector.detect(scene, options);  // the third is a recorded graph
+  }
+}
+
+// Loads the kernels that a cycle with such options needs, once for each device of the process. CUDA
+// loads a kernel when it runs for the first time, and enlarges the memory for the stacks of all
+// threads where that kernel needs more. Both take longer than a cycle. Kernels that are not needed
+// are not loaded: their stacks would take up to 1 GB on a large device.
+void loadKernels(int device, const Options& options) {
+  static std::mutex mutex;
+  static std::set<std::pair<int, unsigned>> loaded;
+  const std::lock_guard<std::mutex> lock(mutex);
+  const std::pair<int, unsigned> kernels(device, kernelsOf(options));
+  if (loaded.count(kernels) > 0) return;
+  runTinyScene(device, options);
+  loaded.insert(kernels);
 }
 
 }  // namespace
 
 std::unique_ptr<PartitionDetector> makeCudaPartitionDetector(const CudaSettings& settings) {
   requireUsable(settings.device);
-  loadKernels(settings.device);
+  loadKernels(settings.device, settings.warm_up);
   return std::make_unique<SingleGpuDetector>(settings);
 }
 

@@ -32,30 +32,34 @@ DCM_HD inline double largestCoordinate(const Vec3d& v) {
 
 namespace detail {
 
-// Returns the zero of a linear function with the given values at p and q, each coordinate right to
-// 2^-50 of itself.
-template <int N>
-DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q,
-                                              const Expansion<N>& at_p, const Expansion<N>& at_q) {
-  const double divisor = at_q.value() - at_p.value();  // their signs differ
-  double x[3];
+// Returns the zero of a linear function, each coordinate right to 2^-50 of itself. `add(v, sum)`
+// adds its value at v to an expansion. Values are computed again for each coordinate, because two
+// of them at a time would take more of the stack on the device.
+template <int N, class Add>
+DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q, const Add& add) {
+  double x[3], at_end[2] = {0, 0};
   DCM_ROLLED for (int k = 0; k < 3; ++k) {
     Expansion<4 * N> sum;
-    sum.addMultiple(at_q, p[k]);
-    sum.addMultiple(at_p, -static_cast<double>(q[k]));
-    x[k] = sum.value() / divisor;
+    DCM_ROLLED for (int end = 0; end < 2; ++end) {
+      Expansion<N> value;
+      add(end == 0 ? q : p, value);
+      sum.addMultiple(value, end == 0 ? p[k] : -static_cast<double>(q[k]));
+      at_end[end] = value.value();
+    }
+    x[k] = sum.value();
   }
-  return {x[0], x[1], x[2]};
+  const double divisor = at_end[0] - at_end[1];  // their signs differ
+  return {x[0] / divisor, x[1] / divisor, x[2] / divisor};
 }
 
 }  // namespace detail
 
 // Returns the zero of a linear function whose values at p and q, right to 2^-29 of themselves, have
-// different signs. `exact(v)` returns its value at v as an expansion. The result is off by less
+// different signs. `add(v, sum)` adds its value at v to an Expansion<N>. The result is off by less
 // than 2^-23 of its largest coordinate.
-template <class Exact>
+template <int N, class Add>
 DCM_HD inline Vec3d zeroBetween(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
-                                const Exact& exact) {
+                                const Add& add) {
   constexpr double kMostOffset = 16;  // in largest coordinates of the point
   const bool from_p = fabs(at_p) <= fabs(at_q);
   const Vec3f &base = from_p ? p : q, &other = from_p ? q : p;
@@ -63,7 +67,7 @@ DCM_HD inline Vec3d zeroBetween(const Vec3f& p, const Vec3f& q, double at_p, dou
   const Vec3d offset = (toDouble(other) - toDouble(base)) * share;
   const Vec3d point = toDouble(base) + offset;
   if (largestCoordinate(offset) <= kMostOffset * largestCoordinate(point)) return point;
-  return detail::exactZeroBetween(p, q, exact(p), exact(q));
+  return detail::exactZeroBetween<N>(p, q, add);
 }
 
 // The common segment of two triangles; both ends are equal if they touch at a point. The ends lie
@@ -134,10 +138,11 @@ DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b, PredicateS
 DCM_HD DCM_RARE inline Vec3f pointOf(const Crossing& crossing, const Triangle& plane) {
   if (crossing.at_low == 0) return crossing.low;
   if (crossing.at_high == 0) return crossing.high;
-  return nearestFloats(zeroBetween(crossing.low, crossing.high, crossing.at_low, crossing.at_high,
-                                   [&plane](const Vec3f& v) {
-                                     return expandedOrient3d(plane.v[0], plane.v[1], plane.v[2], v);
-                                   }));
+  const auto add = [&plane](const Vec3f& v, Expansion<48>& sum) {
+    addOrient3d(sum, plane.v[0], plane.v[1], plane.v[2], v);
+  };
+  return nearestFloats(
+      zeroBetween<48>(crossing.low, crossing.high, crossing.at_low, crossing.at_high, add));
 }
 
 // Finds the segment of two triangles with area in different planes. Returns false if they do not
@@ -247,7 +252,8 @@ DCM_HD inline void addEdgeCrossings(const Triangle& a, const Triangle& b, int ax
       if (expandedOrient2d(p, q, r, axis).sign() * expandedOrient2d(p, q, s, axis).sign() >= 0) {
         continue;
       }
-      points.add(nearestFloats(zeroBetween(p, q, at_p.value(), at_q.value(), height)));
+      const auto add = [&](const Vec3f& v, Expansion<6>& sum) { sum = height(v); };
+      points.add(nearestFloats(zeroBetween<6>(p, q, at_p.value(), at_q.value(), add)));
     }
   }
 }
