@@ -69,6 +69,15 @@ void* DevicePool::take(std::size_t bytes, cudaStream_t stream) {
   return memory;
 }
 
+std::uint64_t DevicePool::bytes() const {
+  std::uint64_t held = 0;
+  if (pool_ != nullptr) {
+    checkCuda(cudaMemPoolGetAttribute(pool_, cudaMemPoolAttrReservedMemCurrent, &held),
+              "cudaMemPoolGetAttribute");
+  }
+  return held;
+}
+
 void DevicePool::giveBack(void* memory, cudaStream_t stream) {
   if (pool_ == nullptr) {
     cudaFree(memory);

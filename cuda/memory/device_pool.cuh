@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <cstdint>
 
 namespace deformable_contact_monitor {
 
@@ -24,6 +25,10 @@ class DevicePool {
 
   // Frees the memory once the work in the stream is over.
   void giveBack(void* memory, cudaStream_t stream);
+
+  // Returns how much memory the pool holds, the reserve included [bytes]; 0 on devices that have no
+  // pools.
+  std::uint64_t bytes() const;
 
  private:
   void reserve();
