@@ -19,7 +19,7 @@ class DevicePool {
   DevicePool& operator=(const DevicePool&) = delete;
 
   // Allocates for work that is enqueued in the stream after this call. Throws CudaError if the
-  // memory is exhausted. The first 128 MiB in use at a time were reserved when the pool was made;
+  // memory is exhausted. The first 96 MiB in use at a time were reserved when the pool was made;
   // allocating more than that, or on devices that have no pools, takes longer than a cycle.
   void* take(std::size_t bytes, cudaStream_t stream);
 
