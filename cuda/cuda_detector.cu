@@ -1,4 +1,5 @@
 // Implements the detector on one GPU: uploads a scene, runs the stages, and collects the contacts.
+#include <algorithm>
 #include <mutex>
 #include <set>
 #include <string>
@@ -107,7 +108,7 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
   result_.detect_ms = runner_.deviceMs() + collector_.decideMs();
   result_.detector_bytes = cycle_.memory.bytes() + collector_.bytes();
   const MemoryUse use = ProcessMemory::of(cycle_.settings.device).afterCycle(kernelsOf(options));
-  result_.memory_bytes = use.bytes;
+  result_.memory_bytes = std::max(use.bytes, result_.detector_bytes);
   result_.memory_is_whole = use.is_whole;
   result_.counters.posed = cycle_.scene.triangleCount();
   reportCounters(counted, cycle_.sizes.clusters, result_.counters);
