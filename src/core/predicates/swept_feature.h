@@ -267,7 +267,7 @@ constexpr int kMostPieces = 200;
 // 5 KB of each thread's stack.
 template <class Real>
 DCM_HD DCM_RARE inline FeatureVerdict halvedVerdict(const Feature& feature, const Cubic<Real>& d,
-                                           bool wants_time, float until) {
+                                                    bool wants_time, float until) {
   const float narrow = wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;
   detail::FeaturePiece<Real> piece;
   piece.d = d;
