@@ -1,7 +1,9 @@
 // Implements the detector on one GPU: uploads a scene, runs the stages, and collects the contacts.
+#include <algorithm>
 #include <mutex>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "core/bounds/exact_distances.h"
 #include "core/common/cycle_limit.h"
@@ -13,10 +15,18 @@
 #include "cuda/cycle/device_cycle.cuh"
 #include "cuda/device/check.cuh"
 #include "cuda/memory/pinned_memory.cuh"
+#include "cuda/memory/process_memory.h"
 #include "cuda/partitions/partitioned_detector.h"
 
 namespace deformable_contact_monitor {
 namespace {
+
+// Returns a number that is equal for options whose cycles run the same kernels.
+unsigned kernelsOf(const Options& options) {
+  const bool swept = options.motion == Motion::kSwept;
+  return (swept ? 1U : 0U) | (options.nearest ? 2U : 0U) | (options.geometry ? 4U : 0U) |
+         (options.adjacent == AdjacentPairs::kBeyondShared ? 8U : 0U);
+}
 
 // Implements the contract of makeCudaDetector() on settings.device, which must be usable. For one
 // thread at a time. The order of the members matters: each part uses those before it.
@@ -97,7 +107,10 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
   // be found several times.
   if (counted.list_words > cycle_.sizes.list_words) dropRepeated(result_);
   result_.detect_ms = runner_.deviceMs() + collector_.decideMs();
-  result_.memory_bytes = cycle_.memory.bytes() + collector_.bytes();
+  result_.detector_bytes = cycle_.memory.bytes() + collector_.bytes();
+  const MemoryUse use = ProcessMemory::of(cycle_.settings.device).afterCycle(kernelsOf(options));
+  result_.memory_bytes = std::max(use.bytes, result_.detector_bytes);
+  result_.memory_is_whole = use.is_whole;
   result_.counters.posed = cycle_.scene.triangleCount();
   reportCounters(counted, cycle_.sizes.clusters, result_.counters);
   result_.counters.exact += collector_.decidedOnHost();
@@ -122,35 +135,51 @@ void SingleGpuDetector::addTimes(double upload_ms, double output_ms, bool swept)
   if (swept) result_.stages_ms.emplace_back("judge_on_host", decide_ms);
 }
 
-// Loads all kernels that a cycle may need, once for each device of the process. CUDA loads a kernel
-// when it runs for the first time, which takes longer than a cycle, so a tiny scene runs them here.
-void loadKernels(int device) {
-  static std::mutex mutex;
-  static std::set<int> loaded;
-  const std::lock_guard<std::mutex> lock(mutex);
-  if (loaded.count(device) > 0) return;
+// Runs cycles with such options on a tiny scene: step by step, and as a recorded graph.
+void runTinyScene(SingleGpuDetector& detector, Options options) {
   Scene scene;
   scene.addBody("", {{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.1F}, {0, 1, 2, 1, 3, 2}});
   scene.addBody("", {{0.2F, 0.2F, -1, 0.2F, 0.3F, 1, 0.3F, 0.2F, 1}, {0, 1, 2}});
   scene.setPairEnabled(0, 0, true);
   scene.setPairEnabled(0, 1, true);
   scene.setEarlier(1, RigidTransform());
-  Options options;
+  if (options.nearest) scene.setMargin(1, 1);
   options.clusters = 2;
+  for (int i = 0; i < 3; ++i) detector.detect(scene, options);  // the third is a recorded graph
+}
+
+// Loads the kernels that cycles with such options need, once for each device of the process; for
+// swept motion also those of instant motion. CUDA loads a kernel when it runs for the first time,
+// and enlarges the memory for the stacks of all threads that the device can hold if that kernel
+// needs more. Both take longer than a cycle. So kernels that are asked for are run here, and others
+// are left to the first cycle that needs them.
+void loadKernels(int device, const Options& warm_up) {
+  static std::mutex mutex;
+  static std::set<std::pair<int, unsigned>> loaded;
+  const std::lock_guard<std::mutex> lock(mutex);
+  const std::pair<int, unsigned> kernels(device, kernelsOf(warm_up));
+  if (loaded.count(kernels) > 0) return;
   CudaSettings settings;
   settings.device = device;
   SingleGpuDetector detector(settings);
-  for (int i = 0; i < 3; ++i) detector.detect(scene, options);  // the third is a recorded graph
-  options.motion = Motion::kSwept;
-  detector.detect(scene, options);
-  loaded.insert(device);
+  Options options;
+  options.adjacent = warm_up.adjacent;
+  options.nearest = warm_up.nearest;
+  options.geometry = warm_up.geometry;
+  runTinyScene(detector, options);
+  if (warm_up.motion == Motion::kSwept) {
+    options.motion = Motion::kSwept;
+    options.geometry = false;
+    runTinyScene(detector, options);
+  }
+  loaded.insert(kernels);
 }
 
 }  // namespace
 
 std::unique_ptr<PartitionDetector> makeCudaPartitionDetector(const CudaSettings& settings) {
   requireUsable(settings.device);
-  loadKernels(settings.device);
+  loadKernels(settings.device, settings.warm_up);
   return std::make_unique<SingleGpuDetector>(settings);
 }
 

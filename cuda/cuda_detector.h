@@ -14,7 +14,7 @@ namespace deformable_contact_monitor {
 // 7.5, or it fails; detect() may throw it too. After kSceneTooLarge (more than 2^27 triangles or
 // vertices, or too dense a scene) the detector goes on with other scenes; after any other error
 // make another one. Several devices count as failed only if all of them fail. Detectors of one
-// process do not wait for each other. From the first detector on, the process keeps 128 MiB of each
+// process do not wait for each other. From the first detector on, the process keeps 96 MiB of each
 // device that it uses, if it has as much, and 16 MiB of page-locked memory. In a process that is
 // forked after that, this function and the detect() of all detectors throw BackendError
 // (kUnavailable) at once, and what lies in their vertexMemory() must not be read.

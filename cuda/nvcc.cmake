@@ -20,7 +20,7 @@ endif()
 # 9.0, with which newer ones launch kernels early too (cuda/device/launch.cuh).
 if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
   execute_process(COMMAND ${CMAKE_CUDA_COMPILER} --list-gpu-code OUTPUT_VARIABLE dcm_nvcc_says)
-  foreach(number 80 86 87 89 90 120)
+  foreach(number 75 80 86 87 89 90 120)
     if(dcm_nvcc_says MATCHES "sm_${number}[\r\n]")
       list(APPEND CMAKE_CUDA_ARCHITECTURES ${number}-real)
     endif()

@@ -21,7 +21,8 @@ class CycleGraph {
   // Enqueues a cycle, and records `start` when its work begins. A cycle with new arrays or a new
   // shape is launched step by step. If the next cycle has the same ones, the steps are recorded as
   // a graph, which later cycles launch. Recording costs more than one cycle gains, so it waits for
-  // the second use. Throws CudaError.
+  // the second use. By then all of its kernels have run, so that CUDA neither loads a kernel nor
+  // enlarges the memory for stacks while it records or replays. Throws CudaError.
   void run(const CycleArrays& cycle, const CycleShape& shape, CudaEvent& start,
            cudaStream_t stream);
 

@@ -11,7 +11,7 @@ namespace {
 
 // The reserve suffices for a scene of some 100 000 triangles that grows, with its arrays in two
 // places at a time.
-constexpr std::uint64_t kReservedBytes = std::uint64_t{128} << 20;
+constexpr std::uint64_t kReservedBytes = std::uint64_t{96} << 20;
 
 // Returns whether the device has memory pools. Old drivers do not know the attribute.
 bool hasPools(int device) {
@@ -67,6 +67,15 @@ void* DevicePool::take(std::size_t bytes, cudaStream_t stream) {
     checkCuda(cudaMallocFromPoolAsync(&memory, bytes, pool_, stream), "cudaMallocFromPoolAsync");
   }
   return memory;
+}
+
+std::uint64_t DevicePool::bytes() const {
+  std::uint64_t held = 0;
+  if (pool_ != nullptr) {
+    checkCuda(cudaMemPoolGetAttribute(pool_, cudaMemPoolAttrReservedMemCurrent, &held),
+              "cudaMemPoolGetAttribute");
+  }
+  return held;
 }
 
 void DevicePool::giveBack(void* memory, cudaStream_t stream) {

@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <cstdint>
 
 namespace deformable_contact_monitor {
 
@@ -18,12 +19,16 @@ class DevicePool {
   DevicePool& operator=(const DevicePool&) = delete;
 
   // Allocates for work that is enqueued in the stream after this call. Throws CudaError if the
-  // memory is exhausted. The first 128 MiB in use at a time were reserved when the pool was made;
+  // memory is exhausted. The first 96 MiB in use at a time were reserved when the pool was made;
   // allocating more than that, or on devices that have no pools, takes longer than a cycle.
   void* take(std::size_t bytes, cudaStream_t stream);
 
   // Frees the memory once the work in the stream is over.
   void giveBack(void* memory, cudaStream_t stream);
+
+  // Returns how much memory the pool holds, the reserve included [bytes]; 0 on devices that have no
+  // pools.
+  std::uint64_t bytes() const;
 
  private:
   void reserve();

@@ -155,11 +155,14 @@ void addTimes(const DetectionResult& partition, DetectionResult& whole) {
 
 void mergePartitions(const std::vector<const DetectionResult*>& partitions,
                      DetectionResult& whole) {
+  whole.memory_is_whole = true;
   for (const DetectionResult* partition : partitions) {
     addCounters(partition->counters, whole.counters);
     addTimes(*partition, whole);
     whole.left_out += partition->left_out;
     whole.memory_bytes += partition->memory_bytes;
+    whole.memory_is_whole = whole.memory_is_whole && partition->memory_is_whole;
+    whole.detector_bytes += partition->detector_bytes;
     whole.started_cold = whole.started_cold || partition->started_cold;
     if (partition->cut_off) whole.cutOff(partition->cut_off_because);
   }

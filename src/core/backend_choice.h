@@ -10,6 +10,7 @@
 
 #include "core/backend_error.h"
 #include "core/export.h"
+#include "core/options.h"
 
 namespace deformable_contact_monitor {
 
@@ -48,6 +49,10 @@ struct CudaSettings {
   // needs more takes several passes, and then leaves contacts out of the result's list. If that is
   // not enough either, the result is cut off because of "memory_limit_mib".
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30;
+  // The kernels of cycles with such options are loaded when the detector is made; for swept motion
+  // also those of instant motion. Others are loaded, and take device memory for their stacks, when
+  // a cycle first needs them. That cycle takes longer, and so may other detectors at that moment.
+  Options warm_up;
   // Measures each stage. Stages do not overlap then, so cycles take longer: for benchmarks.
   bool time_stages = false;
 };

@@ -37,7 +37,8 @@ void DetectionResult::begin(const Scene& scene, const Options& options, bool is_
   counters.triangles = scene.triangleCount();
   stages_ms.clear();
   detect_ms = 0;
-  memory_bytes = 0;
+  memory_bytes = detector_bytes = 0;
+  memory_is_whole = false;
   round_trip_ms = 0;
 }
 

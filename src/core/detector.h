@@ -161,9 +161,16 @@ struct DCM_EXPORT DetectionResult {
   // Times of the stages in their order [ms]. A backend whose stages overlap reports several of them
   // as one ("transform_to_narrow_phase"). A backend with other stages reports those.
   std::vector<std::pair<std::string, double>> stages_ms;
-  double detect_ms = 0;            // from vertices to contacts, both in the backend's memory
-  std::uint64_t memory_bytes = 0;  // in use on a device; 0: it is not counted
-  double round_trip_ms = 0;        // from the scene to sorted contacts, both on the host
+  double detect_ms = 0;      // from vertices to contacts, both in the backend's memory
+  double round_trip_ms = 0;  // from the scene to sorted contacts, both on the host
+  // Memory that this process takes of the detector's devices, with all of its detectors: arrays,
+  // the reserve, kernels with the stacks of their threads, and the driver's context [bytes]; 0 on
+  // the CPU. The driver tells it, as nvidia-smi does. Where the driver does not (Jetson, containers
+  // that number processes by themselves), it is what the library has allocated, and memory_is_whole
+  // is not set.
+  std::uint64_t memory_bytes = 0;
+  bool memory_is_whole = false;
+  std::uint64_t detector_bytes = 0;  // device memory of this detector's arrays; 0 on the CPU
 
   // Begins a cycle, in every backend: clears the last result, counts the scene's triangles and
   // finds bodies without an earlier state.

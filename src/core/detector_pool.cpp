@@ -45,7 +45,7 @@ class WarmDetectors {
     Warm& warm = all_.front();
     const DetectionResult& result = warm.detector->detect(scene, options);
     // Memory never shrinks, but a cycle that is cut off at once does not count it.
-    warm.memory_bytes = std::max(warm.memory_bytes, result.memory_bytes);
+    warm.detector_bytes = std::max(warm.detector_bytes, result.detector_bytes);
     return result;
   }
 
@@ -55,7 +55,7 @@ class WarmDetectors {
     Motion motion;
     std::uint64_t pairs_revision;  // of the last scene with these pairs; 0: it never ran
     std::unique_ptr<Detector> detector;
-    std::uint64_t memory_bytes;
+    std::uint64_t detector_bytes;
   };
 
   // Moves the detector of the scene's pairs to the front.
@@ -78,7 +78,7 @@ class WarmDetectors {
   // Returns a new detector, or the one that has been idle longest.
   std::list<Warm>::iterator forNewPairs() {
     std::uint64_t bytes = 0;
-    for (const Warm& warm : all_) bytes += warm.memory_bytes;
+    for (const Warm& warm : all_) bytes += warm.detector_bytes;
     const bool first_is_free = all_.front().pairs_revision == 0;
     const bool is_full = all_.size() >= most_ || bytes >= most_bytes_;
     if (!first_is_free && !is_full) all_.push_back({{}, Motion::kInstant, 0, make_(), 0});

@@ -42,7 +42,7 @@ struct PoolSettings {
   std::optional<RetryTimes> retry;
 
   // A new set of pairs has no detector of its own once there are `most_detectors`, or once all of
-  // the backend's detectors together use `memory_bytes` (DetectionResult::memory_bytes). It then
+  // the backend's detectors together use `memory_bytes` (DetectionResult::detector_bytes). It then
   // takes over the detector that has been idle longest.
   std::size_t most_detectors = 128;
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;

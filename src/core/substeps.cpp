@@ -98,6 +98,8 @@ void addTimes(const DetectionResult& part, DetectionResult& sum) {
   }
   sum.detect_ms += part.detect_ms;
   sum.memory_bytes = std::max(sum.memory_bytes, part.memory_bytes);
+  sum.memory_is_whole = part.memory_is_whole;
+  sum.detector_bytes = std::max(sum.detector_bytes, part.detector_bytes);
 }
 
 void MergedSteps::add(const DetectionResult& part, double from, double to) {
@@ -170,6 +172,8 @@ void MergedSteps::write(bool first_times, bool pads, DetectionResult* result) co
   result->stages_ms = sums_.stages_ms;
   result->detect_ms = sums_.detect_ms;
   result->memory_bytes = sums_.memory_bytes;
+  result->memory_is_whole = sums_.memory_is_whole;
+  result->detector_bytes = sums_.detector_bytes;
 }
 
 void validate(const Scene& scene, const std::vector<BodyPath>& paths, double tolerance_m) {

@@ -74,6 +74,11 @@ void NodeDiagnostics::recordCycle(const CycleReport& report, const ContactArray&
   timing_.end(report, times);
   motion_.record(report);
   backend_ = report.backend;
+  if (report.result) {
+    const std::uint64_t mib = report.result->memory_bytes >> 20U;
+    device_memory_mib_ = (report.result->memory_is_whole ? "" : "at least ") + std::to_string(mib);
+    if (mib == 0) device_memory_mib_.clear();  // the CPU ran
+  }
   output_ = ContactArray();
   output_.pair_count = sent.pair_count;
   output_.complete = sent.complete;
@@ -196,6 +201,7 @@ void NodeDiagnostics::describeStatus(Status& status) const {
   status.add("backend", backend_);
   status.add("backend asked for", toString(parameters_.backend));
   status.add("backend problem", backend_state_.problem);
+  if (!device_memory_mib_.empty()) status.add("device memory [MiB]", device_memory_mib_);
   status.add("cycles", cycles_);
   status.add("resets", resets_);
   status.add("last reset", last_reset_);

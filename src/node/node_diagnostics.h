@@ -102,7 +102,7 @@ class NodeDiagnostics {
   std::vector<MeshWatch> watches_;  // by object
   bool enabled_ = true;
   double max_rate_hz_;
-  std::string backend_, detector_error_, last_reset_, open_bodies_;
+  std::string backend_, device_memory_mib_, detector_error_, last_reset_, open_bodies_;
   BackendState backend_state_;
   std::uint64_t cycles_ = 0, resets_ = 0;
   TimingWatch timing_{Clock::now()};

@@ -163,9 +163,10 @@ PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& setting
   const auto without_cuda =
       choice == BackendChoice::kCuda ? WithoutCuda::kRefuse : WithoutCuda::kTryAgain;
   if (options_.tolerance_m > 0) tilings_ = std::make_shared<TilingCache>();
+  CudaSettings warm = settings;
+  warm.warm_up = options_;
   detector_ = makeDetector(
-      choice, without_cuda, settings, [this](const BackendState& state) { state_ = state; },
-      tilings_);
+      choice, without_cuda, warm, [this](const BackendState& state) { state_ = state; }, tilings_);
   update();
 }
 

@@ -197,6 +197,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       backend(in_backend),
       left_out(result.left_out),
       memory_bytes(result.memory_bytes),
+      memory_is_whole(result.memory_is_whole),
       detect_ms(result.detect_ms),
       round_trip_ms(result.round_trip_ms),
       counters(toDict(result.counters)) {
@@ -324,7 +325,11 @@ void bindResult(py::module& module) {
       .def_readonly("round_trip_ms", &Self::round_trip_ms,
                     "From the scene to sorted contacts in host memory [ms].")
       .def_readonly("memory_bytes", &Self::memory_bytes,
-                    "In use on a device; 0 where that is not counted.")
+                    "Device memory that this process takes, the driver's context and the stacks of "
+                    "kernels included; 0 on the CPU.")
+      .def_readonly("memory_is_whole", &Self::memory_is_whole,
+                    "Whether the driver told memory_bytes. If not, as on Jetson, it is only what "
+                    "the library has allocated.")
       .def("__repr__", &describe);
 }
 

@@ -48,6 +48,7 @@ struct PythonResult {
   bool complete, guaranteed, cut_off, started_cold;
   std::string cut_off_because, backend;
   std::uint64_t left_out, memory_bytes;
+  bool memory_is_whole;
   double detect_ms, round_trip_ms;
   pybind11::dict counters, stages_ms;
 };

@@ -91,7 +91,7 @@ void whole(Moving& moving, const Options& options, bool check) {
       c.clustered > 0 ? static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered)
                       : 0,
       static_cast<unsigned long long>(c.clusters), static_cast<unsigned long long>(c.exact),
-      static_cast<double>(last.memory_bytes) / static_cast<double>(c.triangles), sets);
+      static_cast<double>(last.detector_bytes) / static_cast<double>(c.triangles), sets);
   std::fflush(stdout);
 }
 

@@ -102,7 +102,7 @@ void whole(Stepping& scene, const Options& options) {
       static_cast<unsigned long long>(c.candidates),
       static_cast<double>(c.cluster_entries) / static_cast<double>(c.clustered + 1e-9),
       static_cast<unsigned long long>(c.clusters), static_cast<unsigned long long>(c.exact),
-      static_cast<double>(last.memory_bytes) / static_cast<double>(c.triangles),
+      static_cast<double>(last.detector_bytes) / static_cast<double>(c.triangles),
       equal ? "equal" : "DIFFERENT");
   std::fflush(stdout);
 }

@@ -130,7 +130,7 @@ class CountingDetector : public Detector {
     ++cycles_[number_];
     if (scene.body(0).name == "bad") throw std::runtime_error("it broke");
     result_.begin(scene, options, true);
-    result_.memory_bytes = cycles_[number_] == 1 ? 100 : 0;  // cut off at once
+    result_.detector_bytes = cycles_[number_] == 1 ? 100 : 0;  // cut off at once
     return result_;
   }
 

@@ -66,9 +66,9 @@ class Nvcc(unittest.TestCase):
             self.assertEqual(variables["DCM_CUDA_ENABLED"], "OFF")
 
     def test_it_builds_for_what_it_knows(self):
-        for version, known, numbers in (("11.4", KNOWN_TO_11_4, (80, 86, 87)),
-                                        ("11.8", KNOWN_TO_11_8, (80, 86, 87, 89, 90)),
-                                        ("13.0", KNOWN_TO_13_0, (80, 86, 87, 89, 90, 120))):
+        for version, known, numbers in (("11.4", KNOWN_TO_11_4, (75, 80, 86, 87)),
+                                        ("11.8", KNOWN_TO_11_8, (75, 80, 86, 87, 89, 90)),
+                                        ("13.0", KNOWN_TO_13_0, (75, 80, 86, 87, 89, 90, 120))):
             variables = configured(version, known, "-DAS_VERSION=3.18.0")[1]
             self.assertEqual(variables["DCM_CUDA_ENABLED"], "ON")
             self.assertEqual(variables["CMAKE_CUDA_ARCHITECTURES"],

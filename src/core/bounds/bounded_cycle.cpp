@@ -47,6 +47,8 @@ void takeExactResult(const Scene& scene, const Options& options, const std::vect
   result.guaranteed = result.guaranteed && exact.guaranteed;
   result.started_cold = exact.started_cold;
   result.memory_bytes = exact.memory_bytes;
+  result.memory_is_whole = exact.memory_is_whole;
+  result.detector_bytes = exact.detector_bytes;
   result.counters = exact.counters;
   result.counters.triangles = scene.triangleCount();
   result.stages_ms.insert(result.stages_ms.end(), exact.stages_ms.begin(), exact.stages_ms.end());

@@ -32,20 +32,24 @@ DCM_HD inline double largestCoordinate(const Vec3d& v) {
 
 namespace detail {
 
-// Returns the zero of a linear function with the given values at p and q, each coordinate right to
-// 2^-50 of itself.
-template <int N>
-DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q,
-                                              const Expansion<N>& at_p, const Expansion<N>& at_q) {
-  const double divisor = at_q.value() - at_p.value();  // their signs differ
-  double x[3];
+// Returns the zero of a linear function, each coordinate right to 2^-50 of itself. `add(v, sum)`
+// adds its value at v to an expansion. Values are computed again for each coordinate, because two
+// of them at a time would take more of the stack on the device.
+template <int N, class Add>
+DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q, const Add& add) {
+  double x[3], at_end[2] = {0, 0};
   DCM_ROLLED for (int k = 0; k < 3; ++k) {
     Expansion<4 * N> sum;
-    sum.addMultiple(at_q, p[k]);
-    sum.addMultiple(at_p, -static_cast<double>(q[k]));
-    x[k] = sum.value() / divisor;
+    DCM_ROLLED for (int end = 0; end < 2; ++end) {
+      Expansion<N> value;
+      add(end == 0 ? q : p, value);
+      sum.addMultiple(value, end == 0 ? p[k] : -static_cast<double>(q[k]));
+      at_end[end] = value.value();
+    }
+    x[k] = sum.value();
   }
-  return {x[0], x[1], x[2]};
+  const double divisor = at_end[0] - at_end[1];  // their signs differ
+  return {x[0] / divisor, x[1] / divisor, x[2] / divisor};
 }
 
 }  // namespace detail
@@ -69,13 +73,14 @@ DCM_HD inline bool zeroNearEnd(const Vec3f& p, const Vec3f& q, double at_p, doub
   return largestCoordinate(offset) <= kMostOffset * largestCoordinate(point);
 }
 
-// Returns the same zero. `exact(v)` returns the function's value at v as an expansion.
-template <class Exact>
+// Returns the same zero. `add(v, sum)` adds the function's value at v to an Expansion<N>. The
+// result is off by less than 2^-23 of its largest coordinate.
+template <int N, class Add>
 DCM_HD inline Vec3d zeroBetween(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
-                                const Exact& exact) {
+                                const Add& add) {
   Vec3d point;
   if (zeroNearEnd(p, q, at_p, at_q, point)) return point;
-  return detail::exactZeroBetween(p, q, exact(p), exact(q));
+  return detail::exactZeroBetween<N>(p, q, add);
 }
 
 // The common segment of two triangles; both ends are equal if they touch at a point. The ends lie
@@ -150,10 +155,11 @@ DCM_HD inline int orderOf(const Crossing& of_a, const Crossing& of_b) {
 DCM_HD DCM_RARE inline Vec3f pointOf(const Crossing& crossing, const Triangle& plane) {
   if (crossing.at_low == 0) return crossing.low;
   if (crossing.at_high == 0) return crossing.high;
-  return nearestFloats(zeroBetween(crossing.low, crossing.high, crossing.at_low, crossing.at_high,
-                                   [&plane](const Vec3f& v) {
-                                     return expandedOrient3d(plane.v[0], plane.v[1], plane.v[2], v);
-                                   }));
+  const auto add = [&plane](const Vec3f& v, Expansion<48>& sum) {
+    addOrient3d(sum, plane.v[0], plane.v[1], plane.v[2], v);
+  };
+  return nearestFloats(
+      zeroBetween<48>(crossing.low, crossing.high, crossing.at_low, crossing.at_high, add));
 }
 
 // Finds the segment of two triangles with area in different planes. Returns false if they do not
@@ -260,7 +266,8 @@ DCM_HD DCM_RARE inline int sideOfLine(const Vec3f& a, const Vec3f& b, const Vec3
 DCM_HD DCM_RARE inline void addEdgeCrossing(const Vec3f& p, const Vec3f& q, const Vec3f& r,
                                             const Vec3f& s, int axis, FarthestPair& points) {
   const auto height = [&](const Vec3f& v) { return expandedOrient2d(r, s, v, axis); };
-  points.add(nearestFloats(zeroBetween(p, q, height(p).value(), height(q).value(), height)));
+  const auto add = [&](const Vec3f& v, Expansion<6>& sum) { sum = height(v); };
+  points.add(nearestFloats(zeroBetween<6>(p, q, height(p).value(), height(q).value(), add)));
 }
 
 // Adds the points at which edges of a and b, all in one plane, cross at inner points of both.

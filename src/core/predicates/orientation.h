@@ -101,21 +101,22 @@ DCM_HD inline void addDeterminant(Expansion<N>& sum, const Vec3d& a, const Vec3d
 
 }  // namespace detail
 
-// Returns det[b-a; c-a; d-a] exactly: the four minors of the 4x4 determinant.
-DCM_HD inline Expansion<48> expandedOrient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                             const Vec3f& d) {
-  Expansion<48> sum;
+// Adds det[b-a; c-a; d-a] exactly: the four minors of the 4x4 determinant. On the device, a sum
+// that a function returns takes room on the stack twice.
+DCM_HD inline void addOrient3d(Expansion<48>& sum, const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                               const Vec3f& d) {
   detail::addDeterminant(sum, toDouble(b), toDouble(c), toDouble(d), 1);
   detail::addDeterminant(sum, toDouble(a), toDouble(c), toDouble(d), -1);
   detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(d), 1);
   detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(c), -1);
-  return sum;
 }
 
 // Returns the sign of det[b-a; c-a; d-a] by exact sums alone.
 DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                             const Vec3f& d) {
-  return expandedOrient3d(a, b, c, d).sign();
+  Expansion<48> sum;
+  addOrient3d(sum, a, b, c, d);
+  return sum.sign();
 }
 
 // Returns the exact sign of det[b-a; c-a; d-a], by integers where they suffice.

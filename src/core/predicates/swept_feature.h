@@ -202,6 +202,52 @@ DCM_HD inline void halveOrientations(const ErrorsOfHalving<Real>& errors, Featur
   }
 }
 
+// Halves all polynomials of a piece, which becomes its left half.
+template <class Real>
+DCM_HD inline void halve(const ErrorsOfHalving<Real>& errors, FeaturePiece<Real>& piece,
+                         FeaturePiece<Real>& right) {
+  piece.d.halve(errors.d, piece.d, right.d);
+  halveOrientations(errors, piece, right);
+}
+
+// One of the 2^level equal parts of [0, 1], and which right halves on the way to it wait.
+struct HalvedInterval {
+  int level = 0;
+  std::uint32_t path = 0;     // its number among those parts
+  std::uint32_t waiting = 0;  // bit k: the right half, k levels up, waits
+
+  DCM_HD float width() const { return 1.0F / static_cast<float>(1U << level); }
+  DCM_HD float low() const { return static_cast<float>(path) * width(); }
+  DCM_HD bool rightWaits() const { return (waiting & 1) != 0; }
+  DCM_HD void enterLeft(bool right_waits) {
+    ++level;
+    path <<= 1;
+    waiting = waiting << 1 | (right_waits ? 1U : 0U);
+  }
+  // Moves to the earliest half that waits. Returns false if none does.
+  DCM_HD bool goBack() {
+    if (waiting == 0) return false;
+    for (; !rightWaits(); waiting >>= 1, path >>= 1) --level;
+    path |= 1;
+    waiting &= ~1U;
+    return true;
+  }
+};
+
+// Computes a feature in an interval from that in the whole one, in which its coplanarity is `d`.
+template <class Real>
+DCM_HD inline void setPiece(const Feature& feature, const Cubic<Real>& d,
+                            const HalvedInterval& interval, FeaturePiece<Real>& piece) {
+  piece.d = d;
+  setOrientations(feature, piece);
+  const ErrorsOfHalving<Real> errors(piece);
+  for (int k = interval.level - 1; k >= 0; --k) {
+    FeaturePiece<Real> right;
+    halve(errors, piece, right);
+    if ((interval.path >> k & 1) != 0) piece = right;
+  }
+}
+
 }  // namespace detail
 
 // The decision on a feature. kMeet: it meets first in [low, high], and not before. kApart: it never
@@ -216,44 +262,43 @@ constexpr int kTimeHalvings = 21;  // first times are told to 2^-20, rounding in
 constexpr int kMostPieces = 200;
 
 // Decides a feature with coplanarity `d`, whose sign is not certain, in [0, until]. Without
-// `wants_time`, `high` is only some time by which it has met.
+// `wants_time`, `high` is only some time by which it has met. Right halves that wait are kept as
+// bits, and computed again from the whole interval when they are due: their polynomials would take
+// 5 KB of each thread's stack.
 template <class Real>
-DCM_HD inline FeatureVerdict halvedVerdict(const Feature& feature, const Cubic<Real>& d,
-                                           bool wants_time, float until) {
-  struct Node {
-    detail::FeaturePiece<Real> piece;
-    float low, width;
-  };
+DCM_HD DCM_RARE inline FeatureVerdict halvedVerdict(const Feature& feature, const Cubic<Real>& d,
+                                                    bool wants_time, float until) {
   const float narrow = wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;
-  constexpr float kNarrowest = 1.0F / (1 << kMostHalvings);
-  Node node;
-  node.piece.d = d;
-  node.low = 0;
-  node.width = 1;
-  if (!detail::setOrientations(feature, node.piece)) return {};
-  const detail::ErrorsOfHalving<Real> errors(node.piece);
-  Node later[kMostHalvings];  // right halves, the earliest last
-  int count = 0;
+  detail::FeaturePiece<Real> piece;
+  piece.d = d;
+  if (!detail::setOrientations(feature, piece)) return {};
+  const detail::ErrorsOfHalving<Real> errors(piece);
+  detail::HalvedInterval interval;
   for (int pieces = 0;; ++pieces) {
-    if (node.low > until) return {};
-    if (!detail::isApart(feature.kind, node.piece)) {
-      if (node.width <= narrow && detail::isInside(feature.kind, node.piece)) {
-        return {PartVerdict::kMeet, node.low, node.low + node.width};
+    const float low = interval.low(), width = interval.width();
+    if (low > until) return {};
+    if (!detail::isApart(feature.kind, piece)) {
+      if (width <= narrow && detail::isInside(feature.kind, piece)) {
+        return {PartVerdict::kMeet, low, low + width};
       }
-      if (node.width == kNarrowest || pieces == kMostPieces) {
-        return {PartVerdict::kOpen, node.low, 1};
+      if (interval.level == kMostHalvings || pieces == kMostPieces) {
+        return {PartVerdict::kOpen, low, 1};
       }
-      Node& right = later[count];
-      node.piece.d.halve(errors.d, node.piece.d, right.piece.d);
-      detail::halveOrientations(errors, node.piece, right.piece);
-      node.width /= 2;
-      right.low = node.low + node.width;
-      right.width = node.width;
-      count += right.piece.d.sign() == 0 ? 1 : 0;
-      if (node.piece.d.sign() == 0) continue;
+      detail::FeaturePiece<Real> right;
+      detail::halve(errors, piece, right);
+      interval.enterLeft(right.d.sign() == 0);
+      if (piece.d.sign() == 0) {
+        if (!detail::isApart(feature.kind, piece)) continue;
+        ++pieces;  // the left half is done
+      }
+      if (interval.rightWaits()) {
+        interval.goBack();
+        piece = right;
+        continue;
+      }
     }
-    if (count == 0) return {};
-    node = later[--count];
+    if (!interval.goBack()) return {};
+    detail::setPiece(feature, d, interval, piece);
   }
 }
 

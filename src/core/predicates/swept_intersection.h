@@ -82,8 +82,8 @@ struct FirstMeeting {
 };
 
 // Returns the verdict of discrete detection on one state.
-DCM_HD inline bool meetInState(const Triangle& a, const Triangle& b, const SharedVertices& shared,
-                               PredicateState& state) {
+DCM_HD DCM_RARE inline bool meetInState(const Triangle& a, const Triangle& b,
+                                        const SharedVertices& shared, PredicateState& state) {
   PairFacts facts;
   facts.shared = shared;
   return isCandidate(a, b, facts) && candidateVerdict(a, b, facts, state).contact;

@@ -60,7 +60,9 @@ DCM_HD inline Vec3d crossOf(const Vec3f& a, const Vec3f& b, const Vec3f& c, cons
 
 DCM_HD DCM_RARE inline double exactVolume(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                           const Vec3f& d) {
-  return expandedOrient3d(a, b, c, d).value();
+  Expansion<48> sum;
+  addOrient3d(sum, a, b, c, d);
+  return sum.value();
 }
 
 // Returns det[b - a; c - a; d - a].

@@ -188,6 +188,9 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   o.near_pairs = reader->flag("near_pairs", o.near_pairs);
   o.geometry = reader->flag("contact_geometry", o.geometry);
   p->containment = reader->flag("containment", p->containment);
+  p->cuda.warm_up = o;
+  p->cuda.warm_up.motion = p->motion;
+  p->cuda.warm_up.nearest = true;  // as in every cycle (CycleDetection)
 }
 
 // Reads rates, times, and what limits messages and markers.

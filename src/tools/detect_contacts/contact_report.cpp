@@ -372,6 +372,7 @@ std::string jsonReport(const DetectArguments& arguments, const Scene& scene,
     json["nearest"] = nearestJson(nearestBodies(scene, last, arguments.options.tolerance_m));
   }
   json["memory_bytes"] = last.memory_bytes;
+  json["memory_is_whole"] = last.memory_is_whole;
   json["repeat"] = arguments.repeat;
   json["detect_ms"] = timesJson(times.detect);
   json["round_trip_ms"] = timesJson(times.round_trip);

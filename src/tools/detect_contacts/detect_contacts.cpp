@@ -180,8 +180,10 @@ void requireMargins(const DetectArguments& arguments, const Detector& detector) 
 void run(const DetectArguments& arguments) {
   // Detection with bounds uses tilings: groups of triangles with boxes around them.
   const auto tilings = arguments.bounded() ? std::make_shared<TilingCache>() : nullptr;
+  CudaSettings cuda = arguments.cuda;
+  cuda.warm_up = arguments.options;
   const std::unique_ptr<Detector> detector = makeDetector(
-      arguments.backend, WithoutCuda::kFallBack, arguments.cuda,
+      arguments.backend, WithoutCuda::kFallBack, cuda,
       [](const std::string& why) {
         std::fprintf(stderr, "detect_contacts: warning: %s\n", why.c_str());
       },

@@ -201,6 +201,8 @@ TEST_P(SubSteps, ResultsAreOne) {
     part.stages_ms = {{"transform", 1}, {"narrow_phase", 2}};
     part.detect_ms = 4;
     part.memory_bytes = 100;
+    part.memory_is_whole = true;
+    part.detector_bytes = 70;
   }
   Scripted scripted(script);
   SubStepDetector steps(scripted);
@@ -230,6 +232,8 @@ TEST_P(SubSteps, ResultsAreOne) {
   EXPECT_EQ(all.stages_ms, stages);
   EXPECT_EQ(all.detect_ms, 16);
   EXPECT_EQ(all.memory_bytes, 100U);
+  EXPECT_TRUE(all.memory_is_whole);
+  EXPECT_EQ(all.detector_bytes, 70U);
 }
 
 }  // namespace
