@@ -9,6 +9,7 @@
 #include "core/cpu_detector.h"
 #include "core/mesh_file.h"
 #include "cuda/cuda_detector.h"
+#include "layered_cloth.h"
 #include "moving_scene.h"
 #include "robot_scenes.h"
 #include "run_benchmark.h"
@@ -166,6 +167,9 @@ std::vector<MakeMoving> namedScenes(const TriangleMesh& ball92, const TriangleMe
           },
           [] {
             return Moving{allMovedUp("a moving Panda and a cloth", pandaAndCloth()), 0.08};
+          },
+          [] {
+            return Moving{layeredCloths(), 0};
           }};
 }
 
