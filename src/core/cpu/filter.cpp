@@ -157,9 +157,13 @@ void PairFilter<Triangle>::filter(const std::vector<Prepared>& triangles, BoxPai
   for (std::size_t i = 0; i < open_count_; ++i) {
     const Prepared& a = triangles[open_[i].pair.a.value];
     const Prepared& b = triangles[open_[i].pair.b.value];
-    if (decides_ &&
-        certainlyApartInProjection(input_.set.posed(a.triangle), input_.set.posed(b.triangle))) {
+    const PartVerdict verdict =
+        decides_ ? touchVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle))
+                 : PartVerdict::kOpen;
+    if (verdict == PartVerdict::kApart) {
       ++filtered.apart;
+    } else if (verdict == PartVerdict::kMeet) {
+      filtered.meeting.push_back({a.triangle, b.triangle});
     } else {
       addCandidate(a, b, open_[i].a, open_[i].b, filtered.candidates);
     }

@@ -4,7 +4,8 @@
 // A plane filter tells whether a triangle certainly lies on one side of another's plane. A
 // projection filter tells whether two triangles certainly do not meet when projected along a
 // coordinate axis: triangles whose projections do not meet do not meet. It helps where planes tell
-// nothing, for triangles in one plane, which mostly lie side by side.
+// nothing, for triangles in one plane. These mostly lie side by side, but in layers of cloth they
+// overlap, or have the same vertices.
 #pragma once
 
 #include <cmath>
@@ -87,22 +88,26 @@ struct FlatTriangle {
       : v{{t.v[0], axis}, {t.v[1], axis}, {t.v[2], axis}} {}
 };
 
-// Returns whether t has an edge whose line certainly has all of the other triangle strictly on its
-// outer side.
-DCM_HD inline bool edgeLineCertainlySeparates(FlatTriangle t, const FlatTriangle& other) {
+// Tests the lines of t's edges: kApart if one certainly has all of the other triangle strictly on its
+// outer side, kMeet if each certainly has a vertex of it strictly on its inner side, else kOpen.
+DCM_HD inline PartVerdict edgeLinesVerdict(FlatTriangle t, const FlatTriangle& other) {
+  const int inner = certainTurn(t.v[0], t.v[1], t.v[2]);
+  bool each_reached = inner != 0;
   DCM_ROLLED for (int edge = 0; edge < 3; ++edge) {
-    const int outer = -certainTurn(t.v[0], t.v[1], t.v[2]);
-    bool all_outside = outer != 0;
+    bool all_outside = inner != 0, reached = false;
     for (int i = 0; i < 3; ++i) {
-      all_outside = all_outside && certainTurn(t.v[0], t.v[1], other.v[i]) == outer;
+      const int side = certainTurn(t.v[0], t.v[1], other.v[i]);
+      all_outside = all_outside && side == -inner;
+      reached = reached || side == inner;
     }
-    if (all_outside) return true;
+    if (all_outside) return PartVerdict::kApart;
+    each_reached = each_reached && reached;
     const FlatPoint first = t.v[0];
     t.v[0] = t.v[1];
     t.v[1] = t.v[2];
     t.v[2] = first;
   }
-  return false;
+  return each_reached ? PartVerdict::kMeet : PartVerdict::kOpen;
 }
 
 // Returns whether, projected along `axis`, the line of an edge that leaves the shared vertex p has
@@ -119,12 +124,27 @@ DCM_HD inline bool edgeLineSeparatesAngles(const Vec3f& p, const Vec3f a[2], con
 
 }  // namespace detail
 
-// Two triangles that share no vertex, in float32.
-DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b) {
-  const int axis = detail::broadAxis(a);
+// Two triangles that share no vertex, in float32: do their projections along `axis` certainly not
+// meet, or certainly meet? Two triangles with area in a plane are disjoint iff the line of an edge of
+// one has the other strictly on its outer side, because the edges of their Minkowski difference are
+// parallel to theirs.
+DCM_HD inline PartVerdict projectedVerdict(const Triangle& a, const Triangle& b, int axis) {
   const detail::FlatTriangle flat_a(a, axis), flat_b(b, axis);
-  return detail::edgeLineCertainlySeparates(flat_a, flat_b) ||
-         detail::edgeLineCertainlySeparates(flat_b, flat_a);
+  const PartVerdict of_a = detail::edgeLinesVerdict(flat_a, flat_b);
+  if (of_a == PartVerdict::kApart) return of_a;
+  const PartVerdict of_b = detail::edgeLinesVerdict(flat_b, flat_a);
+  return of_b == PartVerdict::kMeet ? of_a : of_b;
+}
+
+// Decides two triangles that share no vertex, as far as float32 is certain without the sides of
+// planes. They meet if they have a common point: a vertex of both, or a point of a plane across a
+// coordinate axis in which both lie. They are apart if their projections are.
+DCM_HD inline PartVerdict touchVerdict(const Triangle& a, const Triangle& b) {
+  if (haveEqualVertices(a, b)) return PartVerdict::kMeet;
+  const int axis = detail::broadAxis(a);
+  const PartVerdict verdict = projectedVerdict(a, b, axis);
+  if (verdict != PartVerdict::kMeet) return verdict;
+  return areLevel(a, b, axis) ? PartVerdict::kMeet : PartVerdict::kOpen;
 }
 
 // Two triangles that share vertices, by double arithmetic: do they certainly not meet beyond them?

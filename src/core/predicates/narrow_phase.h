@@ -141,20 +141,19 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
                                 });
     if (verdict != PartVerdict::kOpen) return verdict;
   }
-  return certainlyApartInProjection(a, b) ? PartVerdict::kApart : PartVerdict::kOpen;
+  return touchVerdict(a, b);
 }
 
-// Decides a candidate as far as the floating-point filters alone can; in fast mode float32 decides.
+// Decides a candidate as far as the floating-point filters alone can.
 // For triangles that share vertices it decides whether they meet beyond them. kApart says nothing
 // about margins.
 DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        Predicates mode) {
+  if (mode == Predicates::kFast) return PartVerdict::kOpen;
   if (!facts.shared.any) {
     const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
-    if (verdict != PartVerdict::kOpen || mode == Predicates::kFast) return verdict;
-    return certainlyApartInProjection(a, b) ? PartVerdict::kApart : PartVerdict::kOpen;
+    return verdict != PartVerdict::kOpen ? verdict : touchVerdict(a, b);
   }
-  if (mode == Predicates::kFast) return PartVerdict::kOpen;
   KnownSides sides = facts.sides;
   fillRestSides(
       a, b, facts.shared,
@@ -170,9 +169,15 @@ DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, con
 // apply to triangles that share vertices, because adjacent triangles of a mesh are always near.
 DCM_HD inline Verdict fullVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                   PredicateState& state) {
-  if (facts.shared.any) return {meetBeyondShared(a, b, facts.shared, state), 0};
-  if (robustIntersection(a, b, facts.sides, state)) return {true, 0};
-  return nearVerdict(a, b, facts.margin_m);
+  PartVerdict verdict = PartVerdict::kOpen;
+  if (state.mode == Predicates::kFast) verdict = certainVerdict(a, b, facts);
+  if (verdict == PartVerdict::kOpen) {
+    const bool meet = facts.shared.any ? meetBeyondShared(a, b, facts.shared, state)
+                                       : robustIntersection(a, b, facts.sides, state);
+    verdict = meet ? PartVerdict::kMeet : PartVerdict::kApart;
+  }
+  if (verdict == PartVerdict::kMeet) return {true, 0};
+  return facts.shared.any ? Verdict{} : nearVerdict(a, b, facts.margin_m);
 }
 
 // Decides any candidate: the filters first, then exact arithmetic for what they leave open.

@@ -112,6 +112,71 @@ DCM_HD inline Expansion<48> expandedOrient3d(const Vec3f& a, const Vec3f& b, con
   return sum;
 }
 
+// A filter's answer if it cannot tell the sign.
+constexpr int kUncertain = 2;
+
+namespace detail {
+
+// Arithmetic in double that notices when a result is not exact.
+struct ErrorFree {
+  bool exact = true;  // all results so far
+
+  // Returns x - y. Of the two differences, the one from the greater number is computed without an
+  // error (Dekker, "A Floating-Point Technique for Extending the Available Precision", 1971), so
+  // that it differs from the other number iff x - y was rounded.
+  DCM_HD double difference(double x, double y) {
+    const double z = x - y;
+    exact = exact && x - z == y && z + y == x;
+    return z;
+  }
+  DCM_HD double product(double x, double y) {
+    const double z = x * y;
+    exact = exact && fma(x, y, -z) == 0;
+    return z;
+  }
+  DCM_HD Vec3d difference(const Vec3f& p, const Vec3f& q) {
+    return {difference(p.x, q.x), difference(p.y, q.y), difference(p.z, q.z)};
+  }
+  // Returns xy - zw.
+  DCM_HD double minor(double x, double y, double z, double w) {
+    return difference(product(x, y), product(z, w));
+  }
+};
+
+// Returns the sign of x y + z w + s t, or kUncertain. Each product is the sum of its rounded value
+// and the error of that, which is a double too.
+DCM_HD inline int signOfProducts(double x, double y, double z, double w, double s, double t) {
+  const double first = x * y, second = z * w, third = s * t;
+  const double sum = first + second, all = sum + third;
+  const double second_kept = sum - first, third_kept = all - sum;
+  const double errors[5] = {fma(x, y, -first), fma(z, w, -second), fma(s, t, -third),
+                            (first - (sum - second_kept)) + (second - second_kept),
+                            (sum - (all - third_kept)) + (third - third_kept)};
+  ErrorFree check;
+  double rest = 0, size = 0;
+  for (const double error : errors) {
+    rest = check.difference(rest, -error);
+    size += fabs(error);
+  }
+  constexpr double kSlack = 1 + 0x1p-50;  // of the sum of the sizes
+  if (fabs(all) > size * kSlack) return signOf(all);
+  return all == 0 && check.exact ? signOf(rest) : kUncertain;
+}
+
+}  // namespace detail
+
+// Returns the exact sign of det[b-a; c-a; d-a] if double holds the differences and the minors
+// exactly, as for most coordinates of similar size; otherwise kUncertain.
+DCM_HD inline int orient3dErrorFree(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                    const Vec3f& d) {
+  detail::ErrorFree check;
+  const Vec3d u = check.difference(b, a), v = check.difference(c, a), w = check.difference(d, a);
+  const Vec3d m{check.minor(v.y, w.z, v.z, w.y), check.minor(v.z, w.x, v.x, w.z),
+                check.minor(v.x, w.y, v.y, w.x)};
+  if (!check.exact) return kUncertain;
+  return detail::signOfProducts(u.x, m.x, u.y, m.y, u.z, m.z);
+}
+
 // Returns the sign of det[b-a; c-a; d-a] by exact sums alone.
 DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                             const Vec3f& d) {
@@ -119,8 +184,8 @@ DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, cons
 }
 
 // Returns the exact sign of det[b-a; c-a; d-a], by integers where they suffice.
-DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                         const Vec3f& d) {
+DCM_HD DCM_RARE inline int orient3dInIntegers(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                              const Vec3f& d) {
 #if DCM_INT128
   const float x[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
   std::int64_t i[12];
@@ -132,8 +197,12 @@ DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const V
   return orient3dExpanded(a, b, c, d);
 }
 
-// A filter's answer if it cannot tell the sign.
-constexpr int kUncertain = 2;
+// Returns the exact sign of det[b-a; c-a; d-a], by doubles where they suffice.
+DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                         const Vec3f& d) {
+  const int sign = orient3dErrorFree(a, b, c, d);
+  return sign != kUncertain ? sign : orient3dInIntegers(a, b, c, d);
+}
 
 // Returns det[b-a; c-a; d-a] in double, and the sum of the sizes of its terms (the permanent).
 DCM_HD inline double orient3dDouble(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
@@ -192,8 +261,9 @@ DCM_HD inline int orient2dExpanded(float ax, float ay, float bx, float by, float
   return sum.sign();
 }
 
-DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
-                                         float cy) {
+// Returns the exact sign of det[b-a; c-a], by integers where they suffice.
+DCM_HD DCM_RARE inline int orient2dInIntegers(float ax, float ay, float bx, float by, float cx,
+                                              float cy) {
 #if DCM_INT128
   const float x[6] = {ax, ay, bx, by, cx, cy};
   std::int64_t i[6];
@@ -202,6 +272,20 @@ DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by,
   }
 #endif
   return orient2dExpanded(ax, ay, bx, by, cx, cy);
+}
+
+// Returns the exact sign of det[b-a; c-a], by doubles where they hold the differences exactly. Then
+// each product is the sum of its rounded value and the error of that. The greater product has the
+// greater rounded value, or if these are equal the greater error.
+DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
+                                         float cy) {
+  detail::ErrorFree check;
+  const double ux = check.difference(bx, ax), uy = check.difference(by, ay);
+  const double vx = check.difference(cx, ax), vy = check.difference(cy, ay);
+  if (!check.exact) return orient2dInIntegers(ax, ay, bx, by, cx, cy);
+  const double left = ux * vy, right = uy * vx;
+  if (left != right) return left > right ? 1 : -1;
+  return signOf(fma(ux, vy, -left) - fma(uy, vx, -right));
 }
 
 // Computes the coordinates of a projection along coordinate axis `axis` (0, 1, 2).

@@ -61,6 +61,10 @@ DCM_HD inline bool allStrict(const int side[3]) {
   return isStrict(side[0]) && isStrict(side[1]) && isStrict(side[2]);
 }
 
+DCM_HD inline bool allZero(const int side[3]) {
+  return side[0] == 0 && side[1] == 0 && side[2] == 0;
+}
+
 DCM_HD inline bool strictlyOnOneSide(const int side[3]) {
   return isStrict(side[0]) && side[0] == side[1] && side[0] == side[2];
 }
@@ -165,15 +169,26 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
   const auto orient = [&state](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
     return orient3d(p, q, r, s, state);
   };
-  const PartVerdict general = detail::generalVerdict(a, b, side, orient);
-  if (general == PartVerdict::kApart) return false;  // certain, whatever was left open
-  if (general == PartVerdict::kMeet || state.undecided) return true;
+  detail::fillSides(b, a, side.a, orient);
+  if (detail::strictlyOnOneSide(side.a)) return false;  // certain, whatever was left open
+  // If b has area and a lies in its plane, then b lies in a's plane, or a has no area and every
+  // point lies in it. So the sides of b are zero too.
+  const bool share_plane = detail::allZero(side.a) && !state.undecided &&
+                           projectionAxis(b.v[0], b.v[1], b.v[2], state) >= 0;
+  if (!share_plane) {
+    detail::fillSides(a, b, side.b, orient);
+    if (detail::strictlyOnOneSide(side.b)) return false;
+    if (detail::allStrict(side.a) && detail::allStrict(side.b)) {
+      return detail::crossingVerdict(a, side.a, b, side.b, orient) == PartVerdict::kMeet;
+    }
+    if (state.undecided) return true;
+  }
   const int axis_a = projectionAxis(a.v[0], a.v[1], a.v[2], state);
   const int axis_b = projectionAxis(b.v[0], b.v[1], b.v[2], state);
   bool meet;
   if (axis_a < 0 || axis_b < 0) {
     meet = edgesMeetTriangles(a, b, state);  // one is a segment or a point
-  } else if (side.a[0] == 0 && side.a[1] == 0 && side.a[2] == 0) {
+  } else if (detail::allZero(side.a)) {
     meet = !detail::edgeLineSeparates(a, b.v, 3, axis_a, state) &&
            !detail::edgeLineSeparates(b, a.v, 3, axis_a, state);
   } else {
