@@ -84,7 +84,8 @@ struct OpenPortions {
 
 // One thread for each of contacts.open: gives the full verdict, and adds contacts. Filters that
 // quickKernel has applied are not repeated, because most time of this kernel goes into fetching its
-// code.
+// code. Without kMargins, no pair has a margin.
+template <bool kMargins>
 __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   awaitPreviousKernel();
   const bool first = c.params().leaves_few != 0;
@@ -110,7 +111,7 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
       a = entry_a.triangle;
       b = entry_b.triangle;
       PairFacts facts = unpackFacts(candidate.facts);
-      facts.margin_m = marginOf(c, entry_a, entry_b);
+      facts.margin_m = kMargins ? marginOf(c, entry_a, entry_b) : 0;
       // Pairs without shared vertices need no filters here: fullVerdict() begins with the same
       // ones.
       verdict = first && facts.shared.any
@@ -148,13 +149,14 @@ void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream) {
 void launchNarrowPhase(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (shape.swept) return launchNarrowPhaseMoving(cycle, shape, stream);
   const unsigned full_blocks = kFullBlocksEach * shape.device.multiprocessors;
+  const auto full = shape.margins ? fullKernel<true> : fullKernel<false>;
   if (shape.leaves_few) {
-    fullKernel<<<full_blocks, kThreads, 0, stream>>>(cycle);
+    full<<<full_blocks, kThreads, 0, stream>>>(cycle);
     return;
   }
   quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, shape.device), kThreads, 0, stream>>>(
       cycle);
-  launchDependent(fullKernel, full_blocks, kThreads, 0, shape.device, stream, cycle);
+  launchDependent(full, full_blocks, kThreads, 0, shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor
