@@ -130,7 +130,13 @@ struct PairFacts {
 // intersect, or meet beyond what they share.
 DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
                                          const PairFacts& facts) {
-  if (facts.shared.any) return beyondSharedVerdict(facts.shared, facts.sides);
+  if (facts.shared.any) {
+    const PartVerdict verdict = beyondSharedVerdict(facts.shared, facts.sides);
+    if (verdict != PartVerdict::kOpen) return verdict;
+    return certainlyApartInProjection(a, b, facts.shared, detail::strictTurn)
+               ? PartVerdict::kApart
+               : PartVerdict::kOpen;
+  }
   if (detail::allStrict(facts.sides.a) && detail::allStrict(facts.sides.b)) {
     // The orientation is the side of the fourth point of the plane through the first three.
     const PartVerdict verdict =
@@ -154,14 +160,15 @@ DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, con
     const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
     return verdict != PartVerdict::kOpen ? verdict : touchVerdict(a, b);
   }
+  if (certainlyApartInProjection(a, b, facts.shared, detail::doubleTurn)) {
+    return PartVerdict::kApart;
+  }
   KnownSides sides = facts.sides;
   fillRestSides(
       a, b, facts.shared,
       [&a](const Vec3f& p) { return orient3dFiltered(a.v[0], a.v[1], a.v[2], p); },
       [&b](const Vec3f& p) { return orient3dFiltered(b.v[0], b.v[1], b.v[2], p); }, sides);
-  const PartVerdict verdict = beyondSharedVerdict(facts.shared, sides);
-  if (verdict != PartVerdict::kOpen) return verdict;
-  return certainlyApartInProjection(a, b, facts.shared) ? PartVerdict::kApart : PartVerdict::kOpen;
+  return beyondSharedVerdict(facts.shared, sides);
 }
 
 // Decides any candidate exactly. It does not try the whole filters of quickVerdict() first; each

@@ -274,18 +274,27 @@ DCM_HD DCM_RARE inline int orient2dInIntegers(float ax, float ay, float bx, floa
   return orient2dExpanded(ax, ay, bx, by, cx, cy);
 }
 
-// Returns the exact sign of det[b-a; c-a], by doubles where they hold the differences exactly. Then
-// each product is the sum of its rounded value and the error of that. The greater product has the
-// greater rounded value, or if these are equal the greater error.
-DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
-                                         float cy) {
+// Returns the sign of det[b-a; c-a] by double arithmetic, or kUncertain. If double holds the
+// differences exactly, each product is the sum of its rounded value and the error of that. The
+// greater product has the greater rounded value, or if these are equal the greater error.
+DCM_HD inline int orient2dErrorFree(float ax, float ay, float bx, float by, float cx, float cy) {
   detail::ErrorFree check;
   const double ux = check.difference(bx, ax), uy = check.difference(by, ay);
   const double vx = check.difference(cx, ax), vy = check.difference(cy, ay);
-  if (!check.exact) return orient2dInIntegers(ax, ay, bx, by, cx, cy);
   const double left = ux * vy, right = uy * vx;
-  if (left != right) return left > right ? 1 : -1;
-  return signOf(fma(ux, vy, -left) - fma(uy, vx, -right));
+  constexpr double kBound = 3.3306690738754716e-16;  // as in orient2dFiltered()
+  const double det = left - right, bound = kBound * (fabs(left) + fabs(right));
+  if (det > bound) return 1;
+  if (-det > bound) return -1;
+  if (!check.exact) return kUncertain;
+  return left != right ? signOf(det) : signOf(fma(ux, vy, -left) - fma(uy, vx, -right));
+}
+
+// Returns the exact sign of det[b-a; c-a], by doubles where they suffice.
+DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
+                                         float cy) {
+  const int sign = orient2dErrorFree(ax, ay, bx, by, cx, cy);
+  return sign != kUncertain ? sign : orient2dInIntegers(ax, ay, bx, by, cx, cy);
 }
 
 // Computes the coordinates of a projection along coordinate axis `axis` (0, 1, 2).
