@@ -71,14 +71,26 @@ struct FlatPoint {
   DCM_HD FlatPoint(const Vec3f& p, int axis) { projected(p, axis, x, y); }
 };
 
-// Returns 1 or -1 if c is certainly strictly on that side of the line from a to b, in float32; 0 if
-// that is open, as it is after an overflow.
+// Returns 1 or -1 if c is certainly strictly on that side of the line from a to b, in float32, 0 if
+// it is certainly on that line, and kUncertain if that is open, as it is after an overflow. If
+// float32 holds the differences exactly, rounded products that differ have the order of the true
+// ones. Products that are not very small are equal iff they are so rounded and in their errors.
 DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
-  const float left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
+  ErrorFree<float> check;
+  const float ux = check.difference(b.x, a.x), vy = check.difference(c.y, a.y);
+  const float uy = check.difference(b.y, a.y), vx = check.difference(c.x, a.x);
+  const float left = ux * vy, right = uy * vx;
   constexpr float kBound = 1.8e-7F;  // (3 + 16 u) u, u = 2^-24, Shewchuk's for orient2d, and slack
   constexpr float kUnderflow = 1e-37F;
   const float det = left - right, bound = kBound * (fabsf(left) + fabsf(right)) + kUnderflow;
-  return (det > bound) - (det < -bound);
+  if (det > bound) return 1;
+  if (det < -bound) return -1;
+  if (!check.exact) return kUncertain;
+  if (left != right) return left > right ? 1 : -1;
+  constexpr float kExactError = 1e-30F;  // from here on float32 holds the error of a product
+  const bool same = fabsf(left) > kExactError ? fmaf(ux, vy, -left) == fmaf(uy, vx, -right)
+                                              : (ux == 0 || vy == 0) && (uy == 0 || vx == 0);
+  return same ? 0 : kUncertain;
 }
 
 struct FlatTriangle {
@@ -89,16 +101,17 @@ struct FlatTriangle {
 };
 
 // Tests the lines of t's edges: kApart if one certainly has all of the other triangle strictly on its
-// outer side, kMeet if each certainly has a vertex of it strictly on its inner side, else kOpen.
+// outer side, kMeet if each certainly has a vertex of it on the line or on its inner side, else kOpen.
 DCM_HD inline PartVerdict edgeLinesVerdict(FlatTriangle t, const FlatTriangle& other) {
   const int inner = certainTurn(t.v[0], t.v[1], t.v[2]);
-  bool each_reached = inner != 0;
+  if (!isStrict(inner)) return PartVerdict::kOpen;
+  bool each_reached = true;
   DCM_ROLLED for (int edge = 0; edge < 3; ++edge) {
-    bool all_outside = inner != 0, reached = false;
+    bool all_outside = true, reached = false;
     for (int i = 0; i < 3; ++i) {
       const int side = certainTurn(t.v[0], t.v[1], other.v[i]);
       all_outside = all_outside && side == -inner;
-      reached = reached || side == inner;
+      reached = reached || side == inner || side == 0;
     }
     if (all_outside) return PartVerdict::kApart;
     each_reached = each_reached && reached;
@@ -108,12 +121,6 @@ DCM_HD inline PartVerdict edgeLinesVerdict(FlatTriangle t, const FlatTriangle& o
     t.v[2] = first;
   }
   return each_reached ? PartVerdict::kMeet : PartVerdict::kOpen;
-}
-
-// Returns the turn in float32, or kUncertain.
-DCM_HD inline int strictTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
-  const int turn = certainTurn(a, b, c);
-  return turn == 0 ? kUncertain : turn;
 }
 
 // Returns the turn by double arithmetic, or kUncertain.

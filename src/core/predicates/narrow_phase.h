@@ -133,7 +133,7 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
   if (facts.shared.any) {
     const PartVerdict verdict = beyondSharedVerdict(facts.shared, facts.sides);
     if (verdict != PartVerdict::kOpen) return verdict;
-    return certainlyApartInProjection(a, b, facts.shared, detail::strictTurn)
+    return certainlyApartInProjection(a, b, facts.shared, detail::certainTurn)
                ? PartVerdict::kApart
                : PartVerdict::kOpen;
   }

@@ -117,28 +117,29 @@ constexpr int kUncertain = 2;
 
 namespace detail {
 
-// Arithmetic in double that notices when a result is not exact.
+// Arithmetic in float or double that notices when a result is not exact.
+template <class Real>
 struct ErrorFree {
   bool exact = true;  // all results so far
 
   // Returns x - y. Of the two differences, the one from the greater number is computed without an
   // error (Dekker, "A Floating-Point Technique for Extending the Available Precision", 1971), so
   // that it differs from the other number iff x - y was rounded.
-  DCM_HD double difference(double x, double y) {
-    const double z = x - y;
+  DCM_HD Real difference(Real x, Real y) {
+    const Real z = x - y;
     exact = exact && x - z == y && z + y == x;
     return z;
   }
-  DCM_HD double product(double x, double y) {
-    const double z = x * y;
+  DCM_HD Real product(Real x, Real y) {
+    const Real z = x * y;
     exact = exact && fma(x, y, -z) == 0;
     return z;
   }
-  DCM_HD Vec3d difference(const Vec3f& p, const Vec3f& q) {
+  DCM_HD Vec3<Real> difference(const Vec3f& p, const Vec3f& q) {
     return {difference(p.x, q.x), difference(p.y, q.y), difference(p.z, q.z)};
   }
   // Returns xy - zw.
-  DCM_HD double minor(double x, double y, double z, double w) {
+  DCM_HD Real minor(Real x, Real y, Real z, Real w) {
     return difference(product(x, y), product(z, w));
   }
 };
@@ -152,7 +153,7 @@ DCM_HD inline int signOfProducts(double x, double y, double z, double w, double 
   const double errors[5] = {fma(x, y, -first), fma(z, w, -second), fma(s, t, -third),
                             (first - (sum - second_kept)) + (second - second_kept),
                             (sum - (all - third_kept)) + (third - third_kept)};
-  ErrorFree check;
+  ErrorFree<double> check;
   double rest = 0, size = 0;
   for (const double error : errors) {
     rest = check.difference(rest, -error);
@@ -169,7 +170,7 @@ DCM_HD inline int signOfProducts(double x, double y, double z, double w, double 
 // exactly, as for most coordinates of similar size; otherwise kUncertain.
 DCM_HD inline int orient3dErrorFree(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                     const Vec3f& d) {
-  detail::ErrorFree check;
+  detail::ErrorFree<double> check;
   const Vec3d u = check.difference(b, a), v = check.difference(c, a), w = check.difference(d, a);
   const Vec3d m{check.minor(v.y, w.z, v.z, w.y), check.minor(v.z, w.x, v.x, w.z),
                 check.minor(v.x, w.y, v.y, w.x)};
@@ -278,7 +279,7 @@ DCM_HD DCM_RARE inline int orient2dInIntegers(float ax, float ay, float bx, floa
 // differences exactly, each product is the sum of its rounded value and the error of that. The
 // greater product has the greater rounded value, or if these are equal the greater error.
 DCM_HD inline int orient2dErrorFree(float ax, float ay, float bx, float by, float cx, float cy) {
-  detail::ErrorFree check;
+  detail::ErrorFree<double> check;
   const double ux = check.difference(bx, ax), uy = check.difference(by, ay);
   const double vx = check.difference(cx, ax), vy = check.difference(cy, ay);
   const double left = ux * vy, right = uy * vx;
