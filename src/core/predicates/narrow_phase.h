@@ -133,9 +133,8 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
   if (facts.shared.any) {
     const PartVerdict verdict = beyondSharedVerdict(facts.shared, facts.sides);
     if (verdict != PartVerdict::kOpen) return verdict;
-    return certainlyApartInProjection(a, b, facts.shared, detail::certainTurn)
-               ? PartVerdict::kApart
-               : PartVerdict::kOpen;
+    return certainlyApartInProjection(a, b, facts.shared, detail::certainTurn) ? PartVerdict::kApart
+                                                                               : PartVerdict::kOpen;
   }
   if (detail::allStrict(facts.sides.a) && detail::allStrict(facts.sides.b)) {
     // The orientation is the side of the fourth point of the plane through the first three.
@@ -150,12 +149,11 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
   return touchVerdict(a, b);
 }
 
-// Decides a candidate as far as the floating-point filters alone can.
-// For triangles that share vertices it decides whether they meet beyond them. kApart says nothing
-// about margins.
+// Decides a candidate as far as the floating-point filters alone can. For triangles that share
+// vertices it decides whether they meet beyond them. kApart says nothing about margins.
 DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        Predicates mode) {
-  if (mode == Predicates::kFast) return PartVerdict::kOpen;
+  if (mode == Predicates::kFast) return certainVerdict(a, b, facts);
   if (!facts.shared.any) {
     const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
     return verdict != PartVerdict::kOpen ? verdict : touchVerdict(a, b);
@@ -176,15 +174,9 @@ DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, con
 // apply to triangles that share vertices, because adjacent triangles of a mesh are always near.
 DCM_HD inline Verdict fullVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                   PredicateState& state) {
-  PartVerdict verdict = PartVerdict::kOpen;
-  if (state.mode == Predicates::kFast) verdict = certainVerdict(a, b, facts);
-  if (verdict == PartVerdict::kOpen) {
-    const bool meet = facts.shared.any ? meetBeyondShared(a, b, facts.shared, state)
-                                       : robustIntersection(a, b, facts.sides, state);
-    verdict = meet ? PartVerdict::kMeet : PartVerdict::kApart;
-  }
-  if (verdict == PartVerdict::kMeet) return {true, 0};
-  return facts.shared.any ? Verdict{} : nearVerdict(a, b, facts.margin_m);
+  if (facts.shared.any) return {meetBeyondShared(a, b, facts.shared, state), 0};
+  if (robustIntersection(a, b, facts.sides, state)) return {true, 0};
+  return nearVerdict(a, b, facts.margin_m);
 }
 
 // Decides any candidate: the filters first, then exact arithmetic for what they leave open.

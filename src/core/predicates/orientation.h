@@ -166,17 +166,34 @@ DCM_HD inline int signOfProducts(double x, double y, double z, double w, double 
 
 }  // namespace detail
 
-// Returns the exact sign of det[b-a; c-a; d-a] if double holds the differences and the minors
-// exactly, as for most coordinates of similar size; otherwise kUncertain.
-DCM_HD inline int orient3dErrorFree(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                    const Vec3f& d) {
-  detail::ErrorFree<double> check;
-  const Vec3d u = check.difference(b, a), v = check.difference(c, a), w = check.difference(d, a);
-  const Vec3d m{check.minor(v.y, w.z, v.z, w.y), check.minor(v.z, w.x, v.x, w.z),
-                check.minor(v.x, w.y, v.y, w.x)};
-  if (!check.exact) return kUncertain;
-  return detail::signOfProducts(u.x, m.x, u.y, m.y, u.z, m.z);
-}
+// The plane through three points. `exact` says whether double holds its normal exactly, as for most
+// coordinates of similar size.
+struct ErrorFreePlane {
+  Vec3f origin;
+  Vec3d normal;
+  bool exact;
+
+  DCM_HD ErrorFreePlane(const Vec3f& a, const Vec3f& b, const Vec3f& c) : origin(a) {
+    detail::ErrorFree<double> check;
+    const Vec3d u = check.difference(b, a), v = check.difference(c, a);
+    normal = {check.minor(u.y, v.z, u.z, v.y), check.minor(u.z, v.x, u.x, v.z),
+              check.minor(u.x, v.y, u.y, v.x)};
+    exact = check.exact;
+  }
+
+  // Returns the axis along which a triangle of the plane has about the largest projection.
+  DCM_HD int broadAxis() const {
+    const double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
+    return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+  }
+  // Returns the exact sign of det[b-a; c-a; d-a], or kUncertain.
+  DCM_HD int side(const Vec3f& d) const {
+    detail::ErrorFree<double> check{exact};
+    const Vec3d w = check.difference(d, origin);
+    if (!check.exact) return kUncertain;
+    return detail::signOfProducts(normal.x, w.x, normal.y, w.y, normal.z, w.z);
+  }
+};
 
 // Returns the sign of det[b-a; c-a; d-a] by exact sums alone.
 DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
@@ -201,7 +218,7 @@ DCM_HD DCM_RARE inline int orient3dInIntegers(const Vec3f& a, const Vec3f& b, co
 // Returns the exact sign of det[b-a; c-a; d-a], by doubles where they suffice.
 DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                          const Vec3f& d) {
-  const int sign = orient3dErrorFree(a, b, c, d);
+  const int sign = ErrorFreePlane(a, b, c).side(d);
   return sign != kUncertain ? sign : orient3dInIntegers(a, b, c, d);
 }
 
@@ -248,6 +265,15 @@ DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f&
   }
   ++state.exact;
   return orient3dExact(a, b, c, d);
+}
+
+// Does the same as orient3d() for the plane through a, b and c, whose normal several points share.
+DCM_HD DCM_RARE inline int sideOfPlane(const ErrorFreePlane& plane, const Vec3f& a, const Vec3f& b,
+                                       const Vec3f& c, const Vec3f& d, PredicateState& state) {
+  const int side = state.mode == Predicates::kExact ? plane.side(d) : kUncertain;
+  if (side == kUncertain) return orient3d(a, b, c, d, state);
+  if (side == 0) ++state.exact;
+  return side;
 }
 
 // Returns the sign of det[b-a; c-a] by exact sums alone.

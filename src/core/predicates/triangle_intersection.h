@@ -4,6 +4,7 @@
 // in general position follow Guigue and Devillers; special positions are reduced to tests of edges.
 #pragma once
 
+#include "core/predicates/flat_triangle.h"
 #include "core/predicates/segment_intersection.h"
 
 namespace deformable_contact_monitor {
@@ -41,9 +42,6 @@ struct KnownSides {
   int b[3] = {0, 0, 0};  // of b's vertices, of a's plane
 };
 
-// The answer of a part of the test; kOpen: it cannot tell.
-enum class PartVerdict { kApart, kMeet, kOpen };
-
 namespace detail {
 
 // Fills in the unknown sides of `points` of the plane of t, by orient(a, b, c, d).
@@ -54,8 +52,6 @@ DCM_HD inline void fillSides(const Triangle& t, const Triangle& points, int side
     if (side[i] == 0) side[i] = orient(t.v[0], t.v[1], t.v[2], points.v[i]);
   }
 }
-
-DCM_HD inline bool isStrict(int sign) { return sign == 1 || sign == -1; }
 
 DCM_HD inline bool allStrict(const int side[3]) {
   return isStrict(side[0]) && isStrict(side[1]) && isStrict(side[2]);
@@ -169,8 +165,17 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
   const auto orient = [&state](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
     return orient3d(p, q, r, s, state);
   };
-  detail::fillSides(b, a, side.a, orient);
+  const ErrorFreePlane plane_b(b.v[0], b.v[1], b.v[2]);
+  detail::fillSides(
+      b, a, side.a,
+      [&plane_b, &state](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
+        return sideOfPlane(plane_b, p, q, r, s, state);
+      });
   if (detail::strictlyOnOneSide(side.a)) return false;  // certain, whatever was left open
+  if (detail::allZero(side.a) && !state.undecided) {
+    const PartVerdict flat = projectedVerdict(a, b, plane_b.broadAxis());
+    if (flat != PartVerdict::kOpen) return flat == PartVerdict::kMeet;
+  }
   // If b has area and a lies in its plane, then b lies in a's plane, or a has no area and every
   // point lies in it. So the sides of b are zero too.
   const bool share_plane = detail::allZero(side.a) && !state.undecided &&

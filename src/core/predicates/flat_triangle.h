@@ -1,0 +1,93 @@
+// Decides triangles by their projections along a coordinate axis, in float32: where it decides, it
+// is certain.
+#pragma once
+
+#include <cmath>
+
+#include "core/host_device.h"
+#include "core/predicates/orientation.h"
+#include "core/predicates/triangle.h"
+
+namespace deformable_contact_monitor {
+
+// The answer of a part of the test; kOpen: it cannot tell.
+enum class PartVerdict { kApart, kMeet, kOpen };
+
+namespace detail {
+
+DCM_HD inline bool isStrict(int sign) { return sign == 1 || sign == -1; }
+
+struct FlatPoint {
+  float x, y;
+
+  DCM_HD FlatPoint(const Vec3f& p, int axis) { projected(p, axis, x, y); }
+};
+
+// Returns 1 or -1 if c is certainly strictly on that side of the line from a to b, in float32, 0 if
+// it is certainly on that line, and kUncertain if that is open, as it is after an overflow. If
+// float32 holds the differences exactly, rounded products that differ have the order of the true
+// ones. Products that are not very small are equal iff they are so rounded and in their errors.
+DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
+  ErrorFree<float> check;
+  const float ux = check.difference(b.x, a.x), vy = check.difference(c.y, a.y);
+  const float uy = check.difference(b.y, a.y), vx = check.difference(c.x, a.x);
+  const float left = ux * vy, right = uy * vx;
+  constexpr float kBound = 1.8e-7F;  // (3 + 16 u) u, u = 2^-24, Shewchuk's for orient2d, and slack
+  constexpr float kUnderflow = 1e-37F;
+  const float det = left - right, bound = kBound * (fabsf(left) + fabsf(right)) + kUnderflow;
+  if (det > bound) return 1;
+  if (det < -bound) return -1;
+  if (!check.exact) return kUncertain;
+  if (left != right) return left > right ? 1 : -1;
+  constexpr float kExactError = 1e-30F;  // from here on float32 holds the error of a product
+  const bool same = fabsf(left) > kExactError ? fmaf(ux, vy, -left) == fmaf(uy, vx, -right)
+                                              : (ux == 0 || vy == 0) && (uy == 0 || vx == 0);
+  return same ? 0 : kUncertain;
+}
+
+struct FlatTriangle {
+  FlatPoint v[3];
+
+  DCM_HD FlatTriangle(const Triangle& t, int axis)
+      : v{{t.v[0], axis}, {t.v[1], axis}, {t.v[2], axis}} {}
+};
+
+// Tests the lines of t's edges: kApart if one certainly has all of the other triangle strictly on
+// its outer side, kMeet if each certainly has a vertex of it on the line or on its inner side, else
+// kOpen.
+DCM_HD inline PartVerdict edgeLinesVerdict(FlatTriangle t, const FlatTriangle& other) {
+  const int inner = certainTurn(t.v[0], t.v[1], t.v[2]);
+  if (!isStrict(inner)) return PartVerdict::kOpen;
+  bool each_reached = true;
+  DCM_ROLLED for (int edge = 0; edge < 3; ++edge) {
+    bool all_outside = true, reached = false;
+    for (int i = 0; i < 3; ++i) {
+      const int side = certainTurn(t.v[0], t.v[1], other.v[i]);
+      all_outside = all_outside && side == -inner;
+      reached = reached || side == inner || side == 0;
+    }
+    if (all_outside) return PartVerdict::kApart;
+    each_reached = each_reached && reached;
+    const FlatPoint first = t.v[0];
+    t.v[0] = t.v[1];
+    t.v[1] = t.v[2];
+    t.v[2] = first;
+  }
+  return each_reached ? PartVerdict::kMeet : PartVerdict::kOpen;
+}
+
+}  // namespace detail
+
+// Two triangles that share no vertex, in float32: do their projections along `axis` certainly not
+// meet, or certainly meet? Two triangles with area in a plane are disjoint iff the line of an edge
+// of one has the other strictly on its outer side, because the edges of their Minkowski difference
+// are parallel to theirs.
+DCM_HD inline PartVerdict projectedVerdict(const Triangle& a, const Triangle& b, int axis) {
+  const detail::FlatTriangle flat_a(a, axis), flat_b(b, axis);
+  const PartVerdict of_a = detail::edgeLinesVerdict(flat_a, flat_b);
+  if (of_a == PartVerdict::kApart) return of_a;
+  const PartVerdict of_b = detail::edgeLinesVerdict(flat_b, flat_a);
+  return of_b == PartVerdict::kMeet ? of_a : of_b;
+}
+
+}  // namespace deformable_contact_monitor
