@@ -70,13 +70,11 @@ DCM_WIDE_CLONES void dropByColumns(const Prepared* triangles, std::size_t count,
 
 }  // namespace
 
-// Filters may decide in exact mode only: in the other modes a pair that is left open counts as
-// contact, so that all pairs must get the same verdict.
 PairFilter<Triangle>::PairFilter(const CycleInput<Triangle>& input,
                                  FilterBuffers<Triangle>& buffers)
     : input_(input),
       margins_(listsNearPairs(input.scene, input.options)),
-      decides_(!margins_ && input.options.predicates == Predicates::kExact),
+      decides_(!margins_),
       adjacent_(buffers.adjacent),
       open_(buffers.open),
       crossing_(buffers.crossing) {}
@@ -217,7 +215,7 @@ bool PairFilter<Triangle>::filterAdjacent(const Prepared& a, const Prepared& b,
   return true;
 }
 
-// Decides the first `count` pairs in adjacent_, as far as the signs of the plane filters do.
+// Decides the first `count` pairs in adjacent_, as far as float32 is certain.
 void PairFilter<Triangle>::decideAdjacent(const std::vector<Prepared>& triangles, std::size_t count,
                                           FilteredPairs<Triangle>& filtered) const {
   for (std::size_t i = 0; i < count; ++i) {
@@ -226,7 +224,8 @@ void PairFilter<Triangle>::decideAdjacent(const std::vector<Prepared>& triangles
     PairFacts facts;
     if (!filterAdjacent(a, b, facts)) continue;
     const PartVerdict verdict =
-        decides_ ? beyondSharedVerdict(facts.shared, facts.sides) : PartVerdict::kOpen;
+        decides_ ? certainVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle), facts)
+                 : PartVerdict::kOpen;
     if (verdict == PartVerdict::kApart) {
       ++filtered.apart;
     } else if (verdict == PartVerdict::kMeet) {

@@ -68,6 +68,11 @@ DCM_HD inline void fillRestSides(const Triangle& a, const Triangle& b, const Sha
 
 namespace detail {
 
+// Returns on which side of the plane of t a point lies by double arithmetic, or kUncertain.
+DCM_HD DCM_RARE inline int filteredSide(const Triangle& t, const Vec3f& p) {
+  return orient3dFiltered(t.v[0], t.v[1], t.v[2], p);
+}
+
 // Returns whether the vertices that are not shared lie strictly on one side; true too if there are
 // none.
 DCM_HD inline bool restOnOneSide(const int side[3], const bool shared[3]) {
@@ -163,9 +168,8 @@ DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, con
   }
   KnownSides sides = facts.sides;
   fillRestSides(
-      a, b, facts.shared,
-      [&a](const Vec3f& p) { return orient3dFiltered(a.v[0], a.v[1], a.v[2], p); },
-      [&b](const Vec3f& p) { return orient3dFiltered(b.v[0], b.v[1], b.v[2], p); }, sides);
+      a, b, facts.shared, [&a](const Vec3f& p) { return detail::filteredSide(a, p); },
+      [&b](const Vec3f& p) { return detail::filteredSide(b, p); }, sides);
   return beyondSharedVerdict(facts.shared, sides);
 }
 

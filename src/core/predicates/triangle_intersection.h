@@ -11,7 +11,8 @@ namespace deformable_contact_monitor {
 
 // Returns whether some edge of one triangle meets the other. For closed triangles of any shape this
 // is the same as intersecting.
-DCM_HD inline bool edgesMeetTriangles(const Triangle& a, const Triangle& b, PredicateState& state) {
+DCM_HD DCM_RARE inline bool edgesMeetTriangles(const Triangle& a, const Triangle& b,
+                                               PredicateState& state) {
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1;
     if (segmentIntersectsTriangle(a.v[i], a.v[j], b, state) ||
@@ -108,8 +109,8 @@ namespace detail {
 
 // In a common plane, projected along `axis`: is some edge line of t, which has area there, one that
 // has all of `points` strictly on its outer side?
-DCM_HD inline bool edgeLineSeparates(const Triangle& t, const Vec3f* points, int count, int axis,
-                                     PredicateState& state) {
+DCM_HD DCM_RARE inline bool edgeLineSeparates(const Triangle& t, const Vec3f* points, int count,
+                                              int axis, PredicateState& state) {
   const int inner = orient2d(t.v[0], t.v[1], t.v[2], axis, state);
   for (int i = 0; i < 3; ++i) {
     bool outside = true;
@@ -134,8 +135,8 @@ DCM_HD inline bool coplanarSegmentMeets(const Vec3f& p, const Vec3f& q, const Tr
 
 // Returns whether some edge of t meets u, which has area along `axis`. `side` has the sides of t's
 // vertices of u's plane; not all are zero.
-DCM_HD inline bool edgesMeet(const Triangle& t, const int side[3], const Triangle& u, int axis,
-                             PredicateState& state) {
+DCM_HD DCM_RARE inline bool edgesMeet(const Triangle& t, const int side[3], const Triangle& u,
+                                      int axis, PredicateState& state) {
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1;
     if (side[i] * side[j] > 0) continue;
