@@ -26,7 +26,7 @@ struct FlatPoint {
 // Returns 1 or -1 if c is certainly strictly on that side of the line from a to b, in float32, 0 if
 // it is certainly on that line, and kUncertain if that is open, as it is after an overflow. If
 // float32 holds the differences exactly, rounded products that differ have the order of the true
-// ones. Products that are not very small are equal iff they are so rounded and in their errors.
+// ones. Products of usual size are equal iff they are so rounded and in their errors.
 DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
   ErrorFree<float> check;
   const float ux = check.difference(b.x, a.x), vy = check.difference(c.y, a.y);
@@ -39,10 +39,10 @@ DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const Flat
   if (det < -bound) return -1;
   if (!check.exact) return kUncertain;
   if (left != right) return left > right ? 1 : -1;
-  constexpr float kExactError = 1e-30F;  // from here on float32 holds the error of a product
-  const bool same = fabsf(left) > kExactError ? fmaf(ux, vy, -left) == fmaf(uy, vx, -right)
-                                              : (ux == 0 || vy == 0) && (uy == 0 || vx == 0);
-  return same ? 0 : kUncertain;
+  if ((ux == 0 || vy == 0) && (uy == 0 || vx == 0)) return 0;
+  constexpr float kLeast = 1e-30F, kMost = 1e38F;  // between, float32 holds the error of a product
+  const bool has_errors = fabsf(left) > kLeast && fabsf(left) < kMost;
+  return has_errors && fmaf(ux, vy, -left) == fmaf(uy, vx, -right) ? 0 : kUncertain;
 }
 
 struct FlatTriangle {
