@@ -36,8 +36,10 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   // The sweep can decide pairs only if there are no margins, within which pairs that are apart may
   // be contacts too.
   p.decides = !swept && !any.margins ? 1 : 0;
+  const bool few_adjacent =
+      options.adjacent == AdjacentPairs::kSkip || options.predicates != Predicates::kConservative;
   constexpr std::uint32_t kMany = 300000;  // triangles; above it two kernels are faster
-  p.leaves_few = p.decides != 0 && triangles < kMany ? 1 : 0;
+  p.leaves_few = p.decides != 0 && few_adjacent && triangles < kMany ? 1 : 0;
   p.first_times = options.first_times ? 1 : 0;
   p.group_count = std::min(groups, kMostGroups);
   p.groups_exact = groups <= kMostGroups ? 1 : 0;

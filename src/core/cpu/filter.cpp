@@ -215,7 +215,7 @@ bool PairFilter<Triangle>::filterAdjacent(const Prepared& a, const Prepared& b,
   return true;
 }
 
-// Decides the first `count` pairs in adjacent_, as far as float32 is certain.
+// Decides the first `count` pairs in adjacent_, as far as the signs of the plane filters do.
 void PairFilter<Triangle>::decideAdjacent(const std::vector<Prepared>& triangles, std::size_t count,
                                           FilteredPairs<Triangle>& filtered) const {
   for (std::size_t i = 0; i < count; ++i) {
@@ -224,8 +224,7 @@ void PairFilter<Triangle>::decideAdjacent(const std::vector<Prepared>& triangles
     PairFacts facts;
     if (!filterAdjacent(a, b, facts)) continue;
     const PartVerdict verdict =
-        decides_ ? certainVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle), facts)
-                 : PartVerdict::kOpen;
+        decides_ ? beyondSharedVerdict(facts.shared, facts.sides) : PartVerdict::kOpen;
     if (verdict == PartVerdict::kApart) {
       ++filtered.apart;
     } else if (verdict == PartVerdict::kMeet) {

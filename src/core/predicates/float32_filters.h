@@ -66,7 +66,7 @@ DCM_HD inline int broadAxis(const Triangle& t) {
   return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
 }
 
-// Returns the turn by double arithmetic, or kUncertain.
+// Returns the turn by double arithmetic, 0 if c is certainly on the line, or kUncertain.
 DCM_HD inline int doubleTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
   return orient2dErrorFree(a.x, a.y, b.x, b.y, c.x, c.y);
 }
@@ -94,15 +94,13 @@ DCM_HD inline bool isBetween(const FlatPoint& a, const FlatPoint& p, const FlatP
 // Returns whether the line of an edge of a that leaves the shared vertex v[0] certainly separates
 // the rest of a from the rest of b. The other vertices of b may lie on the line too, if they are
 // beyond the shared one.
-template <class Turn>
-DCM_HD inline bool edgeLineSeparatesAngles(const FlatTriangle& a, const FlatTriangle& b,
-                                           const Turn& turn) {
-  const int turn_a = turn(a.v[0], a.v[1], a.v[2]);
+DCM_HD inline bool edgeLineSeparatesAngles(const FlatTriangle& a, const FlatTriangle& b) {
+  const int turn_a = doubleTurn(a.v[0], a.v[1], a.v[2]);
   if (!isStrict(turn_a)) return false;
   DCM_ROLLED for (int edge = 1; edge < 3; ++edge) {
     const FlatPoint end = edge == 1 ? a.v[1] : a.v[2];
     const int outer = edge == 1 ? -turn_a : turn_a;
-    const int first = turn(a.v[0], end, b.v[1]), second = turn(a.v[0], end, b.v[2]);
+    const int first = doubleTurn(a.v[0], end, b.v[1]), second = doubleTurn(a.v[0], end, b.v[2]);
     if ((first == outer || (first == 0 && isBetween(end, a.v[0], b.v[1]))) &&
         (second == outer || (second == 0 && isBetween(end, a.v[0], b.v[2])))) {
       return true;
@@ -119,17 +117,15 @@ DCM_HD inline bool edgeLineSeparatesAngles(const FlatTriangle& a, const FlatTria
 DCM_HD inline PartVerdict touchVerdict(const Triangle& a, const Triangle& b) {
   if (haveEqualVertices(a, b)) return PartVerdict::kMeet;
   const int axis = detail::broadAxis(a);
-  const PartVerdict verdict = projectedVerdict(a, b, axis);
+  const PartVerdict verdict = projectedVerdict(a, b, axis, detail::certainTurn);
   if (verdict != PartVerdict::kMeet) return verdict;
   return areLevel(a, b, axis) ? PartVerdict::kMeet : PartVerdict::kOpen;
 }
 
-// Two triangles that share vertices: do their projections show that they certainly do not meet
-// beyond them? turn(a, b, c) returns 1 or -1 if c is certainly strictly on that side of the line
-// from a to b, 0 if it is certainly on the line, else kUncertain.
-template <class Turn>
+// Two triangles that share vertices: do their projections show, by double arithmetic, that they
+// certainly do not meet beyond them?
 DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b,
-                                              const SharedVertices& shared, const Turn& turn) {
+                                              const SharedVertices& shared) {
   const int count_a = shared.in_a[0] + shared.in_a[1] + shared.in_a[2];
   const int count_b = shared.in_b[0] + shared.in_b[1] + shared.in_b[2];
   if (count_a != count_b || count_a == 3) return false;
@@ -138,12 +134,11 @@ DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle&
   detail::oddVertexFirst(flat_a, shared.in_a);
   detail::oddVertexFirst(flat_b, shared.in_b);
   if (count_a == 2) {
-    return turn(flat_a.v[1], flat_a.v[2], flat_a.v[0]) *
-               turn(flat_a.v[1], flat_a.v[2], flat_b.v[0]) ==
-           -1;
+    const int side_a = detail::doubleTurn(flat_a.v[1], flat_a.v[2], flat_a.v[0]);
+    return side_a * detail::doubleTurn(flat_a.v[1], flat_a.v[2], flat_b.v[0]) == -1;
   }
-  return detail::edgeLineSeparatesAngles(flat_a, flat_b, turn) ||
-         detail::edgeLineSeparatesAngles(flat_b, flat_a, turn);
+  return detail::edgeLineSeparatesAngles(flat_a, flat_b) ||
+         detail::edgeLineSeparatesAngles(flat_b, flat_a);
 }
 
 }  // namespace deformable_contact_monitor

@@ -135,12 +135,7 @@ struct PairFacts {
 // intersect, or meet beyond what they share.
 DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
                                          const PairFacts& facts) {
-  if (facts.shared.any) {
-    const PartVerdict verdict = beyondSharedVerdict(facts.shared, facts.sides);
-    if (verdict != PartVerdict::kOpen) return verdict;
-    return certainlyApartInProjection(a, b, facts.shared, detail::certainTurn) ? PartVerdict::kApart
-                                                                               : PartVerdict::kOpen;
-  }
+  if (facts.shared.any) return beyondSharedVerdict(facts.shared, facts.sides);
   if (detail::allStrict(facts.sides.a) && detail::allStrict(facts.sides.b)) {
     // The orientation is the side of the fourth point of the plane through the first three.
     const PartVerdict verdict =
@@ -163,7 +158,7 @@ DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, con
     const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
     return verdict != PartVerdict::kOpen ? verdict : touchVerdict(a, b);
   }
-  if (certainlyApartInProjection(a, b, facts.shared, detail::doubleTurn)) {
+  if (certainlyApartInProjection(a, b, facts.shared)) {
     return PartVerdict::kApart;
   }
   KnownSides sides = facts.sides;

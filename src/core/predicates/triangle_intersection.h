@@ -174,7 +174,7 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
       });
   if (detail::strictlyOnOneSide(side.a)) return false;  // certain, whatever was left open
   if (detail::allZero(side.a) && !state.undecided) {
-    const PartVerdict flat = projectedVerdict(a, b, plane_b.broadAxis());
+    const PartVerdict flat = projectedVerdict(a, b, plane_b.broadAxis(), detail::exactTurn);
     if (flat != PartVerdict::kOpen) return flat == PartVerdict::kMeet;
   }
   // If b has area and a lies in its plane, then b lies in a's plane, or a has no area and every

@@ -98,7 +98,9 @@ TEST(ProjectionFilter, TellsTrueTurnsOnly) {
     const float scale = std::ldexp(1.0F, exponent);
     for (Vec3f* p : {&a, &b, &c}) *p = Vec3f{p->x, p->y, 0} * scale;
     const detail::FlatPoint flat[3] = {{a, 2}, {b, 2}, {c, 2}};
-    const int turn = detail::certainTurn(flat[0], flat[1], flat[2]);
+    const int turn = detail::exactTurn(flat[0], flat[1], flat[2]);
+    const int strict = detail::certainTurn(flat[0], flat[1], flat[2]);
+    ASSERT_TRUE(strict == kUncertain || (strict == turn && turn != 0)) << "turn " << i;
     if (turn == kUncertain) continue;
     ++told;
     on_the_line += turn == 0;
