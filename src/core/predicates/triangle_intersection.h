@@ -177,10 +177,9 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
     const PartVerdict flat = projectedVerdict(a, b, plane_b.broadAxis(), detail::exactTurn);
     if (flat != PartVerdict::kOpen) return flat == PartVerdict::kMeet;
   }
-  // If b has area and a lies in its plane, then b lies in a's plane, or a has no area and every
-  // point lies in it. So the sides of b are zero too.
-  const bool share_plane = detail::allZero(side.a) && !state.undecided &&
-                           projectionAxis(b.v[0], b.v[1], b.v[2], state) >= 0;
+  // If a lies in b's plane and both have area, then b lies in a's plane: no sign need be zero
+  // twice. If one has none, its edges decide below.
+  const bool share_plane = detail::allZero(side.a) && !state.undecided;
   if (!share_plane) {
     detail::fillSides(a, b, side.b, orient);
     if (detail::strictlyOnOneSide(side.b)) return false;
