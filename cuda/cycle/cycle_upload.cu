@@ -11,7 +11,7 @@ namespace {
 // Returns whether certified vertex fans can decide pairs of bodies that may touch themselves.
 bool asksForFans(const Options& options) {
   return options.motion == Motion::kInstant && options.adjacent == AdjacentPairs::kBeyondShared &&
-         options.predicates == Predicates::kExact;
+         options.predicates != Predicates::kConservative;
 }
 
 }  // namespace

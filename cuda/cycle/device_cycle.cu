@@ -46,6 +46,7 @@ CycleShape DeviceCycle::shapeOf(const Options& options, int refinements) const {
   shape.pads = shape.swept && scene.anyLengths().pads;
   shape.fans = params[0].fans != 0;
   shape.leaves_few = params[0].leaves_few != 0;
+  shape.margins = params[0].margins != 0;
   shape.nearest = arrays.nearest.pair_count > 0;
   return shape;
 }

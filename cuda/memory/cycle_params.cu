@@ -34,10 +34,10 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   p.margins = any.margins && !swept ? 1 : 0;
   p.pads = any.pads && swept ? 1 : 0;
   // The sweep can decide pairs only if there are no margins, within which pairs that are apart may
-  // be contacts too, and if the user asks for certain verdicts.
-  p.decides = !swept && !any.margins && options.predicates != Predicates::kFast ? 1 : 0;
+  // be contacts too.
+  p.decides = !swept && !any.margins ? 1 : 0;
   const bool few_adjacent =
-      options.adjacent == AdjacentPairs::kSkip || options.predicates == Predicates::kExact;
+      options.adjacent == AdjacentPairs::kSkip || options.predicates != Predicates::kConservative;
   constexpr std::uint32_t kMany = 300000;  // triangles; above it two kernels are faster
   p.leaves_few = p.decides != 0 && few_adjacent && triangles < kMany ? 1 : 0;
   p.first_times = options.first_times ? 1 : 0;

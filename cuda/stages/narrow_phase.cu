@@ -20,18 +20,22 @@ constexpr unsigned kFullBlocksEach = 3;
 constexpr unsigned kBlocksPerAsker = 64;
 
 // Returns a verdict by floating-point filters alone. If there are margins, pairs that are apart
-// stay open, because they may be within the margin.
+// stay open, because they may be within the margin. Otherwise the sweep has decided what float32
+// can.
+template <bool kMargins>
 __device__ PartVerdict quickVerdictOf(const CycleArrays& c, const DeviceCandidate& candidate,
                                       const TileEntry& a, const TileEntry& b) {
   const PairFacts facts = unpackFacts(candidate.facts);
-  const PartVerdict verdict = quickVerdict(a.posed, b.posed, facts, c.params().predicates);
-  const bool may_be_near =
-      verdict == PartVerdict::kApart && !facts.shared.any && c.params().margins != 0;
+  const Predicates predicates = c.params().predicates;
+  if (!kMargins && predicates == Predicates::kFast) return PartVerdict::kOpen;
+  const PartVerdict verdict = quickVerdict(a.posed, b.posed, facts, predicates);
+  const bool may_be_near = kMargins && verdict == PartVerdict::kApart && !facts.shared.any;
   return may_be_near ? PartVerdict::kOpen : verdict;
 }
 
 // One thread for each of contacts.candidates: decides most of them, and adds the others to
-// contacts.open.
+// contacts.open. Without kMargins, no pair has a margin.
+template <bool kMargins>
 __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
   letNextKernelStart();  // the previous kernel has ended, for this launch is a plain one
   const auto count = static_cast<std::uint32_t>(
@@ -53,7 +57,7 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
       a = entry_a.triangle;
       b = entry_b.triangle;
       adjacent = sharedBitsOf(candidate) != 0;
-      verdict = quickVerdictOf(c, candidate, entry_a, entry_b);
+      verdict = quickVerdictOf<kMargins>(c, candidate, entry_a, entry_b);
     }
     reportOpen(c, verdict == PartVerdict::kOpen, adjacent, i);
     reportContacts(c, verdict == PartVerdict::kMeet, a, b, 0);
@@ -84,7 +88,8 @@ struct OpenPortions {
 
 // One thread for each of contacts.open: gives the full verdict, and adds contacts. Filters that
 // quickKernel has applied are not repeated, because most time of this kernel goes into fetching its
-// code.
+// code. Without kMargins, no pair has a margin.
+template <bool kMargins>
 __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
   awaitPreviousKernel();
   const bool first = c.params().leaves_few != 0;
@@ -110,12 +115,15 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
       a = entry_a.triangle;
       b = entry_b.triangle;
       PairFacts facts = unpackFacts(candidate.facts);
-      facts.margin_m = marginOf(c, entry_a, entry_b);
+      facts.margin_m = kMargins ? marginOf(c, entry_a, entry_b) : 0;
       // Pairs without shared vertices need no filters here: fullVerdict() begins with the same
       // ones.
-      verdict = first && facts.shared.any
-                    ? candidateVerdict(entry_a.posed, entry_b.posed, facts, state)
-                    : fullVerdict(entry_a.posed, entry_b.posed, facts, state);
+      const PartVerdict quick = first && facts.shared.any && state.mode != Predicates::kFast
+                                    ? quickVerdict(entry_a.posed, entry_b.posed, facts, state.mode)
+                                    : PartVerdict::kOpen;
+      verdict = quick == PartVerdict::kOpen
+                    ? fullVerdict(entry_a.posed, entry_b.posed, facts, state)
+                    : Verdict{quick == PartVerdict::kMeet, 0};
     }
     __syncwarp();
     warpCount(&c.counters().exact, state.exact > 0);
@@ -148,13 +156,14 @@ void launchRestart(const CycleArrays& cycle, bool first, cudaStream_t stream) {
 void launchNarrowPhase(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
   if (shape.swept) return launchNarrowPhaseMoving(cycle, shape, stream);
   const unsigned full_blocks = kFullBlocksEach * shape.device.multiprocessors;
+  const auto full = shape.margins ? fullKernel<true> : fullKernel<false>;
   if (shape.leaves_few) {
-    fullKernel<<<full_blocks, kThreads, 0, stream>>>(cycle);
+    full<<<full_blocks, kThreads, 0, stream>>>(cycle);
     return;
   }
-  quickKernel<<<blocksInOneWave(quickKernel, kThreads, 0, shape.device), kThreads, 0, stream>>>(
-      cycle);
-  launchDependent(fullKernel, full_blocks, kThreads, 0, shape.device, stream, cycle);
+  const auto quick = shape.margins ? quickKernel<true> : quickKernel<false>;
+  quick<<<blocksInOneWave(quick, kThreads, 0, shape.device), kThreads, 0, stream>>>(cycle);
+  launchDependent(full, full_blocks, kThreads, 0, shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -23,12 +23,13 @@ struct CycleShape {
   bool pads = false;        // in swept motion: some body has a pad
   bool fans = false;        // certified fans decide pairs that share vertices
   bool leaves_few = false;  // as in CycleParams::leaves_few
+  bool margins = false;     // as in CycleParams::margins
   bool nearest = false;     // the nearest pairs of bodies are searched
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
            swept == o.swept && adjacent == o.adjacent && pads == o.pads && fans == o.fans &&
-           leaves_few == o.leaves_few && nearest == o.nearest;
+           leaves_few == o.leaves_few && margins == o.margins && nearest == o.nearest;
   }
 };
 

@@ -113,9 +113,16 @@ TEST_P(CountersTest, UndecidedIsContactsThatNoFilterDecides) {
 
 // Each backend decides for itself which pairs reach the predicates, but counts none twice.
 TEST_P(CountersTest, ExactAndUndecidedAreAmongCandidatesAndContacts) {
-  Scene scene;  // one upon the other: edge lies along edge
-  const BodyId lower = scene.addBody("lower", clothGrid(12, 1, 0, 0));
-  const BodyId upper = scene.addBody("upper", clothGrid(12, 1, 0, 0));
+  Scene scene;  // both in a plane that slopes, without a common vertex
+  TriangleMesh mesh[2] = {clothGrid(12, 12, 0, 0), clothGrid(8, 12, 0, 0)};
+  for (float& x : mesh[1].vertices) x += 0.25F;
+  for (TriangleMesh& cloth : mesh) {
+    for (std::size_t i = 0; i < cloth.vertices.size(); i += 3) {
+      cloth.vertices[i + 2] = cloth.vertices[i] + 2 * cloth.vertices[i + 1];
+    }
+  }
+  const BodyId lower = scene.addBody("lower", mesh[0]);
+  const BodyId upper = scene.addBody("upper", mesh[1]);
   scene.setPairEnabled(lower, upper, true);
   const DetectionResult exact = detector_->detect(scene, Options());
   EXPECT_GT(exact.counters.exact, 40U);

@@ -152,7 +152,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
   Stopwatch watch;
   builder_.build<Primitive>(scene, options, set_, result_.counters, limit);
   if (!kIsMoving<Primitive> && options.adjacent == AdjacentPairs::kBeyondShared &&
-      options.predicates == Predicates::kExact && !limit.wasOver()) {
+      options.predicates != Predicates::kConservative && !limit.wasOver()) {
     fans_.certify(scene, set_, limit);
   }
   if (!limit.wasOver()) splitBySize(set_, split_, limit);

@@ -70,13 +70,11 @@ DCM_WIDE_CLONES void dropByColumns(const Prepared* triangles, std::size_t count,
 
 }  // namespace
 
-// Filters may decide in exact mode only: in the other modes a pair that is left open counts as
-// contact, so that all pairs must get the same verdict.
 PairFilter<Triangle>::PairFilter(const CycleInput<Triangle>& input,
                                  FilterBuffers<Triangle>& buffers)
     : input_(input),
       margins_(listsNearPairs(input.scene, input.options)),
-      decides_(!margins_ && input.options.predicates == Predicates::kExact),
+      decides_(!margins_),
       adjacent_(buffers.adjacent),
       open_(buffers.open),
       crossing_(buffers.crossing) {}
@@ -157,9 +155,13 @@ void PairFilter<Triangle>::filter(const std::vector<Prepared>& triangles, BoxPai
   for (std::size_t i = 0; i < open_count_; ++i) {
     const Prepared& a = triangles[open_[i].pair.a.value];
     const Prepared& b = triangles[open_[i].pair.b.value];
-    if (decides_ &&
-        certainlyApartInProjection(input_.set.posed(a.triangle), input_.set.posed(b.triangle))) {
+    const PartVerdict verdict =
+        decides_ ? touchVerdict(input_.set.posed(a.triangle), input_.set.posed(b.triangle))
+                 : PartVerdict::kOpen;
+    if (verdict == PartVerdict::kApart) {
       ++filtered.apart;
+    } else if (verdict == PartVerdict::kMeet) {
+      filtered.meeting.push_back({a.triangle, b.triangle});
     } else {
       addCandidate(a, b, open_[i].a, open_[i].b, filtered.candidates);
     }

@@ -156,8 +156,8 @@ DCM_HD inline bool meetBeyondEdge(const Point& p, const Point& q, const Point& a
 // distinct shared points? `a` and `b` are posed. In conservative mode an undecided sign makes it
 // true. Triangles, or others as in segment_intersection.h.
 template <class TriangleType>
-DCM_HD inline bool meetBeyondShared(const TriangleType& a, const TriangleType& b,
-                                    const SharedVertices& shared, PredicateState& state) {
+DCM_HD DCM_RARE inline bool meetBeyondShared(const TriangleType& a, const TriangleType& b,
+                                             const SharedVertices& shared, PredicateState& state) {
   using Point = std::decay_t<decltype(a.v[0])>;
   Point common[3], rest_a[3], rest_b[3];
   int common_count = 0, a_count = 0, b_count = 0;

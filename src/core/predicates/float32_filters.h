@@ -4,13 +4,15 @@
 // A plane filter tells whether a triangle certainly lies on one side of another's plane. A
 // projection filter tells whether two triangles certainly do not meet when projected along a
 // coordinate axis: triangles whose projections do not meet do not meet. It helps where planes tell
-// nothing, for triangles in one plane, which mostly lie side by side.
+// nothing, for triangles in one plane. These mostly lie side by side, but in layers of cloth they
+// overlap, or have the same vertices.
 #pragma once
 
 #include <cmath>
 
 #include "core/host_device.h"
 #include "core/predicates/adjacency.h"
+#include "core/predicates/flat_triangle.h"
 #include "core/predicates/orientation.h"
 #include "core/predicates/triangle.h"
 
@@ -64,98 +66,79 @@ DCM_HD inline int broadAxis(const Triangle& t) {
   return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
 }
 
-struct FlatPoint {
-  float x, y;
-
-  DCM_HD FlatPoint(const Vec3f& p, int axis) { projected(p, axis, x, y); }
-};
-
-// Returns 1 or -1 if c is certainly strictly on that side of the line from a to b, in float32; 0 if
-// that is open, as it is after an overflow.
-DCM_HD inline int certainTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
-  const float left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
-  constexpr float kBound = 1.8e-7F;  // (3 + 16 u) u, u = 2^-24, Shewchuk's for orient2d, and slack
-  constexpr float kUnderflow = 1e-37F;
-  const float det = left - right, bound = kBound * (fabsf(left) + fabsf(right)) + kUnderflow;
-  return (det > bound) - (det < -bound);
+// Returns the turn by double arithmetic, 0 if c is certainly on the line, or kUncertain.
+DCM_HD inline int doubleTurn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
+  return orient2dErrorFree(a.x, a.y, b.x, b.y, c.x, c.y);
 }
 
-struct FlatTriangle {
-  FlatPoint v[3];
-
-  DCM_HD FlatTriangle(const Triangle& t, int axis)
-      : v{{t.v[0], axis}, {t.v[1], axis}, {t.v[2], axis}} {}
-};
-
-// Returns whether t has an edge whose line certainly has all of the other triangle strictly on its
-// outer side.
-DCM_HD inline bool edgeLineCertainlySeparates(FlatTriangle t, const FlatTriangle& other) {
-  DCM_ROLLED for (int edge = 0; edge < 3; ++edge) {
-    const int outer = -certainTurn(t.v[0], t.v[1], t.v[2]);
-    bool all_outside = outer != 0;
-    for (int i = 0; i < 3; ++i) {
-      all_outside = all_outside && certainTurn(t.v[0], t.v[1], other.v[i]) == outer;
-    }
-    if (all_outside) return true;
-    const FlatPoint first = t.v[0];
+// Rotates t so that the vertex comes first that is the only shared one, or the only other one.
+DCM_HD inline void oddVertexFirst(FlatTriangle& t, const bool shared[3]) {
+  const FlatPoint first = t.v[0];
+  if (shared[0] == shared[1]) {
+    t.v[0] = t.v[2];
+    t.v[2] = t.v[1];
+    t.v[1] = first;
+  } else if (shared[0] == shared[2]) {
     t.v[0] = t.v[1];
     t.v[1] = t.v[2];
     t.v[2] = first;
   }
-  return false;
 }
 
-// Returns whether, projected along `axis`, the line of an edge that leaves the shared vertex p has
-// the rest of a and the rest of b strictly on different sides, except for the edge itself.
-DCM_HD inline bool edgeLineSeparatesAngles(const Vec3f& p, const Vec3f a[2], const Vec3f b[2],
-                                           int axis) {
-  const int turn = orient2dFiltered(p, a[0], a[1], axis);
-  if (turn != 1 && turn != -1) return false;
-  const bool beyond_first = orient2dFiltered(p, a[0], b[0], axis) == -turn &&
-                            orient2dFiltered(p, a[0], b[1], axis) == -turn;
-  return beyond_first || (orient2dFiltered(p, a[1], b[0], axis) == turn &&
-                          orient2dFiltered(p, a[1], b[1], axis) == turn);
+// Returns whether p lies between the points a and b of a line through p.
+DCM_HD inline bool isBetween(const FlatPoint& a, const FlatPoint& p, const FlatPoint& b) {
+  return (a.x < p.x && p.x < b.x) || (a.x > p.x && p.x > b.x) || (a.y < p.y && p.y < b.y) ||
+         (a.y > p.y && p.y > b.y);
+}
+
+// Returns whether the line of an edge of a that leaves the shared vertex v[0] certainly separates
+// the rest of a from the rest of b. The other vertices of b may lie on the line too, if they are
+// beyond the shared one.
+DCM_HD inline bool edgeLineSeparatesAngles(const FlatTriangle& a, const FlatTriangle& b) {
+  const int turn_a = doubleTurn(a.v[0], a.v[1], a.v[2]);
+  if (!isStrict(turn_a)) return false;
+  DCM_ROLLED for (int edge = 1; edge < 3; ++edge) {
+    const FlatPoint end = edge == 1 ? a.v[1] : a.v[2];
+    const int outer = edge == 1 ? -turn_a : turn_a;
+    const int first = doubleTurn(a.v[0], end, b.v[1]), second = doubleTurn(a.v[0], end, b.v[2]);
+    if ((first == outer || (first == 0 && isBetween(end, a.v[0], b.v[1]))) &&
+        (second == outer || (second == 0 && isBetween(end, a.v[0], b.v[2])))) {
+      return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace detail
 
-// Two triangles that share no vertex, in float32.
-DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b) {
+// Decides two triangles that share no vertex, as far as float32 is certain without the sides of
+// planes. They meet if they have a common point: a vertex of both, or a point of a plane across a
+// coordinate axis in which both lie. They are apart if their projections are.
+DCM_HD inline PartVerdict touchVerdict(const Triangle& a, const Triangle& b) {
+  if (haveEqualVertices(a, b)) return PartVerdict::kMeet;
   const int axis = detail::broadAxis(a);
-  const detail::FlatTriangle flat_a(a, axis), flat_b(b, axis);
-  return detail::edgeLineCertainlySeparates(flat_a, flat_b) ||
-         detail::edgeLineCertainlySeparates(flat_b, flat_a);
+  const PartVerdict verdict = projectedVerdict(a, b, axis, detail::certainTurn);
+  if (verdict != PartVerdict::kMeet) return verdict;
+  return areLevel(a, b, axis) ? PartVerdict::kMeet : PartVerdict::kOpen;
 }
 
-// Two triangles that share vertices, by double arithmetic: do they certainly not meet beyond them?
+// Two triangles that share vertices: do their projections show, by double arithmetic, that they
+// certainly do not meet beyond them?
 DCM_HD inline bool certainlyApartInProjection(const Triangle& a, const Triangle& b,
                                               const SharedVertices& shared) {
-  Vec3f common[2], rest_a[3], rest_b[3];
-  int common_count = 0, a_count = 0, b_count = 0;
-  for (int i = 0; i < 3; ++i) {
-    if (!shared.in_a[i]) {
-      rest_a[a_count < 2 ? a_count : 2] = a.v[i];
-      ++a_count;
-    } else {
-      common[common_count < 1 ? 0 : 1] = a.v[i];
-      ++common_count;
-    }
-    if (!shared.in_b[i]) {
-      rest_b[b_count < 2 ? b_count : 2] = b.v[i];
-      ++b_count;
-    }
-  }
+  const int count_a = shared.in_a[0] + shared.in_a[1] + shared.in_a[2];
+  const int count_b = shared.in_b[0] + shared.in_b[1] + shared.in_b[2];
+  if (count_a != count_b || count_a == 3) return false;
   const int axis = detail::broadAxis(a);
-  if (a_count == 1 && b_count == 1 && common_count == 2) {
-    const int side_a = orient2dFiltered(common[0], common[1], rest_a[0], axis);
-    const int side_b = orient2dFiltered(common[0], common[1], rest_b[0], axis);
-    return side_a * side_b == -1;
+  detail::FlatTriangle flat_a(a, axis), flat_b(b, axis);
+  detail::oddVertexFirst(flat_a, shared.in_a);
+  detail::oddVertexFirst(flat_b, shared.in_b);
+  if (count_a == 2) {
+    const int side_a = detail::doubleTurn(flat_a.v[1], flat_a.v[2], flat_a.v[0]);
+    return side_a * detail::doubleTurn(flat_a.v[1], flat_a.v[2], flat_b.v[0]) == -1;
   }
-  if (a_count == 2 && b_count == 2) {
-    return detail::edgeLineSeparatesAngles(common[0], rest_a, rest_b, axis) ||
-           detail::edgeLineSeparatesAngles(common[0], rest_b, rest_a, axis);
-  }
-  return false;
+  return detail::edgeLineSeparatesAngles(flat_a, flat_b) ||
+         detail::edgeLineSeparatesAngles(flat_b, flat_a);
 }
 
 }  // namespace deformable_contact_monitor

@@ -68,6 +68,11 @@ DCM_HD inline void fillRestSides(const Triangle& a, const Triangle& b, const Sha
 
 namespace detail {
 
+// Returns on which side of the plane of t a point lies by double arithmetic, or kUncertain.
+DCM_HD DCM_RARE inline int filteredSide(const Triangle& t, const Vec3f& p) {
+  return orient3dFiltered(t.v[0], t.v[1], t.v[2], p);
+}
+
 // Returns whether the vertices that are not shared lie strictly on one side; true too if there are
 // none.
 DCM_HD inline bool restOnOneSide(const int side[3], const bool shared[3]) {
@@ -141,28 +146,26 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
                                 });
     if (verdict != PartVerdict::kOpen) return verdict;
   }
-  return certainlyApartInProjection(a, b) ? PartVerdict::kApart : PartVerdict::kOpen;
+  return touchVerdict(a, b);
 }
 
-// Decides a candidate as far as the floating-point filters alone can; in fast mode float32 decides.
-// For triangles that share vertices it decides whether they meet beyond them. kApart says nothing
-// about margins.
+// Decides a candidate as far as the floating-point filters alone can. For triangles that share
+// vertices it decides whether they meet beyond them. kApart says nothing about margins.
 DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        Predicates mode) {
+  if (mode == Predicates::kFast) return certainVerdict(a, b, facts);
   if (!facts.shared.any) {
     const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
-    if (verdict != PartVerdict::kOpen || mode == Predicates::kFast) return verdict;
-    return certainlyApartInProjection(a, b) ? PartVerdict::kApart : PartVerdict::kOpen;
+    return verdict != PartVerdict::kOpen ? verdict : touchVerdict(a, b);
   }
-  if (mode == Predicates::kFast) return PartVerdict::kOpen;
+  if (certainlyApartInProjection(a, b, facts.shared)) {
+    return PartVerdict::kApart;
+  }
   KnownSides sides = facts.sides;
   fillRestSides(
-      a, b, facts.shared,
-      [&a](const Vec3f& p) { return orient3dFiltered(a.v[0], a.v[1], a.v[2], p); },
-      [&b](const Vec3f& p) { return orient3dFiltered(b.v[0], b.v[1], b.v[2], p); }, sides);
-  const PartVerdict verdict = beyondSharedVerdict(facts.shared, sides);
-  if (verdict != PartVerdict::kOpen) return verdict;
-  return certainlyApartInProjection(a, b, facts.shared) ? PartVerdict::kApart : PartVerdict::kOpen;
+      a, b, facts.shared, [&a](const Vec3f& p) { return detail::filteredSide(a, p); },
+      [&b](const Vec3f& p) { return detail::filteredSide(b, p); }, sides);
+  return beyondSharedVerdict(facts.shared, sides);
 }
 
 // Decides any candidate exactly. It does not try the whole filters of quickVerdict() first; each

@@ -111,6 +111,89 @@ DCM_HD inline void addOrient3d(Expansion<48>& sum, const Vec3f& a, const Vec3f& 
   detail::addDeterminant(sum, toDouble(a), toDouble(b), toDouble(c), -1);
 }
 
+// A filter's answer if it cannot tell the sign.
+constexpr int kUncertain = 2;
+
+namespace detail {
+
+// Arithmetic in float or double that notices when a result is not exact.
+template <class Real>
+struct ErrorFree {
+  bool exact = true;  // all results so far
+
+  // Returns x - y. Of the two differences, the one from the greater number is computed without an
+  // error (Dekker, "A Floating-Point Technique for Extending the Available Precision", 1971), so
+  // that it differs from the other number iff x - y was rounded.
+  DCM_HD Real difference(Real x, Real y) {
+    const Real z = x - y;
+    exact = exact && x - z == y && z + y == x;
+    return z;
+  }
+  DCM_HD Real product(Real x, Real y) {
+    const Real z = x * y;
+    exact = exact && fma(x, y, -z) == 0;
+    return z;
+  }
+  DCM_HD Vec3<Real> difference(const Vec3f& p, const Vec3f& q) {
+    return {difference(p.x, q.x), difference(p.y, q.y), difference(p.z, q.z)};
+  }
+  // Returns xy - zw.
+  DCM_HD Real minor(Real x, Real y, Real z, Real w) {
+    return difference(product(x, y), product(z, w));
+  }
+};
+
+// Returns the sign of x y + z w + s t, or kUncertain. Each product is the sum of its rounded value
+// and the error of that, which is a double too.
+DCM_HD inline int signOfProducts(double x, double y, double z, double w, double s, double t) {
+  const double first = x * y, second = z * w, third = s * t;
+  const double sum = first + second, all = sum + third;
+  const double second_kept = sum - first, third_kept = all - sum;
+  const double errors[5] = {fma(x, y, -first), fma(z, w, -second), fma(s, t, -third),
+                            (first - (sum - second_kept)) + (second - second_kept),
+                            (sum - (all - third_kept)) + (third - third_kept)};
+  ErrorFree<double> check;
+  double rest = 0, size = 0;
+  for (const double error : errors) {
+    rest = check.difference(rest, -error);
+    size += fabs(error);
+  }
+  constexpr double kSlack = 1 + 0x1p-50;  // of the sum of the sizes
+  if (fabs(all) > size * kSlack) return signOf(all);
+  return all == 0 && check.exact ? signOf(rest) : kUncertain;
+}
+
+}  // namespace detail
+
+// The plane through three points. `exact` says whether double holds its normal exactly, as for most
+// coordinates of similar size.
+struct ErrorFreePlane {
+  Vec3f origin;
+  Vec3d normal;
+  bool exact;
+
+  DCM_HD ErrorFreePlane(const Vec3f& a, const Vec3f& b, const Vec3f& c) : origin(a) {
+    detail::ErrorFree<double> check;
+    const Vec3d u = check.difference(b, a), v = check.difference(c, a);
+    normal = {check.minor(u.y, v.z, u.z, v.y), check.minor(u.z, v.x, u.x, v.z),
+              check.minor(u.x, v.y, u.y, v.x)};
+    exact = check.exact;
+  }
+
+  // Returns the axis along which a triangle of the plane has about the largest projection.
+  DCM_HD int broadAxis() const {
+    const double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
+    return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+  }
+  // Returns the exact sign of det[b-a; c-a; d-a], or kUncertain.
+  DCM_HD int side(const Vec3f& d) const {
+    detail::ErrorFree<double> check{exact};
+    const Vec3d w = check.difference(d, origin);
+    if (!check.exact) return kUncertain;
+    return detail::signOfProducts(normal.x, w.x, normal.y, w.y, normal.z, w.z);
+  }
+};
+
 // Returns the sign of det[b-a; c-a; d-a] by exact sums alone.
 DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                             const Vec3f& d) {
@@ -120,8 +203,8 @@ DCM_HD DCM_RARE inline int orient3dExpanded(const Vec3f& a, const Vec3f& b, cons
 }
 
 // Returns the exact sign of det[b-a; c-a; d-a], by integers where they suffice.
-DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                         const Vec3f& d) {
+DCM_HD DCM_RARE inline int orient3dInIntegers(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                              const Vec3f& d) {
 #if DCM_INT128
   const float x[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
   std::int64_t i[12];
@@ -133,8 +216,12 @@ DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const V
   return orient3dExpanded(a, b, c, d);
 }
 
-// A filter's answer if it cannot tell the sign.
-constexpr int kUncertain = 2;
+// Returns the exact sign of det[b-a; c-a; d-a], by doubles where they suffice.
+DCM_HD DCM_RARE inline int orient3dExact(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                         const Vec3f& d) {
+  const int sign = ErrorFreePlane(a, b, c).side(d);
+  return sign != kUncertain ? sign : orient3dInIntegers(a, b, c, d);
+}
 
 // Returns det[b-a; c-a; d-a] in double, and the sum of the sizes of its terms (the permanent).
 DCM_HD inline double orient3dDouble(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
@@ -181,6 +268,15 @@ DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f&
   return orient3dExact(a, b, c, d);
 }
 
+// Does the same as orient3d() for the plane through a, b and c, whose normal several points share.
+DCM_HD DCM_RARE inline int sideOfPlane(const ErrorFreePlane& plane, const Vec3f& a, const Vec3f& b,
+                                       const Vec3f& c, const Vec3f& d, PredicateState& state) {
+  const int side = state.mode == Predicates::kExact ? plane.side(d) : kUncertain;
+  if (side == kUncertain) return orient3d(a, b, c, d, state);
+  if (side == 0) ++state.exact;
+  return side;
+}
+
 // Returns the sign of det[b-a; c-a] by exact sums alone.
 DCM_HD inline int orient2dExpanded(float ax, float ay, float bx, float by, float cx, float cy) {
   Expansion<6> sum;  // each product of two float32 is exact in double
@@ -193,8 +289,9 @@ DCM_HD inline int orient2dExpanded(float ax, float ay, float bx, float by, float
   return sum.sign();
 }
 
-DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
-                                         float cy) {
+// Returns the exact sign of det[b-a; c-a], by integers where they suffice.
+DCM_HD DCM_RARE inline int orient2dInIntegers(float ax, float ay, float bx, float by, float cx,
+                                              float cy) {
 #if DCM_INT128
   const float x[6] = {ax, ay, bx, by, cx, cy};
   std::int64_t i[6];
@@ -203,6 +300,29 @@ DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by,
   }
 #endif
   return orient2dExpanded(ax, ay, bx, by, cx, cy);
+}
+
+// Returns the sign of det[b-a; c-a] by double arithmetic, or kUncertain. If double holds the
+// differences exactly, each product is the sum of its rounded value and the error of that. The
+// greater product has the greater rounded value, or if these are equal the greater error.
+DCM_HD inline int orient2dErrorFree(float ax, float ay, float bx, float by, float cx, float cy) {
+  detail::ErrorFree<double> check;
+  const double ux = check.difference(bx, ax), uy = check.difference(by, ay);
+  const double vx = check.difference(cx, ax), vy = check.difference(cy, ay);
+  const double left = ux * vy, right = uy * vx;
+  constexpr double kBound = 3.3306690738754716e-16;  // as in orient2dFiltered()
+  const double det = left - right, bound = kBound * (fabs(left) + fabs(right));
+  if (det > bound) return 1;
+  if (-det > bound) return -1;
+  if (!check.exact) return kUncertain;
+  return left != right ? signOf(det) : signOf(fma(ux, vy, -left) - fma(uy, vx, -right));
+}
+
+// Returns the exact sign of det[b-a; c-a], by doubles where they suffice.
+DCM_HD DCM_RARE inline int orient2dExact(float ax, float ay, float bx, float by, float cx,
+                                         float cy) {
+  const int sign = orient2dErrorFree(ax, ay, bx, by, cx, cy);
+  return sign != kUncertain ? sign : orient2dInIntegers(ax, ay, bx, by, cx, cy);
 }
 
 // Computes the coordinates of a projection along coordinate axis `axis` (0, 1, 2).

@@ -76,8 +76,9 @@ DCM_HD inline bool segmentMeetsEdges(const Point& p, const Point& q, const Trian
 }
 
 template <class Point, class TriangleType>
-DCM_HD inline bool segmentIntersectsTriangle(const Point& p, const Point& q, const TriangleType& t,
-                                             PredicateState& state) {
+DCM_HD DCM_RARE inline bool segmentIntersectsTriangle(const Point& p, const Point& q,
+                                                      const TriangleType& t,
+                                                      PredicateState& state) {
   const int axis = projectionAxis(t.v[0], t.v[1], t.v[2], state);
   if (axis < 0) return segmentMeetsEdges(p, q, t, state);  // the triangle is its edges
   const int side_p = orient3d(t.v[0], t.v[1], t.v[2], p, state);

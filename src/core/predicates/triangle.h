@@ -15,6 +15,24 @@ DCM_HD inline bool isFinite(const Triangle& t) {
   return isFinite(t.v[0]) && isFinite(t.v[1]) && isFinite(t.v[2]);
 }
 
+// Returns whether some vertex of a has the same place as one of b. Then they intersect, whatever
+// their shape, because a closed triangle contains its vertices.
+DCM_HD inline bool haveEqualVertices(const Triangle& a, const Triangle& b) {
+  bool equal = false;
+  for (int i = 0; i < 3; ++i) {
+    equal = equal || a.v[i] == b.v[0] || a.v[i] == b.v[1] || a.v[i] == b.v[2];
+  }
+  return equal;
+}
+
+// Returns whether both triangles lie in one plane across coordinate axis `axis` (0, 1, 2).
+DCM_HD inline bool areLevel(const Triangle& a, const Triangle& b, int axis) {
+  const float level = a.v[0][axis];
+  bool same = true;
+  for (int i = 0; i < 3; ++i) same = same && a.v[i][axis] == level && b.v[i][axis] == level;
+  return same;
+}
+
 // Returns the right-handed normal of a triangle, whose length is twice the triangle's area [m^2].
 inline Vec3d doubleAreaNormal(const Triangle& t) {
   const Vec3d origin = toDouble(t.v[0]);

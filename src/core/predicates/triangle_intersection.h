@@ -4,13 +4,15 @@
 // in general position follow Guigue and Devillers; special positions are reduced to tests of edges.
 #pragma once
 
+#include "core/predicates/flat_triangle.h"
 #include "core/predicates/segment_intersection.h"
 
 namespace deformable_contact_monitor {
 
 // Returns whether some edge of one triangle meets the other. For closed triangles of any shape this
 // is the same as intersecting.
-DCM_HD inline bool edgesMeetTriangles(const Triangle& a, const Triangle& b, PredicateState& state) {
+DCM_HD DCM_RARE inline bool edgesMeetTriangles(const Triangle& a, const Triangle& b,
+                                               PredicateState& state) {
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1;
     if (segmentIntersectsTriangle(a.v[i], a.v[j], b, state) ||
@@ -41,9 +43,6 @@ struct KnownSides {
   int b[3] = {0, 0, 0};  // of b's vertices, of a's plane
 };
 
-// The answer of a part of the test; kOpen: it cannot tell.
-enum class PartVerdict { kApart, kMeet, kOpen };
-
 namespace detail {
 
 // Fills in the unknown sides of `points` of the plane of t, by orient(a, b, c, d).
@@ -55,10 +54,12 @@ DCM_HD inline void fillSides(const Triangle& t, const Triangle& points, int side
   }
 }
 
-DCM_HD inline bool isStrict(int sign) { return sign == 1 || sign == -1; }
-
 DCM_HD inline bool allStrict(const int side[3]) {
   return isStrict(side[0]) && isStrict(side[1]) && isStrict(side[2]);
+}
+
+DCM_HD inline bool allZero(const int side[3]) {
+  return side[0] == 0 && side[1] == 0 && side[2] == 0;
 }
 
 DCM_HD inline bool strictlyOnOneSide(const int side[3]) {
@@ -108,8 +109,8 @@ namespace detail {
 
 // In a common plane, projected along `axis`: is some edge line of t, which has area there, one that
 // has all of `points` strictly on its outer side?
-DCM_HD inline bool edgeLineSeparates(const Triangle& t, const Vec3f* points, int count, int axis,
-                                     PredicateState& state) {
+DCM_HD DCM_RARE inline bool edgeLineSeparates(const Triangle& t, const Vec3f* points, int count,
+                                              int axis, PredicateState& state) {
   const int inner = orient2d(t.v[0], t.v[1], t.v[2], axis, state);
   for (int i = 0; i < 3; ++i) {
     bool outside = true;
@@ -134,8 +135,8 @@ DCM_HD inline bool coplanarSegmentMeets(const Vec3f& p, const Vec3f& q, const Tr
 
 // Returns whether some edge of t meets u, which has area along `axis`. `side` has the sides of t's
 // vertices of u's plane; not all are zero.
-DCM_HD inline bool edgesMeet(const Triangle& t, const int side[3], const Triangle& u, int axis,
-                             PredicateState& state) {
+DCM_HD DCM_RARE inline bool edgesMeet(const Triangle& t, const int side[3], const Triangle& u,
+                                      int axis, PredicateState& state) {
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1;
     if (side[i] * side[j] > 0) continue;
@@ -165,15 +166,34 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
   const auto orient = [&state](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
     return orient3d(p, q, r, s, state);
   };
-  const PartVerdict general = detail::generalVerdict(a, b, side, orient);
-  if (general == PartVerdict::kApart) return false;  // certain, whatever was left open
-  if (general == PartVerdict::kMeet || state.undecided) return true;
+  const ErrorFreePlane plane_b(b.v[0], b.v[1], b.v[2]);
+  detail::fillSides(
+      b, a, side.a,
+      [&plane_b, &state](const Vec3f& p, const Vec3f& q, const Vec3f& r, const Vec3f& s) {
+        return sideOfPlane(plane_b, p, q, r, s, state);
+      });
+  if (detail::strictlyOnOneSide(side.a)) return false;  // certain, whatever was left open
+  if (detail::allZero(side.a) && !state.undecided) {
+    const PartVerdict flat = projectedVerdict(a, b, plane_b.broadAxis(), detail::exactTurn);
+    if (flat != PartVerdict::kOpen) return flat == PartVerdict::kMeet;
+  }
+  // If a lies in b's plane and both have area, then b lies in a's plane: no sign need be zero
+  // twice. If one has none, its edges decide below.
+  const bool share_plane = detail::allZero(side.a) && !state.undecided;
+  if (!share_plane) {
+    detail::fillSides(a, b, side.b, orient);
+    if (detail::strictlyOnOneSide(side.b)) return false;
+    if (detail::allStrict(side.a) && detail::allStrict(side.b)) {
+      return detail::crossingVerdict(a, side.a, b, side.b, orient) == PartVerdict::kMeet;
+    }
+    if (state.undecided) return true;
+  }
   const int axis_a = projectionAxis(a.v[0], a.v[1], a.v[2], state);
   const int axis_b = projectionAxis(b.v[0], b.v[1], b.v[2], state);
   bool meet;
   if (axis_a < 0 || axis_b < 0) {
     meet = edgesMeetTriangles(a, b, state);  // one is a segment or a point
-  } else if (side.a[0] == 0 && side.a[1] == 0 && side.a[2] == 0) {
+  } else if (detail::allZero(side.a)) {
     meet = !detail::edgeLineSeparates(a, b.v, 3, axis_a, state) &&
            !detail::edgeLineSeparates(b, a.v, 3, axis_a, state);
   } else {

@@ -77,28 +77,39 @@ TEST(PlaneFilter, TellsNoSideThatRoundingMade) {
   }
 }
 
-// Nearly on a line, at scales from where products are denormal to where they overflow.
+// Nearly on a line or exactly on one, at scales from where products are denormal to where they
+// overflow.
 TEST(ProjectionFilter, TellsTrueTurnsOnly) {
   Dice dice(5);
   constexpr int kTurns = 300000;
-  int told = 0;
+  int told = 0, on_the_line = 0;
   for (int i = 0; i < kTurns; ++i) {
     Vec3f a = dice.point() * (i % 3 == 0 ? 16.0F : 1.0F), b = dice.point();
     Vec3f c = a + (b - a) * (2.0F * dice.real()) + dice.nudge() * 0x1p-10F;
+    if (i % 5 == 0) {
+      const auto whole = [&] { return static_cast<float>(dice.within(-1000, 1000)) * 0x1p-10F; };
+      a = {whole(), whole(), 0};
+      b = a + Vec3f{whole(), whole(), 0};
+      c = a + (b - a) * static_cast<float>(dice.within(-8, 8));
+    }
     const int exponent = i % 2 == 0   ? dice.within(-3, 3)
                          : i % 4 == 1 ? dice.within(-76, -68)
                                       : dice.within(-80, 80);
     const float scale = std::ldexp(1.0F, exponent);
     for (Vec3f* p : {&a, &b, &c}) *p = Vec3f{p->x, p->y, 0} * scale;
     const detail::FlatPoint flat[3] = {{a, 2}, {b, 2}, {c, 2}};
-    const int turn = detail::certainTurn(flat[0], flat[1], flat[2]);
-    if (turn == 0) continue;
+    const int turn = detail::exactTurn(flat[0], flat[1], flat[2]);
+    const int strict = detail::certainTurn(flat[0], flat[1], flat[2]);
+    ASSERT_TRUE(strict == kUncertain || (strict == turn && turn != 0)) << "turn " << i;
+    if (turn == kUncertain) continue;
     ++told;
+    on_the_line += turn == 0;
     const Vec3f above{a.x, a.y, 1};
     ASSERT_EQ(turn, exactSide({{a, b, c}}, above)) << "turn " << i;
   }
   EXPECT_GT(told, kTurns / 4);
   EXPECT_LT(told, kTurns * 9 / 10);
+  EXPECT_GT(on_the_line, kTurns / 20);
 }
 
 // An edge of b passes an edge of a at a distance of any size; b's third vertex is beyond.

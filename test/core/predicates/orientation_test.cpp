@@ -65,6 +65,34 @@ TEST(Orientation, TheLargestDifferencesFit) {
   EXPECT_FALSE(toIntegers(beyond, two));
 }
 
+// The sum of three products that cancel down to their errors, or below.
+TEST(Orientation, SignsOfProductsAreExact) {
+  std::mt19937_64 random(5);
+  const auto whole = [&random](std::uint64_t most) {
+    return static_cast<double>(static_cast<std::int64_t>(random() % (2 * most + 1))) -
+           static_cast<double>(most);
+  };
+  int told = 0, zeros = 0;
+  constexpr int kSums = 200000;
+  for (int n = 0; n < kSums; ++n) {
+    const std::uint64_t most = std::uint64_t{1} << (10 + n % 40);
+    const double x = whole(most), y = whole(most), i = whole(3), j = whole(3);
+    const double z = -(x + i), w = y + j;
+    const double s = n % 3 == 0 ? whole(3) : 1, t = x * j + i * y + i * j + whole(1);
+    Expansion<8> sum;
+    sum.addProduct(x, y);
+    sum.addProduct(z, w);
+    sum.addProduct(s, t);
+    const int sign = detail::signOfProducts(x, y, z, w, s, t);
+    if (sign == kUncertain) continue;
+    ++told;
+    zeros += sign == 0;
+    ASSERT_EQ(sign, sum.sign()) << n;
+  }
+  EXPECT_GT(told, kSums / 2);
+  EXPECT_GT(zeros, kSums / 10);
+}
+
 TEST(Orientation, IntegersAreTheNumbers) {
   const float subnormal = std::numeric_limits<float>::denorm_min();
   const float x[6] = {
