@@ -73,8 +73,7 @@ DCM_HD inline bool zeroNearEnd(const Vec3f& p, const Vec3f& q, double at_p, doub
   return largestCoordinate(offset) <= kMostOffset * largestCoordinate(point);
 }
 
-// Returns the same zero. `add(v, sum)` adds the function's value at v to an Expansion<N>. The
-// result is off by less than 2^-23 of its largest coordinate.
+// Returns the same zero. `add(v, sum)` adds the function's value at v to an Expansion<N>.
 template <int N, class Add>
 DCM_HD inline Vec3d zeroBetween(const Vec3f& p, const Vec3f& q, double at_p, double at_q,
                                 const Add& add) {
