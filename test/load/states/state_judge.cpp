@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRounding = 1e-5;  // [m] of float32 vertices, with room to spare
 constexpr double kPad = 0.004;      // [m] PASSED may be claimed of bodies so near to each other
-constexpr double kMostAheadS = 1;
+constexpr double kFromTheFutureS = 1;
 
 bool isKnown(const ContactState& state) {
   return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
@@ -152,7 +152,7 @@ void StateJudge::judgeKept(const ContactState& state, const Known& before, bool 
   if (is_enabled_ && before.cycle <= floor_) fault(state, "still, after ~reset or ~set_enabled");
   const double age_s = secondsBetween(world_.now(), state.stamp);
   if (expired && isTooOld(world_.now(), state.stamp)) fault(state, "too old");
-  if (expired && age_s < -kMostAheadS) fault(state, "still, from the future");
+  if (expired && age_s < -kFromTheFutureS) fault(state, "still, from the future");
 }
 
 // The clock counts nanoseconds, and 1e-9 * 300000000 is more than 0.3.
@@ -208,7 +208,7 @@ void StateJudge::judgeClaim(const CycleReport& report, const ContactState& state
 bool StateJudge::judgeData(const Claim& claim) {
   const ros::Time& stamp = claim.report->header.stamp;
   const std::size_t faults = faults_.size();
-  if (secondsBetween(stamp, claim.report->now) > kMostAheadS) {
+  if (secondsBetween(stamp, claim.report->now) > kFromTheFutureS) {
     fault(*claim.state, "from the future");
   }
   if (claim.state->stamp < stamp) fault(*claim.state, "older than its cycle");
