@@ -150,17 +150,7 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
   }
 }
 
-// Returns the lane whose number is the least, among those that are `in`; kNone if none is. Called
-// by a whole warp.
-__device__ std::uint32_t laneOfLeast(bool in, float number) {
-  const std::uint32_t bits = __float_as_uint(number);  // ordered as the numbers are, from 0 on
-  const std::uint32_t least = ~warpMost(in ? ~bits : 0);
-  const unsigned lanes = __ballot_sync(kFullWarp, in && bits == least);
-  return lanes == 0 ? kNone : static_cast<std::uint32_t>(__ffs(static_cast<int>(lanes)) - 1);
-}
-
-// One warp for up to 32 of nearest.near_tiles at a time, one in each lane. It searches those with
-// the least gap first, because what it finds there mostly tells that the others need no search.
+// One warp for each of nearest.near_tiles: searches them.
 __global__ void __launch_bounds__(kTaskThreads) trianglesKernel(CycleArrays c) {
   awaitPreviousKernel();
   letNextKernelStart();
@@ -169,24 +159,12 @@ __global__ void __launch_bounds__(kTaskThreads) trianglesKernel(CycleArrays c) {
   const std::uint32_t warp = (blockIdx.x * kTaskThreads + threadIdx.x) / kWarp;
   const std::uint32_t count = min(c.counters().near_tiles, c.nearest.near_tiles.size());
   TilePairSearch search(c, queue[threadIdx.x / kWarp]);
-  for (std::uint32_t first = warp; first < count; first += warps * kWarp) {
-    const std::uint32_t own = first + laneId() * warps;
-    bool waits = own < count;
-    const NearTiles tiles = c.nearest.near_tiles[Place(waits ? own : first)];
-    const Key least = search.leastKey(tiles);
-    while (true) {
-      waits = waits && least <= bestOf(c, tiles.pair);
-      const std::uint32_t lane = laneOfLeast(waits, distanceOf(least));
-      if (lane == kNone) break;
-      if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) {
-        c.counters().nearest_cut_off = 1;
-        return;
-      }
-      search.run({__shfl_sync(kFullWarp, tiles.pair, lane),
-                  TileIndex(__shfl_sync(kFullWarp, tiles.a.value, lane)),
-                  TileIndex(__shfl_sync(kFullWarp, tiles.b.value, lane))});
-      waits = waits && laneId() != lane;
+  for (std::uint32_t i = warp; i < count; i += warps) {
+    if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) {
+      c.counters().nearest_cut_off = 1;
+      break;
     }
+    search.run(c.nearest.near_tiles[Place(i)]);
   }
 }
 

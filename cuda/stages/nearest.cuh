@@ -98,17 +98,12 @@ class TilePairSearch {
   // `queue`: kRoom places in shared memory, of this warp.
   __device__ TilePairSearch(const CycleArrays& c, std::uint16_t* queue) : c_(c), queue_(queue) {}
 
-  // Returns a key that no pair of triangles of these tiles is below.
-  __device__ Key leastKey(const NearTiles& tiles) const {
-    const TileBound &a = c_.nearest.tiles[tiles.a], &b = c_.nearest.tiles[tiles.b];
-    return keyOf(lowerGap(a.box, b.box), a.least);
-  }
-
   // Searches two tiles. Called by a whole warp.
   __device__ void run(const NearTiles& tiles) {
     tiles_ = tiles;
     key_ = bestOf(c_, tiles.pair);
     const TileBound &bound_a = c_.nearest.tiles[tiles.a], &bound_b = c_.nearest.tiles[tiles.b];
+    if (keyOf(lowerGap(bound_a.box, bound_b.box), bound_a.least) > key_) return;
     const Side a(c_, tiles.a), b(c_, tiles.b);
     const bool near_a = a.counts && keyOf(lowerGap(a.box, bound_b.box), a.triangle.value) <= key_;
     const bool near_b = b.counts && lowerGap(b.box, bound_a.box) <= distanceOf(key_);
