@@ -186,6 +186,7 @@ void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cuda
 }
 
 void CycleGraph::runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
+  times_nearest_ = shape.nearest;
   for (int s = 0; s < kStepCount; ++s) {
     mark_[s].record(stream);
     kList[s].launch(cycle, shape, stream);
@@ -197,6 +198,7 @@ void CycleGraph::runTimed(const CycleArrays& cycle, const CycleShape& shape, cud
 StageTimes CycleGraph::times() const {
   StageTimes times;
   for (int s = 0; s < kStepCount; ++s) {
+    if (s == kNearest && !times_nearest_) continue;
     times.add(kList[s].stage, CudaEvent::between(mark_[s], mark_[s + 1]));
   }
   return times;

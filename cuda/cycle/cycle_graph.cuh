@@ -54,6 +54,7 @@ class CycleGraph {
   CudaEvent started_, done_[kSteps];
   // Before each step of a timed run, and after the last one.
   CudaEvent mark_[kSteps + 1];
+  bool times_nearest_ = false;  // whether the timed run searched nearest pairs
 };
 
 }  // namespace deformable_contact_monitor
