@@ -58,13 +58,14 @@ class Bounds(Case):
         self.assertEqual(more["decided_share"], "1")
 
     def test_overlap_loses_touches_of_single_pairs(self):
-        """Pins through waves, each to the side into another cluster."""
+        """Pins through waves, each to the side into another cluster. They are wide enough for waves of
+        several clusters to be near them."""
         pins = []
         for i in range(25):
             x, y, far = 0.2 + 0.15 * (i % 5), 0.2 + 0.15 * (i // 5), 0.5 * (-1) ** i
             z = 0.1 * math.sin(9 * x + 4 * y)
             pins.append(self.mesh(f"pin_{i}.obj", f"v {x} {y} {z + 0.01}\nv {x + far} {y} "
-                                  f"{z - 0.3}\nv {x + far} {y + 0.02} {z - 0.3}\nf 1 2 3\n"))
+                                  f"{z - 0.3}\nv {x + far} {y + 0.06} {z - 0.3}\nf 1 2 3\n"))
         scene = [self.mesh("waves.obj", cloth(0, 60)), "--against", *pins]
         self.works("--tolerance", "--tolerances-m", "0.001", "--budgets-ms", "0", "--cycles", "1",
                    "--overlaps", "0", *scene)
