@@ -24,7 +24,7 @@ namespace {
 // Returns a number that is equal for options whose cycles run the same kernels.
 unsigned kernelsOf(const Options& options) {
   const bool swept = options.motion == Motion::kSwept;
-  return (swept ? 1U : 0U) | (options.nearest ? 2U : 0U) | (options.geometry ? 4U : 0U) |
+  return (swept ? 1U : 0U) | (searchesNearest(options) ? 2U : 0U) | (options.geometry ? 4U : 0U) |
          (options.adjacent == AdjacentPairs::kBeyondShared ? 8U : 0U);
 }
 

@@ -13,12 +13,12 @@ struct MemoryUse {
   bool is_whole = false;  // otherwise only what this library allocated is counted
 };
 
-// What this process takes of one device: arrays, the reserve, kernels and the stacks of their
-// threads, and the driver's context. Only the driver knows the whole, so it is asked through NVML
-// (libnvidia-ml.so.1, which comes with the driver and is opened at run time). Differences of free
-// memory would count what other processes allocate meanwhile. NVML does not tell on Jetson, and not
-// in containers that number processes by themselves; then only DevicePool is counted. All functions
-// may be called by any thread.
+// Counts what this process takes of one device: arrays, the reserve, kernels and the stacks of
+// their threads, and the driver's context. Only the driver knows the whole, so it is asked through
+// NVML (libnvidia-ml.so.1, which comes with the driver and is opened at run time). Differences of
+// free memory would count what other processes allocate meanwhile. NVML does not tell on Jetson,
+// and not in containers that number processes by themselves; then only DevicePool is counted. All
+// functions may be called by any thread.
 class ProcessMemory {
  public:
   // Returns the one of a device, which is never destroyed.

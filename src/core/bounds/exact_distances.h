@@ -27,8 +27,8 @@ inline bool searchesNearest(const Options& options) {
 
 // Completes the result of such a detector after its search. Fills in `distances` if there is a
 // tolerance, or if the cycle was cut off, so that contacts may be missing; not in swept motion,
-// where contacts and nearest pairs are of different times. Removes nearest pairs
-// that were searched for a tolerance alone. `is_searched` says whether the search was complete.
+// where contacts and nearest pairs are of different times. Removes nearest pairs that were searched
+// for a tolerance alone. `is_searched` says whether the search was complete.
 DCM_EXPORT void giveDistances(const Scene& scene, const Options& options, bool is_searched,
                               DetectionResult* result);
 
