@@ -150,7 +150,8 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
   }
 }
 
-// One warp for each of nearest.near_tiles: searches them.
+// Searches nearest.near_tiles. Distances take long, so several warps share two tiles where warps
+// are left: each one takes some of the triangles of tile b.
 __global__ void __launch_bounds__(kTaskThreads) trianglesKernel(CycleArrays c) {
   awaitPreviousKernel();
   letNextKernelStart();
@@ -158,13 +159,17 @@ __global__ void __launch_bounds__(kTaskThreads) trianglesKernel(CycleArrays c) {
   const std::uint32_t warps = gridDim.x * (kTaskThreads / kWarp);
   const std::uint32_t warp = (blockIdx.x * kTaskThreads + threadIdx.x) / kWarp;
   const std::uint32_t count = min(c.counters().near_tiles, c.nearest.near_tiles.size());
+  std::uint32_t sharers = 1;  // of two tiles, a power of 2
+  while (sharers < kWarp && sharers * count <= warps) sharers *= 2;
+  const std::uint32_t each = kWarp / sharers;
   TilePairSearch search(c, queue[threadIdx.x / kWarp]);
-  for (std::uint32_t i = warp; i < count; i += warps) {
+  for (std::uint32_t i = warp; i < count * sharers; i += warps) {
     if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) {
       c.counters().nearest_cut_off = 1;
       break;
     }
-    search.run(c.nearest.near_tiles[Place(i)]);
+    search.run(c.nearest.near_tiles[Place(i / sharers)], kFullWarp >> (kWarp - each)
+                                                                          << (i % sharers * each));
   }
 }
 
@@ -268,7 +273,7 @@ void launchNearest(const CycleArrays& cycle, const CycleShape& shape, cudaStream
   const unsigned task_blocks = std::min((nearest.task_count + kWarps - 1) / kWarps,
                                         kMostBlocksEach * shape.device.multiprocessors);
   launchDependent(tilesKernel, task_blocks, kTaskThreads, 0, shape.device, stream, cycle);
-  launchDependent(trianglesKernel, 4 * shape.device.multiprocessors, kTaskThreads, 0, shape.device,
+  launchDependent(trianglesKernel, 8 * shape.device.multiprocessors, kTaskThreads, 0, shape.device,
                   stream, cycle);
   launchDependent(resultKernel, nearest.pair_count, kPairThreads, 0, shape.device, stream, cycle);
 }

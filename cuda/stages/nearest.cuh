@@ -98,8 +98,8 @@ class TilePairSearch {
   // `queue`: kRoom places in shared memory, of this warp.
   __device__ TilePairSearch(const CycleArrays& c, std::uint16_t* queue) : c_(c), queue_(queue) {}
 
-  // Searches two tiles. Called by a whole warp.
-  __device__ void run(const NearTiles& tiles) {
+  // Searches two tiles, of the second one the triangles in `lanes_of_b`. Called by a whole warp.
+  __device__ void run(const NearTiles& tiles, unsigned lanes_of_b = kFullWarp) {
     tiles_ = tiles;
     key_ = bestOf(c_, tiles.pair);
     const TileBound &bound_a = c_.nearest.tiles[tiles.a], &bound_b = c_.nearest.tiles[tiles.b];
@@ -108,7 +108,8 @@ class TilePairSearch {
     const bool near_a = a.counts && keyOf(lowerGap(a.box, bound_b.box), a.triangle.value) <= key_;
     const bool near_b = b.counts && lowerGap(b.box, bound_a.box) <= distanceOf(key_);
     queued_ = 0;
-    for (unsigned left = __ballot_sync(kFullWarp, near_b); left != 0; left &= left - 1) {
+    unsigned left = __ballot_sync(kFullWarp, near_b) & lanes_of_b;
+    for (; left != 0; left &= left - 1) {
       const int j = __ffs(static_cast<int>(left)) - 1;
       const Aabb box{laneVector(b.box.min, j), laneVector(b.box.max, j)};
       add(near_a && keyOf(lowerGap(a.box, box), a.triangle.value) <= key_, j);
