@@ -37,12 +37,16 @@ namespace detail {
 // of them at a time would take more of the stack on the device.
 template <int N, class Add>
 DCM_HD DCM_RARE inline Vec3d exactZeroBetween(const Vec3f& p, const Vec3f& q, const Add& add) {
+  // A value is a multiple of 2^-447 below 2^390. Compressed, it has at most 1 + 837 / 52
+  // components.
+  constexpr int kCompressed = N < 17 ? N : 17;
   double x[3], at_end[2] = {0, 0};
   DCM_ROLLED for (int k = 0; k < 3; ++k) {
-    Expansion<4 * N> sum;
+    Expansion<4 * kCompressed> sum;
     DCM_ROLLED for (int end = 0; end < 2; ++end) {
       Expansion<N> value;
       add(end == 0 ? q : p, value);
+      value.compress();
       sum.addMultiple(value, end == 0 ? p[k] : -static_cast<double>(q[k]));
       at_end[end] = value.value();
     }

@@ -55,6 +55,23 @@ class Expansion {
     for (int i = 0; i < other.size(); ++i) addProduct(other.component(i), factor);
   }
 
+  // Makes the components few: each one is at most 2^-52 of the next one. (The first half of
+  // Shewchuk's Compress.)
+  DCM_HD void compress() {
+    if (size_ == 0) return;
+    int bottom = size_ - 1;
+    double sum = component_[bottom];
+    for (int i = size_ - 2; i >= 0; --i) {
+      const double s = sum + component_[i];
+      const double error = component_[i] - (s - sum);  // exact, for |sum| > |component_[i]|
+      if (error != 0) component_[bottom--] = s;
+      sum = error != 0 ? error : s;
+    }
+    component_[bottom] = sum;
+    for (int i = bottom; i < size_; ++i) component_[i - bottom] = component_[i];
+    size_ -= bottom;
+  }
+
   DCM_HD int size() const { return size_; }
   DCM_HD double component(int i) const { return component_[i]; }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -91,6 +92,36 @@ TEST(Orientation, SignsOfProductsAreExact) {
   }
   EXPECT_GT(told, kSums / 2);
   EXPECT_GT(zeros, kSums / 10);
+}
+
+// Determinants of coordinates of all sizes have sums with gaps and many components.
+TEST(Orientation, CompressedSumsAreTheSame) {
+  std::mt19937 random(8);
+  int most = 0;
+  for (int n = 0; n < 20000; ++n) {
+    Vec3f p[4];
+    for (Vec3f& v : p) {
+      const auto any = [&random] {
+        const float x = static_cast<float>(random() % 3 == 0 ? 1 : 1 + random() % (1U << 24));
+        return std::ldexp(random() % 2 == 0 ? x : -x, static_cast<int>(random() % 253) - 149);
+      };
+      v = {any(), any(), any()};
+    }
+    Expansion<48> sum;
+    addOrient3d(sum, p[0], p[1], p[2], p[3]);
+    Expansion<48> few = sum;
+    few.compress();
+    most = std::max(most, few.size());
+    ASSERT_LE(few.size(), 17) << n;
+    Expansion<96> difference;
+    for (int i = 0; i < sum.size(); ++i) difference.add(sum.component(i));
+    for (int i = 0; i < few.size(); ++i) difference.add(-few.component(i));
+    ASSERT_EQ(0, difference.size()) << n;
+    for (int i = 1; i < few.size(); ++i) {
+      ASSERT_LE(std::fabs(few.component(i - 1)), 0x1p-52 * std::fabs(few.component(i))) << n;
+    }
+  }
+  EXPECT_GT(most, 8);
 }
 
 TEST(Orientation, IntegersAreTheNumbers) {
