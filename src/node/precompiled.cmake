@@ -1,5 +1,5 @@
-# What DCM_FAST_BUILD compiles once, for the targets that include it anyway. Included at the top
-# level.
+# What DCM_FAST_BUILD compiles once: headers that many sources include, and sources that it joins.
+# Included at the top level.
 set(DCM_PRECOMPILED_STD <algorithm> <array> <chrono> <cmath> <cstdint> <functional> <limits> <map>
   <memory> <optional> <random> <set> <sstream> <stdexcept> <string> <thread> <utility> <vector>)
 set(DCM_PRECOMPILED_ROS <boost/make_shared.hpp> <ros/callback_queue.h> <ros/ros.h>
@@ -51,4 +51,23 @@ function(dcm_use_precompiled_ros)
       target_compile_options(${target} PRIVATE -fPIC)
     endif()
   endforeach()
+endfunction()
+
+# dcm_add_joined(TARGET NAME sources...): adds sources to a target. DCM_FAST_BUILD compiles them as
+# one, so no two of them may use a name for different things. CMake joins no CUDA sources by itself,
+# and C++ sources only where all of a target can be joined.
+function(dcm_add_joined target name)
+  if(NOT DCM_FAST_BUILD)
+    target_sources(${target} PRIVATE ${ARGN})
+    return()
+  endif()
+  list(GET ARGN 0 first)
+  get_filename_component(ending ${first} EXT)
+  set(joined ${CMAKE_CURRENT_BINARY_DIR}/joined/${name}${ending})
+  set(text)
+  foreach(source ${ARGN})
+    string(APPEND text "#include \"${CMAKE_CURRENT_SOURCE_DIR}/${source}\"\n")
+  endforeach()
+  file(GENERATE OUTPUT ${joined} CONTENT "${text}")
+  target_sources(${target} PRIVATE ${joined})
 endfunction()

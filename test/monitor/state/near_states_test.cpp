@@ -15,8 +15,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
 Vec3f toVector(const geometry_msgs::Point32& p) { return {p.x, p.y, p.z}; }
 
 // Hand and cloth 3 m apart at their nearest pair; nothing is listed.
@@ -70,7 +68,7 @@ TEST_F(NearStatesTest, TheBoundIsTheNextSmallerFloat) {
 TEST_F(NearStatesTest, APairWithoutANearestPairIsNone) {
   const ContactState state = look(kBaseCloth);
   EXPECT_EQ(state.state, ContactState::NONE);
-  EXPECT_EQ(state.min_separation, kInfinity);
+  EXPECT_EQ(state.min_separation, std::numeric_limits<float>::infinity());
   EXPECT_EQ(toVector(state.point_a), Vec3f());
   EXPECT_EQ(toVector(state.normal), Vec3f());
 }
