@@ -13,7 +13,6 @@
 #include "monitor/input/transform_lookup.h"
 #include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
-#include "tools/bags/bag_meshes.h"
 #include "tools/bags/bag_messages.h"
 
 namespace deformable_contact_monitor {

@@ -1,5 +1,5 @@
 // Tests of the rules for the speed scale, over random distances, speeds and parameters.
-#include "tools/contact_guard/speed_scale.h"
+#include "tools/contact_guard/closing_speed.h"
 
 #include <gtest/gtest.h>
 
