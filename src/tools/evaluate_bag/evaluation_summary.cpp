@@ -65,8 +65,7 @@ std::string advice(const std::string& reason, const BagContents& contents) {
       hints += (hints.empty() ? "" : "; ") + chosen.other_joint_states;
     }
     if (!hints.empty()) return hints;
-    const std::set<std::string> frames = contents.rootFrames();  // good reference frames
-    const std::vector<std::string> roots(frames.begin(), frames.end());
+    const std::set<std::string> roots = contents.rootFrames();  // good reference frames
     return "record /tf and /tf_static together with the meshes, or name a frame of theirs with "
            "--reference-frame (their roots: " +
            (roots.empty() ? "there are none" : joined(roots, ", ")) + ")";
