@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-
 namespace deformable_contact_monitor {
 namespace {
 
