@@ -48,7 +48,6 @@ void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>&
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;
     if (!is_static && !isUsableStamp(stamp, now)) {
-      ++left_out_;
       ROS_WARN_STREAM_THROTTLE(1, "the transform of '"
                                       << transform.child_frame_id << "' from "
                                       << event.getPublisherName() << " is ignored: its stamp is "

@@ -7,8 +7,6 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <atomic>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,9 +22,6 @@ class TransformInput {
   // /tf_static". Any thread.
   std::string describePublishers() const;
 
-  // Returns how many transforms from far ahead of the clock were left out. Any thread.
-  std::uint64_t leftOut() const { return left_out_; }
-
  private:
   // Subscribes to a topic of transforms; a static one holds transforms without time.
   void subscribe(const std::string& topic, bool is_static);
@@ -36,7 +31,6 @@ class TransformInput {
   tf2::BufferCore& buffer_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  std::atomic<std::uint64_t> left_out_{0};
   std::vector<ros::Subscriber> subscribers_;
   ros::AsyncSpinner spinner_;
 };

@@ -74,8 +74,7 @@ void evaluate(const ScratchFile& file, BagReader* reader, BagContents* contents)
         setUpBags(files, parameters, SceneObject(), contents, [](const std::string&) {});
     Options options;
     options.threads = 1;  // no threads where forks come
-    EvaluationRun run("cpu", std::make_unique<DetectedContacts>(makeCpuDetector()), options,
-                      StateRules(), {});
+    EvaluationRun run("cpu", makeCpuDetector(), options, StateRules(), {});
     BagCycles cycles(setup.parameters, *contents, setup.robots, nullptr);
     cycles.run(reader, [&](CycleReport* cycle) { run.evaluate(cycle, &cycles.sceneOfStep()); });
     requireThat(run.cycles <= contents->meshes.size(), "more cycles than meshes");

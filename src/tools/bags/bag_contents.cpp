@@ -4,7 +4,6 @@
 #include <tf2/buffer_core.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <functional>
 #include <tuple>
@@ -13,8 +12,8 @@
 #include "monitor/input/transform_lookup.h"
 #include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
-#include "tools/bags/bag_meshes.h"
 #include "tools/bags/bag_messages.h"
+#include "tools/common/formatted.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -261,9 +260,7 @@ void BagContents::addJointTransforms(const History<std::string>& urdfs,
 }
 
 std::string stampText(const ros::Time& stamp) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%u.%09u", stamp.sec, stamp.nsec);
-  return text;
+  return formatted("%u.%09u", stamp.sec, stamp.nsec);
 }
 
 // A message that cannot be read is counted as damaged, and the reading goes on. Topics are chosen

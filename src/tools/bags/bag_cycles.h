@@ -20,7 +20,7 @@
 #include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
-#include "tools/bags/bag_meshes.h"
+#include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_reader.h"
 #include "tools/common/scene_object.h"
 

@@ -1,11 +1,16 @@
 // From a bag's bytes to messages, every size checked before memory is asked for.
 #include "tools/bags/bag_messages.h"
 
-#include <deformable_contact_monitor/DeformableMesh.h>
-
+#include <boost/make_shared.hpp>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
 
+#include "monitor/input/mesh_bytes.h"
+#include "monitor/input/mesh_subscription.h"
 #include "monitor/input/wire_walker.h"
 
 namespace deformable_contact_monitor {
@@ -17,11 +22,6 @@ constexpr const char* kOldTransformsMd5 = "94810edda583a504dfda3829e70d7eec";
 template <typename M>
 const char* typeOf() {
   return ros::message_traits::DataType<M>::value();
-}
-
-template <typename M>
-const char* md5Of() {
-  return ros::message_traits::MD5Sum<M>::value();
 }
 
 constexpr std::size_t kWord = sizeof(std::uint32_t);
@@ -58,26 +58,67 @@ void walk(WireWalker* walker, const sensor_msgs::JointState& /*as*/) {
   }
 }
 
+// Says why the bytes are not exactly one message of the type M; empty: they are.
 template <typename M>
-void decode(const BagMessage& message, M* to) {
-  const bool old = message.type == kOldTransforms && message.md5 == kOldTransformsMd5;
-  if (!old && message.md5 != md5Of<M>()) {
-    throw std::runtime_error(message.topic + ": another version of " + message.type);
+std::string problemOf(const std::vector<std::uint8_t>& bytes) {
+  if constexpr (std::is_same_v<M, DeformableMesh> || std::is_same_v<M, shape_msgs::Mesh> ||
+                std::is_same_v<M, visualization_msgs::Marker> ||
+                std::is_same_v<M, sensor_msgs::PointCloud2>) {
+    return validateMeshBytes<M>(bytes.data(), bytes.size(),
+                                std::numeric_limits<std::size_t>::max());
+  } else {
+    WireWalker walker(bytes.data(), bytes.size());
+    walk(&walker, M());
+    if (!walker.problem().empty() || walker.left() == 0) return walker.problem();
+    return std::to_string(walker.left()) + " bytes follow its fields";
   }
-  try {
-    WireWalker walker(message.bytes.data(), message.bytes.size());
-    walk(&walker, *to);
-    if (!walker.problem().empty()) throw std::runtime_error(walker.problem());
-    if (walker.left() > 0) {
-      throw std::runtime_error(std::to_string(walker.left()) + " bytes follow its fields");
+}
+
+// Throws std::runtime_error unless the bytes are exactly one message of the type M.
+template <typename M>
+void check(const BagMessage& message) {
+  const bool is_old = message.type == kOldTransforms;
+  if (message.md5 != ros::message_traits::md5sum<M>() &&
+      !(is_old && message.md5 == kOldTransformsMd5)) {
+    throw std::runtime_error(message.topic + ": another version of " +
+                             (is_old ? kOldTransforms : typeOf<M>()));
+  }
+  const std::string why = problemOf<M>(message.bytes);
+  if (!why.empty()) throw std::runtime_error(message.topic + ": a message is damaged: " + why);
+}
+
+// Reads what the bytes begin with.
+template <typename M>
+void deserialize(const BagMessage& message, M* to) {
+  // IStream's argument is not const, but it only reads, and it checks each length.
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),
+                                     static_cast<std::uint32_t>(message.bytes.size()));
+  ros::serialization::deserialize(stream, *to);
+}
+
+// Decodes a checked message. roscpp's deserializer would allocate whatever a damaged length field
+// claims, so the check comes first.
+template <typename M>
+boost::shared_ptr<M> decoded(const BagMessage& message) {
+  check<M>(message);
+  const auto to = boost::make_shared<M>();
+  deserialize(message, to.get());
+  return to;
+}
+
+// Converts messages of another type to DeformableMesh, as the node does. An adapter keeps state
+// from message to message, such as the topology_id. A message that it rejects becomes an empty mesh
+// with the reason.
+template <typename Adapter>
+RecordedMeshReader adaptedReader(Adapter adapter) {
+  return [shared = std::make_shared<Adapter>(std::move(adapter))](const BagMessage& message) {
+    const auto recorded = decoded<typename Adapter::Message>(message);
+    try {
+      return shared->adapt(*recorded, message.received);
+    } catch (const std::invalid_argument& refusal) {
+      return IncomingMesh{boost::make_shared<DeformableMesh>(), refusal.what()};
     }
-    // IStream's argument is not const, but it only reads.
-    ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),
-                                       static_cast<std::uint32_t>(message.bytes.size()));
-    ros::serialization::deserialize(stream, *to);
-  } catch (const std::exception& error) {
-    throw std::runtime_error(message.topic + ": a message is damaged: " + error.what());
-  }
+  };
 }
 
 }  // namespace
@@ -99,37 +140,69 @@ bool isJointState(const BagMessage& message) {
 }
 
 tf2_msgs::TFMessage toTransforms(const BagMessage& message) {
-  tf2_msgs::TFMessage transforms;
-  decode(message, &transforms);
-  return transforms;
+  return std::move(*decoded<tf2_msgs::TFMessage>(message));
 }
 
 LinkMeshes toLinkMeshes(const BagMessage& message) {
-  LinkMeshes meshes;
-  decode(message, &meshes);
-  return meshes;
+  return std::move(*decoded<LinkMeshes>(message));
 }
 
 std::string toText(const BagMessage& message) {
-  std_msgs::String text;
-  decode(message, &text);
-  return text.data;
+  return std::move(decoded<std_msgs::String>(message)->data);
 }
 
 std_msgs::Header headerOf(const BagMessage& message) {
   std_msgs::Header header;
-  // IStream's argument is not const, but it only reads, and it checks each length.
-  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),
-                                     static_cast<std::uint32_t>(message.bytes.size()));
-  ros::serialization::deserialize(stream, header);
+  deserialize(message, &header);
   return header;
 }
 
 sensor_msgs::JointState toJointState(const BagMessage& message) {
-  sensor_msgs::JointState state;
-  decode(message, &state);
+  sensor_msgs::JointState state = std::move(*decoded<sensor_msgs::JointState>(message));
   if (state.header.stamp.isZero()) state.header.stamp = message.received;
   return state;
+}
+
+bool isMesh(const BagMessage& message) {
+  for (const MeshType type : {MeshType::kDeformableMesh, MeshType::kShapeMesh, MeshType::kMarker,
+                              MeshType::kPointCloud}) {
+    if (message.type == messageType(type)) return true;
+  }
+  return false;
+}
+
+BagMeshHead headOf(const BagMessage& message) {
+  if (message.type == messageType(MeshType::kDeformableMesh)) {
+    const DeformableMesh::ConstPtr mesh = decoded<DeformableMesh>(message);
+    return {mesh->header.stamp, mesh, false};
+  }
+  if (message.type == messageType(MeshType::kShapeMesh)) {
+    check<shape_msgs::Mesh>(message);
+    return {};
+  }
+  if (message.type == messageType(MeshType::kMarker)) {
+    using visualization_msgs::Marker;
+    const boost::shared_ptr<const Marker> marker = decoded<Marker>(message);
+    const bool is_deletion =
+        marker->action == Marker::DELETE || marker->action == Marker::DELETEALL;
+    return {marker->header.stamp, nullptr, is_deletion};
+  }
+  check<sensor_msgs::PointCloud2>(message);
+  return {stampIn(message.bytes.data(), message.bytes.size()), nullptr, false};
+}
+
+RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {
+  switch (object.type) {
+    case MeshType::kShapeMesh:
+      return adaptedReader(ShapeMeshAdapter(object.frame_id));
+    case MeshType::kMarker:
+      return adaptedReader(MarkerAdapter());
+    case MeshType::kPointCloud:
+      return adaptedReader(PointCloudAdapter(object.faces));
+    default:
+      return
+          [](const BagMessage& message) { return IncomingMesh{decoded<DeformableMesh>(message)}; };
+  }
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,7 +1,6 @@
 // Reads the messages of bags in a child process, so that a damaged bag cannot crash this one.
 //
-// This file knows nothing about the messages' contents: bag_messages.h and bag_meshes.h decode
-// them.
+// This file knows nothing about the messages' contents: bag_messages.h decodes them.
 #pragma once
 
 #include <ros/time.h>

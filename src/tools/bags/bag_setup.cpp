@@ -15,6 +15,7 @@
 #include "monitor/messages/contact_messages.h"
 #include "robot/nearest_name.h"
 #include "tools/bags/bag_messages.h"
+#include "tools/common/command_line.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/common/yaml_parameters.h"
 
@@ -22,13 +23,6 @@ namespace deformable_contact_monitor {
 namespace {
 
 using Warn = std::function<void(const std::string&)>;
-
-// Returns the names as a list for people.
-std::string listed(const std::set<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
 
 // Returns what follows the last slash of a topic.
 std::string lastPart(const std::string& topic) {
@@ -50,8 +44,9 @@ void checkChosenTopic(const BagContents& contents, const std::string& object,
   const std::string what = "--topic " + object + "=" + topic + ": ";
   const std::set<std::string> topics = meshTopics(contents);
   if (topics.count(topic) == 0) {
-    throw std::runtime_error(what + "no deformable mesh was recorded there" +
-                             (topics.empty() ? "" : "; there are meshes on " + listed(topics)));
+    throw std::runtime_error(
+        what + "no deformable mesh was recorded there" +
+        (topics.empty() ? "" : "; there are meshes on " + joined(topics, ", ")));
   }
   const std::string& name = contents.topics.at(topic).object;
   if (!name.empty() && name != object) {
@@ -79,10 +74,10 @@ void addRecordedObjects(const BagFiles& files, const BagContents& contents,
     const auto choice = chosen.find(name);
     if (choice != chosen.end()) topics.erase(choice->second);
     if (choice != chosen.end() && !topics.empty()) {
-      warn("object '" + name + "' is on " + choice->second + "; the meshes on " + listed(topics) +
-           " are left out");
+      warn("object '" + name + "' is on " + choice->second + "; the meshes on " +
+           joined(topics, ", ") + " are left out");
     } else if (topics.size() > 1) {
-      throw std::runtime_error("object '" + name + "' is on " + listed(topics) +
+      throw std::runtime_error("object '" + name + "' is on " + joined(topics, ", ") +
                                ": choose one with --topic " + name + "=" + *topics.begin());
     }
     ObjectParameters object;
@@ -236,7 +231,8 @@ void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
                 "', the root of the transforms; choose another "
                 "with --reference-frame");
   }
-  warn("no transform knows the reference frame '" + frame + "'; their roots are: " + listed(roots));
+  warn("no transform knows the reference frame '" + frame +
+       "'; their roots are: " + joined(roots, ", "));
 }
 
 // Makes the object that is not in the bags. The robot's links push a simulated cloth.
@@ -265,7 +261,7 @@ PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
 void checkObjects(const BagFiles& files, const BagContents& contents, const BagSetup& setup,
                   const Warn& warn) {
   const std::set<std::string> there = meshTopics(contents);
-  const std::string recorded = listed(there);
+  const std::string recorded = joined(there, ", ");
   if (there.empty() && !setup.played) {
     throw std::runtime_error(
         "no deformable mesh in the bags: record the topic too (launch/record.launch), or give "

@@ -3,6 +3,7 @@
 #include "tools/common/command_line.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/split.hpp>
 #include <charconv>
 #include <cstdint>
 #include <iostream>
@@ -74,11 +75,7 @@ std::string toText(const Value& value) {
 // Two commas in a row give an empty part, which the caller rejects.
 std::vector<std::string> splitAtCommas(const std::string& text) {
   std::vector<std::string> parts;
-  std::size_t begin = 0;
-  for (std::size_t comma = 0; comma != std::string::npos; begin = comma + 1) {
-    comma = text.find(',', begin);
-    parts.push_back(text.substr(begin, comma - begin));
-  }
+  boost::split(parts, text, [](char c) { return c == ','; });
   return parts;
 }
 

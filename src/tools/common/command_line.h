@@ -36,11 +36,11 @@ std::string toText(const Value& value);
 // Returns the parts of the text between commas; at least one.
 std::vector<std::string> splitAtCommas(const std::string& text);
 
-// Returns the values as one text.
-template <class Value>
-std::string joined(const std::vector<Value>& values, const char* between) {
+// Returns the values, which are in any container, as one text.
+template <class Values>
+std::string joined(const Values& values, const char* between) {
   std::string text;
-  for (const Value& value : values) text += (text.empty() ? "" : between) + toText(value);
+  for (const auto& value : values) text += (text.empty() ? "" : between) + toText(value);
   return text;
 }
 

@@ -8,21 +8,19 @@
 #include <utility>
 
 #include "core/common/stopwatch.h"
+#include "tools/common/formatted.h"
 
 namespace deformable_contact_monitor {
 
 using std::chrono::milliseconds;
 
 std::string progressTimes(double elapsed_s, const WorkDone& work) {
-  char text[100];
-  std::snprintf(text, sizeof text, " (%.0f s)", elapsed_s);
-  if (work.part <= work.first_part || work.part >= 1) return text;
+  if (work.part <= work.first_part || work.part >= 1) return formatted(" (%.0f s)", elapsed_s);
   const double left_s = work.since_s * (1 - work.part) / (work.part - work.first_part);
   constexpr double kMinute_s = 60;
   const bool in_minutes = left_s > 2 * kMinute_s;
-  std::snprintf(text, sizeof text, " (%.0f s, about %.0f %s left)", elapsed_s,
-                in_minutes ? left_s / kMinute_s : left_s, in_minutes ? "min" : "s");
-  return text;
+  return formatted(" (%.0f s, about %.0f %s left)", elapsed_s,
+                   in_minutes ? left_s / kMinute_s : left_s, in_minutes ? "min" : "s");
 }
 
 Progress::Progress(std::string what)

@@ -6,12 +6,29 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace deformable_contact_monitor {
 
 // Returns the text as a field of comma-separated values, quoted where RFC 4180 asks for it.
 std::string csvField(const std::string& text);
+
+// Returns fields as a row of comma-separated values, without a line end. A field is a text or an
+// integer.
+template <class... Fields>
+std::string csvRow(const Fields&... fields) {
+  std::string row;
+  const auto add = [&row](const auto& field) {
+    if constexpr (std::is_integral_v<std::decay_t<decltype(field)>>) {
+      row += "," + std::to_string(field);
+    } else {
+      row += "," + csvField(field);
+    }
+  };
+  (add(fields), ...);
+  return row.substr(1);
+}
 
 // Returns indented JSON with keys in alphabetical order and a line end. File names and names in a
 // bag need not be UTF-8, but JSON must be: invalid bytes become U+FFFD.

@@ -23,7 +23,6 @@
 #include "tools/common/run_tool.h"
 #include "tools/contact_guard/guard.h"
 #include "tools/contact_guard/guard_parameters.h"
-#include "tools/contact_guard/margin_check.h"
 
 namespace deformable_contact_monitor {
 namespace {

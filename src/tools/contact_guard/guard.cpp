@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <vector>
 
 #include "monitor/time_difference.h"
+#include "tools/common/formatted.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -22,23 +22,9 @@ ReaderRules readerRules(const GuardParameters& parameters) {
   return rules;
 }
 
-std::string seconds(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3f s", value);
-  return text;
-}
-
-std::string metres(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.4f m", value);
-  return text;
-}
-
-std::string speed(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3f m/s", value);
-  return text;
-}
+std::string seconds(double value) { return formatted("%.3f s", value); }
+std::string metres(double value) { return formatted("%.4f m", value); }
+std::string speed(double value) { return formatted("%.3f m/s", value); }
 
 }  // namespace
 
@@ -49,15 +35,6 @@ Guard::Guard(const GuardParameters& parameters, SteadyTime start)
       clock_moved_(start),
       latched_(parameters.latch) {}
 
-// Returns whether the pair has one of the guard's links; with no links, every pair counts.
-bool Guard::counts(const ContactState& state) const {
-  const auto concerns = [&state](const std::string& link) {
-    return ContactReader::concerns(state, link);
-  };
-  return parameters_.links.empty() ||
-         std::any_of(parameters_.links.begin(), parameters_.links.end(), concerns);
-}
-
 // Follows the stored message rather than the given one, because the reader ignores a late one.
 void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime steady_now) {
   watchClock(now, steady_now);
@@ -65,7 +42,7 @@ void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime 
   heard_ = steady_now;
   const ContactStates& newest = reader_.newest();
   for (const ContactState& state : newest.states) {
-    if (counts(state)) follow(state, newest.tolerance);
+    if (counts(parameters_, state)) follow(state, newest.tolerance);
   }
 }
 
@@ -137,7 +114,7 @@ std::string Guard::missingBody() const {
   const std::vector<ContactState>& states = reader_.newest().states;
   for (const std::string& body : parameters_.required_bodies) {
     const bool is_there = std::any_of(states.begin(), states.end(), [&](const ContactState& state) {
-      return counts(state) && ContactReader::concerns(state, body);
+      return counts(parameters_, state) && ContactReader::concerns(state, body);
     });
     if (!is_there) return "required " + body + " is in no state";
   }
@@ -178,7 +155,7 @@ GuardOutput Guard::slowed() const {
   GuardOutput output{false, 1, "", false, ""};
   double nearest_m = parameters_.warn_distance_m;
   for (const ContactState& state : reader_.newest().states) {
-    if (!counts(state)) continue;
+    if (!counts(parameters_, state)) continue;
     const double distance_m = certainDistance(state, reader_.newest().tolerance);
     if (!std::isfinite(distance_m)) continue;
     if (parameters_.warn_distance_m > 0 && distance_m <= nearest_m) {

@@ -19,7 +19,6 @@
 #include "reader/contact_reader.h"
 #include "tools/contact_guard/closing_speed.h"
 #include "tools/contact_guard/guard_parameters.h"
-#include "tools/contact_guard/speed_scale.h"
 
 namespace deformable_contact_monitor {
 
@@ -72,7 +71,6 @@ class Guard {
   };
 
   // Parts of store() and decide(). guard.cpp says what each does.
-  bool counts(const ContactState& state) const;
   void follow(const ContactState& state, double tolerance_m);
   void turn(const PairName& name, double distance_m);
   void watchClock(const ros::Time& now, SteadyTime steady_now);

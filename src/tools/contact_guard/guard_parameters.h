@@ -1,6 +1,7 @@
 // The guard's parameters. README.md lists them with unit, default and range.
 #pragma once
 
+#include <deformable_contact_monitor/ContactStates.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <stdexcept>
@@ -39,5 +40,16 @@ struct GuardParameterError : std::runtime_error {
 // unknown name is an error too, because a setting that was meant to stop a robot must not be
 // ignored. Throws GuardParameterError.
 GuardParameters parseGuardParameters(const XmlRpc::XmlRpcValue& tree);
+
+// Returns whether a pair counts: it has one of the guard's links, or there are no links.
+bool counts(const GuardParameters& parameters, const ContactState& state);
+
+// Returns a warning that names a pair of `states` whose margin is below the distance up to which
+// the guard must see it, and how many such pairs there are; empty: none. That distance is the
+// greatest of slow_distance_m, warn_distance_m, and with time_to_contact_s the way of the fastest
+// approach. The monitor knows distances only within a pair's margin, so the guard would act too
+// late. `monitor` is the monitor's private namespace as the parameter server returns it.
+std::string tooSmallMargins(const XmlRpc::XmlRpcValue& monitor, const ContactStates& states,
+                            const GuardParameters& parameters);
 
 }  // namespace deformable_contact_monitor

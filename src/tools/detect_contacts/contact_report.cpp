@@ -17,6 +17,7 @@
 #include "core/body_distance.h"
 #include "core/detector.h"
 #include "tools/common/command_line.h"
+#include "tools/common/formatted.h"
 #include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
 #include "tools/detect_contacts/nearest_report.h"
@@ -104,13 +105,10 @@ std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& sta
   std::string text;
   for (std::size_t i = 0; i < std::min(states.size(), kShown); ++i) {
     const BodyDistance& d = states[i].distance;
-    char range[120];
-    if (std::isinf(d.high_m)) {
-      std::snprintf(range, sizeof range, "at least %.6g apart", d.low_m);
-    } else {
-      std::snprintf(range, sizeof range, "%.6g to %.6g apart, by triangles %u and %u", d.low_m,
-                    d.high_m, d.witness.triangle_a, d.witness.triangle_b);
-    }
+    const std::string range = std::isinf(d.high_m)
+                                  ? formatted("at least %.6g apart", d.low_m)
+                                  : formatted("%.6g to %.6g apart, by triangles %u and %u", d.low_m,
+                                              d.high_m, d.witness.triangle_a, d.witness.triangle_b);
     text += "  " + scene.body(d.body_a).name + " with " + scene.body(d.body_b).name + ": " +
             toString(states[i].decision) + ", " + range + "\n";
   }
@@ -224,14 +222,9 @@ std::size_t countAtStart(const std::vector<FirstContact>& times) {
 
 // Returns a line with the times; statistics only if there is more than one.
 std::string milliseconds(const char* name, const std::vector<double>& ms) {
-  char line[160];
-  if (ms.size() == 1) {
-    std::snprintf(line, sizeof line, "%s: %.3f ms\n", name, ms.front());
-  } else {
-    std::snprintf(line, sizeof line, "%s: first %.3f ms, median %.3f ms, p95 %.3f ms of %zu\n",
-                  name, ms.front(), median(ms), percentile(ms, 0.95), ms.size());
-  }
-  return line;
+  if (ms.size() == 1) return formatted("%s: %.3f ms\n", name, ms.front());
+  return formatted("%s: first %.3f ms, median %.3f ms, p95 %.3f ms of %zu\n", name, ms.front(),
+                   median(ms), percentile(ms, 0.95), ms.size());
 }
 
 // Returns a line with the number of contacts for each of the first 20 pairs of bodies that touch.

@@ -101,9 +101,7 @@ void refuseOutputs(const DetectArguments& arguments) {
     for (const auto& [other, other_file] : outputs) {
       if (option == other) break;
       if (file.empty() || file != other_file) continue;
-      std::string both = other;
-      both.append(" and ").append(option).append(": both would write to ").append(file);
-      refuseUsage(both);
+      refuseUsage(joined(std::vector{other, option}, " and ") + ": both would write to " + file);
     }
   }
 }
@@ -157,11 +155,8 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
   options.predicates = toPredicates(predicates);
   options.clusters = clustersFrom(clusters);
   arguments->cuda.memory_limit_bytes = memory_limit_mib << 20;
-  std::string found;
-  for (const std::string& problem : problems(options)) {
-    found += (found.empty() ? "" : "; ") + problem;
-  }
-  if (!found.empty()) refuseUsage(found);
+  const std::vector<std::string> found = problems(options);
+  if (!found.empty()) refuseUsage(joined(found, "; "));
   options.geometry = !arguments->geometry_file.empty();
   options.nearest = !arguments->nearest_file.empty();
   refuseOutputs(*arguments);

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/body_distance.h"
+#include "core/vector3.h"
 #include "tools/common/command_line.h"
+#include "tools/common/formatted.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -22,11 +23,11 @@ Json coordinates(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
 // Returns the unit vector between two points, or zero if they are equal.
 Vec3f direction(const Vec3f& from, const Vec3f& to) {
-  const double d[3] = {double{to.x} - from.x, double{to.y} - from.y, double{to.z} - from.z};
-  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  if (!(length > 0)) return Vec3f{0, 0, 0};
-  return Vec3f{static_cast<float>(d[0] / length), static_cast<float>(d[1] / length),
-               static_cast<float>(d[2] / length)};
+  const Vec3d way = toDouble(to) - toDouble(from);
+  const double size = length(way);
+  if (!(size > 0)) return Vec3f{0, 0, 0};
+  return Vec3f{static_cast<float>(way.x / size), static_cast<float>(way.y / size),
+               static_cast<float>(way.z / size)};
 }
 
 // Returns the entry of a pair that was decided by bounds: its witness, with the upper bound.
@@ -74,13 +75,10 @@ NearestBodies nearestBodies(const Scene& scene, const DetectionResult& result, f
 
 std::string nearestLines(const NearestBodies& bodies) {
   std::string text;
-  char line[100];
   for (const Entry& entry : bodies.entries) {
     const TrianglePair& pair = entry.nearest.pair;
-    const int length =
-        std::snprintf(line, sizeof line, "%u %u %u %u %.9g\n", pair.body_a, pair.triangle_a,
-                      pair.body_b, pair.triangle_b, entry.nearest.distance_m);
-    text.append(line, static_cast<std::size_t>(length));
+    text += formatted("%u %u %u %u %.9g\n", pair.body_a, pair.triangle_a, pair.body_b,
+                      pair.triangle_b, entry.nearest.distance_m);
   }
   return text;
 }
@@ -105,10 +103,9 @@ std::string nearestSummary(const Scene& scene, const NearestBodies& bodies) {
   std::string text = "pairs of bodies within the margin: " + std::to_string(count) + "\n";
   for (std::size_t i = 0; i < std::min(count, kShown); ++i) {
     const NearestPair& nearest = bodies.entries[i].nearest;
-    char apart[120];
-    std::snprintf(apart, sizeof apart, "%s%.6g apart, by triangles %u and %u",
-                  bodies.entries[i].is_exact ? "" : "at most ", nearest.distance_m,
-                  nearest.pair.triangle_a, nearest.pair.triangle_b);
+    const std::string apart = formatted(
+        "%s%.6g apart, by triangles %u and %u", bodies.entries[i].is_exact ? "" : "at most ",
+        nearest.distance_m, nearest.pair.triangle_a, nearest.pair.triangle_b);
     text += "  " + scene.body(nearest.pair.body_a).name + " with " +
             scene.body(nearest.pair.body_b).name + ": " + apart + "\n";
   }

@@ -67,34 +67,9 @@ class BodyWarnings {
   std::set<std::string> warned_;
 };
 
-// Everything that is written while the evaluation runs.
-struct Tables {
-  Tables(const std::string& folder, bool with_pairs, bool swept)
-      : frames(folder), links(folder), events(folder), distances(folder) {
-    if (with_pairs) pairs.emplace(folder);
-    if (with_pairs && swept) swept_pairs.emplace(folder);
-  }
-
-  void finish() {
-    frames.finish();
-    links.finish();
-    events.finish();
-    distances.finish();
-    if (pairs) pairs->finish();
-    if (swept_pairs) swept_pairs->finish();
-  }
-
-  FramesTable frames;
-  LinksTable links;
-  EventsTable events;
-  DistancesTable distances;
-  std::optional<PairsTable> pairs;
-  std::optional<SweptPairsTable> swept_pairs;
-};
-
 // Runs all backends on a cycle, compares them, and writes the rows of the tables.
 void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
-                   std::vector<RunComparison>* compared, Tables* tables) {
+                   std::vector<RunComparison>* compared, EvaluationTables* tables) {
   for (auto& run : *runs) run->evaluate(cycle, scene);
   // Each comparison is with the first run, so one flag a run is enough.
   std::vector<bool> differing(runs->size(), false);
@@ -111,14 +86,7 @@ void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
       comparison.example = "at " + stampText(cycle->header.stamp) + " " + found.example;
     }
   }
-  tables->frames.add(*cycle, *runs, differing);
-  for (std::size_t i = 0; i < runs->size(); ++i) {
-    tables->links.add(i, *(*runs)[i]);
-    tables->events.add(*cycle, *(*runs)[i]);
-    tables->distances.add(*cycle, *(*runs)[i]);
-  }
-  if (tables->pairs) tables->pairs->add(*cycle, *(*runs)[0]->result);
-  if (tables->swept_pairs) tables->swept_pairs->add(*cycle, (*runs)[0]->steps);
+  tables->add(*cycle, *runs, differing);
 }
 
 // Says why the bags were not read completely. Empty: they were.
@@ -235,8 +203,8 @@ int evaluate(const EvaluateArguments& arguments) {
   Scanned bags(arguments);
   Runs runs = makeRuns(bags.settings, bags.setup.parameters, bags.expectations, warn);
   std::vector<RunComparison> compared = comparisons(runs);
-  Tables tables(cleanFolder(arguments.out), arguments.pairs,
-                bags.setup.parameters.motion == Motion::kSwept);
+  EvaluationTables tables(cleanFolder(arguments.out), arguments.pairs,
+                          bags.setup.parameters.motion == Motion::kSwept);
   BagCycles cycles(bags.setup.parameters, bags.contents, bags.setup.robots,
                    bags.setup.played ? &*bags.setup.played : nullptr);
 

@@ -55,24 +55,14 @@ bool hasMargins(const MonitorParameters& parameters) {
 
 }  // namespace
 
-DetectedContacts::DetectedContacts(std::unique_ptr<Detector> detector, bool looks_within,
-                                   double swept_tolerance_m, std::shared_ptr<TilingCache> tilings)
-    : detector_(std::move(detector)),
-      tilings_(std::move(tilings)),
-      detection_(*detector_, {looks_within, swept_tolerance_m, false}) {}
-
-void DetectedContacts::find(Scene* scene, CycleReport* cycle) {
-  // The node builds tilings while it detects; here each cycle waits for them, so that no state
-  // depends on how fast that is.
-  if (tilings_ != nullptr) makeTilings(*scene, tilings_.get());
-  detection_.run(Limits(), false, scene, cycle);
-}
-
-EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<DetectedContacts> from,
+EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> with_detector,
                              const Options& with, const StateRules& rules,
-                             std::vector<Expectation> expectations)
+                             std::vector<Expectation> expectations, bool looks_within,
+                             double swept_tolerance_m, std::shared_ptr<TilingCache> with_tilings)
     : asked(std::move(asked_for)),
-      source(std::move(from)),
+      detector(std::move(with_detector)),
+      tilings(std::move(with_tilings)),
+      detection(*detector, {looks_within, swept_tolerance_m, false}),
       options(with),
       tracker(rules),
       judge(std::move(expectations)) {}
@@ -80,14 +70,17 @@ EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<DetectedCont
 // All runs share the report, so what an earlier run left in it is cleared first.
 void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
   cycle->options = options;
-  cycle->backend = source->backend();
+  cycle->backend = detector->backend();
   cycle->containment = nullptr;
   for (SweepReport& sweep : cycle->sweeps) {
     sweep.result = nullptr;
     sweep.problem.clear();
     for (StepBody& body : sweep.bodies) body.rejected = 0;
   }
-  source->find(scene, cycle);
+  // The node builds tilings while it detects; here each cycle waits for them, so that no state
+  // depends on how fast that is.
+  if (tilings != nullptr) makeTilings(*scene, tilings.get());
+  detection.run(Limits(), false, scene, cycle);
   result = cycle->result;
   steps.look(*cycle);
   const ros::Time& stamp = cycle->header.stamp;
@@ -108,7 +101,7 @@ void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
 }
 
 void EvaluationRun::forget(const std::string& reason, const ros::Time& now) {
-  source->reset();
+  detector->reset();
   tracker.forget("", reason, now);
 }
 
@@ -228,10 +221,9 @@ std::vector<std::unique_ptr<EvaluationRun>> makeRuns(
       throw std::invalid_argument("backend " + of.backend +
                                   " lists no near pairs; set near_pairs to false");
     }
-    auto source = std::make_unique<DetectedContacts>(std::move(detector), parameters.containment,
-                                                     parameters.swept_tolerance_m, tilings);
-    runs.push_back(std::make_unique<EvaluationRun>(of.backend, std::move(source), of.options,
-                                                   stateRules(parameters), expectations));
+    runs.push_back(std::make_unique<EvaluationRun>(
+        of.backend, std::move(detector), of.options, stateRules(parameters), expectations,
+        parameters.containment, parameters.swept_tolerance_m, tilings));
   }
   return runs;
 }

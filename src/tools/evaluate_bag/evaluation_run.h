@@ -26,44 +26,22 @@
 
 namespace deformable_contact_monitor {
 
-// Runs a detector on the cycles of a bag, as the node does on live meshes.
-class DetectedContacts {
- public:
-  // `looks_within`: also find which bodies lie within others. `swept_tolerance_m`: how far a link's
-  // path may be from its true one, as CycleDetection takes it [m]. `tilings`: tilings of a detector
-  // with a tolerance, built before each cycle; null: the detector is exact.
-  explicit DetectedContacts(std::unique_ptr<Detector> detector, bool looks_within = false,
-                            double swept_tolerance_m = 0,
-                            std::shared_ptr<TilingCache> tilings = nullptr);
-
-  // Returns the name of the backend that runs, as Detector::backend() does.
-  std::string backend() const { return detector_->backend(); }
-
-  // Sets the report's result and containment, and the results, problems, times and rejected
-  // triangles of its time intervals. The options must be set already; the rest must be as BagCycles
-  // made it. `scene` is the report's.
-  void find(Scene* scene, CycleReport* cycle);
-
-  // Forgets the bodies of earlier cycles.
-  void reset() { detector_->reset(); }
-
- private:
-  const std::unique_ptr<Detector> detector_;
-  const std::shared_ptr<TilingCache> tilings_;
-  CycleDetection detection_;
-};
-
 // Returns a run's name, such as "cpu exact", "cuda exact, overlap 0.5" or "fcl". `asked` is the
 // backend that was asked for; another one may have run.
 std::string runName(const std::string& asked, const Options& options);
 
-// The state and the sums of one run.
+// The state and the sums of one run, which finds contacts as the node does on live meshes.
 struct EvaluationRun {
-  EvaluationRun(std::string asked_for, std::unique_ptr<DetectedContacts> from, const Options& with,
-                const StateRules& rules, std::vector<Expectation> expectations);
+  // `looks_within`: also find which bodies lie within others. `swept_tolerance_m`: how far a link's
+  // path may be from its true one, as CycleDetection takes it [m]. `with_tilings`: tilings of a
+  // detector with a tolerance, built before each cycle; null: the detector is exact.
+  EvaluationRun(std::string asked_for, std::unique_ptr<Detector> with_detector, const Options& with,
+                const StateRules& rules, std::vector<Expectation> expectations,
+                bool looks_within = false, double swept_tolerance_m = 0,
+                std::shared_ptr<TilingCache> with_tilings = nullptr);
 
-  // Finds the cycle's contacts, fills the report, and updates everything below. `scene` is the
-  // report's.
+  // Finds the cycle's contacts, fills the report, and updates everything below. The report must be
+  // as BagCycles made it; `scene` is the report's.
   void evaluate(CycleReport* cycle, Scene* scene);
 
   // Forgets all states, because of `reason`. The sums stay.
@@ -73,7 +51,9 @@ struct EvaluationRun {
   std::string name() const { return runName(asked, options); }
 
   const std::string asked;  // the backend
-  const std::unique_ptr<DetectedContacts> source;
+  const std::unique_ptr<Detector> detector;
+  const std::shared_ptr<TilingCache> tilings;
+  CycleDetection detection;
   const Options options;
   ContactStateTracker tracker;
   ExpectationJudge judge;

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <boost/uuid/name_generator_sha1.hpp>
 #include <boost/uuid/uuid_io.hpp>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tools/common/command_line.h"
+#include "tools/common/formatted.h"
 #include "tools/common/reports.h"
 #include "tools/common/run_tool.h"
 #include "tools/common/sample_statistics.h"
@@ -39,26 +40,18 @@ std::string outcome(const EvaluationEnd& end) {
   const auto broken = static_cast<std::size_t>(
       std::count_if(end.expectations.begin(), end.expectations.end(),
                     [](const auto& verdict) { return !verdict.failure.empty(); }));
-  std::string text;
-  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  std::vector<std::string> parts;
   if (!isPassed(end)) {
-    if (broken > 0) add(counted(broken, "expectation fails", "expectations fail"));
-    if (disagree > 0) add(counted(disagree, "exact run differs", "exact runs differ"));
-    return "Failed: " + text;
+    if (broken > 0) parts.push_back(counted(broken, "expectation fails", "expectations fail"));
+    if (disagree > 0) parts.push_back(counted(disagree, "exact run differs", "exact runs differ"));
+    return "Failed: " + joined(parts, ", ");
   }
   if (!end.expectations.empty()) {
-    add(counted(end.expectations.size(), "expectation holds", "expectations hold"));
+    parts.push_back(counted(end.expectations.size(), "expectation holds", "expectations hold"));
   }
-  if (must_agree > 0) add("exact runs agree");
-  return text.empty() ? "Passed, as nothing was asked: no expectations, and no two exact runs"
-                      : "Passed: " + text;
-}
-
-// Lists the roots of the transforms, which are good reference frames.
-std::string roots(const BagContents& contents) {
-  std::string text;
-  for (const std::string& root : contents.rootFrames()) text += (text.empty() ? "" : ", ") + root;
-  return text.empty() ? "there are none" : text;
+  if (must_agree > 0) parts.emplace_back("exact runs agree");
+  return parts.empty() ? "Passed, as nothing was asked: no expectations, and no two exact runs"
+                       : "Passed: " + joined(parts, ", ");
 }
 
 // Returns what a user can do about the most frequent reason of UNKNOWN.
@@ -72,9 +65,10 @@ std::string advice(const std::string& reason, const BagContents& contents) {
       hints += (hints.empty() ? "" : "; ") + chosen.other_joint_states;
     }
     if (!hints.empty()) return hints;
+    const std::set<std::string> roots = contents.rootFrames();  // good reference frames
     return "record /tf and /tf_static together with the meshes, or name a frame of theirs with "
            "--reference-frame (their roots: " +
-           roots(contents) + ")";
+           (roots.empty() ? "there are none" : joined(roots, ", ")) + ")";
   }
   if (has(reason, "no triangles of topology_id")) {
     return "record until the publisher sends triangles, as it should once a second";
@@ -182,7 +176,7 @@ Json posesJson(const BagContents& contents) {
 Json runJson(const EvaluationRun& run) {
   return {{"name", run.name()},
           {"asked", run.asked},
-          {"backend", run.source->backend()},
+          {"backend", run.detector->backend()},
           {"predicates", toString(run.options.predicates)},
           {"overlap", run.options.overlap},
           {"tolerance_m", run.options.tolerance_m},
@@ -250,10 +244,9 @@ std::string cyclesText(const EvaluationRun& run) {
 
 // Returns the line of a run for people.
 std::string runLine(const EvaluationRun& run) {
-  char times[96];
-  std::snprintf(times, sizeof times, ", detect median %.3f ms, p95 %.3f ms\n",
-                median(run.detect_ms), percentile(run.detect_ms, 0.95));
-  return run.name() + " (on " + run.source->backend() + "): " + std::to_string(run.pairs) +
+  const std::string times = formatted(", detect median %.3f ms, p95 %.3f ms\n",
+                                      median(run.detect_ms), percentile(run.detect_ms, 0.95));
+  return run.name() + " (on " + run.detector->backend() + "): " + std::to_string(run.pairs) +
          " pairs, " + cyclesText(run) + times;
 }
 
@@ -276,15 +269,10 @@ std::string unknownLines(const EvaluationRun& run) {
 // Returns the line about a run's time intervals.
 std::string stepsLine(const EvaluationRun& run) {
   const RunSteps::Sums& sums = run.steps.sums();
-  char line[256];
-  std::snprintf(
-      line, sizeof line,
-      "  between cycles: %llu pairs, %llu passed, %llu of %llu cycles with a step "
-      "complete, pads up to %.3g m, median %.3f ms\n",
-      static_cast<unsigned long long>(sums.pairs), static_cast<unsigned long long>(sums.passed),
-      static_cast<unsigned long long>(sums.complete), static_cast<unsigned long long>(sums.cycles),
-      sums.most_pad_m, sums.ms.empty() ? 0.0 : median(sums.ms));
-  return line;
+  return formatted(
+      "  between cycles: %ju pairs, %ju passed, %ju of %ju cycles with a step complete, "
+      "pads up to %.3g m, median %.3f ms\n",
+      sums.pairs, sums.passed, sums.complete, sums.cycles, sums.most_pad_m, median(sums.ms));
 }
 
 }  // namespace
@@ -388,12 +376,8 @@ std::string summaryText(const EvaluationEnd& end) {
     text += std::to_string(by_joints) + " frames that TF does not have stand where " +
             end.contents->chosen.joint_states + " and the URDF say\n";
   }
-  text += verdictText(end) + "\n";
-  // snprintf() rounds the seconds.
-  char line[160];
-  std::snprintf(line, sizeof line, "%.1f s; written to %s\n", end.elapsed_s,
-                end.arguments->out.c_str());
-  return text + line;
+  return text + verdictText(end) + "\n" + formatted("%.1f s; written to ", end.elapsed_s) +
+         end.arguments->out + "\n";
 }
 
 }  // namespace deformable_contact_monitor

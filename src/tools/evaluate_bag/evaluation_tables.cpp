@@ -2,26 +2,17 @@
 #include "tools/evaluate_bag/evaluation_tables.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "tools/bags/bag_contents.h"
+#include "tools/common/formatted.h"
 #include "tools/common/reports.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Returns a field with a time.
-std::string milliseconds(double ms) {
-  char text[32];
-  std::snprintf(text, sizeof text, ",%.4f", ms);
-  return text;
-}
+std::string milliseconds(double ms) { return formatted("%.4f", ms); }
 
-// The names are in the order of ContactState's constants.
-const char* stateName(std::uint8_t state) {
-  constexpr const char* kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
-  return kNames[state];
-}
+const char* yesOrNo(bool yes) { return yes ? "yes" : "no"; }
 
 // Returns the first few bodies that were left out, and why. links.csv has all of them.
 std::string skipped(const CycleReport& cycle) {
@@ -46,22 +37,63 @@ std::string objects(const CycleReport& cycle) {
 }
 
 // Returns a field with enough digits to restore the float32 exactly.
-std::string numberField(float value) {
-  char text[32];
-  std::snprintf(text, sizeof text, ",%.9g", value);
-  return text;
+std::string number(float value) { return formatted("%.9g", value); }
+
+// Returns the fields of a pair of triangles.
+std::string pairRow(const CycleReport& cycle, const TrianglePair& pair) {
+  return csvRow(cycle.bodies[pair.body_a].name, pair.triangle_a, cycle.bodies[pair.body_b].name,
+                pair.triangle_b);
 }
 
-// The names are in the order of ContactEvent's constants.
-const char* eventName(std::uint8_t type) {
-  constexpr const char* kNames[] = {"BEGIN", "END", "PASSED"};
-  return kNames[type];
+// Returns the fields that say which cycle it is.
+std::string cycleRow(const CycleReport& cycle) {
+  return csvRow(cycle.cycle, stampText(cycle.header.stamp));
 }
 
 }  // namespace
 
+EvaluationTables::EvaluationTables(const std::string& folder, bool with_pairs, bool swept)
+    : frames_(folder + "/frames.csv"),
+      links_(folder + "/links.csv"),
+      events_(folder + "/events.csv"),
+      distances_(folder + "/distances.csv") {
+  links_.line("run,body_a,body_b,state,from,to,cycles,least_pairs,most_pairs");
+  events_.line("run,stamp,body_a,body_b,type,pairs,from,first_low,reason");
+  distances_.line(
+      "cycle,stamp,run,body_a,body_b,state,distance,distance_low,ax,ay,az,bx,by,bz,nx,ny,nz");
+  if (!with_pairs) return;
+  pairs_.emplace(folder + "/pairs.csv");
+  pairs_->line("cycle,stamp,body_a,triangle_a,body_b,triangle_b");
+  if (!swept) return;
+  swept_pairs_.emplace(folder + "/swept_pairs.csv");
+  swept_pairs_->line(
+      "cycle,stamp,from,body_a,triangle_a,body_b,triangle_b,first_low,first_high,within_pad");
+}
+
+void EvaluationTables::add(const CycleReport& cycle, const Runs& runs,
+                           const std::vector<bool>& differing) {
+  if (!titled_) writeFrameTitle(runs, cycle.motion == Motion::kSwept);
+  titled_ = true;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    addFrame(cycle, *runs[i], differing[i]);
+    addLinks(i, *runs[i]);
+    addEvents(cycle, *runs[i]);
+    addDistances(cycle, *runs[i]);
+  }
+  if (pairs_) addPairs(cycle, *runs[0]->result);
+  if (swept_pairs_) addSweptPairs(cycle, runs[0]->steps);
+}
+
+void EvaluationTables::finish() {
+  // Sequences that last until the end of the bag are still open.
+  for (const auto& [key, stretch] : open_) writeLink(key, stretch);
+  for (TableFile* table : {&frames_, &links_, &events_, &distances_}) table->finish();
+  if (pairs_) pairs_->finish();
+  if (swept_pairs_) swept_pairs_->finish();
+}
+
 // Stages differ between backends, so the title has those of all runs in their first cycle.
-void FramesTable::writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& runs, bool swept) {
+void EvaluationTables::writeFrameTitle(const Runs& runs, bool swept) {
   std::string title =
       "cycle,stamp,objects,run,backend,triangles,rejected,pairs,undecided,complete,differs,skipped,"
       "detect_ms,round_trip_ms";
@@ -72,59 +104,43 @@ void FramesTable::writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& 
       title += "," + name + "_ms";
     }
   }
-  file_.line(title + ",other_ms" + (swept ? ",swept_pairs,swept_complete,swept_ms" : ""));
+  frames_.line(title + ",other_ms" + (swept ? ",swept_pairs,swept_complete,swept_ms" : ""));
 }
 
-// Writes one row for each run. A stage that runs twice in a cycle counts with its sum.
-void FramesTable::add(const CycleReport& cycle,
-                      const std::vector<std::unique_ptr<EvaluationRun>>& runs,
-                      const std::vector<bool>& differing) {
-  const bool swept = cycle.motion == Motion::kSwept;
-  if (!titled_) writeTitle(runs, swept);
-  titled_ = true;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const EvaluationRun& run = *runs[i];
-    const DetectionResult& result = *run.result;
-    std::string row = std::to_string(cycle.cycle) + "," + stampText(cycle.header.stamp) + "," +
-                      csvField(objects(cycle)) + "," + csvField(run.name()) + "," +
-                      run.source->backend() + "," + std::to_string(result.counters.triangles) +
-                      "," + std::to_string(result.counters.rejected) + "," +
-                      std::to_string(result.contacts.size() + result.left_out) + "," +
-                      std::to_string(result.counters.undecided) + "," +
-                      (isComplete(cycle, result) ? "yes" : "no") + "," +
-                      (differing[i] ? "yes" : "no") + "," + csvField(skipped(cycle)) +
-                      milliseconds(result.detect_ms) + milliseconds(result.round_trip_ms);
-    // Time in stages that the title does not have goes to other_ms.
-    double other_ms = 0;
-    for (const std::string& stage : stages_) {
-      double ms = 0;
-      for (const auto& [name, took_ms] : result.stages_ms) ms += name == stage ? took_ms : 0;
-      row += milliseconds(ms);
-      other_ms -= ms;
-    }
-    for (const auto& [name, took_ms] : result.stages_ms) other_ms += took_ms;
-    row += milliseconds(std::max(other_ms, 0.0));
-    if (swept) {
-      row += "," + std::to_string(run.steps.pairsOfCycle()) +
-             (run.steps.isCycleComplete(cycle) ? ",yes" : ",no") +
-             milliseconds(run.steps.msOfCycle());
-    }
-    file_.line(row);
+// A stage that runs twice in a cycle counts with its sum.
+void EvaluationTables::addFrame(const CycleReport& cycle, const EvaluationRun& run, bool differs) {
+  const DetectionResult& result = *run.result;
+  std::string row =
+      csvRow(cycle.cycle, stampText(cycle.header.stamp), objects(cycle), run.name(),
+             run.detector->backend(), result.counters.triangles, result.counters.rejected,
+             result.contacts.size() + result.left_out, result.counters.undecided,
+             yesOrNo(isComplete(cycle, result)), yesOrNo(differs), skipped(cycle),
+             milliseconds(result.detect_ms), milliseconds(result.round_trip_ms));
+  // Time in stages that the title does not have goes to other_ms.
+  double other_ms = 0;
+  for (const std::string& stage : stages_) {
+    double ms = 0;
+    for (const auto& [name, took_ms] : result.stages_ms) ms += name == stage ? took_ms : 0;
+    row += "," + milliseconds(ms);
+    other_ms -= ms;
   }
-}
-
-LinksTable::LinksTable(const std::string& folder) : file_(folder + "/links.csv") {
-  file_.line("run,body_a,body_b,state,from,to,cycles,least_pairs,most_pairs");
+  for (const auto& [name, took_ms] : result.stages_ms) other_ms += took_ms;
+  row += "," + milliseconds(std::max(other_ms, 0.0));
+  if (cycle.motion == Motion::kSwept) {
+    row += "," + csvRow(run.steps.pairsOfCycle(), yesOrNo(run.steps.isCycleComplete(cycle)),
+                        milliseconds(run.steps.msOfCycle()));
+  }
+  frames_.line(row);
 }
 
 // Extends the open sequence of each pair of bodies, or ends it if the state changed.
-void LinksTable::add(std::size_t run, const EvaluationRun& of) {
-  if (runs_.size() <= run) runs_.resize(run + 1);
-  runs_[run] = of.name();
-  const ros::Time& stamp = of.states.header.stamp;
-  for (const ContactState& state : of.states.states) {
+void EvaluationTables::addLinks(std::size_t number, const EvaluationRun& run) {
+  if (runs_.size() <= number) runs_.resize(number + 1);
+  runs_[number] = run.name();
+  const ros::Time& stamp = run.states.header.stamp;
+  for (const ContactState& state : run.states.states) {
     if (state.stamp != stamp) continue;  // the cycle did not check this pair
-    const Key key{run, {state.body_a, state.body_b}};
+    const StretchKey key{number, {state.body_a, state.body_b}};
     const auto found = open_.find(key);
     // A sequence also ends where the clock goes back.
     if (found != open_.end() && found->second.state == state.state && found->second.to <= stamp) {
@@ -135,104 +151,67 @@ void LinksTable::add(std::size_t run, const EvaluationRun& of) {
       stretch.most = std::max(stretch.most, state.pair_count);
       continue;
     }
-    if (found != open_.end()) write(key, found->second);
+    if (found != open_.end()) writeLink(key, found->second);
     open_[key] = {state.state, stamp, stamp, 1, state.pair_count, state.pair_count};
   }
 }
 
-void LinksTable::write(const Key& key, const Stretch& stretch) {
-  file_.line(csvField(runs_[key.first]) + "," + csvField(key.second.first) + "," +
-             csvField(key.second.second) + "," + stateName(stretch.state) + "," +
-             stampText(stretch.from) + "," + stampText(stretch.to) + "," +
-             std::to_string(stretch.cycles) + "," + std::to_string(stretch.least) + "," +
-             std::to_string(stretch.most));
-}
-
-void LinksTable::finish() {
-  // Sequences that last until the end of the bag are still open.
-  for (const auto& [key, stretch] : open_) write(key, stretch);
-  open_.clear();
-  file_.finish();
-}
-
-DistancesTable::DistancesTable(const std::string& folder) : file_(folder + "/distances.csv") {
-  file_.line(
-      "cycle,stamp,run,body_a,body_b,state,distance,distance_low,ax,ay,az,bx,by,bz,nx,ny,nz");
+void EvaluationTables::writeLink(const StretchKey& key, const Stretch& stretch) {
+  links_.line(csvRow(runs_[key.first], key.second.first, key.second.second,
+                     kStateNames[stretch.state], stampText(stretch.from), stampText(stretch.to),
+                     stretch.cycles, stretch.least, stretch.most));
 }
 
 // The distance of a pair that touches is 0, whatever its depth is. An UNKNOWN pair has no numbers,
 // but for a lower bound that is certain all the same. Points and normal are there where the state
 // has them.
-void DistancesTable::add(const CycleReport& cycle, const EvaluationRun& run) {
-  const std::string start = std::to_string(cycle.cycle) + "," + stampText(cycle.header.stamp) +
-                            "," + csvField(run.name()) + ",";
+void EvaluationTables::addDistances(const CycleReport& cycle, const EvaluationRun& run) {
   for (const ContactState& state : run.states.states) {
     if (state.stamp != run.states.header.stamp || state.body_a == state.body_b) continue;
     const bool has_points =
         state.state == ContactState::NEAR || state.state == ContactState::CONTACT;
     const bool has_distance = has_points || state.state == ContactState::PASSED;
     if (!has_distance && state.state != ContactState::UNKNOWN) continue;
-    std::string row = start + csvField(state.body_a) + "," + csvField(state.body_b) + "," +
-                      stateName(state.state);
-    row += has_distance ? numberField(std::max(state.min_separation, 0.0F)) : ",";
-    row += numberField(state.distance_low);
+    std::string row = cycleRow(cycle) + "," +
+                      csvRow(run.name(), state.body_a, state.body_b, kStateNames[state.state],
+                             has_distance ? number(std::max(state.min_separation, 0.0F)) : "",
+                             number(state.distance_low));
     for (const auto* v : {&state.point_a, &state.point_b, &state.normal}) {
-      for (const float number : {v->x, v->y, v->z}) row += has_points ? numberField(number) : ",";
+      for (const float value : {v->x, v->y, v->z}) row += "," + (has_points ? number(value) : "");
     }
-    file_.line(row);
+    distances_.line(row);
   }
 }
 
-PairsTable::PairsTable(const std::string& folder) : file_(folder + "/pairs.csv") {
-  file_.line("cycle,stamp,body_a,triangle_a,body_b,triangle_b");
-}
-
-void PairsTable::add(const CycleReport& cycle, const DetectionResult& result) {
-  const std::string start = std::to_string(cycle.cycle) + "," + stampText(cycle.header.stamp) + ",";
-  for (const TrianglePair& pair : result.contacts) {
-    file_.line(start + csvField(cycle.bodies[pair.body_a].name) + "," +
-               std::to_string(pair.triangle_a) + "," + csvField(cycle.bodies[pair.body_b].name) +
-               "," + std::to_string(pair.triangle_b));
-  }
-}
-
-SweptPairsTable::SweptPairsTable(const std::string& folder) : file_(folder + "/swept_pairs.csv") {
-  file_.line(
-      "cycle,stamp,from,body_a,triangle_a,body_b,triangle_b,first_low,first_high,within_pad");
+void EvaluationTables::addPairs(const CycleReport& cycle, const DetectionResult& result) {
+  const std::string start = cycleRow(cycle) + ",";
+  for (const TrianglePair& pair : result.contacts) pairs_->line(start + pairRow(cycle, pair));
 }
 
 // An interval without a result, such as that of an object's first mesh, has no rows.
-void SweptPairsTable::add(const CycleReport& cycle, const RunSteps& steps) {
+void EvaluationTables::addSweptPairs(const CycleReport& cycle, const RunSteps& steps) {
   for (const SweepReport& sweep : steps.sweeps()) {
     if (sweep.result == nullptr) continue;
     const DetectionResult& result = sweep.result->detection;
-    const std::string start = std::to_string(cycle.cycle) + "," + stampText(cycle.header.stamp) +
-                              "," + stampText(sweep.from) + ",";
+    const std::string start = cycleRow(cycle) + "," + stampText(sweep.from) + ",";
     for (std::size_t i = 0; i < result.contacts.size(); ++i) {
-      const TrianglePair& pair = result.contacts[i];
       const FirstContact& first = result.first_times[i];
       const bool pad = !result.within_pad.empty() && result.within_pad[i] != 0;
-      file_.line(start + csvField(cycle.bodies[pair.body_a].name) + "," +
-                 std::to_string(pair.triangle_a) + "," + csvField(cycle.bodies[pair.body_b].name) +
-                 "," + std::to_string(pair.triangle_b) + numberField(first.low) +
-                 numberField(first.high) + (pad ? ",yes" : ",no"));
+      swept_pairs_->line(start + pairRow(cycle, result.contacts[i]) + "," +
+                         csvRow(number(first.low), number(first.high), yesOrNo(pad)));
     }
   }
 }
 
-EventsTable::EventsTable(const std::string& folder) : file_(folder + "/events.csv") {
-  file_.line("run,stamp,body_a,body_b,type,pairs,from,first_low,reason");
-}
-
 // Only PASSED events have a time interval, so `from` and `first_low` are empty for the others.
-void EventsTable::add(const CycleReport& cycle, const EvaluationRun& run) {
+void EvaluationTables::addEvents(const CycleReport& cycle, const EvaluationRun& run) {
+  constexpr const char* kNames[] = {"BEGIN", "END", "PASSED"};  // in the order of the constants
   for (const ContactEvent& event : run.steps.events()) {
     const bool passed = event.type == ContactEvent::PASSED;
-    file_.line(csvField(run.name()) + "," + stampText(event.header.stamp) + "," +
-               csvField(event.body_a) + "," + csvField(event.body_b) + "," + eventName(event.type) +
-               "," + std::to_string(event.pair_count) + "," +
-               (passed ? stampText(run.steps.beginningOf(cycle, event)) : "") +
-               (passed ? numberField(event.first_low) : ",") + "," + csvField(event.reason));
+    events_.line(csvRow(run.name(), stampText(event.header.stamp), event.body_a, event.body_b,
+                        kNames[event.type], event.pair_count,
+                        passed ? stampText(run.steps.beginningOf(cycle, event)) : "",
+                        passed ? number(event.first_low) : "", event.reason));
   }
 }
 

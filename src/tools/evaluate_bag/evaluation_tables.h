@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,101 +18,58 @@
 
 namespace deformable_contact_monitor {
 
-// frames.csv: a row for each cycle and run. Columns that end in _ms are times, and the only ones
-// that differ between two evaluations of one bag. The stages are those of the first cycle; a stage
-// that appears later counts in other_ms. The last columns describe the time intervals of swept
-// motion.
-class FramesTable {
+class EvaluationTables {
  public:
-  explicit FramesTable(const std::string& folder) : file_(folder + "/frames.csv") {}
-  // `differing[i]`: whether the set of run i differs from that of the first run.
-  void add(const CycleReport& cycle, const std::vector<std::unique_ptr<EvaluationRun>>& runs,
-           const std::vector<bool>& differing);
-  void finish() { file_.finish(); }
+  using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
 
- private:
-  // Writes the titles once the first cycle shows which stages there are.
-  void writeTitle(const std::vector<std::unique_ptr<EvaluationRun>>& runs, bool swept);
+  // Makes the tables in a folder. `with_pairs`: pairs.csv and, in swept motion, swept_pairs.csv
+  // too. Throws std::system_error that names a file, as the other functions do.
+  EvaluationTables(const std::string& folder, bool with_pairs, bool swept);
 
-  TableFile file_;
-  std::vector<std::string> stages_;
-  bool titled_ = false;
-};
+  // Writes the rows of a cycle that all runs have evaluated. `differing[i]`: whether the set of run
+  // i differs from that of the first run.
+  void add(const CycleReport& cycle, const Runs& runs, const std::vector<bool>& differing);
 
-// links.csv: a row for each sequence of cycles in which a pair of bodies kept one state.
-class LinksTable {
- public:
-  explicit LinksTable(const std::string& folder);
-  // Takes the states of run number `run` after a cycle. Call it for each run and cycle, in order.
-  void add(std::size_t run, const EvaluationRun& of);
-  // Writes the sequences that have not ended, and finishes the file.
+  // Writes the rows that wait for the end, and finishes all files.
   void finish();
 
  private:
-  // A sequence of cycles in which a pair kept its state.
+  // A sequence of cycles in which a pair of bodies kept its state.
   struct Stretch {
     std::uint8_t state = 0;
     ros::Time from, to;
     std::uint64_t cycles = 0;
     std::uint32_t least = 0, most = 0;  // triangle pairs
   };
-  using Key = std::pair<std::size_t, std::pair<std::string, std::string>>;  // run, bodies
+  using StretchKey = std::pair<std::size_t, std::pair<std::string, std::string>>;  // run, bodies
 
-  // Writes the row of a sequence that has ended.
-  void write(const Key& key, const Stretch& stretch);
+  // frames.csv: a row for each cycle and run. Columns that end in _ms are times, and the only ones
+  // that differ between two evaluations of one bag. The stages are those of the first cycle; a
+  // stage that appears later counts in other_ms. The last columns describe the time intervals of
+  // swept motion.
+  void addFrame(const CycleReport& cycle, const EvaluationRun& run, bool differs);
+  void writeFrameTitle(const Runs& runs, bool swept);
+  // links.csv: a row for each sequence of cycles in which a pair of bodies kept one state.
+  void addLinks(std::size_t number, const EvaluationRun& run);
+  void writeLink(const StretchKey& key, const Stretch& stretch);
+  // events.csv: a row for each event of each run, in the order of cycles. For PASSED, `from` is the
+  // beginning of the time interval.
+  void addEvents(const CycleReport& cycle, const EvaluationRun& run);
+  // distances.csv: a row for each cycle, run and pair of two bodies that is at most its margin
+  // apart or UNKNOWN. A pair that a cycle checked and that has no row is farther apart.
+  void addDistances(const CycleReport& cycle, const EvaluationRun& run);
+  // pairs.csv: a row for each triangle pair of the first run.
+  void addPairs(const CycleReport& cycle, const DetectionResult& result);
+  // swept_pairs.csv: a row for each triangle pair of the first run that touches at some time of an
+  // interval. The interval begins at `from` and ends at `stamp`.
+  void addSweptPairs(const CycleReport& cycle, const RunSteps& steps);
 
-  TableFile file_;
+  TableFile frames_, links_, events_, distances_;
+  std::optional<TableFile> pairs_, swept_pairs_;
+  std::vector<std::string> stages_;  // of the title of frames.csv
+  bool titled_ = false;
   std::vector<std::string> runs_;  // their names
-  std::map<Key, Stretch> open_;
-};
-
-// distances.csv: a row for each cycle, run and pair of two bodies that is at most its margin apart
-// or UNKNOWN. A pair that a cycle checked and that has no row is farther apart than its margin.
-class DistancesTable {
- public:
-  explicit DistancesTable(const std::string& folder);
-  // Takes the states of a run after a cycle.
-  void add(const CycleReport& cycle, const EvaluationRun& run);
-  void finish() { file_.finish(); }
-
- private:
-  TableFile file_;
-};
-
-// events.csv: a row for each event of each run, in the order of cycles. For PASSED, `from` is the
-// beginning of the time interval.
-class EventsTable {
- public:
-  explicit EventsTable(const std::string& folder);
-  // Takes the run's events of this cycle.
-  void add(const CycleReport& cycle, const EvaluationRun& run);
-  void finish() { file_.finish(); }
-
- private:
-  TableFile file_;
-};
-
-// pairs.csv: a row for each triangle pair of the first run.
-class PairsTable {
- public:
-  explicit PairsTable(const std::string& folder);
-  void add(const CycleReport& cycle, const DetectionResult& result);
-  void finish() { file_.finish(); }
-
- private:
-  TableFile file_;
-};
-
-// swept_pairs.csv: a row for each triangle pair of the first run that touches at some time of an
-// interval. The interval begins at `from` and ends at `stamp`.
-class SweptPairsTable {
- public:
-  explicit SweptPairsTable(const std::string& folder);
-  void add(const CycleReport& cycle, const RunSteps& steps);
-  void finish() { file_.finish(); }
-
- private:
-  TableFile file_;
+  std::map<StretchKey, Stretch> open_;
 };
 
 }  // namespace deformable_contact_monitor

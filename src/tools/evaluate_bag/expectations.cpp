@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -11,6 +10,8 @@
 #include "monitor/time_difference.h"
 #include "reader/contact_reader.h"
 #include "robot/nearest_name.h"
+#include "tools/common/command_line.h"
+#include "tools/common/formatted.h"
 #include "tools/common/yaml_parameters.h"
 
 namespace deformable_contact_monitor {
@@ -19,17 +20,9 @@ namespace {
 // Stands for "until the end" [s].
 constexpr double kLongestS = 1e9;
 
-std::string seconds(double s) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f s", s);
-  return text;
-}
+std::string seconds(double s) { return formatted("%.3f s", s); }
 
-std::string metres(double m) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g m", m);
-  return text;
-}
+std::string metres(double m) { return formatted("%.6g m", m); }
 
 // Returns the expectation in words, for reports.
 std::string describe(const Expectation& e) {
@@ -57,9 +50,8 @@ const ContactState* find(const ContactStates& states, const Expectation& e) {
 // Returns a state in words, for the failure of an expectation.
 std::string seen(const ContactState* state) {
   if (state == nullptr) return "not monitored";
-  const char* const kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
-  return std::string(kNames[state->state]) + ", " + std::to_string(state->pair_count) + " pairs" +
-         (state->reason.empty() ? "" : " (" + state->reason + ")");
+  return std::string(kStateNames[state->state]) + ", " + std::to_string(state->pair_count) +
+         " pairs" + (state->reason.empty() ? "" : " (" + state->reason + ")");
 }
 
 }  // namespace
@@ -98,9 +90,7 @@ std::vector<Expectation> readExpectations(const std::string& path) {
   }
   if (problems.empty() && expectations.empty()) problems.push_back("it holds no expectation");
   if (problems.empty()) return expectations;
-  std::string all;
-  for (const std::string& problem : problems) all += (all.empty() ? "" : "; ") + problem;
-  throw std::runtime_error(path + ": " + all);
+  throw std::runtime_error(path + ": " + joined(problems, "; "));
 }
 
 // Suggests the body with the nearest name, because most wrong names are misspelled.

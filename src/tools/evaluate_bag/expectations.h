@@ -17,6 +17,9 @@
 
 namespace deformable_contact_monitor {
 
+// The names of states, in the order of ContactState's constants.
+constexpr const char* kStateNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "PASSED"};
+
 // One entry of the yaml file.
 struct Expectation {
   enum class Touches { kSometime, kAlways, kNever };

@@ -82,11 +82,6 @@ class BagFrames : public FrameSource {
     }
     return true;
   }
-  void rewind() override { next_ = 0; }
-  const Scene& scene() const override { return scene_; }
-  void setMargin(float margin_m) override {
-    for (BodyId body = 0; body < scene_.bodyCount(); ++body) scene_.setMargin(body, margin_m);
-  }
   bool isDeformable(BodyId body) const override { return deformable_.at(body); }
   std::vector<std::string> pairClasses() const override { return pair_classes_; }
   std::string label() const override { return next_ == 0 ? "" : frames_[next_ - 1].label; }
@@ -134,12 +129,10 @@ class BagFrames : public FrameSource {
   std::vector<std::string> pair_classes_;
   std::size_t most_frames_;             // 0: no limit
   std::size_t cycles_ = 0, every_ = 1;  // of the cycles that came, one in every_ is a frame
-  Scene scene_;
   std::vector<bool> deformable_;
   std::vector<Frame> frames_;
   std::vector<std::shared_ptr<const HostList<std::uint32_t>>> triangles_;  // newest, by body
   std::vector<std::shared_ptr<const HostList<std::uint32_t>>> shown_;      // in scene_, by body
-  std::size_t next_ = 0;
 };
 
 }  // namespace

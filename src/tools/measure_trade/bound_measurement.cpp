@@ -200,8 +200,6 @@ TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Option
   return truth;
 }
 
-// Passes over the frames without counting until the warm-up is done, then `passes` times with
-// counting.
 void measureBounds(FrameSource* frames, const TouchingBodies& truth, const CycleCounts& cycles,
                    const Options& options, Detector* detector, TilingCache* tilings,
                    BoundMeasurement* sum) {
@@ -209,30 +207,20 @@ void measureBounds(FrameSource* frames, const TouchingBodies& truth, const Cycle
   // These three vary; everything else is as in `options`.
   bounded.tolerance_m = sum->setting.tolerance_m;
   bounded.overlap = sum->setting.overlap;
-  int warm_up = cycles.warm_up;
-  for (int pass = 0; pass < cycles.passes || warm_up > 0;) {
-    frames->rewind();
-    for (std::size_t frame = 0; frames->next(); ++frame) {
-      const Scene& scene = frames->scene();
-      if (tilings != nullptr) makeTilings(scene, tilings);
-      // The time includes everything that a caller waits for.
-      const SteadyTime start = std::chrono::steady_clock::now();
-      if (sum->setting.budget_ms > 0) {
-        bounded.limits.deadline = start + fromSeconds(sum->setting.budget_ms / 1e3);
-      }
-      const DetectionResult& result = detector->detect(scene, bounded);
-      const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
-      // Warm-up cycles are not counted.
-      if (warm_up > 0) continue;
-      sum->ms.push_back(ms);
-      Counting(scene, truth.at(frame), frames->label(), sum).add(result);
+  forEachCycle(frames, cycles, [&](std::size_t frame, bool is_counted) {
+    const Scene& scene = frames->scene();
+    if (tilings != nullptr) makeTilings(scene, tilings);
+    // The time includes everything that a caller waits for.
+    const SteadyTime start = std::chrono::steady_clock::now();
+    if (sum->setting.budget_ms > 0) {
+      bounded.limits.deadline = start + fromSeconds(sum->setting.budget_ms / 1e3);
     }
-    if (warm_up > 0) {
-      warm_up -= static_cast<int>(truth.size());
-    } else {
-      ++pass;
-    }
-  }
+    const DetectionResult& result = detector->detect(scene, bounded);
+    const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
+    if (!is_counted) return;
+    sum->ms.push_back(ms);
+    Counting(scene, truth.at(frame), frames->label(), sum).add(result);
+  });
 }
 
 }  // namespace deformable_contact_monitor

@@ -1,15 +1,14 @@
-// Writes the results of measure_trade --tolerance, and chooses a setting.
-//
-// The columns of bounds.csv and the keys of summary.json come from the same list.
+// Writes the results of measure_trade --tolerance and --margins, and chooses a setting. The columns
+// of a table and the keys of summary.json come from the same list.
 #include "tools/measure_trade/bound_report.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
 #include "tools/common/command_line.h"
+#include "tools/common/formatted.h"
 #include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
 #include "tools/measure_trade/trade_grid.h"
@@ -43,14 +42,46 @@ std::vector<std::pair<std::string, double>> row(const BoundMeasurement& m,
 
 // Returns the line of a setting for people.
 std::string line(const BoundMeasurement& m, const BoundMeasurement& exact) {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "  %-34s median %8.3f ms (%.2f of exact), p99 %8.3f ms, %6.2f %% decided, recall "
-                "%.4g %%, precision %.4g %%, contacts up to %.3g m apart\n",
-                describe(m.setting).c_str(), median(m.ms), median(m.ms) / median(exact.ms),
-                percentile(m.ms, 0.99), 100 * m.decidedShare(), 100 * m.recall(),
-                100 * m.precision(), m.largest_claim_m);
-  return text;
+  return formatted(
+      "  %-34s median %8.3f ms (%.2f of exact), p99 %8.3f ms, %6.2f %% decided, recall %.4g %%, "
+      "precision %.4g %%, contacts up to %.3g m apart\n",
+      describe(m.setting).c_str(), median(m.ms), median(m.ms) / median(exact.ms),
+      percentile(m.ms, 0.99), 100 * m.decidedShare(), 100 * m.recall(), 100 * m.precision(),
+      m.largest_claim_m);
+}
+
+// Returns the mean over all cycles.
+double perCycle(std::uint64_t sum, const MarginMeasurement& m) {
+  return m.ms.empty() ? 0 : static_cast<double>(sum) / static_cast<double>(m.ms.size());
+}
+
+// Returns the numbers of a row, in the order of the columns.
+std::vector<std::pair<std::string, double>> row(const MarginMeasurement& m) {
+  return {{"cycles", static_cast<double>(m.ms.size())},
+          {"median_ms", median(m.ms)},
+          {"p95_ms", percentile(m.ms, 0.95)},
+          {"p99_ms", percentile(m.ms, 0.99)},
+          {"body_pairs", perCycle(m.body_pairs, m)},
+          {"triangle_pairs", perCycle(m.triangle_pairs, m)}};
+}
+
+// Returns how the lines for people begin that say how many threads there were.
+std::string threadsText(const TradeArguments& arguments) {
+  const int threads = arguments.base.threads;
+  return "on " + std::to_string(threads) + (threads == 1 ? " thread:\n" : " threads (0: all):\n");
+}
+
+// Returns the beginning of summary.json, with the broken promises.
+template <class Measurement>
+Json promisesJson(const TradeArguments& arguments, const std::vector<Measurement>& all,
+                  const FrameSource& frames) {
+  Json json = summaryHead(arguments, frames);
+  json["broken_promises"] = Json::array();
+  for (const Measurement& m : all) {
+    if (!m.broken.empty()) json["broken_promises"].push_back(m.broken);
+  }
+  json["settings"] = Json::array();
+  return json;
 }
 
 }  // namespace
@@ -71,12 +102,9 @@ std::string boundsCsv(const TradeArguments& arguments, const std::vector<BoundMe
 
 std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames) {
-  Json json = summaryHead(arguments, frames);
+  Json json = promisesJson(arguments, all, frames);
   json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
-  json["broken_promises"] = Json::array();
-  json["settings"] = Json::array();
   for (const BoundMeasurement& m : all) {
-    if (!m.broken.empty()) json["broken_promises"].push_back(m.broken);
     Json of_setting = {{"backend", m.setting.backend}};
     for (const auto& [name, value] : row(m, all.front())) of_setting[name] = value;
     json["settings"].push_back(of_setting);
@@ -103,8 +131,7 @@ std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
 }
 
 std::string boundsText(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all) {
-  std::string text = "Of pairs of two bodies, on " + std::to_string(arguments.base.threads) +
-                     (arguments.base.threads == 1 ? " thread:\n" : " threads (0: all):\n");
+  std::string text = "Of pairs of two bodies, " + threadsText(arguments);
   for (const BoundMeasurement& m : all) text += line(m, all.front());
   const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
   const std::string budget =
@@ -135,6 +162,42 @@ std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundM
           "\ntolerance_m: " + numberText(m.setting.tolerance_m) + "\n";
   if (arguments.writes_budget) text += "budget_ms: " + numberText(*arguments.budget_ms) + "\n";
   text += "pair_classes: [" + joined(frames.pairClasses(), ", ") + "]\n";
+  return text;
+}
+
+std::string marginsCsv(const TradeArguments& arguments, const std::vector<MarginMeasurement>& all) {
+  std::string text = "backend,threads,margin_m,use";
+  for (const auto& [name, value] : row(all.front())) text += "," + name;
+  for (const MarginMeasurement& m : all) {
+    text += "\n" + m.setting.backend + "," + std::to_string(arguments.base.threads) + "," +
+            numberText(m.setting.margin_m) + "," + toString(m.setting.use);
+    for (const auto& [name, value] : row(m)) text += "," + numberText(value);
+  }
+  return text + "\n";
+}
+
+std::string marginsJson(const TradeArguments& arguments, const std::vector<MarginMeasurement>& all,
+                        const FrameSource& frames) {
+  Json json = promisesJson(arguments, all, frames);
+  for (const MarginMeasurement& m : all) {
+    Json of_setting = {{"backend", m.setting.backend},
+                       {"margin_m", m.setting.margin_m},
+                       {"use", toString(m.setting.use)}};
+    for (const auto& [name, value] : row(m)) of_setting[name] = value;
+    json["settings"].push_back(of_setting);
+  }
+  return jsonText(json);
+}
+
+std::string marginsText(const TradeArguments& arguments,
+                        const std::vector<MarginMeasurement>& all) {
+  std::string text = "Means of a cycle, " + threadsText(arguments);
+  for (const MarginMeasurement& m : all) {
+    text += formatted(
+        "  %-34s median %9.3f ms, p99 %9.3f ms, %8.1f pairs of bodies, %10.1f of triangles\n",
+        describe(m.setting).c_str(), median(m.ms), percentile(m.ms, 0.99),
+        perCycle(m.body_pairs, m), perCycle(m.triangle_pairs, m));
+  }
   return text;
 }
 

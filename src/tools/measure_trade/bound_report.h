@@ -1,7 +1,7 @@
-// Writes the results of measure_trade --tolerance: a table, JSON, the node's parameters, and a few
-// lines for people.
+// Writes the results of measure_trade --tolerance and --margins: tables, JSON, the node's
+// parameters, and a few lines for people.
 //
-// The first setting is exact detection on the CPU; the others are compared with it.
+// The first setting of --tolerance is exact detection on the CPU; the others are compared with it.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 #include "tools/measure_trade/bound_measurement.h"
 #include "tools/measure_trade/frame_source.h"
+#include "tools/measure_trade/margin_measurement.h"
 #include "tools/measure_trade/trade_arguments.h"
 
 namespace deformable_contact_monitor {
@@ -35,5 +36,11 @@ std::string boundsText(const TradeArguments& arguments, const std::vector<BoundM
 // have a budget_ms, that of the arguments, only if the arguments ask for it.
 std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames);
+
+// The same of --margins.
+std::string marginsCsv(const TradeArguments& arguments, const std::vector<MarginMeasurement>& all);
+std::string marginsJson(const TradeArguments& arguments, const std::vector<MarginMeasurement>& all,
+                        const FrameSource& frames);
+std::string marginsText(const TradeArguments& arguments, const std::vector<MarginMeasurement>& all);
 
 }  // namespace deformable_contact_monitor

@@ -51,11 +51,6 @@ class MeshFrames : public FrameSource {
     ++next_;
     return true;
   }
-  void rewind() override { next_ = 0; }
-  const Scene& scene() const override { return scene_; }
-  void setMargin(float margin_m) override {
-    for (BodyId body = 0; body < scene_.bodyCount(); ++body) scene_.setMargin(body, margin_m);
-  }
   bool isDeformable(BodyId body) const override { return body == kDeforming; }
   std::string label() const override { return next_ == 0 ? "" : labels_[next_ - 1]; }
   std::vector<std::string> pairClasses() const override { return pair_classes_; }
@@ -99,8 +94,6 @@ class MeshFrames : public FrameSource {
   std::vector<TriangleMesh> states_;
   HostList<std::uint32_t> fans_;  // MeshFileReport::fans of the last state
   std::map<std::string, std::string> file_of_name_;
-  Scene scene_;
-  std::size_t next_ = 0;
 };
 
 }  // namespace

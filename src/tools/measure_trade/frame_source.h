@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -28,15 +27,16 @@ class FrameSource {
   virtual bool next() = 0;
 
   // Goes back to the beginning: the same frames come again, in the same order.
-  virtual void rewind() = 0;
+  void rewind() { next_ = 0; }
 
   // Returns the frame of the last next(). Before the first call, it has all bodies and names
   // already.
-  virtual const Scene& scene() const = 0;
+  const Scene& scene() const { return scene_; }
 
-  // Sets the margin of all bodies in all frames that follow [m]. Throws std::logic_error if the
-  // source does not support it.
-  virtual void setMargin(float /*margin_m*/) { throw std::logic_error("no margins"); }
+  // Sets the margin of all bodies in all frames that follow [m].
+  void setMargin(float margin_m) {
+    for (BodyId body = 0; body < scene_.bodyCount(); ++body) scene_.setMargin(body, margin_m);
+  }
 
   // Returns true if the body deforms. Otherwise it is rigid, such as a robot's link.
   virtual bool isDeformable(BodyId body) const = 0;
@@ -46,6 +46,10 @@ class FrameSource {
 
   // Returns the name of the last frame for people: a file or a stamp.
   virtual std::string label() const = 0;
+
+ protected:
+  Scene scene_;
+  std::size_t next_ = 0;  // the frame that next() shows
 };
 
 // Mesh files as the states of one deforming body among bodies that do not move.

@@ -52,7 +52,6 @@ std::string describe(const MarginSetting& setting) {
   return text;
 }
 
-// The first passes warm the detector up and are not counted.
 FrameDistances measureMargin(FrameSource* frames, const CycleCounts& cycles, const Options& options,
                              Detector* detector, MarginMeasurement* sum) {
   Options chosen = options;
@@ -60,24 +59,18 @@ FrameDistances measureMargin(FrameSource* frames, const CycleCounts& cycles, con
   chosen.near_pairs = sum->setting.use == MarginUse::kNearPairs;
   frames->setMargin(sum->setting.use == MarginUse::kIgnored ? 0 : sum->setting.margin_m);
   FrameDistances distances;
-  int warm_up = cycles.warm_up;
-  for (int pass = 0; pass < cycles.passes || warm_up > 0;) {
-    const bool is_counted = warm_up <= 0;
-    distances.clear();
-    frames->rewind();
-    for (; frames->next(); --warm_up) {
-      const SteadyTime start = std::chrono::steady_clock::now();
-      const DetectionResult& result = detector->detect(frames->scene(), chosen);
-      const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
-      distances.push_back(distancesOf(result, sum->setting.use));
-      if (!is_counted) continue;
-      sum->ms.push_back(ms);
-      sum->triangle_pairs += result.contacts.size() + result.left_out;
-      sum->body_pairs += sum->setting.use == MarginUse::kIgnored ? result.touchingBodies().size()
-                                                                 : distances.back().size();
-    }
-    pass += is_counted ? 1 : 0;
-  }
+  forEachCycle(frames, cycles, [&](std::size_t frame, bool is_counted) {
+    if (frame == 0) distances.clear();
+    const SteadyTime start = std::chrono::steady_clock::now();
+    const DetectionResult& result = detector->detect(frames->scene(), chosen);
+    const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
+    distances.push_back(distancesOf(result, sum->setting.use));
+    if (!is_counted) return;
+    sum->ms.push_back(ms);
+    sum->triangle_pairs += result.contacts.size() + result.left_out;
+    sum->body_pairs += sum->setting.use == MarginUse::kIgnored ? result.touchingBodies().size()
+                                                               : distances.back().size();
+  });
   return distances;
 }
 

@@ -2,9 +2,10 @@
 //
 // There are four measurements, one for each run function: the grid of settings (run), what instant
 // motion loses (runSwept), tolerances with time budgets (runBounds), and margins (runMargins). Each
-// opens its output files before it measures, and then writes the tables, draws plots and prints the
-// choice.
+// opens its output files before it measures, so that nothing is lost at its end, and then writes
+// the tables, draws plots and prints the choice.
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -21,7 +22,6 @@
 #include "tools/measure_trade/bound_report.h"
 #include "tools/measure_trade/frame_source.h"
 #include "tools/measure_trade/margin_measurement.h"
-#include "tools/measure_trade/margin_report.h"
 #include "tools/measure_trade/motion_measurement.h"
 #include "tools/measure_trade/motion_report.h"
 #include "tools/measure_trade/trade_arguments.h"
@@ -30,18 +30,6 @@
 
 namespace deformable_contact_monitor {
 namespace {
-
-// The output files. They are opened before the measurement, so that it is not lost at its end.
-struct Outputs {
-  explicit Outputs(const TradeArguments& arguments)
-      : settings(arguments.out_folder + "/settings.csv"),
-        links(arguments.out_folder + "/links.csv"),
-        summary(arguments.out_folder + "/summary.json") {
-    if (!arguments.config_file.empty()) config.emplace(arguments.config_file);
-  }
-  OutputFile settings, links, summary;
-  std::optional<OutputFile> config;
-};
 
 // Writes a note as one line.
 void note(const std::string& what) {
@@ -60,8 +48,67 @@ std::unique_ptr<FrameSource> openFrames(const TradeArguments& arguments,
 }
 
 // Makes a detector. "cuda" never falls back to the CPU, because the figures would be wrong.
-std::unique_ptr<Detector> makeBackend(const std::string& backend) {
-  return makeDetector(backend, WithoutCuda::kRefuse, CudaSettings(), note);
+std::unique_ptr<Detector> makeBackend(const std::string& backend,
+                                      const std::shared_ptr<TilingCache>& tilings = nullptr) {
+  return makeDetector(backend, WithoutCuda::kRefuse, CudaSettings(), note, tilings);
+}
+
+// Opens the frames, makes the output folder, and measures while progress is shown.
+void withFrames(const TradeArguments& arguments,
+                const std::function<void(FrameSource*, Progress*)>& measure) {
+  Progress progress("starting");
+  const std::unique_ptr<FrameSource> frames =
+      openFrames(arguments, [&](const std::string& what) { progress.set(what); });
+  makeFolder(arguments.out_folder);
+  measure(frames.get(), &progress);
+}
+
+// Opens a file of the output folder.
+OutputFile outputOf(const TradeArguments& arguments, const char* name) {
+  return OutputFile(arguments.out_folder + "/" + name);
+}
+
+// Opens the file of --write-config, if there is one.
+std::optional<OutputFile> configOf(const TradeArguments& arguments) {
+  if (arguments.config_file.empty()) return std::nullopt;
+  return std::optional<OutputFile>(std::in_place, arguments.config_file);
+}
+
+void drawPlots(const TradeArguments& arguments, const char* script, Progress* progress) {
+  progress->set("drawing");
+  runPlotScript(script, {"--out", arguments.out_folder, arguments.out_folder}, note);
+}
+
+// Reports measurements that show a defect. Returns the exit code.
+template <class Measurements>
+int exitCode(const Measurements& all, const char* what) {
+  int code = 0;
+  for (const auto& m : all) {
+    if (m.broken.empty()) continue;
+    std::fprintf(stderr, "measure_trade: BROKEN %s, please report it: %s\n", what,
+                 m.broken.c_str());
+    code = 1;
+  }
+  return code;
+}
+
+// Calls measure(m, cycles) for a measurement m of each setting, and returns them.
+template <class Measurement, class Settings, class Measure>
+std::vector<Measurement> measureEach(const TradeArguments& arguments, const Settings& settings,
+                                     std::size_t frame_count, Progress* progress,
+                                     const Measure& measure) {
+  const int frames = static_cast<int>(frame_count);
+  const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frames + 1};
+  std::vector<Measurement> all(settings.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].setting = settings[i];
+    progress->setDone(static_cast<double>(i) / static_cast<double>(all.size()));
+    progress->set("setting " + std::to_string(i + 1) + " of " + std::to_string(all.size()) + ": " +
+                  describe(settings[i]));
+    measure(&all[i], cycles);
+  }
+  progress->setDone(1);
+  return all;
 }
 
 // Runs every setting of the grid, and chooses one.
@@ -125,28 +172,24 @@ void warnMotions(const MotionResults& found) {
 int runSwept(const TradeArguments& arguments) {
   std::string text;
   MotionResults found;
-  {
-    Progress progress("starting");
-    const auto say = [&](const std::string& what) { progress.set(what); };
-    const std::unique_ptr<FrameSource> frames = openFrames(arguments, say);
-    makeFolder(arguments.out_folder);
-    OutputFile motions(arguments.out_folder + "/motions.csv");
-    OutputFile onsets(arguments.out_folder + "/onsets.csv");
-    OutputFile summary(arguments.out_folder + "/summary.json");
+  withFrames(arguments, [&](FrameSource* frames, Progress* progress) {
+    OutputFile motions = outputOf(arguments, "motions.csv");
+    OutputFile onsets = outputOf(arguments, "onsets.csv");
+    OutputFile summary = outputOf(arguments, "summary.json");
     found = findMotions(
-        frames.get(), static_cast<std::size_t>(arguments.every), arguments.base,
-        [&] { return makeBackend(arguments.grid.backends.front()); }, say);
-    progress.set("counting");
+        frames, static_cast<std::size_t>(arguments.every), arguments.base,
+        [&] { return makeBackend(arguments.grid.backends.front()); },
+        [&](const std::string& what) { progress->set(what); });
+    progress->set("counting");
     const std::vector<MotionCounts> levels = {countMotions(found, MotionLevel::kBodies),
                                               countMotions(found, MotionLevel::kTriangles)};
-    progress.set("writing");
+    progress->set("writing");
     motions.write(motionsCsv(found, levels));
     onsets.write(onsetsCsv(found, levels, *frames));
     summary.write(motionJson(arguments, found, levels, *frames));
-    progress.set("drawing");
-    runPlotScript("plot_motion.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
+    drawPlots(arguments, "plot_motion.py", progress);
     text = motionText(found, levels);
-  }
+  });
   warnMotions(found);
   OutputFile("-").write(text);
   return 0;
@@ -174,61 +217,38 @@ std::vector<BoundSetting> boundSettings(const TradeArguments& arguments) {
 // Finds the exact contacts, then measures each setting against them.
 std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, FrameSource* frames,
                                                Progress* progress) {
-  std::vector<BoundMeasurement> all;
-  for (const BoundSetting& setting : boundSettings(arguments)) {
-    all.emplace_back();
-    all.back().setting = setting;
-    makeBackend(setting.backend);  // fails now if it is missing
-  }
+  const std::vector<BoundSetting> settings = boundSettings(arguments);
+  for (const BoundSetting& setting : settings)
+    makeBackend(setting.backend);  // fails now if missing
   const TouchingBodies truth =
       touchingBodies(frames, makeBackend("cpu").get(), arguments.base,
                      [&](const std::string& what) { progress->set(what); });
-  const int frame_count = static_cast<int>(truth.size());
-  const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
-  for (BoundMeasurement& m : all) {
-    const auto done = &m - all.data();
-    progress->setDone(static_cast<double>(done) / static_cast<double>(all.size()));
-    progress->set("setting " + std::to_string(done + 1) + " of " + std::to_string(all.size()) +
-                  ": " + describe(m.setting));
-    const auto tilings = m.setting.isBounded() ? std::make_shared<TilingCache>() : nullptr;
-    const std::unique_ptr<Detector> detector =
-        makeDetector(m.setting.backend, WithoutCuda::kRefuse, CudaSettings(), note, tilings);
-    measureBounds(frames, truth, cycles, arguments.base, detector.get(), tilings.get(), &m);
-  }
-  progress->setDone(1);
-  return all;
+  return measureEach<BoundMeasurement>(
+      arguments, settings, truth.size(), progress,
+      [&](BoundMeasurement* m, const CycleCounts& cycles) {
+        const auto tilings = m->setting.isBounded() ? std::make_shared<TilingCache>() : nullptr;
+        measureBounds(frames, truth, cycles, arguments.base,
+                      makeBackend(m->setting.backend, tilings).get(), tilings.get(), m);
+      });
 }
 
 // Measures tolerances and budgets. Returns the exit code.
 int runBounds(const TradeArguments& arguments) {
-  std::string text;
-  bool holds = true;
-  {
-    Progress progress("starting");
-    const std::unique_ptr<FrameSource> frames =
-        openFrames(arguments, [&](const std::string& what) { progress.set(what); });
-    makeFolder(arguments.out_folder);
-    OutputFile table(arguments.out_folder + "/bounds.csv");
-    OutputFile summary(arguments.out_folder + "/summary.json");
-    std::optional<OutputFile> config;
-    if (!arguments.config_file.empty()) config.emplace(arguments.config_file);
-    const std::vector<BoundMeasurement> all = measureAllBounds(arguments, frames.get(), &progress);
-    progress.set("writing");
+  std::vector<BoundMeasurement> all;
+  withFrames(arguments, [&](FrameSource* frames, Progress* progress) {
+    OutputFile table = outputOf(arguments, "bounds.csv");
+    OutputFile summary = outputOf(arguments, "summary.json");
+    std::optional<OutputFile> config = configOf(arguments);
+    all = measureAllBounds(arguments, frames, progress);
+    progress->set("writing");
     table.write(boundsCsv(arguments, all));
     summary.write(boundsJson(arguments, all, *frames));
     if (config) config->write(boundsYaml(arguments, all, *frames));
-    progress.set("drawing");
-    runPlotScript("plot_bounds.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
-    text = boundsText(arguments, all);
-    for (const BoundMeasurement& m : all) {
-      if (m.broken.empty()) continue;
-      std::fprintf(stderr, "measure_trade: BROKEN PROMISE, please report it: %s\n",
-                   m.broken.c_str());
-      holds = false;
-    }
-  }
-  if (arguments.config_file != "-") OutputFile("-").write(text);
-  return holds ? 0 : 1;
+    drawPlots(arguments, "plot_bounds.py", progress);
+  });
+  const int code = exitCode(all, "PROMISE");
+  if (arguments.config_file != "-") OutputFile("-").write(boundsText(arguments, all));
+  return code;
 }
 
 // Returns contacts alone first, then both uses of each margin, for each backend.
@@ -247,101 +267,61 @@ std::vector<MarginSetting> marginSettings(const TradeArguments& arguments) {
 // Measures each setting, and compares the distances of the search with those of the list.
 std::vector<MarginMeasurement> measureAllMargins(const TradeArguments& arguments,
                                                  FrameSource* frames, Progress* progress) {
-  std::vector<MarginMeasurement> all;
-  for (const MarginSetting& setting : marginSettings(arguments)) {
-    makeBackend(setting.backend);  // fails now if it is missing
-    all.emplace_back();
-    all.back().setting = setting;
-  }
-  int frame_count = 0;
+  const std::vector<MarginSetting> settings = marginSettings(arguments);
+  for (const MarginSetting& setting : settings) makeBackend(setting.backend);  // fails now
+  std::size_t frame_count = 0;
   for (frames->rewind(); frames->next();) ++frame_count;
-  const CycleCounts cycles{arguments.warm_up, (arguments.least_cycles - 1) / frame_count + 1};
   FrameDistances of_list;
-  for (MarginMeasurement& m : all) {
-    const auto done = &m - all.data();
-    progress->setDone(static_cast<double>(done) / static_cast<double>(all.size()));
-    progress->set("setting " + std::to_string(done + 1) + " of " + std::to_string(all.size()) +
-                  ": " + describe(m.setting));
-    const std::unique_ptr<Detector> detector = makeBackend(m.setting.backend);
-    FrameDistances found = measureMargin(frames, cycles, arguments.base, detector.get(), &m);
-    if (m.setting.use == MarginUse::kNearest) compareDistances(of_list, found, &m);
-    if (m.setting.use == MarginUse::kNearPairs) of_list = std::move(found);
-  }
-  progress->setDone(1);
-  return all;
+  return measureEach<MarginMeasurement>(
+      arguments, settings, frame_count, progress,
+      [&](MarginMeasurement* m, const CycleCounts& cycles) {
+        FrameDistances found =
+            measureMargin(frames, cycles, arguments.base, makeBackend(m->setting.backend).get(), m);
+        if (m->setting.use == MarginUse::kNearest) compareDistances(of_list, found, m);
+        if (m->setting.use == MarginUse::kNearPairs) of_list = std::move(found);
+      });
 }
 
 // Measures margins. Returns the exit code.
 int runMargins(const TradeArguments& arguments) {
   std::vector<MarginMeasurement> all;
-  {
-    Progress progress("starting");
-    const std::unique_ptr<FrameSource> frames =
-        openFrames(arguments, [&](const std::string& what) { progress.set(what); });
-    makeFolder(arguments.out_folder);
-    OutputFile table(arguments.out_folder + "/margins.csv");
-    OutputFile summary(arguments.out_folder + "/summary.json");
-    all = measureAllMargins(arguments, frames.get(), &progress);
-    progress.set("writing");
+  withFrames(arguments, [&](FrameSource* frames, Progress* progress) {
+    OutputFile table = outputOf(arguments, "margins.csv");
+    OutputFile summary = outputOf(arguments, "summary.json");
+    all = measureAllMargins(arguments, frames, progress);
+    progress->set("writing");
     table.write(marginsCsv(arguments, all));
     summary.write(marginsJson(arguments, all, *frames));
-  }
-  bool holds = true;
-  for (const MarginMeasurement& m : all) {
-    if (m.broken.empty()) continue;
-    std::fprintf(stderr, "measure_trade: BROKEN PROMISE, please report it: %s\n", m.broken.c_str());
-    holds = false;
-  }
+  });
+  const int code = exitCode(all, "PROMISE");
   OutputFile("-").write(marginsText(arguments, all));
-  return holds ? 0 : 1;
-}
-
-// Warns about what the tables do not show.
-void warn(const TradeResults& results) {
-  if (results.exact.bodies.empty()) {
-    std::fputs("measure_trade: note: no frame has a contact, so recall says nothing\n", stderr);
-  }
-  for (const Measurement& m : results.measurements) {
-    if (m.broken.empty()) continue;
-    std::fprintf(stderr, "measure_trade: BROKEN GUARANTEE, please report it: %s\n",
-                 m.broken.c_str());
-  }
-}
-
-// Returns true if no setting with a guarantee missed a contact.
-bool allGuaranteesHold(const TradeResults& results) {
-  for (const Measurement& m : results.measurements) {
-    if (!m.broken.empty()) return false;
-  }
-  return true;
+  return code;
 }
 
 // Measures the grid of settings. Returns the exit code.
 int run(const TradeArguments& arguments) {
   TradeResults results;
-  {
-    Progress progress("starting");
-    const std::unique_ptr<FrameSource> frames =
-        openFrames(arguments, [&](const std::string& what) { progress.set(what); });
-    makeFolder(arguments.out_folder);
-    Outputs outputs(arguments);
-    results = measureAll(arguments, frames.get(), &progress);
-    progress.set("writing");
-    outputs.settings.write(settingsCsv(results));
-    outputs.links.write(linksCsv(results, *frames));
-    outputs.summary.write(summaryJson(arguments, results, *frames));
-    if (outputs.config) outputs.config->write(configYaml(arguments, results, *frames));
-    progress.set("drawing");
-    runPlotScript("plot_trade.py", {"--out", arguments.out_folder, arguments.out_folder}, note);
-  }
-  warn(results);
+  withFrames(arguments, [&](FrameSource* frames, Progress* progress) {
+    OutputFile settings = outputOf(arguments, "settings.csv");
+    OutputFile links = outputOf(arguments, "links.csv");
+    OutputFile summary = outputOf(arguments, "summary.json");
+    std::optional<OutputFile> config = configOf(arguments);
+    results = measureAll(arguments, frames, progress);
+    progress->set("writing");
+    settings.write(settingsCsv(results));
+    links.write(linksCsv(results, *frames));
+    summary.write(summaryJson(arguments, results, *frames));
+    if (config) config->write(configYaml(arguments, results, *frames));
+    drawPlots(arguments, "plot_trade.py", progress);
+  });
+  if (results.exact.bodies.empty()) note("no frame has a contact, so recall says nothing");
+  const int code = exitCode(results.measurements, "GUARANTEE");
   // Standard output holds either the configuration or the choice, but not both.
   if (arguments.config_file != "-") OutputFile("-").write(choiceText(arguments, results));
-  if (!allGuaranteesHold(results)) return 1;
-  if (!results.chosen && !arguments.config_file.empty()) {
+  if (code == 0 && !results.chosen && !arguments.config_file.empty()) {
     throw std::runtime_error(arguments.config_file + ": there is no setting to write");
   }
-  return 0;
+  return code;
 }
 
 }  // namespace

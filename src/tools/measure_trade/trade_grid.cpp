@@ -54,12 +54,9 @@ std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base) {
   for (const std::string& backend : grid.backends) {
     Setting setting{backend, base};
     Options& options = setting.options;
-    const auto reset_rest = [&] {
-      options.fuzzifier = grid.fuzzifiers.front();
-      options.iterations = grid.iterations.front();
-      options.refresh_period = grid.refresh_periods.front();
-    };
-    reset_rest();
+    options.fuzzifier = grid.fuzzifiers.front();
+    options.iterations = grid.iterations.front();
+    options.refresh_period = grid.refresh_periods.front();
     for (const Predicates predicates : grid.predicates) {
       for (const float overlap : grid.overlaps) {
         for (const int clusters : grid.clusters) {
@@ -73,31 +70,22 @@ std::vector<Setting> settingsOf(const TradeGrid& grid, const Options& base) {
     options.overlap = *std::max_element(grid.overlaps.begin(), grid.overlaps.end());
     options.predicates = *std::min_element(grid.predicates.begin(), grid.predicates.end());
     options.clusters = grid.clusters.front();
-    for (const float fuzzifier : grid.fuzzifiers) {
-      options.fuzzifier = fuzzifier;
-      add(setting);
-    }
-    reset_rest();
-    for (const int iterations : grid.iterations) {
-      options.iterations = iterations;
-      add(setting);
-    }
-    reset_rest();
-    for (const int period : grid.refresh_periods) {
-      options.refresh_period = period;
-      add(setting);
-    }
+    // Adds a setting for each value of an option, which then has the first value again.
+    const auto vary = [&](auto Options::*option, const auto& values) {
+      for (const auto value : values) {
+        options.*option = value;
+        add(setting);
+      }
+      options.*option = values.front();
+    };
+    vary(&Options::fuzzifier, grid.fuzzifiers);
+    vary(&Options::iterations, grid.iterations);
+    vary(&Options::refresh_period, grid.refresh_periods);
   }
   return settings;
 }
 
-bool isDefault(const Setting& setting) {
-  const Options& options = setting.options;
-  const Options usual;
-  return options.predicates == usual.predicates && options.overlap == usual.overlap &&
-         options.clusters == usual.clusters && options.fuzzifier == usual.fuzzifier &&
-         options.iterations == usual.iterations && options.refresh_period == usual.refresh_period;
-}
+bool isDefault(const Setting& setting) { return same(setting, {setting.backend, Options()}); }
 
 std::string describe(const Setting& setting) {
   const Options& options = setting.options;

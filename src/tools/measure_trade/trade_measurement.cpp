@@ -58,6 +58,17 @@ void addOnsets(const std::vector<FrameCounts>& pass, const ExactResults& exact, 
 
 }  // namespace
 
+void forEachCycle(FrameSource* frames, const CycleCounts& cycles,
+                  const std::function<void(std::size_t frame, bool is_counted)>& visit) {
+  int warm_up = cycles.warm_up;
+  for (int pass = 0; pass < cycles.passes || warm_up > 0;) {
+    const bool is_counted = warm_up <= 0;
+    frames->rewind();
+    for (std::size_t frame = 0; frames->next(); ++frame, --warm_up) visit(frame, is_counted);
+    pass += is_counted ? 1 : 0;
+  }
+}
+
 // The noise comes from the medians and 95th percentiles of the single repeats.
 Worth Measurement::worth() const {
   Worth worth = {median(round_trip_ms), percentile(round_trip_ms, 0.95),

@@ -36,6 +36,12 @@ struct CycleCounts {
   int passes = 1;   // through all frames
 };
 
+// Shows all frames again and again: passes that are not counted until the warm-up is done, then
+// cycles.passes that are. Calls visit(frame, is_counted) after each FrameSource::next(); frames
+// count from 0.
+void forEachCycle(FrameSource* frames, const CycleCounts& cycles,
+                  const std::function<void(std::size_t frame, bool is_counted)>& visit);
+
 // Holds what was measured of one setting, summed over its repeats.
 struct Measurement {
   // The figures of one pair of bodies.

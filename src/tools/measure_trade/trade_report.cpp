@@ -4,101 +4,76 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "tools/common/command_line.h"
+#include "tools/common/formatted.h"
 #include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// A row of comma-separated values.
-class Row {
- public:
-  Row& text(const std::string& words) {
-    line_ += (line_.empty() ? "" : ",") + csvField(words);
-    return *this;
-  }
-  Row& number(double value) { return text(numberText(value)); }
-  Row& number(float value) { return text(numberText(value)); }
-  Row& count(std::uint64_t value) { return text(std::to_string(value)); }
-  Row& flag(bool value) { return text(value ? "true" : "false"); }
-  std::string line() const { return line_ + "\n"; }
-
- private:
-  std::string line_;
-};
-
 constexpr const char* kSettingColumns =
     "backend,predicates,overlap,clusters,fuzzifier,iterations,refresh_period";
 constexpr const char* kOnsetColumns = "onset_runs,onset_missed,onset_delay_mean,onset_delay_worst";
 
-// Adds the setting's columns.
-void addSetting(const Setting& setting, Row* row) {
+// Returns the setting's columns.
+std::string settingRow(const Setting& setting) {
   const Options& options = setting.options;
-  row->text(setting.backend).text(toString(options.predicates)).number(options.overlap);
-  row->text(std::to_string(options.clusters)).number(options.fuzzifier);
-  row->text(std::to_string(options.iterations)).text(std::to_string(options.refresh_period));
+  return csvRow(setting.backend, toString(options.predicates), numberText(options.overlap),
+                options.clusters, numberText(options.fuzzifier), options.iterations,
+                options.refresh_period);
 }
 
-// Adds the mean, the worst frame's recall and its label; empty if there is nothing to count.
-void addRecall(const RateOverFrames& recall, bool counts, const ExactResults& exact, Row* row) {
-  if (!counts) {
-    row->text("").text("").text("");
-    return;
-  }
-  row->number(recall.mean()).number(recall.worst);
-  row->text(recall.worst < 1 ? exact.labels.at(recall.worst_frame) : "");
+// Returns the mean, the worst frame's recall and its label; empty if there is nothing to count.
+std::string recallRow(const RateOverFrames& recall, bool counts, const ExactResults& exact) {
+  if (!counts) return ",,";
+  return csvRow(numberText(recall.mean()), numberText(recall.worst),
+                recall.worst < 1 ? exact.labels.at(recall.worst_frame) : "");
 }
 
-// Adds percentiles of all cycles, and the range of the repeats' medians and 95th percentiles.
-void addNoise(const Measurement& m, Row* row) {
+// Returns percentiles of all cycles, and the range of the repeats' medians and 95th percentiles.
+std::string noiseRow(const Measurement& m) {
   const Worth worth = m.worth();
-  row->number(percentile(m.round_trip_ms, 0.1)).number(percentile(m.round_trip_ms, 0.9));
-  row->number(worth.median_ms - worth.median_noise.below);
-  row->number(worth.median_ms + worth.median_noise.above);
-  row->number(worth.p95_ms - worth.p95_noise.below);
-  row->number(worth.p95_ms + worth.p95_noise.above);
+  return csvRow(numberText(percentile(m.round_trip_ms, 0.1)),
+                numberText(percentile(m.round_trip_ms, 0.9)),
+                numberText(worth.median_ms - worth.median_noise.below),
+                numberText(worth.median_ms + worth.median_noise.above),
+                numberText(worth.p95_ms - worth.p95_noise.below),
+                numberText(worth.p95_ms + worth.p95_noise.above));
 }
 
-// Adds the delays until contacts are found.
-void addOnset(const OnsetDelay& onset, Row* row) {
-  row->count(onset.runs).count(onset.missed).number(onset.mean()).count(onset.worst);
+// Returns the delays until contacts are found.
+std::string onsetRow(const OnsetDelay& onset) {
+  return csvRow(onset.runs, onset.missed, numberText(onset.mean()), onset.worst);
 }
 
-// Returns a ratio; 0 if there is nothing to count.
-double ratio(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-// Adds the work of a cycle, per cycle or per triangle in the sweep.
-void addWork(const Measurement& m, Row* row) {
+// Returns the work of a cycle, per cycle or per triangle in the sweep. A ratio of nothing is 0.
+std::string workRow(const Measurement& m) {
+  const auto ratio = [](std::uint64_t part, std::uint64_t whole) {
+    return numberText(whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole));
+  };
   const Counters& work = m.work;
   const std::uint64_t swept = work.clustered + work.large;
   const auto cycles = m.round_trip_ms.size();
-  row->number(ratio(work.undecided, cycles)).number(ratio(work.clusters, cycles));
-  row->number(ratio(work.candidates, swept)).number(ratio(work.cluster_entries, work.clustered));
-  row->number(ratio(work.interval_overlaps, swept)).number(ratio(work.exact, work.candidates));
+  return csvRow(ratio(work.undecided, cycles), ratio(work.clusters, cycles),
+                ratio(work.candidates, swept), ratio(work.cluster_entries, work.clustered),
+                ratio(work.interval_overlaps, swept), ratio(work.exact, work.candidates));
 }
+
+const char* flagText(bool flag) { return flag ? "true" : "false"; }
 
 using Json = nlohmann::json;
 
 // Returns a time with two decimals below 10 ms, and with one above.
 std::string milliseconds(double ms) {
-  char text[40];
-  std::snprintf(text, sizeof text, ms < 10 ? "%.2f ms" : "%.1f ms", ms);
-  return text;
+  return ms < 10 ? formatted("%.2f ms", ms) : formatted("%.1f ms", ms);
 }
 
 // Rounds down, so that 100 % means all.
-std::string percent(double rate) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.7g %%", std::floor(rate * 1e6) / 1e4);
-  return text;
-}
+std::string percent(double rate) { return formatted("%.7g %%", std::floor(rate * 1e6) / 1e4); }
 
 // Returns the criteria of a setting in words.
 std::string worthText(const Worth& worth) {
@@ -219,18 +194,15 @@ std::string settingsCsv(const TradeResults& results) {
                      kOnsetColumns + ",guaranteed,pareto_front\n";
   for (std::size_t i = 0; i < results.measurements.size(); ++i) {
     const Measurement& m = results.measurements[i];
-    Row row;
-    addSetting(m.setting, &row);
-    row.number(median(m.round_trip_ms)).number(percentile(m.round_trip_ms, 0.95));
-    row.number(*std::min_element(m.round_trip_ms.begin(), m.round_trip_ms.end()));
-    addNoise(m, &row);
-    addRecall(m.external, external, results.exact, &row);
-    addRecall(m.self, self, results.exact, &row);
-    row.number(m.precision.mean()).number(m.precision.worst);
-    addWork(m, &row);
-    addOnset(m.onset, &row);
-    row.flag(m.guaranteed).flag(results.front[i]);
-    text += row.line();
+    text +=
+        settingRow(m.setting) + "," +
+        csvRow(numberText(median(m.round_trip_ms)), numberText(percentile(m.round_trip_ms, 0.95)),
+               numberText(*std::min_element(m.round_trip_ms.begin(), m.round_trip_ms.end()))) +
+        "," + noiseRow(m) + "," + recallRow(m.external, external, results.exact) + "," +
+        recallRow(m.self, self, results.exact) + "," +
+        csvRow(numberText(m.precision.mean()), numberText(m.precision.worst)) + "," + workRow(m) +
+        "," + onsetRow(m.onset) + "," + csvRow(flagText(m.guaranteed), flagText(results.front[i])) +
+        "\n";
   }
   return text;
 }
@@ -244,13 +216,11 @@ std::string linksCsv(const TradeResults& results, const FrameSource& frames) {
     for (const auto& [bodies, of_bodies] : m.bodies) {
       // Tables name the rigid body first, which is a link of a robot.
       const bool first_deforms = frames.isDeformable(bodies.first);
-      Row row;
-      addSetting(m.setting, &row);
-      row.text(name(first_deforms ? bodies.second : bodies.first));
-      row.text(name(first_deforms ? bodies.first : bodies.second));
-      addRecall(of_bodies.recall, true, results.exact, &row);
-      addOnset(of_bodies.onset, &row);
-      text += row.line();
+      text += settingRow(m.setting) + "," +
+              csvRow(name(first_deforms ? bodies.second : bodies.first),
+                     name(first_deforms ? bodies.first : bodies.second)) +
+              "," + recallRow(of_bodies.recall, true, results.exact) + "," +
+              onsetRow(of_bodies.onset) + "\n";
     }
   }
   return text;

@@ -4,6 +4,7 @@
 // It replaces a camera and a robot in demonstrations and tests. One loop, at the rate of --rate,
 // moves the joints, makes the next state of the object and publishes both with the same stamp.
 // Links of the robot push the cloth, as capsules. Everything runs in the main thread.
+#include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <urdf_parser/urdf_parser.h>
@@ -25,7 +26,6 @@
 #include "tools/common/run_tool.h"
 #include "tools/common/scene_object.h"
 #include "tools/scene_publisher/joint_mover.h"
-#include "tools/scene_publisher/mesh_stream.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -115,6 +115,45 @@ class Joints {
   std::map<std::string, double> positions_;
 };
 
+// Publishes the states of the object. Sends triangles with the first message, whenever topology_id
+// changes, and at least once a second of stamps, so that a late subscriber, or one that lost a
+// message, does not wait long. Most messages hold only vertices: triangles would make up about two
+// thirds of a message.
+class MeshStream {
+ public:
+  MeshStream(const Settings& s, std::string frame_id, ros::NodeHandle* node)
+      : publisher_(node->advertise<DeformableMesh>(s.topic, 1)),
+        object_(s.object.name),
+        frame_id_(std::move(frame_id)),
+        period_(1 / s.object.rate_hz) {}
+
+  // Publishes one state with this stamp. Vertices are in metres, in `frame_id`.
+  void publish(const MeshFrame& frame, const ros::Time& stamp) {
+    DeformableMesh message;
+    message.header.stamp = stamp;
+    message.header.frame_id = frame_id_;
+    message.object = object_;
+    message.topology_id = frame.topology_id;
+    message.vertices = frame.mesh.vertices;
+    // Triangles are due if the next message would be too late for them, or if the clock went back.
+    const bool due = triangles_sent_.isZero() || stamp < triangles_sent_ ||
+                     stamp + period_ > triangles_sent_ + ros::Duration(1);
+    if (due || frame.topology_id != topology_id_) {
+      message.triangles = frame.mesh.triangles;
+      triangles_sent_ = stamp;
+      topology_id_ = frame.topology_id;
+    }
+    publisher_.publish(message);
+  }
+
+ private:
+  ros::Publisher publisher_;
+  std::string object_, frame_id_;
+  ros::Duration period_;      // the expected time between two messages
+  ros::Time triangles_sent_;  // stamp of the latest message with triangles; zero: none yet
+  std::uint32_t topology_id_ = 0;
+};
+
 // Opens the source of the object's states, and reads its files. Returns null if no object is
 // wanted.
 MeshSource openSource(const SceneObject& object) {
@@ -145,8 +184,7 @@ int run(const Settings& s) {
   std::optional<RobotObstacles> obstacles;
   if (robot && object.cloth_triangles) obstacles.emplace(robot->model, robot->geometry, frame);
   Joints joints(s, robot, &node);
-  // The period tells the stream when triangles are due.
-  MeshStream stream(&node, s.topic, object.name, frame, ros::Duration(1 / object.rate_hz));
+  MeshStream stream(s, frame, &node);
 
   // Scene time counts messages, not seconds, so that the same command gives the same states on any
   // machine.

@@ -47,14 +47,9 @@ TradeResults chosen(const Setting& setting) {
 class NoFrames : public FrameSource {
  public:
   bool next() override { return false; }
-  void rewind() override {}
-  const Scene& scene() const override { return scene_; }
   bool isDeformable(BodyId /*body*/) const override { return false; }
   std::vector<std::string> pairClasses() const override { return {"deformable_self"}; }
   std::string label() const override { return ""; }
-
- private:
-  Scene scene_;
 };
 
 // The corners of the ranges, and what is not exact in binary.

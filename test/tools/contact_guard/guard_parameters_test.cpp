@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "tools/contact_guard/margin_check.h"
-
 namespace deformable_contact_monitor {
 namespace {
 

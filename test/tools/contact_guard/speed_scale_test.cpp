@@ -1,10 +1,10 @@
 // Tests of the rules for the speed scale, over random distances, speeds and parameters.
-#include "tools/contact_guard/speed_scale.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
+
+#include "tools/contact_guard/closing_speed.h"
 
 namespace deformable_contact_monitor {
 namespace {

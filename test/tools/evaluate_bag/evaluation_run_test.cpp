@@ -47,9 +47,8 @@ void addRun(const std::string& backend, Predicates predicates, float overlap, Ru
   Options options;
   options.predicates = predicates;
   options.overlap = overlap;
-  runs->push_back(std::make_unique<EvaluationRun>(
-      backend, std::make_unique<DetectedContacts>(makeBruteForceDetector()), options, StateRules(),
-      std::vector<Expectation>()));
+  runs->push_back(std::make_unique<EvaluationRun>(backend, makeBruteForceDetector(), options,
+                                                  StateRules(), std::vector<Expectation>()));
 }
 
 TEST(RunComparison, OnlyExactRunsMustAgree) {
@@ -72,9 +71,8 @@ TEST(RunComparison, WithinATolerancePairsMayDiffer) {
   addRun("cpu", Predicates::kExact, 1, &runs);
   Options options;
   options.tolerance_m = 0.25F;
-  runs.push_back(std::make_unique<EvaluationRun>(
-      "cpu", std::make_unique<DetectedContacts>(makeBruteForceDetector()), options, StateRules(),
-      std::vector<Expectation>()));
+  runs.push_back(std::make_unique<EvaluationRun>("cpu", makeBruteForceDetector(), options,
+                                                 StateRules(), std::vector<Expectation>()));
   EXPECT_FALSE(comparisons(runs).at(0).must_agree);
   EXPECT_EQ(runs[1]->name(), "cpu exact, tolerance 0.25 m");
 }

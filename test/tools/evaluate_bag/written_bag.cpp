@@ -119,8 +119,7 @@ Found evaluate(const BagFiles& files, const MonitorParameters& configured) {
   BagContents contents =
       scanBags(&reader, files, configured.pair_classes.needRobot(), [](std::uint64_t) {});
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
-  EvaluationRun run("cpu", std::make_unique<DetectedContacts>(makeCpuDetector()), Options(),
-                    stateRules(setup.parameters), {});
+  EvaluationRun run("cpu", makeCpuDetector(), Options(), stateRules(setup.parameters), {});
   BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);
   cycles.run(&reader, [&](CycleReport* cycle) {
     if (!cycles.forgets().empty()) run.forget(cycles.forgets(), cycle->header.stamp);

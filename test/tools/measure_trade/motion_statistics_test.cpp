@@ -42,8 +42,6 @@ class Needles : public FrameSource {
     ++next_;
     return true;
   }
-  void rewind() override { next_ = 0; }
-  const Scene& scene() const override { return scene_; }
   bool isDeformable(BodyId body) const override { return body == 0; }
   std::string label() const override { return "frame " + std::to_string(next_ - 1); }
 
@@ -57,9 +55,7 @@ class Needles : public FrameSource {
   }
 
   std::vector<Place> places_;
-  Scene scene_;
   bool turned_ = false;
-  std::size_t next_ = 0;
 };
 
 MotionResults motionsOf(std::vector<Needles::Place> places, std::size_t every) {

@@ -31,16 +31,10 @@ class SinkingCloth : public FrameSource {
     ++next_;
     return true;
   }
-  void rewind() override { next_ = 0; }
-  const Scene& scene() const override { return scene_; }
   bool isDeformable(BodyId body) const override { return body == 0; }
   std::string label() const override { return "frame " + std::to_string(next_ - 1); }
 
   static constexpr std::size_t kFrames = 5;
-
- private:
-  Scene scene_;
-  std::size_t next_ = 0;
 };
 
 // The CPU detector's result, changed by `spoil(result, cycle)`.
