@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <mutex>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -71,6 +72,9 @@ std::pmr::memory_resource& SingleGpuDetector::vertexMemory() { return pinnedOrPl
 const DetectionResult& SingleGpuDetector::detect(const Scene& scene, const Options& options) {
   const Stopwatch watch{};
   requireValid(options);
+  if (scene.partsMatter() || (options.nearest && options.nearest_by_part)) {
+    throw std::invalid_argument("the CUDA backend does not support parts of bodies");
+  }
   checkCuda(cudaSetDevice(cycle_.settings.device), "cudaSetDevice");
   cudaGetLastError();  // clears an error that this thread has from another device
   const CycleLimit limit(options.limits);

@@ -12,6 +12,7 @@
 
 #include "core/bounds/exact_distances.h"
 #include "core/common/contact_geometry.h"
+#include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
 #include "core/rules/margins.h"
@@ -42,6 +43,7 @@ void takeExactResult(const Scene& scene, const Options& options, const std::vect
   result.separations_m = exact.separations_m;
   result.geometry = exact.geometry;
   result.nearest = exact.nearest;
+  result.nearest_parts = exact.nearest_parts;
   result.left_out = exact.left_out;
   if (exact.cut_off) result.cutOff(exact.cut_off_because);
   result.guaranteed = result.guaranteed && exact.guaranteed;
@@ -128,6 +130,12 @@ const Scene& ExactPart::sceneOf(const Scene& scene, const std::vector<IdPair>& p
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (part_.takesPart(id)) copy(scene.body(id), id);
   }
+  if (part_.disabledParts() != scene.disabledParts()) {
+    part_.enableAllParts();
+    for (const PartPair& pair : scene.disabledParts()) {
+      part_.setPartPairEnabled(pair.body_a, pair.part_a, pair.body_b, pair.part_b, false);
+    }
+  }
   return part_;
 }
 
@@ -143,7 +151,11 @@ void ExactPart::copy(const Body& body, BodyId id) {
     part_.setDeviceVertices(id, body.device_vertices->xyz, body.mesh.vertexCount(),
                             body.device_vertices->stream);
   }
-  copied = {body.topology_revision, body.vertices_revision};
+  if (copied.topology_revision != body.topology_revision ||
+      copied.parts_revision != body.parts_revision) {
+    part_.setParts(id, body.parts);
+  }
+  copied = {body.topology_revision, body.vertices_revision, body.parts_revision};
   part_.setPose(id, body.pose);
   part_.setMargin(id, body.margin_m);
 }
@@ -200,7 +212,9 @@ const DetectionResult& BoundedCycle::detect(const Scene& scene, const Options& o
     SearchGoal goal;
     goal.tolerance_m = options.tolerance_m;
     goal.nearest = options.nearest;
-    rounds_.begin(scene, tiled_pairs_, tiling_, goal, limit);
+    rounds_.begin(scene,
+                  searchesOf(scene, tiled_pairs_, options.nearest && options.nearest_by_part),
+                  tiling_, goal, limit);
     rounds_.decide(limit, first_turn);
   });
   double bounds_ms = watch.lapMs();
@@ -261,7 +275,13 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
             [](const NearestPair& x, const NearestPair& y) {
               return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
             });
+  const std::vector<NearestOfParts> of_parts = rounds_.nearestParts(scene);
+  result_.nearest_parts.insert(result_.nearest_parts.end(), of_parts.begin(), of_parts.end());
+  std::sort(result_.nearest_parts.begin(), result_.nearest_parts.end(),
+            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
+  if (!rounds_.allPartsSearched()) result_.cutOff(limit.wasOver() ? limit.why() : kNoTime);
   countRejected(scene);
+  listRejectedParts(scene, options.motion, result_);
 }
 
 // Counts rejected triangles of the bodies that the exact detector did not see.
