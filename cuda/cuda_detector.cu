@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <mutex>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -72,9 +71,6 @@ std::pmr::memory_resource& SingleGpuDetector::vertexMemory() { return pinnedOrPl
 const DetectionResult& SingleGpuDetector::detect(const Scene& scene, const Options& options) {
   const Stopwatch watch{};
   requireValid(options);
-  if (scene.partsMatter() || (options.nearest && options.nearest_by_part)) {
-    throw std::invalid_argument("the CUDA backend does not support parts of bodies");
-  }
   checkCuda(cudaSetDevice(cycle_.settings.device), "cudaSetDevice");
   cudaGetLastError();  // clears an error that this thread has from another device
   const CycleLimit limit(options.limits);
@@ -117,6 +113,7 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
   result_.memory_is_whole = use.is_whole;
   result_.counters.posed = cycle_.scene.triangleCount();
   reportCounters(counted, cycle_.sizes.clusters, result_.counters);
+  cycle_.scene.listRejectedParts(scene, result_, cycle_.stream.get());
   result_.counters.exact += collector_.decidedOnHost();
   upload_.endCycle(options, result_.started_cold);
   addTimes(upload_ms, watch.elapsedMs() - upload_ms - result_.detect_ms,

@@ -214,10 +214,7 @@ TEST_P(PartsSuite, WithoutAPairAreLeftOutEarly) {
   EXPECT_LE(counters.clustered, count / 4 + count);
 }
 
-INSTANTIATE_TEST_SUITE_P(, PartsSuite,
-                         ::testing::Values(Backend{"cpu", [] { return makeCpuDetector(); }},
-                                           Backend{"brute_force", makeBruteForceDetector}),
-                         backendName);
+INSTANTIATE_TEST_SUITE_P(, PartsSuite, ::testing::ValuesIn(allBackends()), backendName);
 
 }  // namespace
 }  // namespace deformable_contact_monitor
