@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "core/common/contact_geometry.h"
@@ -43,17 +44,16 @@ struct Regions {
   std::uint32_t countOf(std::uint32_t body) const { return first[body + 1] - first[body]; }
 };
 
-// Returns which parts of two bodies are searched: all together, and `by_part`, if one of the bodies
-// has named parts, each enabled pair. kNone: all parts.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> partsOf(const Scene& scene,
-                                                             const PartTable& numbers, BodyId a,
-                                                             BodyId b, bool by_part) {
+// Returns which parts of two bodies are searched: all together, and, if there are `numbers` and one
+// of the bodies has named parts, each enabled pair. kNone: all parts.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> partsOf(
+    const Scene& scene, const std::optional<PartTable>& numbers, BodyId a, BodyId b) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> parts = {{kNone, kNone}};
-  if (!by_part || (scene.body(a).parts.empty() && scene.body(b).parts.empty())) return parts;
+  if (!numbers || (scene.body(a).parts.empty() && scene.body(b).parts.empty())) return parts;
   for (const PartId part_a : scene.body(a).listed_parts) {
     for (const PartId part_b : scene.body(b).listed_parts) {
       if (!scene.partPairEnabled(a, part_a, b, part_b)) continue;
-      parts.emplace_back(numbers.numberOf(a, part_a), numbers.numberOf(b, part_b));
+      parts.emplace_back(numbers->numberOf(a, part_a), numbers->numberOf(b, part_b));
     }
   }
   return parts;
@@ -74,7 +74,8 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
   if (!searches) return;
   Regions regions(tables);
   std::vector<NearestBodies> pairs;
-  const PartTable numbers(scene);
+  std::optional<PartTable> numbers;
+  if (by_part) numbers.emplace(scene);
   std::uint64_t tasks = 0;
   const auto count = static_cast<std::uint32_t>(tables.bodies.size());
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -84,7 +85,7 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
       if (its == 0 || !scene.pairEnabled(a, b)) continue;
       const bool on_device = scene.body(a).device_vertices || scene.body(b).device_vertices;
       const float margin_m = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
-      for (const auto& [part_a, part_b] : partsOf(scene, numbers, a, b, by_part)) {
+      for (const auto& [part_a, part_b] : partsOf(scene, numbers, a, b)) {
         pairs.push_back({BodyIndex(i), BodyIndex(j), margin_m, regions.first[i], regions.first[j],
                          regions.countOf(j), static_cast<std::uint32_t>(tasks), on_device ? 1U : 0U,
                          part_a, part_b});

@@ -20,8 +20,7 @@ class DeviceNearest {
 
   // Lists the pairs of two bodies of the scene, which has been laid out as `tables`, and raises the
   // sizes. `by_part`: pairs of parts are listed too. If the cycle does not search, the list is
-  // empty. Throws CudaError if the scene is too
-  // large.
+  // empty. Throws CudaError if the scene is too large.
   void layOut(const Scene& scene, const SceneTables& tables, bool searches, bool by_part);
 
   // Adds what has changed on the device to `copies`.

@@ -104,14 +104,14 @@ bool DeviceScene::isLaidOut(const Scene& scene) const {
       (pairs_ != scene.enabledPairs() || disabled_parts_ != scene.disabledParts())) {
     return false;
   }
-  return laid_out_bodies_ == bodiesOf(scene) && parts_ == partsOf(scene);
+  return laid_out_bodies_ == bodiesOf(scene) && hasPartsOf(scene);
 }
 
-std::vector<std::uint64_t> DeviceScene::partsOf(const Scene& scene) {
-  std::vector<std::uint64_t> parts;
-  parts.reserve(scene.bodyCount());
-  for (const Body& body : scene.bodies()) parts.push_back(body.parts_revision);
-  return parts;
+// Returns whether the layout has the parts of this scene.
+bool DeviceScene::hasPartsOf(const Scene& scene) const {
+  return std::equal(
+      parts_.begin(), parts_.end(), scene.bodies().begin(), scene.bodies().end(),
+      [](std::uint64_t sent, const Body& body) { return sent == body.parts_revision; });
 }
 
 DeviceScene::Change DeviceScene::layOut(const Scene& scene, Motion motion, bool fans) {
@@ -153,7 +153,8 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   laid_out_ = has_fans_ = bodies_sent_ = false;  // until the new layout is complete
   pairs_ = scene.enabledPairs();
   disabled_parts_ = scene.disabledParts();
-  parts_ = partsOf(scene);
+  parts_.clear();
+  for (const Body& body : scene.bodies()) parts_.push_back(body.parts_revision);
   tables_ = SceneTables(scene);
   laid_out_bodies_ = bodiesOf(scene);
   const auto same =

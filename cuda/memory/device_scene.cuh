@@ -105,7 +105,7 @@ class DeviceScene {
                          const std::vector<LaidOutBody>& now);
   std::vector<LaidOutBody> bodiesOf(const Scene& scene) const;
   bool isLaidOut(const Scene& scene) const;
-  static std::vector<std::uint64_t> partsOf(const Scene& scene);
+  bool hasPartsOf(const Scene& scene) const;
   Change layOutAnew(const Scene& scene);
   void addCorners(const Scene& scene, HostCopies& copies);
   void sizeFans(const Scene& scene);

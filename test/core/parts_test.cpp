@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 #include <cstring>
-#include <limits>
+#include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bounds/bounded_fixture.h"
 #include "nearest_pairs.h"
 #include "parts_fixture.h"
 #include "random_scenes.h"
@@ -85,8 +89,8 @@ TEST_P(PartsSuite, LeaveTheContactsThatBruteForceLeaves) {
     divide(scene, seed);
     expectFiltered(scene, options);
   }
-  EXPECT_GT(contacts_, kScenes);
-  EXPECT_GT(rejected_, kScenes / 20);
+  EXPECT_GT(contacts_, kScenes / 100 * 100);
+  EXPECT_GE(rejected_, kScenes / 100 * 5);
 }
 
 // Thousands of triangles: many clusters and tiles, and oversized triangles.
@@ -100,6 +104,21 @@ TEST_P(PartsSuite, LeaveTheContactsThatBruteForceLeavesInLargeScenes) {
     expectFiltered(scene, options);
   }
   EXPECT_GT(contacts_, 100U);
+}
+
+// A detector with a past: the rules change while meshes stay, so that the last cycle's nearest
+// triangles may not count any more.
+TEST_P(PartsSuite, HaveTheNearestPairsOfBruteForceWhenRulesChange) {
+  Scene scene = pairScene(clothGrid(14, 1, 0, 0.1F), clothGrid(9, 0.9F, 0.15F, 0.1F));
+  scene.setMargin(0, 1);
+  Options options;
+  options.nearest = options.nearest_by_part = true;
+  for (std::uint32_t seed = 0; seed < 30; ++seed) {
+    divide(scene, seed);
+    const auto parts = nearestOfAllParts(scene, *brute_force_, options);
+    const DetectionResult& found = detector_->detect(scene, options);
+    ASSERT_TRUE(sameNearest(nearestOfBodies(parts), found.nearest)) << "seed " << seed;
+  }
 }
 
 // The nearest pairs of bodies and of parts.
@@ -124,8 +143,8 @@ TEST_P(PartsSuite, HaveTheNearestPairsOfBruteForce) {
     }
     for (const NearestPair& pair : bodies) ++(pair.distance_m > 0 ? apart : touching);
   }
-  EXPECT_GT(apart, kScenes / 10);
-  EXPECT_GT(touching, kScenes / 10);
+  EXPECT_GE(apart, kScenes / 100 * 10);
+  EXPECT_GE(touching, kScenes / 100 * 10);
 }
 
 // Bodies of many tiles, of which the disabled parts are the nearest ones.
@@ -179,7 +198,7 @@ TEST_P(PartsSuite, LeaveTheSweptContactsThatBruteForceLeaves) {
     ASSERT_EQ(rejected.by_part, found.rejected_parts) << "seed " << seed;
     contacts_ += found.contacts.size();
   }
-  EXPECT_GT(contacts_, kScenes / 2);
+  EXPECT_GE(contacts_, kScenes / 100 * 50);
 }
 
 // Parts and rules that change while the meshes stay.
@@ -198,6 +217,79 @@ TEST_P(PartsSuite, MayChangeFromCycleToCycle) {
   }
 }
 
+// Decided by bounds: what is claimed holds for the parts that count.
+TEST(PartsWithinATolerance, AreDecidedByWhatCounts) {
+  const auto tilings = std::make_shared<TilingCache>();
+  const auto detector = makeBoundedDetector(tilings);
+  const auto brute_force = makeBruteForceDetector();
+  std::size_t decided[4] = {};
+  for (std::uint32_t seed = 0; seed < kScenes / 2; ++seed) {
+    Scene scene = randomScene(seed);
+    for (BodyId id = 0; id < scene.bodyCount(); ++id) scene.setMargin(id, 0.3F);
+    divide(scene, seed);
+    Options options;
+    options.nearest = options.nearest_by_part = true;
+    const auto parts = nearestOfAllParts(scene, *brute_force, options);
+    options.tolerance_m = 0.05F;
+    for (std::uint32_t i = 0; i <= TilingCache::kSettledAfter; ++i)
+      detector->detect(scene, options);
+    tilings->wait();
+    const DetectionResult& found = detector->detect(scene, options);
+    std::map<std::pair<BodyId, BodyId>, float> truth;
+    for (const NearestPair& nearest : nearestOfBodies(parts)) {
+      truth[{nearest.pair.body_a, nearest.pair.body_b}] = nearest.distance_m;
+    }
+    for (const BodyDistance& distance : found.distances) {
+      const auto known = truth.find({distance.body_a, distance.body_b});
+      const double true_m = known == truth.end() ? 1e38 : known->second;
+      const double known_to = known == truth.end() ? 0.3 : INFINITY;
+      SCOPED_TRACE(seed);
+      expectTrue(scene, distance, options.tolerance_m, true_m, known_to);
+      ++decided[static_cast<int>(decide(distance, scene, options.tolerance_m))];
+    }
+    for (const TrianglePair& pair : found.contacts) ASSERT_TRUE(isCompared(scene, pair)) << seed;
+    for (const NearestOfParts& nearest : found.nearest_parts) {
+      ASSERT_TRUE(std::find(parts.begin(), parts.end(), nearest) != parts.end()) << seed;
+    }
+    const auto isUnnamed = [&scene](const NearestOfParts& of) {
+      return scene.body(of.parts.body_a).parts.empty() && scene.body(of.parts.body_b).parts.empty();
+    };
+    const auto unnamed = std::count_if(parts.begin(), parts.end(), isUnnamed);
+    ASSERT_EQ(parts.size() - static_cast<std::size_t>(unnamed), found.nearest_parts.size()) << seed;
+    ASSERT_EQ(ExpectedRejected(scene, Motion::kInstant).by_part, found.rejected_parts) << seed;
+    Options in_time;  // with a deadline, the bounds also list contacts
+    in_time.limits.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+    const auto expected = filtered(scene, brute_force->detect(undivided(scene), Options()));
+    ASSERT_TRUE(samePairs(expected.contacts, detector->detect(scene, in_time).contacts)) << seed;
+  }
+  EXPECT_EQ(0U, decided[static_cast<int>(PairDecision::kOpen)]);
+  EXPECT_GE(decided[static_cast<int>(PairDecision::kNone)], kScenes / 100 * 10);
+  EXPECT_GE(decided[static_cast<int>(PairDecision::kContact)], kScenes / 100 * 10);
+}
+
+// FCL, on triangles that share no vertex, as far as it is exact.
+TEST(PartsByFcl, LeaveTheContactsThatBruteForceLeaves) {
+  const auto fcl = makeFclDetector();
+  const auto brute_force = makeBruteForceDetector();
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    Scene scene = pairScene(clothGrid(15, 1, 0, 0.1F), clothGrid(12, 0.9F, 0.013F, 0.12F));
+    scene.setPairEnabled(0, 0, seed % 2 == 0);
+    scene.setMargin(0, 0.5F);
+    divide(scene, seed);
+    Options options = withAdjacent(AdjacentPairs::kSkip);
+    options.nearest = options.nearest_by_part = true;
+    const DetectionResult& expected = brute_force->detect(scene, options);
+    const DetectionResult& found = fcl->detect(scene, options);
+    ASSERT_TRUE(samePairs(expected.contacts, found.contacts)) << "seed " << seed;
+    ASSERT_EQ(expected.nearest_parts.size(), found.nearest_parts.size()) << "seed " << seed;
+    for (std::size_t i = 0; i < found.nearest_parts.size(); ++i) {
+      ASSERT_TRUE(expected.nearest_parts[i].parts == found.nearest_parts[i].parts);
+      ASSERT_NEAR(expected.nearest_parts[i].nearest.distance_m,
+                  found.nearest_parts[i].nearest.distance_m, 1e-6);
+    }
+  }
+}
+
 // What no enabled pair of parts needs is not looked at.
 TEST_P(PartsSuite, WithoutAPairAreLeftOutEarly) {
   if (GetParam().name == std::string("brute_force")) return;
@@ -210,8 +302,7 @@ TEST_P(PartsSuite, WithoutAPairAreLeftOutEarly) {
   for (const PartId part : {0, 1}) scene.setPartPairEnabled(0, 1, 0, part, false);
   scene.setPartPairEnabled(0, 1, 1, 0, false);
   const Counters counters = detector_->detect(scene, Options()).counters;
-  EXPECT_EQ(count / 4 + count, counters.clustered + counters.culled - (count - count / 4));
-  EXPECT_LE(counters.clustered, count / 4 + count);
+  EXPECT_GE(counters.culled, count - count / 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(, PartsSuite, ::testing::ValuesIn(allBackends()), backendName);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <numeric>
 
 #include "core/bounds/exact_distances.h"
 #include "core/common/contact_geometry.h"
@@ -284,16 +285,22 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
   listRejectedParts(scene, options.motion, result_);
 }
 
-// Counts rejected triangles of the bodies that the exact detector did not see.
+// Counts rejected triangles of the bodies that the exact detector did not see. If parts matter,
+// some parts may have no pair among its pairs, so that all bodies are counted.
 void BoundedCycle::countRejected(const Scene& scene) {
+  const bool parts_matter = scene.partsMatter();
   std::vector<BodyId> unknown;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (isInAny(tiled_pairs_, id) && !isInAny(exact_pairs_, id) && rounds_.mayReject(id)) {
-      unknown.push_back(id);
-    }
+    const bool was_seen = !parts_matter && isInAny(exact_pairs_, id);
+    if (isInAny(tiled_pairs_, id) && !was_seen && rounds_.mayReject(id)) unknown.push_back(id);
   }
   if (unknown.empty()) return;
   const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene);
+  if (parts_matter) {
+    result_.counters.rejected = 0;
+    unknown.resize(scene.bodyCount());
+    std::iota(unknown.begin(), unknown.end(), BodyId{0});
+  }
   for (const BodyId id : unknown) result_.counters.rejected += rejected[id].count;
 }
 
