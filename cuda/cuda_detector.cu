@@ -113,6 +113,7 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
   result_.memory_is_whole = use.is_whole;
   result_.counters.posed = cycle_.scene.triangleCount();
   reportCounters(counted, cycle_.sizes.clusters, result_.counters);
+  cycle_.scene.listRejectedParts(scene, result_, cycle_.stream.get());
   result_.counters.exact += collector_.decidedOnHost();
   upload_.endCycle(options, result_.started_cold);
   addTimes(upload_ms, watch.elapsedMs() - upload_ms - result_.detect_ms,

@@ -40,8 +40,8 @@ bool CycleUpload::send(const Scene& scene, const Options& options, const CycleLi
   ColdStart start;
   if (!inspectAndSend(scene, change, options, limit, result.started_cold, start)) return false;
   // Of several devices, the first one searches the nearest pairs of the whole scene.
-  cycle_.nearest.layOut(scene, on_device.tables(),
-                        searchesNearest(options) && partition_.isFirst());
+  cycle_.nearest.layOut(scene, on_device.tables(), searchesNearest(options) && partition_.isFirst(),
+                        options.nearest && options.nearest_by_part);
   cycle_.growArrays();
   cycle_.nearest.send(cycle_.copies);
   if (result.started_cold) {
@@ -108,7 +108,8 @@ bool CycleUpload::adapt(const Scene& scene, const DeviceScene::Change& change,
 void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
   const DeviceScene& scene = cycle_.scene;
   CycleParams& params = cycle_.params[0];
-  params = cycleParams(options, scene.triangleCount(), scene.groupCount(), scene.anyLengths());
+  params = cycleParams(options, scene.triangleCount(), scene.groupCount(), scene.anyLengths(),
+                       scene.tables().part_use);
   params.scale = inspector_.scale();
   params.size = inspector_.sizeRule();
   params.limited = limit.isSet() ? 1 : 0;

@@ -14,6 +14,7 @@
 #include "core/rigid_transform.h"
 #include "core/rules/half_space.h"
 #include "core/rules/intervals.h"
+#include "core/rules/part_pairs.h"
 #include "core/rules/principal_axes.h"
 #include "cuda/device/boxes.cuh"
 #include "cuda/memory/device_memory.cuh"
@@ -88,7 +89,7 @@ struct SceneArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
   // The parts of the arrays that are in use.
-  std::uint32_t body_count = 0, pair_row = 0;
+  std::uint32_t body_count = 0, pair_row = 0, part_count = 0;
   std::uint32_t vertex_block_count = 0, triangle_block_count = 0, triangle_count = 0;
   std::uint32_t tile_count = 0;
   std::uint32_t identity_mask = 0;
@@ -98,8 +99,13 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<BodyIndex, Place> partners{*this, &CycleSizes::partners};
   // For each group, the groups that its bodies may touch, as bits.
   DeviceArray<std::uint32_t, Place> group_mask{*this, kMostGroups};
-  // A matrix of bodies x bodies bits, in rows of pair_row words.
+  // Which pairs of parts are enabled, see PartPairs. Parts have the numbers of PartTable; if no
+  // body has parts, these are the numbers of the bodies.
   DeviceArray<std::uint32_t, Place> pair_enabled{*this, &CycleSizes::pair_words};
+  // The part of each triangle, kNone if that takes no part; and for each part the number of its
+  // rejected triangles, zero at the start of a cycle. Only if CycleParams::parts is set.
+  DeviceArray<std::uint32_t, TriangleIndex> part{*this, &CycleSizes::part_triangles};
+  DeviceArray<std::uint32_t, Place> rejected{*this, &CycleSizes::parts};
   DeviceArray<BodyBlock, Place> vertex_blocks{*this, &CycleSizes::vertex_blocks};
   DeviceArray<BodyBlock, Place> triangle_blocks{*this, &CycleSizes::triangle_blocks};
   // The bodies' triangles, grouped into tiles (stages/tiles.cuh); kNone in slots without a
@@ -141,6 +147,11 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<std::uint32_t, VertexIndex> fan_count{*this, &CycleSizes::fan_vertices};
   // An open-addressing hash table of vertices' numbers + 1; its size is a power of two.
   DeviceArray<std::uint32_t, Place> identity_table{*this, &CycleSizes::identity_slots};
+
+  // Returns whether the pair of these parts is enabled.
+  __device__ bool pairEnabled(std::uint32_t part_a, std::uint32_t part_b) const {
+    return PartPairs{pair_enabled.data(), pair_row}.enabled(part_a, part_b);
+  }
 };
 
 // A triangle in its slot of a tile.
@@ -148,7 +159,7 @@ struct alignas(16) TileEntry {
   Triangle posed;  // scene frame [m]
   TriangleIndex triangle;
   BodyIndex body;
-  std::uint32_t group;  // of the body
+  std::uint32_t part;  // its number, see SceneArrays::pair_enabled
 };
 // With padding, the compiler would copy it byte by byte.
 static_assert(sizeof(TileEntry) == sizeof(Triangle) + 3 * sizeof(std::uint32_t));

@@ -24,7 +24,7 @@ std::uint32_t unitColumns(std::uint32_t triangles) {
 }  // namespace
 
 CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::uint32_t groups,
-                        const BodyLengths& any) {
+                        const BodyLengths& any, const PartUse& parts) {
   CycleParams p{};
   p.overlap = options.overlap;
   p.fuzzifier = options.fuzzifier;
@@ -42,7 +42,8 @@ CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::ui
   p.leaves_few = p.decides != 0 && few_adjacent && triangles < kMany ? 1 : 0;
   p.first_times = options.first_times ? 1 : 0;
   p.group_count = std::min(groups, kMostGroups);
-  p.groups_exact = groups <= kMostGroups ? 1 : 0;
+  p.groups_exact = groups <= kMostGroups && !parts.matter ? 1 : 0;
+  p.parts = parts.any ? 1 : 0;
   p.bucket_shift = bucketShift(p.group_count);
   p.unit_columns = unitColumns(triangles);
   p.passes = 1;

@@ -32,7 +32,10 @@ struct CycleParams {
   std::uint32_t margins;       // 1 if some body that takes part has a margin
   std::uint32_t group_count;   // <= kMostGroups
   std::uint32_t bucket_shift;  // from a position of kAxisBits bits to a bucket of a group
-  std::uint32_t groups_exact;  // 1 if no two groups of bodies share a number
+  // 1 if each pair of triangles of two groups is enabled: no two groups of bodies share a number,
+  // and parts do not matter.
+  std::uint32_t groups_exact;
+  std::uint32_t parts;  // 1 if some body has parts: SceneArrays::part has the number of each part
   // The number of this pass, and of all passes. This pass makes the steps of the sweep and the
   // blocks of the oversized stage whose number % passes == pass.
   std::uint32_t pass, passes;
@@ -56,10 +59,15 @@ struct BodyLengths {
   bool margins, pads;
 };
 
+// States whether some body has parts, and whether they matter (Scene::partsMatter()).
+struct PartUse {
+  bool any, matter;
+};
+
 // Returns the settings for a scene of `triangles` triangles whose bodies fall into `groups` groups.
 // Scale, size rule and partition keep their defaults.
 CycleParams cycleParams(const Options& options, std::uint32_t triangles, std::uint32_t groups,
-                        const BodyLengths& any);
+                        const BodyLengths& any, const PartUse& parts);
 
 // The size of a memory line [bytes]. Counters that many warps add to have a line each.
 constexpr unsigned kLine = 128;

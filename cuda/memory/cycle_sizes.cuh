@@ -13,6 +13,7 @@ struct CycleSizes {
   // Sizes of the scene, which DeviceScene sets. Those of fans are set only if certified fans are
   // needed.
   std::uint32_t bodies = 0, partners = 0, pair_words = 0;
+  std::uint32_t parts = 0, part_triangles = 0, part_tiles = 0;  // only if some body has parts
   std::uint32_t vertices = 0, triangles = 0, vertex_blocks = 0, triangle_blocks = 0;
   std::uint32_t tiles = 0, slots = 0;
   std::uint32_t identity_slots = 0, fan_vertices = 0, fan_places = 0;

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "core/common/contact_geometry.h"
+#include "core/common/part_table.h"
 #include "core/rules/margins.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/device/warp.cuh"
@@ -42,6 +44,21 @@ struct Regions {
   std::uint32_t countOf(std::uint32_t body) const { return first[body + 1] - first[body]; }
 };
 
+// Returns which parts of two bodies are searched: all together, and, if there are `numbers` and one
+// of the bodies has named parts, each enabled pair. kNone: all parts.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> partsOf(
+    const Scene& scene, const std::optional<PartTable>& numbers, BodyId a, BodyId b) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> parts = {{kNone, kNone}};
+  if (!numbers || (scene.body(a).parts.empty() && scene.body(b).parts.empty())) return parts;
+  for (const PartId part_a : scene.body(a).listed_parts) {
+    for (const PartId part_b : scene.body(b).listed_parts) {
+      if (!scene.partPairEnabled(a, part_a, b, part_b)) continue;
+      parts.emplace_back(numbers->numberOf(a, part_a), numbers->numberOf(b, part_b));
+    }
+  }
+  return parts;
+}
+
 // Copies a list to page-locked memory.
 template <class T>
 void stage(const std::vector<T>& from, PinnedBuffer<T>& to) {
@@ -51,11 +68,14 @@ void stage(const std::vector<T>& from, PinnedBuffer<T>& to) {
 
 }  // namespace
 
-void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool searches) {
+void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool searches,
+                           bool by_part) {
   arrays_.pair_count = 0;
   if (!searches) return;
   Regions regions(tables);
   std::vector<NearestBodies> pairs;
+  std::optional<PartTable> numbers;
+  if (by_part) numbers.emplace(scene);
   std::uint64_t tasks = 0;
   const auto count = static_cast<std::uint32_t>(tables.bodies.size());
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -64,11 +84,13 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
       const std::uint64_t its = std::uint64_t{regions.countOf(i)} * regions.countOf(j);
       if (its == 0 || !scene.pairEnabled(a, b)) continue;
       const bool on_device = scene.body(a).device_vertices || scene.body(b).device_vertices;
-      pairs.push_back({BodyIndex(i), BodyIndex(j),
-                       pairMargin(scene.body(a).margin_m, scene.body(b).margin_m), regions.first[i],
-                       regions.first[j], regions.countOf(j), static_cast<std::uint32_t>(tasks),
-                       on_device ? 1U : 0U});
-      tasks += its;
+      const float margin_m = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
+      for (const auto& [part_a, part_b] : partsOf(scene, numbers, a, b)) {
+        pairs.push_back({BodyIndex(i), BodyIndex(j), margin_m, regions.first[i], regions.first[j],
+                         regions.countOf(j), static_cast<std::uint32_t>(tasks), on_device ? 1U : 0U,
+                         part_a, part_b});
+        tasks += its;
+      }
     }
   }
   if (tasks > ~std::uint32_t{0}) {
@@ -85,6 +107,7 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
   CycleSizes::raise(sizes_.nearest_pairs, pairs_.size());
   CycleSizes::raise(sizes_.regions, regions_.size());
   CycleSizes::raise(sizes_.nearest_tiles, tables.tile_count);
+  if (tables.part_use.any) CycleSizes::raise(sizes_.part_tiles, tables.tile_count);
   sizes_.near_tiles = kNearTiles;
   sizes_.nearest_hits = kHits;
   found_.grow(sizes_.nearest_pairs);
@@ -111,11 +134,20 @@ bool DeviceNearest::addTo(const Scene& scene, const SceneTables& tables,
     const TrianglePair pair{tables.taking_part[pairs_[i].a.value], found.triangle_a,
                             tables.taking_part[pairs_[i].b.value], found.triangle_b};
     // The host computes the points of a few pairs sooner than the device.
-    result.nearest.push_back(
+    const NearestPair nearest =
         pairs_[i].points_on_device != 0
             ? NearestPair{pair, found.distance_m, found.point_a, found.point_b, found.normal}
-            : nearestPairOf(scene, pair, found.distance_m));
+            : nearestPairOf(scene, pair, found.distance_m);
+    if (pairs_[i].part_a == kNone) {
+      result.nearest.push_back(nearest);
+    } else {
+      const auto& of_a = tables.parts[pairs_[i].part_a];
+      const auto& of_b = tables.parts[pairs_[i].part_b];
+      result.nearest_parts.push_back({{of_a.first, of_b.first, of_a.second, of_b.second}, nearest});
+    }
   }
+  std::sort(result.nearest_parts.begin(), result.nearest_parts.end(),
+            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
   return true;
 }
 

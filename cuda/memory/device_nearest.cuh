@@ -19,17 +19,17 @@ class DeviceNearest {
   DeviceNearest(CycleSizes& sizes, NearestArrays& arrays) : sizes_(sizes), arrays_(arrays) {}
 
   // Lists the pairs of two bodies of the scene, which has been laid out as `tables`, and raises the
-  // sizes. If the cycle does not search, the list is empty. Throws CudaError if the scene is too
-  // large.
-  void layOut(const Scene& scene, const SceneTables& tables, bool searches);
+  // sizes. `by_part`: pairs of parts are listed too. If the cycle does not search, the list is
+  // empty. Throws CudaError if the scene is too large.
+  void layOut(const Scene& scene, const SceneTables& tables, bool searches, bool by_part);
 
   // Adds what has changed on the device to `copies`.
   void send(HostCopies& copies);
   // Makes the next cycle send everything, because earlier copies may not have arrived.
   void forgetSent() { sent_ = false; }
 
-  // Writes what the last cycle found to result.nearest. Returns whether the search was complete;
-  // otherwise pairs are missing.
+  // Writes what the last cycle found to result.nearest and nearest_parts. Returns whether the
+  // search was complete; otherwise pairs are missing.
   bool addTo(const Scene& scene, const SceneTables& tables, DetectionResult& result) const;
 
  private:

@@ -100,8 +100,18 @@ std::vector<DeviceScene::LaidOutBody> DeviceScene::bodiesOf(const Scene& scene) 
 // need another layout.
 bool DeviceScene::isLaidOut(const Scene& scene) const {
   if (!laid_out_) return false;
-  if (pairs_revision_ != scene.pairsRevision() && pairs_ != scene.enabledPairs()) return false;
-  return laid_out_bodies_ == bodiesOf(scene);
+  if (pairs_revision_ != scene.pairsRevision() &&
+      (pairs_ != scene.enabledPairs() || disabled_parts_ != scene.disabledParts())) {
+    return false;
+  }
+  return laid_out_bodies_ == bodiesOf(scene) && hasPartsOf(scene);
+}
+
+// Returns whether the layout has the parts of this scene.
+bool DeviceScene::hasPartsOf(const Scene& scene) const {
+  return std::equal(
+      parts_.begin(), parts_.end(), scene.bodies().begin(), scene.bodies().end(),
+      [](std::uint64_t sent, const Body& body) { return sent == body.parts_revision; });
 }
 
 DeviceScene::Change DeviceScene::layOut(const Scene& scene, Motion motion, bool fans) {
@@ -142,6 +152,9 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
   laid_out_ = has_fans_ = bodies_sent_ = false;  // until the new layout is complete
   pairs_ = scene.enabledPairs();
+  disabled_parts_ = scene.disabledParts();
+  parts_.clear();
+  for (const Body& body : scene.bodies()) parts_.push_back(body.parts_revision);
   tables_ = SceneTables(scene);
   laid_out_bodies_ = bodiesOf(scene);
   const auto same =
@@ -154,7 +167,10 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   arrays_.tile_count = tables_.tile_count;
   CycleSizes::raise(sizes_.bodies, tables_.bodies.size());
   CycleSizes::raise(sizes_.partners, tables_.partners.size());
+  arrays_.part_count = static_cast<std::uint32_t>(tables_.parts.size());
   CycleSizes::raise(sizes_.pair_words, tables_.pair_enabled.size());
+  CycleSizes::raise(sizes_.parts, tables_.parts.size());
+  CycleSizes::raise(sizes_.part_triangles, tables_.part.size());
   CycleSizes::raise(sizes_.vertices, tables_.vertex_count);
   CycleSizes::raise(sizes_.triangles, tables_.triangle_count);
   CycleSizes::raise(sizes_.vertex_blocks, tables_.vertex_blocks.size());
@@ -195,6 +211,7 @@ void DeviceScene::sendLayout(const Scene& scene, cudaStream_t stream) {
   add(tables_.partners, arrays_.partners.data(), copies);
   add(tables_.group_mask, arrays_.group_mask.data(), copies);
   add(tables_.pair_enabled, arrays_.pair_enabled.data(), copies);
+  add(tables_.part, arrays_.part.data(), copies);
   add(tables_.listed, arrays_.listed_bodies.data(), copies);
   add(tables_.vertex_blocks, arrays_.vertex_blocks.data(), copies);
   add(tables_.triangle_blocks, arrays_.triangle_blocks.data(), copies);
@@ -313,6 +330,22 @@ Scene DeviceScene::onHost(const Scene& scene, cudaStream_t stream) const {
     on_host.setVertices(id, xyz.data(), count);
   }
   return on_host;
+}
+
+void DeviceScene::listRejectedParts(const Scene& scene, DetectionResult& result,
+                                    cudaStream_t stream) const {
+  if (tables_.parts.empty() || result.counters.rejected == 0) return;
+  std::vector<std::uint32_t> counts(tables_.parts.size());
+  checkCuda(cudaMemcpyAsync(counts.data(), arrays_.rejected.data(),
+                            counts.size() * sizeof(std::uint32_t), cudaMemcpyDeviceToHost, stream),
+            "cudaMemcpyAsync to the host");
+  checkCuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto& [id, part] = tables_.parts[i];
+    if (counts[i] > 0 && !scene.body(id).parts.empty()) {
+      result.rejected_parts.push_back({id, part, counts[i]});
+    }
+  }
 }
 
 void DeviceScene::sendBodies(const Scene& scene, const Options& options, const SceneScale& scale,

@@ -77,6 +77,10 @@ class DeviceScene {
   // Returns Scene::anyMargin() and anyPad() of the scene that was sent.
   BodyLengths anyLengths() const { return any_; }
 
+  // Fills in result.rejected_parts after a cycle, whose counters the result has. Waits for the
+  // device if some triangle of a body with parts may have been rejected.
+  void listRejectedParts(const Scene& scene, DetectionResult& result, cudaStream_t stream) const;
+
   // Returns a pair of triangles as body ids and triangle numbers of those bodies.
   TrianglePair pairOf(TriangleIndex a, TriangleIndex b) const {
     const ListedBody body_a = bodyOf(tables_.listed.data(), arrays_.body_count, a);
@@ -101,6 +105,7 @@ class DeviceScene {
                          const std::vector<LaidOutBody>& now);
   std::vector<LaidOutBody> bodiesOf(const Scene& scene) const;
   bool isLaidOut(const Scene& scene) const;
+  bool hasPartsOf(const Scene& scene) const;
   Change layOutAnew(const Scene& scene);
   void addCorners(const Scene& scene, HostCopies& copies);
   void sizeFans(const Scene& scene);
@@ -123,6 +128,8 @@ class DeviceScene {
   bool bodies_sent_ = false;          // the bodies in staged_bodies_ are on the device
   std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
   std::vector<std::pair<BodyId, BodyId>> pairs_;
+  std::vector<PartPair> disabled_parts_;
+  std::vector<std::uint64_t> parts_;          // Body::parts_revision, for each body of the scene
   std::vector<LaidOutBody> laid_out_bodies_;  // for each body on the device
   std::vector<std::uint64_t> vertices_;       // revisions on the device, for each body of the scene
   std::vector<std::uint64_t> earlier_;        // the same for Body::earlier; 0 if not sent

@@ -18,6 +18,7 @@ struct NearestBodies {
   // is a task.
   std::uint32_t first_region_a, first_region_b, regions_b, first_task;
   std::uint32_t points_on_device;  // 1 if the device computes the closest points
+  std::uint32_t part_a, part_b;    // only their triangles count; kNone: those of all parts
 };
 
 // Up to kWarp consecutive tiles of one body.
@@ -69,6 +70,9 @@ struct NearestArrays : ArrayGroup {
   DeviceArray<TileRegion, Place> regions{*this, &CycleSizes::regions};
   DeviceArray<Aabb, Place> region_boxes{*this, &CycleSizes::regions};  // of their triangles [m]
   DeviceArray<TileBound, TileIndex> tiles{*this, &CycleSizes::nearest_tiles};
+  // The part of all triangles of a tile that take part; kNone if they are of several parts. Only if
+  // CycleParams::parts is set.
+  DeviceArray<std::uint32_t, TileIndex> tile_parts{*this, &CycleSizes::part_tiles};
   DeviceArray<NearTiles, Place> near_tiles{*this, &CycleSizes::near_tiles};
   DeviceArray<NearestHit, Place> hits{*this, &CycleSizes::nearest_hits};
   PinnedPointer<NearestFound> found;  // one for each pair, written by the last kernel

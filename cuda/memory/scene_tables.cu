@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/common/part_table.h"
 #include "cuda/device/cuda_error.h"
 #include "cuda/device/warp.cuh"
 #include "cuda/memory/scene_tables.cuh"
@@ -29,9 +30,8 @@ SceneTables::SceneTables(const Scene& scene) {
   const BodyGroups groups(scene);
   group_count = static_cast<std::uint32_t>(groups.enabled.size());
   const auto count = static_cast<std::uint32_t>(taking_part.size());
-  pair_row = (count + 31) / 32;
   group_mask.resize(kMostGroups);
-  pair_enabled.resize(std::size_t{count} * pair_row);
+  addParts(scene);
   for (std::uint32_t i = 0; i < count; ++i) {
     addPairs(scene, groups, BodyIndex(i));
     addMesh(scene.body(taking_part[i]).mesh, BodyIndex(i));
@@ -51,10 +51,29 @@ void SceneTables::addPairs(const Scene& scene, const BodyGroups& groups, BodyInd
     if (!scene.pairEnabled(a, b)) continue;
     if (a != b) partners.push_back(BodyIndex(j));
     group_mask[groupOf(a)] |= 1U << groupOf(b);
-    pair_enabled[row.value * pair_row + j / 32] |= 1U << j % 32;
   }
   body.partner_count = static_cast<std::uint32_t>(partners.size()) - body.partner_begin;
   bodies.push_back(body);
+}
+
+// Sets which pairs of parts are enabled and, if some body has parts, the part of each triangle.
+void SceneTables::addParts(const Scene& scene) {
+  const PartTable table(scene);
+  pair_row = table.pairs().row_words;
+  pair_enabled.assign(table.bits().begin(), table.bits().end());
+  part_use.matter = scene.partsMatter();
+  part_use.any =
+      part_use.matter || std::any_of(taking_part.begin(), taking_part.end(),
+                                     [&scene](BodyId id) { return !scene.body(id).parts.empty(); });
+  if (!part_use.any) return;
+  for (const BodyId id : taking_part) {
+    const Body& body = scene.body(id);
+    for (const PartId its : body.listed_parts) parts.emplace_back(id, its);
+    for (std::size_t t = 0; t < body.mesh.triangleCount(); ++t) {
+      const std::uint32_t number = table.of(id, t);
+      part.push_back(table.takesPart(number) ? number : kNone);
+    }
+  }
 }
 
 // Reserves room for all lists, because growing them step by step would allocate page-locked memory

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory_resource>
+#include <utility>
 #include <vector>
 
 #include "core/common/scene_queries.h"
@@ -28,7 +29,10 @@ struct SceneTables {
   List<ListedBody> listed{&pinnedMemory()};  // for each of them
   List<BodyIndex> partners{&pinnedMemory()};
   List<std::uint32_t> group_mask{&pinnedMemory()};
-  List<std::uint32_t> pair_enabled{&pinnedMemory()};  // pair_row words for each body
+  List<std::uint32_t> pair_enabled{&pinnedMemory()};  // pair_row words for each part
+  List<std::uint32_t> part{&pinnedMemory()};          // see SceneArrays; empty without parts
+  std::vector<std::pair<BodyId, PartId>> parts;       // by number; empty without parts
+  PartUse part_use{};
   List<BodyBlock> vertex_blocks{&pinnedMemory()}, triangle_blocks{&pinnedMemory()};
   std::uint32_t pair_row = 0, group_count = 0;
   std::uint32_t vertex_count = 0, triangle_count = 0, tile_count = 0;
@@ -36,6 +40,7 @@ struct SceneTables {
 
  private:
   void addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row);
+  void addParts(const Scene& scene);
   void makeRoom(const Scene& scene);
   void addMesh(const TriangleMesh& mesh, BodyIndex body);
 };

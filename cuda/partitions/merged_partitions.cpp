@@ -168,6 +168,8 @@ void mergePartitions(const std::vector<const DetectionResult*>& partitions,
   }
   // The first device searches them in the whole scene; the others do not.
   whole.nearest = partitions.front()->nearest;
+  whole.nearest_parts = partitions.front()->nearest_parts;
+  whole.rejected_parts = partitions.front()->rejected_parts;  // each device sees all triangles
   const ListMerger lists(partitions, whole);
   lists.merge(&DetectionResult::contacts);
   lists.merge(&DetectionResult::separations_m);

@@ -258,6 +258,17 @@ __device__ std::uint32_t assignTile(const CycleArrays& c, TileIndex tile, unsign
   return assignBorder(c, tile, BorderTile<3 * kStates>(view, rule, mine, near, found), found);
 }
 
+// Counts the triangles of this warp that were rejected, by part. Called by the whole warp.
+__device__ void countRejected(const SceneArrays& scene, std::uint32_t part, bool rejected) {
+  for (unsigned left = __ballot_sync(kFullWarp, rejected); left != 0;) {
+    const int first = __ffs(static_cast<int>(left)) - 1;
+    const std::uint32_t its = __shfl_sync(kFullWarp, part, first);
+    const unsigned same = __ballot_sync(kFullWarp, rejected && part == its);
+    if (laneId() == 0) atomicAdd(&scene.rejected[Place(its)], __popc(same));
+    left &= ~same;
+  }
+}
+
 // One warp for each tile. Reads scene.corners, scene.posed and scene.body_boxes; writes
 // tiles.entries, tiles.boxes and tiles.states; adds to tiles.bin_entries, tiles.lists and
 // tiles.oversized. In swept motion (kStates == 2) it also writes the earlier states, to
@@ -275,6 +286,10 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const TriangleIndex named = is_tile ? c.scene.slot_triangle[slot] : TriangleIndex(kNone);
   const bool there = named.value != kNone;
   const TriangleIndex t(there ? named.value : 0);
+  // Triangles of parts that take no part are left out here.
+  const bool has_parts = c.params().parts != 0;
+  const std::uint32_t part = has_parts ? c.scene.part[t] : b.value;
+  const bool takes_part = there && part != kNone;
   const VertexIndex* const corner = c.scene.corners.row(t);
   const VertexIndex vertices[3] = {corner[0], corner[1], corner[2]};
   const ScenePartition partition = c.params().partition;
@@ -284,7 +299,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   letNextKernelStart();
   if (!is_tile) return;
   const Corners<kStates> corners(c.scene, vertices);
-  const bool finite = there && corners.isFinite();
+  const bool finite = takes_part && corners.isFinite();
   const Aabb box = finite ? inflated(corners.box(c), body.margin_m) : Aabb();
   bool near = finite;
   if (body.has_self == 0) near = meetsPartner(c.scene, b, box, warpBox(box), partner) && finite;
@@ -292,8 +307,10 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const bool large = here && size.isOversized(box);
   const bool regular = here && !large;
   const unsigned live = __ballot_sync(kFullWarp, regular);
-  warpCount(&c.counters().rejected, there && !finite);
-  warpCount(&c.counters().culled, finite && !near);
+  const bool rejected = takes_part && !finite;
+  warpCount(&c.counters().rejected, rejected);
+  if (has_parts) countRejected(c.scene, part, rejected);
+  warpCount(&c.counters().culled, (there && !takes_part) || (finite && !near));
   warpCount(&c.counters().clustered, regular);
   if (there) takeSample(c, t, regular, corners);
   if (__any_sync(kFullWarp, here) == 0) {
@@ -301,7 +318,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
     return;
   }
   if (here) {
-    c.tiles.entries[slot] = {corners.posed(), t, b, body.group};
+    c.tiles.entries[slot] = {corners.posed(), t, b, part};
     if (kStates > 1) c.tiles.earlier[slot].posed = corners.earlier();
   }
   c.tiles.boxes[slot] = TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb());

@@ -23,7 +23,7 @@ constexpr unsigned kBoundThreads = 256, kTaskThreads = 128, kPairThreads = 128;
 constexpr unsigned kBoundPairs = kBoundThreads / kLanesEach;
 
 // Sets the first bound of a pair of bodies: the margin, or the distance of the last cycle's nearest
-// triangles. These may be of other bodies by now; any two triangles of the two bodies give a bound.
+// triangles. These may be of other bodies by now; any two triangles that count give a bound.
 // Called by a whole warp, with one pair for each half of it; kNone: none.
 __device__ void setFirstBound(const CycleArrays& c, std::uint32_t pair) {
   const bool is_pair = pair != kNone;
@@ -34,7 +34,10 @@ __device__ void setFirstBound(const CycleArrays& c, std::uint32_t pair) {
   const TriangleIndex of_a(a.first_triangle + (in_range ? last.x - 1 : 0));
   const TriangleIndex of_b(b.first_triangle + (in_range ? last.y - 1 : 0));
   const Triangle hull_a = posedTriangle(c.scene, of_a), hull_b = posedTriangle(c.scene, of_b);
-  const bool counts = is_pair && in_range && isFinite(hull_a) && isFinite(hull_b);
+  bool counts = is_pair && in_range && isFinite(hull_a) && isFinite(hull_b);
+  if (counts && c.params().parts != 0) {
+    counts = partsCount(c, pair, c.scene.part[of_a], c.scene.part[of_b]);
+  }
   const float distance_m = distanceBetween(hull_a, hull_b, counts);
   if (!is_pair || laneId() % kLanesEach != 0) return;
   Key key = keyOf(bodies.margin_m, kNone);
@@ -64,12 +67,21 @@ __global__ void __launch_bounds__(kBoundThreads) boundKernel(CycleArrays c) {
     const TriangleIndex t = c.scene.slot_triangle[TileEntryIndex(tile.value * kWarp + laneId())];
     const bool there = t.value != kNone;
     const Triangle hull = posedTriangle(c.scene, there ? t : TriangleIndex(0));
-    const bool finite = there && isFinite(hull);
+    bool finite = there && isFinite(hull);
+    const bool has_parts = c.params().parts != 0;
+    const std::uint32_t part = finite && has_parts ? c.scene.part[t] : kNone;
+    if (has_parts) finite = part != kNone;
     const unsigned mask = __ballot_sync(kFullWarp, finite);
     const Aabb box = warpBox(finite ? boxOf(hull) : Aabb());
     const Vec3f point = laneVector(hull.v[0], max(__ffs(static_cast<int>(mask)) - 1, 0));
     const std::uint32_t least = ~warpMost(finite ? ~t.value : 0);
     if (laneId() == 0) c.nearest.tiles[tile] = {box, point, least};
+    if (has_parts) {
+      const std::uint32_t first =
+          __shfl_sync(kFullWarp, part, max(__ffs(static_cast<int>(mask)) - 1, 0));
+      const bool one = __all_sync(kFullWarp, !finite || part == first) != 0;
+      if (laneId() == 0) c.nearest.tile_parts[tile] = one ? first : kNone;
+    }
     if (mask != 0) all.include(box);
   }
   whole.include(all);
@@ -90,10 +102,16 @@ __device__ std::uint32_t pairOfTask(const NearestArrays& nearest, std::uint32_t 
 // Lowers the bound of a pair of bodies to the least distance of points of two regions' tiles, where
 // no triangles have given a bound yet. Called by a whole warp.
 __device__ void boundByPoints(const CycleArrays& c, std::uint32_t pair, const TileRegion& b,
-                              bool counts, const TileBound& own) {
+                              bool counts, TileIndex tile, const TileBound& own) {
   float least_m = INFINITY;
+  const bool has_parts = c.params().parts != 0;
   for (std::uint32_t j = 0; j < b.tile_count; ++j) {
-    const TileBound& other = c.nearest.tiles[TileIndex(b.first_tile.value + j)];
+    const TileIndex of_b(b.first_tile.value + j);
+    const TileBound& other = c.nearest.tiles[of_b];
+    // The points of tiles of several parts may be of parts that do not count.
+    if (has_parts && !partsCount(c, pair, c.nearest.tile_parts[tile], c.nearest.tile_parts[of_b])) {
+      continue;
+    }
     if (other.least != kNone) least_m = fminf(least_m, upperGap(own.point, other.point));
   }
   const std::uint32_t bits = ~warpMost(counts ? ~__float_as_uint(least_m) : 0);
@@ -129,14 +147,17 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
     const TileBound own = c.nearest.tiles[tile];
     const bool counts = laneId() < a.tile_count && own.least != kNone;
     if (triangleOf(key) == kNone) {
-      boundByPoints(c, pair, b, counts, own);
+      boundByPoints(c, pair, b, counts, tile, own);
       key = bestOf(c, pair);
     }
     for (std::uint32_t j = 0; j < b.tile_count; ++j) {
       const TileIndex other(b.first_tile.value + j);
       const TileBound& bound = c.nearest.tiles[other];
-      const bool near =
+      bool near =
           counts && bound.least != kNone && keyOf(lowerGap(own.box, bound.box), own.least) <= key;
+      if (near && c.params().parts != 0) {
+        near = tilesMayCount(c, pair, c.nearest.tile_parts[tile], c.nearest.tile_parts[other]);
+      }
       const std::uint32_t place = warpReserve(&c.counters().near_tiles, near);
       const bool listed = near && place < c.nearest.near_tiles.size();
       if (listed) c.nearest.near_tiles[Place(place)] = {pair, tile, other};
@@ -175,9 +196,12 @@ __global__ void __launch_bounds__(kTaskThreads) trianglesKernel(CycleArrays c) {
 
 // Finds the least triangle of body b at the best distance from one triangle of a, among the regions
 // of this warp. Called by a whole warp; `least` is in shared memory.
-__device__ void findPartner(const CycleArrays& c, const NearestBodies& bodies, const Triangle& a,
+__device__ void findPartner(const CycleArrays& c, std::uint32_t pair, TriangleIndex of_a,
                             float distance_m, std::uint32_t warp, std::uint32_t warps,
                             std::uint32_t* least) {
+  const NearestBodies& bodies = c.nearest.pairs[Place(pair)];
+  const Triangle a = posedTriangle(c.scene, of_a);
+  const std::uint32_t part_a = c.params().parts != 0 ? c.scene.part[of_a] : kNone;
   const Aabb box = boxOf(a);
   const auto isNear = [&](const Aabb& other) { return lowerGap(box, other) <= distance_m; };
   for (std::uint32_t first = warp * kWarp; first < bodies.regions_b; first += warps * kWarp) {
@@ -203,7 +227,10 @@ __device__ void findPartner(const CycleArrays& c, const NearestBodies& bodies, c
               c.scene.slot_triangle[TileEntryIndex(tile * kWarp + lane + laneId() / kLanesEach)];
           const bool there = t.value != kNone;
           const Triangle b = posedTriangle(c.scene, there ? t : TriangleIndex(0));
-          const bool counts = there && isFinite(b) && isNear(boxOf(b));
+          bool counts = there && isFinite(b) && isNear(boxOf(b));
+          if (counts && c.params().parts != 0) {
+            counts = partsCount(c, pair, part_a, c.scene.part[t]);
+          }
           if (__any_sync(kFullWarp, counts) == 0) continue;
           if (distanceBetween(a, b, counts) == distance_m) atomicMin(least, t.value);
         }
@@ -238,8 +265,8 @@ __global__ void __launch_bounds__(kPairThreads) resultKernel(CycleArrays c) {
   if (found && c.counters().nearest_hits <= c.nearest.hits.size()) {
     partnerInHits(c, pair, key, &least);
   } else if (found) {
-    findPartner(c, bodies, posedTriangle(c.scene, t), distanceOf(key), threadIdx.x / kWarp,
-                kPairThreads / kWarp, &least);
+    findPartner(c, pair.value, t, distanceOf(key), threadIdx.x / kWarp, kPairThreads / kWarp,
+                &least);
   }
   __syncthreads();
   if (threadIdx.x != 0) return;

@@ -30,6 +30,23 @@ __device__ inline Key bestOf(const CycleArrays& c, std::uint32_t pair) {
   return static_cast<volatile Key&>(c.nearest.best[Place(pair)]);
 }
 
+// Returns whether triangles of these two parts count for a pair of bodies. kNone, a part that takes
+// no part, never does. Needed only if CycleParams::parts is set.
+__device__ inline bool partsCount(const CycleArrays& c, std::uint32_t pair, std::uint32_t part_a,
+                                  std::uint32_t part_b) {
+  if (part_a == kNone || part_b == kNone) return false;
+  const NearestBodies& bodies = c.nearest.pairs[Place(pair)];
+  return (bodies.part_a == kNone || bodies.part_a == part_a) &&
+         (bodies.part_b == kNone || bodies.part_b == part_b) && c.scene.pairEnabled(part_a, part_b);
+}
+
+// Returns whether some triangles of two tiles may count for a pair of bodies, given by their
+// NearestArrays::tile_parts.
+__device__ inline bool tilesMayCount(const CycleArrays& c, std::uint32_t pair, std::uint32_t part_a,
+                                     std::uint32_t part_b) {
+  return part_a == kNone || part_b == kNone || partsCount(c, pair, part_a, part_b);
+}
+
 // Returns a lower bound of the distance of two boxes that are not empty [m]. It is less than the
 // true one by more than what comparedDistance() may round down. Squares of lengths near the ends of
 // the range of float32 could overflow or vanish; there the greatest gap along an axis is the bound.
@@ -105,6 +122,7 @@ class TilePairSearch {
     const TileBound &bound_a = c_.nearest.tiles[tiles.a], &bound_b = c_.nearest.tiles[tiles.b];
     if (keyOf(lowerGap(bound_a.box, bound_b.box), bound_a.least) > key_) return;
     const Side a(c_, tiles.a), b(c_, tiles.b);
+    const bool has_parts = c_.params().parts != 0;
     const bool near_a = a.counts && keyOf(lowerGap(a.box, bound_b.box), a.triangle.value) <= key_;
     const bool near_b = b.counts && lowerGap(b.box, bound_a.box) <= distanceOf(key_);
     queued_ = 0;
@@ -112,7 +130,12 @@ class TilePairSearch {
     for (; left != 0; left &= left - 1) {
       const int j = __ffs(static_cast<int>(left)) - 1;
       const Aabb box{laneVector(b.box.min, j), laneVector(b.box.max, j)};
-      add(near_a && keyOf(lowerGap(a.box, box), a.triangle.value) <= key_, j);
+      bool wanted = near_a && keyOf(lowerGap(a.box, box), a.triangle.value) <= key_;
+      if (has_parts) {
+        const std::uint32_t part_b = __shfl_sync(kFullWarp, b.part, j);
+        wanted = wanted && partsCount(c_, tiles_.pair, a.part, part_b);
+      }
+      add(wanted, j);
       if (queued_ >= kWarp) decide(kWarp);
     }
     if (queued_ > 0) decide(queued_);
@@ -123,6 +146,7 @@ class TilePairSearch {
   struct Side {
     TriangleIndex triangle;
     bool counts;
+    std::uint32_t part = kNone;  // only if some body has parts
     Aabb box;
 
     __device__ Side(const CycleArrays& c, TileIndex tile)
@@ -130,6 +154,10 @@ class TilePairSearch {
       counts = triangle.value != kNone;
       const Triangle hull = posedTriangle(c.scene, counts ? triangle : TriangleIndex(0));
       counts = counts && isFinite(hull);
+      if (counts && c.params().parts != 0) {
+        part = c.scene.part[triangle];
+        counts = part != kNone;
+      }
       box = boxOf(hull);
     }
   };

@@ -19,16 +19,12 @@ constexpr unsigned kTilesEach = kThreads / kWarp;  // tiles that a block works o
 // The number of blocks for pairs of oversized triangles, and the most blocks for all other pairs.
 constexpr std::uint32_t kBlocksAmong = 64, kMostTileBlocks = 1024;
 
-__device__ bool groupsMeet(const SceneArrays& scene, const TileEntry& a, const TileEntry& b) {
-  return (scene.group_mask[Place(a.group)] >> b.group & 1) != 0;
-}
-
 // Filters a pair of tile entries whose boxes meet. Adds it to contacts.contacts if float32 is
 // certain of a contact, and to contacts.candidates if it stays open.
 template <int kStates>
 __device__ void filterBoxPair(const CycleArrays& c, TileEntryIndex at_a, TileEntryIndex at_b) {
   const TileEntry a = c.tiles.at(at_a), b = c.tiles.at(at_b);
-  if (!groupsMeet(c.scene, a, b)) return;
+  if (!c.scene.pairEnabled(a.part, b.part)) return;
   std::uint32_t shared_a = 0, shared_b = 0;
   if (c.params().any_self != 0) {
     const uint4 ids_a = c.tiles.ids[at_a], ids_b = c.tiles.ids[at_b];

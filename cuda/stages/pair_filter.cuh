@@ -72,20 +72,13 @@ __device__ inline Aabb tileEntryBox(const CycleArrays& c, const TileEntry& m) {
   return inflated(boxOf(m.posed), c.params().margins == 0 ? 0 : c.scene.bodies[m.body].margin_m);
 }
 
-// Returns whether the pair of these bodies is enabled. Needed only in scenes in which several
-// groups share a number; otherwise the groups decide.
-__device__ inline bool pairEnabled(const SceneArrays& scene, BodyIndex a, BodyIndex b) {
-  const Place word(a.value * scene.pair_row + b.value / 32);
-  return (scene.pair_enabled[word] >> (b.value % 32) & 1) != 0;
-}
-
 // Returns whether two tile entries whose boxes meet are a candidate of this partition, and sets
 // `candidate`. `shared_a` and `shared_b`: the bits of their shared vertices.
 __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, TileEntryIndex at_b,
                                   std::uint32_t shared_a, std::uint32_t shared_b,
                                   DeviceCandidate& candidate) {
   const TileEntry a = c.tiles.at(at_a), b = c.tiles.at(at_b);
-  if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body, b.body)) return false;
+  if (c.params().groups_exact == 0 && !c.scene.pairEnabled(a.part, b.part)) return false;
   PairFacts facts;
   facts.shared = sharedByBits(shared_a, shared_b);
   facts.margin_m = marginOf(c, a, b);

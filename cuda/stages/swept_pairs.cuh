@@ -45,7 +45,7 @@ __device__ inline bool filterMovingPair(const CycleArrays& c, TileEntryIndex at_
                                         std::uint32_t shared_b, DeviceCandidate& candidate) {
   const TileEntry& a = c.tiles.entries[at_a];
   const TileEntry& b = c.tiles.entries[at_b];
-  if (c.params().groups_exact == 0 && !pairEnabled(c.scene, a.body, b.body)) return false;
+  if (c.params().groups_exact == 0 && !c.scene.pairEnabled(a.part, b.part)) return false;
   // Puts the triangle with the lesser number first, so that the computed times do not depend on how
   // the pair was found.
   candidate = a.triangle < b.triangle

@@ -75,6 +75,7 @@ void addClearing(const CycleArrays& cycle, const CycleShape& shape, HostCopies& 
   copies.addZeros(clusters * TileArrays::kCountPlaces, cycle.tiles.counts.data());
   copies.add(cycle.tiles.next_bins.data(), clusters, cycle.tiles.bins.data());
   copies.addZeros(cycle.contacts.swept_counters.size(), cycle.contacts.swept_counters.data());
+  copies.addZeros(cycle.scene.rejected.size(), cycle.scene.rejected.data());
   if (!shape.identify) return;
   copies.addZeros(cycle.scene.identity_table.size(), cycle.scene.identity_table.data());
 }

@@ -25,6 +25,8 @@ void DetectionResult::begin(const Scene& scene, const Options& options, bool is_
   without_step.clear();
   distances.clear();
   nearest.clear();
+  nearest_parts.clear();
+  rejected_parts.clear();
   for (BodyId id = 0; options.motion == Motion::kSwept && id < scene.bodyCount(); ++id) {
     if (!scene.body(id).earlier && scene.takesPart(id)) without_step.push_back(id);
   }

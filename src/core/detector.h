@@ -94,18 +94,40 @@ struct DCM_EXPORT NearestPair {
   }
 };
 
+// The nearest pair of two parts.
+struct DCM_EXPORT NearestOfParts {
+  PartPair parts;
+  NearestPair nearest;
+
+  bool operator==(const NearestOfParts& o) const {
+    return parts == o.parts && nearest == o.nearest;
+  }
+};
+
+// How many triangles of a part take no part because one of their vertices is not finite.
+struct DCM_EXPORT RejectedPart {
+  BodyId body;
+  PartId part;
+  std::uint64_t count;  // at least 1
+
+  bool operator==(const RejectedPart& o) const {
+    return body == o.body && part == o.part && count == o.count;
+  }
+};
+
 // Work done in one cycle [triangles or pairs]. Counters mean the same on every backend, and are 0
 // if a backend does not do that work. CUDA puts tiles of up to 32 triangles into clusters, so the
 // triangles of a cluster are those of its tiles, and its sweeps visit all pairs of triangles of two
 // tiles that overlap.
 struct DCM_EXPORT Counters {
   std::uint64_t triangles = 0;  // in the scene
-  std::uint64_t rejected = 0;   // left out for a non-finite vertex
+  std::uint64_t rejected = 0;   // left out for a non-finite vertex; in parts that take part
   std::uint64_t posed = 0;      // of bodies whose vertices were transformed to the scene frame
-  std::uint64_t culled = 0;     // in enabled pairs, but outside the boxes of all partners
-  std::uint64_t clustered = 0;  // assigned to clusters
-  std::uint64_t large = 0;      // very large or far away, so handled as oversized triangles
-  std::uint64_t clusters = 0;   // in use
+  // In enabled pairs of bodies, but outside the boxes of all partners, or in a part without a pair.
+  std::uint64_t culled = 0;
+  std::uint64_t clustered = 0;        // assigned to clusters
+  std::uint64_t large = 0;            // very large or far away, so handled as oversized triangles
+  std::uint64_t clusters = 0;         // in use
   std::uint64_t cluster_entries = 0;  // sum of the clusters' sizes
   std::uint64_t largest_cluster = 0;
   std::uint64_t interval_overlaps = 0;  // pairs visited by sweeps along principal axes
@@ -149,6 +171,13 @@ struct DCM_EXPORT DetectionResult {
   // cycle was cut off, or the pair was decided within options.tolerance_m (see `distances`). With
   // swept motion they are of the present state, while `contacts` are those of the interval.
   std::vector<NearestPair> nearest;
+  // The same for each enabled pair of parts of two bodies, ascending, if options.nearest_by_part is
+  // set. Pairs of bodies without named parts are not listed. The nearest pair of two bodies is the
+  // one of these that is nearest, and of several the least by its triangles.
+  std::vector<NearestOfParts> nearest_parts;
+  // Counters::rejected of the bodies with named parts, by part, ascending. Parts without rejected
+  // triangles are not listed. If the cycle was cut off, triangles are counted that it did not see.
+  std::vector<RejectedPart> rejected_parts;
   // How many contacts were found, but are not in the list, because the backend's memory limit was
   // reached or no time was left to sort them. Which ones are missing is arbitrary.
   std::uint64_t left_out = 0;

@@ -46,6 +46,9 @@ struct Options {
   // list as well.
   bool nearest = false;
   bool near_pairs = false;
+  // With `nearest`, also finds the nearest pair of each pair of parts
+  // (DetectionResult::nearest_parts). Each pair of parts costs a search of its own.
+  bool nearest_by_part = false;
 
   bool geometry = false;  // fill DetectionResult::geometry; instant motion only
 

@@ -22,6 +22,16 @@ float checkedLength(const Body& body, const std::string& what, float length_m) {
                               " m is not a finite number >= 0");
 }
 
+// Returns a pair of parts in ascending order.
+PartPair orderedPair(BodyId a, PartId part_a, BodyId b, PartId part_b) {
+  if (std::make_pair(b, part_b) < std::make_pair(a, part_a)) return {b, a, part_b, part_a};
+  return {a, b, part_a, part_b};
+}
+
+bool hasPart(const Body& body, PartId part) {
+  return std::binary_search(body.listed_parts.begin(), body.listed_parts.end(), part);
+}
+
 }  // namespace
 
 void Scene::useMemory(std::pmr::memory_resource& memory) {
@@ -58,6 +68,7 @@ void Scene::setMesh(BodyId id, TriangleMesh mesh) {
   body.device_vertices.reset();
   body.earlier.reset();
   body.topology_revision = body.vertices_revision = nextRevision();
+  if (!body.parts.empty()) setParts(id, {});
 }
 
 Body& Scene::checkedBody(BodyId id, std::size_t vertex_count) {
@@ -123,6 +134,57 @@ void Scene::setPad(BodyId id, float pad_m) {
 void Scene::setMargin(BodyId id, float margin_m) {
   Body& body = checkedBody(id);
   body.margin_m = checkedLength(body, "margin", margin_m);
+}
+
+void Scene::setParts(BodyId id, std::vector<PartId> part_of_triangle) {
+  Body& body = checkedBody(id);
+  if (!part_of_triangle.empty() && part_of_triangle.size() != body.mesh.triangleCount()) {
+    throw std::invalid_argument(
+        body.name + ": parts are given for " + std::to_string(part_of_triangle.size()) +
+        " triangles, but its mesh has " + std::to_string(body.mesh.triangleCount()));
+  }
+  bool has[256] = {};
+  for (const PartId part : part_of_triangle) has[part] = true;
+  if (part_of_triangle.empty()) has[0] = true;
+  body.parts = std::move(part_of_triangle);
+  body.listed_parts.clear();
+  for (std::size_t part = 0; part < 256; ++part) {
+    if (has[part]) body.listed_parts.push_back(static_cast<PartId>(part));
+  }
+  body.parts_revision = nextRevision();
+}
+
+void Scene::setPartPairEnabled(BodyId a, PartId part_a, BodyId b, PartId part_b, bool enabled) {
+  checkedBody(a);
+  checkedBody(b);
+  const PartPair pair = orderedPair(a, part_a, b, part_b);
+  const auto place = std::lower_bound(disabled_parts_.begin(), disabled_parts_.end(), pair);
+  const bool is_disabled = place != disabled_parts_.end() && *place == pair;
+  if (is_disabled == !enabled) return;
+  pairs_revision_ = nextRevision();
+  if (enabled) {
+    disabled_parts_.erase(place);
+  } else {
+    disabled_parts_.insert(place, pair);
+  }
+}
+
+void Scene::enableAllParts() {
+  if (disabled_parts_.empty()) return;
+  pairs_revision_ = nextRevision();
+  disabled_parts_.clear();
+}
+
+bool Scene::partPairEnabled(BodyId a, PartId part_a, BodyId b, PartId part_b) const {
+  return pairEnabled(a, b) && !std::binary_search(disabled_parts_.begin(), disabled_parts_.end(),
+                                                  orderedPair(a, part_a, b, part_b));
+}
+
+bool Scene::partsMatter() const {
+  return std::any_of(disabled_parts_.begin(), disabled_parts_.end(), [this](const PartPair& pair) {
+    return enabled_[pair.body_a][pair.body_b] && hasPart(bodies_[pair.body_a], pair.part_a) &&
+           hasPart(bodies_[pair.body_b], pair.part_b);
+  });
 }
 
 void Scene::setPairEnabled(BodyId a, BodyId b, bool enabled) {

@@ -17,6 +17,25 @@ namespace deformable_contact_monitor {
 
 using BodyId = std::uint32_t;
 
+// The number of a part of a body. 0 is the body's own rest: the triangles of no named part.
+using PartId = std::uint8_t;
+
+// Two parts, with (body_a, part_a) <= (body_b, part_b) lexicographically.
+struct DCM_EXPORT PartPair {
+  BodyId body_a, body_b;
+  PartId part_a, part_b;
+
+  bool operator==(const PartPair& o) const {
+    return body_a == o.body_a && part_a == o.part_a && body_b == o.body_b && part_b == o.part_b;
+  }
+  bool operator<(const PartPair& o) const {
+    if (body_a != o.body_a) return body_a < o.body_a;
+    if (part_a != o.part_a) return part_a < o.part_a;
+    if (body_b != o.body_b) return body_b < o.body_b;
+    return part_b < o.part_b;
+  }
+};
+
 // Vertices in the memory of a CUDA device (see Scene::setDeviceVertices()).
 struct DCM_EXPORT DeviceVertices {
   const float* xyz;  // as many vertices as the mesh has, x y z each [m]
@@ -49,6 +68,10 @@ struct DCM_EXPORT Body {
   std::uint64_t topology_revision = 0;
   std::uint64_t vertices_revision = 0;
   std::uint64_t earlier_revision = 0;  // of earlier->vertices
+  std::uint64_t parts_revision = 0;    // of `parts`
+  // The part of each triangle. Empty: the body has no named parts, and all of it is part 0.
+  std::vector<PartId> parts;
+  std::vector<PartId> listed_parts{0};  // those that triangles have, ascending
 };
 
 // Bodies and enabled pairs of bodies, for one thread at a time. Pairs of bodies, and a body with
@@ -63,7 +86,7 @@ class DCM_EXPORT Scene {
   // Adds a body. Its mesh may be empty and be set later. Returns its id; ids count up from 0.
   BodyId addBody(std::string name, TriangleMesh mesh);
 
-  // Replaces vertices and triangles. The body has no earlier state then.
+  // Replaces vertices and triangles. The body has no earlier state and no parts then.
   void setMesh(BodyId id, TriangleMesh mesh);
 
   // Replaces the vertices by a copy of `count` vertices, x y z each [m]. The number must be the
@@ -95,6 +118,26 @@ class DCM_EXPORT Scene {
   // Sets Body::pad_m [m], finite and >= 0.
   void setPad(BodyId id, float pad_m);
 
+  // Divides a body into up to 255 named parts, 1 to 255, and its own rest, 0: `part_of_triangle`
+  // has the part of each triangle of its mesh. An empty list removes the parts. Throws for any
+  // other number of triangles.
+  void setParts(BodyId id, std::vector<PartId> part_of_triangle);
+
+  // Enables or disables a pair of parts, of two bodies or of one. All pairs of parts are enabled at
+  // first. Two triangles are compared iff the pair of their bodies and the pair of their parts are
+  // both enabled. The setting stays when meshes and parts change. Part 0 of a body without parts is
+  // all of it.
+  void setPartPairEnabled(BodyId a, PartId part_a, BodyId b, PartId part_b, bool enabled);
+  // Enables all pairs of parts.
+  void enableAllParts();
+  // Returns whether the pair of these bodies and the pair of these parts are both enabled.
+  bool partPairEnabled(BodyId a, PartId part_a, BodyId b, PartId part_b) const;
+  // Returns the pairs of parts that are disabled, ascending.
+  const std::vector<PartPair>& disabledParts() const { return disabled_parts_; }
+  // Returns whether some pair of parts that have triangles is disabled while the pair of their
+  // bodies is enabled. Otherwise parts change no contact and no distance.
+  bool partsMatter() const;
+
   // Enables or disables a pair. With a == b: contacts of the body with itself.
   void setPairEnabled(BodyId a, BodyId b, bool enabled);
   bool pairEnabled(BodyId a, BodyId b) const;
@@ -106,7 +149,8 @@ class DCM_EXPORT Scene {
   bool anyMargin() const;
   // Returns whether some body that takes part has a pad.
   bool anyPad() const;
-  // Returns a revision, like those of Body, of the enabled pairs and the number of bodies.
+  // Returns a revision, like those of Body, of the enabled pairs of bodies and of parts, and of the
+  // number of bodies.
   std::uint64_t pairsRevision() const { return pairs_revision_; }
 
   std::size_t bodyCount() const { return bodies_.size(); }
@@ -122,6 +166,7 @@ class DCM_EXPORT Scene {
 
   std::vector<Body> bodies_;
   std::vector<std::vector<bool>> enabled_;  // symmetric
+  std::vector<PartPair> disabled_parts_;    // ascending
   std::uint64_t pairs_revision_ = 0;
   std::pmr::memory_resource* memory_ = std::pmr::new_delete_resource();
 };

@@ -14,6 +14,7 @@
 #include "core/ccd/body_motion.h"
 #include "core/ccd/pad_times.h"
 #include "core/ccd/sub_step_scene.h"
+#include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
 #include "core/detector.h"
@@ -51,6 +52,7 @@ class MergedSteps {
 
   std::vector<Contact> contacts_, new_, both_;  // sorted
   std::vector<NearestPair> nearest_;            // no two of the same bodies
+  std::vector<NearestOfParts> nearest_parts_;   // no two of the same parts
   DetectionResult sums_;
 };
 
@@ -113,6 +115,7 @@ void MergedSteps::add(const DetectionResult& part, double from, double to) {
 
 void MergedSteps::addNearest(const DetectionResult& part) {
   nearest_.insert(nearest_.end(), part.nearest.begin(), part.nearest.end());
+  nearest_parts_.insert(nearest_parts_.end(), part.nearest_parts.begin(), part.nearest_parts.end());
   if (part.cut_off) sums_.cutOff(part.cut_off_because);
 }
 
@@ -162,6 +165,9 @@ void MergedSteps::write(bool first_times, bool pads, DetectionResult* result) co
               return std::pair(x.pair.body_a, x.pair.body_b) <
                      std::pair(y.pair.body_a, y.pair.body_b);
             });
+  result->nearest_parts = nearest_parts_;
+  std::sort(result->nearest_parts.begin(), result->nearest_parts.end(),
+            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
   result->left_out = sums_.left_out;
   result->cut_off = sums_.cut_off;
   result->cut_off_because = sums_.cut_off_because;
@@ -339,6 +345,7 @@ void SubStepDetector::detectRotating(const Scene& step,
   merged.write(options.first_times, step.anyPad() || result_.pad_m > 0, &result_.detection);
   std::uint64_t& rejected = result_.detection.counters.rejected;  // the largest number of a part
   if (rejected > 0) rejected = std::max(rejected, countRejected(step));
+  listRejectedParts(step, Motion::kSwept, result_.detection);
 }
 
 }  // namespace deformable_contact_monitor

@@ -220,6 +220,9 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
     nearest = all;
   }
   for (const BodyId body : result.without_step) without_step.append(body);
+  for (const RejectedPart& rejected : result.rejected_parts) {
+    rejected_parts[py::make_tuple(rejected.body, rejected.part)] = rejected.count;
+  }
   for (const BodyDistance& distance : result.distances) {
     distances.append(PythonDistance(distance, scene, options.tolerance_m));
   }
@@ -308,6 +311,9 @@ void bindResult(py::module& module) {
       .def_readonly("without_step", &Self::without_step, kWithoutStepText)
       .def_readonly("distances", &Self::distances, kDistancesText)
       .def_readonly("nearest", &Self::nearest, kNearestText)
+      .def_readonly("rejected_parts", &Self::rejected_parts,
+                    "By (body, part): how many triangles of bodies with parts take no part, for a "
+                    "vertex is not finite.")
       .def_readonly("complete", &Self::complete, kCompleteText)
       .def_readonly("guaranteed", &Self::guaranteed,
                     "Whether the settings in force cannot lose a contact.")

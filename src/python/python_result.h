@@ -42,8 +42,9 @@ struct PythonResult {
   pybind11::object within_pad;   // (k,) bool, or None
   pybind11::object nearest;      // a list of PythonNearest, or None; not of contacts
   // Lists of bodies or pairs of bodies.
-  pybind11::list without_step;  // ids
-  pybind11::list distances;     // PythonDistance
+  pybind11::list without_step;    // ids
+  pybind11::list distances;       // PythonDistance
+  pybind11::dict rejected_parts;  // counts by (body, part)
   // How the cycle went, as in DetectionResult.
   bool complete, guaranteed, cut_off, started_cold;
   std::string cut_off_because, backend;

@@ -93,6 +93,25 @@ constexpr const char* kSetPairEnabledText = R"(Whether contacts of bodies a and 
 
 a == b: contacts of the body with itself.)";
 
+constexpr const char* kSetPartsText = R"(Divides a body into parts, such as the hem of a cloth.
+
+parts: (n,) integers in [0, 255], the part of each triangle; 0 is what belongs to no named part.
+None, or set_mesh(), removes the parts.
+Raises ValueError where there are not as many as triangles, or where one is not in that range.)";
+
+constexpr const char* kSetPartPairEnabledText =
+    R"(Whether contacts of two parts are looked for, while those of their bodies are.
+
+All pairs of parts are enabled at first. Part 0 of a body without parts is all of it. The setting
+stays when meshes and parts change. a == b: contacts within one body.
+Raises ValueError where there is no such body, or a part is not in [0, 255].)";
+
+// Returns the number of a part. Checks before narrowing.
+PartId checkedPart(std::int64_t part) {
+  if (part >= 0 && part <= 255) return static_cast<PartId>(part);
+  throw std::invalid_argument("part " + std::to_string(part) + " is not in [0, 255]");
+}
+
 }  // namespace
 
 // The checks of the core follow: indices beyond the vertices, and the body's name.
@@ -170,6 +189,32 @@ void PythonScene::setPairEnabled(std::int64_t a, std::int64_t b, bool enabled) {
   changeable().setPairEnabled(checkedId(a), checkedId(b), enabled);
 }
 
+// The core checks how many there are.
+void PythonScene::setParts(std::int64_t id, py::handle parts) {
+  std::vector<PartId> part_of_triangle;
+  if (!parts.is_none()) {
+    const auto array = py::array::ensure(parts);
+    if (!array || array.ndim() != 1 ||
+        (array.dtype().kind() != 'i' && array.dtype().kind() != 'u')) {
+      throw std::invalid_argument(nameOf(id) + ": parts must be integers of shape (n,)");
+    }
+    const auto numbers = py::array_t<std::int64_t, py::array::forcecast>::ensure(array);
+    for (py::ssize_t t = 0; t < numbers.size(); ++t) {
+      part_of_triangle.push_back(checkedPart(numbers.at(t)));
+    }
+    if (part_of_triangle.empty() && scene_.body(checkedId(id)).mesh.triangleCount() > 0) {
+      throw std::invalid_argument(nameOf(id) + ": parts has none, must have as many as triangles");
+    }
+  }
+  changeable().setParts(checkedId(id), std::move(part_of_triangle));
+}
+
+void PythonScene::setPartPairEnabled(std::int64_t a, std::int64_t part_a, std::int64_t b,
+                                     std::int64_t part_b, bool enabled) {
+  changeable().setPartPairEnabled(checkedId(a), checkedPart(part_a), checkedId(b),
+                                  checkedPart(part_b), enabled);
+}
+
 bool PythonScene::pairEnabled(std::int64_t a, std::int64_t b) const {
   return scene_.pairEnabled(checkedId(a), checkedId(b));
 }
@@ -227,6 +272,9 @@ void bindScene(py::module& module) {
       .def("set_pad", &Self::setPad, py::arg("id"), py::arg("pad_m"), kSetPadText)
       .def("set_pair_enabled", &Self::setPairEnabled, py::arg("a"), py::arg("b"),
            py::arg("enabled") = true, kSetPairEnabledText)
+      .def("set_parts", &Self::setParts, py::arg("id"), py::arg("parts"), kSetPartsText)
+      .def("set_part_pair_enabled", &Self::setPartPairEnabled, py::arg("a"), py::arg("part_a"),
+           py::arg("b"), py::arg("part_b"), py::arg("enabled") = true, kSetPartPairEnabledText)
       .def("pair_enabled", &Self::pairEnabled, py::arg("a"), py::arg("b"),
            "Whether contacts of bodies a and b are looked for.")
       .def("enabled_pairs", &Self::enabledPairs,

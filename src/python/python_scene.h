@@ -49,6 +49,11 @@ class PythonScene {
   void setPad(std::int64_t id, float pad_m);
   // Enables or disables contacts of two bodies; a == b is self-contact.
   void setPairEnabled(std::int64_t a, std::int64_t b, bool enabled);
+  // Sets the part of each triangle, or removes the parts (None).
+  void setParts(std::int64_t id, pybind11::handle parts);
+  // Enables or disables a pair of parts, given by their numbers.
+  void setPartPairEnabled(std::int64_t a, std::int64_t part_a, std::int64_t b, std::int64_t part_b,
+                          bool enabled);
 
   // These functions only read, so they also work during a detection.
   bool pairEnabled(std::int64_t a, std::int64_t b) const;

@@ -10,6 +10,7 @@
 
 #include "core/common/contact_geometry.h"
 #include "core/common/cycle_limit.h"
+#include "core/common/part_table.h"
 #include "core/common/posed_body.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
@@ -105,17 +106,19 @@ double gapAlongAxes(const Triangle& a, const Triangle& b) {
   return gap;
 }
 
-// Returns the nearest two triangles that are at most the margin apart, or nothing. It leaves out
-// only pairs that are farther apart along one axis than the nearest pair so far.
+// Returns the nearest two triangles that count and are at most the margin apart, or nothing. It
+// leaves out only pairs that are farther apart along one axis than the nearest pair so far.
+template <class Counts>
 std::optional<ComparedPair> nearestOf(const std::vector<PosedTriangle>& of_a,
-                                      const std::vector<PosedTriangle>& of_b, float margin_m,
-                                      const CycleLimit& limit) {
+                                      const std::vector<PosedTriangle>& of_b, const Counts& counts,
+                                      float margin_m, const CycleLimit& limit) {
   constexpr double kRounding = 1 + 1e-6, kLeastStep = 0x1p-149;  // of distances to float32
   std::optional<ComparedPair> best;
   PacedLimit pace(limit, 512);
   for (const PosedTriangle& a : of_a) {
     for (const PosedTriangle& b : of_b) {
       if (pace.over()) return std::nullopt;
+      if (!counts(a.index, b.index)) continue;
       const float most_m = best ? best->distance_m : margin_m;
       if (gapAlongAxes(a.posed, b.posed) > most_m * kRounding + kLeastStep) continue;
       PredicateState state{Predicates::kExact};
@@ -153,8 +156,12 @@ class BruteForceDetector : public Detector {
     const Stopwatch watch;
     const CycleLimit limit(options.limits);
     result_.begin(scene, options, options.predicates != Predicates::kFast);
+    const PartTable parts(scene);
+    parts_ = &parts;
     if (!limit.over()) find(scene, options, limit);
-    if (options.nearest) findNearest(scene, limit);
+    if (options.nearest) findNearest(scene, options, limit);
+    listRejectedParts(scene, options.motion, result_);
+    parts_ = nullptr;
     if (limit.wasOver()) result_.cutOff(limit.why());
     result_.detect_ms = result_.round_trip_ms = watch.elapsedMs();
     return result_;
@@ -190,8 +197,7 @@ class BruteForceDetector : public Detector {
     for (BodyId b = 0; b < scene.bodyCount(); ++b) {
       if (!scene.takesPart(b) || limit.over()) continue;
       bodies[b] = movingTriangles(scene.body(b), limit);
-      result_.counters.posed += scene.body(b).mesh.triangleCount();
-      result_.counters.rejected += scene.body(b).mesh.triangleCount() - bodies[b].size();
+      dropIdle(scene, b, bodies[b]);
     }
     swept_.clear();
     PacedLimit pace(limit, 512);
@@ -200,6 +206,7 @@ class BruteForceDetector : public Detector {
       for (std::size_t i = 0; i < bodies[a].size(); ++i) {
         // In one body, a triangle is not compared with itself, and each pair comes once.
         for (std::size_t j = a == b ? i + 1 : 0; j < bodies[b].size() && !pace.over(); ++j) {
+          if (!parts_->enabled(a, bodies[a][i].index, b, bodies[b][j].index)) continue;
           const auto contact =
               sweptContactOf(bodies[a][i], bodies[b][j], a == b, pad_m, options, result_.counters);
           if (contact) {
@@ -225,10 +232,25 @@ class BruteForceDetector : public Detector {
       if (!scene.takesPart(b)) continue;
       bodies[b] = finiteTriangles(scene.body(b), limit);
       if (limit.over()) break;
-      result_.counters.posed += scene.body(b).mesh.triangleCount();
-      result_.counters.rejected += scene.body(b).mesh.triangleCount() - bodies[b].size();
+      dropIdle(scene, b, bodies[b]);
     }
     return bodies;
+  }
+
+  // Removes triangles of parts that take no part from a body's finite triangles, and counts the
+  // rejected ones.
+  template <class List>
+  void dropIdle(const Scene& scene, BodyId b, List& finite) {
+    const auto isIdle = [&](std::size_t t) { return !parts_->takesPart(parts_->of(b, t)); };
+    const std::size_t count = scene.body(b).mesh.triangleCount();
+    std::size_t rejected = count - finite.size();
+    for (std::size_t t = 0; t < count; ++t) rejected -= isIdle(t) ? 1 : 0;
+    for (const auto& triangle : finite) rejected += isIdle(triangle.index) ? 1 : 0;
+    finite.erase(std::remove_if(finite.begin(), finite.end(),
+                                [&](const auto& triangle) { return isIdle(triangle.index); }),
+                 finite.end());
+    result_.counters.posed += count;
+    result_.counters.rejected += rejected;
   }
 
   // Tests the triangles of two bodies, or of one body with itself.
@@ -240,6 +262,7 @@ class BruteForceDetector : public Detector {
     for (std::size_t i = 0; i < of_a.size(); ++i) {
       for (std::size_t j = a == b ? i + 1 : 0; j < of_b.size(); ++j) {
         if (pace.over()) return;
+        if (!parts_->enabled(a, of_a[i].index, b, of_b[j].index)) continue;
         const Verdict verdict = verdictOn(of_a[i], of_b[j], a == b, options);
         if (!verdict.contact) continue;
         found_.push_back({{a, of_a[i].index, b, of_b[j].index}, verdict.separation_m});
@@ -265,17 +288,44 @@ class BruteForceDetector : public Detector {
   }
 
   // Finds the nearest pair of each two bodies at the present moment, from all pairs of triangles.
-  void findNearest(const Scene& scene, const CycleLimit& limit) {
+  void findNearest(const Scene& scene, const Options& options, const CycleLimit& limit) {
     for (const auto& [a, b] : scene.enabledPairs()) {
       if (a == b) continue;
-      const std::vector<PosedTriangle> of_a = finiteTriangles(scene.body(a), limit);
-      const std::vector<PosedTriangle> of_b = finiteTriangles(scene.body(b), limit);
-      const float margin_m = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
-      const auto nearest = nearestOf(of_a, of_b, margin_m, limit);
-      if (!nearest) continue;
-      const TrianglePair pair{a, nearest->triangle_a, b, nearest->triangle_b};
-      result_.nearest.push_back(nearestPairOf(scene, pair, nearest->distance_m));
+      const auto enabled = [&, a = a, b = b](std::uint32_t triangle_a, std::uint32_t triangle_b) {
+        return parts_->enabled(a, triangle_a, b, triangle_b);
+      };
+      const auto nearest = nearestOfBodies(scene, a, b, enabled, limit);
+      if (nearest) result_.nearest.push_back(*nearest);
+      const bool named = !scene.body(a).parts.empty() || !scene.body(b).parts.empty();
+      if (!options.nearest_by_part || !named) continue;
+      for (const PartId part_a : scene.body(a).listed_parts) {
+        for (const PartId part_b : scene.body(b).listed_parts) {
+          if (!scene.partPairEnabled(a, part_a, b, part_b)) continue;
+          const auto inParts = [&, a = a, b = b](std::uint32_t triangle_a,
+                                                 std::uint32_t triangle_b) {
+            return parts_->of(a, triangle_a) == parts_->numberOf(a, part_a) &&
+                   parts_->of(b, triangle_b) == parts_->numberOf(b, part_b);
+          };
+          const auto of_parts = nearestOfBodies(scene, a, b, inParts, limit);
+          if (of_parts) result_.nearest_parts.push_back({{a, b, part_a, part_b}, *of_parts});
+        }
+      }
     }
+    std::sort(result_.nearest_parts.begin(), result_.nearest_parts.end(),
+              [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
+  }
+
+  // Returns the nearest pair of two bodies among the pairs of triangles that count.
+  template <class Counts>
+  static std::optional<NearestPair> nearestOfBodies(const Scene& scene, BodyId a, BodyId b,
+                                                    const Counts& counts, const CycleLimit& limit) {
+    const std::vector<PosedTriangle> of_a = finiteTriangles(scene.body(a), limit);
+    const std::vector<PosedTriangle> of_b = finiteTriangles(scene.body(b), limit);
+    const float margin_m = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
+    const auto nearest = nearestOf(of_a, of_b, counts, margin_m, limit);
+    if (!nearest) return std::nullopt;
+    const TrianglePair pair{a, nearest->triangle_a, b, nearest->triangle_b};
+    return nearestPairOf(scene, pair, nearest->distance_m);
   }
 
   // Sorts the contacts and copies them to the result.
@@ -288,7 +338,8 @@ class BruteForceDetector : public Detector {
     }
   }
 
-  float margin_m_ = 0;  // of the pair of bodies at hand
+  const PartTable* parts_ = nullptr;  // of this cycle
+  float margin_m_ = 0;                // of the pair of bodies at hand
   std::vector<Found> found_;
   std::vector<FoundSwept> swept_;
   DetectionResult result_;

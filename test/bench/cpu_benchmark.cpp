@@ -140,6 +140,7 @@ int run(const std::string& only, const std::vector<int>& threads, int repeats) {
   for (const auto& make : scenes) {
     MovingScene moving = make();
     if (moving.name.find(only) == std::string::npos) continue;
+    divideIntoParts(moving);
     const bool large = moving.scene.triangleCount() > 500000;
     all_equal = measure(moving, threads, large ? std::max(repeats / 4, 1) : repeats) && all_equal;
   }

@@ -186,6 +186,7 @@ void printScenes(const std::vector<MakeMoving>& scenes, const std::string& only,
   for (const auto& make : scenes) {
     Moving moving = make();
     if (!only.empty() && moving.name.find(only) == std::string::npos) continue;
+    divideIntoParts(moving);
     if (std::getenv("DCM_BENCH_STAGES")) {
       stages(moving, options);
       break;

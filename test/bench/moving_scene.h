@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,24 @@ struct MovingScene {
     for (const RigidTransform& pose : poses[i % 2]) scene.setPose(body++, pose);
   }
 };
+
+// Divides body 0 into as many parts as $DCM_BENCH_PARTS says, in runs of triangles, and disables
+// the first of them against the second one and against all of body 1, so that parts matter. Without
+// that variable it does nothing.
+inline void divideIntoParts(MovingScene& moving) {
+  const char* const given = std::getenv("DCM_BENCH_PARTS");
+  if (given == nullptr) return;
+  const std::size_t count = moving.scene.body(0).mesh.triangleCount();
+  const std::size_t parts = std::strtoul(given, nullptr, 10);
+  std::vector<PartId> part_of_triangle(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    part_of_triangle[t] = static_cast<PartId>(t * parts / count + 1);
+  }
+  moving.scene.setParts(0, part_of_triangle);
+  moving.scene.setPartPairEnabled(0, 1, 0, 2, false);
+  if (moving.scene.bodyCount() > 1) moving.scene.setPartPairEnabled(0, 1, 1, 0, false);
+  moving.name += ", " + std::to_string(parts) + " parts";
+}
 
 // The second state is the scene's, 2 mm higher.
 inline MovingScene movedUp(const std::string& name, Scene scene) {

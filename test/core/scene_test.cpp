@@ -28,6 +28,43 @@ class SceneTest : public testing::Test {
   const BodyId hand_ = scene_.addBody("hand", oneTriangle());
 };
 
+TEST_F(SceneTest, TakesPartsOfAllTrianglesOnly) {
+  scene_.setParts(cloth_, {7});
+  EXPECT_EQ((std::vector<PartId>{7}), scene_.body(cloth_).listed_parts);
+  const std::string why = refusal([&] { scene_.setParts(cloth_, {1, 2}); });
+  EXPECT_TRUE(contains(why, "cloth: parts are given for 2 triangles, but its mesh has 1")) << why;
+  EXPECT_EQ((std::vector<PartId>{7}), scene_.body(cloth_).parts);
+  EXPECT_TRUE(contains(refusal([&] { scene_.setParts(9, {}); }), "body 9"));
+  scene_.setMesh(cloth_, oneTriangle());
+  EXPECT_TRUE(scene_.body(cloth_).parts.empty());
+  EXPECT_EQ((std::vector<PartId>{0}), scene_.body(cloth_).listed_parts);
+}
+
+TEST_F(SceneTest, EnablesPartsAsTheirBodiesAreUnlessTheyAreDisabled) {
+  scene_.setParts(cloth_, {7});
+  EXPECT_FALSE(scene_.partPairEnabled(cloth_, 7, hand_, 0));
+  scene_.setPairEnabled(cloth_, hand_, true);
+  EXPECT_TRUE(scene_.partPairEnabled(cloth_, 7, hand_, 0));
+  EXPECT_TRUE(scene_.partPairEnabled(cloth_, 8, hand_, 0));
+  EXPECT_FALSE(scene_.partsMatter());
+  const std::uint64_t before = scene_.pairsRevision();
+  scene_.setPartPairEnabled(hand_, 0, cloth_, 8, false);
+  EXPECT_NE(before, scene_.pairsRevision());
+  EXPECT_FALSE(scene_.partPairEnabled(cloth_, 8, hand_, 0));
+  EXPECT_FALSE(scene_.partsMatter()) << "no triangle has this part";
+  scene_.setPartPairEnabled(hand_, 0, cloth_, 7, false);
+  EXPECT_FALSE(scene_.partPairEnabled(cloth_, 7, hand_, 0));
+  EXPECT_TRUE(scene_.partsMatter());
+  EXPECT_EQ(2U, scene_.disabledParts().size());
+  scene_.setPartPairEnabled(cloth_, 7, hand_, 0, true);
+  EXPECT_TRUE(scene_.partPairEnabled(hand_, 0, cloth_, 7));
+  EXPECT_FALSE(scene_.partsMatter());
+  scene_.enableAllParts();
+  EXPECT_TRUE(scene_.partPairEnabled(hand_, 0, cloth_, 8));
+  const std::string why = refusal([&] { scene_.setPartPairEnabled(cloth_, 1, 9, 1, false); });
+  EXPECT_TRUE(contains(why, "body 9")) << why;
+}
+
 TEST_F(SceneTest, RefusesMalformedMeshesByName) {
   TriangleMesh out_of_range = oneTriangle();
   out_of_range.triangles[2] = 3;

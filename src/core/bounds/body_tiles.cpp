@@ -69,6 +69,12 @@ bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
   if (tiling_ != tiling || topology_revision_ != body.topology_revision) {
     begin(std::move(tiling));
     topology_revision_ = body.topology_revision;
+    parts_revision_ = body.parts_revision;
+    findParts();
+  }
+  if (parts_revision_ != body.parts_revision) {
+    parts_revision_ = body.parts_revision;
+    findParts();
   }
   if (vertices_revision_ != body.vertices_revision && !receive(limit)) return false;
   is_identity_ = body.pose.isIdentity();
@@ -110,6 +116,33 @@ void BodyTiles::begin(std::shared_ptr<const Tiling> tiling) {
   }
   for (std::size_t r = 0; r < tiling_->regionCount(); ++r) {
     first_of_region_.push_back(leastOf(first_of_tile_, tileBegin(r), tileEnd(r)));
+  }
+}
+
+// Finds which tiles and regions lie within one part.
+void BodyTiles::findParts() {
+  part_of_tile_.clear();
+  part_of_region_.clear();
+  const std::vector<PartId>& parts = body_->parts;
+  if (parts.empty()) return;
+  const auto join = [](std::uint16_t& of_all, std::uint32_t part, bool is_first) {
+    if (!is_first && of_all != part) part = kSeveralParts;
+    of_all = static_cast<std::uint16_t>(part);
+  };
+  for (std::size_t tile = 0; tile < tileCount(); ++tile) {
+    const std::size_t begin = tiling_ ? tiling_->tile_begin[tile] : tile * Tiling::kTileTriangles;
+    const std::size_t end = tiling_ ? tiling_->tile_begin[tile + 1]
+                                    : least(begin + Tiling::kTileTriangles, parts.size());
+    part_of_tile_.push_back(0);
+    for (std::size_t slot = begin; slot < end; ++slot) {
+      join(part_of_tile_.back(), parts[tiling_ ? tiling_->triangle[slot] : slot], slot == begin);
+    }
+  }
+  for (std::size_t region = 0; region < received_regions_.size(); ++region) {
+    part_of_region_.push_back(0);
+    for (std::size_t tile = tileBegin(region); tile < tileEnd(region); ++tile) {
+      join(part_of_region_.back(), part_of_tile_[tile], tile == tileBegin(region));
+    }
   }
 }
 

@@ -51,6 +51,15 @@ class BodyTiles {
     return tiling_ ? first_of_region_[region] : firstOfTile(tileBegin(region));
   }
 
+  // Return the part of all triangles of a tile or a region; kSeveralParts if they are of several.
+  std::uint32_t partOfTile(std::size_t tile) const {
+    return part_of_tile_.empty() ? 0 : part_of_tile_[tile];
+  }
+  std::uint32_t partOfRegion(std::size_t region) const {
+    return part_of_region_.empty() ? 0 : part_of_region_[region];
+  }
+  static constexpr std::uint32_t kSeveralParts = 256;
+
   // Returns a tile with posed vertices. It is made by the first call in a cycle.
   const PosedTile& tile(std::size_t tile) const;
 
@@ -69,6 +78,7 @@ class BodyTiles {
 
   std::size_t tileCount() const { return received_tiles_.size(); }
   void begin(std::shared_ptr<const Tiling> tiling);
+  void findParts();
   bool receive(const CycleLimit& limit);
   void receiveRegion(std::size_t region);
   void receiveTile(std::size_t tile, bool& all_finite);
@@ -78,6 +88,8 @@ class BodyTiles {
   std::shared_ptr<const Tiling> tiling_;  // null: tiles are runs of triangles
   std::uint64_t topology_revision_ = 0;  // of the body for which the lists below have their lengths
   std::vector<std::uint32_t> first_of_tile_, first_of_region_;  // empty without a tiling
+  std::uint64_t parts_revision_ = 0;  // of the body for which the next two lists are
+  std::vector<std::uint16_t> part_of_tile_, part_of_region_;  // empty without named parts
   std::uint64_t vertices_revision_ = 0;                  // of the received boxes; 0: there are none
   std::vector<Aabb> received_tiles_, received_regions_;  // body frame [m]
   std::vector<std::uint8_t> finite_regions_;

@@ -9,9 +9,11 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <numeric>
 
 #include "core/bounds/exact_distances.h"
 #include "core/common/contact_geometry.h"
+#include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
 #include "core/rules/margins.h"
@@ -42,6 +44,7 @@ void takeExactResult(const Scene& scene, const Options& options, const std::vect
   result.separations_m = exact.separations_m;
   result.geometry = exact.geometry;
   result.nearest = exact.nearest;
+  result.nearest_parts = exact.nearest_parts;
   result.left_out = exact.left_out;
   if (exact.cut_off) result.cutOff(exact.cut_off_because);
   result.guaranteed = result.guaranteed && exact.guaranteed;
@@ -128,6 +131,12 @@ const Scene& ExactPart::sceneOf(const Scene& scene, const std::vector<IdPair>& p
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (part_.takesPart(id)) copy(scene.body(id), id);
   }
+  if (part_.disabledParts() != scene.disabledParts()) {
+    part_.enableAllParts();
+    for (const PartPair& pair : scene.disabledParts()) {
+      part_.setPartPairEnabled(pair.body_a, pair.part_a, pair.body_b, pair.part_b, false);
+    }
+  }
   return part_;
 }
 
@@ -143,7 +152,11 @@ void ExactPart::copy(const Body& body, BodyId id) {
     part_.setDeviceVertices(id, body.device_vertices->xyz, body.mesh.vertexCount(),
                             body.device_vertices->stream);
   }
-  copied = {body.topology_revision, body.vertices_revision};
+  if (copied.topology_revision != body.topology_revision ||
+      copied.parts_revision != body.parts_revision) {
+    part_.setParts(id, body.parts);
+  }
+  copied = {body.topology_revision, body.vertices_revision, body.parts_revision};
   part_.setPose(id, body.pose);
   part_.setMargin(id, body.margin_m);
 }
@@ -200,7 +213,9 @@ const DetectionResult& BoundedCycle::detect(const Scene& scene, const Options& o
     SearchGoal goal;
     goal.tolerance_m = options.tolerance_m;
     goal.nearest = options.nearest;
-    rounds_.begin(scene, tiled_pairs_, tiling_, goal, limit);
+    rounds_.begin(scene,
+                  searchesOf(scene, tiled_pairs_, options.nearest && options.nearest_by_part),
+                  tiling_, goal, limit);
     rounds_.decide(limit, first_turn);
   });
   double bounds_ms = watch.lapMs();
@@ -261,19 +276,31 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
             [](const NearestPair& x, const NearestPair& y) {
               return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
             });
+  const std::vector<NearestOfParts> of_parts = rounds_.nearestParts(scene);
+  result_.nearest_parts.insert(result_.nearest_parts.end(), of_parts.begin(), of_parts.end());
+  std::sort(result_.nearest_parts.begin(), result_.nearest_parts.end(),
+            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
+  if (!rounds_.allPartsSearched()) result_.cutOff(limit.wasOver() ? limit.why() : kNoTime);
   countRejected(scene);
+  listRejectedParts(scene, options.motion, result_);
 }
 
-// Counts rejected triangles of the bodies that the exact detector did not see.
+// Counts rejected triangles of the bodies that the exact detector did not see. If parts matter,
+// some parts may have no pair among its pairs, so that all bodies are counted.
 void BoundedCycle::countRejected(const Scene& scene) {
+  const bool parts_matter = scene.partsMatter();
   std::vector<BodyId> unknown;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    if (isInAny(tiled_pairs_, id) && !isInAny(exact_pairs_, id) && rounds_.mayReject(id)) {
-      unknown.push_back(id);
-    }
+    const bool was_seen = !parts_matter && isInAny(exact_pairs_, id);
+    if (isInAny(tiled_pairs_, id) && !was_seen && rounds_.mayReject(id)) unknown.push_back(id);
   }
   if (unknown.empty()) return;
   const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene);
+  if (parts_matter) {
+    result_.counters.rejected = 0;
+    unknown.resize(scene.bodyCount());
+    std::iota(unknown.begin(), unknown.end(), BodyId{0});
+  }
   for (const BodyId id : unknown) result_.counters.rejected += rejected[id].count;
 }
 

@@ -35,7 +35,8 @@ class ExactPart {
  private:
   // The revisions of a body when it was last copied.
   struct Copied {
-    std::uint64_t topology_revision = 0, vertices_revision = 0;  // 0: nothing was copied
+    // 0: nothing was copied.
+    std::uint64_t topology_revision = 0, vertices_revision = 0, parts_revision = 0;
   };
 
   void copy(const Body& body, BodyId id);

@@ -25,19 +25,37 @@ bool isBefore(const NearestPair& x, const NearestPair& y) {
   return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
 }
 
-// Returns the enabled pairs of two bodies that are not in `found`, which is sorted.
-std::vector<IdPair> otherPairs(const Scene& scene, const std::vector<NearestPair>& found) {
-  std::vector<IdPair> others;
-  auto next = found.begin();
+bool arePartsBefore(const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; }
+
+// Returns the searches of a scene whose result is not in `found` or `found_parts`, which are
+// sorted.
+std::vector<SearchedPair> otherSearches(const Scene& scene, bool by_part,
+                                        const std::vector<NearestPair>& found,
+                                        const std::vector<NearestOfParts>& found_parts) {
+  std::vector<IdPair> pairs;
   for (const IdPair& pair : scene.enabledPairs()) {
-    if (pair.first == pair.second) continue;
-    if (next != found.end() && IdPair(next->pair.body_a, next->pair.body_b) == pair) {
-      ++next;
-    } else {
-      others.push_back(pair);
-    }
+    if (pair.first != pair.second) pairs.push_back(pair);
   }
-  return others;
+  std::vector<SearchedPair> searches = searchesOf(scene, pairs, by_part);
+  const auto isFound = [&](const SearchedPair& search) {
+    if (search.parts) {
+      const NearestOfParts key{*search.parts, NearestPair()};
+      return std::binary_search(found_parts.begin(), found_parts.end(), key, arePartsBefore);
+    }
+    NearestPair key;
+    key.pair = {search.a, 0, search.b, 0};
+    return std::binary_search(found.begin(), found.end(), key, isBefore);
+  };
+  searches.erase(std::remove_if(searches.begin(), searches.end(), isFound), searches.end());
+  return searches;
+}
+
+// Merges a second sorted list into the first.
+template <class List, class Less>
+void mergeInto(List& first, const List& second, const Less& less) {
+  const auto middle = static_cast<std::ptrdiff_t>(first.size());
+  first.insert(first.end(), second.begin(), second.end());
+  std::inplace_merge(first.begin(), first.begin() + middle, first.end(), less);
 }
 
 }  // namespace
@@ -48,23 +66,24 @@ void DistanceSearch::find(const Scene& scene, const Options& options, const Cycl
   SearchGoal goal;
   goal.nearest = true;
   goal.are_apart = tellsWhatTouches(options, result);
-  if (goal.are_apart) result.nearest = touchingPairs(scene, result);
-  const std::vector<IdPair> pairs = otherPairs(scene, result.nearest);
+  if (goal.are_apart) {
+    result.nearest = touchingPairs(scene, result);
+    if (options.nearest_by_part) result.nearest_parts = touchingParts(scene, result);
+  }
+  const std::vector<SearchedPair> searches =
+      otherSearches(scene, options.nearest_by_part, result.nearest, result.nearest_parts);
   std::vector<std::shared_ptr<const Tiling>> tilings(scene.bodyCount());
   std::vector<bool> is_new(scene.bodyCount(), true);
-  for (const auto& [a, b] : pairs) {
-    for (const BodyId id : {a, b}) {
+  for (const SearchedPair& search : searches) {
+    for (const BodyId id : {search.a, search.b}) {
       if (is_new[id]) tilings[id] = tilings_->of(scene.body(id));
       is_new[id] = false;
     }
   }
-  rounds_.begin(scene, pairs, tilings, goal, limit);
+  rounds_.begin(scene, searches, tilings, goal, limit);
   rounds_.decide(limit, SteadyTime::max());
-  const std::vector<NearestPair> apart = rounds_.nearest(scene);
-  const auto touching = static_cast<std::ptrdiff_t>(result.nearest.size());
-  result.nearest.insert(result.nearest.end(), apart.begin(), apart.end());
-  std::inplace_merge(result.nearest.begin(), result.nearest.begin() + touching,
-                     result.nearest.end(), isBefore);
+  mergeInto(result.nearest, rounds_.nearest(scene), isBefore);
+  mergeInto(result.nearest_parts, rounds_.nearestParts(scene), arePartsBefore);
 }
 
 }  // namespace deformable_contact_monitor

@@ -41,6 +41,10 @@ class ContactList {
       regions_.clear();
       nearRegions(*bodies_.a, r, *bodies_.b, needed_m_, regions_);
       for (const NearParts& regions : regions_) {
+        if (!bodies_.mayCount(bodies_.a->partOfRegion(regions.a),
+                              bodies_.b->partOfRegion(regions.b))) {
+          continue;
+        }
         if (!addRegions(regions)) return false;
       }
     }
@@ -66,6 +70,9 @@ class ContactList {
     if (isTime()) return false;
     nearTiles(*bodies_.a, regions.a, *bodies_.b, regions.b, needed_m_, tiles_);
     for (const NearParts& tiles : tiles_) {
+      if (!bodies_.mayCount(bodies_.a->partOfTile(tiles.a), bodies_.b->partOfTile(tiles.b))) {
+        continue;
+      }
       if (!addTiles(tiles)) return false;
     }
     return true;
@@ -86,6 +93,7 @@ class ContactList {
 
   // Lists two triangles if they are in contact. It asks the same predicates as the exact detectors.
   void addTriangles(const PosedTile& a, const PosedTile& b, const NearTriangles& near) {
+    if (!bodies_.counts(a.triangle[near.a], b.triangle[near.b])) return;
     const Triangle triangle_a = a.posed(near.a), triangle_b = b.posed(near.b);
     PairFacts facts;
     facts.margin_m = bodies_.margin_m;
@@ -110,13 +118,35 @@ class ContactList {
 
 }  // namespace
 
-void PairRounds::begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
+std::vector<SearchedPair> searchesOf(const Scene& scene,
+                                     const std::vector<std::pair<BodyId, BodyId>>& pairs,
+                                     bool by_part) {
+  std::vector<SearchedPair> searches;
+  for (const auto& [a, b] : pairs) {
+    searches.push_back({a, b, std::nullopt});
+    const Body &body_a = scene.body(a), &body_b = scene.body(b);
+    if (!by_part || (body_a.parts.empty() && body_b.parts.empty())) continue;
+    for (const PartId part_a : body_a.listed_parts) {
+      for (const PartId part_b : body_b.listed_parts) {
+        if (!scene.partPairEnabled(a, part_a, b, part_b)) continue;
+        searches.push_back({a, b, PartPair{a, b, part_a, part_b}});
+      }
+    }
+  }
+  return searches;
+}
+
+void PairRounds::begin(const Scene& scene, const std::vector<SearchedPair>& pairs,
                        const std::vector<std::shared_ptr<const Tiling>>& tilings,
                        const SearchGoal& goal, const CycleLimit& limit) {
   goal_ = goal;
   tiles_.resize(scene.bodyCount());
   ready_.assign(scene.bodyCount(), false);
   remember();
+  parts_.reset();
+  const bool by_part = std::any_of(pairs.begin(), pairs.end(),
+                                   [](const SearchedPair& pair) { return pair.parts.has_value(); });
+  if (by_part || scene.partsMatter()) parts_.emplace(scene);
   std::vector<bool> is_new(scene.bodyCount(), true);
   // Updates the tiles of a body at its first pair. Later pairs get the same answer.
   const auto isReady = [&](BodyId id) {
@@ -127,10 +157,11 @@ void PairRounds::begin(const Scene& scene, const std::vector<std::pair<BodyId, B
     is_new[id] = false;
     return ready_[id];
   };
-  for (const auto& [a, b] : pairs) {
+  for (const auto& [a, b, parts] : pairs) {
     const Body &body_a = scene.body(a), &body_b = scene.body(b);
     Pair pair{a,
               b,
+              parts,
               pairMargin(body_a.margin_m, body_b.margin_m),
               body_a.topology_revision,
               body_b.topology_revision,
@@ -148,18 +179,31 @@ void PairRounds::remember() {
   for (const Pair& pair : pairs_) {
     const auto nearest = pair.search ? pair.search->nearestSoFar() : std::nullopt;
     if (!nearest) continue;
-    last_.push_back({pair.topology_a, pair.topology_b, nearest->triangle_a, nearest->triangle_b});
+    last_.push_back({pair.topology_a, pair.topology_b, partsOf(pair), nearest->triangle_a,
+                     nearest->triangle_b});
   }
   std::sort(last_.begin(), last_.end(), isBefore);
   pairs_.clear();
 }
 
+CountedParts PairRounds::countedIn(const Pair& pair) const {
+  CountedParts counted;
+  if (!parts_) return counted;
+  counted.table = &*parts_;
+  if (!pair.parts) return counted;
+  counted.only_a = parts_->numberOf(pair.a, pair.parts->part_a);
+  counted.only_b = parts_->numberOf(pair.b, pair.parts->part_b);
+  return counted;
+}
+
 // Results with a tolerance depend on where a search starts, so only one for the nearest pair starts
-// from the last cycle.
-void PairRounds::startSearch(Pair& pair, const SearchGoal& goal) {
+// from the last cycle. Parts have no list of bounds, so their nearest pairs are always exact.
+void PairRounds::startSearch(Pair& pair, const SearchGoal& of_bodies) {
+  SearchGoal goal = of_bodies;
+  if (pair.parts) goal.tolerance_m = 0;
   pair.search = std::make_unique<PairSearch>(bodiesOf(pair, pair.margin_m), goal);
   if (!goal.nearest) return;
-  const Last key{pair.topology_a, pair.topology_b, 0, 0};
+  const Last key{pair.topology_a, pair.topology_b, partsOf(pair), 0, 0};
   const auto found = std::lower_bound(last_.begin(), last_.end(), key, isBefore);
   if (found == last_.end() || isBefore(key, *found)) return;
   pair.search->startFrom(found->triangle_a, found->triangle_b);
@@ -191,7 +235,7 @@ void PairRounds::list(const CycleLimit& limit, SteadyTime until, bool near_pairs
   std::atomic<std::size_t> all_found{0};
   parallelBlocks(limit, pairs_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     Pair& pair = pairs_[i];
-    if (pair.search == nullptr) return;
+    if (pair.search == nullptr || pair.parts) return;
     const PairDecision decision = pair.search->decision();
     // A pair that is certainly apart has no contacts. A pair that is still open had no time.
     if (decision == PairDecision::kNone || decision == PairDecision::kOpen) return;
@@ -208,6 +252,7 @@ void PairRounds::list(const CycleLimit& limit, SteadyTime until, bool near_pairs
 std::vector<BodyDistance> PairRounds::distances() const {
   std::vector<BodyDistance> distances;
   for (const Pair& pair : pairs_) {
+    if (pair.parts) continue;
     BodyDistance distance;
     distance.body_a = pair.a;
     distance.body_b = pair.b;
@@ -223,7 +268,7 @@ std::vector<BodyDistance> PairRounds::distances() const {
 std::vector<NearestPair> PairRounds::nearest(const Scene& scene) const {
   std::vector<NearestPair> nearest;
   for (const Pair& pair : pairs_) {
-    const auto best = pair.search ? pair.search->nearest() : std::nullopt;
+    const auto best = pair.search && !pair.parts ? pair.search->nearest() : std::nullopt;
     if (!best) continue;
     nearest.push_back(nearestPairOf(scene, {pair.a, best->triangle_a, pair.b, best->triangle_b},
                                     best->distance_m));
@@ -231,12 +276,31 @@ std::vector<NearestPair> PairRounds::nearest(const Scene& scene) const {
   return nearest;
 }
 
+std::vector<NearestOfParts> PairRounds::nearestParts(const Scene& scene) const {
+  std::vector<NearestOfParts> nearest;
+  for (const Pair& pair : pairs_) {
+    const auto best = pair.search && pair.parts ? pair.search->nearest() : std::nullopt;
+    if (!best) continue;
+    const TrianglePair triangles{pair.a, best->triangle_a, pair.b, best->triangle_b};
+    nearest.push_back({*pair.parts, nearestPairOf(scene, triangles, best->distance_m)});
+  }
+  std::sort(nearest.begin(), nearest.end(),
+            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
+  return nearest;
+}
+
+bool PairRounds::allPartsSearched() const {
+  return std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) {
+    return !pair.parts || (pair.search != nullptr && pair.search->isExact());
+  });
+}
+
 std::vector<ListedContact> PairRounds::contacts() const {
   std::vector<ListedContact> contacts;
   for (const Pair& pair : pairs_) {
     contacts.insert(contacts.end(), pair.listed.begin(), pair.listed.end());
     // The search itself has found some contacts. They count where the list is incomplete.
-    if (pair.search == nullptr || pair.is_listed) continue;
+    if (pair.search == nullptr || pair.is_listed || pair.parts) continue;
     for (const TrianglePair& seen : pair.search->contacts()) contacts.push_back({seen, 0});
   }
   std::sort(contacts.begin(), contacts.end(),

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,14 +24,26 @@ struct ListedContact {
   float separation_m;  // as DetectionResult::separations_m
 };
 
+// Two different bodies whose distance is searched, or two of their parts.
+struct SearchedPair {
+  BodyId a, b;
+  std::optional<PartPair> parts;  // empty: all of their parts
+};
+
+// Returns the searches of pairs of bodies. If it is `by_part`, those of their enabled pairs of
+// parts follow each pair that has named parts.
+std::vector<SearchedPair> searchesOf(const Scene& scene,
+                                     const std::vector<std::pair<BodyId, BodyId>>& pairs,
+                                     bool by_part);
+
 // Keeps the tiles of bodies, and the nearest triangles of each pair, for later cycles. One thread
 // at a time calls it, and it uses the threads of the TBB arena in which it is called.
 class PairRounds {
  public:
-  // Begins a cycle with these pairs of two different bodies each, ascending. `tilings`: one per
+  // Begins a cycle with these pairs, ascending by their bodies. `tilings`: one per
   // body of the scene; null where there is none. With goal.nearest, a search starts from the
   // nearest triangles of the last cycle. The scene must live, unchanged, until the cycle ends.
-  void begin(const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs,
+  void begin(const Scene& scene, const std::vector<SearchedPair>& pairs,
              const std::vector<std::shared_ptr<const Tiling>>& tilings, const SearchGoal& goal,
              const CycleLimit& limit);
 
@@ -42,11 +55,16 @@ class PairRounds {
   // `until`.
   void list(const CycleLimit& limit, SteadyTime until, bool near_pairs);
 
-  // Returns what is certain of each pair, in their order.
+  // Returns what is certain of each pair of bodies, in their order.
   std::vector<BodyDistance> distances() const;
 
   // Returns the nearest pair of each pair whose search is exact and that is within its margin.
   std::vector<NearestPair> nearest(const Scene& scene) const;
+
+  // Returns the same of pairs of parts, ascending.
+  std::vector<NearestOfParts> nearestParts(const Scene& scene) const;
+  // Returns whether the search of each pair of parts came to its end.
+  bool allPartsSearched() const;
 
   // Forgets the nearest triangles of earlier cycles.
   void forget() { last_.clear(); }
@@ -59,9 +77,10 @@ class PairRounds {
   bool mayReject(BodyId id) const { return ready_[id] && !tiles_[id]->allFinite(); }
 
  private:
-  // A pair of bodies, and how far its search and its list of contacts have come.
+  // A pair of bodies or parts, and how far its search and its list of contacts have come.
   struct Pair {
     BodyId a, b;
+    std::optional<PartPair> parts;
     float margin_m;
     std::uint64_t topology_a, topology_b;  // revisions
     std::unique_ptr<PairSearch> search;    // null: there was no time to begin it
@@ -69,24 +88,32 @@ class PairRounds {
     bool is_listed = false;  // `listed` is complete
   };
 
-  // The nearest triangles of two bodies in the last cycle, by the revisions of their topologies.
+  // The nearest triangles of two bodies or parts in the last cycle, by the revisions of their
+  // topologies.
   struct Last {
     std::uint64_t topology_a, topology_b;
+    int parts;  // part_a * 256 + part_b; -1: all parts
     std::uint32_t triangle_a, triangle_b;
   };
 
   static bool isBefore(const Last& x, const Last& y) {
-    return x.topology_a != y.topology_a ? x.topology_a < y.topology_a : x.topology_b < y.topology_b;
+    if (x.topology_a != y.topology_a) return x.topology_a < y.topology_a;
+    return x.topology_b != y.topology_b ? x.topology_b < y.topology_b : x.parts < y.parts;
+  }
+  static int partsOf(const Pair& pair) {
+    return pair.parts ? pair.parts->part_a * 256 + pair.parts->part_b : -1;
   }
   void remember();
   void startSearch(Pair& pair, const SearchGoal& goal);
   BodyPair bodiesOf(const Pair& pair, float margin_m) const {
-    return {pair.a, pair.b, tiles_[pair.a].get(), tiles_[pair.b].get(), margin_m};
+    return {pair.a, pair.b, tiles_[pair.a].get(), tiles_[pair.b].get(), margin_m, countedIn(pair)};
   }
+  CountedParts countedIn(const Pair& pair) const;
   // Returns the pairs that have a search which is not done.
   std::vector<Pair*> openPairs();
 
   SearchGoal goal_;
+  std::optional<PartTable> parts_;                 // empty: parts do not matter
   std::vector<std::unique_ptr<BodyTiles>> tiles_;  // per body; null: it was never in a pair
   std::vector<bool> ready_;                        // per body: its tiles are those of this cycle
   std::vector<Pair> pairs_;

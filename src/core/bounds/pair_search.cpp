@@ -99,6 +99,7 @@ PairSearch::Doubt PairSearch::pop() {
 }
 
 void PairSearch::startFrom(std::uint32_t triangle_a, std::uint32_t triangle_b) {
+  if (!bodies_.counts(triangle_a, triangle_b)) return;
   const Triangle a = bodies_.a->posedTriangle(triangle_a);
   const Triangle b = bodies_.b->posedTriangle(triangle_b);
   if (!isFinite(a) || !isFinite(b)) return;
@@ -203,6 +204,7 @@ void PairSearch::findStart() {
   nearTriangles(posed_a, posed_b, needed_m_, triangles_);
   for (std::size_t i = 0; i < std::min(kMost, triangles_.size()); ++i) {
     const NearTriangles& pair = triangles_[i];
+    if (!bodies_.counts(posed_a.triangle[pair.a], posed_b.triangle[pair.b])) continue;
     test(posed_a.posed(pair.a), posed_b.posed(pair.b),
          {0, posed_a.triangle[pair.a], posed_b.triangle[pair.b]}, pair.boxes_meet);
   }
@@ -231,6 +233,9 @@ void PairSearch::compareRegions(std::size_t region_a) {
   parts_.clear();
   settle(nearRegions(*bodies_.a, region_a, *bodies_.b, needed_m_, parts_));
   for (const NearParts& parts : parts_) {
+    if (!bodies_.mayCount(bodies_.a->partOfRegion(parts.a), bodies_.b->partOfRegion(parts.b))) {
+      continue;
+    }
     push({parts.low_m, parts.a, parts.b, bodies_.a->firstOfRegion(parts.a),
           bodies_.b->firstOfRegion(parts.b), Parts::kRegions});
   }
@@ -241,6 +246,7 @@ void PairSearch::compareRegions(std::size_t region_a) {
 void PairSearch::openRegions(const Doubt& doubt) {
   settle(nearTiles(*bodies_.a, doubt.a, *bodies_.b, doubt.b, needed_m_, parts_));
   for (const NearParts& parts : parts_) {
+    if (!bodies_.mayCount(bodies_.a->partOfTile(parts.a), bodies_.b->partOfTile(parts.b))) continue;
     push({most(parts.low_m, doubt.low_m), parts.a, parts.b, bodies_.a->firstOfTile(parts.a),
           bodies_.b->firstOfTile(parts.b), Parts::kTiles});
   }
@@ -279,6 +285,7 @@ bool PairSearch::findWitness() {
   next_triangles_ = 0;
   while (next_triangles_ < std::min(kMost, triangles_.size()) && high_m_ > goal_.tolerance_m) {
     const NearTriangles& pair = triangles_[next_triangles_++];
+    if (!bodies_.counts(a.triangle[pair.a], b.triangle[pair.b])) continue;
     test(a.posed(pair.a), b.posed(pair.b), {0, a.triangle[pair.a], b.triangle[pair.b]},
          pair.boxes_meet);
   }
@@ -299,6 +306,7 @@ void PairSearch::testTriangles(const CycleLimit& limit, SteadyTime until) {
       return;
     }
     const ComparedPair ids{0, a.triangle[pair.a], b.triangle[pair.b]};
+    if (!bodies_.counts(ids.triangle_a, ids.triangle_b)) continue;
     if (!mayPrecede(low_m, ids.triangle_a, ids.triangle_b)) {
       settle(low_m);
       continue;

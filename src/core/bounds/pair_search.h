@@ -13,17 +13,49 @@
 #include "core/bounds/body_tiles.h"
 #include "core/bounds/near_parts.h"
 #include "core/common/cycle_limit.h"
+#include "core/common/part_table.h"
 #include "core/detector.h"
 #include "core/rules/nearest.h"
 #include "core/steady_time.h"
 
 namespace deformable_contact_monitor {
 
+// Which triangles of two bodies count, by their parts.
+struct CountedParts {
+  static constexpr std::uint32_t kAll = ~std::uint32_t{0};
+
+  const PartTable* table = nullptr;  // null: all triangles count
+  // Only triangles of these parts count, given by their numbers in the table.
+  std::uint32_t only_a = kAll, only_b = kAll;
+};
+
 // Two bodies of a cycle, with a_id < b_id.
 struct BodyPair {
   BodyId a_id, b_id;
   const BodyTiles *a, *b;
   float margin_m;  // of the pair
+  CountedParts parts = {};
+
+  // Returns whether a pair of triangles counts.
+  bool counts(std::uint32_t triangle_a, std::uint32_t triangle_b) const {
+    return parts.table == nullptr ||
+           numbersCount(parts.table->of(a_id, triangle_a), parts.table->of(b_id, triangle_b));
+  }
+  // Returns whether some pair of triangles of two tiles or regions may count. `part_a`, `part_b`:
+  // the parts that BodyTiles gives them.
+  bool mayCount(std::uint32_t part_a, std::uint32_t part_b) const {
+    if (parts.table == nullptr) return true;
+    if (part_a == BodyTiles::kSeveralParts || part_b == BodyTiles::kSeveralParts) return true;
+    return numbersCount(parts.table->numberOf(a_id, static_cast<PartId>(part_a)),
+                        parts.table->numberOf(b_id, static_cast<PartId>(part_b)));
+  }
+
+ private:
+  bool numbersCount(std::uint32_t a, std::uint32_t b) const {
+    return (parts.only_a == CountedParts::kAll || parts.only_a == a) &&
+           (parts.only_b == CountedParts::kAll || parts.only_b == b) &&
+           parts.table->pairs().enabled(a, b);
+  }
 };
 
 // When a search is done.

@@ -24,4 +24,8 @@ DCM_EXPORT NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pai
 // that are only near, do not count.
 std::vector<NearestPair> touchingPairs(const Scene& scene, const DetectionResult& result);
 
+// Returns the same of each pair of parts of two bodies of which one has named parts, ascending.
+DCM_EXPORT std::vector<NearestOfParts> touchingParts(const Scene& scene,
+                                                     const DetectionResult& result);
+
 }  // namespace deformable_contact_monitor

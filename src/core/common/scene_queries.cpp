@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/common/part_table.h"
 #include "core/common/posed_body.h"
 #include "core/predicates/triangle.h"
 
@@ -62,12 +63,16 @@ void requireHostVertices(const Scene& scene, const std::string& backend) {
 }
 
 std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene, Motion motion) {
+  const PartTable parts(scene);
   std::vector<RejectedTriangles> rejected(scene.bodyCount());
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (!scene.takesPart(id)) continue;
-    const PosedBody now(scene.body(id)), earlier = PosedBody::earlier(scene.body(id));
-    const auto count = static_cast<std::uint32_t>(scene.body(id).mesh.triangleCount());
+    const Body& of = scene.body(id);
+    const PosedBody now(of), earlier = PosedBody::earlier(of);
+    const auto count = static_cast<std::uint32_t>(of.mesh.triangleCount());
+    if (!of.parts.empty()) rejected[id].by_part.resize(std::size_t{of.listed_parts.back()} + 1);
     for (std::uint32_t t = 0; t < count; ++t) {
+      if (!parts.takesPart(parts.of(id, t))) continue;
       bool is_rejected = false;
       for (const PosedBody* body : {&now, &earlier}) {
         if ((body == &earlier && motion == Motion::kInstant) || isFinite(body->triangle(t))) {
@@ -76,7 +81,9 @@ std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene, Motion moti
         is_rejected = true;
         rejected[id].by_pose = rejected[id].by_pose || isFinite(body->received(t));
       }
-      rejected[id].count += is_rejected ? 1 : 0;
+      if (!is_rejected) continue;
+      ++rejected[id].count;
+      if (!of.parts.empty()) ++rejected[id].by_part[of.parts[t]];
     }
   }
   return rejected;

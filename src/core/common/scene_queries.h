@@ -40,10 +40,12 @@ void requireHostVertices(const Scene& scene, const std::string& backend);
 struct RejectedTriangles {
   std::size_t count = 0;  // Counters::rejected is the sum over all bodies
   bool by_pose = false;   // some vertex was received finite, and its pose makes it infinite
+  std::vector<std::size_t> by_part;  // of bodies with named parts: `count` by part, from 0 on
 };
 
-// Returns one entry per body of the scene, zero for bodies that take no part. In swept motion it
-// looks at both states. Reads every vertex, so call it only after a cycle that rejected triangles.
+// Returns one entry per body of the scene, zero for bodies that take no part. Triangles of parts
+// that take no part do not count. In swept motion it looks at both states. Reads every vertex, so
+// call it only after a cycle that rejected triangles.
 std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene,
                                                  Motion motion = Motion::kInstant);
 

@@ -8,6 +8,7 @@
 #include "core/common/contact_geometry.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/parallel.h"
+#include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stages.h"
 #include "core/common/stopwatch.h"
@@ -136,6 +137,7 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
   }
   Stopwatch watch;
   distances_.find(scene, options, limit, result_);
+  listRejectedParts(scene, options.motion, result_);
   const double nearest_ms = watch.lapMs();
   if (limit.wasOver()) result_.cutOff(limit.why());
   result_.stages_ms = times.byName();

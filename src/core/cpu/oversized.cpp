@@ -106,13 +106,14 @@ class OversizedSweeper {
     }
   }
 
-  // Tests a triangle against one other: groups of bodies, boxes, then the filters.
+  // Tests a triangle against one other: boxes, groups of bodies, parts, then the filters.
   void meet(const PreparedTriangle<Primitive>& triangle, TriangleIndex other) {
     ++output_.counters.interval_overlaps;
     const WorkingSet& set = input_.set;
     const std::vector<std::uint32_t>& group = input_.groups.group;
     if (intersects(set.box(triangle.triangle), set.box(other)) &&
-        input_.groups.enabled[group[triangle.body.value]][group[set.bodyOf(other).value]]) {
+        input_.groups.enabled[group[triangle.body.value]][group[set.bodyOf(other).value]] &&
+        set.partsEnabled(triangle.triangle, other)) {
       filter_.filter(triangle, prepared<Primitive>(set, other), filtered_.candidates);
       if (filtered_.candidates.size() >= kMostCandidates) decide();
     }

@@ -102,11 +102,28 @@ std::size_t ClusterSweeper<Primitive>::pairsOfBoxes() {
   return static_cast<std::size_t>(next - pairs_.data());
 }
 
+// Moves the pairs whose parts are enabled to the front of pairs_, and returns their number.
+template <class Primitive>
+std::size_t ClusterSweeper<Primitive>::dropDisabledParts(std::size_t pairs) {
+  const PartPairs enabled = input_.set.parts->pairs();
+  const auto partAt = [this](SortedIndex i) {
+    return input_.set.part[sorted_.triangles[i.value].triangle.value];
+  };
+  BoxPair* next = pairs_.data();
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const BoxPair pair = pairs_[i];
+    *next = pair;
+    next += enabled.enabled(partAt(pair.a), partAt(pair.b));
+  }
+  return static_cast<std::size_t>(next - pairs_.data());
+}
+
 // Filters the pairs found since the last call, and decides those that the filters leave.
 template <class Primitive>
 void ClusterSweeper<Primitive>::decideFound() {
   filtered_.clear();
-  const std::size_t pairs = pairsOfBoxes();  // may reallocate pairs_
+  std::size_t pairs = pairsOfBoxes();  // may reallocate pairs_
+  if (input_.set.parts != nullptr) pairs = dropDisabledParts(pairs);
   filter_.filter(sorted_.triangles, pairs_.data(), pairs, filtered_);
   rows_.clear();
   found_count_ = 0;

@@ -2,8 +2,9 @@
 //
 // ClusterSweeper takes one cluster at a time through `sort`, `sweep` and `narrow_phase`, so that
 // its data is still in the cache. A row is one triangle; its columns are the triangles whose
-// intervals begin within the row's interval. Columns end up in four tests, from cheap to expensive:
-// quantised boxes, boxes in the scene frame, the deduplication rule, and the float32 filters.
+// intervals begin within the row's interval. Columns end up in these tests, from cheap to
+// expensive: quantised boxes, boxes in the scene frame, the deduplication rule, the pairs of parts
+// if they matter, and the float32 filters.
 #pragma once
 
 #include <cstddef>
@@ -67,6 +68,7 @@ class ClusterSweeper {
   bool reports(SortedIndex a, SortedIndex b) const;
   bool scan(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
   std::size_t pairsOfBoxes();
+  std::size_t dropDisabledParts(std::size_t pairs);
   void decideFound();
 
   static constexpr std::uint64_t kPollPeriod = 1 << 17;  // columns between two checks of the limit

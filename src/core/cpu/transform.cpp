@@ -29,6 +29,7 @@ void growTriangles(std::size_t size, WorkingSet& set) {
   growTo(size, set.body);
   growTo(size, set.triangle);
   growTo(size, set.boxes);
+  if (set.parts != nullptr) growTo(size, set.part);
 }
 
 // Cuts all lists to the lengths that are in use.
@@ -40,6 +41,7 @@ void cutTo(std::size_t vertices, std::size_t triangles, bool moving, WorkingSet&
   set.body.resize(triangles);
   set.triangle.resize(triangles);
   set.boxes.resize(triangles);
+  set.part.resize(set.parts != nullptr ? triangles : 0);
 }
 
 // Transforms `count` vertices of a body into the scene frame, to places from `first` on.
@@ -57,6 +59,12 @@ void place(const Body& body, BodyId id, std::uint32_t t, std::size_t i, WorkingS
   for (int k = 0; k < 3; ++k) set.corners[3 * i + k] = set.first_vertex[id] + corner[k];
   set.body[i] = id;
   set.triangle[i] = t;
+  if (set.parts != nullptr) set.part[i] = set.parts->of(id, t);
+}
+
+// Returns whether triangles of a body are left out because their parts take no part.
+bool hasIdleParts(const WorkingSet& set, BodyId id) {
+  return set.parts != nullptr && !set.parts->allTakePart(id);
 }
 
 // Finds on which sides of the partners' common box each vertex of a body lies; `first` is where
@@ -110,8 +118,8 @@ void WorkingSetBuilder::identifyVertices(const Body& body, bool self, bool movin
   });
 }
 
-// Fills blocks_ with the triangles that meet a partner's box. Three vertices on the same side of
-// the partners' common box settle most triangles without a box of their own.
+// Fills blocks_ with the triangles that take part and meet a partner's box. Three vertices on the
+// same side of the partners' common box settle most triangles without a box of their own.
 template <class Primitive>
 void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32_t first,
                                         const PartnerBoxes<BoxOf<Primitive>>& partners,
@@ -119,6 +127,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
   const TriangleMesh& mesh = body.mesh;
   const bool has_sides = !partners.self && body_boxes_.allFinite(id);
   if (has_sides) findSides<Primitive>(body, growth_m_, partners, first, limit, set, sides_);
+  const bool has_idle = hasIdleParts(set, id);
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
   const auto chooseBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
@@ -126,6 +135,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
     block.boxes.clear();
     block.rejected = 0;
     for (std::size_t t = begin; t < end; ++t) {
+      if (has_idle && !set.parts->takesPart(set.parts->of(id, t))) continue;
       const std::uint32_t* corner = &mesh.triangles[3 * t];
       if (has_sides && (sides_[corner[0]] & sides_[corner[1]] & sides_[corner[2]]) != 0) continue;
       const Primitive posed =
@@ -199,7 +209,7 @@ void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
   identifyVertices(body, partners.self, kIsMoving<Primitive>, first, limit, set);
   const std::size_t before = triangle_count_;
   std::uint64_t rejected = 0;
-  if (partners.self && body_boxes_.allFinite(id)) {
+  if (partners.self && body_boxes_.allFinite(id) && !hasIdleParts(set, id)) {
     addAllTriangles<Primitive>(body, id, limit, set);
   } else {
     chooseTriangles<Primitive>(body, id, first, partners, limit, set);
@@ -214,8 +224,8 @@ void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
 
 // Counts the triangles of a body that meets no partner; its vertices are not transformed.
 template <class Primitive>
-void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const CycleLimit& limit,
-                                     Counters& counters) const {
+void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const WorkingSet& set,
+                                     const CycleLimit& limit, Counters& counters) const {
   constexpr std::size_t kBlock = 1 << 16;
   const std::size_t count = scene.body(id).mesh.triangleCount();
   const PosedBody body(scene.body(id)), earlier = PosedBody::earlier(scene.body(id));
@@ -223,6 +233,7 @@ void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const CycleL
   const std::size_t to_check = body_boxes_.allFinite(id) ? 0 : count;
   serialBlocks(limit, to_check, kBlock, [&](std::size_t begin, std::size_t end) {
     for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+      if (set.parts != nullptr && !set.parts->takesPart(set.parts->of(id, t))) continue;
       rejected +=
           !isFinite(body.triangle(t)) || (kIsMoving<Primitive> && !isFinite(earlier.triangle(t)));
     }
@@ -236,6 +247,7 @@ template <class Primitive>
 void WorkingSetBuilder::build(const Scene& scene, const Options& options, WorkingSet& set,
                               Counters& counters, const CycleLimit& limit) {
   body_boxes_.update<Primitive>(scene, options, limit);
+  set.parts = scene.partsMatter() ? std::make_shared<const PartTable>(scene) : nullptr;
   set.first_vertex.assign(scene.bodyCount(), 0);
   set.common_motion = kIsMoving<Primitive> ? commonMotionOf(scene) : Vec3f();
   vertex_count_ = triangle_count_ = 0;
@@ -246,7 +258,7 @@ void WorkingSetBuilder::build(const Scene& scene, const Options& options, Workin
     if (partners.self || !partners.boxes.empty()) {
       addBody<Primitive>(scene, id, partners, limit, set, counters);
     } else {
-      countLeftOut<Primitive>(scene, id, limit, counters);
+      countLeftOut<Primitive>(scene, id, set, limit, counters);
     }
   }
   cutTo(vertex_count_, triangle_count_, kIsMoving<Primitive>, set);

@@ -3,16 +3,18 @@
 //
 // It transforms all vertices into the scene frame, gives equal vertices of a body the same id, and
 // culls: a body takes part only if its box meets the box of a body that it may touch, and a
-// triangle only if its box meets the box of such a body.
+// triangle only if its box meets the box of such a body, and if its part takes part.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/common/cycle_limit.h"
 #include "core/common/index.h"
 #include "core/common/parallel.h"
+#include "core/common/part_table.h"
 #include "core/common/vertex_identity.h"
 #include "core/cpu/body_boxes.h"
 #include "core/cpu/primitive.h"
@@ -38,6 +40,8 @@ struct WorkingSet {
   std::vector<std::uint32_t> triangle;      // per triangle: its id in the body
   std::vector<Aabb> boxes;                  // per triangle
   std::vector<std::uint32_t> first_vertex;  // per body: where its vertices begin in `vertices`
+  std::shared_ptr<const PartTable> parts;   // null: parts do not matter in this scene
+  std::vector<std::uint32_t> part;          // per triangle, if they do: its number in `parts`
 
   std::size_t size() const { return triangle.size(); }
   const std::uint32_t* cornersOf(TriangleIndex t) const {
@@ -59,6 +63,10 @@ struct WorkingSet {
     return primitiveOf<Primitive>(corner[0], corner[1], corner[2]);
   }
   BodyIndex bodyOf(TriangleIndex t) const { return BodyIndex(body[t.value]); }
+  // Returns whether the pair of two triangles' parts is enabled.
+  bool partsEnabled(TriangleIndex a, TriangleIndex b) const {
+    return parts == nullptr || parts->pairs().enabled(part[a.value], part[b.value]);
+  }
   const Aabb& box(TriangleIndex t) const { return boxes[t.value]; }
   // Returns the ids of a triangle's three vertices.
   std::array<std::uint32_t, 3> vertexIds(TriangleIndex t) const {
@@ -88,7 +96,7 @@ class WorkingSetBuilder {
   };
 
   template <class Primitive>
-  void countLeftOut(const Scene& scene, BodyId id, const CycleLimit& limit,
+  void countLeftOut(const Scene& scene, BodyId id, const WorkingSet& set, const CycleLimit& limit,
                     Counters& counters) const;
   template <class Primitive>
   void addBody(const Scene& scene, BodyId id, const PartnerBoxes<BoxOf<Primitive>>& partners,

@@ -19,6 +19,7 @@ struct DetectArguments {
   // The settings of the detector, as the core takes them (core/options.h).
   Options options;
   float margin_m = 0;
+  std::string parts_file;           // empty: bodies have no parts
   std::optional<double> budget_ms;  // time limit of each detection
   int repeat = 1;
   // File names. Empty: not written; "-": standard output.

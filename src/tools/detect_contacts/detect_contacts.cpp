@@ -23,6 +23,7 @@
 #include "tools/detect_contacts/contact_report.h"
 #include "tools/detect_contacts/detect_arguments.h"
 #include "tools/detect_contacts/nearest_report.h"
+#include "tools/detect_contacts/parts_file.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -70,6 +71,7 @@ Scene readScene(const DetectArguments& arguments, Progress* progress) {
     for (BodyId other = 0; other < body; ++other) scene.setPairEnabled(other, body, true);
     scene.setPairEnabled(body, body, arguments.self);
   }
+  if (!arguments.parts_file.empty()) readParts(arguments.parts_file, &scene);
   return scene;
 }
 

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Scene.set_parts() and set_part_pair_enabled(), by hand."""
+import unittest
+
+import numpy
+from deformable_contact import Detector, Scene
+from mesh_scenes import as_set
+
+FLOOR = [[0, 0, 0], [8, 0, 0], [0, 8, 0]]
+# Two triangles that pierce the floor, side by side.
+TWO = [[1, 1, -1], [1, 1, 1], [1, 2, 1], [2, 1, -1], [2, 1, 1], [2, 2, 1]]
+
+
+class Parts(unittest.TestCase):
+
+    def setUp(self):
+        self.scene = Scene()
+        self.floor = self.scene.add_body("floor", FLOOR, [[0, 1, 2]])
+        self.two = self.scene.add_body("two", TWO, [[0, 1, 2], [3, 4, 5]])
+        self.scene.set_pair_enabled(self.floor, self.two)
+        self.detector = Detector("cpu")
+
+    def found(self):
+        return as_set(self.detector.detect(self.scene).pairs)
+
+    def test_a_disabled_part_is_left_out(self):
+        first, second = (0, 0, 1, 0), (0, 0, 1, 1)
+        self.assertEqual(self.found(), {first, second})
+        self.scene.set_parts(self.two, numpy.array([7, 0], numpy.uint8))
+        self.assertEqual(self.found(), {first, second})
+        self.scene.set_part_pair_enabled(self.two, 7, self.floor, 0, False)
+        self.assertEqual(self.found(), {second})
+        self.scene.set_parts(self.two, [0, 7])
+        self.assertEqual(self.found(), {first})
+        self.scene.set_part_pair_enabled(self.two, 7, self.floor, 0)
+        self.assertEqual(self.found(), {first, second})
+        self.scene.set_part_pair_enabled(self.floor, 0, self.two, 0, enabled=False)
+        self.assertEqual(self.found(), {second})
+        self.scene.set_parts(self.two, None)
+        self.assertEqual(self.found(), set())
+
+    def test_rejected_triangles_are_counted_by_part(self):
+        self.scene.set_parts(self.two, [7, 3])
+        vertices = numpy.array(TWO, numpy.float32)
+        vertices[0, 0] = float("nan")
+        self.scene.set_vertices(self.two, vertices)
+        self.assertEqual(self.detector.detect(self.scene).rejected_parts, {(self.two, 7): 1})
+        self.scene.set_vertices(self.two, TWO)
+        self.assertEqual(self.detector.detect(self.scene).rejected_parts, {})
+
+    def test_wrong_parts_are_refused(self):
+        for parts, why in (([1], "two: parts are given for 1 triangles, but its mesh has 2"),
+                           (numpy.array([], int), "two: parts has none"),
+                           ([1, 256], r"part 256 is not in \[0, 255\]"),
+                           ([-1, 0], r"part -1 is not in"),
+                           ([1.0, 2.0], "two: parts must be integers"),
+                           ([[1, 2]], "two: parts must be integers of shape"),
+                           ("ab", "two: parts must be integers")):
+            with self.assertRaisesRegex(ValueError, why):
+                self.scene.set_parts(self.two, parts)
+        with self.assertRaisesRegex(ValueError, "body 5 does not exist"):
+            self.scene.set_parts(5, [1, 2])
+        with self.assertRaisesRegex(ValueError, "part 300"):
+            self.scene.set_part_pair_enabled(0, 300, 1, 0)
+        with self.assertRaisesRegex(ValueError, "body -1"):
+            self.scene.set_part_pair_enabled(-1, 0, 1, 0)
+        self.assertEqual(len(self.found()), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
