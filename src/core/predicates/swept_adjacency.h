@@ -125,7 +125,8 @@ DCM_HD inline SweptVerdict quickSweptBeyondShared(const MovingTriangle& a, const
   if (moves && split.common_count == 2) {
     FeatureVerdict verdict{PartVerdict::kOpen, 0, 1};
     if ((kFilters & kHalving) != 0) {
-      verdict = halvedVerdict(fold, coplanarity<Real>(fold), wants_time, 1.0F);
+      verdict = halvedVerdict<Real, (kFilters & kShortcuts) != 0>(fold, coplanarity<Real>(fold),
+                                                                  wants_time, 1.0F);
     }
     if (verdict.part == PartVerdict::kApart) return {};
     first.add(verdict, kWholePair);

@@ -49,10 +49,6 @@ struct IntegerPoints {
     const int first = at_end ? 3 * kPoints : 0;
     return n[first + 3 * q + axis] - n[first + 3 * p + axis];
   }
-  // Returns whether p and q always have the same coordinate.
-  DCM_HD bool areLevel(int p, int q, int axis) const {
-    return difference(p, q, axis, false) == 0 && difference(p, q, axis, true) == 0;
-  }
 };
 
 // Adds the determinant [u v w]; each number is less than 2^62 in size. The sum of three
@@ -76,6 +72,31 @@ DCM_HD inline int signWithin(std::int64_t at_start, std::int64_t at_end, std::in
   return first < 0 && second < 0 ? -1 : kUncertain;
 }
 
+__extension__ using UInt128 = unsigned __int128;
+
+// The product of two integers.
+class Product256 {
+ public:
+  DCM_HD Product256(Int128 x, Int128 y) : negative_((x < 0) != (y < 0)) {
+    const UInt128 a = x < 0 ? -UInt128(x) : UInt128(x), b = y < 0 ? -UInt128(y) : UInt128(y);
+    const UInt128 low = half(a) * half(b), cross = half(a >> 64) * half(b);
+    const UInt128 other = half(a) * half(b >> 64), high = half(a >> 64) * half(b >> 64);
+    const UInt128 middle = (low >> 64) + half(cross) + half(other);
+    low_ = middle << 64 | half(low);
+    high_ = high + (cross >> 64) + (other >> 64) + (middle >> 64);
+  }
+  DCM_HD bool operator==(const Product256& other) const {
+    return low_ == other.low_ && high_ == other.high_ &&
+           (negative_ == other.negative_ || (low_ == 0 && high_ == 0));
+  }
+
+ private:
+  DCM_HD static UInt128 half(UInt128 x) { return static_cast<std::uint64_t>(x); }
+
+  UInt128 low_, high_;
+  bool negative_;
+};
+
 // A quadratic in time with the Bernstein coefficients c[0], c[1] / 2 and c[2], each less than 2^126
 // in size.
 struct IntegerQuadratic {
@@ -91,6 +112,13 @@ struct IntegerQuadratic {
     sum.addProduct(c[1], rest * k);
     sum.addProduct(c[2], k * k);
     return sum.sign();
+  }
+
+  // Returns whether this is a constant times `other`, which is not 0.
+  DCM_HD bool isMultipleOf(const IntegerQuadratic& other) const {
+    return Product256(c[0], other.c[1]) == Product256(c[1], other.c[0]) &&
+           Product256(c[0], other.c[2]) == Product256(c[2], other.c[0]) &&
+           Product256(c[1], other.c[2]) == Product256(c[2], other.c[1]);
   }
 
   // Finds the k for which [k, k + 1] / kTimeUnits has the only root of a quadratic that changes its
@@ -134,37 +162,51 @@ DCM_HD inline std::int64_t whenTogether(const IntegerPoints& points, int v, int 
   return IntegerQuadratic{{a, Int128{a} + b, b}}.rootPlace();
 }
 
-// Finds when v comes to the edge pq while the three always have the coordinate `axis` in common.
-// Returns the interval as rootPlace() does, or -1.
-DCM_HD inline std::int64_t whenOnEdge(const IntegerPoints& points, int v, int p, int q, int axis) {
-  if (!points.areLevel(p, q, axis) || !points.areLevel(p, v, axis)) return -1;
+// Returns the cross product of the ways from p to q and from p to v, projected along `axis`.
+DCM_HD inline IntegerQuadratic turnOf(const IntegerPoints& points, int v, int p, int q, int axis) {
   const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
-  Int128 edge[2][2], way[2][2];
-  for (int end = 0; end < 2; ++end) {
-    edge[end][0] = points.difference(p, q, i, end != 0);
-    edge[end][1] = points.difference(p, q, j, end != 0);
-    way[end][0] = points.difference(p, v, i, end != 0);
-    way[end][1] = points.difference(p, v, j, end != 0);
+  Int128 turn[2][2];  // the state of pq, and that of pv
+  for (int a = 0; a < 2; ++a) {
+    for (int b = 0; b < 2; ++b) {
+      turn[a][b] = Int128{points.difference(p, q, i, a != 0)} * points.difference(p, v, j, b != 0) -
+                   Int128{points.difference(p, q, j, a != 0)} * points.difference(p, v, i, b != 0);
+    }
   }
-  const IntegerQuadratic turn{{edge[0][0] * way[0][1] - edge[0][1] * way[0][0],
-                               edge[0][0] * way[1][1] - edge[0][1] * way[1][0] +
-                                   edge[1][0] * way[0][1] - edge[1][1] * way[0][0],
-                               edge[1][0] * way[1][1] - edge[1][1] * way[1][0]}};
-  const std::int64_t k = turn.changesSign() ? turn.rootPlace() : -1;
-  if (k < 0) return -1;
-  // Then v is on the line pq. It is on the edge if it is so along an axis that does not flatten it.
-  for (int try_j = 0; try_j < 2; ++try_j) {
-    const int along = try_j == 0 ? i : j;
-    const auto sign = [&points, along, k](int a, int b) {
-      return signWithin(points.difference(a, b, along, false), points.difference(a, b, along, true),
+  return {{turn[0][0], turn[0][1] + turn[1][0], turn[1][1]}};
+}
+
+// Returns whether v, known to lie on the line pq at some time in [k, k + 1] / kTimeUnits, is then
+// certainly on the edge: so it is along an axis that does not flatten the edge.
+DCM_HD inline bool isBetween(const IntegerPoints& points, int v, int p, int q, std::int64_t k) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto sign = [&points, axis, k](int a, int b) {
+      return signWithin(points.difference(a, b, axis, false), points.difference(a, b, axis, true),
                         k);
     };
     const int before = sign(p, v), after = sign(v, q);
     if (isStrict(sign(p, q)) && before != kUncertain && after != kUncertain) {
-      return before * after >= 0 ? k : -1;
+      return before * after >= 0;
     }
   }
-  return -1;
+  return false;
+}
+
+// Finds when v comes to the edge pq, if the normal of the three points keeps its direction: then
+// they are on one line when one of its coordinates is 0. Returns the interval as rootPlace() does,
+// or -1.
+DCM_HD inline std::int64_t whenOnEdge(const IntegerPoints& points, int v, int p, int q) {
+  IntegerQuadratic turn[3];
+  int changing = -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    turn[axis] = turnOf(points, v, p, q, axis);
+    if (turn[axis].changesSign()) changing = axis;
+  }
+  if (changing < 0) return -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!turn[axis].isMultipleOf(turn[changing])) return -1;
+  }
+  const std::int64_t k = turn[changing].rootPlace();
+  return k >= 0 && isBetween(points, v, p, q, k) ? k : -1;
 }
 
 // Returns whether v and w are certainly apart on [k, k + 1] / kTimeUnits.
@@ -187,9 +229,9 @@ DCM_HD inline std::int64_t firstTie(const Feature& feature, const IntegerPoints&
     const int v = face ? 3 : i;
     const int p = face ? i : (i < 2 ? 2 : 0), q = face ? (i == 2 ? 0 : i + 1) : p + 1;
     const int other = face ? i : (i < 2 ? 2 + i : 3 - i);  // each vertex with each
-    DCM_ROLLED for (int axis = 0; axis < 4; ++axis) {
+    DCM_ROLLED for (int kind = 0; kind < 2; ++kind) {
       const std::int64_t k =
-          axis < 3 ? whenOnEdge(points, v, p, q, axis) : whenTogether(points, v, other);
+          kind == 0 ? whenOnEdge(points, v, p, q) : whenTogether(points, v, other);
       if (k < 0 || (first >= 0 && first <= k)) continue;
       if (!beyond || areApartWithin(points, v, 4, k)) first = k;
     }

@@ -19,7 +19,8 @@ enum SweptFilters : unsigned {
   kHalving = 16,         // of features' time intervals, and the sign of their cubics
   kIntegerSigns = 32,    // of features' cubics
   kTies = 64,            // of features
-  kAllSweptFilters = 127,
+  kShortcuts = 128,      // of halving
+  kAllSweptFilters = 255,
 };
 
 // The decision on a pair.
@@ -48,6 +49,13 @@ DCM_HD inline SweptVerdict meetsAt(float low, float high) {
   return {PartVerdict::kMeet, low, high, 0, false};
 }
 
+// Returns whether the first time is known well enough although features are open: none of these
+// meets before `open_low`, the first of the others in [low, high].
+DCM_HD inline bool isNarrow(float low, float open_low, float high, bool meets_at_end) {
+  const float end = meets_at_end ? least(high, 1.0F) : high;
+  return end <= 1 && end - least(low, open_low) <= kTimeWidth;
+}
+
 // Collects the decisions on features.
 struct FirstMeeting {
   float low = 2, high = 2, open_low = 2;
@@ -66,6 +74,9 @@ struct FirstMeeting {
   DCM_HD SweptVerdict verdict(bool meets_at_end, PredicateState& state) const {
     SweptVerdict result = meetsAt(low, high);
     result.meets_at_end = meets_at_end;
+    if (open != 0 && isNarrow(low, open_low, high, meets_at_end)) {
+      return meetsAt(least(low, open_low), least(high, 1.0F));
+    }
     if (open != 0 && state.mode == Predicates::kExact) {
       result.part = PartVerdict::kOpen;
       result.open = open;
@@ -114,7 +125,9 @@ DCM_HD inline FeatureVerdict featureVerdict(const Feature& feature, const Cubic<
                                             const MovingPoint* shared, bool wants_time, float until,
                                             Predicates mode) {
   FeatureVerdict verdict{PartVerdict::kOpen, 0, 1};
-  if ((kFilters & kHalving) != 0) verdict = halvedVerdict(feature, d, wants_time, until);
+  if ((kFilters & kHalving) != 0) {
+    verdict = halvedVerdict<Real, (kFilters & kShortcuts) != 0>(feature, d, wants_time, until);
+  }
   if (verdict.part != PartVerdict::kOpen || mode != Predicates::kExact) return verdict;
   return integerVerdict<kFilters>(feature, shared, verdict.low, wants_time);
 }
