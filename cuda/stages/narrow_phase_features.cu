@@ -1,6 +1,6 @@
 // Stage narrow_phase in swept motion, second part: examines the features (vertex against face, edge
 // against edge) of the pairs that the first part leaves. One thread works on one feature at a time:
-// first in float32, then in double, then by the signs of integers. The rest is left to the host.
+// first in float32, then in double, then by integers. The rest is left to the host.
 #include "cuda/stages/halving.cuh"
 #include "cuda/stages/narrow_phase_moving.cuh"
 
