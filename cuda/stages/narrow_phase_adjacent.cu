@@ -8,6 +8,8 @@ namespace deformable_contact_monitor {
 namespace {
 
 constexpr unsigned kThreads = 128;
+// Shortcuts need more registers than they save time here.
+constexpr unsigned kBeyondFilters = kAllSweptFilters & ~kShortcuts;
 
 __device__ SharedVertices sharedOf(const DeviceCandidate& candidate) {
   const std::uint32_t bits = sharedBitsOf(candidate);
@@ -69,8 +71,8 @@ __global__ void __launch_bounds__(kThreads) beyondKernel(CycleArrays c) {
     if (laneId() < each && k < count) {
       i = c.contacts.first_list[Place(k)];
       const DeviceCandidate pair = c.contacts.candidates[i];
-      verdict = quickSweptBeyondShared<double>(movingAt(c, pair.a), movingAt(c, pair.b),
-                                               sharedOf(pair), params.first_times != 0, state);
+      verdict = quickSweptBeyondShared<double, kBeyondFilters>(
+          movingAt(c, pair.a), movingAt(c, pair.b), sharedOf(pair), params.first_times != 0, state);
       if (verdict.part == PartVerdict::kOpen) leaveToHost(c, i, verdict);
     }
     __syncwarp();

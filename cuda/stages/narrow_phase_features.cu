@@ -1,6 +1,6 @@
 // Stage narrow_phase in swept motion, second part: examines the features (vertex against face, edge
 // against edge) of the pairs that the first part leaves. One thread works on one feature at a time:
-// first in float32, then in double, then by the signs of integers. The rest is left to the host.
+// first in float32, then in double, then by integers. The rest is left to the host.
 #include "cuda/stages/halving.cuh"
 #include "cuda/stages/narrow_phase_moving.cuh"
 
@@ -268,7 +268,6 @@ __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
 __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
-  const bool exact = params.predicates == Predicates::kExact;
   halveFeatures<double>(
       c, FeatureSource(c, c.contacts.first_list, sweptCounters(c).left, 0),
       {wants_time, kMostPieces}, [](const FeatureTask&, const Cubic<double>&) { return true; },
@@ -276,24 +275,28 @@ __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
         SweptState& state = c.contacts.states[task.candidate];
         if (verdict.part == PartVerdict::kMeet) addMeeting(c, task.candidate, verdict);
         if (verdict.part != PartVerdict::kOpen) atomicAnd(&state.bits, ~(1U << task.index));
-        if (verdict.part == PartVerdict::kOpen && !exact) {
+        if (verdict.part == PartVerdict::kOpen) {
           atomicMin(&state.open_low, __float_as_uint(verdict.low));
         }
       });
 }
 
-// One thread for each feature of contacts.first_list that double leaves open: removes those that
-// integer arithmetic proves not to meet.
+// One thread for each feature of contacts.first_list that double leaves open: decides those that
+// integer arithmetic can.
 __global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
   const CycleParams& params = c.params();
+  const bool wants_time = params.first_times != 0;
   if (params.predicates != Predicates::kExact) return;
   FeatureSource source(c, c.contacts.first_list, sweptCounters(c).left, 0);
   while (source.hasMore()) {
     if (warpIsCutOff(c, false)) return;
     FeatureTask task{};
-    if (source.next(task) && !isDecided(c, task.candidate, params.first_times != 0) &&
-        integerSigns(featureAt(c, task)) == IntegerSigns::kNoRootWithin) {
-      atomicAnd(&c.contacts.states[task.candidate].bits, ~(1U << task.index));
+    if (source.next(task) && !isDecided(c, task.candidate, wants_time)) {
+      SweptState& state = c.contacts.states[task.candidate];
+      const FeatureVerdict verdict = detail::integerVerdict<kAllSweptFilters>(
+          featureAt(c, task), nullptr, __uint_as_float(state.open_low), wants_time);
+      if (verdict.part == PartVerdict::kMeet) addMeeting(c, task.candidate, verdict);
+      if (verdict.part != PartVerdict::kOpen) atomicAnd(&state.bits, ~(1U << task.index));
     }
     __syncwarp();
   }

@@ -104,13 +104,17 @@ void ContactOutput::list(std::uint32_t count, DetectionResult& result) const {
 
 // Copies times and flags. A contact that only a pad makes has a negative `high`.
 void ContactOutput::listTimes(std::uint32_t count, DetectionResult& result) const {
-  if (fields_.first_times) result.first_times.resize(count);
-  if (fields_.within_pad) result.within_pad.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const ContactTimes& times = times_[i];
-    const bool pad_alone = times.high < 0;
-    if (fields_.first_times) result.first_times[i] = {times.low, pad_alone ? 1 : times.high};
-    if (fields_.within_pad) result.within_pad[i] = pad_alone ? 1 : 0;
+  const ContactTimes* const times = times_.data();
+  if (fields_.first_times) {
+    result.first_times.resize(count);
+    FirstContact* const first = result.first_times.data();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      first[i] = {times[i].low, times[i].high < 0 ? 1 : times[i].high};
+    }
+  }
+  if (fields_.within_pad) {
+    result.within_pad.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) result.within_pad[i] = times[i].high < 0 ? 1 : 0;
   }
 }
 

@@ -75,6 +75,44 @@ MovingPair edgeMeetsEdge(MotionDice* dice) {
   return pair;
 }
 
+float& coordinate(Vec3f& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+// A vertex of b comes to the line of an edge of a, and always has one coordinate in common with it.
+// The time is a root of a quadratic, mostly not a rational one.
+MovingPair levelVertexMeetsEdge(MotionDice* dice) {
+  MovingPair pair = dice->pair(20);
+  const int axis = dice->within(0, 2), s = dice->within(-1, 5), i = dice->within(0, 2);
+  for (int state = 0; state < 2; ++state) {
+    const float level = coordinate(vertex(pair.a, state, 0), axis);
+    coordinate(vertex(pair.a, state, 1), axis) = level;
+    const Vec3f on_edge = vertex(pair.a, state, 0) * static_cast<float>(4 - s) +
+                          vertex(pair.a, state, 1) * static_cast<float>(s);
+    Vec3f way = dice->point(7);
+    coordinate(way, axis) = 0;
+    vertex(pair.b, state, i) = (state == 0 ? on_edge + way : on_edge - way) * 0.25F;
+  }
+  changeAll(pair, [](Vec3f& v) { v = v * 4.0F; });
+  return pair;
+}
+
+// The two are images of each other, and each may go through the plane of symmetry.
+MovingPair mirrored(MotionDice* dice) {
+  MovingPair pair = dice->pair(12);
+  if (dice->half()) {
+    for (int i = 0; i < 3; ++i) {  // begins on one side
+      pair.a.from.v[i].y = static_cast<float>(dice->within(0, 9));
+      pair.a.to.v[i].y = static_cast<float>(dice->within(-9, 1));
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int state = 0; state < 2; ++state) {
+      const Vec3f& v = vertex(pair.a, state, i);
+      vertex(pair.b, state, i) = {v.x, -v.y, v.z};
+    }
+  }
+  return pair;
+}
+
 MovingPair inOnePlane(MotionDice* dice) {
   MovingPair pair = dice->pair(dice->half() ? 3 : 9);
   const bool tilted = dice->half();
@@ -151,9 +189,7 @@ MovingPair turningBack(MotionDice* dice) {
 MovingPair farApartExponents(MotionDice* dice) {
   MovingPair pair = dice->half() ? vertexMeetsPlane(dice) : smallGrid(dice);
   const int axis = dice->within(0, 2), power = dice->within(-70, 70);
-  changeAll(pair, [axis, power](Vec3f& v) {
-    (axis == 0 ? v.x : axis == 1 ? v.y : v.z) = std::ldexp(v[axis], power);
-  });
+  changeAll(pair, [axis, power](Vec3f& v) { coordinate(v, axis) = std::ldexp(v[axis], power); });
   const int i = dice->within(0, 2);
   if (dice->half()) pair.b.to.v[i].x = std::ldexp(static_cast<float>(dice->within(-9, 9)), 60);
   return pair;
@@ -174,6 +210,18 @@ MovingPair sharedVertex(MotionDice* dice) {
 }
 MovingPair sharedVertexSmallSteps(MotionDice* dice) { return sharing(dice, smallSteps(dice), 1); }
 MovingPair sharedVertexInOnePlane(MotionDice* dice) { return sharing(dice, inOnePlane(dice), 1); }
+MovingPair sharedVertexLevelEdge(MotionDice* dice) {
+  MovingPair pair = levelVertexMeetsEdge(dice);
+  const int i = dice->within(0, 2), j = dice->within(0, 2);
+  pair.b.from.v[j] = pair.a.from.v[i];
+  pair.b.to.v[j] = pair.a.to.v[i];
+  return pair;
+}
+MovingPair sharedVertexMirrored(MotionDice* dice) {
+  MovingPair pair = mirrored(dice);
+  for (MovingTriangle* t : {&pair.a, &pair.b}) t->from.v[0].y = t->to.v[0].y = 0;
+  return pair;
+}
 MovingPair sharedVertexDegenerate(MotionDice* dice) { return sharing(dice, degenerate(dice), 1); }
 MovingPair sharedVertexOnOneLine(MotionDice* dice) { return sharing(dice, onOneLine(dice), 1); }
 MovingPair sharedEdge(MotionDice* dice) {
@@ -234,20 +282,23 @@ Triangle MotionDice::triangle(int range) {
 }
 
 const std::vector<MovingPairClass>& movingPairClasses() {
-  static const std::vector<MovingPairClass> classes = {{"tiny_grid", tinyGrid},
-                                                       {"small_grid", smallGrid},
-                                                       {"large_grid", largeGrid},
-                                                       {"off_the_grid", offTheGrid},
-                                                       {"small_steps", smallSteps},
-                                                       {"vertex_meets_plane", vertexMeetsPlane},
-                                                       {"edge_meets_edge", edgeMeetsEdge},
-                                                       {"in_one_plane", inOnePlane},
-                                                       {"on_one_line", onOneLine},
-                                                       {"degenerate", degenerate},
-                                                       {"one_is_still", oneIsStill},
-                                                       {"sliding", sliding},
-                                                       {"turning_back", turningBack},
-                                                       {"far_apart_exponents", farApartExponents}};
+  static const std::vector<MovingPairClass> classes = {
+      {"tiny_grid", tinyGrid},
+      {"small_grid", smallGrid},
+      {"large_grid", largeGrid},
+      {"off_the_grid", offTheGrid},
+      {"small_steps", smallSteps},
+      {"vertex_meets_plane", vertexMeetsPlane},
+      {"edge_meets_edge", edgeMeetsEdge},
+      {"level_vertex_meets_edge", levelVertexMeetsEdge},
+      {"mirrored", mirrored},
+      {"in_one_plane", inOnePlane},
+      {"on_one_line", onOneLine},
+      {"degenerate", degenerate},
+      {"one_is_still", oneIsStill},
+      {"sliding", sliding},
+      {"turning_back", turningBack},
+      {"far_apart_exponents", farApartExponents}};
   return classes;
 }
 
@@ -256,6 +307,8 @@ const std::vector<MovingPairClass>& sharingPairClasses() {
       {"shared_vertex", sharedVertex},
       {"shared_vertex_small_steps", sharedVertexSmallSteps},
       {"shared_vertex_in_one_plane", sharedVertexInOnePlane},
+      {"shared_vertex_level_edge", sharedVertexLevelEdge},
+      {"shared_vertex_mirrored", sharedVertexMirrored},
       {"shared_vertex_degenerate", sharedVertexDegenerate},
       {"shared_vertex_on_one_line", sharedVertexOnOneLine},
       {"shared_edge", sharedEdge},

@@ -92,7 +92,7 @@ DCM_HD inline void addFeaturesAround(const SharedSplit& split, bool wants_time, 
     const Cubic<Real> d = coplanarity<Real>(feature);
     if ((kFilters & kHalving) != 0 && d.sign() != 0) continue;
     FeatureVerdict verdict =
-        featureVerdict<Real, kFilters>(feature, d, false, wants_time, first.high, mode);
+        featureVerdict<Real, kFilters>(feature, d, &p, wants_time, first.high, mode);
     // The opposite edges may cross in p, which is no contact beyond p.
     if (i == kFeaturesAroundVertex - 1 && verdict.part == PartVerdict::kMeet && !beyond) {
       verdict.part = PartVerdict::kOpen;
@@ -125,7 +125,8 @@ DCM_HD inline SweptVerdict quickSweptBeyondShared(const MovingTriangle& a, const
   if (moves && split.common_count == 2) {
     FeatureVerdict verdict{PartVerdict::kOpen, 0, 1};
     if ((kFilters & kHalving) != 0) {
-      verdict = halvedVerdict(fold, coplanarity<Real>(fold), wants_time, 1.0F);
+      verdict = halvedVerdict<Real, (kFilters & kShortcuts) != 0>(fold, coplanarity<Real>(fold),
+                                                                  wants_time, 1.0F);
     }
     if (verdict.part == PartVerdict::kApart) return {};
     first.add(verdict, kWholePair);

@@ -254,24 +254,50 @@ void insertTime(RealRoot time, std::vector<RealRoot>& times) {
   times.insert(place, std::move(time));
 }
 
+// A list of times that begins with 0 and 1.
+class TimeList {
+ public:
+  TimeList() : times_{RealRoot(Dyadic{0, 0}), RealRoot(Dyadic{1, 0})} {}
+  void addRoots(const Polynomial& f) {
+    for (RealRoot& root : rootsInUnitInterval(f)) insertTime(std::move(root), times_);
+  }
+  std::vector<RealRoot> take() { return std::move(times_); }
+
+ private:
+  std::vector<RealRoot> times_;
+};
+
 // Returns, ascending, all times at which the sign of some orientation or comparison of the points
 // changes. Between two of them the answer stays the same.
 std::vector<RealRoot> timesOfChange(const ExactMotion& motion) {
-  std::vector<RealRoot> times = {RealRoot(Dyadic{0, 0}), RealRoot(Dyadic{1, 0})};
-  const auto add = [&times](const Polynomial& f) {
-    for (RealRoot& root : rootsInUnitInterval(f)) insertTime(std::move(root), times);
-  };
+  TimeList times;
   const int n = motion.count();
   for (int i = 0; i < n; ++i) {
     for (int j = i + 1; j < n; ++j) {
-      for (int axis = 0; axis < 3; ++axis) add(motion.difference(i, j, axis));
+      for (int axis = 0; axis < 3; ++axis) times.addRoots(motion.difference(i, j, axis));
       for (int k = j + 1; k < n; ++k) {
-        for (int axis = 0; axis < 3; ++axis) add(motion.orientation(i, j, k, axis));
-        for (int l = k + 1; l < n; ++l) add(motion.orientation3(i, j, k, l));
+        for (int axis = 0; axis < 3; ++axis) times.addRoots(motion.orientation(i, j, k, axis));
+        for (int l = k + 1; l < n; ++l) times.addRoots(motion.orientation3(i, j, k, l));
       }
     }
   }
-  return times;
+  return times.take();
+}
+
+// Does the same for five points with fewer times, if no four of them always lie in one plane.
+// Otherwise it returns an empty list. Two triangles with a common vertex meet beyond it iff an edge
+// opposite to it meets the other triangle. While no four points lie in one plane, the signs of the
+// five determinants decide that, and do not change.
+std::vector<RealRoot> timesInOnePlane(const ExactMotion& motion) {
+  TimeList times;
+  for (int left_out = 0; left_out < 5; ++left_out) {
+    int point[4];
+    for (int i = 0; i < 4; ++i) point[i] = i < left_out ? i : i + 1;
+    const Polynomial f = motion.orientation3(point[0], point[1], point[2], point[3]);
+    if (f.isZero()) return {};
+    times.addRoots(f);
+  }
+  return times.take();
 }
 
 }  // namespace
@@ -309,7 +335,9 @@ FirstTime exactTimeBeyondShared(const MovingTriangle& a, const MovingTriangle& b
       return first;
     }
   }
-  std::vector<RealRoot> times = timesOfChange(pair.motion());
+  std::vector<RealRoot> times;
+  if (pair.motion().count() == 5) times = timesInOnePlane(pair.motion());
+  if (times.empty()) times = timesOfChange(pair.motion());
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (pair.meetAt(times[i])) {
       addTime(times[i], first);

@@ -4,13 +4,11 @@
 // If two triangles meet, but not at t = 0, one of their 15 features meets first. When a feature
 // meets, its four points lie in one plane, so that a cubic in time is zero. halvedVerdict() halves
 // the time interval until the signs of that cubic and of projected orientations are certain, in
-// float or double. integerSigns() has the exact signs of the cubic's coefficients for cases that
-// double leaves open.
+// float or double. swept_integers.h decides many cases that double leaves open.
 #pragma once
 
 #include <cstdint>
 
-#include "core/predicates/exact_integers.h"
 #include "core/predicates/swept_polynomials.h"
 #include "core/predicates/triangle_intersection.h"
 
@@ -22,6 +20,13 @@ enum class FeatureKind {
   kFold,        // triangles x[0] x[1] x[2] and x[0] x[1] x[3], on the same side of their edge
 };
 
+// The decision on a feature. kMeet: it meets first in [low, high], and not before. kApart: it never
+// meets. kOpen: it does not meet before `low`.
+struct FeatureVerdict {
+  PartVerdict part = PartVerdict::kApart;
+  float low = 0, high = 0;
+};
+
 // Four moving points. Where they meet, the determinant [x1 - x0, x2 - x0, x3 - x0] is 0.
 struct Feature {
   FeatureKind kind;
@@ -29,6 +34,11 @@ struct Feature {
 };
 
 constexpr int kFeatures = 15;
+
+constexpr int kMostHalvings = 24;  // times are multiples of 2^-24: exact in float32
+constexpr int kTimeHalvings = 21;  // first times are told to kTimeWidth, rounding included
+constexpr float kTimeWidth = 1.0F / (1 << 20);
+constexpr int kMostPieces = 200;
 
 // Returns a feature of two triangles: vertices of b with the face of a (0 to 2), vertices of a with
 // the face of b (3 to 5), edges of a with edges of b (6 to 14). If they meet, but not at t = 0, one
@@ -210,6 +220,35 @@ DCM_HD inline void halve(const ErrorsOfHalving<Real>& errors, FeaturePiece<Real>
   halveOrientations(errors, piece, right);
 }
 
+// Returns whether a cubic certainly has one root in its interval, and not at an end of it: its
+// Bernstein coefficients change their signs once.
+template <class Real>
+DCM_HD inline bool hasOneRoot(const Cubic<Real>& d) {
+  const int first = d.signAtStart(), last = d.signAtEnd();
+  return areOpposite(first, last) &&
+         (certainSign(d.c[1], d.error) == first || certainSign(d.c[2], d.error) == last);
+}
+
+// Returns about where that root is, in parts of the interval: by halving, then by Newton's method.
+template <class Real>
+DCM_HD inline Real rootOf(const Cubic<Real>& d) {
+  constexpr int kHalvings = 4, kSteps = 3;
+  const Real a = 3 * (d.c[1] - d.c[0]), next = 3 * (d.c[2] - d.c[1]), b = next - a;
+  const Real e = d.c[3] - d.c[0] - next;
+  const auto valueAt = [&](Real x) { return d.c[0] + x * (a + x * (b + x * e)); };
+  Real low = 0, size = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    size *= Real(0.5);
+    if ((valueAt(low + size) > 0) == (d.c[0] > 0)) low += size;
+  }
+  Real x = low + size * Real(0.5);
+  for (int i = 0; i < kSteps; ++i) {
+    x -= valueAt(x) / (a + x * (2 * b + x * 3 * e));
+    x = least(most(x, low), low + size);
+  }
+  return x;
+}
+
 // One of the 2^level equal parts of [0, 1], and which right halves on the way to it wait.
 struct HalvedInterval {
   int level = 0;
@@ -234,6 +273,75 @@ struct HalvedInterval {
   }
 };
 
+// How short an interval around a root is in which signs are mostly certain, in halvings.
+template <class Real>
+constexpr int kRootHalvings = kTimeHalvings;
+template <>
+constexpr int kRootHalvings<float> = 8;
+
+// Decides a feature in an interval in which its coplanarity has one root. It only meets there, so
+// that its signs in a short interval with the root decide, if they are certain.
+template <class Real>
+DCM_HD inline FeatureVerdict verdictAtRoot(FeatureKind kind, const FeaturePiece<Real>& piece,
+                                           const ErrorsOfHalving<Real>& errors,
+                                           const HalvedInterval& interval) {
+  const FeatureVerdict open{PartVerdict::kOpen, interval.low(), 1};
+  if (interval.level >= kRootHalvings<Real>) return open;
+  const auto parts = static_cast<Real>(1 << (kRootHalvings<Real> - interval.level));
+  const Real place = rootOf(piece.d) * parts;
+  if (!(place >= 0 && place < parts)) return open;
+  Real first = static_cast<Real>(static_cast<std::int32_t>(place));
+  FeaturePiece<Real> part;
+  piece.d.restrict(first / parts, (first + 1) / parts, errors.d, part.d);
+  if (!areOpposite(part.d.signAtStart(), part.d.signAtEnd())) {
+    // The root may be at the end of that interval; it is not at the end of this one.
+    first += Real(place - first < Real(0.5) ? -0.5 : 0.5);
+    if (first < 0 || first + 1 > parts) return open;
+    piece.d.restrict(first / parts, (first + 1) / parts, errors.d, part.d);
+    if (!areOpposite(part.d.signAtStart(), part.d.signAtEnd())) return open;
+  }
+  for (int i = 0; i < 4; ++i) {
+    part.sign[i] = piece.sign[i];
+    if (part.sign[i] != 0) continue;
+    piece.q[i].restrict(first / parts, (first + 1) / parts, errors.q[i], part.q[i]);
+    part.sign[i] = part.q[i].sign();
+  }
+  if (isApart(kind, part)) return {};
+  if (!isInside(kind, part)) return open;
+  constexpr float kWidth = 1.0F / (1 << kRootHalvings<Real>);
+  const float low = interval.low() + static_cast<float>(first) * kWidth;
+  return {PartVerdict::kMeet, low, low + kWidth};
+}
+
+// Returns whether the boxes of the two parts of a feature are certainly apart during the interval.
+template <class Real>
+DCM_HD DCM_RARE inline bool areApartIn(const Feature& feature, const HalvedInterval& interval) {
+  const int count = feature.kind == FeatureKind::kVertexFace ? 3 : 2;
+  bool apart = false;
+  DCM_ROLLED for (int axis = 0; axis < 3 && !apart; ++axis) {
+    int above = 0, below = 0, all = 0;
+    DCM_ROLLED for (int i = 0; i < count; ++i) {
+      DCM_ROLLED for (int j = count; j < 4; ++j) {
+        const MovingPoint &p = feature.x[i], &q = feature.x[j];
+        const Real from = static_cast<Real>(q.from[axis]) - static_cast<Real>(p.from[axis]);
+        const Real to = static_cast<Real>(q.to[axis]) - static_cast<Real>(p.to[axis]);
+        const Real error =
+            4 * Rounding<Real>::kUnit * (sizeOf(from) + sizeOf(to)) + Rounding<Real>::kProduct;
+        for (int end = 0; end < 2; ++end) {
+          const Real t =
+              static_cast<Real>(interval.low() + static_cast<float>(end) * interval.width());
+          const int side = certainSign(from * (1 - t) + to * t, error);
+          above += side > 0;
+          below += side < 0;
+          ++all;
+        }
+      }
+    }
+    apart = above == all || below == all;
+  }
+  return apart;
+}
+
 // Computes a feature in an interval from that in the whole one, in which its coplanarity is `d`.
 template <class Real>
 DCM_HD inline void setPiece(const Feature& feature, const Cubic<Real>& d,
@@ -250,22 +358,12 @@ DCM_HD inline void setPiece(const Feature& feature, const Cubic<Real>& d,
 
 }  // namespace detail
 
-// The decision on a feature. kMeet: it meets first in [low, high], and not before. kApart: it never
-// meets. kOpen: it does not meet before `low`.
-struct FeatureVerdict {
-  PartVerdict part = PartVerdict::kApart;
-  float low = 0, high = 0;
-};
-
-constexpr int kMostHalvings = 24;  // times are multiples of 2^-24: exact in float32
-constexpr int kTimeHalvings = 21;  // first times are told to 2^-20, rounding included
-constexpr int kMostPieces = 200;
-
 // Decides a feature with coplanarity `d`, whose sign is not certain, in [0, until]. Without
 // `wants_time`, `high` is only some time by which it has met. Right halves that wait are kept as
 // bits, and computed again from the whole interval when they are due: their polynomials would take
-// 5 KB of each thread's stack.
-template <class Real>
+// 5 KB of each thread's stack. With kShortcuts, it looks at the only root of a cubic at once, and
+// tests boxes if the points always lie in one plane.
+template <class Real, bool kShortcuts = true>
 DCM_HD DCM_RARE inline FeatureVerdict halvedVerdict(const Feature& feature, const Cubic<Real>& d,
                                                     bool wants_time, float until) {
   const float narrow = wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;
@@ -274,13 +372,23 @@ DCM_HD DCM_RARE inline FeatureVerdict halvedVerdict(const Feature& feature, cons
   if (!detail::setOrientations(feature, piece)) return {};
   const detail::ErrorsOfHalving<Real> errors(piece);
   detail::HalvedInterval interval;
+  const bool flat = kShortcuts && d.isLost() && feature.kind != FeatureKind::kFold;
+  bool tries_root = kShortcuts;
   for (int pieces = 0;; ++pieces) {
     const float low = interval.low(), width = interval.width();
     if (low > until) return {};
-    if (!detail::isApart(feature.kind, piece)) {
-      if (width <= narrow && detail::isInside(feature.kind, piece)) {
-        return {PartVerdict::kMeet, low, low + width};
-      }
+    bool apart = detail::isApart(feature.kind, piece) ||
+                 (flat && detail::areApartIn<Real>(feature, interval));
+    if (!apart && width <= narrow && detail::isInside(feature.kind, piece)) {
+      return {PartVerdict::kMeet, low, low + width};
+    }
+    if (!apart && tries_root && detail::hasOneRoot(piece.d)) {
+      const FeatureVerdict at_root = detail::verdictAtRoot(feature.kind, piece, errors, interval);
+      if (at_root.part == PartVerdict::kMeet)
+        return at_root.low > until ? FeatureVerdict{} : at_root;
+      apart = tries_root = at_root.part == PartVerdict::kApart;
+    }
+    if (!apart) {
       if (interval.level == kMostHalvings || pieces == kMostPieces) {
         return {PartVerdict::kOpen, low, 1};
       }
@@ -301,64 +409,5 @@ DCM_HD DCM_RARE inline FeatureVerdict halvedVerdict(const Feature& feature, cons
     detail::setPiece(feature, d, interval, piece);
   }
 }
-
-// The exact signs' answer about the determinant [x1 - x0, x2 - x0, x3 - x0].
-enum class IntegerSigns {
-  kUnknown,       // several may vanish, or a root lies within, or the integers are too large
-  kNoRootWithin,  // it does not vanish in (0, 1); it may at 0 and at 1
-};
-
-#if DCM_INT128
-namespace detail {
-
-// Adds the determinant [u v w]; each number is less than 2^62 in size. The sum of three
-// determinants fits.
-DCM_HD inline void addDeterminant(Int192& sum, const std::int64_t u[3], const std::int64_t v[3],
-                                  const std::int64_t w[3]) {
-  sum.addProduct(static_cast<Int128>(v[1]) * w[2] - static_cast<Int128>(v[2]) * w[1], u[0]);
-  sum.addProduct(static_cast<Int128>(v[2]) * w[0] - static_cast<Int128>(v[0]) * w[2], u[1]);
-  sum.addProduct(static_cast<Int128>(v[0]) * w[1] - static_cast<Int128>(v[1]) * w[0], u[2]);
-}
-
-}  // namespace detail
-
-DCM_HD DCM_RARE inline IntegerSigns integerSigns(const Feature& feature) {
-  float x[24];
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      x[3 * i + k] = feature.x[i].from[k];
-      x[12 + 3 * i + k] = feature.x[i].to[k];
-    }
-  }
-  std::int64_t n[24];
-  if (!toIntegers(x, n)) return IntegerSigns::kUnknown;
-  for (int state = 0; state < 24; state += 12) {
-    for (int i = 3; i < 12; ++i) n[state + i] -= n[state + i % 3];
-  }
-  // Each Bernstein coefficient is a sum over the choices of which of the three differences are
-  // taken at the end of the interval.
-  int variations = 0, last = 0, first = 0;
-  for (int later = 0; later < 4; ++later) {
-    Int192 sum;
-    for (int which = 0; which < 8; ++which) {
-      const int u = which & 1, v = which >> 1 & 1, w = which >> 2;
-      if (u + v + w != later) continue;
-      detail::addDeterminant(sum, n + 12 * u + 3, n + 12 * v + 6, n + 12 * w + 9);
-    }
-    const int sign = sum.sign();
-    if (sign == 0) continue;
-    if (first == 0) first = sign;
-    variations += last != 0 && sign != last;
-    last = sign;
-  }
-  // By Descartes' rule of signs there are no more roots in (0, 1) than sign changes, unless the
-  // cubic is always zero.
-  return first != 0 && variations == 0 ? IntegerSigns::kNoRootWithin : IntegerSigns::kUnknown;
-}
-#else
-DCM_HD inline IntegerSigns integerSigns(const Feature& /*feature*/) {
-  return IntegerSigns::kUnknown;
-}
-#endif
 
 }  // namespace deformable_contact_monitor

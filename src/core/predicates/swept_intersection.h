@@ -5,8 +5,8 @@
 #pragma once
 
 #include "core/predicates/narrow_phase.h"
-#include "core/predicates/swept_feature.h"
 #include "core/predicates/swept_filters.h"
+#include "core/predicates/swept_integers.h"
 
 namespace deformable_contact_monitor {
 
@@ -18,7 +18,9 @@ enum SweptFilters : unsigned {
   kFeatureBoxes = 8,     // of features
   kHalving = 16,         // of features' time intervals, and the sign of their cubics
   kIntegerSigns = 32,    // of features' cubics
-  kAllSweptFilters = 63,
+  kTies = 64,            // of features
+  kShortcuts = 128,      // of halving
+  kAllSweptFilters = 255,
 };
 
 // The decision on a pair.
@@ -47,6 +49,13 @@ DCM_HD inline SweptVerdict meetsAt(float low, float high) {
   return {PartVerdict::kMeet, low, high, 0, false};
 }
 
+// Returns whether the first time is known well enough although features are open: none of these
+// meets before `open_low`, the first of the others in [low, high].
+DCM_HD inline bool isNarrow(float low, float open_low, float high, bool meets_at_end) {
+  const float end = meets_at_end ? least(high, 1.0F) : high;
+  return end <= 1 && end - least(low, open_low) <= kTimeWidth;
+}
+
 // Collects the decisions on features.
 struct FirstMeeting {
   float low = 2, high = 2, open_low = 2;
@@ -65,6 +74,9 @@ struct FirstMeeting {
   DCM_HD SweptVerdict verdict(bool meets_at_end, PredicateState& state) const {
     SweptVerdict result = meetsAt(low, high);
     result.meets_at_end = meets_at_end;
+    if (open != 0 && isNarrow(low, open_low, high, meets_at_end)) {
+      return meetsAt(least(low, open_low), least(high, 1.0F));
+    }
     if (open != 0 && state.mode == Predicates::kExact) {
       result.part = PartVerdict::kOpen;
       result.open = open;
@@ -94,19 +106,30 @@ DCM_HD inline SweptVerdict meetsAtStart(const PredicateState& state) {
   return meetsAt(0, state.undecided ? 1.0F : 0.0F);
 }
 
-// Decides a feature of a pair that does not meet at t = 0. `at_ends` says whether the feature may
-// be dropped if its points lie in one plane only at t = 0 or t = 1.
+// Decides by integers a feature that double leaves open from `low` on, in a pair that does not meet
+// at t = 0. `shared`: the vertex that two triangles share, if they do; then only meetings beyond it
+// count, and a feature may not be dropped if its points lie in one plane at t = 0 or t = 1.
+template <unsigned kFilters>
+DCM_HD inline FeatureVerdict integerVerdict(const Feature& feature, const MovingPoint* shared,
+                                            float low, bool wants_time) {
+  auto signs = IntegerSigns::kUnknown;
+  if ((kFilters & kIntegerSigns) != 0) signs = integerSigns(feature);
+  if (signs == IntegerSigns::kNoRootWithin && shared == nullptr) return {};
+  if ((kFilters & kTies) == 0) return {PartVerdict::kOpen, low, 1};
+  return tieVerdict(feature, shared, low, wants_time, signs == IntegerSigns::kOneRoot);
+}
+
+// Decides a feature as far as the filters can. `shared` is that of integerVerdict().
 template <class Real, unsigned kFilters>
 DCM_HD inline FeatureVerdict featureVerdict(const Feature& feature, const Cubic<Real>& d,
-                                            bool at_ends, bool wants_time, float until,
+                                            const MovingPoint* shared, bool wants_time, float until,
                                             Predicates mode) {
   FeatureVerdict verdict{PartVerdict::kOpen, 0, 1};
-  if ((kFilters & kHalving) != 0) verdict = halvedVerdict(feature, d, wants_time, until);
-  if ((kFilters & kIntegerSigns) != 0 && verdict.part == PartVerdict::kOpen && at_ends &&
-      mode == Predicates::kExact && integerSigns(feature) == IntegerSigns::kNoRootWithin) {
-    return {};
+  if ((kFilters & kHalving) != 0) {
+    verdict = halvedVerdict<Real, (kFilters & kShortcuts) != 0>(feature, d, wants_time, until);
   }
-  return verdict;
+  if (verdict.part != PartVerdict::kOpen || mode != Predicates::kExact) return verdict;
+  return integerVerdict<kFilters>(feature, shared, verdict.low, wants_time);
 }
 
 template <class Real, unsigned kFilters>
@@ -123,8 +146,9 @@ DCM_HD inline SweptVerdict featuresVerdict(const MovingTriangle& a, const Moving
                           : i < 6 ? sides_a.of[i - 3]
                                   : coplanarity<Real>(feature);
     if ((kFilters & kHalving) != 0 && d.sign() != 0) continue;
-    first.add(featureVerdict<Real, kFilters>(feature, d, true, wants_time, first.high, state.mode),
-              1U << i);
+    first.add(
+        featureVerdict<Real, kFilters>(feature, d, nullptr, wants_time, first.high, state.mode),
+        1U << i);
     if (!wants_time && first.high <= 1) return meetsAt(first.low, first.high);
   }
   return first.verdict(meets_at_end, state);

@@ -62,6 +62,14 @@ struct Bernstein {
   DCM_HD int signAtStart() const { return certainSign(c[0], error); }
   DCM_HD int signAtEnd() const { return certainSign(c[kDegree], error); }
 
+  // Returns whether all coefficients are within the error, so that no part of the polynomial can
+  // have a certain sign.
+  DCM_HD bool isLost() const {
+    bool lost = true;
+    for (int i = 0; i <= kDegree; ++i) lost = lost && !(sizeOf(c[i]) > error);
+    return lost;
+  }
+
   // Returns what one halving adds to the error, at most, for the part of this polynomial on any
   // interval: each of the degree's levels rounds sums of numbers that are no larger than the
   // largest coefficient.
@@ -83,6 +91,24 @@ struct Bernstein {
       for (int i = 0; i < kDegree - level; ++i) row[i] = (row[i] + row[i + 1]) * Real(0.5);
     }
     left.error = right.error = larger_error;
+  }
+
+  // Computes the polynomial on [from, to], by de Casteljau's algorithm with other weights than
+  // halves. These weights and 1 minus them must be exact in Real. Rounding adds at most twice what
+  // a halving adds.
+  DCM_HD void restrict(Real from, Real to, Real more, Bernstein& part) const {
+    Real row[kDegree + 1];
+    for (int i = 0; i <= kDegree; ++i) row[i] = c[i];
+    for (int i = kDegree; i >= 0; --i) {
+      Real rest[kDegree + 1];
+      for (int j = 0; j <= i; ++j) rest[j] = row[j];
+      for (int level = i; level > 0; --level) {
+        for (int j = 0; j < level; ++j) rest[j] = (1 - to) * rest[j] + to * rest[j + 1];
+      }
+      part.c[i] = rest[0];
+      for (int j = 0; j < i; ++j) row[j] = (1 - from) * row[j] + from * row[j + 1];
+    }
+    part.error = error + 2 * more;
   }
 };
 

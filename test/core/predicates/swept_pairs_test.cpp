@@ -101,6 +101,8 @@ TEST_P(SweptPairs, NoFilterChangesTheVerdict) {
     ASSERT_EQ(isContact(verdictOf<kAllSweptFilters & ~kFeatureBoxes>(pair, true)), expected);
     ASSERT_EQ(isContact(verdictOf<kAllSweptFilters & ~kHalving>(pair, true)), expected);
     ASSERT_EQ(isContact(verdictOf<kAllSweptFilters & ~kIntegerSigns>(pair, true)), expected);
+    ASSERT_EQ(isContact(verdictOf<kAllSweptFilters & ~kTies>(pair, true)), expected);
+    ASSERT_EQ(isContact(verdictOf<kAllSweptFilters & ~kShortcuts>(pair, true)), expected);
     ASSERT_EQ(isContact(verdictOf<0>(pair, false)), expected);
   });
 }
