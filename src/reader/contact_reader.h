@@ -133,7 +133,7 @@ class ContactReader {
     const ContactState* const state = nearestState(body);
     answer.distance_m = std::numeric_limits<double>::infinity();
     if (state == nullptr) return answer;
-    const bool is_a = body == "*" || body == state->body_a;
+    const bool is_a = body == "*" || isOf(state->body_a, body);
     answer.distance_m = certainDistance(*state, newest_.tolerance);
     answer.body = is_a ? state->body_a : state->body_b;
     answer.other = is_a ? state->body_b : state->body_a;
@@ -189,12 +189,19 @@ class ContactReader {
   // message.
   const ContactStates& newest() const { return newest_; }
 
-  // Returns whether the state is about that body; "*" matches every state.
+  // Returns whether the state is about that body, or about a part of it ("cloth:hem" is one of
+  // "cloth"); "*" matches every state.
   static bool concerns(const ContactState& state, const std::string& body) {
-    return body == "*" || state.body_a == body || state.body_b == body;
+    return body == "*" || isOf(state.body_a, body) || isOf(state.body_b, body);
   }
 
  private:
+  // Returns whether the name is that of the body or of a part of it.
+  static bool isOf(const std::string& name, const std::string& body) {
+    return name.compare(0, body.size(), body) == 0 &&
+           (name.size() == body.size() || name[body.size()] == ':');
+  }
+
   // Returns a - b [s]. ros::Duration would throw if they are more than 68 years apart.
   static double seconds(const ros::Time& a, const ros::Time& b) {
     return 1e-9 * static_cast<double>(static_cast<std::int64_t>(a.toNSec()) -

@@ -17,7 +17,10 @@ struct MonitorMargins {
 
   double of(const std::string& body) const {
     const auto found = own_m.find(body);
-    return found == own_m.end() ? common_m : found->second;
+    if (found != own_m.end()) return found->second;
+    // A part, such as "cloth:hem", has the margin of its object.
+    const auto whole = own_m.find(body.substr(0, body.rfind(':')));
+    return whole == own_m.end() ? common_m : whole->second;
   }
   // Returns the margin of a pair, the larger one of its two bodies.
   double of(const ContactState& state) const {

@@ -50,7 +50,7 @@ class NearestAnswer(float):
         answer.has_points = False
         answer.point = answer.other_point = answer.normal = (0.0, 0.0, 0.0)
         if state is not None:
-            answer._tell(state, asked in ("*", state.body_a))
+            answer._tell(state, asked == "*" or _is_of(state.body_a, asked))
         return answer
 
     @property
@@ -79,6 +79,16 @@ def certain_distance(state, tolerance_m):
     if low > 0 and math.isfinite(low):
         return low
     return max(0.0, separation - tolerance_m)
+
+
+def _is_of(name, body):
+    """Whether the name is that of the body or of a part of it: "cloth:hem" is one of "cloth"."""
+    return name == body or name.startswith(body + ":")
+
+
+def _margin_of(margins, name):
+    """A part has the margin of its object."""
+    return margins.get(name, margins.get(name.rpartition(":")[0], margins["*"]))
 
 
 def margins_of(parameters):
@@ -200,7 +210,7 @@ class ContactReader:
         if margins is None:
             return "beyond the monitor's margin"
         return "beyond the margin of %g m" % min(
-            max(margins.get(name, margins["*"]) for name in pair) for pair in pairs)
+            max(_margin_of(margins, name) for name in pair) for pair in pairs)
 
     def contacts(self, body, now):
         """Its pairs that are known to touch, or to have touched since their last cycle. None is no
@@ -223,7 +233,7 @@ class ContactReader:
 
     def _states_of(self, body):
         return [state for state in self.newest.states
-                if body == "*" or body in (state.body_a, state.body_b)]
+                if body == "*" or _is_of(state.body_a, body) or _is_of(state.body_b, body)]
 
     def _is_older(self, states):
         if states.header.stamp.to_nsec() == 0:
