@@ -8,6 +8,17 @@
 
 namespace deformable_contact_monitor {
 
+std::string nameOf(const BodyStatus& body, PartId part) {
+  return part == 0 ? body.name : body.name + ":" + body.parts->names[part - 1U];
+}
+
+bool hasName(const BodyStatus& body, const std::string& name) {
+  for (std::size_t part = 0; part <= body.partCount(); ++part) {
+    if (nameOf(body, static_cast<PartId>(part)) == name) return true;
+  }
+  return false;
+}
+
 bool hasGeometry(const CycleReport& report) {
   return report.options.geometry && report.result != nullptr &&
          report.result->geometry.size() == report.result->contacts.size();
@@ -20,6 +31,7 @@ void noteRejected(CycleReport* report) {
   for (BodyId id = 0; id < report->bodies.size(); ++id) {
     BodyStatus& body = report->bodies[id];
     body.rejected = rejected[id].count;
+    body.rejected_by_part.assign(rejected[id].by_part.begin(), rejected[id].by_part.end());
     if (rejected[id].by_pose) body.unknown_because = "its pose makes vertices infinite";
   }
 }

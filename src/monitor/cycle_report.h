@@ -32,18 +32,38 @@ enum class BodyKind : std::uint8_t { kLink = 0, kDeformable = 1 };
 struct MonitoredPair {
   BodyId a = 0, b = 0;   // a <= b; a == b is self-contact
   bool allowed = false;  // the pair is reported as ALLOWED and is not computed
+  // A named part of one of the bodies that the pair is about; 0: all of the body, but for parts
+  // that are ALLOWED. At most one of the two is set; of self-contact, part_b.
+  PartId part_a = 0, part_b = 0;
+};
+
+// The named parts of an object in the mesh that is in use.
+struct BodyParts {
+  std::vector<std::string> names;      // of the parts 1, 2, ..., without the object's name
+  std::vector<std::size_t> triangles;  // how many each part has, from part 0 on
+  std::string problem;  // why nobody knows which triangles these are; empty: it is known
 };
 
 // The status of one body in a cycle.
 struct BodyStatus {
   std::string name;
   BodyKind kind = BodyKind::kLink;
-  ros::Time stamp;                // of the data in use; zero if there is none
-  std::uint32_t topology_id = 0;  // of the mesh in use; 0 for links
-  std::string unknown_because;    // why the body cannot be used; empty if it can
-  bool triggered = false;         // the cycle was started for this body
-  std::uint64_t rejected = 0;     // triangles left out because a vertex is not finite
+  ros::Time stamp;                           // of the data in use; zero if there is none
+  std::uint32_t topology_id = 0;             // of the mesh in use; 0 for links
+  std::string unknown_because;               // why the body cannot be used; empty if it can
+  bool triggered = false;                    // the cycle was started for this body
+  std::uint64_t rejected = 0;                // triangles left out because a vertex is not finite
+  std::shared_ptr<const BodyParts> parts{};  // null: the object has no named parts
+  std::vector<std::uint64_t> rejected_by_part{};  // `rejected` from part 0 on; empty: none
+
+  std::size_t partCount() const { return parts == nullptr ? 0 : parts->names.size(); }
 };
+
+// Returns the name of a body, or "object:part" for a named part of it.
+std::string nameOf(const BodyStatus& body, PartId part);
+
+// Returns whether this is the name of the body or of a part of it.
+bool hasName(const BodyStatus& body, const std::string& name);
 
 // The objects that the robot holds, by name, each with the names of the links that may touch it.
 using AttachedObjects = std::map<std::string, std::vector<std::string>>;
@@ -56,6 +76,7 @@ struct StepBody {
   DeformableMesh::ConstPtr mesh;  // with its vertices at the beginning; null if they are the same
   BodyPath path;                  // between the two poses; empty if vertices move on straight lines
   std::uint64_t rejected = 0;     // triangles with a vertex that is not finite at begin or end
+  std::vector<std::uint64_t> rejected_by_part;  // `rejected` from part 0 on; empty: none
 };
 
 // Continuous collision detection (motion: swept): one time interval that ends with the cycle. It
@@ -79,8 +100,9 @@ struct CycleReport {
   std_msgs::Header header;  // stamp of the mesh that triggered the cycle, and the reference frame
   std::uint64_t cycle = 0;  // number of the cycle, counted from 1
   std::uint64_t epoch = 0;  // in which the cycle began (LoopRequests::requestReset())
-  std::vector<BodyStatus> bodies;  // indexed by BodyId: links in URDF order, then objects
-  std::vector<MonitoredPair> pairs;
+  std::vector<BodyStatus> bodies;         // indexed by BodyId: links in URDF order, then objects
+  std::vector<MonitoredPair> pairs;       // of bodies
+  std::vector<MonitoredPair> part_pairs;  // of a named part of one body with the other body
   AttachedObjects attached;
   // The bodies as the detector saw them, and what it found at the stamp. Both are null if no
   // detection ran or if it failed; then every pair of the cycle is UNKNOWN.
@@ -95,6 +117,15 @@ struct CycleReport {
   std::string backend;              // that ran
   ros::Time now;                    // when the cycle was over, by the same clock as the stamp
 };
+
+// The pairs that have states, in the order of the states: those of bodies, and then those of parts.
+inline std::size_t statePairCount(const CycleReport& report) {
+  return report.pairs.size() + report.part_pairs.size();
+}
+inline const MonitoredPair& statePair(const CycleReport& report, std::size_t i) {
+  const std::size_t bodies = report.pairs.size();
+  return i < bodies ? report.pairs[i] : report.part_pairs[i - bodies];
+}
 
 // Returns whether a cycle decides about this pair: one of the pair's objects triggered the cycle,
 // or the robot's own cycle ran and both bodies are links.

@@ -75,7 +75,11 @@ void setEarlier(const StepBody& body, BodyId id, Scene* scene) {
 void noteRejectedOfInterval(const Scene& scene, SweepReport* sweep) {
   if (sweep->result->detection.counters.rejected == 0) return;
   const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene, Motion::kSwept);
-  for (BodyId id = 0; id < rejected.size(); ++id) sweep->bodies[id].rejected = rejected[id].count;
+  for (BodyId id = 0; id < rejected.size(); ++id) {
+    StepBody& body = sweep->bodies[id];
+    body.rejected = rejected[id].count;
+    body.rejected_by_part.assign(rejected[id].by_part.begin(), rejected[id].by_part.end());
+  }
 }
 
 }  // namespace
@@ -89,6 +93,8 @@ void CycleDetection::run(const Limits& limits, bool needs_geometry, Scene* scene
   options.limits = limits;
   options.geometry = options.geometry || needs_geometry;
   options.nearest = true;  // states tell how far apart two bodies are, and where
+  options.nearest_by_part = std::any_of(report->part_pairs.begin(), report->part_pairs.end(),
+                                        [](const MonitoredPair& pair) { return !pair.allowed; });
   report->result = nullptr;
   report->containment = nullptr;
   try {
@@ -139,7 +145,7 @@ void CycleDetection::runInterval(const Options& options, Scene* scene, Interval*
   Options swept = options;
   swept.motion = Motion::kSwept;
   swept.first_times = true;
-  swept.nearest = false;  // distances are those of the stamp
+  swept.nearest = swept.nearest_by_part = false;  // distances are those of the stamp
   swept.geometry = false;
   IntervalPairs pairs(scene);
   sweep->result = nullptr;

@@ -108,8 +108,8 @@ void DetectionLoop::lookAtRequests() {
 // Publishes the rules again, as they or the pairs that they concern have changed.
 void DetectionLoop::noteRules() {
   list_due_ = SteadyTime();
-  sink_->recordRules(
-      describeRules(scene_.bodies(), scene_.pairs(), scene_.rules(), scene_.scene()));
+  sink_->recordRules(describeRules(scene_.bodies(), scene_.pairs(), scene_.rules(), scene_.scene(),
+                                   scene_.partPairs()));
 }
 
 void DetectionLoop::applyLive(const LiveParameters& live) {

@@ -42,6 +42,11 @@ std::vector<std::string> describeUnknownNames(const MonitorParameters& parameter
   for (const BodyStatus& body : bodies) {
     known.insert(body.name);
     names.push_back(body.name);
+    if (body.partCount() > 0) known.insert(body.name + ":*");
+    for (std::size_t part = 1; part <= body.partCount(); ++part) {
+      names.push_back(nameOf(body, static_cast<PartId>(part)));
+      known.insert(names.back());
+    }
     if (body.kind == BodyKind::kLink) links.push_back(body.name);
   }
   for (const AllowedContact& rule : allowed.rules()) {
@@ -73,6 +78,7 @@ MonitorScene::MonitorScene(const MonitorParameters& parameters,
                            std::pmr::memory_resource& vertex_memory)
     : parameters_(parameters), vertex_memory_(vertex_memory) {
   rules_.allowed = parameters.allowed_contacts;
+  for (const ObjectParameters& object : parameters.objects) choosers_.emplace_back(object);
   setRobot(parameters.pair_classes.needRobot() ? missingRobot("no robot received yet")
                                                : RobotGeometry());
 }
@@ -86,18 +92,18 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
   scene.useMemory(vertex_memory_);
   std::vector<BodyStatus> bodies;
   std::vector<std::string> problems;
-  const auto addBody = [&](const std::string& name, BodyKind kind, TriangleMesh mesh,
-                           double margin_m) {
-    const BodyId id = scene.addBody(name, std::move(mesh));
+  const auto addBody = [&](BodyStatus body, TriangleMesh mesh, double margin_m) {
+    const BodyId id = scene.addBody(body.name, std::move(mesh));
     scene.setMargin(id, static_cast<float>(margin_m));
-    bodies.push_back({name, kind, ros::Time(), 0, ""});
+    bodies.push_back(std::move(body));
   };
   for (const LinkGeometry& link : robot.links) {
-    addBody(link.link, BodyKind::kLink, link.mesh, linkMarginM(parameters_, link.link));
+    addBody({link.link, BodyKind::kLink, ros::Time(), 0, ""}, link.mesh,
+            linkMarginM(parameters_, link.link));
     problems.push_back(link.problem);
   }
   for (const ObjectParameters& object : parameters_.objects) {
-    addBody(object.name, BodyKind::kDeformable, TriangleMesh(), object.margin_m);
+    addBody(bodyOf(object), TriangleMesh(), object.margin_m);
   }
   scene_ = std::move(scene);
   bodies_ = std::move(bodies);
@@ -112,6 +118,12 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
 // Lists all pairs of the enabled classes anew, after a rule or a body has changed.
 void MonitorScene::listPairs() {
   pairs_ = monitoredPairs(bodies_, classes_.value_or(parameters_.pair_classes), rules_);
+  part_pairs_ = monitoredPartPairs(bodies_, pairs_, rules_);
+  if (part_pairs_.empty()) return;
+  scene_.enableAllParts();
+  for (const PartPair& pair : allowedParts(bodies_, pairs_, rules_)) {
+    scene_.setPartPairEnabled(pair.body_a, pair.part_a, pair.body_b, pair.part_b, false);
+  }
 }
 
 void MonitorScene::setAllowedContacts(const AllowedContacts& allowed) {
@@ -177,6 +189,7 @@ CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle
   report.cycle = cycle;
   report.bodies = bodies_;
   report.pairs = pairs_;
+  report.part_pairs = part_pairs_;
   report.attached = rules_.attached;
   return report;
 }
@@ -324,6 +337,12 @@ void MonitorScene::loadMesh(std::size_t object, const IncomingMesh& mesh) {
     scene_.setMesh(id, {vertices, mesh.topology->triangles});
   } else if (loaded.message != mesh.message) {
     scene_.setVertices(id, vertices.data(), mesh.topology->vertex_count);
+  }
+  PartChooser& chooser = choosers_[object];
+  const bool has_other_parts = chooser.update(mesh);
+  bodies_[id].parts = chooser.parts();
+  if (loaded.topology != mesh.topology ? !chooser.ofTriangles().empty() : has_other_parts) {
+    scene_.setParts(id, chooser.ofTriangles());
   }
   loaded = mesh;
 }

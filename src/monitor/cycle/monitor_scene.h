@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/scene.h"
+#include "monitor/cycle/part_chooser.h"
 #include "monitor/cycle_report.h"
 #include "monitor/input/mesh_input.h"
 #include "monitor/input/transform_lookup.h"
@@ -102,6 +103,7 @@ class MonitorScene {
   }
   const std::vector<BodyStatus>& bodies() const { return bodies_; }
   const std::vector<MonitoredPair>& pairs() const { return pairs_; }
+  const std::vector<MonitoredPair>& partPairs() const { return part_pairs_; }
 
  private:
   // The pose of one body, which is to be looked up.
@@ -134,8 +136,9 @@ class MonitorScene {
   Scene scene_;
   std::vector<BodyStatus> bodies_;
   std::vector<std::string> link_problems_;  // why a link is UNKNOWN for good; empty: it is not
-  std::vector<MonitoredPair> pairs_;
-  std::vector<IncomingMesh> loaded_;  // by object: the mesh in the scene
+  std::vector<MonitoredPair> pairs_, part_pairs_;  // of bodies; of named parts (CycleReport)
+  std::vector<IncomingMesh> loaded_;               // by object: the mesh in the scene
+  std::vector<PartChooser> choosers_;              // by object
   BodyId first_object_ = 0;
 };
 

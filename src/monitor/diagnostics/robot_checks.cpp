@@ -57,6 +57,12 @@ void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters)
         throw std::runtime_error("'" + object.name +
                                  "' is the name of a link and of an object; rename the object");
       }
+      for (const PartParameters& part : object.parts) {
+        if (link.link != object.name + ":" + part.name) continue;
+        throw std::runtime_error("'" + link.link +
+                                 "' is the name of a link and of a part of an object; rename the "
+                                 "part");
+      }
     }
     if (!link.problem.empty()) bad += "\n  " + link.problem;
   }

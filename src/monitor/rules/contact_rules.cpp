@@ -29,6 +29,29 @@ bool isMonitored(const BodyStatus& a, const BodyStatus& b, bool same, const Pair
   return objects == 1 ? classes.robot_deformable : classes.robot_self;
 }
 
+// Returns the names by which rules may mean a part, from the least to the most particular one.
+AllowedContacts::RuleNames ruleNames(const BodyStatus& body, PartId part) {
+  if (part == 0) return {body.name};
+  return {body.name, body.name + ":*", nameOf(body, part)};
+}
+
+// Some parts of a body, from the first to the last one.
+struct Parts {
+  const BodyStatus& body;
+  std::size_t first, last;
+};
+
+// Returns whether all pairs of these parts may touch.
+bool areAllowed(const Parts& a, const Parts& b, const ContactRules& rules) {
+  for (std::size_t i = a.first; i <= a.last; ++i) {
+    for (std::size_t j = b.first; j <= b.last; ++j) {
+      const auto part_a = static_cast<PartId>(i), part_b = static_cast<PartId>(j);
+      if (!rules.verdict(a.body, b.body, part_a, part_b).allowed) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 // The order is that of the documentation.
@@ -114,6 +137,38 @@ std::optional<ContactVerdict> AllowedContacts::ofWildcard(const std::string& a,
   return any == nullptr ? std::nullopt : std::optional(any->verdict());
 }
 
+// The rank of a rule grows with how particular its two names are.
+AllowedContacts::Ranked AllowedContacts::findBest(const RuleNames& a, const RuleNames& b) const {
+  Ranked best;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const Ranked found{find(a[i], b[j]), i + j};
+      if (found.beats(best)) best = found;
+    }
+  }
+  return best;
+}
+
+bool AllowedContacts::Ranked::beats(const Ranked& other) const {
+  if (rule == nullptr || other.rule == nullptr) return rule != nullptr;
+  return rank != other.rank ? rank > other.rank : rule->added > other.rule->added;
+}
+
+std::optional<ContactVerdict> AllowedContacts::ofPair(const RuleNames& a,
+                                                      const RuleNames& b) const {
+  const Ranked best = findBest(a, b);
+  return best.rule == nullptr ? std::nullopt : std::optional(best.rule->verdict());
+}
+
+std::optional<ContactVerdict> AllowedContacts::ofWildcard(const RuleNames& a,
+                                                          const RuleNames& b) const {
+  Ranked best = findBest(a, {kAnyBody});
+  const Ranked other = findBest(b, {kAnyBody});
+  if (other.beats(best)) best = other;
+  if (best.rule == nullptr) best.rule = find(kAnyBody, kAnyBody);
+  return best.rule == nullptr ? std::nullopt : std::optional(best.rule->verdict());
+}
+
 bool AllowedContacts::allows(const std::string& a, const std::string& b) const {
   if (const auto pair = ofPair(a, b)) return pair->allowed;
   return ofWildcard(a, b).value_or(ContactVerdict()).allowed;
@@ -152,14 +207,23 @@ bool LinkRules::allows(const std::string& a, const std::string& b) const {
 }
 
 // Asks the sources in the order of their strength; the first that covers the pair decides.
-ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b) const {
-  if (const auto pair = allowed.ofPair(a.name, b.name)) return *pair;
+ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b, PartId part_a,
+                                     PartId part_b) const {
+  const bool names_part = part_a != 0 || part_b != 0;
+  if (const auto pair = names_part ? allowed.ofPair(ruleNames(a, part_a), ruleNames(b, part_b))
+                                   : allowed.ofPair(a.name, b.name)) {
+    return *pair;
+  }
   const bool a_is_link = a.kind == BodyKind::kLink, b_is_link = b.kind == BodyKind::kLink;
   if ((a_is_link && !b_is_link && isAttached(attached, b.name, a.name)) ||
       (b_is_link && !a_is_link && isAttached(attached, a.name, b.name))) {
     return {true, RuleSource::kAttached};
   }
-  if (const auto wildcard = allowed.ofWildcard(a.name, b.name)) return *wildcard;
+  if (const auto wildcard = names_part
+                                ? allowed.ofWildcard(ruleNames(a, part_a), ruleNames(b, part_b))
+                                : allowed.ofWildcard(a.name, b.name)) {
+    return *wildcard;
+  }
   if (a_is_link && b_is_link && links.allows(a.name, b.name)) return {true, RuleSource::kSrdf};
   return {};
 }
@@ -170,11 +234,50 @@ std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,
   std::vector<MonitoredPair> pairs;
   for (BodyId a = 0; a < bodies.size(); ++a) {
     for (BodyId b = a; b < bodies.size(); ++b) {
-      if (!isMonitored(bodies[a], bodies[b], a == b, classes)) continue;
-      pairs.push_back({a, b, rules.verdict(bodies[a], bodies[b]).allowed});
+      const BodyStatus &of_a = bodies[a], &of_b = bodies[b];
+      if (!isMonitored(of_a, of_b, a == b, classes)) continue;
+      pairs.push_back(
+          {a, b, areAllowed({of_a, 0, of_a.partCount()}, {of_b, 0, of_b.partCount()}, rules)});
     }
   }
   return pairs;
+}
+
+std::vector<MonitoredPair> monitoredPartPairs(const std::vector<BodyStatus>& bodies,
+                                              const std::vector<MonitoredPair>& pairs,
+                                              const ContactRules& rules) {
+  std::vector<MonitoredPair> part_pairs;
+  for (const MonitoredPair& pair : pairs) {
+    const BodyStatus &a = bodies[pair.a], &b = bodies[pair.b];
+    const Parts all_a{a, 0, a.partCount()}, all_b{b, 0, b.partCount()};
+    for (std::size_t part = 1; pair.a != pair.b && part <= all_a.last; ++part) {
+      const bool allowed = areAllowed({a, part, part}, all_b, rules);
+      part_pairs.push_back({pair.a, pair.b, allowed, static_cast<PartId>(part), 0});
+    }
+    for (std::size_t part = 1; part <= all_b.last; ++part) {
+      const bool allowed = areAllowed(all_a, {b, part, part}, rules);
+      part_pairs.push_back({pair.a, pair.b, allowed, 0, static_cast<PartId>(part)});
+    }
+  }
+  return part_pairs;
+}
+
+std::vector<PartPair> allowedParts(const std::vector<BodyStatus>& bodies,
+                                   const std::vector<MonitoredPair>& pairs,
+                                   const ContactRules& rules) {
+  std::vector<PartPair> allowed;
+  for (const MonitoredPair& pair : pairs) {
+    const BodyStatus &a = bodies[pair.a], &b = bodies[pair.b];
+    if (pair.allowed || a.partCount() + b.partCount() == 0) continue;
+    for (std::size_t i = 0; i <= a.partCount(); ++i) {
+      for (std::size_t j = pair.a == pair.b ? i : 0; j <= b.partCount(); ++j) {
+        const auto part_a = static_cast<PartId>(i), part_b = static_cast<PartId>(j);
+        if (!rules.verdict(a, b, part_a, part_b).allowed) continue;
+        allowed.push_back({pair.a, pair.b, part_a, part_b});
+      }
+    }
+  }
+  return allowed;
 }
 
 }  // namespace deformable_contact_monitor

@@ -83,6 +83,13 @@ class AllowedContacts {
   std::optional<ContactVerdict> ofPair(const std::string& a, const std::string& b) const;
   std::optional<ContactVerdict> ofWildcard(const std::string& a, const std::string& b) const;
 
+  // The same for sides that rules may name in several ways, from the least to the most particular
+  // one: "cloth", "cloth:*", "cloth:hem". Of rules without a wildcard, and of those with one, the
+  // most particular one decides: the names of both sides count, and among equals the last one wins.
+  using RuleNames = std::vector<std::string>;
+  std::optional<ContactVerdict> ofPair(const RuleNames& a, const RuleNames& b) const;
+  std::optional<ContactVerdict> ofWildcard(const RuleNames& a, const RuleNames& b) const;
+
   // Returns whether the pair may touch if these rules are the only ones.
   bool allows(const std::string& a, const std::string& b) const;
 
@@ -102,7 +109,16 @@ class AllowedContacts {
     ContactVerdict verdict() const { return {rule.allowed != 0, source}; }
   };
 
+  // A rule with a number that grows with how particular its names are.
+  struct Ranked {
+    const Rule* rule = nullptr;
+    std::size_t rank = 0;
+
+    bool beats(const Ranked& other) const;
+  };
+
   static Names namesOf(const AllowedContact& rule);
+  Ranked findBest(const RuleNames& a, const RuleNames& b) const;
   const Rule* find(const std::string& a, const std::string& b) const;
 
   std::map<Names, Rule> rules_;
@@ -125,7 +141,8 @@ class LinkRules {
 };
 
 // Holds all rules in force. The first rule that covers a pair decides, in this order:
-//   1. a rule of parameters or service that names both bodies,
+//   1. a rule of parameters or service that names both bodies; of rules that name a part, or all
+//      parts of an object, the most particular one,
 //   2. an attached object with a link that it is attached to,
 //   3. a rule of parameters or service with a wildcard,
 //   4. the SRDF, for two links.
@@ -135,12 +152,26 @@ struct ContactRules {
   AttachedObjects attached;
   LinkRules links;
 
-  // Returns what the rules say of a pair, in any order of its bodies.
-  ContactVerdict verdict(const BodyStatus& a, const BodyStatus& b) const;
+  // Returns what the rules say of a pair of parts, in any order of its bodies. Part 0 is what no
+  // named part has; of a body without parts, all of it.
+  ContactVerdict verdict(const BodyStatus& a, const BodyStatus& b, PartId part_a = 0,
+                         PartId part_b = 0) const;
 };
 
-// Returns the pairs of the classes that are on, in ascending order, with allowed ones marked.
+// Returns the pairs of the classes that are on, in ascending order, with allowed ones marked. A
+// pair is allowed if all pairs of its parts are.
 std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,
                                           const PairClasses& classes, const ContactRules& rules);
+
+// Returns the pairs of each named part of a body in `pairs` with all of the other body, in the
+// order of `pairs`.
+std::vector<MonitoredPair> monitoredPartPairs(const std::vector<BodyStatus>& bodies,
+                                              const std::vector<MonitoredPair>& pairs,
+                                              const ContactRules& rules);
+
+// Returns the pairs of parts that may touch, of the bodies of those `pairs` that are monitored.
+std::vector<PartPair> allowedParts(const std::vector<BodyStatus>& bodies,
+                                   const std::vector<MonitoredPair>& pairs,
+                                   const ContactRules& rules);
 
 }  // namespace deformable_contact_monitor

@@ -5,6 +5,7 @@
 #include "monitor/rules/parameter_reader.h"
 
 #include <cmath>
+#include <limits>
 #include <locale>
 #include <regex>
 #include <sstream>
@@ -250,6 +251,53 @@ std::map<std::string, double> ParameterReader::numbers(const std::string& name, 
     if (toNumber(prefix + key, item, low, high, &number)) numbers[key] = number;
   }
   return numbers;
+}
+
+std::vector<std::pair<int, int>> ParameterReader::ranges(const std::string& name, int low,
+                                                         int high) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return {};
+  const auto isList = [](const XmlRpcValue& v) { return v.getType() == XmlRpcValue::TypeArray; };
+  if (!isList(*value)) {
+    addProblem(name, "is " + shown(*value) + ", must be a list of ranges: [[0, 99], [200, 250]]");
+    return {};
+  }
+  std::vector<std::pair<int, int>> ranges;
+  for (int i = 0; i < value->size(); ++i) {
+    const XmlRpcValue& item = (*value)[i];
+    const std::string item_name = name + "[" + std::to_string(i) + "]";
+    int first = 0, last = 0;
+    if (!isList(item) || item.size() != 2) {
+      addProblem(item_name, "is " + shown(item) + ", must be a range: [0, 99]");
+    } else if (toInteger(item_name, item[0], low, high, &first) &&
+               toInteger(item_name, item[1], first, high, &last)) {
+      ranges.emplace_back(first, last);
+    }
+  }
+  return ranges;
+}
+
+std::optional<std::array<double, 3>> ParameterReader::point(const std::string& name) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr || value->getType() != XmlRpcValue::TypeArray || value->size() != 3) {
+    addProblem(name, "must be three numbers: [0.1, 0, 0]");
+    return std::nullopt;
+  }
+  constexpr double kMost = std::numeric_limits<float>::max();
+  std::array<double, 3> point{};
+  for (int i = 0; i < 3; ++i) {
+    const std::string item = name + "[" + std::to_string(i) + "]";
+    if (!toNumber(item, (*value)[i], -kMost, kMost, &point[static_cast<std::size_t>(i)])) {
+      return std::nullopt;
+    }
+  }
+  return point;
+}
+
+std::optional<ParameterReader> ParameterReader::section(const std::string& name) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr) return std::nullopt;
+  return ParameterReader(*value, where_ + name + "/", problems_);
 }
 
 // Each reader checks itself that its element is a map.

@@ -3,9 +3,12 @@
 
 #include <xmlrpcpp/XmlRpcValue.h>
 
+#include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deformable_contact_monitor {
@@ -35,6 +38,12 @@ class ParameterReader {
                                  const std::vector<std::string>& fallback = {});
   std::vector<int> integers(const std::string& name, int low, int high);
   std::map<std::string, double> numbers(const std::string& name, double low, double high);
+  // Returns the pairs of whole numbers of a list of lists, each ascending: [[0, 99], [200, 250]].
+  std::vector<std::pair<int, int>> ranges(const std::string& name, int low, int high);
+  // Returns the three numbers of a list: [0.1, 0, 0]; nothing unless there are three.
+  std::optional<std::array<double, 3>> point(const std::string& name);
+  // Returns a reader for a map; nothing if the value is absent. It adds to the same problems.
+  std::optional<ParameterReader> section(const std::string& name);
   // Returns one reader for each map of a list. They add to the same problems.
   std::vector<ParameterReader> structs(const std::string& name);
 

@@ -93,6 +93,7 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
     object.required = entry.flag("required", object.required);
     readMeshType(&entry, &object);
+    object.parts = readParts(&entry, object.name, warnings);
     // The name must work as a body's name in rules and, without a topic, as part of a topic.
     std::string error;
     if (object.name.empty()) {
@@ -109,6 +110,23 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     }
     warnOfUnknown(entry, warnings);
     p->objects.push_back(std::move(object));
+  }
+}
+
+// The name "object:part" must be that of one thing, and what parts do not work with is refused.
+// Comes after everything else was read.
+void checkParts(const MonitorParameters& p, ParameterReader* reader) {
+  for (const ObjectParameters& object : p.objects) {
+    if (object.parts.empty()) continue;
+    for (const ObjectParameters& other : p.objects) {
+      if (other.name.compare(0, object.name.size() + 1, object.name + ":") == 0) {
+        reader->addProblem("objects", "have '" + other.name + "', which looks like a part of '" +
+                                          object.name + "'; rename the object");
+      }
+    }
+    const std::string refused = " is not supported with parts, which '" + object.name + "' has";
+    if (p.detector.tolerance_m > 0) reader->addProblem("tolerance_m", "above 0" + refused);
+    if (p.containment) reader->addProblem("containment: true", refused.substr(1));
   }
 }
 
@@ -230,6 +248,17 @@ double toDecimal(float number) {
 
 }  // namespace
 
+BodyStatus bodyOf(const ObjectParameters& object) {
+  BodyStatus body;
+  body.name = object.name;
+  body.kind = BodyKind::kDeformable;
+  if (object.parts.empty()) return body;
+  BodyParts parts;
+  for (const PartParameters& part : object.parts) parts.names.push_back(part.name);
+  body.parts = std::make_shared<const BodyParts>(std::move(parts));
+  return body;
+}
+
 // Either parameter leaves pairs undecided, or decides them within a tolerance.
 bool tradesAccuracy(const MonitorParameters& parameters) {
   return parameters.detector.tolerance_m > 0 || parameters.budget_ms > 0;
@@ -252,6 +281,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   readPairs(&reader, warnings, &p);
   readDetector(&reader, &p);
   readOutput(&reader, &p);
+  checkParts(p, &reader);
   for (const std::string& problem : problems(p.detector)) found.push_back("~" + problem);
   warnOfUnknown(reader, warnings);
   p.changed = reader.changed();

@@ -19,6 +19,7 @@
 #include "core/options.h"
 #include "core/triangle_mesh.h"
 #include "monitor/rules/contact_rules.h"
+#include "monitor/rules/part_parameters.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
@@ -39,7 +40,11 @@ struct ObjectParameters {
   std::string frame_id{};                       // kShapeMesh only: frame of the vertices
   std::shared_ptr<const TriangleMesh> faces{};  // kPointCloud only: the mesh with the triangles
   bool shares_margin = false;                   // has no margin of its own
+  std::vector<PartParameters> parts{};          // its named parts
 };
+
+// Returns the object as a body that has no mesh yet.
+BodyStatus bodyOf(const ObjectParameters& object);
 
 constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";  // of MonitorParameters::srdf
 

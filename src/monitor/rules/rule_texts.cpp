@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "robot/nearest_name.h"
 
@@ -33,6 +35,28 @@ std::string describe(double margin_m, const Partners& partners) {
   if (partners.count > 0) text << ", may touch " << partners.text;
   if (partners.count > kShown) text << " and " << partners.count - kShown << " more";
   return text.str();
+}
+
+// Adds the parts that may touch, of pairs of bodies that must not: "cloth:hem (parameters)" to the
+// other body, and "hand with hem (parameters)" to the cloth.
+void addParts(const std::vector<BodyStatus>& bodies, const std::vector<MonitoredPair>& pairs,
+              const ContactRules& rules, const std::vector<MonitoredPair>& part_pairs,
+              std::vector<Partners>* partners) {
+  std::set<std::pair<BodyId, BodyId>> whole;
+  for (const MonitoredPair& pair : pairs) {
+    if (pair.allowed) whole.emplace(pair.a, pair.b);
+  }
+  for (const MonitoredPair& pair : part_pairs) {
+    if (!pair.allowed || whole.count({pair.a, pair.b}) > 0) continue;
+    const RuleSource source =
+        rules.verdict(bodies[pair.a], bodies[pair.b], pair.part_a, pair.part_b).source;
+    const bool of_a = pair.part_a != 0;
+    const BodyId owner = of_a ? pair.a : pair.b, other = of_a ? pair.b : pair.a;
+    const PartId part = of_a ? pair.part_a : pair.part_b;
+    (*partners)[owner].add(bodies[other].name + " with " + bodies[owner].parts->names[part - 1U],
+                           source);
+    if (owner != other) (*partners)[other].add(nameOf(bodies[owner], part), source);
+  }
 }
 
 // Returns the source's index in the arrays of RulesInForce.
@@ -88,7 +112,7 @@ std::size_t RulesInForce::allowedPairs() const {
 // Asks for the source of each allowed pair again, because the table of pairs does not keep it.
 RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
                            const std::vector<MonitoredPair>& pairs, const ContactRules& rules,
-                           const Scene& scene) {
+                           const Scene& scene, const std::vector<MonitoredPair>& part_pairs) {
   RulesInForce in_force;
   in_force.pairs = pairs.size();
   for (const RuleSource source : {RuleSource::kParameters, RuleSource::kService}) {
@@ -105,6 +129,7 @@ RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
     partners[pair.a].add(bodies[pair.b].name, source);
     if (pair.a != pair.b) partners[pair.b].add(bodies[pair.a].name, source);
   }
+  addParts(bodies, pairs, rules, part_pairs, &partners);
   for (BodyId id = 0; id < bodies.size(); ++id) {
     in_force.bodies.emplace_back(bodies[id].name, describe(scene.body(id).margin_m, partners[id]));
   }

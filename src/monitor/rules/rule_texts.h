@@ -41,9 +41,10 @@ struct RulesInForce {
 };
 
 // Describes margins and rules of every body. Names only the first few partners of a body that may
-// touch many. `bodies`, `pairs` and `scene` must use the same BodyIds.
+// touch many. Parts of objects are named where the object as a whole must not touch. `bodies`,
+// `pairs`, `part_pairs` and `scene` must use the same BodyIds.
 RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
                            const std::vector<MonitoredPair>& pairs, const ContactRules& rules,
-                           const Scene& scene);
+                           const Scene& scene, const std::vector<MonitoredPair>& part_pairs = {});
 
 }  // namespace deformable_contact_monitor

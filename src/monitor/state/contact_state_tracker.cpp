@@ -19,11 +19,17 @@ constexpr double kMaxAheadS = 1;  // of the clock, as for meshes
 // Returns whether each body that is not known is an object that did not trigger this cycle. Such an
 // object has cycles of its own, which tell more about the pair.
 bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
-  const auto lacks = [&report](BodyId id) { return !report.bodies.at(id).unknown_because.empty(); };
-  const auto is_partner = [&report](BodyId id) {
-    return report.bodies.at(id).kind == BodyKind::kDeformable && !report.bodies.at(id).triggered;
+  const auto isKnownOrPartner = [](const BodyStatus& body, PartId part) {
+    return bodyProblem(body, part).empty() ||
+           (body.kind == BodyKind::kDeformable && !body.triggered);
   };
-  return (!lacks(pair.a) || is_partner(pair.a)) && (!lacks(pair.b) || is_partner(pair.b));
+  return isKnownOrPartner(report.bodies.at(pair.a), pair.part_a) &&
+         isKnownOrPartner(report.bodies.at(pair.b), pair.part_b);
+}
+
+// Does the same as comparing with nameOf(), without making the names of bodies anew.
+bool isNamed(const std::string& name, const BodyStatus& body, PartId part) {
+  return part == 0 ? name == body.name : name == nameOf(body, part);
 }
 
 ContactState unknown(const std::string& body_a, const std::string& body_b,
@@ -56,7 +62,7 @@ void ContactStateTracker::update(const CycleReport& report) {
   cycle_ = report.cycle;
   listPairs(report);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    updateTrack(report, report.pairs[i], found, &tracks_[i]);
+    updateTrack(report, statePair(report, i), found, &tracks_[i]);
   }
 }
 
@@ -64,21 +70,23 @@ void ContactStateTracker::update(const CycleReport& report) {
 void ContactStateTracker::listPairs(const CycleReport& report) {
   using Names = std::pair<std::string, std::string>;
   const auto names = [&report](const MonitoredPair& pair) {
-    return Names(report.bodies.at(pair.a).name, report.bodies.at(pair.b).name);
+    return Names(nameOf(report.bodies.at(pair.a), pair.part_a),
+                 nameOf(report.bodies.at(pair.b), pair.part_b));
   };
-  const bool same =
-      std::equal(tracks_.begin(), tracks_.end(), report.pairs.begin(), report.pairs.end(),
-                 [&report](const Track& track, const MonitoredPair& pair) {
-                   return track.state.body_a == report.bodies.at(pair.a).name &&
-                          track.state.body_b == report.bodies.at(pair.b).name;
-                 });
+  bool same = tracks_.size() == statePairCount(report);
+  for (std::size_t i = 0; same && i < tracks_.size(); ++i) {
+    const MonitoredPair& pair = statePair(report, i);
+    same = isNamed(tracks_[i].state.body_a, report.bodies.at(pair.a), pair.part_a) &&
+           isNamed(tracks_[i].state.body_b, report.bodies.at(pair.b), pair.part_b);
+  }
   if (same) return;
   std::map<Names, Track> before;
   for (Track& track : tracks_) {
     before.emplace(Names(track.state.body_a, track.state.body_b), std::move(track));
   }
   tracks_.clear();
-  for (const MonitoredPair& pair : report.pairs) {
+  for (std::size_t i = 0; i < statePairCount(report); ++i) {
+    const MonitoredPair& pair = statePair(report, i);
     const auto found = before.find(names(pair));
     if (found != before.end()) {
       tracks_.push_back(std::move(found->second));
@@ -87,6 +95,8 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
     }
     Track track;
     std::tie(track.state.body_a, track.state.body_b) = names(pair);
+    track.whole_a = report.bodies.at(pair.a).name;
+    track.whole_b = report.bodies.at(pair.b).name;
     interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, &track);
     track.state_before = ContactState::UNKNOWN;
     tracks_.push_back(std::move(track));
@@ -267,8 +277,7 @@ void ContactStateTracker::discard(const std::string& reason, const ros::Time& no
 void ContactStateTracker::forgetLocked(const std::string& body, const std::string& reason,
                                        const ros::Time& now) {
   for (Track& track : tracks_) {
-    const ContactState& state = track.state;
-    if (!body.empty() && state.body_a != body && state.body_b != body) continue;
+    if (!body.empty() && track.whole_a != body && track.whole_b != body) continue;
     if (track.isKnown()) interrupt(ContactState::UNKNOWN, reason, now, &track);
     track.state_before = ContactState::UNKNOWN;
   }

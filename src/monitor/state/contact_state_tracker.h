@@ -73,8 +73,9 @@ class ContactStateTracker {
 
  private:
   struct Track {
-    ContactState state;  // as it was last found; UNKNOWN and ALLOWED have no stamp
-    ros::Time entered;   // stamp at which the state began; of UNKNOWN and ALLOWED, the time
+    ContactState state;            // as it was last found; UNKNOWN and ALLOWED have no stamp
+    std::string whole_a, whole_b;  // the bodies' names, also where the state is of a part
+    ros::Time entered;  // stamp at which the state began; of UNKNOWN and ALLOWED, the time
     // For an UNKNOWN state: the state before it (UNKNOWN if there is none), and when it began.
     std::uint8_t state_before = ContactState::UNKNOWN;
     ros::Time entered_before;

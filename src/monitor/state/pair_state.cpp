@@ -17,6 +17,7 @@
 #include "core/pair_geometry.h"
 #include "core/rules/geometry_of_pair.h"
 #include "monitor/messages/contact_messages.h"
+#include "monitor/state/rejected_sides.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -56,19 +57,6 @@ InsideParts insidePartsOf(const CycleReport& report, const MonitoredPair& pair) 
   const std::vector<InsidePart>& parts = report.containment->parts;
   const InsideParts a_in_b = partsWithin(parts, pair.a, pair.b, 1);
   return a_in_b.any() ? a_in_b : partsWithin(parts, pair.b, pair.a, 2);
-}
-
-// Returns why NONE and NEAR must not be claimed of a body with so many rejected triangles; empty if
-// the rules tolerate them. `where` is put in front of the numbers.
-std::string rejectsProblem(const CycleReport& report, BodyId id, std::uint64_t rejected,
-                           double tolerated_rejects, const std::string& where) {
-  const std::size_t triangles = report.scene->body(id).mesh.triangleCount();
-  if (static_cast<double>(rejected) <= tolerated_rejects * static_cast<double>(triangles)) {
-    return "";
-  }
-  return report.bodies.at(id).name + ": " + where + std::to_string(rejected) + " of " +
-         std::to_string(triangles) +
-         " triangles have a vertex that is not finite (tolerated_rejects)";
 }
 
 // Returns where the triangles of a listed pair are nearest to each other.
@@ -122,7 +110,8 @@ class StampFinding {
   const PairSummary summary_;
   const StateRules& rules_;
   const InsideParts inside_;
-  const std::optional<PairBounds> bounds_;
+  std::optional<PairBounds> bounds_;
+  bool is_undecided_ = false;  // the bodies' contacts are not listed, so nobody knows of the part's
   const NearestPair* nearest_;  // null if it is not known for certain
 };
 
@@ -137,6 +126,12 @@ StampFinding::StampFinding(const CycleReport& report, const MonitoredPair& pair,
       inside_(insidePartsOf(report, pair)),
       bounds_(boundsOf(report, pair, rules.tolerance_m)),
       nearest_(nearestOf(report, pair)) {
+  // The bounds are those of the bodies. Of a part they say nothing but that it is apart, too.
+  const bool is_part = pair.part_a != 0 || pair.part_b != 0;
+  if (is_part && bounds_ && bounds_->decision != PairDecision::kNone) {
+    is_undecided_ = !bounds_->bounds->is_listed;
+    bounds_.reset();
+  }
   const bool is_open =
       report.result->cut_off && !(bounds_ && bounds_->decision == PairDecision::kNear);
   if (nearest_ != nullptr && nearest_->distance_m > 0 && is_open) nearest_ = nullptr;
@@ -156,6 +151,7 @@ std::string StampFinding::problem() const {
 std::string StampFinding::missingContacts() const {
   const DetectionResult& result = *report_.result;
   if (result.cut_off && !bounds_) return result.cut_off_because;
+  if (is_undecided_) return kNoTime;
   if (report_.containment != nullptr && pair_.a != pair_.b &&
       !report_.containment->cut_off_because.empty()) {
     return report_.containment->cut_off_because;
@@ -164,9 +160,10 @@ std::string StampFinding::missingContacts() const {
     return "the cycle ended later than max_mesh_age_s after its stamp";
   }
   if (result.left_out > 0) return "contacts were left out: memory_limit_mib";
-  for (const BodyId id : {pair_.a, pair_.b}) {
-    std::string problem =
-        rejectsProblem(report_, id, report_.bodies.at(id).rejected, rules_.tolerated_rejects, "");
+  for (const bool is_a : {true, false}) {
+    const BodyStatus& body = report_.bodies.at(is_a ? pair_.a : pair_.b);
+    std::string problem = rejectsProblem(
+        report_, pair_, is_a, {body.rejected, body.rejected_by_part}, rules_.tolerated_rejects);
     if (!problem.empty()) return problem;
   }
   return "";
@@ -241,19 +238,54 @@ void StampFinding::setPlace(ContactState* state) const {
   }
 }
 
-// Returns for each pair of bodies when its first contact began at the earliest. Contacts are
-// sorted by bodies, so the map is searched once for each pair and not for each contact.
-std::map<std::pair<BodyId, BodyId>, float> firstLows(const DetectionResult& result) {
-  std::map<std::pair<BodyId, BodyId>, float> lows;
+// Returns for each pair of bodies, and each of a part and a body, when its first contact began at
+// the earliest. Contacts are sorted by bodies, so the map is searched once for each pair of bodies
+// and not for each contact.
+std::map<PartPair, float> firstLows(const CycleReport& report, const DetectionResult& result) {
+  std::map<PartPair, float> lows;
   auto of_last = lows.end();
   for (std::size_t i = 0; i < result.first_times.size(); ++i) {
-    const std::pair<BodyId, BodyId> pair{result.contacts[i].body_a, result.contacts[i].body_b};
-    if (of_last == lows.end() || of_last->first != pair) {
+    const PartPair pair{result.contacts[i].body_a, result.contacts[i].body_b, 0, 0};
+    const float low = result.first_times[i].low;
+    if (of_last == lows.end() || !(of_last->first == pair)) {
       of_last = lows.try_emplace(pair, 1.F).first;
     }
-    of_last->second = std::min(of_last->second, result.first_times[i].low);
+    of_last->second = std::min(of_last->second, low);
+    if (report.part_pairs.empty()) continue;
+    forEachPartPair(*report.scene, result.contacts[i], [&](const PartPair& of_part) {
+      float& kept = lows.try_emplace(of_part, 1.F).first->second;
+      kept = std::min(kept, low);
+    });
   }
   return lows;
+}
+
+// Returns the nearest pair of these two parts; null if there is none within the margin.
+const NearestPair* nearestOfParts(const DetectionResult& result, const PartPair& parts) {
+  const std::vector<NearestOfParts>& all = result.nearest_parts;
+  const auto found = std::lower_bound(
+      all.begin(), all.end(), parts,
+      [](const NearestOfParts& one, const PartPair& of) { return one.parts < of; });
+  return found != all.end() && found->parts == parts ? &found->nearest : nullptr;
+}
+
+// Returns the nearest pair of a part of one body and all of the other one.
+const NearestPair* nearestOfPart(const CycleReport& report, const MonitoredPair& pair) {
+  const auto partsOf = [&report](BodyId id, PartId part) {
+    return part == 0 ? report.scene->body(id).listed_parts : std::vector<PartId>{part};
+  };
+  const NearestPair* best = nullptr;
+  for (const PartId part_a : partsOf(pair.a, pair.part_a)) {
+    for (const PartId part_b : partsOf(pair.b, pair.part_b)) {
+      const NearestPair* const one =
+          nearestOfParts(*report.result, {pair.a, pair.b, part_a, part_b});
+      const auto key = [](const NearestPair& nearest) {
+        return std::make_pair(nearest.distance_m, nearest.pair);
+      };
+      if (one != nullptr && (best == nullptr || key(*one) < key(*best))) best = one;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -298,6 +330,7 @@ std::optional<PairBounds> boundsOf(const CycleReport& report, const MonitoredPai
 
 const NearestPair* nearestOf(const CycleReport& report, const MonitoredPair& pair) {
   if (report.result == nullptr) return nullptr;
+  if (pair.part_a != 0 || pair.part_b != 0) return nearestOfPart(report, pair);
   const std::vector<NearestPair>& all = report.result->nearest;
   const auto found = std::lower_bound(
       all.begin(), all.end(), pair, [](const NearestPair& one, const MonitoredPair& of) {
@@ -318,12 +351,14 @@ std::optional<NearPoints> nearPoints(const CycleReport& report, const MonitoredP
   return finding.points();
 }
 
+std::string bodyProblem(const BodyStatus& body, PartId part) {
+  if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
+  return part == 0 ? "" : body.parts->problem;
+}
+
 std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {
-  for (const BodyId id : {pair.a, pair.b}) {
-    const BodyStatus& body = report.bodies.at(id);
-    if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
-  }
-  return "";
+  const std::string of_a = bodyProblem(report.bodies.at(pair.a), pair.part_a);
+  return of_a.empty() ? bodyProblem(report.bodies.at(pair.b), pair.part_b) : of_a;
 }
 
 void IntervalFinding::setPassed(ContactState* state) const {
@@ -344,19 +379,19 @@ PairStates::PairStates(const CycleReport& report, const StateRules& rules)
     const DetectionResult* const result =
         sweep.result == nullptr ? nullptr : &sweep.result->detection;
     intervals_.push_back({&sweep, PairSummaries(report, result), {}});
-    if (result != nullptr) intervals_.back().first_low = firstLows(*result);
+    if (result != nullptr) intervals_.back().first_low = firstLows(report, *result);
   }
 }
 
 ContactState PairStates::atStamp(const MonitoredPair& pair) const {
   ContactState state;
-  state.body_a = report_.bodies.at(pair.a).name;
-  state.body_b = report_.bodies.at(pair.b).name;
+  state.body_a = nameOf(report_.bodies.at(pair.a), pair.part_a);
+  state.body_b = nameOf(report_.bodies.at(pair.b), pair.part_b);
   state.stamp = report_.header.stamp;
   state.reason = bodyProblem(report_, pair);
   if (state.reason.empty() && report_.result == nullptr) state.reason = "no detection ran";
   if (state.reason.empty()) {
-    const StampFinding finding(report_, pair, at_stamp_.of(pair.a, pair.b), rules_);
+    const StampFinding finding(report_, pair, at_stamp_.of(pair), rules_);
     state.reason = finding.problem();
     state.distance_low = finding.distanceLowM();
     if (state.reason.empty()) finding.describe(&state);
@@ -378,9 +413,9 @@ IntervalFinding PairStates::inInterval(const MonitoredPair& pair) const {
     return finding;
   }
   finding.from = interval.sweep->from;
-  finding.passed = interval.touched.of(pair.a, pair.b);
+  finding.passed = interval.touched.of(pair);
   if (finding.touched()) {
-    const auto low = interval.first_low.find({pair.a, pair.b});
+    const auto low = interval.first_low.find(partKey(pair));
     finding.first_low = low == interval.first_low.end() ? 0 : low->second;
   } else {
     finding.problem = intervalProblem(*interval.sweep, pair);
@@ -399,8 +434,10 @@ std::string PairStates::intervalProblem(const SweepReport& sweep, const Monitore
     if (std::find(outlying.begin(), outlying.end(), id) != outlying.end()) {
       return report_.bodies[id].name + ": in the step, it has vertices too far off to be followed";
     }
-    std::string problem = rejectsProblem(report_, id, sweep.bodies[id].rejected,
-                                         rules_.tolerated_rejects, "in the step, ");
+    const StepBody& body = sweep.bodies[id];
+    const Rejects rejects{body.rejected, body.rejected_by_part, "in the step, "};
+    std::string problem =
+        rejectsProblem(report_, pair, id == pair.a, rejects, rules_.tolerated_rejects);
     if (!problem.empty()) return problem;
   }
   return "";

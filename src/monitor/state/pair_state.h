@@ -57,7 +57,8 @@ struct PairBounds {
 std::optional<PairBounds> boundsOf(const CycleReport& report, const MonitoredPair& pair,
                                    float tolerance_m);
 
-// Returns the nearest pair of two bodies that the detection found; null if it found none.
+// Returns the nearest pair that the detection found of two bodies, or of a part of one and the
+// other body; null if it found none.
 const NearestPair* nearestOf(const CycleReport& report, const MonitoredPair& pair);
 
 // Where two bodies are nearest to each other, in the scene frame [m].
@@ -71,7 +72,10 @@ struct NearPoints {
 std::optional<NearPoints> nearPoints(const CycleReport& report, const MonitoredPair& pair,
                                      const StateRules& rules);
 
-// Returns why a body of the pair is not known in this cycle; empty if both are known.
+// Returns why a body, or a part of it, is not known in this cycle; empty if it is known.
+std::string bodyProblem(const BodyStatus& body, PartId part);
+
+// Returns why a body of the pair, or its part, is not known in this cycle; empty if both are known.
 std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair);
 
 // The contacts of a pair in its time interval (motion: swept).
@@ -107,7 +111,7 @@ class PairStates {
   struct Interval {
     const SweepReport* sweep;
     PairSummaries touched;
-    std::map<BodyPair, float> first_low;
+    std::map<PartPair, float> first_low;
   };
 
   std::string intervalProblem(const SweepReport& sweep, const MonitoredPair& pair) const;

@@ -111,6 +111,24 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
   return sum;
 }
 
+// Sums up these contacts, which are all of one pair of bodies and ascending.
+PairSummary sumUpChosen(const CycleReport& report, const DetectionResult& result,
+                        const std::vector<std::size_t>& contacts) {
+  PairSummary sum;
+  std::size_t last = contacts.front();
+  for (const std::size_t i : contacts) {
+    PairSummary one = sumUp(report, result, i, i + 1);
+    // The normal of a triangle of body_a counts once.
+    if (i != contacts.front() && sameTriangleA(result.contacts[last], result.contacts[i])) {
+      one.normal_sum = Vec3d();
+      one.area_sum = 0;
+    }
+    add(one, &sum);
+    last = i;
+  }
+  return sum;
+}
+
 // Sums up contacts [begin, end) of any bodies. Runs of one pair of bodies are summed up before they
 // go into the map, because a search for each contact would be slow.
 Summaries summarize(const CycleReport& report, const DetectionResult& result, std::size_t begin,
@@ -155,6 +173,19 @@ PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* r
   for (const Summaries& part : parts) {
     for (const auto& [pair, summary] : part) add(summary, &by_pair_[pair]);
   }
+  if (report.part_pairs.empty()) return;
+  std::map<PartPair, std::vector<std::size_t>> of_parts;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    forEachPartPair(*report.scene, contacts[i],
+                    [&](const PartPair& pair) { of_parts[pair].push_back(i); });
+  }
+  for (const auto& [pair, chosen] : of_parts) by_part_[pair] = sumUpChosen(report, *result, chosen);
+}
+
+PairSummary PairSummaries::of(const MonitoredPair& pair) const {
+  if (pair.part_a == 0 && pair.part_b == 0) return of(pair.a, pair.b);
+  const auto found = by_part_.find(partKey(pair));
+  return found == by_part_.end() ? PairSummary() : found->second;
 }
 
 PairSummary PairSummaries::of(BodyId a, BodyId b) const {

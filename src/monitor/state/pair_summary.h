@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <unordered_map>
+#include <vector>
 
 #include "core/detector.h"
 #include "core/vector3.h"
@@ -36,6 +38,27 @@ struct PairSummary {
   Vec3d meanNormal() const;
 };
 
+// Returns the pair's bodies and parts as a key.
+inline PartPair partKey(const MonitoredPair& pair) {
+  return {pair.a, pair.b, pair.part_a, pair.part_b};
+}
+
+// Calls function(PartPair) for each of CycleReport::part_pairs that a pair of triangles belongs to.
+template <class Function>
+void forEachPartPair(const Scene& scene, const TrianglePair& pair, const Function& function) {
+  const std::vector<PartId>& parts_a = scene.body(pair.body_a).parts;
+  const std::vector<PartId>& parts_b = scene.body(pair.body_b).parts;
+  const PartId part_a = parts_a.empty() ? 0 : parts_a[pair.triangle_a];
+  const PartId part_b = parts_b.empty() ? 0 : parts_b[pair.triangle_b];
+  const bool is_self = pair.body_a == pair.body_b;
+  const PartPair of_a{pair.body_a, pair.body_b, is_self ? PartId{0} : part_a,
+                      is_self ? part_a : PartId{0}};
+  if (part_a != 0) function(of_a);
+  if (part_b != 0 && !(is_self && part_a == part_b)) {
+    function(PartPair{pair.body_a, pair.body_b, 0, part_b});
+  }
+}
+
 // The summaries of all pairs of bodies in one result.
 class PairSummaries {
  public:
@@ -46,9 +69,12 @@ class PairSummaries {
 
   // Returns an empty summary if the two bodies have no contact.
   PairSummary of(BodyId a, BodyId b) const;
+  // Does the same for a pair of the report's pairs or part_pairs.
+  PairSummary of(const MonitoredPair& pair) const;
 
  private:
   std::unordered_map<std::uint64_t, PairSummary> by_pair_;
+  std::map<PartPair, PairSummary> by_part_;
 };
 
 }  // namespace deformable_contact_monitor

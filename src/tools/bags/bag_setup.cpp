@@ -295,7 +295,7 @@ std::vector<BodyStatus> bodiesOf(const RobotGeometry& robot, const MonitorParame
     bodies.push_back({link.link, BodyKind::kLink, ros::Time(), 0, ""});
   }
   for (const ObjectParameters& object : parameters.objects) {
-    bodies.push_back({object.name, BodyKind::kDeformable, ros::Time(), 0, ""});
+    bodies.push_back(bodyOf(object));
   }
   return bodies;
 }

@@ -114,10 +114,10 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
   }
 }
 
-// Returns the margin of an object or a link [m].
+// Returns the margin of an object, a part of it or a link [m].
 double marginOf(const MonitorParameters& parameters, const std::string& body) {
   for (const ObjectParameters& object : parameters.objects) {
-    if (object.name == body) return object.margin_m;
+    if (hasName(bodyOf(object), body)) return object.margin_m;
   }
   return linkMarginM(parameters, body);
 }
@@ -131,7 +131,12 @@ void checkExpectations(const BagSetup& setup, std::vector<Expectation>* expectat
     for (const LinkGeometry& link : robot.value.links) bodies.push_back(link.link);
     links.insert(robot.value.link_names.begin(), robot.value.link_names.end());
   }
-  for (const ObjectParameters& object : setup.parameters.objects) bodies.push_back(object.name);
+  for (const ObjectParameters& object : setup.parameters.objects) {
+    const BodyStatus body = bodyOf(object);
+    for (std::size_t part = 0; part <= body.partCount(); ++part) {
+      bodies.push_back(nameOf(body, static_cast<PartId>(part)));
+    }
+  }
   checkBodies(bodies, links, expectations);
   checkMargins([&setup](const std::string& body) { return marginOf(setup.parameters, body); },
                expectations);

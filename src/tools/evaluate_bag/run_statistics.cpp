@@ -60,7 +60,8 @@ void RunSteps::takeEvents(ContactStateTracker* tracker) {
 ros::Time RunSteps::beginningOf(const CycleReport& cycle, const ContactEvent& event) const {
   for (const SweepReport& sweep : sweeps_) {
     for (const MonitoredPair& pair : sweep.pairs) {
-      if (cycle.bodies[pair.a].name == event.body_a && cycle.bodies[pair.b].name == event.body_b) {
+      if (hasName(cycle.bodies[pair.a], event.body_a) &&
+          hasName(cycle.bodies[pair.b], event.body_b)) {
         return sweep.from;
       }
     }
@@ -104,8 +105,8 @@ bool isComplete(const CycleReport& cycle, const SweepReport& sweep) {
 void UnknownReasons::look(const CycleReport& cycle, const ContactStates& states) {
   std::set<std::string> seen;
   bool any_known = false;
-  for (std::size_t i = 0; i < cycle.pairs.size(); ++i) {
-    if (!isOfCycle(cycle.bodies, cycle.pairs[i])) continue;
+  for (std::size_t i = 0; i < statePairCount(cycle); ++i) {
+    if (!isOfCycle(cycle.bodies, statePair(cycle, i))) continue;
     const ContactState& state = states.states.at(i);
     any_known |= state.state != ContactState::UNKNOWN;
     if (state.state != ContactState::UNKNOWN) continue;

@@ -1,0 +1,115 @@
+// Finds out which triangles of an object's meshes its named parts are.
+#include "monitor/cycle/part_chooser.h"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Returns whether the centroid of the triangle with these corners lies in the box.
+bool isInside(const PartBox& box, const std::vector<float>& vertices,
+              const std::uint32_t* corners) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) sum += vertices[3 * std::size_t{corners[i]} + axis];
+    if (!(sum >= 3 * box.min[axis] && sum <= 3 * box.max[axis])) return false;
+  }
+  return true;
+}
+
+bool haveSameTriangles(const Topology& a, const Topology& b) {
+  return a.vertex_count == b.vertex_count && a.triangles == b.triangles;
+}
+
+}  // namespace
+
+PartChooser::PartChooser(const ObjectParameters& object)
+    : object_(object.name), given_(object.parts), parts_(bodyOf(object).parts) {
+  has_box_ = std::any_of(given_.begin(), given_.end(),
+                         [](const PartParameters& part) { return part.box.has_value(); });
+}
+
+// While boxes wait for a mesh with finite vertices, each mesh may be the one.
+bool PartChooser::update(const IncomingMesh& mesh) {
+  if (given_.empty()) return false;
+  const bool is_waiting = has_box_ && boxes_topology_ == nullptr;
+  if (mesh.topology == topology_ && !is_waiting) return false;
+  topology_ = mesh.topology;
+  BodyParts parts;
+  parts.names = parts_->names;
+  try {
+    choose(mesh);
+    parts.triangles.resize(given_.size() + 1);
+    for (const PartId part : of_triangles_) ++parts.triangles[part];
+  } catch (const std::invalid_argument& error) {
+    of_triangles_.clear();
+    parts.problem = error.what();
+    if (parts.problem != parts_->problem) ROS_WARN_STREAM("parts are UNKNOWN: " << parts.problem);
+  }
+  parts_ = std::make_shared<const BodyParts>(std::move(parts));
+  return true;
+}
+
+void PartChooser::choose(const IncomingMesh& mesh) {
+  const std::size_t count = mesh.topology->triangles.size() / 3;
+  of_triangles_.assign(count, 0);
+  for (std::size_t part = 0; part < given_.size(); ++part) {
+    for (const auto& [first, last] : given_[part].ranges) {
+      if (last >= count) {
+        throw std::invalid_argument(name(part) + " has triangle " + std::to_string(last) +
+                                    ", but the mesh of topology_id " +
+                                    std::to_string(mesh.topology->id) + " has " +
+                                    std::to_string(count) + " triangles");
+      }
+      for (std::size_t triangle = first; triangle <= last; ++triangle) add(part, triangle);
+    }
+  }
+  if (has_box_) chooseBoxes(mesh);
+}
+
+void PartChooser::chooseBoxes(const IncomingMesh& mesh) {
+  const std::vector<float>& vertices = mesh.message->vertices;
+  const std::vector<std::uint32_t>& triangles = mesh.topology->triangles;
+  if (boxes_topology_ == nullptr) {
+    if (!std::all_of(vertices.begin(), vertices.end(), [](float x) { return std::isfinite(x); })) {
+      throw std::invalid_argument(object_ +
+                                  ": boxes of parts wait for a mesh whose vertices are all "
+                                  "finite");
+    }
+    boxes_topology_ = mesh.topology;
+    of_boxes_.resize(given_.size());
+    for (std::size_t part = 0; part < given_.size(); ++part) {
+      if (!given_[part].box) continue;
+      for (std::size_t t = 0; t < triangles.size() / 3; ++t) {
+        if (isInside(*given_[part].box, vertices, &triangles[3 * t])) of_boxes_[part].push_back(t);
+      }
+    }
+  } else if (!haveSameTriangles(*boxes_topology_, *mesh.topology)) {
+    throw std::invalid_argument(object_ + ": boxes of parts were taken in a mesh of topology_id " +
+                                std::to_string(boxes_topology_->id) +
+                                ", and this mesh has other triangles");
+  }
+  for (std::size_t part = 0; part < given_.size(); ++part) {
+    if (given_[part].box && of_boxes_[part].empty()) {
+      throw std::invalid_argument(name(part) + " has a box without a triangle of the first mesh");
+    }
+    for (const std::size_t triangle : of_boxes_[part]) add(part, triangle);
+  }
+}
+
+void PartChooser::add(std::size_t part, std::size_t triangle) {
+  PartId& of_triangle = of_triangles_[triangle];
+  if (of_triangle != 0 && of_triangle != part + 1) {
+    throw std::invalid_argument(name(of_triangle - 1U) + " and " + name(part) +
+                                " both have triangle " + std::to_string(triangle));
+  }
+  of_triangle = static_cast<PartId>(part + 1);
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,26 @@
+// Decides whether rejected triangles leave it open how a pair stands.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "monitor/cycle_report.h"
+
+namespace deformable_contact_monitor {
+
+// The rejected triangles of a body. `where` is put in front of their numbers.
+struct Rejects {
+  std::uint64_t all = 0;
+  const std::vector<std::uint64_t>& by_part;  // empty: none, or the body has no parts
+  const char* where = "";
+};
+
+// Returns why NONE and NEAR must not be claimed of one side of a pair (is_a: that of pair.a); empty
+// if the rules tolerate its rejects. A part is decided by its own triangles. An object is decided
+// by the triangles of no named part, because its parts have states of their own. If such triangles
+// do not exist or are ALLOWED, some monitored part must be known. Needs the report's scene.
+std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair, bool is_a,
+                           const Rejects& rejects, double tolerated_rejects);
+
+}  // namespace deformable_contact_monitor

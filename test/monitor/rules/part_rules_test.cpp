@@ -1,0 +1,288 @@
+// Tests the parameter `parts` and the rules that name parts.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "monitor/cycle/monitor_scene.h"
+#include "monitor/diagnostics/robot_checks.h"
+#include "monitor/rules/parameters.h"
+#include "monitor/rules/rule_texts.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+XmlRpcValue listOf(const std::vector<XmlRpcValue>& items) {
+  XmlRpcValue list;
+  list.setSize(static_cast<int>(items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i) list[static_cast<int>(i)] = items[i];
+  return list;
+}
+
+XmlRpcValue range(int first, int last) { return listOf({first, last}); }
+
+XmlRpcValue part(const std::string& name, const std::vector<XmlRpcValue>& ranges) {
+  XmlRpcValue part;
+  part["name"] = name;
+  part["triangles"] = listOf(ranges);
+  return part;
+}
+
+// The parameters of one object, "cloth", with these parts.
+XmlRpcValue withParts(const std::vector<XmlRpcValue>& parts) {
+  XmlRpcValue object, tree;
+  object["name"] = "cloth";
+  object["parts"] = listOf(parts);
+  tree["objects"] = listOf({object});
+  return tree;
+}
+
+MonitorParameters parse(const XmlRpcValue& tree) {
+  std::vector<std::string> warnings;
+  MonitorParameters p = parseParameters(tree, &warnings);
+  EXPECT_TRUE(warnings.empty()) << warnings.front();
+  return p;
+}
+
+std::string refusalOf(const XmlRpcValue& tree) {
+  std::vector<std::string> warnings;
+  try {
+    parseParameters(tree, &warnings);
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "was not refused";
+  return "";
+}
+
+void expectIn(const std::string& text, const std::string& all) {
+  EXPECT_NE(all.find(text), std::string::npos) << "'" << text << "' is not in:\n" << all;
+}
+
+using Ranges = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+TEST(PartParameters, RangesAreJoined) {
+  const auto parts =
+      parse(withParts({part("hem", {range(7, 9), range(0, 4), range(5, 5), range(8, 12)})}))
+          .objects[0]
+          .parts;
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].name, "hem");
+  EXPECT_EQ(parts[0].ranges, (Ranges{{0, 5}, {7, 12}}));
+}
+
+TEST(PartParameters, AFileHasOneIndexPerLine) {
+  const std::string path = ::testing::TempDir() + "part_indices.txt";
+  XmlRpcValue hem;
+  hem["name"] = "hem";
+  hem["indices_file"] = path;
+  expectIn("~objects[0]/parts[0]/indices_file is '" + path + "': ", refusalOf(withParts({hem})));
+  std::ofstream(path) << "5\r\n3\n\n4\n9\n";
+  EXPECT_EQ(parse(withParts({hem})).objects[0].parts[0].ranges, (Ranges{{3, 5}, {9, 9}}));
+  std::ofstream(path) << "5\n-3\n";
+  expectIn("line 2 is '-3', must be the index of a triangle", refusalOf(withParts({hem})));
+  std::ofstream(path) << "\n";
+  expectIn("the file has no triangle", refusalOf(withParts({hem})));
+  std::remove(path.c_str());
+}
+
+TEST(PartParameters, ABoxHasTwoCorners) {
+  XmlRpcValue hem;
+  hem["name"] = "hem";
+  hem["box"]["min"] = listOf({-1, 0.5, 0});
+  hem["box"]["max"] = listOf({1, 0.5, 2.5});
+  const auto box = parse(withParts({hem})).objects[0].parts[0].box;
+  ASSERT_TRUE(box.has_value());
+  EXPECT_EQ(box->min, (std::array<double, 3>{-1, 0.5, 0}));
+  EXPECT_EQ(box->max, (std::array<double, 3>{1, 0.5, 2.5}));
+  hem["box"]["min"] = listOf({-1, 0.75, 0});
+  expectIn("~objects[0]/parts[0]/box/min is above max in axis y", refusalOf(withParts({hem})));
+  hem["box"]["min"] = listOf({-1, 0.75});
+  expectIn("~objects[0]/parts[0]/box/min must be three numbers", refusalOf(withParts({hem})));
+}
+
+TEST(PartParameters, NamesAreChecked) {
+  const XmlRpcValue one = range(0, 0), two = range(1, 1);
+  expectIn("parts[0]/name is 'a:b', must have no ':' and no '*'",
+           refusalOf(withParts({part("a:b", {one})})));
+  expectIn("parts[0]/name is '*', must have no ':' and no '*'",
+           refusalOf(withParts({part("*", {one})})));
+  expectIn("parts[1]/name is 'a', which is another part's name",
+           refusalOf(withParts({part("a", {one}), part("a", {two})})));
+  XmlRpcValue unnamed;
+  unnamed["triangles"] = listOf({one});
+  expectIn("parts[0]/name is missing", refusalOf(withParts({unnamed})));
+  XmlRpcValue tree = withParts({part("hem", {one})}), other;
+  other["name"] = "cloth:hem";
+  other["topic"] = "other";
+  tree["objects"] = listOf({tree["objects"][0], other});
+  expectIn("have 'cloth:hem', which looks like a part of 'cloth'", refusalOf(tree));
+}
+
+TEST(PartParameters, APartOfALinksNameIsRefused) {
+  const MonitorParameters p = parse(withParts({part("hem", {range(0, 0)})}));
+  RobotGeometry robot;
+  robot.links.push_back({"cloth:hem", "", TriangleMesh(), ""});
+  EXPECT_THROW(checkRobot(robot, p), std::runtime_error);
+  robot.links[0].link = "cloth:other";
+  EXPECT_NO_THROW(checkRobot(robot, p));
+}
+
+TEST(PartParameters, OverlapsAreRefusedByName) {
+  expectIn("~objects[0]/parts 'hem' and 'edge' both have triangle 7",
+           refusalOf(withParts({part("edge", {range(7, 8)}), part("hem", {range(0, 7)})})));
+}
+
+TEST(PartParameters, OneWayToMakeAPart) {
+  XmlRpcValue hem;
+  hem["name"] = "hem";
+  const std::string give_one =
+      "parts[0]/triangles, indices_file and box are the ways to make a part: give one";
+  expectIn(give_one, refusalOf(withParts({hem})));
+  hem["triangles"] = listOf({range(0, 1)});
+  hem["indices_file"] = "/nowhere";
+  expectIn(give_one, refusalOf(withParts({hem})));
+  expectIn("parts[0]/triangles[0] is 5, must be in [9, 2147483647]",
+           refusalOf(withParts({part("hem", {range(9, 5)})})));
+  expectIn("parts[0]/triangles has no range", refusalOf(withParts({part("hem", {})})));
+  XmlRpcValue wide = part("hem", {range(0, 1)});
+  wide["margin_m"] = 0.5;
+  expectIn("parts[0]/margin_m is not supported", refusalOf(withParts({wide})));
+  std::vector<XmlRpcValue> many;
+  for (int i = 0; i < 256; ++i) many.push_back(part("p" + std::to_string(i), {range(i, i)}));
+  expectIn("~objects[0]/parts are 256, must be at most 255", refusalOf(withParts(many)));
+  many.pop_back();
+  EXPECT_EQ(parse(withParts(many)).objects[0].parts.size(), 255U);
+}
+
+TEST(PartParameters, WhatPartsDoNotWorkWithIsRefused) {
+  XmlRpcValue tree = withParts({part("hem", {range(0, 1)})});
+  tree["tolerance_m"] = 0.01;
+  tree["containment"] = true;
+  expectIn("~tolerance_m above 0 is not supported with parts, which 'cloth' has", refusalOf(tree));
+  expectIn("~containment: true is not supported with parts, which 'cloth' has", refusalOf(tree));
+}
+
+AllowedContact rule(const std::string& a, const std::string& b, bool allowed) {
+  AllowedContact rule;
+  rule.body_a = a;
+  rule.body_b = b;
+  rule.allowed = allowed;
+  return rule;
+}
+
+class PartRules : public ::testing::Test {
+ protected:
+  PartRules() {
+    BodyParts parts;
+    parts.names = {"hem", "seam"};
+    cloth_.name = "cloth";
+    cloth_.kind = BodyKind::kDeformable;
+    cloth_.parts = std::make_shared<const BodyParts>(parts);
+    hand_.name = "hand";
+  }
+
+  // The verdicts about the cloth's own rest, its hem and its seam: 1 is allowed.
+  std::string verdicts() const {
+    std::string text;
+    for (const PartId part : {0, 1, 2}) {
+      const bool allowed = rules_.verdict(hand_, cloth_, 0, part).allowed;
+      EXPECT_EQ(rules_.verdict(cloth_, hand_, part, 0).allowed, allowed);
+      text += allowed ? "1" : "0";
+    }
+    return text;
+  }
+
+  BodyStatus hand_, cloth_;
+  ContactRules rules_;
+};
+
+// Each line of the table in config/README.md beats those below it, whatever comes last.
+TEST_F(PartRules, TheTableOfPrecedence) {
+  rules_.allowed.add(rule("*", "*", true));
+  EXPECT_EQ(verdicts(), "111");
+  rules_.allowed.add(rule("*", "cloth", false));
+  EXPECT_EQ(verdicts(), "000");
+  rules_.allowed.add(rule("cloth:*", "*", true));
+  EXPECT_EQ(verdicts(), "011");
+  rules_.allowed.add(rule("*", "cloth:hem", false));
+  EXPECT_EQ(verdicts(), "001");
+  rules_.allowed.add(rule("*", "cloth", false));
+  EXPECT_EQ(verdicts(), "001");
+  rules_.attached = {{"cloth", {"hand"}}};
+  EXPECT_EQ(verdicts(), "111");
+  rules_.allowed.add(rule("hand", "cloth", false));
+  EXPECT_EQ(verdicts(), "000");
+  rules_.allowed.add(rule("cloth:*", "hand", true));
+  EXPECT_EQ(verdicts(), "011");
+  rules_.allowed.add(rule("hand", "cloth:seam", false));
+  EXPECT_EQ(verdicts(), "010");
+  rules_.allowed.add(rule("hand", "cloth:*", true));
+  rules_.allowed.add(rule("hand", "cloth", true));
+  EXPECT_EQ(verdicts(), "110");
+}
+
+TEST_F(PartRules, BothSidesCount) {
+  BodyStatus rug = cloth_;
+  rug.name = "rug";
+  rules_.allowed.add(rule("cloth:hem", "rug:*", true));
+  rules_.allowed.add(rule("cloth:hem", "rug", false));
+  EXPECT_TRUE(rules_.verdict(cloth_, rug, 1, 2).allowed);
+  EXPECT_FALSE(rules_.verdict(cloth_, rug, 1, 0).allowed);
+  rules_.allowed.add(rule("cloth:*", "rug:seam", false));
+  EXPECT_FALSE(rules_.verdict(cloth_, rug, 1, 2).allowed) << "among equals, the last one";
+  EXPECT_TRUE(rules_.verdict(cloth_, rug, 1, 1).allowed);
+}
+
+TEST_F(PartRules, PairsOfPartsFollowFromThem) {
+  const std::vector<BodyStatus> bodies = {hand_, cloth_};
+  rules_.allowed.add(rule("hand", "cloth:hem", true));
+  const PairClasses classes{true, false, true, false};
+  const auto pairs = monitoredPairs(bodies, classes, rules_);
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_FALSE(pairs[0].allowed || pairs[1].allowed);
+  std::string text;
+  for (const MonitoredPair& pair : monitoredPartPairs(bodies, pairs, rules_)) {
+    text += nameOf(bodies[pair.a], pair.part_a) + "/" + nameOf(bodies[pair.b], pair.part_b) +
+            (pair.allowed ? " allowed, " : ", ");
+  }
+  EXPECT_EQ(text, "hand/cloth:hem allowed, hand/cloth:seam, cloth/cloth:hem, cloth/cloth:seam, ");
+  EXPECT_EQ(allowedParts(bodies, pairs, rules_), (std::vector<PartPair>{{0, 1, 0, 1}}));
+  rules_.allowed.add(rule("hand", "cloth", true));
+  rules_.allowed.add(rule("hand", "cloth:*", true));
+  EXPECT_TRUE(monitoredPairs(bodies, classes, rules_)[0].allowed);
+}
+
+TEST_F(PartRules, InWords) {
+  const std::vector<BodyStatus> bodies = {hand_, cloth_};
+  Scene scene;
+  for (const BodyStatus& body : bodies) scene.addBody(body.name, TriangleMesh());
+  rules_.allowed.add(rule("hand", "cloth:hem", true));
+  const auto pairs = monitoredPairs(bodies, PairClasses(), rules_);
+  const RulesInForce in_force =
+      describeRules(bodies, pairs, rules_, scene, monitoredPartPairs(bodies, pairs, rules_));
+  EXPECT_EQ(in_force.allowedPairs(), 0U);
+  EXPECT_EQ(in_force.bodies[0].second, "margin 0 m, may touch cloth:hem (parameters)");
+  EXPECT_EQ(in_force.bodies[1].second, "margin 0 m, may touch hand with hem (parameters)");
+}
+
+TEST_F(PartRules, UnknownPartsAreNamed) {
+  AllowedContacts allowed;
+  for (const char* name : {"cloth:hem", "cloth:*", "cloth:hen", "hand:*"}) {
+    allowed.add(rule("hand", name, true));
+  }
+  EXPECT_EQ(
+      describeUnknownNames({}, allowed, {hand_, cloth_}),
+      (std::vector<std::string>{
+          "allowed contacts name 'cloth:hen' (did you mean 'cloth:hem'?), which is no link "
+          "or object",
+          "allowed contacts name 'hand:*' (did you mean 'hand'?), which is no link or object"}));
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
