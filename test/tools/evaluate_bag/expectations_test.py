@@ -37,6 +37,35 @@ class Expectations(EvaluationCase):
             self.assertIn(words, failure)
         self.assertFalse(summary["passed"])
 
+    def test_a_part_is_a_body_of_expectations_and_tables(self):
+        touched = sorted({triangle for pairs in self.expected.values()
+                          for link, _, _, triangle in pairs if link == "panda_hand"})
+        other = next(i for i in range(len(touched) + 1) if i not in touched)
+        hem = self.text("hem.txt", "".join(f"{triangle}\n" for triangle in touched))
+        config = self.text("parts.yaml", f"""
+reference_frame: panda_link0
+objects: [{{name: tshirt, topic: /tshirt, parts: [
+  {{name: hem, indices_file: {hem}}}, {{name: other, triangles: [[{other}, {other}]]}}]}}]
+""")
+        expect = self.text("e.yaml", """
+- {link: panda_hand, object: 'tshirt:hem', touches: sometime}
+- {link: panda_hand, object: 'tshirt:other', touches: never}
+- {link: panda_hand, object: 'tshirt:hen', touches: never}
+""")
+        done = self.run_tool("--config", config, "--expect", expect, self.bag())
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual([e["failure"] for e in self.summary()["expectations"]], [
+            "", "", "no such body 'tshirt:hen' (did you mean 'tshirt:hem'?)"])
+        rows = {(row["body_b"], row["state"]) for row in read_table(self.path("out/links.csv"))
+                if row["body_a"] == "panda_hand"}
+        self.assertTrue({("tshirt:hem", "CONTACT"), ("tshirt:other", "NONE")} <= rows, rows)
+
+        with open(config, "a") as file:
+            file.write("allowed_contacts: [{body_a: panda_hand, body_b: 'tshirt:hem'}]\n")
+        expect = self.text("e.yaml", "- {link: panda_hand, object: tshirt, touches: never}")
+        done = self.run_tool("--config", config, "--expect", expect, self.bag())
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
     def test_unknown_is_not_never(self):
         gap = [e for e in self.events if e[1] != "/tf" or stamp_of(3) > e[0] or e[0] > stamp_of(18)]
         gap = [(t, topic, TFMessage([x for x in m.transforms if x.child_frame_id != "panda_hand"]))
