@@ -14,7 +14,7 @@ namespace {
 
 using Range = std::pair<std::uint32_t, std::uint32_t>;
 
-constexpr std::size_t kMostParts = 255;  // what PartId can number beside the body's own rest
+constexpr std::size_t kMostNamedParts = 255;  // what PartId can number beside the body's own rest
 constexpr int kLastTriangle = std::numeric_limits<int>::max();
 
 // Sorts ranges, and joins those that overlap or follow each other.
@@ -139,7 +139,7 @@ std::vector<PartParameters> readParts(ParameterReader* object, const std::string
     }
     parts.push_back(std::move(part));
   }
-  if (parts.size() > kMostParts) {
+  if (parts.size() > kMostNamedParts) {
     object->addProblem("parts", "are " + std::to_string(parts.size()) + ", must be at most 255");
   }
   if (!parts.empty() && object_name.find_first_of(":*") != std::string::npos) {
