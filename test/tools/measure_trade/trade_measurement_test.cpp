@@ -74,6 +74,18 @@ class TradeMeasurement : public testing::Test {
   ExactResults exact_ = exactResults(&frames_, AdjacentPairs::kSkip, ignore_);
 };
 
+// The warm-up of seven cycles takes two passes of five frames, which are not counted.
+TEST_F(TradeMeasurement, CountsWholePassesAfterTheWarmUp) {
+  std::vector<std::size_t> counted, others;
+  const auto visit = [&counted, &others](std::size_t frame, bool is_counted) {
+    (is_counted ? counted : others).push_back(frame);
+  };
+  forEachCycle(&frames_, {7, 2}, visit);
+  const std::vector<std::size_t> twice = {0, 1, 2, 3, 4, 0, 1, 2, 3, 4};
+  EXPECT_EQ(twice, counted);
+  EXPECT_EQ(twice, others);
+}
+
 TEST_F(TradeMeasurement, ExactResultsAreOfEveryFrame) {
   ASSERT_EQ(exact_.labels.size(), SinkingCloth::kFrames);
   EXPECT_EQ(exact_.labels.front(), "frame 0");
