@@ -53,13 +53,21 @@ void transformVertices(const PosedBody& posed, std::size_t first, std::size_t co
   });
 }
 
-// Fills in everything but the box of the set's i-th triangle, which is triangle t of a body.
+// Fills in everything but the box and the part of the set's i-th triangle, which is triangle t of
+// a body.
 void place(const Body& body, BodyId id, std::uint32_t t, std::size_t i, WorkingSet& set) {
   const std::uint32_t* corner = &body.mesh.triangles[3 * std::size_t{t}];
   for (int k = 0; k < 3; ++k) set.corners[3 * i + k] = set.first_vertex[id] + corner[k];
   set.body[i] = id;
   set.triangle[i] = t;
-  if (set.parts != nullptr) set.part[i] = set.parts->of(id, t);
+}
+
+// Fills in the parts of a body's triangles, which have the places from `begin` to `end` in the set.
+void noteParts(const Body& body, BodyId id, std::size_t begin, std::size_t end, WorkingSet& set) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const PartId part = body.parts.empty() ? PartId{0} : body.parts[set.triangle[i]];
+    set.part[i] = set.parts->numberOf(id, part);
+  }
 }
 
 // Returns whether triangles of a body are left out because their parts take no part.
@@ -187,7 +195,8 @@ void WorkingSetBuilder::addAllTriangles(const Body& body, BodyId id, const Cycle
       place(body, id, static_cast<std::uint32_t>(t), first + t, set);
       const std::uint32_t* corner = &set.corners[3 * (first + t)];
       const Primitive posed = set.primitiveOf<Primitive>(corner[0], corner[1], corner[2]);
-      set.boxes[first + t] = setBoxOf(inflated(boxOf(posed), growth_m_), set);
+      const auto box = boxOf(posed);
+      set.boxes[first + t] = setBoxOf(growth_m_ > 0 ? inflated(box, growth_m_) : box, set);
     }
   };
   parallelBlocks(limit, body.mesh.triangleCount(), kBlock, addBlock);
@@ -216,6 +225,7 @@ void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
     if (limit.wasOver()) return;
     rejected = addChosen(body, id, limit, set);
   }
+  if (set.parts != nullptr) noteParts(body, id, before, triangle_count_, set);
   if (limit.over()) return;
   counters.posed += body.mesh.triangleCount();
   counters.rejected += rejected;
