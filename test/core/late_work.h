@@ -1,0 +1,53 @@
+// What a detector does after its deadline.
+#pragma once
+
+#include <time.h>
+
+#include <chrono>
+#include <future>
+#include <string>
+#include <thread>
+
+#include "core/detector.h"
+#include "core/scene.h"
+
+namespace deformable_contact_monitor {
+
+// What may be done after a deadline, in processor time of all threads, which other programs on the
+// machine hardly change. It is generous, for a debug build; without limits these scenes take many
+// seconds.
+inline constexpr double kSoonMs = 500;
+
+// The clock for a backend: processor time of this process, or on CUDA, whose kernels take none,
+// elapsed time.
+inline double timeOnMs(const std::string& backend) {
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  using Clock = std::chrono::steady_clock;
+  if (backend == "cuda") return Milliseconds(Clock::now().time_since_epoch()).count();
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+// Detects, and sets `late_ms` to what was done after the deadline, by timeOnMs(). If there is none,
+// to what was done at all.
+inline const DetectionResult& detectLate(Detector& detector, const Scene& scene,
+                                         const Options& options, double* late_ms) {
+  double at_deadline = timeOnMs(detector.backend());
+  std::promise<void> done;
+  std::thread watch;
+  if (options.limits.deadline != SteadyTime::max()) {
+    watch = std::thread([&, is_done = done.get_future()] {
+      is_done.wait_until(options.limits.deadline);
+      at_deadline = timeOnMs(detector.backend());
+    });
+  }
+  const DetectionResult& result = detector.detect(scene, options);
+  const double at_end = timeOnMs(detector.backend());
+  done.set_value();
+  if (watch.joinable()) watch.join();
+  *late_ms = at_end - at_deadline;
+  return result;
+}
+
+}  // namespace deformable_contact_monitor
