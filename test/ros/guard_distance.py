@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Moves a cloth towards a box, as far and as fast as contact_guard lets it, and away again. The
 distance of the two is known at each stamp, and so is the scale that belongs to it. The test
-publishes the clock, and moves it on when both guards have answered: nothing depends on how busy the
-machine is."""
+publishes the clock, and moves it on when both guards have answered rightly: nothing depends on how
+busy the machine is."""
 import bisect
 import sys
 import unittest
@@ -28,6 +28,14 @@ STOP_M, LEAST_SCALE = 0.05, 0.1
 SERVO_TOPIC = "/servo_server/internal/collision_velocity_scale"
 FLAT_CLOTH = grid(10, 0.6)
 FLAT_CLOTH[0][:, 2] = 0
+
+
+def scale_at(distance_m):
+    """What by_distance allows."""
+    if distance_m <= STOP_M:
+        return 0.0
+    share = (distance_m - STOP_M) / (0.3 - STOP_M)
+    return min(1.0, LEAST_SCALE + (1 - LEAST_SCALE) * share)
 
 
 class Guard:
@@ -134,14 +142,27 @@ class GuardDistance(unittest.TestCase):
             found += [state for state in message.states if state.state == ContactState.NEAR]
         return found
 
-    def approach(self, guard, speed_mps):
-        """Returns the scales from then on until the guard stops."""
+    def approach(self, guard, speed_mps, is_right):
+        """Returns the scales from then on until the guard stops. After each step, is_right(distance,
+        allowed scale) must become true."""
         since = guard.scales.count()
         self.cloth.move(lambda: speed_mps * guard.allowed())
-        self.cloth.step_until(guard.stop, f"{guard.name} to stop the cloth")
-        self.assertLess(self.cloth.distance_m, 0.06)
+        for _ in range(MOST_STEPS):
+            wait_until(lambda: is_right(self.cloth.distance_m, guard.allowed()),
+                       f"the scale of {guard.name} at {self.cloth.distance_m} m")
+            if self.cloth.distance_m < 0.06 and guard.stop():
+                break
+            # It also stops where the clock reached it later than the states did.
+            wait_until(lambda: not guard.stop(), f"{guard.name} at {self.cloth.distance_m} m")
+            self.cloth.step()
+        self.assertTrue(guard.stop())
         self.assertGreater(self.cloth.distance_m, 0.03)
         return [message.data for message in guard.scales.messages[since:]]
+
+    def approach_by_distance(self):
+        return self.approach(
+            self.by_distance, 0.15,
+            lambda distance_m, scale: abs(scale - scale_at(distance_m)) < 1e-4)
 
     def check_states(self):
         """Distances, points and normals are those of the scene."""
@@ -157,12 +178,8 @@ class GuardDistance(unittest.TestCase):
         return states
 
     def test_by_distance(self):
-        scales = self.approach(self.by_distance, 0.15)
+        scales = self.approach_by_distance()
         states = self.check_states()
-
-        def scale_at(distance_m):
-            share = (distance_m - STOP_M) / (0.3 - STOP_M)
-            return min(1.0, LEAST_SCALE + (1 - LEAST_SCALE) * share)
         expected = sorted(scale_at(state.min_separation) for state in states)
         slowed = [scale for scale in scales if 0 < scale < 1]
         self.assertGreater(len(slowed), 5)
@@ -178,7 +195,7 @@ class GuardDistance(unittest.TestCase):
 
     def test_warns_before_it_stops(self):
         since = self.by_distance.warnings.count()
-        self.approach(self.by_distance, 0.15)
+        self.approach_by_distance()
         warned = [message.data for message in self.by_distance.warnings.messages[since:]]
         self.assertFalse(warned[0])
         self.assertIn(True, warned)
@@ -191,13 +208,13 @@ class GuardDistance(unittest.TestCase):
         self.cloth.step_until(lambda: not self.by_distance.stop(), "no stop")
 
     def test_by_time_to_contact(self):
-        scales = self.approach(self.by_time, 0.4)
+        speed_mps, least_s = 0.4, 0.7  # 1 s is asked for, and is missed while it speeds up
+
+        def is_late_enough(distance_m, scale):
+            return scale <= LEAST_SCALE or distance_m - STOP_M > least_s * speed_mps * scale
+        scales = self.approach(self.by_time, speed_mps, is_late_enough)
         self.check_states()
         self.assertGreater(len([scale for scale in scales if 0 < scale < 1]), 5)
-        times = [(distance_m - STOP_M) / speed for distance_m, speed in self.cloth.path
-                 if speed > 0.4 * 1.05 * LEAST_SCALE and distance_m < 0.5]
-        # 1 s is asked for; a scale is that of some steps before.
-        self.assertGreater(min(times), 0.5)
         # The distance alone slows only below 0.06 m.
         slowed_at = max(distance_m for distance_m, speed in self.cloth.path
                         if 0 < speed < 0.4 * 0.9)
@@ -210,6 +227,7 @@ class GuardDistance(unittest.TestCase):
             since = guard.scales.count()
             self.cloth.move(lambda: -0.25)
             self.cloth.step_until(lambda: self.cloth.distance_m > 0.25, "the cloth to be away")
+            wait_until(lambda g=guard: g.allowed() == 1, f"{guard.name} to see that it leaves")
             later = guard.scales.count()
             self.cloth.step_until(lambda: self.cloth.distance_m > 0.5, "the cloth to be farther")
             self.assertGreater(guard.scales.count(), later)
