@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/bounds/exact_distances.h"
+#include "core/bounds/radii.h"
 #include "core/common/forks.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/scene_queries.h"
@@ -283,7 +284,7 @@ std::unique_ptr<Detector> makePartitionedDetector(
   } else {
     detector = std::make_unique<PartitionedDetector>(std::move(partitions), settings);
   }
-  return guardAgainstForks(std::move(detector), AfterFork::kIsUnavailable);
+  return guardAgainstForks(withRadii(std::move(detector)), AfterFork::kIsUnavailable);
 }
 
 }  // namespace deformable_contact_monitor

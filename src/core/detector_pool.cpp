@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/bounds/bounded_cycle.h"
+#include "core/bounds/radii.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/scene_queries.h"
 
@@ -226,7 +227,8 @@ class DetectorPool : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> makeDetectorPool(PoolSettings settings) {
-  return guardAgainstForks(std::make_unique<DetectorPool>(std::move(settings)), AfterFork::kWorks);
+  return guardAgainstForks(withRadii(std::make_unique<DetectorPool>(std::move(settings))),
+                           AfterFork::kWorks);
 }
 
 }  // namespace deformable_contact_monitor

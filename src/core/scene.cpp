@@ -136,6 +136,11 @@ void Scene::setMargin(BodyId id, float margin_m) {
   body.margin_m = checkedLength(body, "margin", margin_m);
 }
 
+void Scene::setRadius(BodyId id, float radius_m) {
+  Body& body = checkedBody(id);
+  body.radius_m = checkedLength(body, "radius", radius_m);
+}
+
 void Scene::setParts(BodyId id, std::vector<PartId> part_of_triangle) {
   Body& body = checkedBody(id);
   if (!part_of_triangle.empty() && part_of_triangle.size() != body.mesh.triangleCount()) {
@@ -221,6 +226,8 @@ bool Scene::anyBody(float Body::*length_m) const {
 }
 
 bool Scene::anyMargin() const { return anyBody(&Body::margin_m); }
+
+bool Scene::anyRadius() const { return anyBody(&Body::radius_m); }
 
 bool Scene::anyPad() const { return anyBody(&Body::pad_m); }
 

@@ -58,6 +58,9 @@ struct DCM_EXPORT Body {
   std::optional<DeviceVertices> device_vertices;
   RigidTransform pose;  // scene frame from body frame; identity leaves the vertices untouched
   float margin_m = 0;   // a pair of bodies counts at a distance <= the larger of its two margins
+  // The body is the set of all points at most this far from its triangles [m], so that a polyline
+  // is a rope, and single points are grains (core/bounds/radii.h).
+  float radius_m = 0;
   // The next two are for swept motion only. A body without an earlier state stands still.
   std::optional<EarlierState> earlier;
   // How far the true path of a point may be from its straight line [m]. The pads of two bodies add
@@ -110,6 +113,10 @@ class DCM_EXPORT Scene {
   // Sets the margin [m], finite and >= 0.
   void setMargin(BodyId id, float margin_m);
 
+  // Sets Body::radius_m [m], finite and >= 0. Motion::kSwept and options.tolerance_m do not go with
+  // a radius: detect() throws std::invalid_argument then, naming the body.
+  void setRadius(BodyId id, float radius_m);
+
   // Sets Body::earlier. Throws for non-finite numbers in the pose, and for another number of
   // vertices than the mesh has. No vertices at all mean the present ones.
   void setEarlier(BodyId id, const RigidTransform& pose, HostList<float> vertices = {});
@@ -147,6 +154,8 @@ class DCM_EXPORT Scene {
   bool takesPart(BodyId id) const;
   // Returns whether some body that takes part has a margin.
   bool anyMargin() const;
+  // Returns whether some body that takes part has a radius.
+  bool anyRadius() const;
   // Returns whether some body that takes part has a pad.
   bool anyPad() const;
   // Returns a revision, like those of Body, of the enabled pairs of bodies and of parts, and of the

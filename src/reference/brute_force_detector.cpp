@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/bounds/radii.h"
 #include "core/common/contact_geometry.h"
 #include "core/common/cycle_limit.h"
 #include "core/common/part_table.h"
@@ -348,7 +349,7 @@ class BruteForceDetector : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> makeBruteForceDetector() {
-  return std::make_unique<BruteForceDetector>();
+  return withRadii(std::make_unique<BruteForceDetector>());
 }
 
 }  // namespace deformable_contact_monitor

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/bounds/radii.h"
 #include "core/common/contact_geometry.h"
 #include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
@@ -234,6 +235,6 @@ class FclDetector : public Detector {
 
 }  // namespace
 
-std::unique_ptr<Detector> makeFclDetector() { return std::make_unique<FclDetector>(); }
+std::unique_ptr<Detector> makeFclDetector() { return withRadii(std::make_unique<FclDetector>()); }
 
 }  // namespace deformable_contact_monitor

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/bounds/distance_search.h"
+#include "core/bounds/radii.h"
 #include "core/common/contact_geometry.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/parallel.h"
@@ -212,7 +213,7 @@ void CpuDetector::countClusters() {
 }  // namespace
 
 std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings) {
-  return guardAgainstForks(std::make_unique<CpuDetector>(settings), AfterFork::kWorks);
+  return guardAgainstForks(withRadii(std::make_unique<CpuDetector>(settings)), AfterFork::kWorks);
 }
 
 }  // namespace deformable_contact_monitor

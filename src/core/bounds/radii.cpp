@@ -1,0 +1,262 @@
+#include "core/bounds/radii.h"
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/bounds/distance_rounding.h"
+#include "core/bounds/ways_along_mesh.h"
+#include "core/rules/margins.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+Vec3f moved(const Vec3f& point, const Vec3f& along, double by_m) {
+  return {static_cast<float>(point.x + by_m * along.x),
+          static_cast<float>(point.y + by_m * along.y),
+          static_cast<float>(point.z + by_m * along.z)};
+}
+
+// The radii of a pair of bodies.
+struct PairRadii {
+  double a_m, b_m;
+  float touch_m;  // at most so far apart, their triangles are a contact
+
+  PairRadii(const Body& a, const Body& b)
+      : a_m(a.radius_m), b_m(b.radius_m), touch_m(roundedDown(a_m + b_m)) {}
+
+  double sum() const { return a_m + b_m; }
+
+  // Returns the distance of the two, from that of the triangles; 0 if they touch.
+  float apartM(float distance_m) const {
+    if (distance_m <= touch_m) return 0;
+    return std::max(static_cast<float>(distance_m - sum()), FLT_TRUE_MIN);
+  }
+};
+
+// Returns how much a body's margin must grow so that no contact of its pairs is missed: by its own
+// radius and the largest one of its partners. A pair has the larger margin of its two bodies.
+std::vector<double> growths(const Scene& scene) {
+  std::vector<double> growth(scene.bodyCount());
+  for (const auto& [a, b] : scene.enabledPairs()) {
+    const double sum = double{scene.body(a).radius_m} + scene.body(b).radius_m;
+    growth[a] = std::max(growth[a], sum);
+    growth[b] = std::max(growth[b], sum);
+  }
+  return growth;
+}
+
+// Takes the radii off the bounds of a distance. They are those of the triangles.
+void deflate(const PairRadii& radii, BodyDistance* distance) {
+  distance->low_m = distance->low_m <= radii.sum() ? 0 : roundedDown(distance->low_m - radii.sum());
+  if (!std::isfinite(distance->high_m)) return;
+  distance->high_m =
+      distance->high_m <= radii.touch_m ? 0 : roundedUp(distance->high_m - radii.sum());
+}
+
+// Takes the radii off a nearest pair, which is that of the triangles.
+void deflate(const PairRadii& radii, NearestPair* nearest) {
+  const double gap_m = nearest->distance_m;
+  nearest->distance_m = radii.apartM(nearest->distance_m);
+  if (nearest->distance_m > 0) {
+    nearest->point_a = moved(nearest->point_a, nearest->normal, radii.a_m);
+    nearest->point_b = moved(nearest->point_b, nearest->normal, -radii.b_m);
+    return;
+  }
+  // Along the normal, from point_a on, a reaches from -a_m to a_m, and b from gap - b_m to gap +
+  // b_m.
+  const double from_m = std::max(-radii.a_m, gap_m - radii.b_m);
+  const double to_m = std::min(radii.a_m, gap_m + radii.b_m);
+  nearest->point_a = moved(nearest->point_a, nearest->normal, (from_m + to_m) / 2);
+  nearest->point_b = nearest->point_a;
+  nearest->normal = Vec3f();
+}
+
+// Takes the radii off the geometry of a contact.
+void deflate(const PairRadii& radii, PairGeometry* geometry) {
+  if (geometry->separation_m > 0) {
+    geometry->point_a = moved(geometry->point_a, geometry->normal, radii.a_m);
+    geometry->point_b = moved(geometry->point_b, geometry->normal, -radii.b_m);
+  }
+  geometry->separation_m = static_cast<float>(geometry->separation_m - radii.sum());
+}
+
+class InflatedDetector : public Detector {
+ public:
+  explicit InflatedDetector(std::unique_ptr<Detector> detector) : detector_(std::move(detector)) {}
+  std::string backend() const override { return detector_->backend(); }
+  std::pmr::memory_resource& vertexMemory() override { return detector_->vertexMemory(); }
+  void reset() override { detector_->reset(); }
+
+  const DetectionResult& detect(const Scene& scene, const Options& options) override {
+    has_radii_ = scene.anyRadius();
+    if (!has_radii_) return detector_->detect(scene, options);
+    requireValid(options);
+    requireSupported(scene, options);
+    bare_ = scene;
+    run(scene, options);
+    return result_;
+  }
+
+  void swapResult(DetectionResult& result) override {
+    if (!has_radii_) return detector_->swapResult(result);
+    result_.swap(result);
+  }
+
+ private:
+  static void requireSupported(const Scene& scene, const Options& options);
+  void run(const Scene& scene, const Options& options);
+  void detectWithin(const Scene& scene, const Options& options, bool with_margins,
+                    DetectionResult* result);
+  void keepContacts(const Scene& scene, const Options& options);
+
+  std::unique_ptr<Detector> detector_;
+  Scene bare_;  // without radii, and with margins that are larger by them
+  bool has_radii_ = false;
+  DetectionResult result_, search_;
+};
+
+void InflatedDetector::requireSupported(const Scene& scene, const Options& options) {
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    const Body& body = scene.body(id);
+    if (body.radius_m == 0 || !scene.takesPart(id)) continue;
+    if (options.motion == Motion::kSwept) {
+      throw std::invalid_argument(body.name + ": it has a radius, and motion \"swept\" finds no " +
+                                  "contacts of such bodies; set motion \"instant\"");
+    }
+    if (options.tolerance_m > 0) {
+      throw std::invalid_argument(body.name + ": it has a radius, whose contacts are only found " +
+                                  "exactly; set tolerance_m to 0");
+    }
+    if (body.device_vertices && scene.pairEnabled(id, id)) {
+      throw std::invalid_argument(body.name + ": its vertices are on a device, but it has a " +
+                                  "radius, and contacts with itself are looked for on the host");
+    }
+  }
+}
+
+// A list of contacts needs margins as large as the radii, and a search those of the user as well.
+void InflatedDetector::run(const Scene& scene, const Options& options) {
+  const bool lists_near = options.near_pairs || !options.nearest;
+  const bool is_one = lists_near || !scene.anyMargin();
+  Options list = options;
+  list.near_pairs = true;
+  list.nearest = options.nearest && is_one;
+  list.nearest_by_part = options.nearest_by_part && is_one;
+  detectWithin(scene, list, lists_near, &result_);
+  if (!is_one) {
+    Options search = options;
+    search.geometry = false;
+    detectWithin(scene, search, true, &search_);
+    result_.nearest.swap(search_.nearest);
+    result_.nearest_parts.swap(search_.nearest_parts);
+    result_.distances.swap(search_.distances);
+    if (search_.cut_off) result_.cutOff(search_.cut_off_because);
+    result_.guaranteed = result_.guaranteed && search_.guaranteed;
+    for (const auto& stage : search_.stages_ms) {
+      result_.stages_ms.emplace_back("search_" + stage.first, stage.second);
+    }
+    result_.detect_ms += search_.detect_ms;
+    result_.round_trip_ms += search_.round_trip_ms;
+  }
+  keepContacts(scene, options);
+  const auto radiiOf = [&scene](BodyId a, BodyId b) {
+    return PairRadii(scene.body(a), scene.body(b));
+  };
+  const auto isBeyond = [&scene](const NearestPair& nearest) {
+    const TrianglePair& pair = nearest.pair;
+    return nearest.distance_m >
+           pairMargin(scene.body(pair.body_a).margin_m, scene.body(pair.body_b).margin_m);
+  };
+  for (BodyDistance& distance : result_.distances) {
+    deflate(radiiOf(distance.body_a, distance.body_b), &distance);
+  }
+  std::vector<NearestPair>& nearest = result_.nearest;
+  for (NearestPair& pair : nearest) deflate(radiiOf(pair.pair.body_a, pair.pair.body_b), &pair);
+  nearest.erase(std::remove_if(nearest.begin(), nearest.end(), isBeyond), nearest.end());
+  std::vector<NearestOfParts>& parts = result_.nearest_parts;
+  for (NearestOfParts& of : parts) {
+    deflate(radiiOf(of.parts.body_a, of.parts.body_b), &of.nearest);
+  }
+  parts.erase(std::remove_if(parts.begin(), parts.end(),
+                             [&](const NearestOfParts& of) { return isBeyond(of.nearest); }),
+              parts.end());
+}
+
+// The margins cover the rounding of a sum, and of the difference that apartM() rounds.
+void InflatedDetector::detectWithin(const Scene& scene, const Options& options, bool with_margins,
+                                    DetectionResult* result) {
+  const std::vector<double> growth = growths(scene);
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    const double margin_m = with_margins ? scene.body(id).margin_m : 0;
+    // The partner may have the larger margin, and this body the larger radius.
+    double most_m = margin_m;
+    for (BodyId other = 0; with_margins && growth[id] > 0 && other < scene.bodyCount(); ++other) {
+      if (scene.pairEnabled(id, other))
+        most_m = std::max<double>(most_m, scene.body(other).margin_m);
+    }
+    bare_.setRadius(id, 0);
+    bare_.setMargin(id, growth[id] == 0 ? static_cast<float>(margin_m)
+                                        : roundedUp(std::min<double>(
+                                              (most_m + growth[id]) * (1 + 0x1p-22), FLT_MAX)));
+  }
+  detector_->detect(bare_, options);
+  detector_->swapResult(*result);
+}
+
+// Drops the pairs that are no contacts, and takes the radii off the others.
+void InflatedDetector::keepContacts(const Scene& scene, const Options& options) {
+  const bool lists_near = options.near_pairs || !options.nearest;
+  const bool has_geometry = result_.geometry.size() == result_.contacts.size();
+  const bool has_separations = lists_near && scene.anyMargin();
+  std::map<BodyId, WaysAlongMesh> ways;
+  std::pair<BodyId, std::uint32_t> start(0, 0);
+  bool has_start = false;
+  const auto isCloseAlong = [&](const TrianglePair& pair) {
+    const Body& body = scene.body(pair.body_a);
+    WaysAlongMesh& way = ways.try_emplace(pair.body_a, body).first->second;
+    if (!has_start || start != std::make_pair(pair.body_a, pair.triangle_a)) {
+      way.startAt(pair.triangle_a, kPi * body.radius_m);
+    }
+    has_start = true;
+    start = {pair.body_a, pair.triangle_a};
+    return way.reaches(pair.triangle_b);
+  };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < result_.contacts.size(); ++i) {
+    const TrianglePair pair = result_.contacts[i];
+    const Body &a = scene.body(pair.body_a), &b = scene.body(pair.body_b);
+    const PairRadii radii(a, b);
+    const float apart_m = radii.apartM(result_.separationM(i));
+    if (apart_m > (lists_near ? pairMargin(a.margin_m, b.margin_m) : 0)) continue;
+    if (pair.body_a == pair.body_b && a.radius_m > 0 && isCloseAlong(pair)) continue;
+    result_.contacts[kept] = pair;
+    if (!result_.separations_m.empty()) result_.separations_m[kept] = apart_m;
+    if (has_geometry) {
+      result_.geometry[kept] = result_.geometry[i];
+      if (radii.sum() > 0) deflate(radii, &result_.geometry[kept]);
+    }
+    ++kept;
+  }
+  result_.contacts.resize(kept);
+  if (has_geometry) result_.geometry.resize(kept);
+  if (!result_.separations_m.empty()) result_.separations_m.resize(kept);
+  if (!has_separations) result_.separations_m.clear();
+}
+
+}  // namespace
+
+std::unique_ptr<Detector> withRadii(std::unique_ptr<Detector> detector) {
+  return std::make_unique<InflatedDetector>(std::move(detector));
+}
+
+}  // namespace deformable_contact_monitor
