@@ -70,6 +70,16 @@ constexpr const char* kSetMarginText = R"(At which distance triangles of the bod
 Of a pair of bodies, the larger of the two margins holds; a distance equal to it counts.
 Raises ValueError at a margin that is negative or not finite.)";
 
+constexpr const char* kSetRadiusText =
+    R"(Makes the body all points at most this far from its triangles [m], >= 0.
+
+A polyline of triangles (i, i + 1, i + 1) is a rope then, and points (i, i, i) are grains. Two
+bodies touch where their triangles are at most the sum of their radii apart, and all distances are
+those of the triangles minus the radii. Contacts of the body with itself leave out triangles that
+are less than pi radii apart along its edges. Detector.detect() raises ValueError for such a body
+with motion='swept' or with a tolerance. Raises ValueError at a radius that is negative or not
+finite.)";
+
 constexpr const char* kSetEarlierText = R"(Where the body was at the beginning of a step.
 
 With Detector(motion='swept') each vertex moves from its place then, in the scene's frame, to its
@@ -158,6 +168,10 @@ void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle trans
 // The core checks the value, here and in the functions below.
 void PythonScene::setMargin(std::int64_t id, float margin_m) {
   changeable().setMargin(checkedId(id), margin_m);
+}
+
+void PythonScene::setRadius(std::int64_t id, float radius_m) {
+  changeable().setRadius(checkedId(id), radius_m);
 }
 
 // Without vertices, the body was rigid; without a pose, it did not move.
@@ -266,6 +280,7 @@ void bindScene(py::module& module) {
       .def("set_pose", &Self::setPose, py::arg("id"), py::arg("rotation"), py::arg("translation"),
            kSetPoseText)
       .def("set_margin", &Self::setMargin, py::arg("id"), py::arg("margin_m"), kSetMarginText)
+      .def("set_radius", &Self::setRadius, py::arg("id"), py::arg("radius_m"), kSetRadiusText)
       .def("set_earlier", &Self::setEarlier, py::arg("id"), py::arg("vertices") = py::none(),
            py::arg("rotation") = py::none(), py::arg("translation") = py::none(), kSetEarlierText)
       .def("clear_earlier", &Self::clearEarlier, py::arg("id"), kClearEarlierText)

@@ -11,10 +11,10 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "core/bounds/radii.h"
 #include "core/common/contact_geometry.h"
 #include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
@@ -78,6 +78,9 @@ class FclDetector : public Detector {
     requireValid(options);
     requireInstant(options, backend());
     requireHostVertices(scene, backend());
+    if (scene.anyRadius()) {
+      throw std::invalid_argument("a body has a radius, which backend \"fcl\" does not know");
+    }
     const Stopwatch cycle;
     Stopwatch watch;
     const CycleLimit limit(options.limits);
@@ -235,6 +238,6 @@ class FclDetector : public Detector {
 
 }  // namespace
 
-std::unique_ptr<Detector> makeFclDetector() { return withRadii(std::make_unique<FclDetector>()); }
+std::unique_ptr<Detector> makeFclDetector() { return std::make_unique<FclDetector>(); }
 
 }  // namespace deformable_contact_monitor

@@ -184,9 +184,8 @@ TEST_P(Radii, EqualExactDistancesMinusRadii) {
     const DetectionResult& result = detector_->detect(scene, options);
     ASSERT_EQ(expected.listed.size(), result.contacts.size());
     EXPECT_TRUE(isOrdered(result.contacts));
-    EXPECT_EQ(lists_near && scene.anyMargin(),
-              !result.separations_m.empty() ||
-                  (result.contacts.empty() && lists_near && scene.anyMargin()));
+    const bool has_separations = lists_near && scene.anyMargin();
+    ASSERT_EQ(has_separations ? result.contacts.size() : 0, result.separations_m.size());
     ASSERT_EQ(options.geometry ? result.contacts.size() : 0, result.geometry.size());
     auto next = expected.listed.begin();
     for (std::size_t i = 0; i < result.contacts.size(); ++i, ++next) {
@@ -364,6 +363,16 @@ TEST_P(Radii, AreRefusedWhereTheyMeanNothing) {
   scene.setPairEnabled(0, 1, false);
   EXPECT_EQ("", refusal(tolerant)) << "it takes no part";
 }
+
+#ifdef DCM_HAVE_FCL
+
+TEST(FclRadii, AreRefused) {
+  Scene scene = pairScene(grainsOf({{0, 0, 0}}), grainsOf({{1, 0, 0}}));
+  scene.setRadius(1, 0.5F);
+  EXPECT_THROW(makeFclDetector()->detect(scene), std::invalid_argument);
+}
+
+#endif
 
 // The largest and the smallest radii.
 TEST_P(Radii, MayBeExtreme) {

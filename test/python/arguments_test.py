@@ -192,6 +192,12 @@ class Refusals(unittest.TestCase):
         self.refused("cloth: margin inf m is not a finite number >= 0", self.scene.set_margin, 0,
                      float("inf"))
 
+    def test_radii(self):
+        self.refused("cloth: radius -1.000000 m is not a finite number >= 0",
+                     self.scene.set_radius, 0, -1)
+        self.refused("cloth: radius nan m is not a finite number >= 0", self.scene.set_radius, 0,
+                     float("nan"))
+
     def test_bodies_that_do_not_exist(self):
         for body in 1, -1, 2**32, -2**63:
             text = "body %d does not exist; there are 1" % body
@@ -199,6 +205,7 @@ class Refusals(unittest.TestCase):
             self.refused(text, self.scene.set_vertices, body, VERTICES)
             self.refused(text, self.scene.set_pose, body, numpy.eye(3), [0, 0, 0])
             self.refused(text, self.scene.set_margin, body, 0)
+            self.refused(text, self.scene.set_radius, body, 0)
             self.refused(text, self.scene.set_pair_enabled, 0, body)
             self.refused(text, self.scene.pair_enabled, body, 0)
 

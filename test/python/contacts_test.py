@@ -48,6 +48,24 @@ def sheet(height, quads=20):
     return vertices.astype(numpy.float32), triangles.astype(numpy.uint32)
 
 
+class Radius(unittest.TestCase):
+
+    def test_a_rope_above_a_sheet(self):
+        points = numpy.array([[0, 0, .05], [.3, 0, .05], [.6, 0, .05]], numpy.float32)
+        rope = points, numpy.array([[0, 1, 1], [1, 2, 2]], numpy.uint32)
+        scene = scene_of([sheet(0), rope], [(0, 1)])
+        detector = Detector("cpu", nearest=True)
+        scene.set_margin(0, .1)
+        for radius_m in 0, .02, .051:
+            scene.set_radius(1, radius_m)
+            result = detector.detect(scene)
+            nearest, = result.nearest
+            self.assertEqual(len(result.pairs) > 0, radius_m > .05)
+            self.assertAlmostEqual(nearest.distance_m, max(0, .05 - radius_m), places=6)
+        with self.assertRaisesRegex(ValueError, "it has a radius"):
+            Detector("cpu", tolerance_m=.01).detect(scene)
+
+
 class Tolerance(unittest.TestCase):
 
     def detect(self, lower, upper, margins=(0, .02)):

@@ -198,16 +198,10 @@ void InflatedDetector::detectWithin(const Scene& scene, const Options& options, 
   const std::vector<double> growth = growths(scene);
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     const double margin_m = with_margins ? scene.body(id).margin_m : 0;
-    // The partner may have the larger margin, and this body the larger radius.
-    double most_m = margin_m;
-    for (BodyId other = 0; with_margins && growth[id] > 0 && other < scene.bodyCount(); ++other) {
-      if (scene.pairEnabled(id, other))
-        most_m = std::max<double>(most_m, scene.body(other).margin_m);
-    }
     bare_.setRadius(id, 0);
     bare_.setMargin(id, growth[id] == 0 ? static_cast<float>(margin_m)
                                         : roundedUp(std::min<double>(
-                                              (most_m + growth[id]) * (1 + 0x1p-22), FLT_MAX)));
+                                              (margin_m + growth[id]) * (1 + 0x1p-22), FLT_MAX)));
   }
   detector_->detect(bare_, options);
   detector_->swapResult(*result);
