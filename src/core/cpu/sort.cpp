@@ -20,6 +20,15 @@ LowerClusters lowerThan(ClusterIndex cluster, const std::uint32_t* list) {
 // Returns the entry number of a sort key.
 std::uint32_t entryOf(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
+// Fills in the parts of the triangles of a cluster that is laid out.
+template <class Primitive>
+void noteParts(const WorkingSet& set, SortedCluster<Primitive>& sorted) {
+  sorted.parts.resize(sorted.triangles.size());
+  for (std::size_t i = 0; i < sorted.triangles.size(); ++i) {
+    sorted.parts[i] = set.part[sorted.triangles[i].triangle.value];
+  }
+}
+
 }  // namespace
 
 // Computes the cluster's principal axes and projects its entries onto them. Fills in projected_,
@@ -134,7 +143,9 @@ bool ClusterSorter<Primitive>::sort(ClusterIndex cluster, SortedCluster<Primitiv
   order();
   if (input_.limit.wasOver()) return false;
   layOut(cluster, entries, sorted);
-  return !input_.limit.wasOver();
+  if (input_.limit.wasOver()) return false;
+  if (input_.set.parts != nullptr) noteParts(input_.set, sorted);
+  return true;
 }
 
 template class ClusterSorter<Triangle>;

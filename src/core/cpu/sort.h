@@ -100,6 +100,7 @@ struct SortedCluster {
   std::vector<PreparedTriangle<Primitive>> triangles;
   std::vector<const std::uint32_t*> clusters;  // the triangle's clusters, ascending
   std::vector<LowerClusters> lower;            // which of them are below this one
+  std::vector<std::uint32_t> parts;            // WorkingSet::part, if parts matter
 
   PackedColumns packed(int state) const {
     return {packed_lo[state].data(), packed_hi[state].data()};

@@ -106,14 +106,12 @@ std::size_t ClusterSweeper<Primitive>::pairsOfBoxes() {
 template <class Primitive>
 std::size_t ClusterSweeper<Primitive>::dropDisabledParts(std::size_t pairs) {
   const PartPairs enabled = input_.set.parts->pairs();
-  const auto partAt = [this](SortedIndex i) {
-    return input_.set.part[sorted_.triangles[i.value].triangle.value];
-  };
+  const std::uint32_t* const part = sorted_.parts.data();
   BoxPair* next = pairs_.data();
   for (std::size_t i = 0; i < pairs; ++i) {
     const BoxPair pair = pairs_[i];
     *next = pair;
-    next += enabled.enabled(partAt(pair.a), partAt(pair.b));
+    next += enabled.enabled(part[pair.a.value], part[pair.b.value]);
   }
   return static_cast<std::size_t>(next - pairs_.data());
 }
