@@ -15,7 +15,7 @@ namespace deformable_contact_monitor {
 namespace {
 
 using Reader = TriangleMesh (*)(const std::string& path, std::string_view content,
-                                MeshFileReport* report);
+                                MeshFileReport* report, MeshGroups* groups);
 
 // Returns the reader for the file name's ending; null if there is none.
 Reader readerFor(const std::string& path) {
@@ -51,12 +51,22 @@ std::string readWhole(const std::string& path) {
   return content;
 }
 
+TriangleMesh readFile(const std::string& path, MeshFileReport* report, MeshGroups* groups) {
+  try {
+    // A name that tells no format is rejected before a large file is read.
+    return readMeshContent(path, isMeshFileName(path) ? readWhole(path) : std::string(), report,
+                           groups);
+  } catch (const std::bad_alloc&) {
+    throw std::runtime_error(path + ": is too large for this machine's memory");
+  }
+}
+
 }  // namespace
 
 bool isMeshFileName(const std::string& path) { return readerFor(path) != nullptr; }
 
 TriangleMesh readMeshContent(const std::string& path, std::string_view content,
-                             MeshFileReport* report) {
+                             MeshFileReport* report, MeshGroups* groups) {
   const Reader read = readerFor(path);
   if (read == nullptr) {
     throw std::runtime_error(path + ": cannot tell the format from the name; mesh files end in " +
@@ -64,7 +74,7 @@ TriangleMesh readMeshContent(const std::string& path, std::string_view content,
   }
   *report = MeshFileReport();
   try {
-    TriangleMesh mesh = read(path, content, report);
+    TriangleMesh mesh = read(path, content, report, groups);
     if (mesh.triangles.empty()) throw std::runtime_error(path + ": holds no triangle");
     validate(mesh, path);
     if (report->fans.empty()) report->fans = mesh.triangles;
@@ -79,13 +89,18 @@ TriangleMesh readMeshContent(const std::string& path, std::string_view content,
 
 TriangleMesh readMeshFile(const std::string& path, MeshFileReport* report) {
   MeshFileReport unused;
-  try {
-    // A name that tells no format is rejected before a large file is read.
-    return readMeshContent(path, isMeshFileName(path) ? readWhole(path) : std::string(),
-                           report == nullptr ? &unused : report);
-  } catch (const std::bad_alloc&) {
-    throw std::runtime_error(path + ": is too large for this machine's memory");
-  }
+  return readFile(path, report == nullptr ? &unused : report, nullptr);
+}
+
+TriangleMesh readMeshGroups(const std::string& path, const std::vector<std::string>& names,
+                            std::vector<TriangleRanges>* triangles) {
+  MeshGroups groups(names);
+  MeshFileReport unused;
+  TriangleMesh mesh = readFile(path, &unused, &groups);
+  groups.requireAll(path);
+  triangles->clear();
+  for (const std::string& name : names) triangles->push_back(groups.wanted().at(name).triangles);
+  return mesh;
 }
 
 }  // namespace deformable_contact_monitor

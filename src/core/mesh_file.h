@@ -1,7 +1,9 @@
 // Reads mesh files.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/export.h"
@@ -35,6 +37,24 @@ struct MeshFileReport {
 // of file: a Git LFS pointer, an HTML page, an archive, UTF-16 text. `report`, if it is given, is
 // replaced.
 DCM_EXPORT TriangleMesh readMeshFile(const std::string& path, MeshFileReport* report = nullptr);
+
+// Triangle numbers, from the first to the last one of each range. Ranges are ascending and
+// disjoint.
+using TriangleRanges = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+// Reads a mesh file as readMeshFile() does, and finds the triangles of groups with these names:
+// `triangles` is replaced by the ranges of each of them.
+//
+// In an OBJ file, a group has the faces that come after a line `g NAME` or `o NAME`, up to the next
+// line of that kind. In a PLY file, a group is named PROPERTY=VALUE, with a whole number below
+// 2^24: it has the faces with that value of the property. If the faces have no such property, it
+// has the triangles of which all three vertices have that value.
+//
+// Throws what readMeshFile() throws, and std::runtime_error, "<path>: <what>", if the file does not
+// have such a group, or if the group has no triangle.
+DCM_EXPORT TriangleMesh readMeshGroups(const std::string& path,
+                                       const std::vector<std::string>& names,
+                                       std::vector<TriangleRanges>* triangles);
 
 // Returns whether the name ends like one of these formats.
 DCM_EXPORT bool isMeshFileName(const std::string& path);

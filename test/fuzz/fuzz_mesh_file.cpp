@@ -1,7 +1,9 @@
 // Mesh files: OBJ, OFF, PLY, STL. The first byte is the format, and whether the others are the file
 // or what a mostly well-formed one is made of.
+#include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "core/mesh_file.h"
 #include "fuzz_target.h"
@@ -10,6 +12,22 @@
 
 namespace deformable_contact_monitor {
 namespace {
+
+// A group has triangles of the mesh, ascending; a file without it is refused by its name.
+void checkGroup(const ScratchFile& file, const TriangleMesh& mesh, const std::string& name) {
+  try {
+    std::vector<TriangleRanges> groups;
+    readMeshGroups(file.path(), {name}, &groups);
+    std::uint64_t next = 0;
+    for (const auto& [first, last] : groups.at(0)) {
+      requireThat(first >= next && last >= first && last < mesh.triangleCount(),
+                  "a group's ranges");
+      next = std::uint64_t{last} + 2;
+    }
+  } catch (const std::runtime_error& refusal) {
+    requireThat(namesFile(refusal.what(), file), "a refusal of groups does not name its file");
+  }
+}
 
 // Past the first check: the file is a mesh.
 bool tryMeshFile(const std::uint8_t* data, std::size_t size) {
@@ -27,6 +45,7 @@ bool tryMeshFile(const std::uint8_t* data, std::size_t size) {
     const TriangleMesh mesh = readMeshFile(file.path());
     requireThat(!mesh.triangles.empty(), "a mesh without a triangle");
     validate(mesh, "a mesh that was read");
+    for (const char* group : {"a", "quality=1"}) checkGroup(file, mesh, group);
     return true;
   } catch (const std::runtime_error& refusal) {
     requireThat(namesFile(refusal.what(), file), "a refusal does not name its file");

@@ -74,6 +74,7 @@ PlyProperty readProperty(MeshText& text, PlyElementKind kind) {
   property.type = readType(text);
   const std::string_view name = text.word();
   if (name.empty()) text.failAt(name, "the property's name");
+  property.name = name;
   property.role = roleOf(name, kind);
   if (property.role != PlyRole::kIgnored &&
       property.is_list != (property.role == PlyRole::kVertexIndices)) {

@@ -29,6 +29,7 @@ struct PlyProperty {
   PlyType count_type = PlyType::kUint8;  // of a list: the type of its length
   bool is_list = false;
   PlyRole role = PlyRole::kIgnored;
+  std::string name;
 };
 
 // Vertices, faces and triangle strips are read; records of other elements are skipped.

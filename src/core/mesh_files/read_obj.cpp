@@ -1,8 +1,11 @@
-// Reads the vertices and faces of Wavefront OBJ files. Other statements do not describe triangles
-// and are skipped. Groups and objects are joined into one mesh.
+// Reads the vertices and faces of Wavefront OBJ files. Groups and objects are joined into one mesh;
+// their names are looked at if somebody asks for groups. Other statements do not describe triangles
+// and are skipped.
+#include <algorithm>
 #include <charconv>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/mesh_files/mesh_readers.h"
 #include "core/mesh_files/mesh_text.h"
@@ -26,8 +29,8 @@ bool isIndexList(const char* at, const char* end) {
 // Reads one file. read() may be called once.
 class ObjReader {
  public:
-  ObjReader(const std::string& path, std::string_view content)
-      : text_(path, content, MeshTextRules{true, true}) {}
+  ObjReader(const std::string& path, std::string_view content, MeshGroups* groups)
+      : text_(path, content, MeshTextRules{true, true}), groups_(groups) {}
 
   TriangleMesh read(MeshFileReport* report) {
     if (!text_.skipToWord()) return {};
@@ -37,6 +40,8 @@ class ObjReader {
         readVertex();
       } else if (statement == "f" || statement == "fo") {  // fo: a face, in old files
         readFace();
+      } else if (groups_ != nullptr && (statement == "g" || statement == "o")) {
+        readNames(statement == "g" ? &groups_here_ : &objects_here_);
       }
     } while (text_.nextLine());
     if (farthest_index_ > static_cast<std::int64_t>(mesh_.vertexCount())) {
@@ -57,11 +62,27 @@ class ObjReader {
 
   // Reads the corners of a face up to the end of the line.
   void readFace() {
+    const std::size_t first = mesh_.triangleCount();
     polygons_.begin();
     while (!text_.atLineEnd()) polygons_.add(vertexIndex(text_.word()));
     if (polygons_.size() < 3) {
       text_.fail("a face needs 3 vertices or more, this one has " +
                  std::to_string(polygons_.size()));
+    }
+    for (const auto* groups : {&groups_here_, &objects_here_}) {
+      for (MeshGroups::Group* group : *groups) group->add(first, mesh_.triangleCount());
+    }
+  }
+
+  // Reads the names of the groups, or of the object, that the faces from here on belong to.
+  void readNames(std::vector<MeshGroups::Group*>* here) {
+    here->clear();
+    while (!text_.atLineEnd()) {
+      const std::string_view name = text_.word();
+      groups_->note(name);
+      MeshGroups::Group* const group = groups_->find(name);
+      const bool is_new = std::find(here->begin(), here->end(), group) == here->end();
+      if (group != nullptr && is_new) here->push_back(group);
     }
   }
 
@@ -94,12 +115,15 @@ class ObjReader {
   // A face may come before its vertices, so the largest index is checked at the end.
   std::int64_t farthest_index_ = 0;
   std::size_t farthest_line_ = 0;
+  MeshGroups* groups_;
+  std::vector<MeshGroups::Group*> groups_here_, objects_here_;  // only those that were asked for
 };
 
 }  // namespace
 
-TriangleMesh readObj(const std::string& path, std::string_view content, MeshFileReport* report) {
-  return ObjReader(path, content).read(report);
+TriangleMesh readObj(const std::string& path, std::string_view content, MeshFileReport* report,
+                     MeshGroups* groups) {
+  return ObjReader(path, content, groups).read(report);
 }
 
 }  // namespace deformable_contact_monitor

@@ -37,7 +37,8 @@ void readHeaderWord(MeshText& text) {
 
 }  // namespace
 
-TriangleMesh readOff(const std::string& path, std::string_view content, MeshFileReport* report) {
+TriangleMesh readOff(const std::string& path, std::string_view content, MeshFileReport* report,
+                     MeshGroups* /*groups*/) {
   MeshText text(path, content, MeshTextRules{true, false});
   readHeaderWord(text);
   if (!text.skipToWord()) text.failAt({}, "the number of vertices");

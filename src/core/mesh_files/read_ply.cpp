@@ -11,6 +11,7 @@
 
 #include "core/mesh_files/mesh_readers.h"
 #include "core/mesh_files/mesh_text.h"
+#include "core/mesh_files/ply_attributes.h"
 #include "core/mesh_files/ply_header.h"
 #include "core/mesh_files/polygons.h"
 
@@ -180,12 +181,14 @@ class AsciiBody {
 template <typename Body>
 class PlyReader {
  public:
-  PlyReader(Body body, const PlyHeader& header) : body_(std::move(body)), header_(header) {}
+  PlyReader(Body body, const PlyHeader& header, MeshGroups* groups)
+      : body_(std::move(body)), header_(header), attributes_(header, groups) {}
 
   TriangleMesh read(MeshFileReport* report) {
     for (const PlyElement& element : header_.elements) readElement(element);
     body_.end();
     polygons_.triangulate(mesh_.vertices, report);
+    attributes_.addByVertices(mesh_.triangles);
     return std::move(mesh_);
   }
 
@@ -203,11 +206,13 @@ class PlyReader {
     if (element.kind == PlyElementKind::kFace) mesh_.triangles.reserve(3 * element.count);
     for (std::uint64_t record = 0; record < element.count; ++record) {
       float coordinates[3] = {};
+      const std::size_t first = mesh_.triangleCount();
       body_.beginRecord();
       for (const PlyProperty& property : element.properties) {
         readProperty(property, element.kind, coordinates);
       }
       body_.endRecord();
+      attributes_.endRecord(element.kind, first, mesh_.triangleCount());
       if (is_vertex) mesh_.vertices.insert(mesh_.vertices.end(), coordinates, coordinates + 3);
     }
   }
@@ -227,6 +232,10 @@ class PlyReader {
         kind == PlyElementKind::kStrips ? readStrips(property) : readFace(property);
         break;
       case PlyRole::kIgnored:
+        if (float* const value = attributes_.valueOf(property)) {
+          *value = body_.real(property.type);
+          break;
+        }
         body_.skip(property.type, property.is_list ? body_.count("the length of a list",
                                                                  property.count_type, kCountLimit)
                                                    : 1);
@@ -276,16 +285,18 @@ class PlyReader {
   const PlyHeader& header_;
   TriangleMesh mesh_;
   PolygonList polygons_{&mesh_.triangles};
+  PlyAttributes attributes_;
 };
 
 }  // namespace
 
-TriangleMesh readPly(const std::string& path, std::string_view content, MeshFileReport* report) {
+TriangleMesh readPly(const std::string& path, std::string_view content, MeshFileReport* report,
+                     MeshGroups* groups) {
   const PlyHeader header = readPlyHeader(path, content);
   if (header.format == PlyFormat::kAscii) {
-    return PlyReader<AsciiBody>(AsciiBody(path, content, header), header).read(report);
+    return PlyReader<AsciiBody>(AsciiBody(path, content, header), header, groups).read(report);
   }
-  return PlyReader<BinaryBody>(BinaryBody(path, content, header), header).read(report);
+  return PlyReader<BinaryBody>(BinaryBody(path, content, header), header, groups).read(report);
 }
 
 }  // namespace deformable_contact_monitor

@@ -99,7 +99,8 @@ bool beginsAscii(const std::string& path, std::string_view content) {
 
 // Many binary files begin with "solid" too, so the size decides first. Less bytes than a facet has,
 // or zeros, may follow the last facet. More than that may be facets that were not counted.
-TriangleMesh readStl(const std::string& path, std::string_view content, MeshFileReport* report) {
+TriangleMesh readStl(const std::string& path, std::string_view content, MeshFileReport* report,
+                     MeshGroups* /*groups*/) {
   const bool has_header = content.size() >= kHeaderSize;
   const std::size_t count = has_header ? binaryFacetCount(content) : 0;
   const std::size_t size = kHeaderSize + kFacetSize * count;

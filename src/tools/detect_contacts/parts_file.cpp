@@ -1,5 +1,5 @@
-// A line of the file is `part BODY NAME RANGE...` or `skip PART PART`. Names get the numbers 1, 2,
-// ... of their body in the order in which they come.
+// A line of the file is `part BODY NAME RANGE...`, `group BODY NAME GROUP...` or `skip PART PART`.
+// Names get the numbers 1, 2, ... of their body in the order in which they come.
 #include "tools/detect_contacts/parts_file.h"
 
 #include <charconv>
@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 #include <vector>
+
+#include "core/mesh_file.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -35,10 +37,12 @@ class PartsReader {
       if (!(words >> what)) continue;
       if (what == "part") {
         addPart(words);
+      } else if (what == "group") {
+        addGroups(words);
       } else if (what == "skip") {
         addSkipped(words);
       } else {
-        refuse("'" + what + "' is neither part nor skip");
+        refuse("'" + what + "' is neither part, group nor skip");
       }
     }
     if (file.bad()) throw std::runtime_error(path_ + ": cannot be read");
@@ -71,36 +75,70 @@ class PartsReader {
     return value;
   }
 
+  // Returns the part of that name, which is a new one if no line before has it.
+  PartId partOf(BodyId id, const std::string& name) {
+    if (name == kRest || name.find(':') != std::string::npos) {
+      refuse("'" + name + "' cannot be the name of a part");
+    }
+    NamedParts& own = bodies_[id];
+    own.parts.resize(scene_.body(id).mesh.triangleCount());
+    constexpr std::size_t kMost = 255;
+    const bool is_new = own.names.count(name) == 0;
+    if (is_new && own.names.size() == kMost) {
+      refuse("body " + std::to_string(id) + " has 255 parts already");
+    }
+    const auto next = static_cast<PartId>(own.names.size() + 1);
+    return own.names.emplace(name, next).first->second;
+  }
+
+  // Gives the triangles from `first` to `last` to a part of a body.
+  void add(BodyId id, PartId part, std::uint32_t first, std::uint32_t last) {
+    std::vector<PartId>& parts = bodies_[id].parts;
+    for (std::uint32_t t = first; t <= last; ++t) {
+      if (parts[t] != 0 && parts[t] != part) {
+        refuse("triangle " + std::to_string(t) + " of body " + std::to_string(id) +
+               " has another part already");
+      }
+      parts[t] = part;
+    }
+  }
+
   // Reads the rest of a line `part BODY NAME RANGE...`; a range is a triangle, or FIRST-LAST.
   void addPart(std::istringstream& words) {
     std::string body, name, range;
     if (!(words >> body >> name >> range)) refuse("part needs a body, a name and triangles");
     const BodyId id = number(body, bodies_.size(), "body");
-    if (name == kRest || name.find(':') != std::string::npos) {
-      refuse("'" + name + "' cannot be the name of a part");
-    }
-    NamedParts& own = bodies_[id];
-    const std::size_t count = scene_.body(id).mesh.triangleCount();
-    own.parts.resize(count);
-    constexpr std::size_t kMost = 255;
-    const bool is_new = own.names.count(name) == 0;
-    if (is_new && own.names.size() == kMost) refuse("body " + body + " has 255 parts already");
-    const auto next = static_cast<PartId>(own.names.size() + 1);
-    const PartId part = own.names.emplace(name, next).first->second;
+    const PartId part = partOf(id, name);
+    const std::size_t count = bodies_[id].parts.size();
     do {
       const std::size_t dash = range.find('-');
       const std::uint32_t first = number(range.substr(0, dash), count, "triangle");
       const std::uint32_t last =
           dash == std::string::npos ? first : number(range.substr(dash + 1), count, "triangle");
       if (last < first) refuse("'" + range + "' ends before it begins");
-      for (std::uint32_t t = first; t <= last; ++t) {
-        if (own.parts[t] != 0 && own.parts[t] != part) {
-          refuse("triangle " + std::to_string(t) + " of body " + body +
-                 " has another part already");
-        }
-        own.parts[t] = part;
-      }
+      add(id, part, first, last);
     } while (words >> range);
+  }
+
+  // Reads the rest of a line `group BODY NAME GROUP...`. A body has the name of its file.
+  void addGroups(std::istringstream& words) {
+    std::string body, name;
+    if (!(words >> body >> name)) refuse("group needs a body, a name and groups of its file");
+    const BodyId id = number(body, bodies_.size(), "body");
+    const PartId part = partOf(id, name);
+    std::vector<std::string> groups;
+    for (std::string group; words >> group;) groups.push_back(group);
+    if (groups.empty()) refuse("group needs a body, a name and groups of its file");
+    std::vector<TriangleRanges> triangles;
+    try {
+      const TriangleMesh mesh = readMeshGroups(scene_.body(id).name, groups, &triangles);
+      if (mesh.triangles != scene_.body(id).mesh.triangles) refuse("the mesh file has changed");
+    } catch (const std::runtime_error& error) {
+      refuse(error.what());
+    }
+    for (const TriangleRanges& ranges : triangles) {
+      for (const auto& [first, last] : ranges) add(id, part, first, last);
+    }
   }
 
   // Reads BODY, for all of its parts, or BODY:NAME. Names must come before they are used.

@@ -243,10 +243,10 @@ TEST_F(MeshFileTest, WhatIsNoFileIsRefused) {
 }
 
 using Reader = TriangleMesh (*)(const std::string& path, std::string_view content,
-                                MeshFileReport* report);
+                                MeshFileReport* report, MeshGroups* groups);
 
-// Either a valid mesh or an error that begins with the path; memory in proportion to the file.
-// Returns whether it was read.
+// Either a valid mesh or an error that begins with the path; memory in proportion to the file, with
+// groups as well. Returns whether it was read.
 bool expectHarmless(Reader read, const std::string& content) {
   const std::string path = "a file";
   bool is_read = false;
@@ -254,7 +254,8 @@ bool expectHarmless(Reader read, const std::string& content) {
   const auto start = std::chrono::steady_clock::now();
   try {
     MeshFileReport report;
-    const TriangleMesh mesh = read(path, content, &report);
+    MeshGroups groups({"hem", "label=1", "part=1"});
+    const TriangleMesh mesh = read(path, content, &report, &groups);
     EXPECT_NO_THROW(validate(mesh, path));
     is_read = true;
   } catch (const std::runtime_error& error) {
@@ -272,10 +273,16 @@ TEST_F(MeshFileTest, DamagedFilesDoNoHarm) {
       "endfacet\n";
   const std::vector<std::pair<Reader, std::string>> good = {
       {readObj, "v 0 0 0\nv 1 0 0\nv 0 1 \\\n 0\nf 1/1 2//2 3/3/3 1\nf -1 -2 -3\n"},
+      {readObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\ng hem a hem\nf 1 2 3\no hem\nf 1 2 3\ng\nf 3 2 1\n"},
       {readOff, "COFF\n3 2 0\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n4 0 1 2 0\n"},
       {readStl, "solid a\n" + facet + facet + "endsolid a\n"},
       {readStl, binaryStl(3, 150, "solid a")},
       {readPly, kPlyHead + kPlyVertices + "3 0 1 2\n"},
+      {readPly,
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+       "float "
+       "z\nproperty int part\nelement face 2\nproperty uchar label\nproperty list uchar int "
+       "vertex_indices\nend_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n1 3 0 1 2\n2 3 2 1 0\n"},
       {readPly, binaryPly("binary_little_endian")},
       {readPly, binaryPly("binary_big_endian")}};
   std::mt19937 random(3);

@@ -70,10 +70,30 @@ class DetectParts(Case):
                 ("skip 0:tip 1", "line 1: no line before says what '0:tip' is"),
                 ("skip 0", "line 1: skip needs two bodies or parts"),
                 ("skip 0 1 1", "line 1: skip needs two bodies or parts"),
-                ("hem 0", "line 1: 'hem' is neither part nor skip")):
+                ("hem 0", "line 1: 'hem' is neither part, group nor skip")):
             parts = self.mesh("parts.txt", text)
             self.assert_refused(["--parts", parts, *self.bodies()], "parts.txt " + why)
         self.assert_refused(["--parts", self.path("none"), *self.bodies()], "cannot be opened")
+
+    def test_groups_of_the_file(self):
+        floor = self.mesh("floor.obj", FLOOR)
+        two = self.mesh("groups.obj", TWO.replace("f 1 2 3", "g tip\nf 1 2 3\ng end side"))
+        both, first, second = "0 0 1 0\n0 0 1 1\n", "0 0 1 0\n", "0 0 1 1\n"
+        for text, wanted in (
+                ("group 1 tip tip\nskip 0 1:tip\n", second),
+                ("group 1 hem side\nskip 0 1:hem\n", first),
+                ("group 1 all tip end\nskip 0 1:rest\n", both),
+                ("group 1 all tip side\nskip 0 1:all\n", ""),
+                ("part 1 tip 1\ngroup 1 tip tip\nskip 0 1:tip\n", "")):
+            parts = self.mesh("parts.txt", text)
+            self.assertEqual(self.pairs("--parts", parts, floor, two), wanted, text)
+        for text, why in (
+                ("group 1 tip hem", "groups.obj: has no group 'hem'; it has 'tip', 'end', 'side'"),
+                ("group 0 tip hem", "floor.obj: has no group 'hem'; it has none"),
+                ("group 1 tip", "line 1: group needs a body, a name and groups of its file"),
+                ("group 1 rest tip", "line 1: 'rest' cannot be the name of a part"),
+                ("part 1 a 0\ngroup 1 b tip", "line 2: triangle 0 of body 1 has another part")):
+            self.assert_refused(["--parts", self.mesh("parts.txt", text), floor, two], why)
 
     def test_a_body_has_255_parts(self):
         count = 256
