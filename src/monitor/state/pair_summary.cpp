@@ -56,41 +56,43 @@ void add(const PairSummary& part, PairSummary* sum) {
   sum->area_sum += part.area_sum;
 }
 
-// Finds the nearest and the deepest of contacts [begin, end). The detector's verdict tells whether
-// they touch, the geometry of contacts how deep they are.
-void findLeast(const CycleReport& report, const DetectionResult& result, std::size_t begin,
-               std::size_t end, PairSummary* sum) {
-  const auto first = result.separations_m.begin();
-  const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
-  sum->nearest =
-      result.separations_m.empty()
-          ? begin
-          : static_cast<std::size_t>(std::min_element(first + at(begin), first + at(end)) - first);
-  sum->nearest_m = result.separationM(sum->nearest);
+// Finds the nearest and the deepest of `count` contacts, of which place(i) is the place in the
+// list. The detector's verdict tells whether they touch, the geometry of contacts how deep they
+// are.
+template <class Place>
+void findLeast(const CycleReport& report, const DetectionResult& result, std::size_t count,
+               const Place& place, PairSummary* sum) {
+  const std::size_t compared = result.separations_m.empty() ? 1 : count;  // else all touch
+  for (std::size_t i = 0; i < compared; ++i) {
+    keepLess(place(i), result.separationM(place(i)), &sum->nearest, &sum->nearest_m);
+  }
   sum->min_separation_m = sum->nearest_m;
   if (report.result.get() != &result || !hasGeometry(report)) return;
-  for (std::size_t i = begin; i < end; ++i) {
-    keepLess(i, result.geometry[i].separation_m, &sum->deepest, &sum->deepest_m);
+  for (std::size_t i = 0; i < count; ++i) {
+    keepLess(place(i), result.geometry[place(i)].separation_m, &sum->deepest, &sum->deepest_m);
   }
   sum->min_separation_m = std::min(sum->nearest_m, sum->deepest_m);
 }
 
-// Sums up contacts [begin, end), which are all of one pair of bodies. Corners are summed up in the
-// bodies' own frames, so that only the two sums have to be transformed.
-PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std::size_t begin,
-                  std::size_t end) {
+// Sums up `count` contacts, at least one, which are all of one pair of bodies; place(i) is the
+// place of the i-th in the list, ascending. Corners are summed up in the bodies' own frames, so
+// that only the two sums have to be transformed.
+template <class Place>
+PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std::size_t count,
+                  const Place& place) {
   const TrianglePairs& contacts = result.contacts;
-  const BodyId a = contacts[begin].body_a, b = contacts[begin].body_b;
+  const BodyId a = contacts[place(0)].body_a, b = contacts[place(0)].body_b;
   const Scene& scene = *report.scene;
   const PosedBody of_a(scene.body(a)), of_b(scene.body(b));
   const bool has_normal = report.bodies.at(a).kind == BodyKind::kLink;
   PairSummary sum;
   Vec3d sum_a, sum_b, corners_of_a;
-  for (std::size_t i = begin; i < end; ++i) {
-    if (i == begin || contacts[i].triangle_a != contacts[i - 1].triangle_a) {
-      corners_of_a = cornerSum(of_a.received(contacts[i].triangle_a));
+  for (std::size_t i = 0; i < count; ++i) {
+    const TrianglePair& contact = contacts[place(i)];
+    if (i == 0 || contact.triangle_a != contacts[place(i - 1)].triangle_a) {
+      corners_of_a = cornerSum(of_a.received(contact.triangle_a));
       if (has_normal) {
-        const Vec3d normal = doubleAreaNormal(of_a.triangle(contacts[i].triangle_a));
+        const Vec3d normal = doubleAreaNormal(of_a.triangle(contact.triangle_a));
         sum.normal_sum = sum.normal_sum + normal;
         sum.area_sum += length(normal);
       }
@@ -98,34 +100,16 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
     // The vertices have just arrived, but the triangles are not in the cache any more: indices are
     // prefetched first, and then the vertices that they name.
     constexpr std::size_t kFar = 32, kNear = 16;  // contacts ahead
-    if (i + kFar < end) of_b.prefetchCorners(contacts[i + kFar].triangle_b);
-    if (i + kNear < end) of_b.prefetchVertices(contacts[i + kNear].triangle_b);
+    if (i + kFar < count) of_b.prefetchCorners(contacts[place(i + kFar)].triangle_b);
+    if (i + kNear < count) of_b.prefetchVertices(contacts[place(i + kNear)].triangle_b);
     sum_a = sum_a + corners_of_a;
-    sum_b = sum_b + cornerSum(of_b.received(contacts[i].triangle_b));
+    sum_b = sum_b + cornerSum(of_b.received(contact.triangle_b));
   }
-  sum.count = end - begin;
-  const double corners = 3 * static_cast<double>(sum.count);
+  sum.count = count;
+  const double corners = 3 * static_cast<double>(count);
   sum.corner_sum =
       posedSum(scene.body(a).pose, sum_a, corners) + posedSum(scene.body(b).pose, sum_b, corners);
-  findLeast(report, result, begin, end, &sum);
-  return sum;
-}
-
-// Sums up these contacts, which are all of one pair of bodies and ascending.
-PairSummary sumUpChosen(const CycleReport& report, const DetectionResult& result,
-                        const std::vector<std::size_t>& contacts) {
-  PairSummary sum;
-  std::size_t last = contacts.front();
-  for (const std::size_t i : contacts) {
-    PairSummary one = sumUp(report, result, i, i + 1);
-    // The normal of a triangle of body_a counts once.
-    if (i != contacts.front() && sameTriangleA(result.contacts[last], result.contacts[i])) {
-      one.normal_sum = Vec3d();
-      one.area_sum = 0;
-    }
-    add(one, &sum);
-    last = i;
-  }
+  findLeast(report, result, count, place, &sum);
   return sum;
 }
 
@@ -139,7 +123,8 @@ Summaries summarize(const CycleReport& report, const DetectionResult& result, st
     const BodyId a = contacts[first].body_a, b = contacts[first].body_b;
     std::size_t last = first;
     while (last < end && contacts[last].body_a == a && contacts[last].body_b == b) ++last;
-    add(sumUp(report, result, first, last), &summaries[key(a, b)]);
+    const auto place = [first](std::size_t i) { return first + i; };
+    add(sumUp(report, result, last - first, place), &summaries[key(a, b)]);
     first = last;
   }
   return summaries;
@@ -179,7 +164,10 @@ PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* r
     forEachPartPair(*report.scene, contacts[i],
                     [&](const PartPair& pair) { of_parts[pair].push_back(i); });
   }
-  for (const auto& [pair, chosen] : of_parts) by_part_[pair] = sumUpChosen(report, *result, chosen);
+  for (const auto& [pair, places] : of_parts) {
+    const auto place = [&all = places](std::size_t i) { return all[i]; };
+    by_part_[pair] = sumUp(report, *result, places.size(), place);
+  }
 }
 
 PairSummary PairSummaries::of(const MonitoredPair& pair) const {
