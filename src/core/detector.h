@@ -176,7 +176,7 @@ struct DCM_EXPORT DetectionResult {
   // one of these that is nearest, and of several the least by its triangles.
   std::vector<NearestOfParts> nearest_parts;
   // Counters::rejected of the bodies with named parts, by part, ascending. Parts without rejected
-  // triangles are not listed. If the cycle was cut off, triangles are counted that it did not see.
+  // triangles are not listed. If the cycle was cut off, the counts may leave out triangles.
   std::vector<RejectedPart> rejected_parts;
   // How many contacts were found, but are not in the list, because the backend's memory limit was
   // reached or no time was left to sort them. Which ones are missing is arbitrary.

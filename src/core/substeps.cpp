@@ -212,13 +212,15 @@ std::vector<std::optional<BodyMotion>> rotatingMotions(const Scene& scene,
   return motions;
 }
 
-// Counts the rejected triangles of all bodies that take part, in either state.
-std::uint64_t countRejected(const Scene& step) {
+// Counts the rejected triangles of all bodies that take part, in either state, if some sub-step
+// rejected any. The result has the largest number of a sub-step before.
+void countRejected(const Scene& step, DetectionResult* result) {
+  if (result->counters.rejected == 0) return;
+  const std::vector<RejectedTriangles> rejected = rejectedTriangles(step, Motion::kSwept);
   std::uint64_t count = 0;
-  for (const RejectedTriangles& of_body : rejectedTriangles(step, Motion::kSwept)) {
-    count += of_body.count;
-  }
-  return count;
+  for (const RejectedTriangles& of_body : rejected) count += of_body.count;
+  result->counters.rejected = std::max(result->counters.rejected, count);
+  listRejectedParts(rejected, *result);
 }
 
 // Returns the options of a detection at the present moment for the sake of its nearest pairs.
@@ -343,9 +345,7 @@ void SubStepDetector::detectRotating(const Scene& step,
   }
   result_.detection.begin(step, options, guaranteed);
   merged.write(options.first_times, step.anyPad() || result_.pad_m > 0, &result_.detection);
-  std::uint64_t& rejected = result_.detection.counters.rejected;  // the largest number of a part
-  if (rejected > 0) rejected = std::max(rejected, countRejected(step));
-  listRejectedParts(step, Motion::kSwept, result_.detection);
+  countRejected(step, &result_.detection);
 }
 
 }  // namespace deformable_contact_monitor

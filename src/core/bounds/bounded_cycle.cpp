@@ -282,7 +282,6 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
             [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
   if (!rounds_.allPartsSearched()) result_.cutOff(limit.wasOver() ? limit.why() : kNoTime);
   countRejected(scene);
-  listRejectedParts(scene, options.motion, result_);
 }
 
 // Counts rejected triangles of the bodies that the exact detector did not see. If parts matter,
@@ -294,7 +293,10 @@ void BoundedCycle::countRejected(const Scene& scene) {
     const bool was_seen = !parts_matter && isInAny(exact_pairs_, id);
     if (isInAny(tiled_pairs_, id) && !was_seen && rounds_.mayReject(id)) unknown.push_back(id);
   }
-  if (unknown.empty()) return;
+  if (unknown.empty()) {
+    listRejectedParts(scene, Motion::kInstant, result_);
+    return;
+  }
   const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene);
   if (parts_matter) {
     result_.counters.rejected = 0;
@@ -302,6 +304,7 @@ void BoundedCycle::countRejected(const Scene& scene) {
     std::iota(unknown.begin(), unknown.end(), BodyId{0});
   }
   for (const BodyId id : unknown) result_.counters.rejected += rejected[id].count;
+  listRejectedParts(rejected, result_);
 }
 
 }  // namespace deformable_contact_monitor

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/common/scene_queries.h"
-
 namespace deformable_contact_monitor {
 
 PartTable::PartTable(const Scene& scene) : scene_(&scene) {
@@ -74,8 +72,12 @@ void listRejectedParts(const Scene& scene, Motion motion, DetectionResult& resul
   const bool any_parts = std::any_of(scene.bodies().begin(), scene.bodies().end(),
                                      [](const Body& body) { return !body.parts.empty(); });
   if (!any_parts || result.counters.rejected == 0) return;
-  const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene, motion);
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+  listRejectedParts(rejectedTriangles(scene, motion), result);
+}
+
+void listRejectedParts(const std::vector<RejectedTriangles>& rejected, DetectionResult& result) {
+  result.rejected_parts.clear();
+  for (BodyId id = 0; id < rejected.size(); ++id) {
     for (std::size_t part = 0; part < rejected[id].by_part.size(); ++part) {
       const std::uint64_t count = rejected[id].by_part[part];
       if (count > 0) result.rejected_parts.push_back({id, static_cast<PartId>(part), count});

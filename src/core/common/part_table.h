@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/common/scene_queries.h"
 #include "core/detector.h"
 #include "core/export.h"
 #include "core/rules/part_pairs.h"
@@ -57,5 +58,7 @@ class DCM_EXPORT PartTable {
 // Fills result.rejected_parts. Reads every vertex of bodies with parts, if any triangle was
 // rejected; the vertices must be on the host.
 DCM_EXPORT void listRejectedParts(const Scene& scene, Motion motion, DetectionResult& result);
+// Does the same with what rejectedTriangles() has counted.
+void listRejectedParts(const std::vector<RejectedTriangles>& rejected, DetectionResult& result);
 
 }  // namespace deformable_contact_monitor

@@ -9,7 +9,6 @@
 #include "core/common/contact_geometry.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/parallel.h"
-#include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stages.h"
 #include "core/common/stopwatch.h"
@@ -138,7 +137,6 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
   }
   Stopwatch watch;
   distances_.find(scene, options, limit, result_);
-  listRejectedParts(scene, options.motion, result_);
   const double nearest_ms = watch.lapMs();
   if (limit.wasOver()) result_.cutOff(limit.why());
   result_.stages_ms = times.byName();
@@ -154,6 +152,7 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
   if (limit.over()) return false;
   Stopwatch watch;
   builder_.build<Primitive>(scene, options, set_, result_.counters, limit);
+  result_.rejected_parts = builder_.rejectedParts();
   if (!kIsMoving<Primitive> && options.adjacent == AdjacentPairs::kBeyondShared &&
       options.predicates != Predicates::kConservative && !limit.wasOver()) {
     fans_.certify(scene, set_, limit);

@@ -135,13 +135,14 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
   const TriangleMesh& mesh = body.mesh;
   const bool has_sides = !partners.self && body_boxes_.allFinite(id);
   if (has_sides) findSides<Primitive>(body, growth_m_, partners, first, limit, set, sides_);
-  const bool has_idle = hasIdleParts(set, id);
+  const bool has_idle = hasIdleParts(set, id), has_parts = !body.parts.empty();
   blocks_.resize(blockCount(mesh.triangleCount(), kBlock));
   const auto chooseBlock = [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
     block.triangle.clear();
     block.boxes.clear();
     block.rejected = 0;
+    block.rejected_parts.clear();
     for (std::size_t t = begin; t < end; ++t) {
       if (has_idle && !set.parts->takesPart(set.parts->of(id, t))) continue;
       const std::uint32_t* corner = &mesh.triangles[3 * t];
@@ -150,6 +151,7 @@ void WorkingSetBuilder::chooseTriangles(const Body& body, BodyId id, std::uint32
           set.primitiveOf<Primitive>(first + corner[0], first + corner[1], first + corner[2]);
       if (!isFinite(posed)) {
         ++block.rejected;
+        if (has_parts) block.rejected_parts.push_back(body.parts[t]);
         continue;
       }
       const BoxOf<Primitive> box = inflated(boxOf(posed), growth_m_);
@@ -169,6 +171,7 @@ std::uint64_t WorkingSetBuilder::addChosen(const Body& body, BodyId id, const Cy
     block.place = triangle_count_;
     triangle_count_ += block.triangle.size();
     rejected += block.rejected;
+    for (const PartId part : block.rejected_parts) ++of_part_[part];
   }
   growTriangles(triangle_count_, set);
   parallelBlocks(limit, blocks_.size(), 1, [&](std::size_t b, std::size_t, std::size_t) {
@@ -235,21 +238,34 @@ void WorkingSetBuilder::addBody(const Scene& scene, BodyId id,
 // Counts the triangles of a body that meets no partner; its vertices are not transformed.
 template <class Primitive>
 void WorkingSetBuilder::countLeftOut(const Scene& scene, BodyId id, const WorkingSet& set,
-                                     const CycleLimit& limit, Counters& counters) const {
+                                     const CycleLimit& limit, Counters& counters) {
   constexpr std::size_t kBlock = 1 << 16;
   const std::size_t count = scene.body(id).mesh.triangleCount();
   const PosedBody body(scene.body(id)), earlier = PosedBody::earlier(scene.body(id));
+  const std::vector<PartId>& parts = scene.body(id).parts;
   std::uint64_t rejected = 0;
   const std::size_t to_check = body_boxes_.allFinite(id) ? 0 : count;
   serialBlocks(limit, to_check, kBlock, [&](std::size_t begin, std::size_t end) {
     for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
       if (set.parts != nullptr && !set.parts->takesPart(set.parts->of(id, t))) continue;
-      rejected +=
-          !isFinite(body.triangle(t)) || (kIsMoving<Primitive> && !isFinite(earlier.triangle(t)));
+      if (isFinite(body.triangle(t)) && (!kIsMoving<Primitive> || isFinite(earlier.triangle(t)))) {
+        continue;
+      }
+      ++rejected;
+      if (!parts.empty()) ++of_part_[parts[t]];
     }
   });
   counters.rejected += rejected;
   counters.culled += count - rejected;
+}
+
+// Moves the counts of a body's rejected triangles to the list, if it has named parts.
+void WorkingSetBuilder::listRejectedParts(const Body& body, BodyId id) {
+  if (body.parts.empty()) return;
+  for (const PartId part : body.listed_parts) {
+    if (of_part_[part] > 0) rejected_parts_.push_back({id, part, of_part_[part]});
+    of_part_[part] = 0;
+  }
 }
 
 // Goes through the bodies in order, so that the set is in (body, triangle) order.
@@ -261,6 +277,7 @@ void WorkingSetBuilder::build(const Scene& scene, const Options& options, Workin
   set.first_vertex.assign(scene.bodyCount(), 0);
   set.common_motion = kIsMoving<Primitive> ? commonMotionOf(scene) : Vec3f();
   vertex_count_ = triangle_count_ = 0;
+  rejected_parts_.clear();
   for (BodyId id = 0; id < scene.bodyCount() && !limit.over(); ++id) {
     if (!scene.takesPart(id)) continue;
     growth_m_ = growthOf<Primitive>(scene.body(id), options);
@@ -270,6 +287,7 @@ void WorkingSetBuilder::build(const Scene& scene, const Options& options, Workin
     } else {
       countLeftOut<Primitive>(scene, id, set, limit, counters);
     }
+    listRejectedParts(scene.body(id), id);
   }
   cutTo(vertex_count_, triangle_count_, kIsMoving<Primitive>, set);
 }

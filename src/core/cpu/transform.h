@@ -85,6 +85,9 @@ class WorkingSetBuilder {
   void build(const Scene& scene, const Options& options, WorkingSet& set, Counters& counters,
              const CycleLimit& limit = noLimit());
 
+  // Returns DetectionResult::rejected_parts of the scene that build() was last called with.
+  const std::vector<RejectedPart>& rejectedParts() const { return rejected_parts_; }
+
  private:
   // The triangles that one block of a body contributes. It is not used for bodies that contribute
   // all of their triangles.
@@ -92,12 +95,13 @@ class WorkingSetBuilder {
     std::vector<std::uint32_t> triangle;
     std::vector<Aabb> boxes;
     std::uint64_t rejected = 0;
-    std::size_t place = 0;  // in the set
+    std::vector<PartId> rejected_parts;  // of bodies with named parts: the part of each of them
+    std::size_t place = 0;               // in the set
   };
 
   template <class Primitive>
   void countLeftOut(const Scene& scene, BodyId id, const WorkingSet& set, const CycleLimit& limit,
-                    Counters& counters) const;
+                    Counters& counters);
   template <class Primitive>
   void addBody(const Scene& scene, BodyId id, const PartnerBoxes<BoxOf<Primitive>>& partners,
                const CycleLimit& limit, WorkingSet& set, Counters& counters);
@@ -110,6 +114,7 @@ class WorkingSetBuilder {
                        const PartnerBoxes<BoxOf<Primitive>>& partners, const CycleLimit& limit,
                        const WorkingSet& set);
   std::uint64_t addChosen(const Body& body, BodyId id, const CycleLimit& limit, WorkingSet& set);
+  void listRejectedParts(const Body& body, BodyId id);
 
   BodyBoxes body_boxes_;
   VertexIdentity identity_;
@@ -119,7 +124,9 @@ class WorkingSetBuilder {
   // Numbers of vertices and triangles in the set so far. The arrays are at least as long as in the
   // cycle before, so that they need not be cleared.
   std::size_t vertex_count_ = 0, triangle_count_ = 0;
-  float growth_m_ = 0;  // of the body at hand
+  float growth_m_ = 0;                           // of the body at hand
+  std::array<std::uint64_t, 256> of_part_ = {};  // its rejected triangles by part
+  std::vector<RejectedPart> rejected_parts_;     // of the bodies before it
 };
 
 // Returns the motion that most vertices of a scene have in common during the time interval [m], as
