@@ -50,6 +50,8 @@ nearest: whether results have the distance and the nearest triangles of each ena
     bodies within its margin (Result.nearest). The margin then costs a search and no list: pairs
     are those that touch.
 near_pairs: with nearest, also list as pairs all triangles within the margin.
+nearest_by_part: with nearest, find the same for each enabled pair of parts (Result.nearest_parts).
+    Each costs a search of its own.
 
 Raises ValueError that lists every value out of range; RuntimeError, with the reason, where
 backend='cuda' cannot be used.)";
@@ -124,7 +126,8 @@ std::unique_ptr<PythonDetector> makePythonDetector(
     const std::string& backend, std::int64_t device, std::int64_t memory_limit_mib,
     const std::string& adjacent_pairs, const std::string& predicates, float overlap, int clusters,
     float fuzzifier, int iterations, int refresh_period, int threads, bool geometry,
-    const std::string& motion, bool first_times, float tolerance_m, bool nearest, bool near_pairs) {
+    const std::string& motion, bool first_times, float tolerance_m, bool nearest, bool near_pairs,
+    bool nearest_by_part) {
   Options options;
   options.adjacent = choiceOf("adjacent_pairs", adjacent_pairs,
                               {AdjacentPairs::kBeyondShared, AdjacentPairs::kSkip});
@@ -141,6 +144,10 @@ std::unique_ptr<PythonDetector> makePythonDetector(
   options.tolerance_m = tolerance_m;
   options.nearest = nearest;
   options.near_pairs = near_pairs;
+  options.nearest_by_part = nearest_by_part;
+  if (nearest_by_part && !nearest) {
+    throw std::invalid_argument("nearest_by_part is true, which needs nearest=True");
+  }
   if (tolerance_m > 0 && options.motion == Motion::kSwept) {
     throw std::invalid_argument("tolerance_m is above 0, which motion 'swept' does not know");
   }
@@ -261,7 +268,8 @@ void bindDetector(py::module& module) {
            py::arg("geometry") = options.geometry, py::arg("motion") = toString(options.motion),
            py::arg("first_times") = options.first_times,
            py::arg("tolerance_m") = options.tolerance_m, py::arg("nearest") = options.nearest,
-           py::arg("near_pairs") = options.near_pairs, kInitText)
+           py::arg("near_pairs") = options.near_pairs,
+           py::arg("nearest_by_part") = options.nearest_by_part, kInitText)
       .def("detect", &Self::detect, py::arg("scene").none(false),
            py::arg("max_time_s") = py::none(), kDetectText)
       .def("reset", &Self::reset,

@@ -111,6 +111,12 @@ bodies that is missing is farther apart than the larger of its margins (Scene.se
 cut_off is true: then nothing is known of it. Also in swept motion, distances are those of the
 present moment. A body with itself has no distance.)";
 
+constexpr const char* kNearestPartsText =
+    R"(The same for each enabled pair of parts of two bodies of which one has named parts.
+
+NearestPair by (body_a, part_a, body_b, part_b), ascending; None unless
+Detector(nearest=True, nearest_by_part=True).)";
+
 constexpr const char* kNearestPairText =
     R"(The nearest triangles of two bodies. Of several at the same distance, the first.)";
 
@@ -189,6 +195,7 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
       first_times(py::none()),
       within_pad(py::none()),
       nearest(py::none()),
+      nearest_parts(py::none()),
       complete(result.isComplete()),
       guaranteed(result.guaranteed),
       cut_off(result.cut_off),
@@ -211,13 +218,21 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
   }
   if (options.first_times) first_times = timeTable(result.first_times);
   if (swept && scene.anyPad()) within_pad = flagList(result.within_pad);
+  const auto named = [&scene](const NearestPair& pair) {
+    return PythonNearest{pair, scene.body(pair.pair.body_a).name,
+                         scene.body(pair.pair.body_b).name};
+  };
   if (options.nearest) {
     py::list all;
-    for (const NearestPair& pair : result.nearest) {
-      all.append(PythonNearest{pair, scene.body(pair.pair.body_a).name,
-                               scene.body(pair.pair.body_b).name});
-    }
+    for (const NearestPair& pair : result.nearest) all.append(named(pair));
     nearest = all;
+  }
+  if (options.nearest_by_part) {
+    py::dict all;
+    for (const auto& [of, pair] : result.nearest_parts) {
+      all[py::make_tuple(of.body_a, of.part_a, of.body_b, of.part_b)] = named(pair);
+    }
+    nearest_parts = all;
   }
   for (const BodyId body : result.without_step) without_step.append(body);
   for (const RejectedPart& rejected : result.rejected_parts) {
@@ -311,6 +326,7 @@ void bindResult(py::module& module) {
       .def_readonly("without_step", &Self::without_step, kWithoutStepText)
       .def_readonly("distances", &Self::distances, kDistancesText)
       .def_readonly("nearest", &Self::nearest, kNearestText)
+      .def_readonly("nearest_parts", &Self::nearest_parts, kNearestPartsText)
       .def_readonly("rejected_parts", &Self::rejected_parts,
                     "By (body, part): how many triangles of bodies with parts take no part, for a "
                     "vertex is not finite.")

@@ -40,7 +40,9 @@ struct PythonResult {
   pybind11::object geometry;     // (k,) of deformable_contact._wire.GEOMETRY, or None
   pybind11::object first_times;  // (k, 2) float32, or None
   pybind11::object within_pad;   // (k,) bool, or None
-  pybind11::object nearest;      // a list of PythonNearest, or None; not of contacts
+  // Not of contacts: a list of PythonNearest, and a dictionary of them by (body_a, part_a, body_b,
+  // part_b), or None.
+  pybind11::object nearest, nearest_parts;
   // Lists of bodies or pairs of bodies.
   pybind11::list without_step;    // ids
   pybind11::list distances;       // PythonDistance

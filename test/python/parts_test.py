@@ -48,6 +48,27 @@ class Parts(unittest.TestCase):
         self.scene.set_vertices(self.two, TWO)
         self.assertEqual(self.detector.detect(self.scene).rejected_parts, {})
 
+    def test_nearest_triangles_by_part(self):
+        high = numpy.array(TWO, numpy.float32)
+        high[:, 2] += 1.25
+        high[3:, 2] += 0.5
+        self.scene.set_vertices(self.two, high)
+        self.scene.set_margin(self.two, 2)
+        self.scene.set_parts(self.two, [7, 3])
+        result = Detector("cpu", nearest=True, nearest_by_part=True).detect(self.scene)
+        self.assertEqual(list(result.nearest_parts), [(0, 0, 1, 3), (0, 0, 1, 7)])
+        of_7, of_3 = result.nearest_parts[0, 0, 1, 7], result.nearest_parts[0, 0, 1, 3]
+        self.assertEqual((of_7.distance_m, of_7.triangles), (0.25, (0, 0)))
+        self.assertEqual((of_3.distance_m, of_3.triangles), (0.75, (0, 1)))
+        self.assertEqual(of_3.names, ("floor", "two"))
+        self.assertEqual([pair.distance_m for pair in result.nearest], [0.25])
+        self.scene.set_part_pair_enabled(self.two, 7, self.floor, 0, False)
+        result = Detector("cpu", nearest=True, nearest_by_part=True).detect(self.scene)
+        self.assertEqual(list(result.nearest_parts), [(0, 0, 1, 3)])
+        self.assertIsNone(Detector("cpu", nearest=True).detect(self.scene).nearest_parts)
+        with self.assertRaisesRegex(ValueError, "nearest_by_part is true, which needs nearest"):
+            Detector("cpu", nearest_by_part=True)
+
     def test_wrong_parts_are_refused(self):
         for parts, why in (([1], "two: parts are given for 1 triangles, but its mesh has 2"),
                            (numpy.array([], int), "two: parts has none"),
