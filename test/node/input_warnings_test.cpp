@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "refusal.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -33,10 +35,6 @@ class InputWarningsTest : public ::testing::Test {
       }
     }
     return all;
-  }
-
-  static void expectIn(const std::string& part, const std::string& all) {
-    EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in: " << all;
   }
 
   const SteadyTime start_{std::chrono::hours(1)};

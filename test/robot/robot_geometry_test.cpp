@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "refusal.h"
 #include "robot_test_support.h"
 
 namespace deformable_contact_monitor {
@@ -34,13 +35,8 @@ LinkGeometry loadLink(const std::string& content, const ResourceResolver& resolv
   return robot.links.empty() ? LinkGeometry{} : robot.links.front();
 }
 
-std::string refusal(const std::string& urdf, const RobotGeometryOptions& options = {}) {
-  try {
-    loadRobotGeometry(urdf, options, noFiles);
-  } catch (const std::invalid_argument& e) {
-    return e.what();
-  }
-  return "";
+std::string refusalOf(const std::string& urdf, const RobotGeometryOptions& options = {}) {
+  return refusal([&] { loadRobotGeometry(urdf, options, noFiles); });
 }
 
 // Three links named against the alphabet, the second without geometry.
@@ -83,14 +79,15 @@ TEST(RobotGeometry, OptionsChooseLinksAndAreChecked) {
   options.ignored_links = {"alpha"};
   expectLinks(loadRobotGeometry(threeLinks(), options, noFiles), {"zulu"});
   options.links = {"alhpa", "bravo", "zullu"};
-  EXPECT_EQ(refusal(threeLinks(), options),
+  EXPECT_EQ(refusalOf(threeLinks(), options),
             "links: 'alhpa' (did you mean 'alpha'?), 'bravo', 'zullu' (did you mean 'zulu'?): no "
             "such link in robot 'r'");
   options.links = {"alpha", "bravo", "yankee"};
-  EXPECT_EQ(refusal(threeLinks(), options), "links: 'bravo', 'yankee': no such link in robot 'r'");
+  EXPECT_EQ(refusalOf(threeLinks(), options),
+            "links: 'bravo', 'yankee': no such link in robot 'r'");
   options.links.clear();
   options.ignored_links = {"bravo"};
-  EXPECT_EQ(refusal(threeLinks(), options), "ignored_links: 'bravo': no such link in robot 'r'");
+  EXPECT_EQ(refusalOf(threeLinks(), options), "ignored_links: 'bravo': no such link in robot 'r'");
 }
 
 TEST(RobotGeometry, CollisionOrVisual) {
@@ -174,17 +171,17 @@ TEST(RobotGeometry, CommentsAheadOfTheDeclarationAreTaken) {
     EXPECT_EQ(loadRobotGeometry(start + robot, {}, noFiles).name, "r") << start;
   }
   // Lines are those of the text.
-  EXPECT_EQ(refusal("<!-- a\n\n-->\n" + declaration + "\n<robot name=\"r\">\n<link/></robot>"),
+  EXPECT_EQ(refusalOf("<!-- a\n\n-->\n" + declaration + "\n<robot name=\"r\">\n<link/></robot>"),
             "robot description, line 6: link without a name");
-  EXPECT_NE(refusal("<!-- not closed" + declaration + robot), "");
-  EXPECT_NE(refusal("text" + declaration + robot), "");
+  EXPECT_NE(refusalOf("<!-- not closed" + declaration + robot), "");
+  EXPECT_NE(refusalOf("text" + declaration + robot), "");
 }
 
 TEST(RobotGeometry, DescriptionsOfOtherKindsAreRefusedWithTheirKind) {
-  EXPECT_EQ(refusal("version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 6\n")
+  EXPECT_EQ(refusalOf("version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 6\n")
                 .find("robot description, line 1: is a Git LFS pointer"),
             0U);
-  EXPECT_EQ(refusal("<!DOCTYPE html><html><robot name=\"r\"/></html>")
+  EXPECT_EQ(refusalOf("<!DOCTYPE html><html><robot name=\"r\"/></html>")
                 .find("robot description, line 1: is an HTML page"),
             0U);
 }
@@ -365,12 +362,12 @@ TEST(RobotGeometry, WhatGeometryDoesNotNeedMayBeMalformed) {
 }
 
 TEST(RobotGeometry, MalformedDescriptionsAreRefusedWithTheirLine) {
-  EXPECT_EQ(refusal(""), "robot description: is empty");
+  EXPECT_EQ(refusalOf(""), "robot description: is empty");
   const std::string start = "<robot name=\"r\">\n";
   const std::string link = "<link name=\"a\"/>\n";
   const auto expectLine = [](int line, const std::string& urdf) {
     const std::string expected = "robot description, line " + std::to_string(line) + ": ";
-    EXPECT_EQ(refusal(urdf).find(expected), 0U) << urdf << " -> " << refusal(urdf);
+    EXPECT_EQ(refusalOf(urdf).find(expected), 0U) << urdf << " -> " << refusalOf(urdf);
   };
   expectLine(1, "not xml at all");
   expectLine(2, start + "<link name=\"a\">\n</robot>");
@@ -385,7 +382,7 @@ TEST(RobotGeometry, MalformedDescriptionsAreRefusedWithTheirLine) {
                     "<child link=\"gone\"/></joint></robot>");
   expectLine(3, start + link + "<link name=\"b\" name=\"c\"/></robot>");
   expectLine(2, start + "<link name=\"a&#31;\"/></robot>");
-  EXPECT_NE(refusal(start + link + "<link name=\"b\"/></robot>").find("root"), std::string::npos);
+  EXPECT_NE(refusalOf(start + link + "<link name=\"b\"/></robot>").find("root"), std::string::npos);
 }
 
 TEST(RobotGeometry, WarningsNameLinkAndFact) {

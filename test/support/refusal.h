@@ -1,20 +1,26 @@
-// Returns error messages as text, for tests that compare them.
+// Returns error messages as text, and finds texts in them.
 #pragma once
 
-#include <functional>
+#include <gtest/gtest.h>
+
 #include <stdexcept>
 #include <string>
 
 namespace deformable_contact_monitor {
 
-// The message of the std::invalid_argument that `action` throws; empty if it throws nothing.
-inline std::string refusal(const std::function<void()>& action) {
+// Returns the message of the Error that `action` throws; empty if it throws nothing.
+template <class Error = std::invalid_argument, class Action>
+std::string refusal(const Action& action) {
   try {
     action();
-  } catch (const std::invalid_argument& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   return "";
+}
+
+inline void expectIn(const std::string& text, const std::string& all) {
+  EXPECT_NE(all.find(text), std::string::npos) << "'" << text << "' is not in:\n" << all;
 }
 
 }  // namespace deformable_contact_monitor

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "refusal.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -21,13 +23,8 @@ RobotGeometry robot() {
   return robot;
 }
 
-std::string refusal(const MonitorParameters& parameters) {
-  try {
-    checkRobot(robot(), parameters);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+std::string refusalOf(const MonitorParameters& parameters) {
+  return refusal<std::runtime_error>([&parameters] { checkRobot(robot(), parameters); });
 }
 
 TEST(RobotChecksTest, WarnsOfLinksSizesAndTheSrdf) {
@@ -46,9 +43,9 @@ TEST(RobotChecksTest, WarnsOfLinksSizesAndTheSrdf) {
 
 TEST(RobotChecksTest, StrictListsAllThatIsMissingAtOnce) {
   MonitorParameters parameters;
-  EXPECT_EQ(refusal(parameters), "");
+  EXPECT_EQ(refusalOf(parameters), "");
   parameters.strict_geometry = true;
-  EXPECT_EQ(refusal(parameters),
+  EXPECT_EQ(refusalOf(parameters),
             "strict_geometry is on, but these links have no usable geometry:\n"
             "  link 'arm': arm.stl: no such file\n"
             "  link 'foot': foot.stl: no such file");
@@ -57,7 +54,7 @@ TEST(RobotChecksTest, StrictListsAllThatIsMissingAtOnce) {
 TEST(RobotChecksTest, ALinkAndAnObjectOfOneNameAreRefused) {
   MonitorParameters parameters;
   parameters.objects = {{"cloth", "", 0, true}, {"foot", "", 0, true}};
-  EXPECT_EQ(refusal(parameters),
+  EXPECT_EQ(refusalOf(parameters),
             "'foot' is the name of a link and of an object; rename the object");
 }
 

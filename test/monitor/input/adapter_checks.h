@@ -16,6 +16,7 @@
 #include "mesh_messages.h"
 #include "monitor/input/mesh_adapters.h"
 #include "monitor/input/mesh_input.h"
+#include "refusal.h"
 
 namespace deformable_contact_monitor {
 
@@ -66,10 +67,6 @@ std::string refusalOf(Adapter&& adapter, const typename std::decay_t<Adapter>::M
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
-}
-
-inline void expectIn(const std::string& part, const std::string& all) {
-  EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in: " << all;
 }
 
 // Accepts an adapter's meshes, and returns their triangles.

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "refusal.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -37,17 +39,7 @@ MonitorParameters parse(const XmlRpcValue& tree, std::vector<std::string>* warni
 }
 
 std::string refusalOf(const XmlRpcValue& tree) {
-  try {
-    parse(tree);
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "was not refused";
-  return "";
-}
-
-void expectIn(const std::string& text, const std::string& all) {
-  EXPECT_NE(all.find(text), std::string::npos) << "'" << text << "' is not in:\n" << all;
+  return refusal<ParameterError>([&tree] { parse(tree); });
 }
 
 TEST(Parameters, NothingSetGivesTheDefaults) {

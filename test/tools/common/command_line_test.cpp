@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <stdexcept>
 
+#include "refusal.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -54,12 +56,7 @@ Values valuesOf(const Words& arguments, bool required = false) {
 }
 
 std::string refusalOf(const Words& arguments, bool required = false) {
-  try {
-    valuesOf(arguments, required);
-  } catch (const std::invalid_argument& refused) {
-    return refused.what();
-  }
-  return "";
+  return refusal([&] { valuesOf(arguments, required); });
 }
 
 TEST(CommandLine, WhatIsNotGivenStays) {

@@ -6,16 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "refusal.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
 std::string refusalOf(const XmlRpc::XmlRpcValue& tree) {
-  try {
-    parseGuardParameters(tree);
-  } catch (const GuardParameterError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal<GuardParameterError>([&tree] { parseGuardParameters(tree); });
 }
 
 TEST(GuardParametersTest, nothingIsSet) {
