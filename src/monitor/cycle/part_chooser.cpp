@@ -60,6 +60,7 @@ void PartChooser::choose(const IncomingMesh& mesh) {
   const std::size_t count = mesh.topology->triangles.size() / 3;
   of_triangles_.assign(count, 0);
   for (std::size_t part = 0; part < given_.size(); ++part) {
+    requireSameTriangles(part, *mesh.topology);
     for (const auto& [first, last] : given_[part].ranges) {
       if (last >= count) {
         throw std::invalid_argument(name(part) + " has triangle " + std::to_string(last) +
@@ -71,6 +72,22 @@ void PartChooser::choose(const IncomingMesh& mesh) {
     }
   }
   if (has_box_) chooseBoxes(mesh);
+}
+
+// Parts of one file share its mesh, which is compared once.
+void PartChooser::requireSameTriangles(std::size_t part, const Topology& topology) const {
+  const TriangleMesh* const of = given_[part].mesh.get();
+  if (of == nullptr || (part > 0 && given_[part - 1].mesh.get() == of)) return;
+  if (of->vertexCount() == topology.vertex_count &&
+      std::equal(of->triangles.begin(), of->triangles.end(), topology.triangles.begin(),
+                 topology.triangles.end())) {
+    return;
+  }
+  throw std::invalid_argument(name(part) + " is a group of a mesh file with " +
+                              std::to_string(of->vertexCount()) + " vertices and " +
+                              std::to_string(of->triangleCount()) +
+                              " triangles, and the mesh of topology_id " +
+                              std::to_string(topology.id) + " has other triangles");
 }
 
 void PartChooser::chooseBoxes(const IncomingMesh& mesh) {

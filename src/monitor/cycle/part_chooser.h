@@ -13,8 +13,9 @@
 namespace deformable_contact_monitor {
 
 // The parts of one object. Parts that are given by their triangles fit every mesh that has these
-// triangles. Parts that are given by a box are chosen once, in the first mesh whose vertices are
-// all finite, and hold for meshes with the triangles of that mesh. One thread at a time.
+// triangles. Parts that are groups of a mesh file fit meshes with the triangles of that file. Parts
+// that are given by a box are chosen once, in the first mesh whose vertices are all finite, and
+// hold for meshes with the triangles of that mesh. One thread at a time.
 class PartChooser {
  public:
   explicit PartChooser(const ObjectParameters& object);
@@ -32,6 +33,7 @@ class PartChooser {
  private:
   // They throw std::invalid_argument, naming the part, if the parts do not fit.
   void choose(const IncomingMesh& mesh);
+  void requireSameTriangles(std::size_t part, const Topology& topology) const;
   void chooseBoxes(const IncomingMesh& mesh);
   void add(std::size_t part, std::size_t triangle);
   std::string name(std::size_t part) const { return object_ + ":" + given_[part].name; }

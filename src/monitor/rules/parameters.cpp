@@ -93,7 +93,8 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
     object.required = entry.flag("required", object.required);
     readMeshType(&entry, &object);
-    object.parts = readParts(&entry, object.name, warnings);
+    const std::string faces = object.faces == nullptr ? "" : entry.text("faces", "");
+    object.parts = readParts(&entry, object.name, faces, warnings);
     // The name must work as a body's name in rules and, without a topic, as part of a topic.
     std::string error;
     if (object.name.empty()) {

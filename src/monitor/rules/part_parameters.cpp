@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -12,7 +13,14 @@
 namespace deformable_contact_monitor {
 namespace {
 
-using Range = std::pair<std::uint32_t, std::uint32_t>;
+using Range = TriangleRanges::value_type;
+
+// The groups that parts are, by mesh file.
+struct WantedGroup {
+  std::size_t part;  // its place in the list of parts
+  std::string name;
+};
+using WantedGroups = std::map<std::string, std::vector<WantedGroup>>;
 
 constexpr std::size_t kMostNamedParts = 255;  // what PartId can number beside the body's own rest
 constexpr int kLastTriangle = std::numeric_limits<int>::max();
@@ -74,13 +82,49 @@ std::optional<PartBox> readBox(ParameterReader* entry, std::vector<std::string>*
   return PartBox{*min, *max};
 }
 
-// Reads what the part is made of, which must be exactly one of the choices.
+// Reads which group of which file a part is. The file is that of the object's faces if the part
+// names no other one.
+void readGroup(ParameterReader* entry, const std::string& faces, std::size_t part,
+               WantedGroups* groups) {
+  const std::string name = entry->text("group", ""), file = entry->text("group_file", faces);
+  if (name.empty()) return;
+  if (file.empty()) {
+    entry->addProblem("group_file",
+                      "is missing: it names the mesh file that has the group '" + name + "'");
+    return;
+  }
+  (*groups)[file].push_back({part, name});
+}
+
+// Reads each mesh file once, and gives parts the triangles of their groups.
+void readGroups(const WantedGroups& groups, ParameterReader* object,
+                std::vector<PartParameters>* parts) {
+  for (const auto& [file, wanted] : groups) {
+    std::vector<std::string> names;
+    for (const WantedGroup& group : wanted) names.push_back(group.name);
+    try {
+      std::vector<TriangleRanges> ranges;
+      const auto mesh = std::make_shared<const TriangleMesh>(
+          readMeshGroups(makeRosResolver()(file), names, &ranges));
+      for (std::size_t i = 0; i < wanted.size(); ++i) {
+        PartParameters& part = (*parts)[wanted[i].part];
+        part.ranges = std::move(ranges[i]);
+        part.mesh = mesh;
+      }
+    } catch (const std::exception& error) {
+      object->addProblem("parts", "cannot be groups of '" + file + "': " + error.what());
+    }
+  }
+}
+
+// Reads what the part is made of, which must be exactly one of the choices, but for groups.
 void readTriangles(ParameterReader* entry, std::vector<std::string>* warnings,
                    PartParameters* part) {
   const bool has_ranges = entry->has("triangles"), has_file = entry->has("indices_file");
-  const bool has_box = entry->has("box");
-  if (has_ranges + has_file + has_box != 1) {
-    entry->addProblem("triangles, indices_file and box", "are the ways to make a part: give one");
+  const bool has_box = entry->has("box"), has_group = entry->has("group");
+  if (has_ranges + has_file + has_box + has_group != 1) {
+    entry->addProblem("triangles, indices_file, box and group",
+                      "are the ways to make a part: give one");
     return;
   }
   part->box = readBox(entry, warnings);
@@ -118,8 +162,10 @@ void checkOverlaps(const std::vector<PartParameters>& parts, ParameterReader* ob
 }  // namespace
 
 std::vector<PartParameters> readParts(ParameterReader* object, const std::string& object_name,
+                                      const std::string& faces,
                                       std::vector<std::string>* warnings) {
   std::vector<PartParameters> parts;
+  WantedGroups groups;
   std::set<std::string> names;
   for (ParameterReader& entry : object->structs("parts")) {
     PartParameters part;
@@ -131,6 +177,7 @@ std::vector<PartParameters> readParts(ParameterReader* object, const std::string
       entry.addProblem("name", "is '" + part.name + "', which is another part's name");
     }
     readTriangles(&entry, warnings, &part);
+    if (entry.has("group")) readGroup(&entry, faces, parts.size(), &groups);
     if (entry.has("margin_m")) {
       entry.addProblem("margin_m", "is not supported: a part has the margin of its object");
     }
@@ -146,6 +193,7 @@ std::vector<PartParameters> readParts(ParameterReader* object, const std::string
     object->addProblem("name", "is '" + object_name +
                                    "', must have no ':' and no '*', because the object has parts");
   }
+  readGroups(groups, object, &parts);
   checkOverlaps(parts, object);
   return parts;
 }

@@ -3,11 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "core/mesh_file.h"
 #include "monitor/rules/parameter_reader.h"
 
 namespace deformable_contact_monitor {
@@ -20,16 +21,17 @@ struct PartBox {
 // One named part of an object. Its triangles are given by ranges or by a box.
 struct PartParameters {
   std::string name;
-  // Triangle indices, from the first to the last one of each range, ascending and disjoint.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;
+  TriangleRanges ranges;
   // The triangles whose centroid lies in it, in the object's first mesh and in that mesh's frame.
   std::optional<PartBox> box{};
+  // The mesh that the ranges are taken from, if they are a group of a mesh file; else null.
+  std::shared_ptr<const TriangleMesh> mesh{};
 };
 
-// Reads the key `parts` of an object. Adds a problem for each part that cannot be used: by its
-// name, by what it is made of, and for triangles that two parts have. Adds unknown keys to
-// `warnings`.
+// Reads the key `parts` of an object. `faces` is the object's mesh file, or empty; parts may be
+// groups of it. Adds a problem for each part that cannot be used: by its name, by what it is made
+// of, and for triangles that two parts have. Adds unknown keys to `warnings`.
 std::vector<PartParameters> readParts(ParameterReader* object, const std::string& object_name,
-                                      std::vector<std::string>* warnings);
+                                      const std::string& faces, std::vector<std::string>* warnings);
 
 }  // namespace deformable_contact_monitor

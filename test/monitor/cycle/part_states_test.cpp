@@ -200,6 +200,33 @@ TEST_F(PartsTest, ATopologyThatDoesNotFitMakesThePartsUnknown) {
   EXPECT_EQ(letters(), "-??");
 }
 
+TEST_F(PartsTest, AGroupFitsTheTrianglesOfItsFileAlone) {
+  TriangleMesh of_file;
+  of_file.vertices.resize(36);
+  for (std::uint32_t i = 0; i < 12; ++i) of_file.triangles.push_back(i);
+  const auto mesh = std::make_shared<const TriangleMesh>(of_file);
+  cloth().parts = {{"hem", {{0, 0}}}, {"half", {{2, 2}}, {}, mesh}, {"end", {{3, 3}}, {}, mesh}};
+  move(-1, 2);
+  EXPECT_EQ(letters(), "C-C-");
+  move(-1, 2, 0, 5);
+  EXPECT_EQ(letters(), "C???");
+  EXPECT_EQ(
+      states_[1].reason,
+      "cloth:half is a group of a mesh file with 12 vertices and 4 triangles, and the mesh of "
+      "topology_id 5 has other triangles");
+  move(-1, 3);
+  EXPECT_EQ(letters(), "C--C");
+}
+
+TEST_F(PartsTest, AGroupOfOtherVerticesDoesNotFit) {
+  TriangleMesh of_file;
+  of_file.vertices.resize(36);
+  for (std::uint32_t i = 0; i < 12; ++i) of_file.triangles.push_back(11 - i);
+  cloth().parts = {{"half", {{2, 2}}, {}, std::make_shared<const TriangleMesh>(of_file)}};
+  move(-1, 2);
+  EXPECT_EQ(letters(), "C?");
+}
+
 TEST_F(PartsTest, WithoutKnownPartsNothingIsClaimedOfAnObjectThatIsAllowedButForAPart) {
   rule("cloth", "cable");
   rule("cloth:half", "cable", false);

@@ -11,6 +11,7 @@
 #include "monitor/diagnostics/robot_checks.h"
 #include "monitor/rules/parameters.h"
 #include "monitor/rules/rule_texts.h"
+#include "refusal.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -50,18 +51,7 @@ MonitorParameters parse(const XmlRpcValue& tree) {
 }
 
 std::string refusalOf(const XmlRpcValue& tree) {
-  std::vector<std::string> warnings;
-  try {
-    parseParameters(tree, &warnings);
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "was not refused";
-  return "";
-}
-
-void expectIn(const std::string& text, const std::string& all) {
-  EXPECT_NE(all.find(text), std::string::npos) << "'" << text << "' is not in:\n" << all;
+  return refusal<ParameterError>([&tree] { parse(tree); });
 }
 
 using Ranges = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -88,6 +78,50 @@ TEST(PartParameters, AFileHasOneIndexPerLine) {
   expectIn("line 2 is '-3', must be the index of a triangle", refusalOf(withParts({hem})));
   std::ofstream(path) << "\n";
   expectIn("the file has no triangle", refusalOf(withParts({hem})));
+  std::remove(path.c_str());
+}
+
+// The part `name` of a group; `file` may be empty.
+XmlRpcValue groupPart(const std::string& name, const std::string& group, const std::string& file) {
+  XmlRpcValue part;
+  part["name"] = name;
+  part["group"] = group;
+  if (!file.empty()) part["group_file"] = file;
+  return part;
+}
+
+TEST(PartParameters, AGroupOfAMeshFile) {
+  const std::string path = ::testing::TempDir() + "part_groups.obj";
+  std::ofstream(path) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ng hem\nf 1 2 3\nf 2 1 3\ng logo\n"
+                         "f 3 2 1\n";
+  const auto parts = parse(withParts({groupPart("edge", "hem", path), part("rest", {range(0, 0)}),
+                                      groupPart("logo", "logo", path)}))
+                         .objects[0]
+                         .parts;
+  EXPECT_EQ(parts[0].ranges, (Ranges{{1, 2}}));
+  EXPECT_EQ(parts[2].ranges, (Ranges{{3, 3}}));
+  ASSERT_NE(parts[0].mesh, nullptr);
+  EXPECT_EQ(parts[0].mesh->triangleCount(), 4U);
+  EXPECT_EQ(parts[1].mesh, nullptr);
+  EXPECT_EQ(parts[2].mesh, parts[0].mesh);
+  XmlRpcValue cloud = withParts({groupPart("edge", "hem", "")});
+  cloud["objects"][0]["type"] = "point_cloud";
+  cloud["objects"][0]["faces"] = path;
+  EXPECT_EQ(parse(cloud).objects[0].parts[0].ranges, (Ranges{{1, 2}}));
+  expectIn(
+      "~objects[0]/parts[0]/group_file is missing: it names the mesh file that has the group "
+      "'hem'",
+      refusalOf(withParts({groupPart("edge", "hem", "")})));
+  expectIn("~objects[0]/parts cannot be groups of '" + path + "': " + path +
+               ": has no group 'ham'; it has 'hem', 'logo'",
+           refusalOf(withParts({groupPart("a", "hem", path), groupPart("b", "ham", path)})));
+  expectIn("~objects[0]/parts 'a' and 'b' both have triangle 1",
+           refusalOf(withParts({groupPart("a", "hem", path), groupPart("b", "hem", path)})));
+  expectIn("~objects[0]/parts cannot be groups of '/nowhere.obj': ",
+           refusalOf(withParts({groupPart("a", "hem", "/nowhere.obj")})));
+  XmlRpcValue both = part("hem", {range(0, 0)});
+  both["group"] = "hem";
+  expectIn("group are the ways to make a part: give one", refusalOf(withParts({both})));
   std::remove(path.c_str());
 }
 
@@ -142,7 +176,7 @@ TEST(PartParameters, OneWayToMakeAPart) {
   XmlRpcValue hem;
   hem["name"] = "hem";
   const std::string give_one =
-      "parts[0]/triangles, indices_file and box are the ways to make a part: give one";
+      "parts[0]/triangles, indices_file, box and group are the ways to make a part: give one";
   expectIn(give_one, refusalOf(withParts({hem})));
   hem["triangles"] = listOf({range(0, 1)});
   hem["indices_file"] = "/nowhere";
