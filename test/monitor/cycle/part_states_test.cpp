@@ -106,6 +106,23 @@ TEST_F(PartsTest, EachPartHasAStateBehindThoseOfBodies) {
   EXPECT_EQ(letters(), "---");
 }
 
+// The cable crosses the triangles 0 and 1.
+TEST_F(PartsTest, APartSumsUpAllOfItsContacts) {
+  cloth().parts = {{"both", {{0, 1}}}, {"end", {{3, 3}}}};
+  move(-1, 0);
+  ros_time_ += ros::Duration(0.125);
+  store(1, {-0.5F, 0.25F, -0.125F, 3.5F, 0.25F, -0.125F, 1.5F, 0.25F, 0.125F}, 1, 1);
+  store(0, {0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0, 3, 0, 0, 2, 1, 0,
+            4, 0, 0, 5, 0, 0, 4, 1, 0, 6, 0, 0, 7, 0, 0, 6, 1, 0},
+        4, 4);
+  step();
+  EXPECT_EQ(letters(), "CC-");
+  EXPECT_EQ(states_[0].pair_count, 2U);
+  EXPECT_EQ(states_[1].pair_count, 2U);
+  EXPECT_EQ(states_[1].centroid.x, states_[0].centroid.x);
+  EXPECT_NEAR(states_[1].centroid.x, (1.5 + (1 + 7) / 6.0) / 2, 1e-6);
+}
+
 TEST_F(PartsTest, AnObjectWithoutPartsHasItsOwnStateAlone) {
   cloth().parts.clear();
   move(0, 9);
