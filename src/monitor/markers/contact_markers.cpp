@@ -307,6 +307,7 @@ std::set<MarkerKey> ContactMarkers::drawnOfCycle(const CycleReport& report) cons
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
     if (!report.bodies[id].triggered) continue;
     note(surfaceKey(report, id));
+    note(heldKey(report, id));
     note(unknownKey(id));
   }
   return drawn;

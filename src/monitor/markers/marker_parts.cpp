@@ -19,6 +19,10 @@ MarkerKey surfaceKey(const CycleReport& report, BodyId object) {
   return {report.bodies[object].name, static_cast<std::int32_t>(bodies * bodies + object)};
 }
 
+MarkerKey heldKey(const CycleReport& report, BodyId object) {
+  return {"held: " + report.bodies[object].name, static_cast<std::int32_t>(object)};
+}
+
 MarkerKey unknownKey(BodyId object) { return {"unknown", static_cast<std::int32_t>(object)}; }
 
 // rviz complains about an orientation of zeros, hence w = 1 here and below.

@@ -48,6 +48,9 @@ MarkerKey pairKey(const CycleReport& report, BodyId a, BodyId b, const std::stri
 // Returns the key of an object's surface, with the object's name as namespace.
 MarkerKey surfaceKey(const CycleReport& report, BodyId object);
 
+// Returns the key of an object's held triangles, with the namespace "held: <object>".
+MarkerKey heldKey(const CycleReport& report, BodyId object);
+
 // Returns the key of the text that says why an object is UNKNOWN.
 MarkerKey unknownKey(BodyId object);
 
