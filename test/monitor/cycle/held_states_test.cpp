@@ -2,9 +2,13 @@
 // force detector.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
+#include <map>
 #include <memory>
+#include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -77,9 +81,8 @@ class HeldTest : public LoopTest {
     return letters();
   }
 
-  // Holds the part within the radius of the finger as it was in the last cycle. Returns how many
-  // triangles that is.
-  std::size_t hold(float radius_m) {
+  // Holds the part within the radius of the finger as it was in the last cycle.
+  std::shared_ptr<const HeldPart> hold(float radius_m) {
     std::string why_not;
     const std::optional<IncomingMesh> mesh = meshes()[0].newest(&why_not);
     EXPECT_TRUE(mesh) << why_not;
@@ -87,7 +90,7 @@ class HeldTest : public LoopTest {
     const auto part = findHeldPart({"cloth", *mesh, links, radius_m}, *robot_, parameters_,
                                    TransformLookup(transforms_, "base"));
     requests_.attach("cloth", links, part);
-    return part->triangles.size();
+    return part;
   }
 
   // The states of the finger and the palm with the cloth, then of the finger with each part of it,
@@ -115,7 +118,7 @@ class HeldTest : public LoopTest {
 
 TEST_F(HeldTest, AllButTheHeldPartIsWatchedAgainstTheFinger) {
   EXPECT_EQ(move(0, 9), "C-");
-  EXPECT_EQ(hold(.5F), 1U);
+  EXPECT_EQ(hold(.5F)->triangles.size(), 1U);
   EXPECT_EQ(move(0, 9), "--a-");
   EXPECT_EQ(states_[2].body_b, "cloth:held");
   EXPECT_EQ(said_.rules.attached, std::vector<std::string>{"1 triangle of cloth by finger"});
@@ -138,7 +141,7 @@ TEST_F(HeldTest, AnotherHoldReplacesIt) {
   move(0, 9);
   hold(.5F);
   move(1, 9);
-  EXPECT_EQ(hold(1.5F), 2U);
+  EXPECT_EQ(hold(1.5F)->triangles.size(), 2U);
   EXPECT_EQ(move(3, 9), "C-a-");
   EXPECT_EQ(move(0, 9), "--a-");
 }
@@ -198,7 +201,7 @@ TEST_F(HeldTest, OtherTrianglesEndIt) {
 
 TEST_F(HeldTest, OtherTrianglesEndAHoldOfTheWholeObject) {
   move(0, 9);
-  EXPECT_EQ(hold(100), 4U);
+  EXPECT_EQ(hold(100)->triangles.size(), 4U);
   EXPECT_EQ(move(0, 9), "a-a-");
   EXPECT_EQ(move(0, 9, -1, 3, 8), "C-") << "the link is looked up in the same cycle";
 }
@@ -244,6 +247,48 @@ TEST_F(HeldTest, WhatPassesThroughTheRestIsSeen) {
   EXPECT_EQ(move(0, 9), "--a-") << "the finger stays in what it holds";
   EXPECT_EQ(move(9, 9), "P-a-") << "on its way it passes the other triangles";
   EXPECT_EQ(move(9, 9), "--a-");
+}
+
+// Compares each state with what follows from the sets of triangles.
+TEST_F(HeldTest, RandomHoldsAndNamedPartsAgreeWithTheirSets) {
+  constexpr int kTriangles = 12;
+  const std::vector<std::set<int>> named = {{0, 1, 4}, {5, 6, 7, 8}};
+  parameters_.objects[0].parts = {{"hem", {{0, 1}, {4, 4}}}, {"logo", {{5, 8}}}};
+  std::mt19937 dice(43);
+  std::uniform_int_distribution<int> place(0, kTriangles + 1), side(1, 30);
+  std::set<int> held;
+  const auto letter = [&](bool is_finger, int crossed, const std::set<int>& part) {
+    const auto is_allowed = [&](int t) { return is_finger && held.count(t) > 0; };
+    if (std::all_of(part.begin(), part.end(), is_allowed)) return 'a';
+    return part.count(crossed) > 0 && !is_allowed(crossed) ? 'C' : '-';
+  };
+  std::set<int> all;
+  for (int t = 0; t < kTriangles; ++t) all.insert(t);
+  std::map<char, int> seen;
+  for (int i = 0; i < 1000; ++i) {
+    if (i % 5 == 4) {
+      held.clear();
+      requests_.attach("cloth", {});
+      move(place(dice) % kTriangles, 99, -1, kTriangles);
+      if (i % 15 != 14) {
+        const auto part = hold(static_cast<float>(side(dice)) / 2);
+        held.insert(part->triangles.begin(), part->triangles.end());
+      }
+    }
+    const int crossed[] = {place(dice), place(dice)};
+    std::vector<std::set<int>> parts = named;
+    if (!held.empty()) parts.push_back(held);
+    std::string expected = {letter(true, crossed[0], all), letter(false, crossed[1], all)};
+    for (const bool is_finger : {true, false}) {
+      for (const std::set<int>& part : parts) {
+        expected += letter(is_finger, crossed[is_finger ? 0 : 1], part);
+      }
+    }
+    ASSERT_EQ(move(crossed[0], crossed[1], -1, kTriangles), expected) << i;
+    for (const char one : expected) ++seen[one];
+  }
+  EXPECT_GT(seen['a'], 500);
+  EXPECT_GT(seen['C'], 500);
 }
 
 // Pairs of parts that rules disabled must not stay disabled when the part is gone.
