@@ -66,6 +66,9 @@ visualization_msgs::Marker makeRemoval(const CycleReport& report, const MarkerKe
 // Returns a color; all parts are in [0, 1].
 std_msgs::ColorRGBA makeColor(float r, float g, float b, float alpha);
 
+// Returns a color for each number. Numbers that follow one another have hues that are far apart.
+std_msgs::ColorRGBA numberColor(std::uint32_t number, float alpha);
+
 // Returns the color of triangles in contact: red for links, yellow for objects.
 std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha);
 

@@ -245,17 +245,22 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
         report, is_known ? options_.lifetime_s : std::max(options_.lifetime_s, kUnknownLifetimeS),
         surfaceKey(report, id), Marker::TRIANGLE_LIST);
     marker.points.reserve(is_whole ? 3 * rest : corners.size());
+    marker.color = is_known ? makeColor(0.45F, 0.7F, 1, options_.surface_alpha)
+                            : makeColor(0.5F, 0.5F, 0.5F, options_.surface_alpha);
+    const std::vector<PartId>& pieces = report.scene->body(id).parts;
+    const bool shows_parts = is_whole && is_known && !pieces.empty() && body.parts != nullptr;
     const PosedBody posed(report.scene->body(id));
     for (std::size_t i = 0; i < corners.size(); i += 3) {
       const auto triangle = static_cast<std::uint32_t>(i / 3);
       // A triangle that is drawn twice flickers.
       if (is_whole && highlighted != nullptr && highlighted->has(triangle)) continue;
       const auto corner = [&](std::size_t k) { return posed.vertex(corners[i + k]); };
-      addTriangle({{corner(0), corner(1), corner(2)}}, &marker);
+      if (!addTriangle({{corner(0), corner(1), corner(2)}}, &marker) || !shows_parts) continue;
+      const PartId piece = pieces[triangle];
+      marker.colors.insert(marker.colors.end(), 3,
+                           piece == 0 ? marker.color : numberColor(piece, options_.surface_alpha));
     }
     if (marker.points.empty()) continue;
-    marker.color = is_known ? makeColor(0.45F, 0.7F, 1, options_.surface_alpha)
-                            : makeColor(0.5F, 0.5F, 0.5F, options_.surface_alpha);
     budget -= marker.points.size() / 3;
     markers->push_back(std::move(marker));
   }

@@ -103,5 +103,20 @@ TEST_F(HeldMarkersTest, TheHeldPartHasItsOwnColor) {
   }));
 }
 
+TEST_F(HeldMarkersTest, NamedPartsHaveTheirOwnColors) {
+  scene_.setMesh(1, {{0, 0, 0, 1, 0, 0, 0, 0.5F, 2, 3, 0, 0}, {0, 1, 2, 1, 2, 3, 0, 1, 3}});
+  BodyParts parts;
+  parts.names = {"hem", "logo"};
+  report_.bodies[1].parts = std::make_shared<const BodyParts>(parts);
+  scene_.setParts(1, {2, 0, 1});
+  const Marker surface = ContactMarkers(MarkerOptions()).make(report_).markers.back();
+  ASSERT_EQ(surface.colors.size(), 9U);
+  EXPECT_EQ(surface.colors[3], surface.color) << "what no part has";
+  EXPECT_NE(surface.colors[0], surface.color);
+  EXPECT_NE(surface.colors[6], surface.color);
+  EXPECT_NE(surface.colors[6], surface.colors[0]);
+  EXPECT_EQ(surface.colors[6].a, surface.color.a);
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor
