@@ -12,6 +12,20 @@ std::string nameOf(const BodyStatus& body, PartId part) {
   return part == 0 ? body.name : body.name + ":" + body.parts->names[part - 1U];
 }
 
+std::vector<PartId> piecesOf(const BodyStatus& body, PartId part) {
+  std::vector<PartId> pieces;
+  for (std::size_t i = 0; i < body.pieceCount(); ++i) {
+    const auto piece = static_cast<PartId>(i);
+    if (part != 0 && !body.parts->has(part, piece)) continue;
+    const bool is_emptied =
+        body.parts != nullptr && !body.parts->isHeld(piece) &&
+        std::binary_search(body.parts->held_of.begin(), body.parts->held_of.end(), piece) &&
+        body.parts->triangles.at(piece) == 0;
+    if (!is_emptied) pieces.push_back(piece);
+  }
+  return pieces;
+}
+
 bool hasName(const BodyStatus& body, const std::string& name) {
   for (std::size_t part = 0; part <= body.partCount(); ++part) {
     if (nameOf(body, static_cast<PartId>(part)) == name) return true;

@@ -26,6 +26,8 @@
 
 namespace deformable_contact_monitor {
 
+struct Topology;  // input/incoming_mesh.h
+
 enum class BodyKind : std::uint8_t { kLink = 0, kDeformable = 1 };
 
 // A pair of bodies that the monitor reports. Pairs of classes that are switched off have no entry.
@@ -37,11 +39,34 @@ struct MonitoredPair {
   PartId part_a = 0, part_b = 0;
 };
 
-// The named parts of an object in the mesh that is in use.
+// The name of the part of an object that is held (~attach_object with a radius).
+constexpr char kHeldPart[] = "held";
+
+// The named parts of an object in the mesh that is in use, and the pieces that they consist of.
+// Pieces are disjoint and number the parts of the scene's body. As long as nothing is held, piece i
+// is part i, and piece 0 is what no part has. What is held is a part as well, "held", the last one.
+// It may have triangles of other parts, which stay parts of these: so each of them, and piece 0, is
+// split into a piece that is not held and one that is.
 struct BodyParts {
   std::vector<std::string> names;      // of the parts 1, 2, ..., without the object's name
-  std::vector<std::size_t> triangles;  // how many each part has, from part 0 on
-  std::string problem;  // why nobody knows which triangles these are; empty: it is known
+  std::vector<std::size_t> triangles;  // how many each piece has
+  // Why nobody knows which triangles the parts other than "held" are; empty: it is known.
+  std::string problem;
+  // The part (0: none) from which each held piece was taken, ascending; empty: nothing is held.
+  std::vector<PartId> held_of;
+
+  // Returns the part "held", which has the number of the first held piece; 0: nothing is held.
+  PartId heldPart() const { return held_of.empty() ? 0 : static_cast<PartId>(names.size()); }
+  std::size_t pieceCount() const { return firstHeld() + held_of.size(); }
+  bool isHeld(PartId piece) const { return piece >= firstHeld(); }
+  // Returns whether the piece belongs to a part other than 0.
+  bool has(PartId part, PartId piece) const {
+    return isHeld(piece) ? part == heldPart() || part == held_of[piece - firstHeld()]
+                         : part == piece;
+  }
+
+ private:
+  std::size_t firstHeld() const { return names.size() + (held_of.empty() ? 1 : 0); }
 };
 
 // The status of one body in a cycle.
@@ -54,10 +79,15 @@ struct BodyStatus {
   bool triggered = false;                    // the cycle was started for this body
   std::uint64_t rejected = 0;                // triangles left out because a vertex is not finite
   std::shared_ptr<const BodyParts> parts{};  // null: the object has no named parts
-  std::vector<std::uint64_t> rejected_by_part{};  // `rejected` from part 0 on; empty: none
+  std::vector<std::uint64_t> rejected_by_part{};  // `rejected` by piece; empty: none
 
   std::size_t partCount() const { return parts == nullptr ? 0 : parts->names.size(); }
+  std::size_t pieceCount() const { return parts == nullptr ? 1 : parts->pieceCount(); }
 };
+
+// Returns the pieces of a part; of part 0, those of the whole body. A piece that lost all of its
+// triangles to a held one is left out.
+std::vector<PartId> piecesOf(const BodyStatus& body, PartId part);
 
 // Returns the name of a body, or "object:part" for a named part of it.
 std::string nameOf(const BodyStatus& body, PartId part);
@@ -65,8 +95,25 @@ std::string nameOf(const BodyStatus& body, PartId part);
 // Returns whether this is the name of the body or of a part of it.
 bool hasName(const BodyStatus& body, const std::string& name);
 
-// The objects that the robot holds, by name, each with the names of the links that may touch it.
-using AttachedObjects = std::map<std::string, std::vector<std::string>>;
+// The part of an object that is held, and the triangles in which it was chosen. It holds for
+// meshes with the same triangles.
+struct HeldPart {
+  float radius_m = 0;                        // within which the triangles were of the holding links
+  std::vector<std::uint32_t> triangles;      // ascending
+  std::shared_ptr<const Topology> topology;  // of the mesh in which they were chosen
+  ros::Time stamp;                           // of that mesh
+};
+
+// How the robot holds an object.
+struct Attachment {
+  std::vector<std::string> links;             // that may touch it
+  std::shared_ptr<const HeldPart> part = {};  // that they may touch; null: all of it
+
+  bool operator==(const Attachment& o) const { return links == o.links && part == o.part; }
+};
+
+// The objects that the robot holds, by name.
+using AttachedObjects = std::map<std::string, Attachment>;
 
 // The motion of one body through a time interval that ends with a cycle.
 struct StepBody {
@@ -76,7 +123,7 @@ struct StepBody {
   DeformableMesh::ConstPtr mesh;  // with its vertices at the beginning; null if they are the same
   BodyPath path;                  // between the two poses; empty if vertices move on straight lines
   std::uint64_t rejected = 0;     // triangles with a vertex that is not finite at begin or end
-  std::vector<std::uint64_t> rejected_by_part;  // `rejected` from part 0 on; empty: none
+  std::vector<std::uint64_t> rejected_by_part;  // `rejected` by piece; empty: none
 };
 
 // Continuous collision detection (motion: swept): one time interval that ends with the cycle. It

@@ -7,8 +7,11 @@
 
 #include <xmlrpcpp/XmlRpcException.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -259,16 +262,53 @@ bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
 // The answer says what holds now, or why nothing was changed.
 bool ContactMonitor::attachObject(AttachObject::Request& request,
                                   AttachObject::Response& response) {
-  response.message = attachProblem(request.object, request.links, parameters_.objects,
-                                   robot_source_.newest().get());
+  const std::shared_ptr<const RobotGeometry> robot = robot_source_.newest();
+  response.message = attachProblem(request.object, request.links, parameters_.objects, robot.get());
+  std::shared_ptr<const HeldPart> part;
+  try {
+    const bool has_radius = request.radius != 0 && !request.links.empty();
+    if (response.message.empty() && has_radius) part = findHeld(request, *robot);
+  } catch (const std::invalid_argument& error) {
+    response.message = error.what();
+  }
   response.success = response.message.empty();
   if (response.success) {
-    response.message = describeHeld(requests_.attach(request.object, request.links));
+    response.held_triangles =
+        part == nullptr ? 0 : static_cast<std::uint32_t>(part->triangles.size());
+    response.message =
+        describeHeld(requests_.attach(request.object, request.links, std::move(part)));
     ROS_INFO_STREAM(response.message);
   } else {
     ROS_ERROR_STREAM("~attach_object: " << response.message << "; nothing was changed");
   }
   return true;
+}
+
+// Waits for late transforms, which arrive in another thread.
+std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Request& request,
+                                                         const RobotGeometry& robot) const {
+  std::string problem = holdProblem(request.object, request.radius, parameters_);
+  if (!problem.empty()) throw std::invalid_argument(problem);
+  const auto is_asked = [&](const ObjectParameters& one) { return one.name == request.object; };
+  const auto index =
+      std::find_if(parameters_.objects.begin(), parameters_.objects.end(), is_asked) -
+      parameters_.objects.begin();
+  const std::optional<IncomingMesh> mesh =
+      meshes_[static_cast<std::size_t>(index)].newest(&problem);
+  if (!mesh) throw std::invalid_argument(request.object + ": " + problem);
+  const double age_s = secondsBetween(ros::Time::now(), mesh->stamp());
+  if (age_s > parameters_.max_mesh_age_s) {
+    throw std::invalid_argument(request.object + ": its newest mesh is " + std::to_string(age_s) +
+                                " s old, and max_mesh_age_s less");
+  }
+  const HoldQuestion question{request.object, *mesh, request.links, request.radius};
+  const TransformLookup lookup(buffer_, parameters_.reference_frame);
+  const std::vector<FrameAtStamp> frames = framesOfHold(question, parameters_);
+  const SteadyTime end = std::chrono::steady_clock::now() + fromSeconds(parameters_.tf_timeout_s);
+  while (lookup.isWorthWaiting(frames) && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return findHeldPart(question, robot, parameters_, lookup);
 }
 
 // Releases objects from links that a new robot lacks.

@@ -23,6 +23,7 @@
 
 #include "core/steady_time.h"
 #include "monitor/cycle/detection_loop.h"
+#include "monitor/cycle/held_part.h"
 #include "monitor/cycle/loop_requests.h"
 #include "monitor/input/mesh_input.h"
 #include "monitor/rules/parameters.h"
@@ -65,6 +66,10 @@ class ContactMonitor {
   bool setAllowedContacts(SetAllowedContacts::Request& request,
                           SetAllowedContacts::Response& response);
   bool attachObject(AttachObject::Request& request, AttachObject::Response& response);
+  // Returns the part of the object within the radius of the links. Throws std::invalid_argument
+  // with the reason if it cannot tell.
+  std::shared_ptr<const HeldPart> findHeld(const AttachObject::Request& request,
+                                           const RobotGeometry& robot) const;
   bool getContacts(GetContacts::Request& request, GetContacts::Response& response);
   bool setEnabled(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool requestReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);

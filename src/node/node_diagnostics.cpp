@@ -259,6 +259,9 @@ void NodeDiagnostics::describeAllowed(Status& status) const {
                 rules_.allowed_pairs[i]);
   }
   for (const std::string& held : rules_.attached) status.add("held", held);
+  for (const std::string& ended : rules_.ended_holds) {
+    status.mergeSummary(DiagnosticStatus::WARN, "no longer held: " + ended);
+  }
   for (const auto& [body, rules] : rules_.bodies) status.add(body, rules);
 }
 

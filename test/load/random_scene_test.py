@@ -293,7 +293,7 @@ class Services:
             rule = self.rule(body_a="link_0", body_b="object_1", allowed=dice.random() < 0.3)
             self.allow(rules=[rule])
         elif which == 2:
-            self.attach("object_0", ["link_1"] if dice.random() < 0.3 else [])
+            self.attach(object="object_0", links=["link_1"] if dice.random() < 0.3 else [])
         else:
             dice.choice(self.others)()
 

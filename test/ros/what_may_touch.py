@@ -59,7 +59,7 @@ class WhatMayTouch(unittest.TestCase):
     def tearDown(self):
         rospy.set_param(SEMANTIC, self.srdf)
         self.services["reload_robot"]()
-        self.services["attach_object"](SHIRT, [])
+        self.services["attach_object"](object=SHIRT)
         self.services["set_allowed_contacts"](replace=True)
 
     def setUp(self):
@@ -120,7 +120,8 @@ class WhatMayTouch(unittest.TestCase):
     def test_what_is_held_may_be_touched_by_those_that_hold_it(self):
         disabled = disabled_pairs(self.srdf)
         held_by = lambda *links: disabled | {frozenset((link, SHIRT)) for link in links}
-        attach = self.services["attach_object"]
+        def attach(name, links):
+            return self.services["attach_object"](object=name, links=links)
         answer = attach(SHIRT, ["panda_leftfinger", "panda_hand"])
         self.assertTrue(answer.success, answer.message)
         self.assertEqual(answer.message, "held: tshirt by panda_hand, panda_leftfinger")

@@ -5,7 +5,6 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -112,6 +111,18 @@ void DetectionLoop::noteRules() {
                                    scene_.partPairs()));
 }
 
+// Prepares the scene, and tells everybody of holds that ended with the meshes of this cycle.
+TransformReport DetectionLoop::prepare(const ros::Time& t, const CycleTrigger& trigger) {
+  const std::size_t before = scene_.rules().ended_holds.size();
+  TransformReport transforms = scene_.prepare(t, trigger, inputs_, lookup_);
+  if (scene_.rules().ended_holds.size() == before) return transforms;
+  for (const std::string& held : sources_.requests.endHolds(scene_.rules().ended_holds)) {
+    ROS_WARN_STREAM("no longer held: " << held);
+  }
+  noteRules();
+  return transforms;
+}
+
 void DetectionLoop::applyLive(const LiveParameters& live) {
   live_ = live;
   setOptions(live, &options_);
@@ -151,9 +162,7 @@ void DetectionLoop::dropMeshes() {
 // step, what came before is forgotten all the same.
 void DetectionLoop::applyEnabled(const Requests& requests) {
   if (requests.disabled || !requests.enabled) dropMeshes();
-  const bool is_change = requests.enabled != enabled_;
-  enabled_ = requests.enabled;
-  if (is_change) {
+  if (requests.enabled != std::exchange(enabled_, requests.enabled)) {
     sink_->recordEnabled(enabled_);
     ROS_INFO_STREAM((enabled_ ? "enabled" : "disabled"));
   }
@@ -190,9 +199,8 @@ void DetectionLoop::reset(const std::string& reason) {
 
 // Drops meshes from before a reset that arrive only now.
 void DetectionLoop::dropLeftovers() {
-  const SteadyTime now = time_.steady();
   for (MeshInput& input : inputs_) {
-    input.dropIf([&](const ros::Time& stamp) { return clock_.isLeftover(stamp, now); });
+    input.dropIf([&](const ros::Time& stamp) { return clock_.isLeftover(stamp, time_.steady()); });
   }
 }
 
@@ -312,7 +320,7 @@ bool DetectionLoop::detect(const ros::Time& t, const CycleTrigger& trigger, doub
   const SteadyTime start = time_.steady();
   clock_.startCycle(start);
   sink_->recordStart();
-  TransformReport transforms = scene_.prepare(t, trigger, inputs_, lookup_);
+  TransformReport transforms = prepare(t, trigger);
   transforms.waited_s = waited_s;
   lookAtTransforms(transforms);
   sink_->recordTransforms(transforms);
@@ -387,9 +395,8 @@ void DetectionLoop::heartbeat() {
 
 // Returns why each object is UNKNOWN; empty: it has a mesh.
 std::vector<std::string> DetectionLoop::whyUnknown() const {
-  std::vector<std::string> why(inputs_.size(), !enabled_          ? "disabled"
-                                               : clock_.isThere() ? ""
-                                                                  : kNoClock);
+  const char* const of_all = !enabled_ ? "disabled" : clock_.isThere() ? "" : kNoClock;
+  std::vector<std::string> why(inputs_.size(), of_all);
   for (std::size_t i = 0; mayLook() && i < why.size(); ++i) {
     inputs_[i].newestAt(clock_.rosTime(), &why[i]);
   }
@@ -432,19 +439,12 @@ void DetectionLoop::lookAtTransforms(const TransformReport& transforms) {
     // tf2 prefers a transform from before a time jump, as its stamp is later, so all must go.
     if (clock_.isLeftover(miss.answer.available, now)) return sources_.transforms.clear();
   }
-  const TransformWarnings::Said said = transform_warnings_.look(
-      transforms, [this] { return surroundings(); }, now);
+  const auto surroundings = [this] {
+    return describeSurroundings(sources_.transforms, sources_.transform_publishers);
+  };
+  const TransformWarnings::Said said = transform_warnings_.look(transforms, surroundings, now);
   for (const std::string& line : said.news) ROS_INFO_STREAM(line);
   for (const std::string& line : said.warnings) ROS_WARN_STREAM(line);
-}
-
-// Returns what helps to find out why a frame was never seen.
-std::string DetectionLoop::surroundings() const {
-  std::vector<std::string> frames;
-  sources_.transforms._getFrameStrings(frames);
-  std::string text = describeKnownFrames(std::move(frames));
-  if (sources_.transform_publishers) text += "; " + sources_.transform_publishers();
-  return text;
 }
 
 }  // namespace deformable_contact_monitor

@@ -83,6 +83,7 @@ class DetectionLoop {
   std::optional<ros::Time> robotsStamp() const;
   void takeTurn(const std::vector<std::size_t>& who);
   double mostS(const std::vector<std::size_t>& who) const;
+  TransformReport prepare(const ros::Time& t, const CycleTrigger& trigger);
   bool detect(const ros::Time& t, const CycleTrigger& trigger, double most_s, double waited_s,
               SteadyTime mesh_arrival);
   CycleReport findContacts(const ros::Time& t, const CycleTrigger& trigger, const Limits& limits);
@@ -93,7 +94,6 @@ class DetectionLoop {
   std::vector<std::string> whyUnknown() const;
   CycleReport makeReport(const ros::Time& stamp);
   void lookAtTransforms(const TransformReport& transforms);
-  std::string surroundings() const;
   SteadyTime wakeTime() const;
 
   const MonitorParameters& parameters_;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "monitor/rules/rule_texts.h"
+
 namespace deformable_contact_monitor {
 
 std::vector<AllowedContact> LoopRequests::changeAllowedContacts(
@@ -21,7 +23,8 @@ std::vector<AllowedContact> LoopRequests::changeAllowedContacts(
   return allowed_->rules();
 }
 
-AttachedObjects LoopRequests::attach(const std::string& object, std::vector<std::string> links) {
+AttachedObjects LoopRequests::attach(const std::string& object, std::vector<std::string> links,
+                                     std::shared_ptr<const HeldPart> part) {
   const std::lock_guard<std::mutex> changing(change_mutex_);
   std::sort(links.begin(), links.end());
   links.erase(std::unique(links.begin(), links.end()), links.end());
@@ -29,10 +32,23 @@ AttachedObjects LoopRequests::attach(const std::string& object, std::vector<std:
   if (links.empty()) {
     attached.erase(object);
   } else {
-    attached[object] = std::move(links);
+    attached[object] = {std::move(links), std::move(part)};
   }
   useAttached(attached);
   return attached;
+}
+
+// The detection thread has detached them already, so nothing is requested.
+std::vector<std::string> LoopRequests::endHolds(const AttachedObjects& ended) {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  std::vector<std::string> texts;
+  for (const auto& [object, attachment] : ended) {
+    const auto found = attached_.find(object);
+    if (found == attached_.end() || found->second.part != attachment.part) continue;
+    texts.push_back(describeEndedHold(object, found->second));
+    attached_.erase(found);
+  }
+  return texts;
 }
 
 // Keeps the links that the robot still has.
@@ -40,10 +56,11 @@ std::vector<std::string> LoopRequests::releaseFromOthers(const std::set<std::str
   const std::lock_guard<std::mutex> changing(change_mutex_);
   std::vector<std::string> released;
   AttachedObjects left;
-  for (const auto& [object, holders] : attached_) {
-    for (const std::string& link : holders) {
+  for (const auto& [object, attachment] : attached_) {
+    for (const std::string& link : attachment.links) {
       if (links.count(link) > 0) {
-        left[object].push_back(link);
+        left[object].links.push_back(link);
+        left[object].part = attachment.part;
       } else {
         released.push_back(std::string(object).append(" by ").append(link));
       }

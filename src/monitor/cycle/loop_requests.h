@@ -42,9 +42,12 @@ class LoopRequests {
   // std::invalid_argument, and changes nothing, if AllowedContacts rejects a part of the change.
   std::vector<AllowedContact> changeAllowedContacts(const AllowedContactsChange& change);
 
-  // Attaches the object to these links, and detaches it from all others; no links: from all.
-  // Returns all attachments then.
-  AttachedObjects attach(const std::string& object, std::vector<std::string> links);
+  // Attaches the object, or this part of it, to these links, and detaches it from all others; no
+  // links: from all. Returns all attachments then.
+  AttachedObjects attach(const std::string& object, std::vector<std::string> links,
+                         std::shared_ptr<const HeldPart> part = nullptr);
+  // Detaches each of these objects whose same part is attached still. Returns them in words.
+  std::vector<std::string> endHolds(const AttachedObjects& ended);
   // Detaches all objects from links that are not among `links`, the robot's. Returns what was
   // detached, as "cloth by hand" each.
   std::vector<std::string> releaseFromOthers(const std::set<std::string>& links);

@@ -2,6 +2,7 @@
 #include "monitor/cycle/monitor_scene.h"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -42,7 +43,9 @@ std::vector<std::string> describeUnknownNames(const MonitorParameters& parameter
   for (const BodyStatus& body : bodies) {
     known.insert(body.name);
     names.push_back(body.name);
-    if (body.partCount() > 0) known.insert(body.name + ":*");
+    if (body.kind == BodyKind::kDeformable) {
+      known.insert({body.name + ":*", body.name + ":" + kHeldPart});
+    }
     for (std::size_t part = 1; part <= body.partCount(); ++part) {
       names.push_back(nameOf(body, static_cast<PartId>(part)));
       known.insert(names.back());
@@ -102,14 +105,17 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
             linkMarginM(parameters_, link.link));
     problems.push_back(link.problem);
   }
-  for (const ObjectParameters& object : parameters_.objects) {
-    addBody(bodyOf(object), TriangleMesh(), object.margin_m);
+  for (std::size_t i = 0; i < choosers_.size(); ++i) {
+    BodyStatus body = bodyOf(parameters_.objects[i]);
+    body.parts = choosers_[i].parts();
+    addBody(std::move(body), TriangleMesh(), parameters_.objects[i].margin_m);
   }
   scene_ = std::move(scene);
   bodies_ = std::move(bodies);
   link_problems_ = std::move(problems);
   first_object_ = static_cast<BodyId>(link_problems_.size());
   loaded_.assign(parameters_.objects.size(), IncomingMesh());
+  parts_in_scene_.assign(parameters_.objects.size(), nullptr);
   rules_.links = LinkRules(robot.srdf);
   applyMargin();
   listPairs();
@@ -119,7 +125,7 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
 void MonitorScene::listPairs() {
   pairs_ = monitoredPairs(bodies_, classes_.value_or(parameters_.pair_classes), rules_);
   part_pairs_ = monitoredPartPairs(bodies_, pairs_, rules_);
-  if (part_pairs_.empty()) return;
+  if (part_pairs_.empty() && scene_.disabledParts().empty()) return;
   scene_.enableAllParts();
   for (const PartPair& pair : allowedParts(bodies_, pairs_, rules_)) {
     scene_.setPartPairEnabled(pair.body_a, pair.part_a, pair.body_b, pair.part_b, false);
@@ -133,7 +139,39 @@ void MonitorScene::setAllowedContacts(const AllowedContacts& allowed) {
 
 void MonitorScene::setAttached(const AttachedObjects& attached) {
   rules_.attached = attached;
+  rules_.ended_holds.clear();
+  for (std::size_t i = 0; i < choosers_.size(); ++i) {
+    const auto found = attached.find(parameters_.objects[i].name);
+    choosers_[i].hold(found == attached.end() ? nullptr : found->second.part);
+    bodies_[first_object_ + i].parts = choosers_[i].parts();
+    showParts(i);
+  }
   listPairs();
+}
+
+// Ends each hold whose object has a newer mesh with other triangles, and lists the pairs anew where
+// parts have come or gone. It runs before anything is looked up for the cycle's pairs, because a
+// link that held all of an object may have none of them.
+void MonitorScene::followHolds(const ros::Time& t, const MeshInputs& inputs) {
+  bool has_changed = false;
+  for (std::size_t i = 0; i < choosers_.size(); ++i) {
+    PartChooser& chooser = choosers_[i];
+    const std::shared_ptr<const HeldPart> held = chooser.held();
+    std::string why_not;
+    const IncomingMesh* const mesh = held == nullptr ? nullptr : inputs[i].newestAt(t, &why_not);
+    if (mesh == nullptr) continue;
+    const std::shared_ptr<const BodyParts> before = chooser.parts();
+    chooser.update(*mesh);
+    if (!chooser.fitsHeld() && mesh->stamp() > held->stamp) {
+      const auto ended = rules_.attached.find(parameters_.objects[i].name);
+      rules_.ended_holds.insert(*ended);
+      rules_.attached.erase(ended);
+      chooser.hold(nullptr);
+    }
+    has_changed = has_changed || chooser.parts() != before;
+    bodies_[first_object_ + i].parts = chooser.parts();
+  }
+  if (has_changed) listPairs();
 }
 
 void MonitorScene::setPairClasses(const PairClasses& classes) {
@@ -233,6 +271,7 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
                                       const MeshInputs& inputs, const TransformLookup& lookup) {
   clearStatuses();
   markTriggered(trigger);
+  followHolds(t, inputs);
   const std::vector<const IncomingMesh*> meshes = chooseMeshes(t, inputs);
   const std::vector<bool> needed = neededBodies();
 
@@ -338,13 +377,22 @@ void MonitorScene::loadMesh(std::size_t object, const IncomingMesh& mesh) {
   } else if (loaded.message != mesh.message) {
     scene_.setVertices(id, vertices.data(), mesh.topology->vertex_count);
   }
-  PartChooser& chooser = choosers_[object];
-  const bool has_other_parts = chooser.update(mesh);
-  bodies_[id].parts = chooser.parts();
-  if (loaded.topology != mesh.topology ? !chooser.ofTriangles().empty() : has_other_parts) {
-    scene_.setParts(id, chooser.ofTriangles());
-  }
+  if (loaded.topology != mesh.topology) parts_in_scene_[object] = nullptr;
+  choosers_[object].update(mesh);
+  bodies_[id].parts = choosers_[object].parts();
   loaded = mesh;
+  showParts(object);
+}
+
+// Gives the scene the object's parts, if it has a mesh with the triangles that they were chosen in.
+void MonitorScene::showParts(std::size_t object) {
+  const PartChooser& chooser = choosers_[object];
+  const std::vector<PartId>& pieces = chooser.ofTriangles();
+  const std::shared_ptr<const Topology>& topology = loaded_[object].topology;
+  if (topology == nullptr || parts_in_scene_[object] == chooser.parts()) return;
+  if (!pieces.empty() && pieces.size() != topology->triangles.size() / 3) return;
+  scene_.setParts(first_object_ + static_cast<BodyId>(object), pieces);
+  parts_in_scene_[object] = chooser.parts();
 }
 
 }  // namespace deformable_contact_monitor

@@ -3,6 +3,7 @@
 
 #include <ros/time.h>
 
+#include <memory>
 #include <memory_resource>
 #include <optional>
 #include <string>
@@ -60,6 +61,8 @@ class MonitorScene {
   void setRobot(const RobotGeometry& robot);
 
   void setAllowedContacts(const AllowedContacts& allowed);
+  // A hold ends in prepare() when the object has a newer mesh with other triangles. It is among
+  // rules().ended_holds then, until the next call of this function.
   void setAttached(const AttachedObjects& attached);
   const ContactRules& rules() const { return rules_; }
 
@@ -115,6 +118,7 @@ class MonitorScene {
   // Returns the question for the pose of a link at stamp `t`.
   FrameAtStamp frameOfLink(BodyId id, const ros::Time& t) const;
   void listPairs();
+  void followHolds(const ros::Time& t, const MeshInputs& inputs);
   void applyMargin();
   void clearStatuses();
   void markTriggered(const CycleTrigger& trigger);
@@ -125,6 +129,7 @@ class MonitorScene {
   void poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
                   TransformReport* report);
   void loadMesh(std::size_t object, const IncomingMesh& mesh);
+  void showParts(std::size_t object);
   bool isKnown(BodyId id) const { return bodies_[id].unknown_because.empty(); }
 
   const MonitorParameters& parameters_;
@@ -139,6 +144,7 @@ class MonitorScene {
   std::vector<MonitoredPair> pairs_, part_pairs_;  // of bodies; of named parts (CycleReport)
   std::vector<IncomingMesh> loaded_;               // by object: the mesh in the scene
   std::vector<PartChooser> choosers_;              // by object
+  std::vector<std::shared_ptr<const BodyParts>> parts_in_scene_;  // by object
   BodyId first_object_ = 0;
 };
 

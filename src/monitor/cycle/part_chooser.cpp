@@ -1,4 +1,4 @@
-// Finds out which triangles of an object's meshes its named parts are.
+// Finds out which triangles of an object's meshes its named parts are, and which of them are held.
 #include "monitor/cycle/part_chooser.h"
 
 #include <ros/console.h>
@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -36,29 +38,59 @@ PartChooser::PartChooser(const ObjectParameters& object)
 }
 
 // While boxes wait for a mesh with finite vertices, each mesh may be the one.
-bool PartChooser::update(const IncomingMesh& mesh) {
-  if (given_.empty()) return false;
+void PartChooser::update(const IncomingMesh& mesh) {
   const bool is_waiting = has_box_ && boxes_topology_ == nullptr;
-  if (mesh.topology == topology_ && !is_waiting) return false;
+  if (mesh.topology == topology_ && !is_waiting) return;
   topology_ = mesh.topology;
-  BodyParts parts;
-  parts.names = parts_->names;
+  if (given_.empty() && held_ == nullptr) return;
+  named_.clear();
   try {
-    choose(mesh);
-    parts.triangles.resize(given_.size() + 1);
-    for (const PartId part : of_triangles_) ++parts.triangles[part];
+    if (!given_.empty()) choose(mesh);
+    problem_.clear();
   } catch (const std::invalid_argument& error) {
-    of_triangles_.clear();
-    parts.problem = error.what();
-    if (parts.problem != parts_->problem) ROS_WARN_STREAM("parts are UNKNOWN: " << parts.problem);
+    named_.clear();
+    if (problem_ != error.what()) ROS_WARN_STREAM("parts are UNKNOWN: " << error.what());
+    problem_ = error.what();
   }
-  parts_ = std::make_shared<const BodyParts>(std::move(parts));
-  return true;
+  makePieces();
+}
+
+void PartChooser::hold(std::shared_ptr<const HeldPart> held) {
+  if (held == held_) return;
+  held_ = std::move(held);
+  makePieces();
+}
+
+void PartChooser::makePieces() {
+  BodyParts parts;
+  for (const PartParameters& part : given_) parts.names.push_back(part.name);
+  parts.problem = problem_;
+  of_triangles_ = named_;
+  const bool fits =
+      held_ != nullptr && topology_ != nullptr &&
+      (held_->topology == topology_ || haveSameTriangles(*held_->topology, *topology_));
+  if (fits) splitHeld(&parts);
+  parts.triangles.resize(parts.pieceCount());
+  for (const PartId piece : of_triangles_) ++parts.triangles[piece];
+  parts_ = parts.names.empty() ? nullptr : std::make_shared<const BodyParts>(std::move(parts));
+}
+
+// Gives the held triangles pieces of their own, one for each part that they were of.
+void PartChooser::splitHeld(BodyParts* parts) {
+  of_triangles_.resize(topology_->triangles.size() / 3);
+  std::set<PartId> taken_from;
+  for (const std::uint32_t t : held_->triangles) taken_from.insert(of_triangles_[t]);
+  parts->names.emplace_back(kHeldPart);
+  parts->held_of.assign(taken_from.begin(), taken_from.end());
+  std::size_t piece = parts->names.size();
+  std::map<PartId, PartId> piece_of;
+  for (const PartId part : taken_from) piece_of[part] = static_cast<PartId>(piece++);
+  for (const std::uint32_t t : held_->triangles) of_triangles_[t] = piece_of[of_triangles_[t]];
 }
 
 void PartChooser::choose(const IncomingMesh& mesh) {
   const std::size_t count = mesh.topology->triangles.size() / 3;
-  of_triangles_.assign(count, 0);
+  named_.assign(count, 0);
   for (std::size_t part = 0; part < given_.size(); ++part) {
     requireSameTriangles(part, *mesh.topology);
     for (const auto& [first, last] : given_[part].ranges) {
@@ -121,7 +153,7 @@ void PartChooser::chooseBoxes(const IncomingMesh& mesh) {
 }
 
 void PartChooser::add(std::size_t part, std::size_t triangle) {
-  PartId& of_triangle = of_triangles_[triangle];
+  PartId& of_triangle = named_[triangle];
   if (of_triangle != 0 && of_triangle != part + 1) {
     throw std::invalid_argument(name(of_triangle - 1U) + " and " + name(part) +
                                 " both have triangle " + std::to_string(triangle));

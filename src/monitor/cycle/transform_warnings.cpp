@@ -30,6 +30,15 @@ std::string describeKnownFrames(std::vector<std::string> frames) {
   return "known frames: " + listed(frames, kShown);
 }
 
+std::string describeSurroundings(const tf2::BufferCore& transforms,
+                                 const std::function<std::string()>& publishers) {
+  std::vector<std::string> frames;
+  transforms._getFrameStrings(frames);
+  std::string text = describeKnownFrames(std::move(frames));
+  if (publishers) text += "; " + publishers();
+  return text;
+}
+
 TransformWarnings::Said TransformWarnings::look(const TransformReport& transforms,
                                                 const std::function<std::string()>& surroundings,
                                                 SteadyTime now) {

@@ -1,6 +1,8 @@
 // Decides which warnings about missing transforms are due, and says when a missing frame has come.
 #pragma once
 
+#include <tf2/buffer_core.h>
+
 #include <functional>
 #include <map>
 #include <string>
@@ -35,5 +37,10 @@ class TransformWarnings {
 
 // Returns "known frames: 'base', 'camera'", with the first few names in their order.
 std::string describeKnownFrames(std::vector<std::string> frames);
+
+// Returns what helps to find out why a frame was never seen: the known frames, and who publishes
+// transforms, if that is known.
+std::string describeSurroundings(const tf2::BufferCore& transforms,
+                                 const std::function<std::string()>& publishers);
 
 }  // namespace deformable_contact_monitor

@@ -69,6 +69,14 @@ MeshCounters MeshInput::counters() const {
   return counters_;
 }
 
+std::optional<IncomingMesh> MeshInput::newest(std::string* why_not) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!newest_) {
+    *why_not = counters_.problem.empty() ? "no mesh yet" : "mesh refused: " + counters_.problem;
+  }
+  return newest_;
+}
+
 std::optional<SteadyTime> MeshInput::deletedAt() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return deletion_ ? std::optional(deletion_->arrival) : std::nullopt;
@@ -92,6 +100,7 @@ void MeshInput::dropIf(const std::function<bool(const ros::Time&)>& unwanted) {
   if (deletion_ && unwanted(deletion_->stamp())) {  // nothing may follow it, so it counts at once
     deletion_.reset();
     accepted_.clear();
+    newest_.reset();
   }
   if (!waiting_ || !unwanted(waiting_->stamp())) return;
   waiting_.reset();
@@ -118,7 +127,11 @@ Acceptance MeshInput::take(const ros::Time& now, IncomingMesh* taken) {
   counters_.jumps += answer == Acceptance::kJumped;
   if (answer != Acceptance::kDropped) counters_.problem = taken->problem;
   if (before && topology_ && before != topology_) ++counters_.topology_changes;
-  if (!accepted_.empty()) counters_.newest = accepted_.back().stamp();
+  newest_.reset();
+  if (!accepted_.empty()) {
+    newest_ = accepted_.back();
+    counters_.newest = newest_->stamp();
+  }
   return answer;
 }
 
@@ -259,7 +272,11 @@ bool MeshInput::has(const ros::Time& stamp) const {
                      [&stamp](const IncomingMesh& mesh) { return mesh.stamp() == stamp; });
 }
 
-void MeshInput::forget() { accepted_.clear(); }
+void MeshInput::forget() {
+  accepted_.clear();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  newest_.reset();
+}
 
 MeshInputs makeMeshInputs(const MonitorParameters& parameters) {
   MeshInputs inputs;

@@ -68,6 +68,8 @@ class MeshInput {
   void storeTriangles(const DeformableMesh::ConstPtr& keyframe);
   bool hasWaiting() const;
   MeshCounters counters() const;
+  // Returns the newest accepted mesh, which has a topology, or nothing and why.
+  std::optional<IncomingMesh> newest(std::string* why_not) const;
   // Returns when the deletion arrived that waits; nothing: none does.
   std::optional<SteadyTime> deletedAt() const;
   // Returns which nodes publish different meshes of the object in turn; empty: none.
@@ -124,9 +126,10 @@ class MeshInput {
   const std::size_t history_bytes_;
 
   RivalPublishers rivals_;
-  mutable std::mutex mutex_;  // guards the next four members; never held for long
+  mutable std::mutex mutex_;  // guards the next five members; never held for long
   std::optional<IncomingMesh> waiting_, deletion_;
-  DeformableMesh::ConstPtr keyframe_;  // newest message with triangles since the last take()
+  std::optional<IncomingMesh> newest_;  // the last of accepted_, for other threads
+  DeformableMesh::ConstPtr keyframe_;   // newest message with triangles since the last take()
   MeshCounters counters_;
 
   // Only the detection thread uses what follows.

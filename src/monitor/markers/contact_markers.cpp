@@ -7,7 +7,6 @@
 #include <visualization_msgs/Marker.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <optional>
@@ -161,18 +160,6 @@ void addNearest(const CycleReport& report, const MarkerOptions& options,
   }
 }
 
-// Returns a color per patch id. Ids that follow one another have hues that are far apart: each step
-// turns the color wheel by the golden ratio.
-std_msgs::ColorRGBA patchColor(std::uint32_t id) {
-  constexpr double kGoldenRatio = 0.61803398875;
-  const double hue = 6 * std::fmod(id * kGoldenRatio, 1.0);
-  const auto channel = [hue](double peak) {
-    const double off = std::fabs(hue - peak);
-    return static_cast<float>(std::clamp(2 - std::min(off, 6 - off), 0.0, 1.0));
-  };
-  return makeColor(channel(0), channel(2), channel(4), 1);
-}
-
 // Adds the edges of at most `most` triangles, but of one at least.
 void addOutlines(const Body& body, const std::vector<std::uint32_t>& triangles, std::size_t most,
                  Marker* marker) {
@@ -197,7 +184,7 @@ void addPatch(const CycleReport& report, double lifetime_s, const Patch& patch, 
     MarkerKey key = pairKey(report, patch.body_a, patch.body_b, kPatch);
     key.second = static_cast<std::int32_t>(patch.id % kMostIds) * kParts + part;
     Marker& marker = markers->emplace_back(makeMarker(report, lifetime_s, std::move(key), type));
-    marker.color = patchColor(patch.id);
+    marker.color = numberColor(patch.id, 1);
     return &marker;
   };
   Marker* const outline = start(kOutline, Marker::LINE_LIST);
@@ -307,6 +294,7 @@ std::set<MarkerKey> ContactMarkers::drawnOfCycle(const CycleReport& report) cons
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
     if (!report.bodies[id].triggered) continue;
     note(surfaceKey(report, id));
+    note(heldKey(report, id));
     note(unknownKey(id));
   }
   return drawn;

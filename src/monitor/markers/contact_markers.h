@@ -31,7 +31,8 @@ class ContactMarkers {
   //   "<a>/<b>"            triangles in contact, or paler if they are listed within the margin
   //   "passed: <a>/<b>"    triangles that touched since the previous cycle and do not any more
   //   "<object>"           the rest of each object, translucent (rviz draws the robot); grey where
-  //                        the object is UNKNOWN: its last mesh
+  //                        the object is UNKNOWN: its last mesh; named parts have their own colors
+  //   "held: <object>"     the part of an object that is held, green
   //   "unknown"            a text over each object that is UNKNOWN, with the reason
   //   "segments: <a>/<b>"  a line from point_a to point_b of each contact, gray if only near
   //   "normals: <a>/<b>"   a line of kNormalLengthM from its middle along the normal; its tip is

@@ -3,6 +3,9 @@
 
 #include <ros/duration.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace deformable_contact_monitor {
 
 using visualization_msgs::Marker;
@@ -17,6 +20,10 @@ MarkerKey pairKey(const CycleReport& report, BodyId a, BodyId b, const std::stri
 MarkerKey surfaceKey(const CycleReport& report, BodyId object) {
   const std::size_t bodies = report.bodies.size();
   return {report.bodies[object].name, static_cast<std::int32_t>(bodies * bodies + object)};
+}
+
+MarkerKey heldKey(const CycleReport& report, BodyId object) {
+  return {"held: " + report.bodies[object].name, static_cast<std::int32_t>(object)};
 }
 
 MarkerKey unknownKey(BodyId object) { return {"unknown", static_cast<std::int32_t>(object)}; }
@@ -52,6 +59,17 @@ std_msgs::ColorRGBA makeColor(float r, float g, float b, float alpha) {
   c.b = b;
   c.a = alpha;
   return c;
+}
+
+// Each step turns the color wheel by the golden ratio.
+std_msgs::ColorRGBA numberColor(std::uint32_t number, float alpha) {
+  constexpr double kGoldenRatio = 0.61803398875;
+  const double hue = 6 * std::fmod(number * kGoldenRatio, 1.0);
+  const auto channel = [hue](double peak) {
+    const double off = std::fabs(hue - peak);
+    return static_cast<float>(std::clamp(2 - std::min(off, 6 - off), 0.0, 1.0));
+  };
+  return makeColor(channel(0), channel(2), channel(4), alpha);
 }
 
 std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {

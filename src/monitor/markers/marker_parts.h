@@ -48,6 +48,9 @@ MarkerKey pairKey(const CycleReport& report, BodyId a, BodyId b, const std::stri
 // Returns the key of an object's surface, with the object's name as namespace.
 MarkerKey surfaceKey(const CycleReport& report, BodyId object);
 
+// Returns the key of an object's held triangles, with the namespace "held: <object>".
+MarkerKey heldKey(const CycleReport& report, BodyId object);
+
 // Returns the key of the text that says why an object is UNKNOWN.
 MarkerKey unknownKey(BodyId object);
 
@@ -62,6 +65,9 @@ visualization_msgs::Marker makeRemoval(const CycleReport& report, const MarkerKe
 
 // Returns a color; all parts are in [0, 1].
 std_msgs::ColorRGBA makeColor(float r, float g, float b, float alpha);
+
+// Returns a color for each number. Numbers that follow one another have hues that are far apart.
+std_msgs::ColorRGBA numberColor(std::uint32_t number, float alpha);
 
 // Returns the color of triangles in contact: red for links, yellow for objects.
 std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha);

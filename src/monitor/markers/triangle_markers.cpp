@@ -1,7 +1,8 @@
-// Draws triangles: those in contact, those that passed, and the objects' surfaces.
+// Draws triangles: those in contact, those that passed, those that are held, and the objects'
+// surfaces.
 //
-// Contacts come first. What they leave of max_triangles goes to triangles that passed, and the rest
-// to the surfaces, which are decimated until they fit.
+// Contacts come first. What they leave of max_triangles goes to triangles that passed, then to held
+// ones, and the rest to the surfaces, which are decimated until they fit.
 #include "monitor/markers/triangle_markers.h"
 
 #include <algorithm>
@@ -115,6 +116,26 @@ class ContactTriangles {
     return count;
   }
 
+  // Adds at most `most` held triangles of a body that are not drawn yet. Returns how many were
+  // added.
+  std::size_t addHeld(BodyId id, std::size_t most, std::vector<Marker>* markers) {
+    const std::vector<PartId>& pieces = body(id).parts;
+    const BodyStatus& status = report_.bodies[id];
+    if (pieces.empty() || status.parts == nullptr || status.parts->heldPart() == 0) return 0;
+    Marker marker =
+        makeMarker(report_, options_.lifetime_s, heldKey(report_, id), Marker::TRIANGLE_LIST);
+    marker.color = makeColor(0.2F, 0.75F, 0.3F, options_.alpha);
+    TriangleSet& highlighted = highlighted_.try_emplace(id, body(id)).first->second;
+    const PosedBody posed(body(id));
+    for (std::uint32_t t = 0; t < pieces.size() && marker.points.size() < 3 * most; ++t) {
+      if (!status.parts->isHeld(pieces[t]) || highlighted.has(t)) continue;
+      if (addTriangle(posed.triangle(t), &marker)) highlighted.insert(t);
+    }
+    const std::size_t count = marker.points.size() / 3;
+    if (count > 0) markers->push_back(std::move(marker));
+    return count;
+  }
+
   // Returns the triangles of a body that were added; null if there are none.
   const TriangleSet* highlighted(BodyId id) const {
     const auto of_body = highlighted_.find(id);
@@ -212,6 +233,7 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
     const BodyStatus& body = report.bodies[id];
     if (body.kind != BodyKind::kDeformable || !body.triggered) continue;
     const bool is_known = body.unknown_because.empty();
+    if (is_known) budget -= contacts.addHeld(id, budget, markers);
     const TriangleSet* const highlighted = contacts.highlighted(id);
     const TriangleMesh& mesh = report.scene->body(id).mesh;
     const std::size_t rest =
@@ -223,17 +245,22 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
         report, is_known ? options_.lifetime_s : std::max(options_.lifetime_s, kUnknownLifetimeS),
         surfaceKey(report, id), Marker::TRIANGLE_LIST);
     marker.points.reserve(is_whole ? 3 * rest : corners.size());
+    marker.color = is_known ? makeColor(0.45F, 0.7F, 1, options_.surface_alpha)
+                            : makeColor(0.5F, 0.5F, 0.5F, options_.surface_alpha);
+    const std::vector<PartId>& pieces = report.scene->body(id).parts;
+    const bool shows_parts = is_whole && is_known && !pieces.empty() && body.parts != nullptr;
     const PosedBody posed(report.scene->body(id));
     for (std::size_t i = 0; i < corners.size(); i += 3) {
       const auto triangle = static_cast<std::uint32_t>(i / 3);
       // A triangle that is drawn twice flickers.
       if (is_whole && highlighted != nullptr && highlighted->has(triangle)) continue;
       const auto corner = [&](std::size_t k) { return posed.vertex(corners[i + k]); };
-      addTriangle({{corner(0), corner(1), corner(2)}}, &marker);
+      if (!addTriangle({{corner(0), corner(1), corner(2)}}, &marker) || !shows_parts) continue;
+      const PartId piece = pieces[triangle];
+      marker.colors.insert(marker.colors.end(), 3,
+                           piece == 0 ? marker.color : numberColor(piece, options_.surface_alpha));
     }
     if (marker.points.empty()) continue;
-    marker.color = is_known ? makeColor(0.45F, 0.7F, 1, options_.surface_alpha)
-                            : makeColor(0.5F, 0.5F, 0.5F, options_.surface_alpha);
     budget -= marker.points.size() / 3;
     markers->push_back(std::move(marker));
   }

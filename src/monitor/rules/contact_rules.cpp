@@ -12,12 +12,15 @@ namespace {
 
 constexpr char kAnyBody[] = "*";  // the wildcard of AllowedContact
 
-// Returns whether the object is attached to the link.
-bool isAttached(const AttachedObjects& attached, const std::string& object,
-                const std::string& link) {
-  const auto found = attached.find(object);
-  return found != attached.end() &&
-         std::find(found->second.begin(), found->second.end(), link) != found->second.end();
+// Returns whether this piece of the object is attached to the link.
+bool isAttached(const AttachedObjects& attached, const BodyStatus& object, PartId piece,
+                const BodyStatus& link) {
+  if (object.kind == BodyKind::kLink || link.kind != BodyKind::kLink) return false;
+  const auto found = attached.find(object.name);
+  if (found == attached.end()) return false;
+  const auto& [links, part] = found->second;
+  if (std::find(links.begin(), links.end(), link.name) == links.end()) return false;
+  return part == nullptr || (object.parts != nullptr && object.parts->isHeld(piece));
 }
 
 // Returns whether a class that is on includes the pair. `same`: the pair is a body with itself; a
@@ -29,24 +32,24 @@ bool isMonitored(const BodyStatus& a, const BodyStatus& b, bool same, const Pair
   return objects == 1 ? classes.robot_deformable : classes.robot_self;
 }
 
-// Returns the names by which rules may mean a part, from the least to the most particular one.
-AllowedContacts::RuleNames ruleNames(const BodyStatus& body, PartId part) {
-  if (part == 0) return {body.name};
-  return {body.name, body.name + ":*", nameOf(body, part)};
+// Returns the names by which rules may mean a piece, from the least to the most particular one.
+AllowedContacts::RuleNames ruleNames(const BodyStatus& body, PartId piece) {
+  if (piece == 0) return {body.name};
+  AllowedContacts::RuleNames names = {body.name, body.name + ":*"};
+  for (std::size_t part = 1; part <= body.partCount(); ++part) {
+    const auto id = static_cast<PartId>(part);
+    if (body.parts->has(id, piece)) names.push_back(nameOf(body, id));
+  }
+  return names;
 }
 
-// Some parts of a body, from the first to the last one.
-struct Parts {
-  const BodyStatus& body;
-  std::size_t first, last;
-};
-
-// Returns whether all pairs of these parts may touch.
-bool areAllowed(const Parts& a, const Parts& b, const ContactRules& rules) {
-  for (std::size_t i = a.first; i <= a.last; ++i) {
-    for (std::size_t j = b.first; j <= b.last; ++j) {
-      const auto part_a = static_cast<PartId>(i), part_b = static_cast<PartId>(j);
-      if (!rules.verdict(a.body, b.body, part_a, part_b).allowed) return false;
+// Returns whether all of a part of one body, and of a part of the other, may touch.
+bool areAllowed(const BodyStatus& a, PartId part_a, const BodyStatus& b, PartId part_b,
+                const ContactRules& rules) {
+  const std::vector<PartId> of_b = piecesOf(b, part_b);
+  for (const PartId piece_a : piecesOf(a, part_a)) {
+    for (const PartId piece_b : of_b) {
+      if (!rules.verdict(a, b, piece_a, piece_b).allowed) return false;
     }
   }
   return true;
@@ -137,12 +140,13 @@ std::optional<ContactVerdict> AllowedContacts::ofWildcard(const std::string& a,
   return any == nullptr ? std::nullopt : std::optional(any->verdict());
 }
 
-// The rank of a rule grows with how particular its two names are.
+// The rank of a rule grows with how particular its two names are. All names of parts are alike.
 AllowedContacts::Ranked AllowedContacts::findBest(const RuleNames& a, const RuleNames& b) const {
+  constexpr std::size_t kRankOfPart = 2;
   Ranked best;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const Ranked found{find(a[i], b[j]), i + j};
+      const Ranked found{find(a[i], b[j]), std::min(i, kRankOfPart) + std::min(j, kRankOfPart)};
       if (found.beats(best)) best = found;
     }
   }
@@ -207,24 +211,23 @@ bool LinkRules::allows(const std::string& a, const std::string& b) const {
 }
 
 // Asks the sources in the order of their strength; the first that covers the pair decides.
-ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b, PartId part_a,
-                                     PartId part_b) const {
-  const bool names_part = part_a != 0 || part_b != 0;
-  if (const auto pair = names_part ? allowed.ofPair(ruleNames(a, part_a), ruleNames(b, part_b))
+ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b, PartId piece_a,
+                                     PartId piece_b) const {
+  const bool names_part = piece_a != 0 || piece_b != 0;
+  if (const auto pair = names_part ? allowed.ofPair(ruleNames(a, piece_a), ruleNames(b, piece_b))
                                    : allowed.ofPair(a.name, b.name)) {
     return *pair;
   }
-  const bool a_is_link = a.kind == BodyKind::kLink, b_is_link = b.kind == BodyKind::kLink;
-  if ((a_is_link && !b_is_link && isAttached(attached, b.name, a.name)) ||
-      (b_is_link && !a_is_link && isAttached(attached, a.name, b.name))) {
+  if (isAttached(attached, a, piece_a, b) || isAttached(attached, b, piece_b, a)) {
     return {true, RuleSource::kAttached};
   }
   if (const auto wildcard = names_part
-                                ? allowed.ofWildcard(ruleNames(a, part_a), ruleNames(b, part_b))
+                                ? allowed.ofWildcard(ruleNames(a, piece_a), ruleNames(b, piece_b))
                                 : allowed.ofWildcard(a.name, b.name)) {
     return *wildcard;
   }
-  if (a_is_link && b_is_link && links.allows(a.name, b.name)) return {true, RuleSource::kSrdf};
+  const bool are_links = a.kind == BodyKind::kLink && b.kind == BodyKind::kLink;
+  if (are_links && links.allows(a.name, b.name)) return {true, RuleSource::kSrdf};
   return {};
 }
 
@@ -234,10 +237,8 @@ std::vector<MonitoredPair> monitoredPairs(const std::vector<BodyStatus>& bodies,
   std::vector<MonitoredPair> pairs;
   for (BodyId a = 0; a < bodies.size(); ++a) {
     for (BodyId b = a; b < bodies.size(); ++b) {
-      const BodyStatus &of_a = bodies[a], &of_b = bodies[b];
-      if (!isMonitored(of_a, of_b, a == b, classes)) continue;
-      pairs.push_back(
-          {a, b, areAllowed({of_a, 0, of_a.partCount()}, {of_b, 0, of_b.partCount()}, rules)});
+      if (!isMonitored(bodies[a], bodies[b], a == b, classes)) continue;
+      pairs.push_back({a, b, areAllowed(bodies[a], 0, bodies[b], 0, rules)});
     }
   }
   return pairs;
@@ -247,16 +248,15 @@ std::vector<MonitoredPair> monitoredPartPairs(const std::vector<BodyStatus>& bod
                                               const std::vector<MonitoredPair>& pairs,
                                               const ContactRules& rules) {
   std::vector<MonitoredPair> part_pairs;
+  const auto add = [&](const MonitoredPair& pair, PartId part_a, PartId part_b) {
+    const bool allowed = areAllowed(bodies[pair.a], part_a, bodies[pair.b], part_b, rules);
+    part_pairs.push_back({pair.a, pair.b, allowed, part_a, part_b});
+  };
   for (const MonitoredPair& pair : pairs) {
-    const BodyStatus &a = bodies[pair.a], &b = bodies[pair.b];
-    const Parts all_a{a, 0, a.partCount()}, all_b{b, 0, b.partCount()};
-    for (std::size_t part = 1; pair.a != pair.b && part <= all_a.last; ++part) {
-      const bool allowed = areAllowed({a, part, part}, all_b, rules);
-      part_pairs.push_back({pair.a, pair.b, allowed, static_cast<PartId>(part), 0});
-    }
-    for (std::size_t part = 1; part <= all_b.last; ++part) {
-      const bool allowed = areAllowed(all_a, {b, part, part}, rules);
-      part_pairs.push_back({pair.a, pair.b, allowed, 0, static_cast<PartId>(part)});
+    const std::size_t of_a = pair.a == pair.b ? 0 : bodies[pair.a].partCount();
+    for (std::size_t part = 1; part <= of_a; ++part) add(pair, static_cast<PartId>(part), 0);
+    for (std::size_t part = 1; part <= bodies[pair.b].partCount(); ++part) {
+      add(pair, 0, static_cast<PartId>(part));
     }
   }
   return part_pairs;
@@ -269,11 +269,11 @@ std::vector<PartPair> allowedParts(const std::vector<BodyStatus>& bodies,
   for (const MonitoredPair& pair : pairs) {
     const BodyStatus &a = bodies[pair.a], &b = bodies[pair.b];
     if (pair.allowed || a.partCount() + b.partCount() == 0) continue;
-    for (std::size_t i = 0; i <= a.partCount(); ++i) {
-      for (std::size_t j = pair.a == pair.b ? i : 0; j <= b.partCount(); ++j) {
-        const auto part_a = static_cast<PartId>(i), part_b = static_cast<PartId>(j);
-        if (!rules.verdict(a, b, part_a, part_b).allowed) continue;
-        allowed.push_back({pair.a, pair.b, part_a, part_b});
+    for (std::size_t i = 0; i < a.pieceCount(); ++i) {
+      for (std::size_t j = pair.a == pair.b ? i : 0; j < b.pieceCount(); ++j) {
+        const auto piece_a = static_cast<PartId>(i), piece_b = static_cast<PartId>(j);
+        if (!rules.verdict(a, b, piece_a, piece_b).allowed) continue;
+        allowed.push_back({pair.a, pair.b, piece_a, piece_b});
       }
     }
   }

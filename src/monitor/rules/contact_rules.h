@@ -84,8 +84,9 @@ class AllowedContacts {
   std::optional<ContactVerdict> ofWildcard(const std::string& a, const std::string& b) const;
 
   // The same for sides that rules may name in several ways, from the least to the most particular
-  // one: "cloth", "cloth:*", "cloth:hem". Of rules without a wildcard, and of those with one, the
-  // most particular one decides: the names of both sides count, and among equals the last one wins.
+  // one: "cloth", "cloth:*", and then parts: "cloth:hem", "cloth:held". Of rules without a
+  // wildcard, and of those with one, the most particular one decides: the names of both sides
+  // count, and among equals the last one wins.
   using RuleNames = std::vector<std::string>;
   std::optional<ContactVerdict> ofPair(const RuleNames& a, const RuleNames& b) const;
   std::optional<ContactVerdict> ofWildcard(const RuleNames& a, const RuleNames& b) const;
@@ -143,19 +144,20 @@ class LinkRules {
 // Holds all rules in force. The first rule that covers a pair decides, in this order:
 //   1. a rule of parameters or service that names both bodies; of rules that name a part, or all
 //      parts of an object, the most particular one,
-//   2. an attached object with a link that it is attached to,
+//   2. an attached object, or the part of it that is held, with a link that it is attached to,
 //   3. a rule of parameters or service with a wildcard,
 //   4. the SRDF, for two links.
 // Without such a rule the pair is not allowed.
 struct ContactRules {
   AllowedContacts allowed;
   AttachedObjects attached;
+  AttachedObjects ended_holds;  // in force no more, because a newer mesh has other triangles
   LinkRules links;
 
-  // Returns what the rules say of a pair of parts, in any order of its bodies. Part 0 is what no
-  // named part has; of a body without parts, all of it.
-  ContactVerdict verdict(const BodyStatus& a, const BodyStatus& b, PartId part_a = 0,
-                         PartId part_b = 0) const;
+  // Returns what the rules say of a pair of pieces (BodyParts), in any order of its bodies. Piece 0
+  // of a body without parts is all of it.
+  ContactVerdict verdict(const BodyStatus& a, const BodyStatus& b, PartId piece_a = 0,
+                         PartId piece_b = 0) const;
 };
 
 // Returns the pairs of the classes that are on, in ascending order, with allowed ones marked. A
@@ -169,7 +171,7 @@ std::vector<MonitoredPair> monitoredPartPairs(const std::vector<BodyStatus>& bod
                                               const std::vector<MonitoredPair>& pairs,
                                               const ContactRules& rules);
 
-// Returns the pairs of parts that may touch, of the bodies of those `pairs` that are monitored.
+// Returns the pairs of pieces that may touch, of the bodies of those `pairs` that are monitored.
 std::vector<PartPair> allowedParts(const std::vector<BodyStatus>& bodies,
                                    const std::vector<MonitoredPair>& pairs,
                                    const ContactRules& rules);

@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "monitor/cycle_report.h"
 #include "robot/link_mesh_files.h"
 
 namespace deformable_contact_monitor {
@@ -63,6 +64,8 @@ std::vector<Range> readIndices(const std::string& path) {
 // Returns why a part cannot have this name; empty if it can.
 std::string nameProblem(const std::string& name) {
   if (name.empty()) return "is missing";
+  if (name == kHeldPart)
+    return "is 'held', which is the part that ~attach_object with a radius holds";
   if (name.find_first_of(":*") == std::string::npos) return "";
   return "is '" + name + "', must have no ':' and no '*'";
 }

@@ -37,6 +37,15 @@ std::string describe(double margin_m, const Partners& partners) {
   return text.str();
 }
 
+// Returns where the rule comes from that decides about a pair. Pieces may have several; the first
+// one is as good as any.
+RuleSource sourceOf(const std::vector<BodyStatus>& bodies, const MonitoredPair& pair,
+                    const ContactRules& rules) {
+  const BodyStatus &a = bodies[pair.a], &b = bodies[pair.b];
+  return rules.verdict(a, b, piecesOf(a, pair.part_a).front(), piecesOf(b, pair.part_b).front())
+      .source;
+}
+
 // Adds the parts that may touch, of pairs of bodies that must not: "cloth:hem (parameters)" to the
 // other body, and "hand with hem (parameters)" to the cloth.
 void addParts(const std::vector<BodyStatus>& bodies, const std::vector<MonitoredPair>& pairs,
@@ -48,8 +57,7 @@ void addParts(const std::vector<BodyStatus>& bodies, const std::vector<Monitored
   }
   for (const MonitoredPair& pair : part_pairs) {
     if (!pair.allowed || whole.count({pair.a, pair.b}) > 0) continue;
-    const RuleSource source =
-        rules.verdict(bodies[pair.a], bodies[pair.b], pair.part_a, pair.part_b).source;
+    const RuleSource source = sourceOf(bodies, pair, rules);
     const bool of_a = pair.part_a != 0;
     const BodyId owner = of_a ? pair.a : pair.b, other = of_a ? pair.b : pair.a;
     const PartId part = of_a ? pair.part_a : pair.part_b;
@@ -91,16 +99,28 @@ std::string attachProblem(const std::string& object, const std::vector<std::stri
   return problem;
 }
 
-std::string describeHeld(const std::string& object, const std::vector<std::string>& links) {
-  std::string text = object + " by ";
-  for (std::size_t i = 0; i < links.size(); ++i) text += (i == 0 ? "" : ", ") + links[i];
+std::string describeHeld(const std::string& object, const Attachment& attachment) {
+  std::string text;
+  if (attachment.part != nullptr) {
+    const std::size_t count = attachment.part->triangles.size();
+    text = std::to_string(count) + (count == 1 ? " triangle of " : " triangles of ");
+  }
+  text += object + " by ";
+  for (std::size_t i = 0; i < attachment.links.size(); ++i) {
+    text += (i == 0 ? "" : ", ") + attachment.links[i];
+  }
   return text;
+}
+
+std::string describeEndedHold(const std::string& object, const Attachment& attachment) {
+  return describeHeld(object, attachment) +
+         ", because its mesh has other triangles now; attach the object again";
 }
 
 std::string describeHeld(const AttachedObjects& attached) {
   std::string text;
-  for (const auto& [object, links] : attached) {
-    text += (text.empty() ? "held: " : "; ") + describeHeld(object, links);
+  for (const auto& [object, attachment] : attached) {
+    text += (text.empty() ? "held: " : "; ") + describeHeld(object, attachment);
   }
   return text.empty() ? "nothing is held" : text;
 }
@@ -124,7 +144,7 @@ RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
   std::vector<Partners> partners(bodies.size());
   for (const MonitoredPair& pair : pairs) {
     if (!pair.allowed) continue;
-    const RuleSource source = rules.verdict(bodies[pair.a], bodies[pair.b]).source;
+    const RuleSource source = sourceOf(bodies, pair, rules);
     ++in_force.allowed_pairs[index(source)];
     partners[pair.a].add(bodies[pair.b].name, source);
     if (pair.a != pair.b) partners[pair.b].add(bodies[pair.a].name, source);
@@ -133,8 +153,11 @@ RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
   for (BodyId id = 0; id < bodies.size(); ++id) {
     in_force.bodies.emplace_back(bodies[id].name, describe(scene.body(id).margin_m, partners[id]));
   }
-  for (const auto& [object, links] : rules.attached) {
-    in_force.attached.push_back(describeHeld(object, links));
+  for (const auto& [object, attachment] : rules.attached) {
+    in_force.attached.push_back(describeHeld(object, attachment));
+  }
+  for (const auto& [object, attachment] : rules.ended_holds) {
+    in_force.ended_holds.push_back(describeEndedHold(object, attachment));
   }
   return in_force;
 }

@@ -25,15 +25,19 @@ std::string attachProblem(const std::string& object, const std::vector<std::stri
 // Returns "held: cloth by hand, finger; cable by hand", or "nothing is held".
 std::string describeHeld(const AttachedObjects& attached);
 
-// Returns "cloth by hand, finger".
-std::string describeHeld(const std::string& object, const std::vector<std::string>& links);
+// Returns "cloth by hand, finger", or "12 triangles of cloth by hand, finger".
+std::string describeHeld(const std::string& object, const Attachment& attachment);
+
+// Returns the same of a hold that has ended, with the reason.
+std::string describeEndedHold(const std::string& object, const Attachment& attachment);
 
 // The rules in force, as the status `allowed` of the diagnostics shows them.
 struct RulesInForce {
-  std::size_t pairs = 0;                                    // monitored
-  std::array<std::size_t, 5> allowed_pairs{};               // those of `pairs`, by RuleSource
-  std::array<std::size_t, 5> rules{};                       // by RuleSource
-  std::vector<std::string> attached;                        // "cloth by hand, finger"
+  std::size_t pairs = 0;                       // monitored
+  std::array<std::size_t, 5> allowed_pairs{};  // those of `pairs`, by RuleSource
+  std::array<std::size_t, 5> rules{};          // by RuleSource
+  std::vector<std::string> attached;           // "cloth by hand, finger"
+  std::vector<std::string> ended_holds;        // since the last ~attach_object, in words
   std::vector<std::pair<std::string, std::string>> bodies;  // name; margin and allowed partners
 
   // Returns how many pairs may touch, over all sources.

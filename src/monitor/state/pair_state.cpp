@@ -252,7 +252,7 @@ std::map<PartPair, float> firstLows(const CycleReport& report, const DetectionRe
     }
     of_last->second = std::min(of_last->second, low);
     if (report.part_pairs.empty()) continue;
-    forEachPartPair(*report.scene, result.contacts[i], [&](const PartPair& of_part) {
+    forEachPartPair(report, result.contacts[i], [&](const PartPair& of_part) {
       float& kept = lows.try_emplace(of_part, 1.F).first->second;
       kept = std::min(kept, low);
     });
@@ -260,7 +260,7 @@ std::map<PartPair, float> firstLows(const CycleReport& report, const DetectionRe
   return lows;
 }
 
-// Returns the nearest pair of these two parts; null if there is none within the margin.
+// Returns the nearest pair of these two pieces; null if there is none within the margin.
 const NearestPair* nearestOfParts(const DetectionResult& result, const PartPair& parts) {
   const std::vector<NearestOfParts>& all = result.nearest_parts;
   const auto found = std::lower_bound(
@@ -271,14 +271,11 @@ const NearestPair* nearestOfParts(const DetectionResult& result, const PartPair&
 
 // Returns the nearest pair of a part of one body and all of the other one.
 const NearestPair* nearestOfPart(const CycleReport& report, const MonitoredPair& pair) {
-  const auto partsOf = [&report](BodyId id, PartId part) {
-    return part == 0 ? report.scene->body(id).listed_parts : std::vector<PartId>{part};
-  };
   const NearestPair* best = nullptr;
-  for (const PartId part_a : partsOf(pair.a, pair.part_a)) {
-    for (const PartId part_b : partsOf(pair.b, pair.part_b)) {
+  for (const PartId piece_a : piecesOf(report.bodies.at(pair.a), pair.part_a)) {
+    for (const PartId piece_b : piecesOf(report.bodies.at(pair.b), pair.part_b)) {
       const NearestPair* const one =
-          nearestOfParts(*report.result, {pair.a, pair.b, part_a, part_b});
+          nearestOfParts(*report.result, {pair.a, pair.b, piece_a, piece_b});
       const auto key = [](const NearestPair& nearest) {
         return std::make_pair(nearest.distance_m, nearest.pair);
       };
@@ -353,7 +350,7 @@ std::optional<NearPoints> nearPoints(const CycleReport& report, const MonitoredP
 
 std::string bodyProblem(const BodyStatus& body, PartId part) {
   if (!body.unknown_because.empty()) return body.name + ": " + body.unknown_because;
-  return part == 0 ? "" : body.parts->problem;
+  return part == 0 || part == body.parts->heldPart() ? "" : body.parts->problem;
 }
 
 std::string bodyProblem(const CycleReport& report, const MonitoredPair& pair) {

@@ -161,7 +161,7 @@ PairSummaries::PairSummaries(const CycleReport& report, const DetectionResult* r
   if (report.part_pairs.empty()) return;
   std::map<PartPair, std::vector<std::size_t>> of_parts;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    forEachPartPair(*report.scene, contacts[i],
+    forEachPartPair(report, contacts[i],
                     [&](const PartPair& pair) { of_parts[pair].push_back(i); });
   }
   for (const auto& [pair, places] : of_parts) {

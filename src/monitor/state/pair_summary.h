@@ -45,17 +45,22 @@ inline PartPair partKey(const MonitoredPair& pair) {
 
 // Calls function(PartPair) for each of CycleReport::part_pairs that a pair of triangles belongs to.
 template <class Function>
-void forEachPartPair(const Scene& scene, const TrianglePair& pair, const Function& function) {
-  const std::vector<PartId>& parts_a = scene.body(pair.body_a).parts;
-  const std::vector<PartId>& parts_b = scene.body(pair.body_b).parts;
-  const PartId part_a = parts_a.empty() ? 0 : parts_a[pair.triangle_a];
-  const PartId part_b = parts_b.empty() ? 0 : parts_b[pair.triangle_b];
-  const bool is_self = pair.body_a == pair.body_b;
-  const PartPair of_a{pair.body_a, pair.body_b, is_self ? PartId{0} : part_a,
-                      is_self ? part_a : PartId{0}};
-  if (part_a != 0) function(of_a);
-  if (part_b != 0 && !(is_self && part_a == part_b)) {
-    function(PartPair{pair.body_a, pair.body_b, 0, part_b});
+void forEachPartPair(const CycleReport& report, const TrianglePair& pair,
+                     const Function& function) {
+  const auto hasPart = [&report](BodyId id, std::uint32_t triangle, std::size_t part) {
+    const std::vector<PartId>& pieces = report.scene->body(id).parts;
+    return !pieces.empty() &&
+           report.bodies.at(id).parts->has(static_cast<PartId>(part), pieces[triangle]);
+  };
+  const auto [a, triangle_a, b, triangle_b] = pair;
+  const bool is_self = a == b;
+  for (std::size_t part = 1; !is_self && part <= report.bodies.at(a).partCount(); ++part) {
+    if (hasPart(a, triangle_a, part)) function(PartPair{a, b, static_cast<PartId>(part), 0});
+  }
+  for (std::size_t part = 1; part <= report.bodies.at(b).partCount(); ++part) {
+    if (hasPart(b, triangle_b, part) || (is_self && hasPart(a, triangle_a, part))) {
+      function(PartPair{a, b, 0, static_cast<PartId>(part)});
+    }
   }
 }
 

@@ -18,14 +18,48 @@ std::string rejectsProblem(const std::string& name, std::uint64_t rejected, std:
          " triangles have a vertex that is not finite (tolerated_rejects)";
 }
 
-// Returns whether the part of one side of the pair is compared with anything of the other body.
-bool takesPart(const Scene& scene, const MonitoredPair& pair, bool is_a, PartId part) {
-  const BodyId id = is_a ? pair.a : pair.b, other = is_a ? pair.b : pair.a;
-  const std::vector<PartId>& others = scene.body(other).listed_parts;
-  return std::any_of(others.begin(), others.end(), [&](PartId of_other) {
-    return scene.partPairEnabled(id, part, other, of_other);
-  });
-}
+// Answers about one side of a pair: which pieces of its body are compared with anything of the
+// other body, and how much of a part was rejected.
+class Side {
+ public:
+  Side(const CycleReport& report, const MonitoredPair& pair, bool is_a)
+      : scene_(*report.scene),
+        body_(report.bodies.at(is_a ? pair.a : pair.b)),
+        id_(is_a ? pair.a : pair.b),
+        other_(is_a ? pair.b : pair.a) {}
+
+  bool takesPart(PartId piece) const {
+    const std::vector<PartId>& others = scene_.body(other_).listed_parts;
+    return std::any_of(others.begin(), others.end(), [&](PartId of_other) {
+      return scene_.partPairEnabled(id_, piece, other_, of_other);
+    });
+  }
+
+  // Returns the pieces of a part that have triangles and take part; of part 0, piece 0 alone.
+  std::vector<PartId> piecesOf(PartId part) const {
+    std::vector<PartId> pieces;
+    for (const PartId piece : scene_.body(id_).listed_parts) {
+      const bool is_of_part = part == 0 ? piece == 0 : body_.parts->has(part, piece);
+      if (is_of_part && takesPart(piece)) pieces.push_back(piece);
+    }
+    return pieces;
+  }
+
+  std::string problemOf(PartId part, const Rejects& rejects, double tolerated) const {
+    std::uint64_t rejected = 0;
+    std::size_t triangles = 0;
+    for (const PartId piece : piecesOf(part)) {
+      rejected += rejects.by_part.empty() ? 0 : rejects.by_part.at(piece);
+      triangles += body_.parts->triangles.at(piece);
+    }
+    return rejectsProblem(nameOf(body_, part), rejected, triangles, tolerated, rejects.where);
+  }
+
+ private:
+  const Scene& scene_;
+  const BodyStatus& body_;
+  const BodyId id_, other_;
+};
 
 }  // namespace
 
@@ -34,23 +68,19 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
   const BodyStatus& body = report.bodies.at(is_a ? pair.a : pair.b);
   const Body& in_scene = report.scene->body(is_a ? pair.a : pair.b);
   const PartId part = is_a ? pair.part_a : pair.part_b;
-  const auto problemOf = [&](PartId of) {
-    return rejectsProblem(nameOf(body, of), rejects.by_part.empty() ? 0 : rejects.by_part.at(of),
-                          body.parts->triangles.at(of), tolerated, rejects.where);
-  };
+  const Side side(report, pair, is_a);
   if (in_scene.parts.empty()) {
-    if (body.partCount() > 0 && !takesPart(*report.scene, pair, is_a, 0)) {
-      return body.name + ": " + body.parts->problem;
-    }
+    if (body.partCount() > 0 && !side.takesPart(0)) return body.name + ": " + body.parts->problem;
     return rejectsProblem(body.name, rejects.all, in_scene.mesh.triangleCount(), tolerated,
                           rejects.where);
   }
-  if (part != 0) return problemOf(part);
+  if (part != 0 || !side.piecesOf(0).empty()) return side.problemOf(part, rejects, tolerated);
   std::string problem;
-  for (const PartId of : in_scene.listed_parts) {
-    if (!takesPart(*report.scene, pair, is_a, of)) continue;
-    const std::string own = problemOf(of);
-    if (own.empty() || of == 0) return own;
+  for (std::size_t i = 1; i <= body.partCount(); ++i) {
+    const auto other = static_cast<PartId>(i);
+    if (side.piecesOf(other).empty()) continue;
+    const std::string own = side.problemOf(other, rejects, tolerated);
+    if (own.empty()) return "";
     if (problem.empty()) problem = own;
   }
   return problem;

@@ -120,15 +120,15 @@ TEST_F(LoopRequestsTest, WhatIsHeldIsTakenOnceAndTheLastCallHolds) {
   EXPECT_FALSE(requests_.take().attached);
   requests_.attach("cable", {"hand"});
   requests_.attach("cloth", {"hand", "finger", "hand"});
-  const AttachedObjects both{{"cable", {"hand"}}, {"cloth", {"finger", "hand"}}};
+  const AttachedObjects both{{"cable", {{"hand"}}}, {"cloth", {{"finger", "hand"}}}};
   EXPECT_EQ(requests_.attach("cloth", {"finger", "hand"}), both);
   EXPECT_EQ(takeAttached(), both);
   EXPECT_FALSE(requests_.take().attached);
   EXPECT_EQ(requests_.attach("cloth", {"wrist"}),
-            (AttachedObjects{{"cable", {"hand"}}, {"cloth", {"wrist"}}}));
-  EXPECT_EQ(requests_.attach("cable", {}), (AttachedObjects{{"cloth", {"wrist"}}}));
-  EXPECT_EQ(requests_.attach("cable", {}), (AttachedObjects{{"cloth", {"wrist"}}}));
-  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {"wrist"}}}));
+            (AttachedObjects{{"cable", {{"hand"}}}, {"cloth", {{"wrist"}}}}));
+  EXPECT_EQ(requests_.attach("cable", {}), (AttachedObjects{{"cloth", {{"wrist"}}}}));
+  EXPECT_EQ(requests_.attach("cable", {}), (AttachedObjects{{"cloth", {{"wrist"}}}}));
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {{"wrist"}}}}));
 }
 
 TEST_F(LoopRequestsTest, AResetReleasesNothing) {
@@ -137,7 +137,7 @@ TEST_F(LoopRequestsTest, AResetReleasesNothing) {
   const Requests requests = requests_.take();
   EXPECT_TRUE(requests.reset);
   EXPECT_EQ(requests.attached ? *requests.attached : AttachedObjects(),
-            (AttachedObjects{{"cloth", {"hand"}}}));
+            (AttachedObjects{{"cloth", {{"hand"}}}}));
 }
 
 TEST_F(LoopRequestsTest, LinksThatAreGoneHoldNothing) {
@@ -148,7 +148,21 @@ TEST_F(LoopRequestsTest, LinksThatAreGoneHoldNothing) {
   EXPECT_FALSE(requests_.take().attached) << "nothing changed";
   EXPECT_EQ(requests_.releaseFromOthers({"arm", "finger"}),
             (std::vector<std::string>{"cable by hand", "cloth by hand"}));
-  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {"finger"}}}));
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {{"finger"}}}}));
+}
+
+TEST_F(LoopRequestsTest, AHeldPartStaysWithItsLinksAndEndsOnce) {
+  const auto part = std::make_shared<const HeldPart>(), later = std::make_shared<const HeldPart>();
+  requests_.attach("cloth", {"finger", "hand"}, part);
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {{"finger", "hand"}, part}}}));
+  requests_.releaseFromOthers({"finger"});
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {{"finger"}, part}}}));
+  requests_.attach("cloth", {"hand"}, later);
+  EXPECT_TRUE(requests_.endHolds({{"cloth", {{}, part}}, {"rope", {{}, part}}}).empty());
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"cloth", {{"hand"}, later}}})) << "it was replaced";
+  EXPECT_EQ(requests_.endHolds({{"cloth", {{}, later}}}).size(), 1U);
+  EXPECT_FALSE(requests_.take().attached) << "the detection thread knows";
+  EXPECT_TRUE(requests_.attach("cable", {}).empty());
 }
 
 // At any time an object is attached to the links of one call, never to those of two.
@@ -169,16 +183,16 @@ TEST_F(LoopRequestsTest, ThreadsAttachWhileAnotherTakes) {
     const Requests requests = requests_.take();
     if (!requests.attached) return;
     last = *requests.attached;
-    for (const auto& [object, links] : last) {
-      ASSERT_EQ(links.size(), 2U);
-      EXPECT_EQ(links[0].substr(4), links[1].substr(5)) << object;
+    for (const auto& [object, held] : last) {
+      ASSERT_EQ(held.links.size(), 2U);
+      EXPECT_EQ(held.links[0].substr(4), held.links[1].substr(5)) << object;
     }
   };
   const std::string at_last = std::to_string(kCalls - 1);
   std::thread taker([&] {
     const auto give_up = Clock::now() + std::chrono::seconds(60);
     const std::vector<std::string> links{"left" + at_last, "right" + at_last};
-    const AttachedObjects all{{"bag", links}, {"cable", links}, {"cloth", links}};
+    const AttachedObjects all{{"bag", {links}}, {"cable", {links}}, {"cloth", {links}}};
     while (last != all && Clock::now() < give_up) look();
     EXPECT_EQ(last, all);
   });

@@ -255,7 +255,7 @@ TEST_F(MonitorSceneTest, LinksThatTheSrdfAllowsAreOffInTheRobotsOwnCycles) {
 TEST_F(MonitorSceneTest, ALinkMayTouchWhatItHolds) {
   for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
   give(0, 10);
-  scene_.setAttached({{"cloth", {"hand"}}});
+  scene_.setAttached({{"cloth", {{"hand"}}}});
   prepare(10);
   EXPECT_TRUE(on(kArm, kCloth));
   EXPECT_FALSE(on(kHand, kCloth));

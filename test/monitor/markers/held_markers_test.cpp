@@ -1,7 +1,12 @@
-// Tests the text over attached objects.
+// Tests the text over attached objects, and the color of the part that is held.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "monitor/markers/contact_markers.h"
 
@@ -22,7 +27,7 @@ class HeldMarkersTest : public ::testing::Test {
     report_.bodies[1].kind = BodyKind::kDeformable;
     report_.bodies[1].triggered = true;
     report_.header.frame_id = "base";
-    report_.attached = {{"cloth", {"finger", "hand"}}, {"elsewhere", {"hand"}}};
+    report_.attached = {{"cloth", {{"finger", "hand"}}}, {"elsewhere", {{"hand"}}}};
     scene_.addBody("hand", TriangleMesh());
     scene_.addBody("cloth", {{0, 0, 0, 1, 0, 0, 0, 0.5F, 2, infinite, 0, 0}, {0, 1, 2, 1, 2, 3}});
     scene_.setPose(1, RigidTransform());
@@ -63,9 +68,54 @@ TEST_F(HeldMarkersTest, NothingIsDrawnOfWhatIsNotHeldOrNotKnown) {
   report_.bodies[1].unknown_because = "";
   report_.attached.erase("cloth");
   EXPECT_TRUE(markers().empty());
-  report_.attached = {{"cloth", {"hand"}}};
+  report_.attached = {{"cloth", {{"hand"}}}};
   report_.scene = nullptr;
   EXPECT_TRUE(markers().empty());
+}
+
+std::map<std::string, std::size_t> trianglesOf(const visualization_msgs::MarkerArray& array) {
+  std::map<std::string, std::size_t> triangles;
+  for (const Marker& marker : array.markers) {
+    if (marker.action == Marker::ADD && marker.type == Marker::TRIANGLE_LIST) {
+      triangles[marker.ns] = marker.points.size() / 3;
+    }
+  }
+  return triangles;
+}
+
+TEST_F(HeldMarkersTest, TheHeldPartHasItsOwnColor) {
+  using Triangles = std::map<std::string, std::size_t>;
+  scene_.setMesh(1, {{0, 0, 0, 1, 0, 0, 0, 0.5F, 2, 3, 0, 0}, {0, 1, 2, 1, 2, 3, 0, 1, 3}});
+  BodyParts parts;
+  parts.names = {"hem", kHeldPart};
+  parts.held_of = {0, 1};
+  report_.bodies[1].parts = std::make_shared<const BodyParts>(parts);
+  scene_.setParts(1, {3, 0, 2});
+  ContactMarkers markers{MarkerOptions()};
+  EXPECT_EQ(trianglesOf(markers.make(report_)), (Triangles{{"cloth", 1}, {"held: cloth", 2}}));
+
+  scene_.setParts(1, {});
+  report_.bodies[1].parts = nullptr;
+  const visualization_msgs::MarkerArray released = markers.make(report_);
+  EXPECT_EQ(trianglesOf(released), (Triangles{{"cloth", 3}}));
+  EXPECT_TRUE(std::any_of(released.markers.begin(), released.markers.end(), [](const Marker& one) {
+    return one.ns == "held: cloth" && one.action == Marker::DELETE;
+  }));
+}
+
+TEST_F(HeldMarkersTest, NamedPartsHaveTheirOwnColors) {
+  scene_.setMesh(1, {{0, 0, 0, 1, 0, 0, 0, 0.5F, 2, 3, 0, 0}, {0, 1, 2, 1, 2, 3, 0, 1, 3}});
+  BodyParts parts;
+  parts.names = {"hem", "logo"};
+  report_.bodies[1].parts = std::make_shared<const BodyParts>(parts);
+  scene_.setParts(1, {2, 0, 1});
+  const Marker surface = ContactMarkers(MarkerOptions()).make(report_).markers.back();
+  ASSERT_EQ(surface.colors.size(), 9U);
+  EXPECT_EQ(surface.colors[3], surface.color) << "what no part has";
+  EXPECT_NE(surface.colors[0], surface.color);
+  EXPECT_NE(surface.colors[6], surface.color);
+  EXPECT_NE(surface.colors[6], surface.colors[0]);
+  EXPECT_EQ(surface.colors[6].a, surface.color.a);
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ TEST(ContactRules, WithoutARuleEverythingIsLookedAt) {
 }
 
 TEST(ContactRules, AnSrdfSpeaksOfLinksAloneAndItsPairsBeatItsDefaults) {
-  const ContactRules rules{{}, {}, LinkRules(srdf())};
+  const ContactRules rules{{}, {}, {}, LinkRules(srdf())};
   EXPECT_EQ(verdict(rules, "arm", "hand"), "srdf: may touch") << "disabled beats enabled";
   EXPECT_EQ(verdict(rules, "cable_drum", "hand"), "srdf: may touch") << "by default";
   EXPECT_EQ(verdict(rules, "cable_drum", "arm"), "default: looked at") << "enabled beats that";
@@ -162,7 +162,7 @@ TEST(ContactRules, AnSrdfSpeaksOfLinksAloneAndItsPairsBeatItsDefaults) {
 
 // From the weakest rule to the strongest, each of which turns what the one before said.
 TEST(ContactRules, EachKindBeatsTheWeakerOnes) {
-  ContactRules rules{{}, {}, LinkRules(srdf())};
+  ContactRules rules{{}, {}, {}, LinkRules(srdf())};
   rules.allowed.add(rule("*", "*", false));
   EXPECT_EQ(verdict(rules, "arm", "hand"), "parameters: looked at");
   rules.allowed.add(rule("hand", "*", true), RuleSource::kService);
@@ -172,7 +172,7 @@ TEST(ContactRules, EachKindBeatsTheWeakerOnes) {
 
   rules.allowed.add(rule("hand", "*", false));
   EXPECT_EQ(verdict(rules, "hand", "cloth"), "parameters: looked at");
-  rules.attached = {{"cloth", {"finger", "hand"}}};
+  rules.attached = {{"cloth", {{"finger", "hand"}}}};
   EXPECT_EQ(verdict(rules, "hand", "cloth"), "attached: may touch");
   EXPECT_EQ(verdict(rules, "finger", "cloth"), "attached: may touch");
   EXPECT_EQ(verdict(rules, "arm", "cloth"), "parameters: looked at") << "it does not hold it";
@@ -207,7 +207,7 @@ std::vector<BodyStatus> bodies() {
 
 std::set<Triple> pairsOf(const PairClasses& classes, const AllowedContacts& allowed = {}) {
   std::set<Triple> pairs;
-  for (const MonitoredPair& pair : monitoredPairs(bodies(), classes, {allowed, {}, {}})) {
+  for (const MonitoredPair& pair : monitoredPairs(bodies(), classes, {allowed, {}, {}, {}})) {
     EXPECT_TRUE(pairs.emplace(pair.a, pair.b, pair.allowed).second) << "pair twice";
   }
   return pairs;

@@ -140,6 +140,12 @@ TEST(PartParameters, ABoxHasTwoCorners) {
   expectIn("~objects[0]/parts[0]/box/min must be three numbers", refusalOf(withParts({hem})));
 }
 
+TEST(PartParameters, TheNameOfWhatIsHeldIsTaken) {
+  expectIn(
+      "~objects[0]/parts[0]/name is 'held', which is the part that ~attach_object with a radius",
+      refusalOf(withParts({part("held", {range(0, 0)})})));
+}
+
 TEST(PartParameters, NamesAreChecked) {
   const XmlRpcValue one = range(0, 0), two = range(1, 1);
   expectIn("parts[0]/name is 'a:b', must have no ':' and no '*'",
@@ -248,7 +254,7 @@ TEST_F(PartRules, TheTableOfPrecedence) {
   EXPECT_EQ(verdicts(), "001");
   rules_.allowed.add(rule("*", "cloth", false));
   EXPECT_EQ(verdicts(), "001");
-  rules_.attached = {{"cloth", {"hand"}}};
+  rules_.attached = {{"cloth", {{"hand"}}}};
   EXPECT_EQ(verdicts(), "111");
   rules_.allowed.add(rule("hand", "cloth", false));
   EXPECT_EQ(verdicts(), "000");

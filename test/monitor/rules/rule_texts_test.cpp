@@ -40,8 +40,12 @@ TEST(RuleTexts, UnknownNamesAreRefusedAllOfThem) {
 
 TEST(RuleTexts, WhatIsHeldInWords) {
   EXPECT_EQ(describeHeld({}), "nothing is held");
-  EXPECT_EQ(describeHeld({{"cloth", {"finger", "hand"}}, {"cable", {"arm"}}}),
+  EXPECT_EQ(describeHeld({{"cloth", {{"finger", "hand"}}}, {"cable", {{"arm"}}}}),
             "held: cable by arm; cloth by finger, hand");
+  HeldPart part;
+  part.triangles = {7, 9};
+  EXPECT_EQ(describeHeld({{"cloth", {{"hand"}, std::make_shared<const HeldPart>(part)}}}),
+            "held: 2 triangles of cloth by hand");
 }
 
 class RulesInForceTest : public ::testing::Test {
@@ -73,7 +77,7 @@ TEST_F(RulesInForceTest, EachBodySaysWhomItMayTouchAndWhy) {
   Srdf srdf;
   srdf.disabled = {{"arm", "hand", "Adjacent"}, {"arm", "gone", ""}};
   rules.links = LinkRules(srdf);
-  rules.attached = {{"cloth", {"hand"}}};
+  rules.attached = {{"cloth", {{"hand"}}}};
   AllowedContact self;
   self.body_a = self.body_b = "cloth";
   self.allowed = true;

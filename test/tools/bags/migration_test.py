@@ -28,7 +28,7 @@ EVENTS = "/contact_monitor/contact_events"
 # Of version 0.3. Who changes a message adds a rule of migration, and a bag that was recorded before.
 MD5 = {
     "AllowedContact": "4e2b07c1a4705e8d86a3db9f579c598f",
-    "AttachObject": "dbc0a530fa5dff971b50d7a106f31ac2",
+    "AttachObject": "8719fb920e74a03fea6cd3678d10dec7",
     "ContactArray": "e1fa803cc53380c4eac8c0294354e3b2",
     "ContactEvent": "e55736c25137f44cb897b1d3313e8243",
     "ContactGeometry": "69444e8346d34b2a00cdea8dc533c95b",

@@ -12,7 +12,8 @@ NODES = [FOLDER / "contact_monitor", FOLDER / "contact_guard", FOLDER / "scene_p
 PROGRAMS = NODES + [FOLDER / name for name in (
     "evaluate_bag", "evaluate_bags", "evaluation_report.py", "measure_trade", "detect_contacts",
     "read_link_mesh", "plot_trade.py")] + [
-        SOURCE / "launch/framed_rviz.py", SOURCE / "launch/demo", SOURCE / "launch/demo_report.py"]
+        SOURCE / "launch/framed_rviz.py", SOURCE / "launch/demo", SOURCE / "launch/demo_report.py",
+        SOURCE / "launch/hold.py"]
 # No node that is started by mistake would live long.
 ENVIRONMENT = dict(os.environ, ROS_MASTER_URI="http://localhost:1", ROS_LOG_DIR="/nowhere")
 
