@@ -102,7 +102,7 @@ bool tryBag(const std::uint8_t* data, std::size_t size) {
     BagReader reader({file.path()}, neededMessages(MonitorParameters(), BagFiles()));
     BagFiles files;
     files.bags = {file.path()};
-    BagContents contents = scanBags(&reader, files, true, [](std::uint64_t) {});
+    BagContents contents = scanBags(&reader, files, MonitorParameters(), [](std::uint64_t) {});
     if (contents.topics.empty()) return false;
     evaluate(file, &reader, &contents);
     return true;

@@ -28,14 +28,16 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kMostMessages = 8;
 constexpr std::size_t kMaxBytes = 1 << 16;
 
-MonitorParameters makeParameters(MeshType type) {
+MonitorParameters makeParameters(MeshType type, bool has_faces) {
   MonitorParameters parameters;
   ObjectParameters object;
   object.name = "cloth";
   object.margin_m = 0.1F;
   object.type = type;
   object.frame_id = "camera";
-  object.faces = std::make_shared<const TriangleMesh>(fuzzedFaces());
+  object.depth.max_depth_jump = 1;
+  object.stamp_offset_s = -0.005;
+  if (has_faces) object.faces = std::make_shared<const PointTriangles>(fuzzedFaces());
   parameters.objects = {object};
   parameters.pair_classes.deformable_self = true;
   parameters.max_mesh_bytes = kMaxBytes;
@@ -63,13 +65,14 @@ void addStaticTransform(const std::string& frame, double x, tf2::BufferCore* buf
 // Does in one thread what the node does with the messages of one object.
 class Monitor {
  public:
-  explicit Monitor(MeshType type)
-      : parameters_(makeParameters(type)),
+  Monitor(MeshType type, bool has_faces)
+      : parameters_(makeParameters(type, has_faces)),
         scene_(parameters_),
         inputs_(makeMeshInputs(parameters_)),
         lookup_(buffer_, parameters_.reference_frame),
         subscription_(meshSubscription("/cloth", parameters_.objects[0], kMaxBytes,
                                        [this](const IncomingMesh& mesh) {
+                                         has_mesh_ = true;
                                          was_mesh_ = mesh.problem.empty();
                                          inputs_[0].store(mesh);
                                        })),
@@ -89,13 +92,14 @@ class Monitor {
     call.event = ros::MessageEvent<void const>(subscription_.helper->deserialize(wire),
                                                boost::make_shared<ros::M_string>(), now, false,
                                                ros::MessageEvent<void const>::CreateFunction());
+    has_mesh_ = was_mesh_ = false;
     subscription_.helper->call(call);
     if (was_mesh_) {
       const MeshType type = parameters_.objects[0].type;
       requireThat(bytesOf(type, call.event.getMessage()) == bytes,
                   "a message is not what was sent");
     }
-    if (!is_busy) runCycle(now);
+    if (has_mesh_ && !is_busy) runCycle(now);
     return was_mesh_;
   }
 
@@ -146,22 +150,24 @@ class Monitor {
   const ros::SubscribeOptions subscription_;
   const std::unique_ptr<Detector> detector_;
   ContactStateTracker tracker_;
-  bool was_mesh_ = false;
+  bool has_mesh_ = false, was_mesh_ = false;  // the last message handed a mesh over, a valid one
   std::uint64_t cycle_ = 0;
 };
 
-// Returns the type of all messages of an input, from bits of its first byte. An empty input has the
-// type kDeformableMesh.
-MeshType typeOf(const std::uint8_t* data, std::size_t size) {
-  constexpr int kShift = 4, kTypes = 4;
-  return static_cast<MeshType>(size == 0 ? 0 : (*data >> kShift) % kTypes);
+// Returns the type of all messages of an input, from bits of its first byte: a MeshType, or
+// kMeshTypes for images of a depth camera. An empty input has the type kDeformableMesh.
+std::size_t typeOf(const std::uint8_t* data, std::size_t size) {
+  constexpr int kShift = 4;
+  return size == 0 ? 0 : (*data >> kShift) % (kMeshTypes + 1);
 }
 
 // Past the first check: some bytes were a mesh.
 bool tryMeshMessage(const std::uint8_t* data, std::size_t size) {
   ByteSource source(data, size);
-  const MeshType type = typeOf(data, size);
-  Monitor monitor(type);
+  const std::size_t number = typeOf(data, size);
+  const bool is_image = number == kMeshTypes;
+  const MeshType type = is_image ? MeshType::kPointCloud : static_cast<MeshType>(number);
+  Monitor monitor(type, !is_image);
   bool any = false;
   ros::Time now(100, 0);
   for (std::size_t i = 0; i < kMostMessages && source.left() > 0; ++i) {

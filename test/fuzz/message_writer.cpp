@@ -6,9 +6,11 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/PointField.h>
 #include <shape_msgs/Mesh.h>
-#include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <string>
+
+#include "monitor/input/pcl_messages.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -78,9 +80,16 @@ visualization_msgs::Marker markerFrom(ByteSource* source, const ros::Time& stamp
   return message;
 }
 
+visualization_msgs::MarkerArray markerArrayFrom(ByteSource* source, const ros::Time& stamp) {
+  visualization_msgs::MarkerArray message;
+  message.markers.resize(source->below(4));
+  for (visualization_msgs::Marker& marker : message.markers) marker = markerFrom(source, stamp);
+  return message;
+}
+
 sensor_msgs::PointCloud2 pointCloudFrom(ByteSource* source, const ros::Time& stamp) {
   constexpr const char* kNames[] = {"x", "y", "z"};
-  const std::size_t count = fuzzedFaces().vertexCount();
+  const std::size_t count = fuzzedFaces().point_count;
   sensor_msgs::PointCloud2 message;
   message.header = headerFrom(source, stamp);
   message.height = source->flag() ? 1 : 2;
@@ -104,6 +113,20 @@ sensor_msgs::PointCloud2 pointCloudFrom(ByteSource* source, const ros::Time& sta
   return message;
 }
 
+#ifdef DCM_HAS_PCL_MSGS
+pcl_msgs::PolygonMesh polygonMeshFrom(ByteSource* source, const ros::Time& stamp) {
+  pcl_msgs::PolygonMesh message;
+  message.header = headerFrom(source, stamp);
+  message.polygons.resize(source->below(8));
+  for (pcl_msgs::Vertices& polygon : message.polygons) {
+    polygon.vertices.resize(source->below(6));
+    for (std::uint32_t& index : polygon.vertices) index = source->byte() % 5;
+  }
+  message.cloud = pointCloudFrom(source, stamp);
+  return message;
+}
+#endif
+
 template <typename M>
 Bytes bytesAs(const boost::shared_ptr<const void>& message) {
   return serialized(*static_cast<const M*>(message.get()));
@@ -111,9 +134,7 @@ Bytes bytesAs(const boost::shared_ptr<const void>& message) {
 
 }  // namespace
 
-TriangleMesh fuzzedFaces() {
-  return {{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}};
-}
+PointTriangles fuzzedFaces() { return {4, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}}; }
 
 Bytes messageBytes(MeshType type, ByteSource* source, const ros::Time& stamp) {
   switch (type) {
@@ -121,8 +142,15 @@ Bytes messageBytes(MeshType type, ByteSource* source, const ros::Time& stamp) {
       return serialized(shapeMeshFrom(source));
     case MeshType::kMarker:
       return serialized(markerFrom(source, stamp));
+    case MeshType::kMarkerArray:
+      return serialized(markerArrayFrom(source, stamp));
     case MeshType::kPointCloud:
+    case MeshType::kTetrahedra:
       return serialized(pointCloudFrom(source, stamp));
+#ifdef DCM_HAS_PCL_MSGS
+    case MeshType::kPolygonMesh:
+      return serialized(polygonMeshFrom(source, stamp));
+#endif
     default:
       return serialized(deformableMeshFrom(source, stamp));
   }
@@ -134,8 +162,15 @@ Bytes bytesOf(MeshType type, const boost::shared_ptr<const void>& message) {
       return bytesAs<shape_msgs::Mesh>(message);
     case MeshType::kMarker:
       return bytesAs<visualization_msgs::Marker>(message);
+    case MeshType::kMarkerArray:
+      return bytesAs<visualization_msgs::MarkerArray>(message);
     case MeshType::kPointCloud:
+    case MeshType::kTetrahedra:
       return bytesAs<sensor_msgs::PointCloud2>(message);
+#ifdef DCM_HAS_PCL_MSGS
+    case MeshType::kPolygonMesh:
+      return bytesAs<pcl_msgs::PolygonMesh>(message);
+#endif
     default:
       return bytesAs<DeformableMesh>(message);
   }

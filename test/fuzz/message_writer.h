@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "byte_source.h"
-#include "core/triangle_mesh.h"
 #include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
 
-// The mesh whose vertices a cloud's points are.
-TriangleMesh fuzzedFaces();
+// The triangles between a cloud's points.
+PointTriangles fuzzedFaces();
 
 // A message of what an object of that type subscribes to.
 std::vector<std::uint8_t> messageBytes(MeshType type, ByteSource* source, const ros::Time& stamp);

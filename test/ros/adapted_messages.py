@@ -3,7 +3,7 @@ import numpy as np
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import PointCloud2, PointField
 from shape_msgs.msg import Mesh, MeshTriangle
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 
 def points(vertices):
@@ -20,6 +20,41 @@ def marker_message(mesh):
     marker.scale.x = marker.scale.y = marker.scale.z = 1
     marker.points = points(mesh[0][mesh[1].flatten()])
     return marker
+
+
+def array_message(mesh):
+    """The mesh is marker 'box'/4, behind its points and before its edges, as simulators publish."""
+    dots, surface, lines = (marker_message(mesh) for _ in range(3))
+    dots.id, dots.type = 3, Marker.POINTS
+    lines.id, lines.type, lines.points = 5, Marker.LINE_LIST, lines.points[:2]
+    return MarkerArray(markers=[dots, surface, lines])
+
+
+def polygon_message(mesh):
+    """Polygons of any length; the package is not everywhere."""
+    from pcl_msgs.msg import PolygonMesh, Vertices  # pylint: disable=import-outside-toplevel
+    return PolygonMesh(cloud=cloud_message(mesh),
+                       polygons=[Vertices([int(i) for i in polygon]) for polygon in mesh[1]])
+
+
+def depth_triangles(pixels, rows, max_jump):
+    """The triangles of a depth image by the rule in config/docs/mesh_from/depth_camera.md."""
+    columns = len(pixels) // rows
+    x, y, z = pixels.astype(np.float64).T
+    squared = x * x + y * y + z * z
+    squared[~np.isfinite(squared)] = 0
+    triangles = []
+    for a in range(columns * (rows - 1)):
+        if a % columns == columns - 1:
+            continue
+        b, c, d = a + 1, a + columns, a + columns + 1
+        ways = []
+        for way in (((a, c, b), (b, c, d)), ((a, c, d), (a, d, b))):
+            depths = [squared[list(triangle)] for triangle in way]
+            ways.append([triangle for triangle, of in zip(way, depths)
+                         if of.min() > 0 and of.max() <= (1 + max_jump) ** 2 * of.min()])
+        triangles += max(ways, key=len)
+    return np.array(triangles, np.uint32).reshape(-1, 3)
 
 
 def cloud_message(mesh, rows=1):

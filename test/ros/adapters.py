@@ -15,10 +15,11 @@ from sensor_msgs.msg import PointCloud2
 from shape_msgs.msg import Mesh
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 import boxes_scene
-from adapted_messages import cloud_message, marker_message, points, shape_message
+from adapted_messages import (
+    array_message, cloud_message, marker_message, points, shape_message)
 from boxes_scene import REFERENCE_FRAME
 from monitor_test_support import (
     PACKAGE, WAIT_S, ContactState, Log, Monitor, DeformableMesh, mesh_message, now, oracle_pairs,
@@ -26,7 +27,9 @@ from monitor_test_support import (
 from pose_meshes import read_obj
 
 BOX = read_obj(os.path.join(os.path.dirname(os.path.abspath(__file__)), "box.obj"))
-TYPES = {"mesh": DeformableMesh, "shape": Mesh, "marker": Marker, "cloud": PointCloud2}
+TYPES = {"mesh": DeformableMesh, "shape": Mesh, "marker": Marker, "array": MarkerArray,
+         "cloud": PointCloud2, "cells": PointCloud2, "late": DeformableMesh}
+LATE = rospy.Duration(0.5)  # as in adapters.test
 # Through the palm to the finger, and away; float32 has all of these exactly.
 PLACES = [np.array(place, np.float32) for place in
           ((0, 0, 0.125), (0.125, 0, 0.0625), (0.1875, 0.0625, 0.0625), (0, 0, 3))]
@@ -36,6 +39,12 @@ def stamped(stamp, message):
     message.header.stamp = stamp
     message.header.frame_id = REFERENCE_FRAME
     return message
+
+
+def stamped_array(stamp, array):
+    for marker in array.markers:
+        stamped(stamp, marker)
+    return array
 
 
 def half_a_marker(place):
@@ -67,8 +76,12 @@ class Adapters(unittest.TestCase):
         box = (BOX[0] + place, BOX[1])
         since, stamp = self.monitor.contacts.count(), now()
         self.publishers["mesh"].publish(mesh_message("mesh", stamp, REFERENCE_FRAME, box))
+        self.publishers["late"].publish(mesh_message("late", stamp + LATE, REFERENCE_FRAME, box))
         self.publishers["shape"].publish(shape_message(box))
         self.publishers["marker"].publish(stamped(stamp, half_a_marker(place)))
+        self.publishers["array"].publish(stamped_array(stamp, array_message(box)))
+        with_middle = (np.concatenate([box[0], [place]]), None)
+        self.publishers["cells"].publish(stamped(stamp, cloud_message(with_middle, rows=3)))
         self.publishers["cloud"].publish(stamped(stamp, cloud_message(box, rows=2)))
 
         def is_of(name, contacts):
@@ -112,6 +125,7 @@ class Adapters(unittest.TestCase):
                     found = {pair for pair in pairs_of(contacts[name]) if pair[2] == name}
                     self.assertEqual(found, expected)
                     self.assertTrue(contacts[name].complete)
+            self.assertEqual(contacts["late"].header.stamp, contacts["mesh"].header.stamp)
             touched.append(touching(expected))
         self.assertEqual(touched, [{"palm"}, {"palm"}, {"palm", "finger"}, set()])
 

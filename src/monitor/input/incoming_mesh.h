@@ -25,15 +25,18 @@ struct Topology {
 // Made by an adapter, stored and accepted by MeshInput, queued by CycleScheduler, and loaded into
 // the scene by MonitorScene. The vertices are shared, never copied, until the scene reads them.
 struct IncomingMesh {
-  DeformableMesh::ConstPtr message;            // of an invalid one only the stamp may be used
+  // Of an invalid one only the stamp may be used. Null: the original message, an array, says
+  // nothing about the object; then nobody stores this.
+  DeformableMesh::ConstPtr message;
   std::string problem{};                       // why it is invalid or rejected; empty: it is valid
   bool stamped_on_receipt = false;             // the original message had no stamp of its own
   SteadyTime arrival{};                        // when roscpp received the original message
   std::shared_ptr<const Topology> topology{};  // set on acceptance; fits the message's vertices
   std::string publisher{};                     // name of the node; empty: not known
   bool is_deletion = false;  // invalid because the object was deleted; a new mesh may follow soon
+  ros::Time corrected{};     // the stamp by stamp_offset_s; zero: that of the message holds
 
-  const ros::Time& stamp() const { return message->header.stamp; }
+  const ros::Time& stamp() const { return corrected.isZero() ? message->header.stamp : corrected; }
 };
 
 }  // namespace deformable_contact_monitor

@@ -3,23 +3,23 @@
 #include "monitor/input/mesh_adapters.h"
 
 #include <geometry_msgs/Transform.h>
-#include <sensor_msgs/PointField.h>
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 #include <stdexcept>
 
+#include "monitor/input/cloud_points.h"
+#include "monitor/input/depth_surface.h"
 #include "monitor/input/transform_lookup.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using sensor_msgs::PointCloud2;
-using sensor_msgs::PointField;
 using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
 
 [[noreturn]] void reject(const std::string& why) { throw std::invalid_argument(why); }
 
@@ -35,15 +35,35 @@ void append(double x, double y, double z, std::vector<float>* vertices) {
   vertices->push_back(static_cast<float>(z));
 }
 
-std::string shown(const std::string& marker_namespace, std::int32_t id) {
-  return "'" + marker_namespace + "'/" + std::to_string(id);
+MarkerName nameOf(const Marker& marker) { return {marker.ns, marker.id}; }
+
+std::string sizeText(const PointCloud2& cloud) {
+  return std::to_string(cloud.width) + " x " + std::to_string(cloud.height);
+}
+
+std::string shown(const MarkerName& marker) {
+  return "'" + marker.first + "'/" + std::to_string(marker.second);
+}
+
+// Returns the names of the array's first markers, for people.
+std::string shownNames(const MarkerArray& message) {
+  constexpr std::size_t kMost = 4, kMostLetters = 40;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kMost, message.markers.size()); ++i) {
+    const Marker& marker = message.markers[i];
+    names += (i == 0 ? "" : ", ") + shown({marker.ns.substr(0, kMostLetters), marker.id});
+  }
+  if (message.markers.size() > kMost) names += ", ...";
+  return names.empty() ? "is empty" : names;
 }
 
 // Returns the invalid mesh that stands for a deletion.
-IncomingMesh deletion(const Marker& message, const std::string& why) {
+IncomingMesh deletion(const Marker& message) {
   const auto mesh = boost::make_shared<DeformableMesh>();
   mesh->header = message.header;
-  IncomingMesh deleted{mesh, why};
+  IncomingMesh deleted{mesh, message.action == Marker::DELETEALL
+                                 ? "all markers were deleted (DELETEALL)"
+                                 : "marker " + shown(nameOf(message)) + " was deleted"};
   deleted.is_deletion = true;
   return deleted;
 }
@@ -97,72 +117,58 @@ void appendPosedPoints(const Marker& marker, std::vector<float>* vertices) {
   }
 }
 
-// The place of one coordinate within a point of a cloud.
-struct Place {
-  std::size_t offset;  // [bytes] from the point's first byte
-  bool is_double;
-};
-
-// Finds a coordinate's field by its name.
-Place placeOf(const std::string& name, const PointCloud2& cloud) {
-  const PointField* found = nullptr;
-  for (const PointField& field : cloud.fields) {
-    if (field.name != name) continue;
-    if (found != nullptr) reject("the cloud has two fields '" + name + "'");
-    found = &field;
+// Checks that a marker which is no deletion is a list of triangles.
+void checkTriangleList(const Marker& message) {
+  if (message.action != Marker::ADD) {
+    reject("the marker's action is " + std::to_string(message.action) + ", not ADD (0)");
   }
-  if (found == nullptr) reject("the cloud has no field '" + name + "'");
-  const bool is_double = found->datatype == PointField::FLOAT64;
-  if (!is_double && found->datatype != PointField::FLOAT32) {
-    reject("field '" + name + "' has datatype " + std::to_string(found->datatype) +
-           ", neither FLOAT32 (7) nor FLOAT64 (8)");
+  if (message.type != Marker::TRIANGLE_LIST) {
+    reject("the marker's type is " + std::to_string(message.type) + ", not TRIANGLE_LIST (" +
+           std::to_string(Marker::TRIANGLE_LIST) + ")");
   }
-  if (found->count > 1) {  // some publishers leave it 0
-    reject("field '" + name + "' has count " + std::to_string(found->count) + ", not 1");
-  }
-  const std::uint64_t end =
-      std::uint64_t{found->offset} + (is_double ? sizeof(double) : sizeof(float));
-  if (end > cloud.point_step) {
-    reject("field '" + name + "' ends at byte " + std::to_string(end) + ", but point_step is " +
-           std::to_string(cloud.point_step));
-  }
-  return {found->offset, is_double};
-}
-
-// Checks that there are as many points as vertices, and that all of them lie within the data. Sizes
-// are multiplied in 64 bits, where products of two 32-bit fields cannot wrap.
-void checkLayout(const PointCloud2& cloud, std::size_t vertex_count) {
-  if (cloud.is_bigendian != 0) reject("the cloud is big-endian");
-  const std::uint64_t points = std::uint64_t{cloud.width} * cloud.height;
-  if (points != vertex_count) {
-    reject("the cloud has " + std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
-           " points, but its faces are of " + std::to_string(vertex_count) + " vertices");
-  }
-  const std::uint64_t row_bytes = std::uint64_t{cloud.point_step} * cloud.width;
-  if (row_bytes > cloud.row_step) {
-    reject("row_step is " + std::to_string(cloud.row_step) + ", but a row has " +
-           std::to_string(row_bytes) + " bytes");
-  }
-  const std::uint64_t bytes = std::uint64_t{cloud.row_step} * cloud.height;
-  if (bytes != cloud.data.size()) {
-    reject("data has " + std::to_string(cloud.data.size()) + " bytes, but row_step x height is " +
-           std::to_string(bytes));
+  const std::size_t count = message.points.size();
+  if (count == 0) reject("the marker has no points");
+  if (count % 3 != 0) {
+    reject("the marker has " + std::to_string(count) + " points, no multiple of 3");
   }
 }
 
-// Reads a coordinate; it may lie at any address, so the bytes are copied.
-float coordinateAt(const std::uint8_t* point, const Place& place) {
-  if (place.is_double) {
-    double value = 0;
-    std::memcpy(&value, point + place.offset, sizeof value);
-    return static_cast<float>(value);
+// Returns the mesh of a marker that is no deletion. It has triangles if the number of points
+// differs from *point_count, which becomes that number.
+IncomingMesh meshOf(const Marker& message, const ros::Time& received, std::size_t* point_count) {
+  checkTriangleList(message);
+  const std::size_t count = message.points.size();
+  const auto mesh = boost::make_shared<DeformableMesh>();
+  mesh->header = message.header;
+  const bool stamped_on_receipt = message.header.stamp.isZero();
+  if (stamped_on_receipt) mesh->header.stamp = stampOfReceipt(received);
+  mesh->topology_id = static_cast<std::uint32_t>(count / 3);
+  mesh->vertices.reserve(3 * count);
+  appendPosedPoints(message, &mesh->vertices);
+  if (count != *point_count) {
+    mesh->triangles.resize(count);
+    std::iota(mesh->triangles.begin(), mesh->triangles.end(), 0U);
+    *point_count = count;
   }
-  float value = 0;
-  std::memcpy(&value, point + place.offset, sizeof value);
-  return value;
+  return {mesh, "", stamped_on_receipt};
 }
 
 }  // namespace
+
+ros::Time correctedStamp(const ros::Time& stamp, double offset_s) {
+  constexpr std::int64_t kEndNs = (std::int64_t{1} << 32) * 1000000000;
+  const std::int64_t ns = static_cast<std::int64_t>(stamp.toNSec()) + std::llround(1e9 * offset_s);
+  if (stamp.isZero() || ns <= 0 || ns >= kEndNs) return ros::Time();
+  return ros::Time().fromNSec(static_cast<std::uint64_t>(ns));
+}
+
+void correctStamp(double offset_s, IncomingMesh* mesh) {
+  if (offset_s == 0 || mesh->message == nullptr || mesh->stamp().isZero()) return;
+  mesh->corrected = correctedStamp(mesh->stamp(), offset_s);
+  if (mesh->corrected.isZero() && mesh->problem.empty()) {
+    mesh->problem = "header.stamp plus stamp_offset_s is no time";
+  }
+}
 
 IncomingMesh ShapeMeshAdapter::adapt(const Message& message, const ros::Time& received) {
   if (message.triangles.empty()) reject("the mesh has no triangle");
@@ -201,69 +207,90 @@ bool ShapeMeshAdapter::isSameTopology(const Message& message) const {
                      });
 }
 
+const Marker* markerOf(const MarkerArray& message, const MarkerName& name) {
+  const Marker* newest = nullptr;
+  for (const Marker& marker : message.markers) {
+    if (marker.action == Marker::DELETEALL || nameOf(marker) == name) newest = &marker;
+  }
+  return newest;
+}
+
 IncomingMesh MarkerAdapter::adapt(const Message& message, const ros::Time& received) {
-  if (message.action == Marker::DELETEALL) {
+  if (message.action != Marker::DELETEALL) checkIdentity(message);
+  if (isDeletion(message)) {
     marker_.reset();
-    return deletion(message, "all markers were deleted (DELETEALL)");
+    return deletion(message);
   }
-  checkIdentity(message);
-  if (message.action == Marker::DELETE) {
-    marker_.reset();
-    return deletion(message, "marker " + shown(message.ns, message.id) + " was deleted");
-  }
-  if (message.action != Marker::ADD) {
-    reject("the marker's action is " + std::to_string(message.action) + ", not ADD (0)");
-  }
-  if (message.type != Marker::TRIANGLE_LIST) {
-    reject("the marker's type is " + std::to_string(message.type) + ", not TRIANGLE_LIST (" +
-           std::to_string(Marker::TRIANGLE_LIST) + ")");
-  }
-  const std::size_t count = message.points.size();
-  if (count == 0) reject("the marker has no points");
-  if (count % 3 != 0) {
-    reject("the marker has " + std::to_string(count) + " points, no multiple of 3");
-  }
-  const auto mesh = boost::make_shared<DeformableMesh>();
-  mesh->header = message.header;
-  const bool stamped_on_receipt = message.header.stamp.isZero();
-  if (stamped_on_receipt) mesh->header.stamp = stampOfReceipt(received);
-  mesh->topology_id = static_cast<std::uint32_t>(count / 3);
-  mesh->vertices.reserve(3 * count);
-  appendPosedPoints(message, &mesh->vertices);
-  if (count != point_count_) {
-    mesh->triangles.resize(count);
-    std::iota(mesh->triangles.begin(), mesh->triangles.end(), 0U);
-    point_count_ = count;
-  }
-  marker_.emplace(message.ns, message.id);
-  return {mesh, "", stamped_on_receipt};
+  IncomingMesh mesh = meshOf(message, received, &point_count_);
+  marker_ = nameOf(message);
+  return mesh;
 }
 
 // Checks that this marker is the object's, if it has one.
 void MarkerAdapter::checkIdentity(const Message& message) const {
-  const std::pair<std::string, std::int32_t> marker{message.ns, message.id};
+  const MarkerName marker = nameOf(message);
   if (marker_ && *marker_ != marker) {
-    reject("it is marker " + shown(message.ns, message.id) + ", but the object is marker " +
-           shown(marker_->first, marker_->second) +
-           " until that is deleted; markers need a topic each");
+    reject("it is marker " + shown(marker) + ", but the object is marker " + shown(*marker_) +
+           " until that is deleted; markers need a topic each, or a marker_array");
   }
 }
 
+// Publishers send markers that did not change in no array, so one without the marker says nothing
+// once the marker was seen. Before, it is probably the name that is wrong.
+IncomingMesh MarkerArrayAdapter::adapt(const Message& message, const ros::Time& received) {
+  const Marker* const marker = markerOf(message, name_);
+  if (marker == nullptr) {
+    if (is_seen_) return {};
+    reject("the array has no marker " + shown(name_) + ", but " + shownNames(message));
+  }
+  is_seen_ = is_seen_ || nameOf(*marker) == name_;
+  return isDeletion(*marker) ? deletion(*marker) : meshOf(*marker, received, &point_count_);
+}
+
 IncomingMesh PointCloudAdapter::adapt(const Message& message, const ros::Time& /*received*/) {
-  checkLayout(message, faces_->vertexCount());
-  const Place places[] = {placeOf("x", message), placeOf("y", message), placeOf("z", message)};
+  const std::uint64_t points = std::uint64_t{message.width} * message.height;
+  if (points != faces_->point_count) {
+    reject("the cloud has " + sizeText(message) + " points, but its faces are of " +
+           std::to_string(faces_->point_count) + " vertices");
+  }
   const auto mesh = boost::make_shared<DeformableMesh>();
   mesh->header = message.header;
   mesh->topology_id = 1;
-  mesh->vertices.reserve(3 * faces_->vertexCount());
-  for (std::size_t row = 0; row < message.height; ++row) {
-    const std::uint8_t* point = message.data.data() + row * message.row_step;
-    for (std::size_t i = 0; i < message.width; ++i, point += message.point_step) {
-      for (const Place& place : places) mesh->vertices.push_back(coordinateAt(point, place));
-    }
-  }
+  CloudPoints(message).appendTo(&mesh->vertices);
   if (!has_sent_triangles_) mesh->triangles = faces_->triangles;
   has_sent_triangles_ = true;
+  return {mesh};
+}
+
+// Clouds whose points are smaller than three floats would make meshes much larger than themselves.
+IncomingMesh DepthCloudAdapter::adapt(const Message& message, const ros::Time& /*received*/) {
+  constexpr std::uint32_t kLeastPointBytes = 3 * sizeof(float);
+  if (message.width < 2 || message.height < 2) {
+    reject("the cloud has " + sizeText(message) +
+           " points, so it is not organised in rows; give its triangles by 'faces'");
+  }
+  if (message.point_step < kLeastPointBytes) {
+    reject("point_step is " + std::to_string(message.point_step) +
+           ", too few bytes for x, y and z");
+  }
+  const auto mesh = boost::make_shared<DeformableMesh>();
+  mesh->header = message.header;
+  CloudPoints(message).appendTo(&mesh->vertices);
+  DepthSurface surface =
+      depthSurface(mesh->vertices, message.width, message.height, rule_.max_depth_jump);
+  const double pixels = static_cast<double>(mesh->vertices.size()) / 3;
+  if (static_cast<double>(surface.pixels_with_depth) < rule_.min_seen * pixels) {
+    reject("only " + std::to_string(surface.pixels_with_depth) + " of " + sizeText(message) +
+           " pixels have a depth, fewer than min_seen allows");
+  }
+  if (surface.triangles.empty()) reject("no three neighbouring pixels have similar depths");
+  if (surface.triangles != triangles_ || mesh->vertices.size() != coordinate_count_) {
+    triangles_ = surface.triangles;
+    coordinate_count_ = mesh->vertices.size();
+    mesh->triangles = std::move(surface.triangles);
+    ++topology_id_;
+  }
+  mesh->topology_id = topology_id_;
   return {mesh};
 }
 

@@ -6,6 +6,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <shape_msgs/Mesh.h>
 #include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <cstdint>
 #include <memory>
@@ -14,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/triangle_mesh.h"
 #include "monitor/input/incoming_mesh.h"
+#include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
 
@@ -28,6 +29,14 @@ namespace deformable_contact_monitor {
 // adapt() throws std::invalid_argument if the message is not a valid mesh. The adapter is then
 // unchanged. `received` is the time of receipt; zero:
 // there is no clock. The result has no `arrival`.
+
+// Returns the stamp plus the offset [s]; zero if the stamp is zero, or ros::Time cannot hold the
+// sum.
+ros::Time correctedStamp(const ros::Time& stamp, double offset_s);
+
+// Corrects the stamp of a mesh by its object's stamp_offset_s. A mesh without a stamp stays so. One
+// whose corrected stamp ros::Time cannot hold becomes invalid.
+void correctStamp(double offset_s, IncomingMesh* mesh);
 
 // How long [s] an object that was deleted keeps its last mesh: many publishers delete a marker
 // before they draw it anew. No mesh within this time means that the object has none.
@@ -70,25 +79,74 @@ class MarkerAdapter {
  private:
   void checkIdentity(const Message& message) const;
 
-  std::optional<std::pair<std::string, std::int32_t>> marker_;  // the object's namespace and id
-  std::size_t point_count_ = 0;                                 // of the last mesh
+  std::optional<MarkerName> marker_;  // the object's
+  std::size_t point_count_ = 0;       // of the last mesh
+};
+
+// Returns whether a marker's message deletes it, or all markers.
+inline bool isDeletion(const visualization_msgs::Marker& marker) {
+  using visualization_msgs::Marker;
+  return marker.action == Marker::DELETE || marker.action == Marker::DELETEALL;
+}
+
+// Returns what an array says about one marker: the last of its markers that has this name, or that
+// deletes all markers. Null: there is none.
+const visualization_msgs::Marker* markerOf(const visualization_msgs::MarkerArray& message,
+                                           const MarkerName& name);
+
+// Converts one marker of a MarkerArray, as MarkerAdapter does; the other markers are not looked at.
+// Of several messages about it in one array the last one counts. An array without it becomes an
+// IncomingMesh without a message. If no array so far had it, an array without it is rejected with
+// the names that are there.
+class MarkerArrayAdapter {
+ public:
+  using Message = visualization_msgs::MarkerArray;
+
+  explicit MarkerArrayAdapter(MarkerName name) : name_(std::move(name)) {}
+
+  IncomingMesh adapt(const Message& message, const ros::Time& received);
+
+ private:
+  const MarkerName name_;
+  bool is_seen_ = false;         // some array had the marker
+  std::size_t point_count_ = 0;  // of the last mesh
 };
 
 // Converts a point cloud whose points are the vertices of a known mesh, row by row, in the order of
-// the mesh's file. Coordinates may be float32 or float64, with any layout.
+// the mesh's file, or the corners of known tetrahedra. Coordinates may be float32 or float64, with
+// any layout.
 class PointCloudAdapter {
  public:
   using Message = sensor_msgs::PointCloud2;
 
-  // `faces` has the triangles, which the cloud lacks; of its vertices only the number matters.
-  explicit PointCloudAdapter(std::shared_ptr<const TriangleMesh> faces)
+  // `faces` are the triangles, which the cloud lacks.
+  explicit PointCloudAdapter(std::shared_ptr<const PointTriangles> faces)
       : faces_(std::move(faces)) {}
 
   IncomingMesh adapt(const Message& message, const ros::Time& received);
 
  private:
-  std::shared_ptr<const TriangleMesh> faces_;
+  std::shared_ptr<const PointTriangles> faces_;
   bool has_sent_triangles_ = false;
+};
+
+// Converts an organised point cloud, as a depth camera sends it: the points are the pixels, row by
+// row, and depthSurface() makes the triangles. They are mostly others in each message. A cloud in
+// which too few pixels have a depth is rejected, so that a covered camera does not look like a free
+// space.
+class DepthCloudAdapter {
+ public:
+  using Message = sensor_msgs::PointCloud2;
+
+  explicit DepthCloudAdapter(const DepthRule& rule) : rule_(rule) {}
+
+  IncomingMesh adapt(const Message& message, const ros::Time& received);
+
+ private:
+  const DepthRule rule_;
+  std::vector<std::uint32_t> triangles_;  // of the last mesh
+  std::size_t coordinate_count_ = 0;      // of the last mesh
+  std::uint32_t topology_id_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

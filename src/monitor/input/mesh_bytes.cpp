@@ -12,6 +12,9 @@ constexpr std::size_t kPointBytes = 3 * sizeof(double);
 constexpr std::size_t kColorBytes = 4 * sizeof(float);
 constexpr std::size_t kLeastFieldBytes = 3 * kWord + 1;  // a PointField with an empty name
 
+// A Marker whose arrays and strings are empty.
+constexpr std::size_t kLeastMarkerBytes = 14 * kWord + 10 * sizeof(double) + kColorBytes + 2;
+
 // The overloads walk over the fields of one message type each; the pointer only selects the type.
 void walkOver(const DeformableMesh* /*type*/, WireWalker* walk) {
   walk->header();
@@ -41,6 +44,12 @@ void walkOver(const visualization_msgs::Marker* /*type*/, WireWalker* walk) {
   walk->skip("mesh_use_embedded_materials", 1);
 }
 
+void walkOver(const visualization_msgs::MarkerArray* /*type*/, WireWalker* walk) {
+  for (std::uint32_t left = walk->count("markers", kLeastMarkerBytes); left > 0; --left) {
+    walkOver(static_cast<const visualization_msgs::Marker*>(nullptr), walk);
+  }
+}
+
 void walkOver(const sensor_msgs::PointCloud2* /*type*/, WireWalker* walk) {
   walk->header();
   walk->skip("height and width", 2 * kWord);
@@ -52,6 +61,16 @@ void walkOver(const sensor_msgs::PointCloud2* /*type*/, WireWalker* walk) {
   walk->array("data", 1);
   walk->skip("is_dense", 1);
 }
+
+#ifdef DCM_HAS_PCL_MSGS
+void walkOver(const pcl_msgs::PolygonMesh* /*type*/, WireWalker* walk) {
+  walk->header();
+  walkOver(static_cast<const sensor_msgs::PointCloud2*>(nullptr), walk);
+  for (std::uint32_t left = walk->count("polygons", kWord); left > 0; --left) {
+    walk->array("polygons.vertices", kWord);
+  }
+}
+#endif
 
 }  // namespace
 
@@ -77,10 +96,28 @@ std::uint64_t byteCount(const visualization_msgs::Marker& message) {
          message.ns.size() + message.text.size() + message.mesh_resource.size();
 }
 
+std::uint64_t byteCount(const visualization_msgs::MarkerArray& message) {
+  std::uint64_t bytes = 0;
+  for (const visualization_msgs::Marker& marker : message.markers) {
+    bytes += kLeastMarkerBytes + byteCount(marker);
+  }
+  return bytes;
+}
+
 std::uint64_t byteCount(const sensor_msgs::PointCloud2& message) {
   return message.header.frame_id.size() + kLeastFieldBytes * std::uint64_t{message.fields.size()} +
          message.data.size();
 }
+
+#ifdef DCM_HAS_PCL_MSGS
+std::uint64_t byteCount(const pcl_msgs::PolygonMesh& message) {
+  std::uint64_t bytes = message.header.frame_id.size() + byteCount(message.cloud);
+  for (const pcl_msgs::Vertices& polygon : message.polygons) {
+    bytes += kWord * (1 + std::uint64_t{polygon.vertices.size()});
+  }
+  return bytes;
+}
+#endif
 
 ros::Time stampIn(const std::uint8_t* bytes, std::size_t size) {
   WireWalker walk(bytes, size);
@@ -107,7 +144,13 @@ template std::string validateMeshBytes<shape_msgs::Mesh>(const std::uint8_t*, st
                                                          std::size_t);
 template std::string validateMeshBytes<visualization_msgs::Marker>(const std::uint8_t*, std::size_t,
                                                                    std::size_t);
+template std::string validateMeshBytes<visualization_msgs::MarkerArray>(const std::uint8_t*,
+                                                                        std::size_t, std::size_t);
 template std::string validateMeshBytes<sensor_msgs::PointCloud2>(const std::uint8_t*, std::size_t,
                                                                  std::size_t);
+#ifdef DCM_HAS_PCL_MSGS
+template std::string validateMeshBytes<pcl_msgs::PolygonMesh>(const std::uint8_t*, std::size_t,
+                                                              std::size_t);
+#endif
 
 }  // namespace deformable_contact_monitor

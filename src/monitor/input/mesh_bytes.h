@@ -5,10 +5,13 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <shape_msgs/Mesh.h>
 #include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
+
+#include "monitor/input/pcl_messages.h"
 
 namespace deformable_contact_monitor {
 
@@ -26,7 +29,11 @@ std::string meshSizeProblem(std::uint64_t bytes, std::size_t max_bytes);
 std::uint64_t byteCount(const DeformableMesh& message);
 std::uint64_t byteCount(const shape_msgs::Mesh& message);
 std::uint64_t byteCount(const visualization_msgs::Marker& message);
+std::uint64_t byteCount(const visualization_msgs::MarkerArray& message);
 std::uint64_t byteCount(const sensor_msgs::PointCloud2& message);
+#ifdef DCM_HAS_PCL_MSGS
+std::uint64_t byteCount(const pcl_msgs::PolygonMesh& message);
+#endif
 
 // Returns the stamp of the header that the bytes begin with; zero if they are too few.
 ros::Time stampIn(const std::uint8_t* bytes, std::size_t size);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "monitor/input/mesh_bytes.h"
+#include "monitor/input/polygon_mesh_adapter.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -104,6 +105,7 @@ ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_byt
   options.helper = boost::make_shared<CheckingHelper<M>>(
       max_bytes, [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
         IncomingMesh mesh = meshOf(event, max_bytes, adapt);
+        if (mesh.message == nullptr) return;
         mesh.arrival =
             std::chrono::steady_clock::now() - fromSeconds(waitedS(event.getReceiptTime()));
         mesh.publisher = event.getPublisherName();
@@ -134,21 +136,43 @@ const char* messageType(MeshType type) {
     case MeshType::kMarker:
       return ros::message_traits::datatype<visualization_msgs::Marker>();
     case MeshType::kPointCloud:
+    case MeshType::kTetrahedra:
       return ros::message_traits::datatype<sensor_msgs::PointCloud2>();
+    case MeshType::kMarkerArray:
+      return ros::message_traits::datatype<visualization_msgs::MarkerArray>();
+    case MeshType::kPolygonMesh:
+      return "pcl_msgs/PolygonMesh";
     default:
       return ros::message_traits::datatype<DeformableMesh>();
   }
 }
 
 ros::SubscribeOptions meshSubscription(const std::string& topic, const ObjectParameters& object,
-                                       std::size_t max_bytes, const MeshReceiver& receive) {
+                                       std::size_t max_bytes, const MeshReceiver& receiver) {
+  const MeshReceiver receive = [offset_s = object.stamp_offset_s,
+                                receiver](const IncomingMesh& received) {
+    IncomingMesh mesh = received;
+    correctStamp(offset_s, &mesh);
+    receiver(mesh);
+  };
   switch (object.type) {
     case MeshType::kShapeMesh:
       return adaptedSubscription(topic, max_bytes, receive, ShapeMeshAdapter(object.frame_id));
     case MeshType::kMarker:
       return adaptedSubscription(topic, max_bytes, receive, MarkerAdapter());
     case MeshType::kPointCloud:
+      if (object.faces == nullptr) {
+        return adaptedSubscription(topic, max_bytes, receive, DepthCloudAdapter(object.depth));
+      }
+      [[fallthrough]];
+    case MeshType::kTetrahedra:
       return adaptedSubscription(topic, max_bytes, receive, PointCloudAdapter(object.faces));
+    case MeshType::kMarkerArray:
+      return adaptedSubscription(topic, max_bytes, receive, MarkerArrayAdapter(object.marker));
+#ifdef DCM_HAS_PCL_MSGS
+    case MeshType::kPolygonMesh:
+      return adaptedSubscription(topic, max_bytes, receive, PolygonMeshAdapter());
+#endif
     default:
       return subscription<DeformableMesh>(
           topic, max_bytes, receive,

@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-#include "core/mesh_file.h"
+#include "monitor/rules/object_types.h"
 #include "monitor/rules/parameter_reader.h"
 
 namespace deformable_contact_monitor {
@@ -22,6 +22,7 @@ namespace {
 constexpr double kMaxMarginM = 10;
 constexpr double kMaxToleranceM = 1;
 constexpr double kMaxBudgetMs = 60000;
+constexpr double kMaxStampOffsetS = 5;  // tf2 keeps 10 s
 
 // Adds a warning for each name that is set but was never asked for, mostly a typing error.
 void warnOfUnknown(const ParameterReader& reader, std::vector<std::string>* warnings) {
@@ -56,28 +57,6 @@ void readRobot(ParameterReader* reader, MonitorParameters* p) {
   p->link_margin_m = reader->numbers("link_margin_m", 0, kMaxMarginM);
 }
 
-// Reads an object's type and what that type needs beside a topic.
-void readMeshType(ParameterReader* entry, ObjectParameters* object) {
-  object->type = static_cast<MeshType>(
-      entry->choice("type", {"deformable_mesh", "shape_mesh", "marker", "point_cloud"}, 0));
-  if (object->type == MeshType::kShapeMesh) {
-    object->frame_id = entry->text("frame_id", "");
-    if (object->frame_id.empty())
-      entry->addProblem("frame_id", "is missing: messages of type shape_mesh name no frame");
-  }
-  if (object->type != MeshType::kPointCloud) return;
-  const std::string faces = entry->text("faces", "");
-  // Reading the mesh file at start shows a bad one at once, and not with the first message.
-  try {
-    if (faces.empty())
-      throw std::runtime_error("is missing: a point_cloud has no triangles of its own");
-    object->faces = std::make_shared<const TriangleMesh>(readMeshFile(makeRosResolver()(faces)));
-  } catch (const std::exception& error) {
-    entry->addProblem("faces",
-                      faces.empty() ? error.what() : "is '" + faces + "': " + error.what());
-  }
-}
-
 // Comes after readRobot(), because objects without a margin of their own use margin_m.
 void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
                  MonitorParameters* p) {
@@ -92,8 +71,11 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     object.shares_margin = own_margin_m < 0;
     object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
     object.required = entry.flag("required", object.required);
-    readMeshType(&entry, &object);
-    const std::string faces = object.faces == nullptr ? "" : entry.text("faces", "");
+    object.stamp_offset_s =
+        entry.number("stamp_offset_s", object.stamp_offset_s, -kMaxStampOffsetS, kMaxStampOffsetS);
+    readObjectType(&entry, warnings, &object);
+    const bool has_faces = object.type == MeshType::kPointCloud && object.faces != nullptr;
+    const std::string faces = has_faces ? entry.text("faces", "") : "";
     object.parts = readParts(&entry, object.name, faces, warnings);
     // The name must work as a body's name in rules and, without a topic, as part of a topic.
     std::string error;

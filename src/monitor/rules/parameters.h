@@ -20,6 +20,7 @@
 #include "core/triangle_mesh.h"
 #include "monitor/rules/contact_rules.h"
 #include "monitor/rules/part_parameters.h"
+#include "monitor/rules/tetrahedra.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
@@ -28,7 +29,25 @@ namespace deformable_contact_monitor {
 enum class RobotSourceKind { kUrdf, kTopic };
 
 // The message types in which an object's meshes can arrive.
-enum class MeshType { kDeformableMesh, kShapeMesh, kMarker, kPointCloud };
+enum class MeshType {
+  kDeformableMesh,
+  kShapeMesh,
+  kMarker,
+  kPointCloud,
+  kMarkerArray,
+  kTetrahedra,
+  kPolygonMesh
+};
+constexpr std::size_t kMeshTypes = 7;
+
+// The namespace and the id of a marker.
+using MarkerName = std::pair<std::string, std::int32_t>;
+
+// How the pixels of a depth camera become triangles (monitor/input/depth_surface.h).
+struct DepthRule {
+  double max_depth_jump = 0.05;
+  double min_seen = 0.01;  // least share of the pixels that have a depth
+};
 
 // One entry of the parameter `objects`.
 struct ObjectParameters {
@@ -37,10 +56,15 @@ struct ObjectParameters {
   float margin_m = 0;    // the object's own margin, or the general one
   bool required = true;  // false: missing data are a warning in the diagnostics, not an error
   MeshType type = MeshType::kDeformableMesh;
-  std::string frame_id{};                       // kShapeMesh only: frame of the vertices
-  std::shared_ptr<const TriangleMesh> faces{};  // kPointCloud only: the mesh with the triangles
-  bool shares_margin = false;                   // has no margin of its own
-  std::vector<PartParameters> parts{};          // its named parts
+  std::string frame_id{};     // kShapeMesh only: frame of the vertices
+  double stamp_offset_s = 0;  // what is added to the stamps of its messages
+  // kPointCloud and kTetrahedra only: the triangles between the points. Null: the cloud is an image
+  // of a depth camera.
+  std::shared_ptr<const PointTriangles> faces{};
+  DepthRule depth{};                    // kPointCloud without faces only
+  MarkerName marker{};                  // kMarkerArray only: the marker that is the object
+  bool shares_margin = false;           // has no margin of its own
+  std::vector<PartParameters> parts{};  // its named parts
 };
 
 // Returns the object as a body that has no mesh yet.

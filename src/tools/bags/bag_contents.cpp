@@ -46,7 +46,8 @@ void addStatic(const ros::Time& received, const geometry_msgs::TransformStamped&
 
 // The first reading keeps this until its end.
 struct Scan {
-  ros::Time newest;  // stamp of a transform or a joint
+  std::map<std::string, ObjectParameters> objects;  // the configured ones by topic
+  ros::Time newest;                                 // stamp of a transform or a joint
   TimeJumps transform_jumps, mesh_jumps;
 };
 
@@ -115,9 +116,13 @@ void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic
   // The mesh gets its place in the list before it is decoded, which may throw.
   contents->meshes.push_back(
       {message.received, message.received, number, message.topic, 0, {}, false});
-  const BagMeshHead head = headOf(message);
+  const ObjectParameters& object = scan->objects[message.topic];
+  const BagMeshHead head = headOf(message, object);
+  if (head.says_nothing) return;
   ros::Time& stamp = contents->meshes.back().stamp;
   if (!head.stamp.isZero()) stamp = head.stamp;
+  const ros::Time corrected = correctedStamp(stamp, object.stamp_offset_s);
+  if (!corrected.isZero()) stamp = corrected;
   scan->mesh_jumps.look(message.topic, stamp, message.received);
   lookAtDeletion(head.is_deletion, topic, contents);
   if (head.mesh) {
@@ -265,14 +270,15 @@ std::string stampText(const ros::Time& stamp) {
 
 // A message that cannot be read is counted as damaged, and the reading goes on. Topics are chosen
 // before the first message is used, and also if there is none.
-BagContents scanBags(BagReader* reader, const BagFiles& files, bool needs_robot,
+BagContents scanBags(BagReader* reader, const BagFiles& files, const MonitorParameters& configured,
                      const std::function<void(std::uint64_t)>& progress) {
   BagContents contents;
   const auto choose = [&] {
     contents.recorded = reader->topics();
-    contents.chosen = chooseTopics(contents.recorded, files, needs_robot);
+    contents.chosen = chooseTopics(contents.recorded, files, configured.pair_classes.needRobot());
   };
   Scan scan;
+  for (const ObjectParameters& object : configured.objects) scan.objects[topicOf(object)] = object;
   std::uint64_t count = 0;
   contents.problem = reader->read([&](const BagMessage& message) {
     if (count == 0) choose();

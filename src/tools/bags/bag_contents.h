@@ -123,9 +123,10 @@ struct BagContents {
   void addJointTransforms(const History<std::string>& urdfs, const std::string& frame_prefix);
 };
 
-// Reads the bags once, and keeps what comes before damage. Calls `progress` with the number of
-// messages so far. Throws as BagReader::read and chooseTopics() do.
-BagContents scanBags(BagReader* reader, const BagFiles& files, bool needs_robot,
+// Reads the bags once, and keeps what comes before damage. `configured` comes from
+// readBagParameters(). Calls `progress` with the number of messages so far. Throws as
+// BagReader::read and chooseTopics() do.
+BagContents scanBags(BagReader* reader, const BagFiles& files, const MonitorParameters& configured,
                      const std::function<void(std::uint64_t)>& progress);
 
 // Returns a stamp as tables and messages show it: seconds with nine decimals.

@@ -44,13 +44,6 @@ ros::Duration cacheTime(const BagContents& contents, double max_mesh_age_s) {
 
 }  // namespace
 
-// The node's own topics are below its name, which is contact_monitor in recordings.
-std::string topicOf(const ObjectParameters& object) {
-  const std::string& topic = object.topic;
-  if (topic.empty()) return "/contact_monitor/objects/" + object.name + "/mesh";
-  return absoluteTopic(topic.front() == '~' ? "contact_monitor/" + topic.substr(1) : topic);
-}
-
 BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& contents,
                      const History<RobotGeometry>& robots, const PlayedObject* played)
     : parameters_(parameters),
@@ -247,7 +240,7 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
       std::optional<IncomingMesh> mesh = nextMesh(event);
-      if (!mesh || event.is_passing) continue;
+      if (!mesh || !mesh->message || event.is_passing) continue;
       MeshInput& input = inputs_[event.input];
       // The triangles may come from a later message of the bag.
       if (!event.played) input.storeTriangles(contents_.triangles_ahead.of(event.number));

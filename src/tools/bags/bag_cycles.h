@@ -144,7 +144,4 @@ class BagCycles {
   std::uint64_t cycle_ = 0, refused_transforms_ = 0;
 };
 
-// Returns the absolute topic of an object, for a monitor whose name is /contact_monitor.
-std::string topicOf(const ObjectParameters& object);
-
 }  // namespace deformable_contact_monitor

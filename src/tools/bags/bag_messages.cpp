@@ -11,6 +11,7 @@
 
 #include "monitor/input/mesh_bytes.h"
 #include "monitor/input/mesh_subscription.h"
+#include "monitor/input/polygon_mesh_adapter.h"
 #include "monitor/input/wire_walker.h"
 
 namespace deformable_contact_monitor {
@@ -63,6 +64,10 @@ template <typename M>
 std::string problemOf(const std::vector<std::uint8_t>& bytes) {
   if constexpr (std::is_same_v<M, DeformableMesh> || std::is_same_v<M, shape_msgs::Mesh> ||
                 std::is_same_v<M, visualization_msgs::Marker> ||
+                std::is_same_v<M, visualization_msgs::MarkerArray> ||
+#ifdef DCM_HAS_PCL_MSGS
+                std::is_same_v<M, pcl_msgs::PolygonMesh> ||
+#endif
                 std::is_same_v<M, sensor_msgs::PointCloud2>) {
     return validateMeshBytes<M>(bytes.data(), bytes.size(),
                                 std::numeric_limits<std::size_t>::max());
@@ -164,45 +169,78 @@ sensor_msgs::JointState toJointState(const BagMessage& message) {
 }
 
 bool isMesh(const BagMessage& message) {
-  for (const MeshType type : {MeshType::kDeformableMesh, MeshType::kShapeMesh, MeshType::kMarker,
-                              MeshType::kPointCloud}) {
-    if (message.type == messageType(type)) return true;
+  for (std::size_t type = 0; type < kMeshTypes; ++type) {
+    if (message.type == messageType(static_cast<MeshType>(type))) return true;
   }
   return false;
 }
 
-BagMeshHead headOf(const BagMessage& message) {
-  if (message.type == messageType(MeshType::kDeformableMesh)) {
+BagMeshHead headOf(const BagMessage& message, const ObjectParameters& object) {
+  using visualization_msgs::Marker;
+  using visualization_msgs::MarkerArray;
+  if (message.type == typeOf<DeformableMesh>()) {
     const DeformableMesh::ConstPtr mesh = decoded<DeformableMesh>(message);
     return {mesh->header.stamp, mesh, false};
   }
-  if (message.type == messageType(MeshType::kShapeMesh)) {
+  if (message.type == typeOf<shape_msgs::Mesh>()) {
     check<shape_msgs::Mesh>(message);
     return {};
   }
-  if (message.type == messageType(MeshType::kMarker)) {
-    using visualization_msgs::Marker;
+  if (message.type == typeOf<Marker>()) {
     const boost::shared_ptr<const Marker> marker = decoded<Marker>(message);
-    const bool is_deletion =
-        marker->action == Marker::DELETE || marker->action == Marker::DELETEALL;
-    return {marker->header.stamp, nullptr, is_deletion};
+    return {marker->header.stamp, nullptr, isDeletion(*marker)};
   }
+  if (message.type == typeOf<MarkerArray>()) {
+    const boost::shared_ptr<const MarkerArray> array = decoded<MarkerArray>(message);
+    const Marker* const marker = markerOf(*array, object.marker);
+    if (marker == nullptr) return {{}, nullptr, false, true};
+    return {marker->header.stamp, nullptr, isDeletion(*marker)};
+  }
+#ifdef DCM_HAS_PCL_MSGS
+  if (message.type == typeOf<pcl_msgs::PolygonMesh>()) {
+    check<pcl_msgs::PolygonMesh>(message);
+    return {stampIn(message.bytes.data(), message.bytes.size()), nullptr, false};
+  }
+#endif
   check<sensor_msgs::PointCloud2>(message);
   return {stampIn(message.bytes.data(), message.bytes.size()), nullptr, false};
 }
 
-RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {
+namespace {
+
+// Returns the reader of the object's type, which leaves stamps as they are.
+RecordedMeshReader uncorrectedReader(const ObjectParameters& object) {
   switch (object.type) {
     case MeshType::kShapeMesh:
       return adaptedReader(ShapeMeshAdapter(object.frame_id));
     case MeshType::kMarker:
       return adaptedReader(MarkerAdapter());
     case MeshType::kPointCloud:
+      if (object.faces == nullptr) return adaptedReader(DepthCloudAdapter(object.depth));
+      [[fallthrough]];
+    case MeshType::kTetrahedra:
       return adaptedReader(PointCloudAdapter(object.faces));
+    case MeshType::kMarkerArray:
+      return adaptedReader(MarkerArrayAdapter(object.marker));
+#ifdef DCM_HAS_PCL_MSGS
+    case MeshType::kPolygonMesh:
+      return adaptedReader(PolygonMeshAdapter());
+#endif
     default:
       return
           [](const BagMessage& message) { return IncomingMesh{decoded<DeformableMesh>(message)}; };
   }
+}
+
+}  // namespace
+
+RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {
+  return [read = uncorrectedReader(object),
+          offset_s = object.stamp_offset_s](const BagMessage& message) {
+    IncomingMesh mesh = read(message);
+    correctStamp(offset_s, &mesh);
+    return mesh;
+  };
 }
 
 }  // namespace deformable_contact_monitor

@@ -48,15 +48,17 @@ struct BagMeshHead {
   ros::Time stamp;                // of its header; zero: the type has no header
   DeformableMesh::ConstPtr mesh;  // null: it is of another type
   bool is_deletion = false;       // of a marker
+  bool says_nothing = false;      // an array without the object's marker
 };
 
-// Reads what the first reading of the bags needs. Throws std::runtime_error as RecordedMeshReader
-// does.
-BagMeshHead headOf(const BagMessage& message);
+// Reads what the first reading of the bags needs of a mesh of `object`. Throws std::runtime_error
+// as RecordedMeshReader does.
+BagMeshHead headOf(const BagMessage& message, const ObjectParameters& object);
 
 // Decodes the messages of one object. They must come in the order of their cycles. The time of
 // receipt is that of the recording. Throws std::runtime_error, "<topic>: <what>", if the bytes are
-// not exactly one message of the object's type, or the recorded definition of the type differs.
+// not exactly one message of the object's type, or the recorded definition of the type differs. The
+// mesh has no message if an array says nothing about the object.
 using RecordedMeshReader = std::function<IncomingMesh(const BagMessage& message)>;
 RecordedMeshReader recordedMeshReader(const ObjectParameters& object);
 

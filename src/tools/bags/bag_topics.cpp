@@ -192,4 +192,11 @@ std::map<std::string, std::string> objectTopics(const BagFiles& files) {
 
 bool isStatic(const std::string& topic) { return endsWith(topic, kStatic); }
 
+// The node's own topics are below its name, which is contact_monitor in recordings.
+std::string topicOf(const ObjectParameters& object) {
+  const std::string& topic = object.topic;
+  if (topic.empty()) return "/contact_monitor/objects/" + object.name + "/mesh";
+  return absoluteTopic(topic.front() == '~' ? "contact_monitor/" + topic.substr(1) : topic);
+}
+
 }  // namespace deformable_contact_monitor

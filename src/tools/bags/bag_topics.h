@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "monitor/rules/parameters.h"
 #include "tools/common/bag_files.h"
 
 namespace deformable_contact_monitor {
@@ -39,5 +40,8 @@ std::map<std::string, std::string> objectTopics(const BagFiles& files);
 
 // Returns true if transforms on this topic are static.
 bool isStatic(const std::string& topic);
+
+// Returns the absolute topic of an object, for a monitor whose name is /contact_monitor.
+std::string topicOf(const ObjectParameters& object);
 
 }  // namespace deformable_contact_monitor

@@ -181,8 +181,7 @@ struct Scanned {
     console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
     if (!arguments.expectations.empty()) expectations = readExpectations(arguments.expectations);
     progress.emplace("reading the bags");
-    const bool needs_robot = configured.pair_classes.needRobot();
-    contents = scanBags(&reader, arguments.files, needs_robot, [this](std::uint64_t count) {
+    contents = scanBags(&reader, arguments.files, configured, [this](std::uint64_t count) {
       if (count % 1000 == 0) progress->set("reading the bags, message " + std::to_string(count));
     });
     setup = setUp(arguments, configured, &contents);

@@ -146,8 +146,7 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t mo
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   progress("reading the bags");
-  BagContents contents =
-      scanBags(&reader, files, configured.pair_classes.needRobot(), [](std::uint64_t) {});
+  BagContents contents = scanBags(&reader, files, configured, [](std::uint64_t) {});
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);
   auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes, most_frames);

@@ -56,7 +56,7 @@ inline void expectSame(const DeformableMesh& message, const TriangleMesh& mesh) 
 inline TriangleMesh square() { return {{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 1, 2, 1, 3, 2}}; }
 
 inline PointCloudAdapter cloudAdapter(const TriangleMesh& faces) {
-  return PointCloudAdapter(std::make_shared<const TriangleMesh>(faces));
+  return PointCloudAdapter(std::make_shared<const PointTriangles>(trianglesOf(faces)));
 }
 
 template <typename Adapter>

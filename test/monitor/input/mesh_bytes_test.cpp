@@ -28,6 +28,15 @@ void make(const TriangleMesh& mesh, visualization_msgs::Marker* message) {
   message->text = "some text";
   message->mesh_resource = "file:///cloth";
 }
+void make(const TriangleMesh& mesh, visualization_msgs::MarkerArray* message) {
+  *message = asMarkerArray(mesh);
+  make(mesh, &message->markers[1]);
+}
+#ifdef DCM_HAS_PCL_MSGS
+void make(const TriangleMesh& mesh, pcl_msgs::PolygonMesh* message) {
+  *message = asPolygonMesh(mesh);
+}
+#endif
 
 template <typename M>
 class MeshBytes : public ::testing::Test {
@@ -53,6 +62,10 @@ class MeshBytes : public ::testing::Test {
 };
 
 using Messages = ::testing::Types<DeformableMesh, shape_msgs::Mesh, visualization_msgs::Marker,
+                                  visualization_msgs::MarkerArray,
+#ifdef DCM_HAS_PCL_MSGS
+                                  pcl_msgs::PolygonMesh,
+#endif
                                   sensor_msgs::PointCloud2>;
 TYPED_TEST_SUITE(MeshBytes, Messages);
 

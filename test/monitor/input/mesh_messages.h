@@ -7,6 +7,7 @@
 #include <sensor_msgs/PointField.h>
 #include <shape_msgs/Mesh.h>
 #include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <cstdint>
 #include <cstring>
@@ -14,6 +15,8 @@
 #include <vector>
 
 #include "core/triangle_mesh.h"
+#include "monitor/input/pcl_messages.h"
+#include "monitor/rules/tetrahedra.h"
 
 namespace deformable_contact_monitor {
 
@@ -33,6 +36,10 @@ inline geometry_msgs::Point pointOf(const TriangleMesh& mesh, std::size_t vertex
   point.y = mesh.vertices[3 * vertex + 1];
   point.z = mesh.vertices[3 * vertex + 2];
   return point;
+}
+
+inline PointTriangles trianglesOf(const TriangleMesh& mesh) {
+  return {mesh.vertexCount(), {mesh.triangles.begin(), mesh.triangles.end()}};
 }
 
 inline DeformableMesh asDeformableMesh(const TriangleMesh& mesh) {
@@ -63,6 +70,17 @@ inline visualization_msgs::Marker asMarker(const TriangleMesh& mesh) {
   message.type = visualization_msgs::Marker::TRIANGLE_LIST;
   message.scale.x = message.scale.y = message.scale.z = 1;
   for (const std::uint32_t corner : mesh.triangles) message.points.push_back(pointOf(mesh, corner));
+  return message;
+}
+
+// The marker 'cloth'/2 behind two others, as cloth simulators publish points, lines and triangles.
+inline visualization_msgs::MarkerArray asMarkerArray(const TriangleMesh& mesh) {
+  visualization_msgs::MarkerArray message;
+  message.markers.assign(3, asMarker(mesh));
+  for (std::int32_t id = 0; id < 3; ++id) message.markers[id].id = id;
+  message.markers[0].type = visualization_msgs::Marker::POINTS;
+  message.markers[1].type = visualization_msgs::Marker::LINE_LIST;
+  message.markers[1].points.clear();
   return message;
 }
 
@@ -108,5 +126,18 @@ inline sensor_msgs::PointCloud2 asPointCloud(const TriangleMesh& mesh,
   }
   return message;
 }
+
+#ifdef DCM_HAS_PCL_MSGS
+inline pcl_msgs::PolygonMesh asPolygonMesh(const TriangleMesh& mesh) {
+  pcl_msgs::PolygonMesh message;
+  message.cloud = asPointCloud(mesh);
+  message.header = message.cloud.header;
+  message.polygons.resize(mesh.triangleCount());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    message.polygons[i / 3].vertices.push_back(mesh.triangles[i]);
+  }
+  return message;
+}
+#endif
 
 }  // namespace deformable_contact_monitor

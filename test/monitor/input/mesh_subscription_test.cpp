@@ -144,7 +144,13 @@ TEST_F(MeshSubscriptionTest, ALargeMeshIsRefusedOnBothWays) {
   }
 }
 
-constexpr MeshType kAdapted[] = {MeshType::kShapeMesh, MeshType::kMarker, MeshType::kPointCloud};
+constexpr MeshType kAdapted[] = {
+    MeshType::kShapeMesh,   MeshType::kMarker,     MeshType::kPointCloud,
+    MeshType::kMarkerArray, MeshType::kTetrahedra,
+#ifdef DCM_HAS_PCL_MSGS
+    MeshType::kPolygonMesh,
+#endif
+};
 
 // Runs each test with every message type that is converted.
 class AdaptedSubscriptionTest : public MeshSubscriptionTest,
@@ -156,7 +162,8 @@ class AdaptedSubscriptionTest : public MeshSubscriptionTest,
     ObjectParameters object;
     object.type = type;
     object.frame_id = "camera";
-    object.faces = std::make_shared<const TriangleMesh>(triangle());
+    object.marker = {"cloth", 2};
+    object.faces = std::make_shared<const PointTriangles>(trianglesOf(triangle()));
     return object;
   }
 
@@ -168,6 +175,12 @@ class AdaptedSubscriptionTest : public MeshSubscriptionTest,
         return shared(asShapeMesh(mesh), bytes);
       case MeshType::kMarker:
         return shared(asMarker(mesh), bytes);
+      case MeshType::kMarkerArray:
+        return shared(asMarkerArray(mesh), bytes);
+#ifdef DCM_HAS_PCL_MSGS
+      case MeshType::kPolygonMesh:
+        return shared(asPolygonMesh(mesh), bytes);
+#endif
       default:
         return shared(asPointCloud(mesh), bytes);
     }
@@ -181,6 +194,10 @@ class AdaptedSubscriptionTest : public MeshSubscriptionTest,
 
   // Returns the mesh's stamp: kSent, or the time of receipt if the message type has no stamp.
   static ros::Time stamp() { return GetParam() == MeshType::kShapeMesh ? kReceipt : kSent; }
+  // An array that is rejected has no stamp: its markers have one each.
+  static ros::Time stampOfRejected() {
+    return GetParam() == MeshType::kMarkerArray ? kReceipt : stamp();
+  }
 };
 
 TEST_P(AdaptedSubscriptionTest, AMessageArrivesAsAMeshOnBothWays) {
@@ -210,7 +227,7 @@ TEST_P(AdaptedSubscriptionTest, WhatIsRefusedHasAStampAndAReason) {
   const std::vector<IncomingMesh> all = {hand(message), arrive(bytes), arrive(cut)};
   for (const IncomingMesh& mesh : all) {
     EXPECT_NE(mesh.problem, "");
-    EXPECT_EQ(mesh.message->header.stamp, stamp());
+    EXPECT_EQ(mesh.message->header.stamp, stampOfRejected());
     EXPECT_TRUE(mesh.message->vertices.empty());
   }
   for (int i = 0; i < 2; ++i) {
@@ -221,6 +238,52 @@ TEST_P(AdaptedSubscriptionTest, WhatIsRefusedHasAStampAndAReason) {
 TEST_P(AdaptedSubscriptionTest, TheTypeIsTheObjects) {
   EXPECT_EQ(options_.datatype, messageType(GetParam()));
   EXPECT_NE(options_.datatype, messageType(MeshType::kDeformableMesh));
+}
+
+// The message itself stays as it is: it is not copied for another stamp.
+TEST_F(MeshSubscriptionTest, StampsAreCorrectedByTheObjectsOffset) {
+  ObjectParameters object;
+  object.stamp_offset_s = -0.5;
+  options_ = subscribe(object);
+  DeformableMesh message = sample();
+  const auto of_process = boost::make_shared<const DeformableMesh>(message);
+  EXPECT_EQ(hand(of_process).stamp(), ros::Time(49.75));
+  EXPECT_EQ(received_.message, of_process);
+  EXPECT_EQ(arrive(serialized(message)).stamp(), ros::Time(49.75));
+  message.header.stamp = ros::Time(0.5);
+  EXPECT_EQ(arrive(serialized(message)).problem, "header.stamp plus stamp_offset_s is no time");
+  message.header.stamp = ros::Time(0.75);
+  EXPECT_EQ(arrive(serialized(message)).stamp(), ros::Time(0.25));
+  message.header.stamp = ros::Time();
+  EXPECT_TRUE(arrive(serialized(message)).stamp().isZero()) << "which is rejected later";
+
+  object.stamp_offset_s = 5;
+  options_ = subscribe(object);
+  message.header.stamp = ros::Time(0xFFFFFFFFU - 5, 999999999);
+  EXPECT_EQ(arrive(serialized(message)).stamp(), ros::Time(0xFFFFFFFFU, 999999999));
+  message.header.stamp.sec += 1;
+  EXPECT_EQ(arrive(serialized(message)).problem, "header.stamp plus stamp_offset_s is no time");
+}
+
+TEST_F(MeshSubscriptionTest, AMeshThatIsStampedOnReceiptIsCorrectedToo) {
+  ObjectParameters object;
+  object.type = MeshType::kShapeMesh;
+  object.frame_id = "camera";
+  object.stamp_offset_s = -0.5;
+  options_ = subscribe(object);
+  const Bytes bytes = serialized(asShapeMesh({{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}}));
+  EXPECT_EQ(arrive(bytes).stamp(), kReceipt - ros::Duration(0.5));
+}
+
+TEST_F(MeshSubscriptionTest, AnArrayWithoutTheMarkerIsNoMesh) {
+  ObjectParameters object;
+  object.type = MeshType::kMarkerArray;
+  object.marker = {"cloth", 2};
+  options_ = subscribe(object);
+  visualization_msgs::MarkerArray array = asMarkerArray({{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}});
+  EXPECT_NE(arrive(serialized(array)).message, nullptr);
+  array.markers.pop_back();
+  EXPECT_EQ(arrive(serialized(array)).message, nullptr) << "it was handed over";
 }
 
 INSTANTIATE_TEST_SUITE_P(Types, AdaptedSubscriptionTest, ::testing::ValuesIn(kAdapted));

@@ -2,45 +2,16 @@
 #include "monitor/rules/parameters.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "refusal.h"
+#include "parameter_trees.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-using XmlRpc::XmlRpcValue;
-
-template <typename... T>
-XmlRpcValue list(const T&... items) {
-  XmlRpcValue value;
-  value.setSize(sizeof...(items));
-  int i = 0;
-  ((value[i++] = XmlRpcValue(items)), ...);
-  return value;
-}
-
-XmlRpcValue object(const std::string& name) {
-  XmlRpcValue value;
-  value["name"] = name;
-  return value;
-}
-
-MonitorParameters parse(const XmlRpcValue& tree, std::vector<std::string>* warnings = nullptr) {
-  std::vector<std::string> unused;
-  return parseParameters(tree, warnings == nullptr ? &unused : warnings);
-}
-
-std::string refusalOf(const XmlRpcValue& tree) {
-  return refusal<ParameterError>([&tree] { parse(tree); });
-}
 
 TEST(Parameters, NothingSetGivesTheDefaults) {
   const MonitorParameters p = parse(XmlRpcValue());
@@ -259,80 +230,6 @@ TEST(Parameters, Motion) {
   const std::string all = refusalOf(tree);
   expectIn("~motion is 'continuous', must be one of: instant, swept", all);
   expectIn("~swept_tolerance_m", all);
-}
-
-class ObjectTypes : public ::testing::Test {
- protected:
-  ObjectTypes() { std::ofstream(faces_) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n"; }
-  ~ObjectTypes() override { std::filesystem::remove(faces_); }
-
-  static XmlRpcValue typed(const std::string& name, const std::string& type) {
-    XmlRpcValue value = object(name);
-    value["type"] = type;
-    return value;
-  }
-
-  const std::string faces_ =
-      std::filesystem::temp_directory_path() / ("faces_" + std::to_string(getpid()) + ".obj");
-};
-
-TEST_F(ObjectTypes, WhatEachNeedsArrives) {
-  XmlRpcValue tree, shape = typed("shape", "shape_mesh"), cloud = typed("cloud", "point_cloud");
-  shape["frame_id"] = "table";
-  cloud["faces"] = "file://" + faces_;
-  tree["objects"] = list(object("cloth"), typed("mesh", "deformable_mesh"), shape,
-                         typed("marker", "marker"), cloud);
-  std::vector<std::string> warnings;
-  const MonitorParameters p = parse(tree, &warnings);
-  EXPECT_TRUE(warnings.empty());
-  std::vector<MeshType> types;
-  for (const ObjectParameters& object : p.objects) types.push_back(object.type);
-  EXPECT_EQ(types, (std::vector<MeshType>{MeshType::kDeformableMesh, MeshType::kDeformableMesh,
-                                          MeshType::kShapeMesh, MeshType::kMarker,
-                                          MeshType::kPointCloud}));
-  EXPECT_EQ(p.objects[2].frame_id, "table");
-  ASSERT_NE(p.objects[4].faces, nullptr);
-  EXPECT_EQ(p.objects[4].faces->vertexCount(), 4U);
-  EXPECT_EQ(p.objects[4].faces->triangles, (std::vector<std::uint32_t>{0, 1, 3, 0, 3, 2}));
-}
-
-TEST_F(ObjectTypes, AllThatIsMissingIsListedTogether) {
-  XmlRpcValue tree, relative = typed("relative", "point_cloud"), absent = relative,
-                    package = relative, broken = relative;
-  relative["faces"] = "cloth.obj";
-  absent["name"] = "absent";
-  absent["faces"] = "/no/such/cloth.obj";
-  package["name"] = "package";
-  package["faces"] = "package://no_such_package/cloth.obj";
-  broken["name"] = "broken";
-  broken["faces"] = faces_;
-  std::ofstream(faces_) << "v 0 0 0\nf 1 2 3\n";
-  tree["objects"] = list(typed("mesh", "mesh"), typed("shape", "shape_mesh"),
-                         typed("cloud", "point_cloud"), relative, absent, package, broken);
-  const std::string all = refusalOf(tree);
-  expectIn("7 bad parameter(s)", all);
-  for (const std::string& problem :
-       {std::string("~objects[0]/type is 'mesh', must be one of: deformable_mesh, shape_mesh, "
-                    "marker, point_cloud"),
-        std::string("~objects[1]/frame_id is missing"), std::string("~objects[2]/faces is missing"),
-        std::string("~objects[3]/faces is 'cloth.obj': neither package://, file:// nor"),
-        std::string("~objects[4]/faces is '/no/such/cloth.obj': no such file"),
-        std::string("~objects[5]/faces is 'package://no_such_package/cloth.obj': package"),
-        "~objects[6]/faces is '" + faces_ + "': " + faces_ + ":2"}) {
-    expectIn(problem, all);
-  }
-}
-
-TEST_F(ObjectTypes, WhatATypeDoesNotNeedIsAWarning) {
-  XmlRpcValue tree, marker = typed("marker", "marker");
-  marker["frame_id"] = "table";
-  marker["faces"] = faces_;
-  tree["objects"] = list(marker);
-  std::vector<std::string> warnings;
-  parse(tree, &warnings);
-  ASSERT_EQ(warnings.size(), 2U);
-  expectIn("~objects[0]/faces ", warnings[0] + warnings[1]);
-  expectIn("~objects[0]/frame_id ", warnings[0] + warnings[1]);
 }
 
 TEST(Parameters, AllProblemsAreListedTogether) {

@@ -4,6 +4,7 @@ import pathlib
 import sys
 
 import rosbag
+import numpy as np
 import rospy
 import tf2_py
 
@@ -12,7 +13,8 @@ sys.path.insert(0, str(SOURCE / "test/ros"))
 
 # pylint: disable=wrong-import-position
 from deformable_contact_monitor.msg import LinkMesh, LinkMeshes
-from adapted_messages import cloud_message, marker_message, shape_message
+from adapted_messages import (
+    array_message, cloud_message, depth_triangles, marker_message, polygon_message, shape_message)
 from monitor_test_support import (
     mesh_message, oracle_pairs, pose_from, posed_links, transform_message)
 from panda_scene import REFERENCE_FRAME, SHIRT_FRAME, Panda
@@ -48,8 +50,29 @@ class PandaBag:
     def marker(self, frame):
         return self._stamped(frame, marker_message(self.panda.shirt_mesh(frame)))
 
+    def marker_array(self, frame):
+        array = array_message(self.panda.shirt_mesh(frame))
+        for marker in array.markers:
+            self._stamped(frame, marker)
+        return array
+
     def cloud(self, frame):
         return self._stamped(frame, cloud_message(self.panda.shirt_mesh(frame)))
+
+    def polygons(self, frame):
+        return self._stamped(frame, polygon_message(self.panda.shirt_mesh(frame)))
+
+    def cells(self):
+        """A tetrahedron behind each triangle of the shirt: triangle k is 4k of their surface."""
+        vertices, triangles = self.panda.shirt_mesh(0)
+        return "".join(f"{len(vertices) + i} {a} {b} {c}\n"
+                       for i, (a, b, c) in enumerate(triangles.tolist()))
+
+    def cells_cloud(self, frame):
+        """The points of cells(); nobody sees those that are not the shirt's."""
+        vertices, triangles = self.panda.shirt_mesh(frame)
+        unseen = np.full((len(triangles), 3), np.nan, np.float32)
+        return self._stamped(frame, cloud_message((np.concatenate([vertices, unseen]), None)))
 
     @staticmethod
     def _stamped(frame, message):
@@ -76,8 +99,23 @@ class PandaBag:
                 events.append((stamp + rospy.Duration(0, 5000000), "/tshirt", mesh))
         return events
 
-    def expected(self):
+    def pixels(self, frame, rows):
+        vertices = self.panda.shirt_mesh(frame)[0]
+        return vertices[:len(vertices) // rows * rows]
+
+    def depth_image(self, frame, rows):
+        return self._stamped(frame, cloud_message((self.pixels(frame, rows), None), rows))
+
+    def expected_of_images(self, rows, max_jump):
+        """expected() of depth_image() as the object 'scene'."""
+        def image(frame):
+            pixels = self.pixels(frame, rows)
+            return pixels, depth_triangles(pixels, rows, max_jump)
+        return self.expected("scene", image)
+
+    def expected(self, name="tshirt", mesh_of=None):
         """{frame: pairs as monitor_test_support.pairs_of() has them}."""
+        mesh_of = mesh_of or self.panda.shirt_mesh
         buffer = tf2_py.BufferCore(rospy.Duration(1000))
         for frame in range(-1, FRAMES + 1):
             for transform in transform_message(stamp_of(frame), self.edges(frame)).transforms:
@@ -86,8 +124,8 @@ class PandaBag:
         for frame in range(FRAMES):
             def pose(name, stamp=stamp_of(frame)):
                 return pose_from(buffer, REFERENCE_FRAME, name, stamp)
-            found[frame] = oracle_pairs(posed_links(self.panda.links, pose), "tshirt",
-                                        posed(self.panda.shirt_mesh(frame), pose(SHIRT_FRAME)))
+            found[frame] = oracle_pairs(posed_links(self.panda.links, pose), name,
+                                        posed(mesh_of(frame), pose(SHIRT_FRAME)))
         return found
 
 

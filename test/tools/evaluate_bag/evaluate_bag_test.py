@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """evaluate_bag as its users see it: the oracle's pairs, tables, the report, and bad input."""
+import importlib.util
 import json
 import os
 import pathlib
@@ -28,28 +29,57 @@ class EvaluateBag(EvaluationCase):
         others = [(stamp_of(frame) + rospy.Duration(0, 6000000), topic, message)
                   for frame in range(FRAMES)
                   for topic, message in (("/marker", self.scene.marker(frame)),
+                                         ("/array", self.scene.marker_array(frame)),
+                                         ("/cells", self.scene.cells_cloud(frame)),
                                          ("/cloud", self.scene.cloud(frame)),
                                          ("/camera", self.scene.cloud(frame)))]
         objects = ["{name: tshirt, topic: /tshirt}",
                    f"{{name: shape, topic: /shape, type: shape_mesh, frame_id: {SHIRT_FRAME}}}",
                    "{name: marker, topic: /marker, type: marker}",
+                   "{name: array, topic: /array, type: marker_array, marker: {ns: box, id: 4}}",
+                   "{name: cells, topic: /cells, type: tetrahedra, "
+                   f"cells: '{self.text('cells.txt', self.scene.cells())}'}}",
                    "{name: cloud, topic: /cloud, type: point_cloud, "
                    f"faces: '{self.path('faces.ply')}'}}"]
+        names = ["tshirt", "shape", "marker", "array", "cells", "cloud"]
+        if importlib.util.find_spec("pcl_msgs"):
+            others += [(stamp_of(frame) + rospy.Duration(0, 6000000), "/polygons",
+                        self.scene.polygons(frame)) for frame in range(FRAMES)]
+            objects.append("{name: polygons, topic: /polygons, type: polygon_mesh}")
+            names.append("polygons")
         config = CONFIG.replace("{name: tshirt, topic: /tshirt}", ", ".join(objects))
         done = self.run_tool("--config", self.text("types.yaml", config), "--pairs",
                              self.bag(events=self.events + shapes + others))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         found = self.pairs()
-        for name in ("tshirt", "shape", "marker", "cloud"):
+        for name in names:
             for frame, pairs in self.expected.items():
                 stamp = f"{stamp_of(frame).secs}.{stamp_of(frame).nsecs:09d}"
                 with self.subTest(object=name, frame=frame):
                     of_object = {p for p in found.get(stamp, ()) if p[2] == name}
-                    self.assertEqual(of_object, {(a, i, name, k) for a, i, _, k in pairs})
+                    each = 4 if name == "cells" else 1
+                    self.assertEqual(of_object, {(a, i, name, each * k) for a, i, _, k in pairs})
         with open(self.path("out/summary.json")) as file:
             topics = json.load(file)["topics"]
         self.assertEqual(topics["/cloud"]["messages"], FRAMES)
         self.assertNotIn("/camera", topics, "it is nobody's, and was read")
+
+    def test_images_of_a_depth_camera(self):
+        """The shirt's vertices as the pixels of an image, which is a heap of odd triangles."""
+        rows, jump = 20, 0.02
+        images = [(stamp_of(frame) + rospy.Duration(0, 6000000), "/camera",
+                   self.scene.depth_image(frame, rows)) for frame in range(FRAMES)]
+        config = CONFIG.replace("{name: tshirt, topic: /tshirt}",
+                                "{name: scene, topic: /camera, type: point_cloud, "
+                                f"max_depth_jump: {jump}}}")
+        done = self.run_tool("--config", self.text("depth.yaml", config), "--pairs",
+                             self.bag(events=self.events + images))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        found, expected = self.pairs(), self.scene.expected_of_images(rows, jump)
+        self.assertTrue(any(expected.values()))
+        for frame, pairs in expected.items():
+            stamp = f"{stamp_of(frame).secs}.{stamp_of(frame).nsecs:09d}"
+            self.assertEqual(set(found.get(stamp, ())), pairs)
 
     def test_pairs_are_the_oracles(self):
         summary = self.evaluate(self.bag())

@@ -1,7 +1,7 @@
 // Checks that an evaluation knows no transform and no mesh that was recorded later, except where
 // there is no earlier value, and that it follows the clocks of a recording.
 #include <gtest/gtest.h>
-#include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <cmath>
 #include <string>
@@ -25,28 +25,35 @@ TEST(RecordedTime, AStaticTransformHoldsFromItsRecordingOn) {
 }
 
 // The node does the same: many publishers delete a marker before they draw it anew.
-TEST(RecordedTime, ADeletedMarkerKeepsItsMeshForAMoment) {
+std::string statesOfMarkers(MeshType type, void (WrittenBag::*add)(double, std::int32_t)) {
   using visualization_msgs::Marker;
   WrittenBag bag;
   bag.camera(0, 0);
   for (const int i : {1, 2, 3, 4, 8, 9}) {
     bag.finger(kPeriod * i);
     for (const std::int32_t deletion : {Marker::DELETEALL, Marker::DELETE}) {
-      if (i != 1 && i != 8) bag.marker(kPeriod * i - 0.0625, deletion);
+      if (i != 1 && i != 8) (bag.*add)(kPeriod * i - 0.0625, deletion);
     }
-    bag.marker(kPeriod * i, Marker::ADD);
+    (bag.*add)(kPeriod * i, Marker::ADD);
   }
-  bag.marker(kPeriod * 6, Marker::DELETE);  // 0.25 s before the next marker
+  (bag.*add)(kPeriod * 6, Marker::DELETE);  // 0.25 s before the next marker
+  bag.add("/cloth", at(kPeriod * 6.5), visualization_msgs::MarkerArray());  // in no way a mesh
   MonitorParameters configured;
   configured.objects.resize(1);
   configured.objects[0].name = "cloth";
   configured.objects[0].topic = "/cloth";
-  configured.objects[0].type = MeshType::kMarker;
+  configured.objects[0].type = type;
+  configured.objects[0].marker.second = 2;
   BagFiles files;
   files.reference_frame = "base_link";
   bag.links(0, 0);
   files.bags = {bag.finish()};
-  EXPECT_EQ(evaluate(files, configured).states["cloth"], "CCCC?CC");
+  return evaluate(files, configured).states["cloth"];
+}
+
+TEST(RecordedTime, ADeletedMarkerKeepsItsMeshForAMoment) {
+  EXPECT_EQ(statesOfMarkers(MeshType::kMarker, &WrittenBag::marker), "CCCC?CC");
+  EXPECT_EQ(statesOfMarkers(MeshType::kMarkerArray, &WrittenBag::markerArray), "CCCC?CC");
 }
 
 TEST(RecordedTime, OnlyTheFirstStaticTransformHoldsBefore) {
@@ -115,6 +122,30 @@ TEST(RecordedTime, MeshesOfOneStampThatKnowDifferentThings) {
   Found found = evaluate(&bag, urdf("prismatic", 0.1));
   EXPECT_EQ(found.states["quick"], "-");
   EXPECT_EQ(found.states["slow"], "C");
+}
+
+// The cloth is stamped two periods late, so it is posed with the finger of then.
+TEST(RecordedTime, LateStampsAreCorrected) {
+  for (const double offset_s : {0.0, -2 * kPeriod}) {
+    WrittenBag bag;
+    bag.camera(0, 0);
+    for (int i = 1; i <= 12; ++i) {
+      bag.transform("/tf", at(kPeriod * i), at(kPeriod * i), "finger", i == 5 ? 0 : 3);
+      if (i > 3) bag.mesh(at(kPeriod * i + kDelay), at(kPeriod * i), "cloth");
+    }
+    bag.links(0, 0);
+    MonitorParameters configured;
+    configured.objects.resize(1);
+    configured.objects[0].name = "cloth";
+    configured.objects[0].topic = "/cloth";
+    configured.objects[0].stamp_offset_s = offset_s;
+    BagFiles files;
+    files.reference_frame = "base_link";
+    files.bags = {bag.finish()};
+    const Found found = evaluate(files, configured);
+    EXPECT_EQ(found.states.at("cloth"), offset_s < 0 ? "---C-----" : "-C-------");
+    EXPECT_EQ(found.stamps.front(), at(4 * kPeriod + offset_s));
+  }
 }
 
 // tf2 decides by a frame's first transform whether it is static.

@@ -7,7 +7,7 @@
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 #include <unistd.h>
-#include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <cstdio>
 #include <memory>
@@ -54,7 +54,7 @@ void WrittenBag::mesh(const ros::Time& received, const ros::Time& stamp,
   add("/" + object, received, mesh);
 }
 
-void WrittenBag::marker(double s, std::int32_t action) {
+visualization_msgs::Marker WrittenBag::markerOf(double s, std::int32_t action) {
   visualization_msgs::Marker marker;
   marker.action = action;
   marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
@@ -63,7 +63,15 @@ void WrittenBag::marker(double s, std::int32_t action) {
   marker.scale.x = marker.scale.y = marker.scale.z = marker.pose.orientation.w = 1;
   marker.points.resize(3);
   marker.points[1].x = marker.points[2].y = 0.2;
-  add("/cloth", at(s + kDelay), marker);
+  return marker;
+}
+
+void WrittenBag::markerArray(double s, std::int32_t action) {
+  visualization_msgs::MarkerArray array;
+  array.markers = {markerOf(s, action), markerOf(s, visualization_msgs::Marker::DELETE)};
+  array.markers[0].id = 2;
+  array.markers[1].id = 1;
+  add("/cloth", at(s + kDelay), array);
 }
 
 void WrittenBag::meshes(int first, int count) {
@@ -116,8 +124,7 @@ Found evaluate(const BagFiles& files, const MonitorParameters& configured) {
   Found found;
   const auto warn = [&](const std::string& what) { found.warnings.push_back(what); };
   BagReader reader(files.bags, neededMessages(configured, files));
-  BagContents contents =
-      scanBags(&reader, files, configured.pair_classes.needRobot(), [](std::uint64_t) {});
+  BagContents contents = scanBags(&reader, files, configured, [](std::uint64_t) {});
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   EvaluationRun run("cpu", makeCpuDetector(), Options(), stateRules(setup.parameters), {});
   BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);

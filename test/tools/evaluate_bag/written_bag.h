@@ -5,6 +5,7 @@
 #include <deformable_contact_monitor/ContactEvent.h>
 #include <ros/time.h>
 #include <rosbag/bag.h>
+#include <visualization_msgs/Marker.h>
 
 #include <cstdint>
 #include <map>
@@ -42,7 +43,9 @@ class WrittenBag {
   void finger(double s) { transform("/tf", at(s), at(s), "finger", 0); }
   void mesh(const ros::Time& received, const ros::Time& stamp, const std::string& object);
   // Adds a marker of the same triangle, or the message that deletes it.
-  void marker(double s, std::int32_t action);
+  void marker(double s, std::int32_t action) { add("/cloth", at(s + kDelay), markerOf(s, action)); }
+  // The same as the marker ''/2 of an array, with a marker ''/1 that is deleted in the same array.
+  void markerArray(double s, std::int32_t action);
   // Adds meshes with the finger's transforms at `count` stamps, from `first` times the period on.
   void meshes(int first, int count);
   // Adds link meshes: the finger as one triangle at height z [m], and other links beside it.
@@ -52,6 +55,8 @@ class WrittenBag {
   std::string finish();
 
  private:
+  static visualization_msgs::Marker markerOf(double s, std::int32_t action);
+
   char path_[32] = "/tmp/recorded_time_XXXXXX.bag";
   rosbag::Bag bag_;
 };
