@@ -109,6 +109,7 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
     BodyStatus body = bodyOf(parameters_.objects[i]);
     body.parts = choosers_[i].parts();
     addBody(std::move(body), TriangleMesh(), parameters_.objects[i].margin_m);
+    scene.setRadius(static_cast<BodyId>(scene.bodyCount() - 1), parameters_.objects[i].radius_m);
   }
   scene_ = std::move(scene);
   bodies_ = std::move(bodies);

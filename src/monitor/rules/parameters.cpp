@@ -20,6 +20,7 @@ namespace {
 
 // Upper ends of ranges that several parameters share, or that are part of a contract.
 constexpr double kMaxMarginM = 10;
+constexpr double kMaxRadiusM = 1;
 constexpr double kMaxToleranceM = 1;
 constexpr double kMaxBudgetMs = 60000;
 constexpr double kMaxStampOffsetS = 5;  // tf2 keeps 10 s
@@ -70,6 +71,7 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     const double own_margin_m = entry.number("margin_m", -1, 0, kMaxMarginM);
     object.shares_margin = own_margin_m < 0;
     object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
+    object.radius_m = static_cast<float>(entry.number("radius_m", 0, 0, kMaxRadiusM));
     object.required = entry.flag("required", object.required);
     object.stamp_offset_s =
         entry.number("stamp_offset_s", object.stamp_offset_s, -kMaxStampOffsetS, kMaxStampOffsetS);
@@ -110,6 +112,17 @@ void checkParts(const MonitorParameters& p, ParameterReader* reader) {
     const std::string refused = " is not supported with parts, which '" + object.name + "' has";
     if (p.detector.tolerance_m > 0) reader->addProblem("tolerance_m", "above 0" + refused);
     if (p.containment) reader->addProblem("containment: true", refused.substr(1));
+  }
+}
+
+// Refuses what does not work with a radius. Comes after everything else was read.
+void checkRadii(const MonitorParameters& p, ParameterReader* reader) {
+  for (const ObjectParameters& object : p.objects) {
+    if (object.radius_m == 0) continue;
+    const std::string refused =
+        " is not supported with radius_m, which '" + object.name + "' has above 0";
+    if (p.detector.tolerance_m > 0) reader->addProblem("tolerance_m", "above 0" + refused);
+    if (p.motion == Motion::kSwept) reader->addProblem("motion: swept", refused.substr(1));
   }
 }
 
@@ -265,6 +278,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   readDetector(&reader, &p);
   readOutput(&reader, &p);
   checkParts(p, &reader);
+  checkRadii(p, &reader);
   for (const std::string& problem : problems(p.detector)) found.push_back("~" + problem);
   warnOfUnknown(reader, warnings);
   p.changed = reader.changed();

@@ -65,6 +65,7 @@ struct ObjectParameters {
   MarkerName marker{};                  // kMarkerArray only: the marker that is the object
   bool shares_margin = false;           // has no margin of its own
   std::vector<PartParameters> parts{};  // its named parts
+  float radius_m = 0;  // the object is all points at most this far from its triangles
 };
 
 // Returns the object as a body that has no mesh yet.

@@ -106,8 +106,8 @@ std::vector<Cell> readCells(std::string_view text) {
     content.remove_prefix(std::min(content.find_first_not_of(kBlanks), content.size()));
     content.remove_suffix(content.size() - (content.find_last_not_of(kBlanks) + 1));
     if (content.empty() || content.front() == '#') continue;
-    if (cells.size() == kMostCells) {
-      throw std::runtime_error("there are more than " + std::to_string(kMostCells) + " cells");
+    if (cells.size() == kMostTetrahedra) {
+      throw std::runtime_error("there are more than " + std::to_string(kMostTetrahedra) + " cells");
     }
     cells.push_back(readCell(content, line));
   }

@@ -22,12 +22,12 @@ struct Cell {
   std::uint32_t line;
 };
 
-constexpr std::size_t kMostCells = std::size_t{1} << 24;
+constexpr std::size_t kMostTetrahedra = std::size_t{1} << 24;
 
 // Reads one cell per line: four point indices, counted from 0, with blanks or a comma between them.
 // Lines that are empty or begin with '#' are left out. Throws std::runtime_error, with the line,
-// for any other line, for a cell that has a corner twice, for more than kMostCells, and if there is
-// no cell.
+// for any other line, for a cell that has a corner twice, for more than kMostTetrahedra, and if
+// there is no cell.
 std::vector<Cell> readCells(std::string_view text);
 
 // Returns the faces that belong to exactly one cell, in the order of the cells. There are as many

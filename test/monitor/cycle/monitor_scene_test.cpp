@@ -18,6 +18,7 @@ MonitorParameters parameters() {
   MonitorParameters p;
   p.reference_frame = "base";
   p.objects = {{"cloth", "", 0.5F, true}, {"cable", "", 0, true}};
+  p.objects[kCableObject].radius_m = 0.0625F;
   p.margin_m = 0.25F;
   p.link_margin_m = {{"hand", 0.125}};
   return p;
@@ -78,6 +79,8 @@ TEST_F(MonitorSceneTest, BodiesAreLinksThenObjectsWithTheirMargins) {
   EXPECT_EQ(scene_.scene().body(kHand).margin_m, 0.125F);
   EXPECT_EQ(scene_.scene().body(kCloth).margin_m, 0.5F);
   EXPECT_EQ(scene_.scene().body(kCable).margin_m, 0.0F);
+  EXPECT_EQ(scene_.scene().body(kCloth).radius_m, 0.0F);
+  EXPECT_EQ(scene_.scene().body(kCable).radius_m, 0.0625F);
 }
 
 TEST_F(MonitorSceneTest, LinksAtTheStampObjectsAtTheirOwn) {

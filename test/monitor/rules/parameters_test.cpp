@@ -77,6 +77,26 @@ TEST(Parameters, MarginsThatAreTextsBecomeNumbers) {
   EXPECT_EQ(static_cast<int>(tree["link_margin_m"]["arm"]), 2);
 }
 
+TEST(Parameters, ARadiusGoesWithExactStatesOfOneMoment) {
+  XmlRpcValue tree, rope = object("rope");
+  rope["radius_m"] = 0.004;
+  tree["objects"] = list(rope, object("cloth"));
+  EXPECT_EQ(parse(tree).objects[0].radius_m, 0.004F);
+  EXPECT_EQ(parse(tree).objects[1].radius_m, 0.0F);
+  tree["tolerance_m"] = 0.01;
+  expectIn("~tolerance_m above 0 is not supported with radius_m, which 'rope' has above 0",
+           refusalOf(tree));
+  tree["tolerance_m"] = 0.0;
+  tree["motion"] = "swept";
+  expectIn("~motion: swept is not supported with radius_m, which 'rope' has above 0",
+           refusalOf(tree));
+  tree["motion"] = "instant";
+  for (const double radius_m : {-0.001, 1.001}) {
+    tree["objects"][0]["radius_m"] = radius_m;
+    expectIn("radius_m", refusalOf(tree));
+  }
+}
+
 TEST(Parameters, FramePrefix) {
   XmlRpcValue tree;
   EXPECT_EQ(parse(tree).frameOf("hand"), "hand");
