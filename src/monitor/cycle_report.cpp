@@ -8,6 +8,18 @@
 
 namespace deformable_contact_monitor {
 
+namespace {
+
+// Returns whether a hold has left no triangle of the piece. The object's own rest may have had none
+// before, where named parts cover all of the object.
+bool isEmptied(const BodyParts& parts, PartId piece) {
+  if (parts.heldPart() == 0 || parts.isHeld(piece) || parts.triangles.at(piece) > 0) return false;
+  return std::binary_search(parts.held_of.begin(), parts.held_of.end(), piece) ||
+         (piece == 0 && parts.problem.empty());
+}
+
+}  // namespace
+
 std::string nameOf(const BodyStatus& body, PartId part) {
   return part == 0 ? body.name : body.name + ":" + body.parts->names[part - 1U];
 }
@@ -17,11 +29,7 @@ std::vector<PartId> piecesOf(const BodyStatus& body, PartId part) {
   for (std::size_t i = 0; i < body.pieceCount(); ++i) {
     const auto piece = static_cast<PartId>(i);
     if (part != 0 && !body.parts->has(part, piece)) continue;
-    const bool is_emptied =
-        body.parts != nullptr && !body.parts->isHeld(piece) &&
-        std::binary_search(body.parts->held_of.begin(), body.parts->held_of.end(), piece) &&
-        body.parts->triangles.at(piece) == 0;
-    if (!is_emptied) pieces.push_back(piece);
+    if (body.parts == nullptr || !isEmptied(*body.parts, piece)) pieces.push_back(piece);
   }
   return pieces;
 }

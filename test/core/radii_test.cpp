@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <memory>
 #include <random>
 #include <set>
 #include <string>
@@ -14,14 +16,19 @@
 #include <vector>
 
 #include "cgal_oracle.h"
+#include "core/body_distance.h"
 #include "core/common/posed_body.h"
+#include "core/detector_pool.h"
 #include "core/rules/margins.h"
+#include "core/tiling_cache.h"
 #include "detector_suite.h"
 #include "exact_distance.h"
 #include "scenes.h"
 
 namespace deformable_contact_monitor {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 // A polyline: triangle i is the segment from point i to point i + 1.
 TriangleMesh ropeOf(const std::vector<Vec3f>& points) {
@@ -320,6 +327,55 @@ TEST_P(Radii, ARopeThroughAHoleIsFreeUntilItFillsIt) {
   }
 }
 
+// A pair may be hidden within a rope: the way along it is not known there, and not infinite.
+TEST_P(Radii, AHiddenNodeMakesNoContactOfARopeWithItself) {
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 20; ++i) points.push_back({0.01F * static_cast<float>(i), 0, 0});
+  points[10].y = NAN;
+  Scene scene = selfScene(ropeOf(points));
+  scene.setRadius(0, 0.012F);
+  EXPECT_TRUE(contacts(scene).empty());
+  points[18] = {0.02F, 0.01F, 0};
+  points[19] = {0.02F, 0.01F, 0.01F};
+  scene.setMesh(0, ropeOf(points));
+  EXPECT_FALSE(contacts(scene).empty());
+}
+
+// The bounds that a deadline asks for agree with the list, also where rounding decides.
+TEST(RadiiOfAPool, BoundsAgreeWithWhatIsListed) {
+  for (const float x : {std::nextafter(0.5F, 0.F), 0.5F, std::nextafter(0.5F, 1.F), 0.6F, 0.8F}) {
+    for (const float margin_m : {0.F, 0.2F}) {
+      for (const bool nearest : {true, false}) {
+        Scene scene = pairScene(grainsOf({{0, 0, 0}}), grainsOf({{x, 0, 0}}));
+        PoolSettings settings;
+        settings.tilings = std::make_shared<TilingCache>();
+        settings.cpu = [] { return makeCpuDetector(); };
+        const std::shared_ptr<TilingCache> tilings = settings.tilings;
+        const auto pool = makeDetectorPool(std::move(settings));
+        Options tolerant;
+        tolerant.tolerance_m = 1;
+        for (std::uint32_t i = 0; i <= TilingCache::kSettledAfter; ++i) {
+          pool->detect(scene, tolerant);
+        }
+        tilings->wait();
+        scene.setRadius(1, 0.5F);
+        scene.setMargin(0, margin_m);
+        Options options;
+        options.nearest = nearest;
+        options.limits.deadline = Clock::now() + std::chrono::minutes(5);
+        const DetectionResult& result = pool->detect(scene, options);
+        ASSERT_EQ(1U, result.distances.size());
+        const BodyDistance& distance = result.distances[0];
+        const PairDecision expected = x <= 0.5F              ? PairDecision::kContact
+                                      : x - 0.5F <= margin_m ? PairDecision::kNear
+                                                             : PairDecision::kNone;
+        EXPECT_EQ(expected, decide(distance, scene, 0)) << x << " " << margin_m << nearest;
+        EXPECT_EQ(result.contacts.size(), distance.contact_count);
+      }
+    }
+  }
+}
+
 TEST_P(Radii, GoWithParts) {
   Scene scene = pairScene(ropeOf({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}),
                           grainsOf({{0.5F, 0.1F, 0}, {1.5F, 0.1F, 0}}));
@@ -384,7 +440,12 @@ TEST_P(Radii, MayBeExtreme) {
   }
   scene.setRadius(0, FLT_MAX);
   scene.setMargin(0, FLT_MAX);
-  EXPECT_EQ(1U, contacts(scene).size());
+  Options options;
+  options.geometry = true;
+  const DetectionResult& result = detector_->detect(scene, options);
+  ASSERT_EQ(1U, result.geometry.size());
+  EXPECT_TRUE(std::isfinite(result.geometry[0].separation_m));
+  EXPECT_TRUE(std::isfinite(result.geometry[0].point_b.x));
   Scene close = pairScene(grainsOf({{0, 0, 0}}), grainsOf({{2 * FLT_TRUE_MIN, 0, 0}}));
   EXPECT_EQ(0U, contacts(close).size());
   close.setRadius(0, FLT_TRUE_MIN);

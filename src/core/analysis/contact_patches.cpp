@@ -108,6 +108,14 @@ double areaOf(const Body& body, const std::vector<std::uint32_t>& triangles) {
   return area_m2;
 }
 
+// Returns whether two bodies touch by their radii alone there: their triangles are apart, and have
+// no common segment.
+bool areBareApart(const Scene& scene, const DetectionResult& result, std::size_t contact) {
+  const TrianglePair& pair = result.contacts[contact];
+  const double sum_m = double{scene.body(pair.body_a).radius_m} + scene.body(pair.body_b).radius_m;
+  return sum_m > 0 && result.geometry[contact].separation_m > static_cast<float>(-sum_m);
+}
+
 }  // namespace
 
 // Numbers the vertices that contacts use. Numbers are those of the union-find.
@@ -234,7 +242,7 @@ std::vector<Patch> PatchFinder::find(const Scene& scene, const DetectionResult& 
       patch.body_b = bodies.second;
       PatchSums sums;
       for (const std::uint32_t i : of_patch) {
-        sums.add(result.geometry[i], result.touches(i));
+        sums.add(result.geometry[i], result.touches(i) && !areBareApart(scene, result, i));
       }
       sums.finish(&patch);
       patch.triangles_a = trianglesOf(result.contacts, of_patch, &TrianglePair::triangle_a);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -13,17 +15,22 @@
 
 #include "core/bounds/distance_rounding.h"
 #include "core/bounds/ways_along_mesh.h"
+#include "core/common/cycle_limit.h"
+#include "core/common/stopwatch.h"
 #include "core/rules/margins.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
+// Returns the nearest float32 that is finite.
+float finiteFloat(double x) { return static_cast<float>(std::clamp<double>(x, -FLT_MAX, FLT_MAX)); }
+
 Vec3f moved(const Vec3f& point, const Vec3f& along, double by_m) {
-  return {static_cast<float>(point.x + by_m * along.x),
-          static_cast<float>(point.y + by_m * along.y),
-          static_cast<float>(point.z + by_m * along.z)};
+  return {finiteFloat(point.x + by_m * along.x), finiteFloat(point.y + by_m * along.y),
+          finiteFloat(point.z + by_m * along.z)};
 }
 
 // The radii of a pair of bodies.
@@ -55,30 +62,43 @@ std::vector<double> growths(const Scene& scene) {
   return growth;
 }
 
-// Takes the radii off the bounds of a distance. They are those of the triangles.
-void deflate(const PairRadii& radii, BodyDistance* distance) {
-  distance->low_m = distance->low_m <= radii.sum() ? 0 : roundedDown(distance->low_m - radii.sum());
-  if (!std::isfinite(distance->high_m)) return;
-  distance->high_m =
-      distance->high_m <= radii.touch_m ? 0 : roundedUp(distance->high_m - radii.sum());
-}
-
-// Takes the radii off a nearest pair, which is that of the triangles.
-void deflate(const PairRadii& radii, NearestPair* nearest) {
-  const double gap_m = nearest->distance_m;
-  nearest->distance_m = radii.apartM(nearest->distance_m);
-  if (nearest->distance_m > 0) {
-    nearest->point_a = moved(nearest->point_a, nearest->normal, radii.a_m);
-    nearest->point_b = moved(nearest->point_b, nearest->normal, -radii.b_m);
+// Moves the closest points of two triangles, which are gap_m apart along the normal, to the
+// surfaces of the bodies; or both to the middle of the overlap if the bodies touch.
+void movePoints(const PairRadii& radii, double gap_m, const Vec3f& normal, bool touch, Vec3f* a,
+                Vec3f* b) {
+  if (!touch) {
+    *a = moved(*a, normal, radii.a_m);
+    *b = moved(*b, normal, -radii.b_m);
     return;
   }
   // Along the normal, from point_a on, a reaches from -a_m to a_m, and b from gap - b_m to gap +
   // b_m.
   const double from_m = std::max(-radii.a_m, gap_m - radii.b_m);
   const double to_m = std::min(radii.a_m, gap_m + radii.b_m);
-  nearest->point_a = moved(nearest->point_a, nearest->normal, (from_m + to_m) / 2);
-  nearest->point_b = nearest->point_a;
-  nearest->normal = Vec3f();
+  *a = moved(*a, normal, (from_m + to_m) / 2);
+  *b = *a;
+}
+
+// Takes the radii off a nearest pair, which is that of the triangles.
+void deflate(const PairRadii& radii, NearestPair* nearest) {
+  const double gap_m = nearest->distance_m;
+  nearest->distance_m = radii.apartM(nearest->distance_m);
+  const bool touch = nearest->distance_m == 0;
+  movePoints(radii, gap_m, nearest->normal, touch, &nearest->point_a, &nearest->point_b);
+  if (touch) nearest->normal = Vec3f();
+}
+
+// Takes the radii off the bounds of a distance, which are those of the triangles.
+void deflate(const PairRadii& radii, BodyDistance* distance) {
+  distance->low_m = distance->low_m <= radii.sum() ? 0 : roundedDown(distance->low_m - radii.sum());
+  if (!std::isfinite(distance->high_m)) return;
+  const bool touch = distance->high_m <= radii.touch_m;
+  distance->high_m = touch ? 0 : roundedUp(distance->high_m - radii.sum());
+  const Vec3d way = toDouble(distance->point_b) - toDouble(distance->point_a);
+  const double gap_m = length(way);
+  if (gap_m == 0) return;
+  movePoints(radii, gap_m, toFloat(way * (1 / gap_m)), touch, &distance->point_a,
+             &distance->point_b);
 }
 
 // Takes the radii off the geometry of a contact.
@@ -87,7 +107,9 @@ void deflate(const PairRadii& radii, PairGeometry* geometry) {
     geometry->point_a = moved(geometry->point_a, geometry->normal, radii.a_m);
     geometry->point_b = moved(geometry->point_b, geometry->normal, -radii.b_m);
   }
-  geometry->separation_m = static_cast<float>(geometry->separation_m - radii.sum());
+  const double separation_m = geometry->separation_m - radii.sum();
+  if (std::abs(separation_m) > FLT_MAX) geometry->flags |= kSeparationUndefined;
+  geometry->separation_m = finiteFloat(separation_m);
 }
 
 class InflatedDetector : public Detector {
@@ -102,8 +124,10 @@ class InflatedDetector : public Detector {
     if (!has_radii_) return detector_->detect(scene, options);
     requireValid(options);
     requireSupported(scene, options);
+    const Stopwatch cycle;
     bare_ = scene;
     run(scene, options);
+    result_.round_trip_ms = cycle.elapsedMs();
     return result_;
   }
 
@@ -117,7 +141,10 @@ class InflatedDetector : public Detector {
   void run(const Scene& scene, const Options& options);
   void detectWithin(const Scene& scene, const Options& options, bool with_margins,
                     DetectionResult* result);
+  void takeSearch();
   void keepContacts(const Scene& scene, const Options& options);
+  void keepNearest(const Scene& scene);
+  void keepDistances(const Scene& scene);
 
   std::unique_ptr<Detector> detector_;
   Scene bare_;  // without radii, and with margins that are larger by them
@@ -145,51 +172,102 @@ void InflatedDetector::requireSupported(const Scene& scene, const Options& optio
 }
 
 // A list of contacts needs margins as large as the radii, and a search those of the user as well.
+// The search comes first, with half of the time, because a long list would leave it none.
 void InflatedDetector::run(const Scene& scene, const Options& options) {
   const bool lists_near = options.near_pairs || !options.nearest;
   const bool is_one = lists_near || !scene.anyMargin();
+  if (!is_one) {
+    Options search = options;
+    search.geometry = false;
+    SteadyTime& deadline = search.limits.deadline;
+    const SteadyTime now = std::chrono::steady_clock::now();
+    if (deadline != SteadyTime::max() && deadline > now) deadline = now + (deadline - now) / 2;
+    detectWithin(scene, search, true, &search_);
+  }
   Options list = options;
   list.near_pairs = true;
   list.nearest = options.nearest && is_one;
   list.nearest_by_part = options.nearest_by_part && is_one;
   detectWithin(scene, list, lists_near, &result_);
-  if (!is_one) {
-    Options search = options;
-    search.geometry = false;
-    detectWithin(scene, search, true, &search_);
-    result_.nearest.swap(search_.nearest);
-    result_.nearest_parts.swap(search_.nearest_parts);
-    result_.distances.swap(search_.distances);
-    if (search_.cut_off) result_.cutOff(search_.cut_off_because);
-    result_.guaranteed = result_.guaranteed && search_.guaranteed;
-    for (const auto& stage : search_.stages_ms) {
-      result_.stages_ms.emplace_back("search_" + stage.first, stage.second);
-    }
-    result_.detect_ms += search_.detect_ms;
-    result_.round_trip_ms += search_.round_trip_ms;
-  }
+  if (!is_one) takeSearch();
   keepContacts(scene, options);
-  const auto radiiOf = [&scene](BodyId a, BodyId b) {
-    return PairRadii(scene.body(a), scene.body(b));
-  };
+  keepNearest(scene);
+  keepDistances(scene);
+}
+
+// Adds what the search found to the list of contacts.
+void InflatedDetector::takeSearch() {
+  result_.nearest.swap(search_.nearest);
+  result_.nearest_parts.swap(search_.nearest_parts);
+  if (!search_.distances.empty()) {
+    const bool all_listed = result_.guaranteed && !result_.cut_off && result_.left_out == 0;
+    std::set<std::pair<BodyId, BodyId>> listed;
+    for (const BodyDistance& d : result_.distances) {
+      if (d.is_listed) listed.emplace(d.body_a, d.body_b);
+    }
+    for (BodyDistance& d : search_.distances) {
+      d.is_listed = all_listed || listed.count({d.body_a, d.body_b}) > 0;
+    }
+    result_.distances.swap(search_.distances);
+  }
+  if (search_.cut_off) result_.cutOff(search_.cut_off_because);
+  result_.guaranteed = result_.guaranteed && search_.guaranteed;
+  for (const auto& stage : search_.stages_ms) {
+    result_.stages_ms.emplace_back("search_" + stage.first, stage.second);
+  }
+  result_.detect_ms += search_.detect_ms;
+}
+
+// Takes the radii off the nearest pairs, and drops those that are beyond their margin then.
+void InflatedDetector::keepNearest(const Scene& scene) {
   const auto isBeyond = [&scene](const NearestPair& nearest) {
     const TrianglePair& pair = nearest.pair;
     return nearest.distance_m >
            pairMargin(scene.body(pair.body_a).margin_m, scene.body(pair.body_b).margin_m);
   };
-  for (BodyDistance& distance : result_.distances) {
-    deflate(radiiOf(distance.body_a, distance.body_b), &distance);
-  }
   std::vector<NearestPair>& nearest = result_.nearest;
-  for (NearestPair& pair : nearest) deflate(radiiOf(pair.pair.body_a, pair.pair.body_b), &pair);
+  for (NearestPair& of : nearest) {
+    deflate({scene.body(of.pair.body_a), scene.body(of.pair.body_b)}, &of);
+  }
   nearest.erase(std::remove_if(nearest.begin(), nearest.end(), isBeyond), nearest.end());
   std::vector<NearestOfParts>& parts = result_.nearest_parts;
   for (NearestOfParts& of : parts) {
-    deflate(radiiOf(of.parts.body_a, of.parts.body_b), &of.nearest);
+    deflate({scene.body(of.parts.body_a), scene.body(of.parts.body_b)}, &of.nearest);
   }
   parts.erase(std::remove_if(parts.begin(), parts.end(),
                              [&](const NearestOfParts& of) { return isBeyond(of.nearest); }),
               parts.end());
+}
+
+// Takes the radii off the bounds, and makes them agree with what is listed.
+void InflatedDetector::keepDistances(const Scene& scene) {
+  using BodyPair = std::pair<BodyId, BodyId>;
+  if (result_.distances.empty()) return;
+  std::map<BodyPair, std::uint32_t> count;
+  std::set<BodyPair> touching;
+  for (std::size_t i = 0; i < result_.contacts.size(); ++i) {
+    const BodyPair bodies(result_.contacts[i].body_a, result_.contacts[i].body_b);
+    ++count[bodies];
+    if (result_.touches(i)) touching.insert(bodies);
+  }
+  std::set<BodyPair> near;
+  for (const NearestPair& nearest : result_.nearest) {
+    const BodyPair bodies(nearest.pair.body_a, nearest.pair.body_b);
+    near.insert(bodies);
+    if (nearest.distance_m == 0) touching.insert(bodies);
+  }
+  for (BodyDistance& distance : result_.distances) {
+    const BodyPair bodies(distance.body_a, distance.body_b);
+    const Body &a = scene.body(bodies.first), &b = scene.body(bodies.second);
+    deflate({a, b}, &distance);
+    distance.contact_count = count[bodies];
+    if (touching.count(bodies) > 0) {
+      distance.low_m = distance.high_m = 0;
+    } else if (distance.is_exact && near.count(bodies) == 0) {  // beyond its margin
+      distance.low_m = std::max(distance.low_m, pairMargin(a.margin_m, b.margin_m));
+      distance.high_m = INFINITY;
+    }
+  }
 }
 
 // The margins cover the rounding of a sum, and of the difference that apartM() rounds.
@@ -212,6 +290,10 @@ void InflatedDetector::keepContacts(const Scene& scene, const Options& options) 
   const bool lists_near = options.near_pairs || !options.nearest;
   const bool has_geometry = result_.geometry.size() == result_.contacts.size();
   const bool has_separations = lists_near && scene.anyMargin();
+  const bool has_self_contacts = std::any_of(
+      result_.contacts.begin(), result_.contacts.end(), [&scene](const TrianglePair& pair) {
+        return pair.body_a == pair.body_b && scene.body(pair.body_a).radius_m > 0;
+      });
   std::map<BodyId, WaysAlongMesh> ways;
   std::pair<BodyId, std::uint32_t> start(0, 0);
   bool has_start = false;
@@ -225,8 +307,15 @@ void InflatedDetector::keepContacts(const Scene& scene, const Options& options) 
     start = {pair.body_a, pair.triangle_a};
     return way.reaches(pair.triangle_b);
   };
+  const CycleLimit limit(options.limits);
+  PacedLimit pace(limit, 256);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < result_.contacts.size(); ++i) {
+    if (has_self_contacts && pace.over()) {
+      result_.left_out += result_.contacts.size() - i;
+      result_.cutOff(limit.why());
+      break;
+    }
     const TrianglePair pair = result_.contacts[i];
     const Body &a = scene.body(pair.body_a), &b = scene.body(pair.body_b);
     const PairRadii radii(a, b);

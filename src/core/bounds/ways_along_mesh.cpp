@@ -26,7 +26,7 @@ double distance(const Vec3f& a, const Vec3f& b) {
 
 }  // namespace
 
-// A vertex that is not finite has a place of its own without edges.
+// A vertex that is not finite has a place of its own.
 WaysAlongMesh::WaysAlongMesh(const Body& body) {
   const PosedBody posed(body);
   std::map<std::tuple<float, float, float>, std::uint32_t> known;
@@ -45,7 +45,7 @@ WaysAlongMesh::WaysAlongMesh(const Body& body) {
   for (std::size_t t = 0; t < corners_.size(); t += 3) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = corners_[t + k], b = corners_[t + (k + 1) % 3];
-      if (a == b || !isFinitePoint(places[a]) || !isFinitePoint(places[b])) continue;
+      if (a == b) continue;
       ends.emplace_back(a, b);
       ends.emplace_back(b, a);
     }
@@ -55,7 +55,8 @@ WaysAlongMesh::WaysAlongMesh(const Body& body) {
   first_edge_.assign(places.size() + 1, 0);
   for (const auto& [from, to] : ends) {
     ++first_edge_[from + 1];
-    edges_.push_back({to, distance(places[from], places[to])});
+    const bool is_known = isFinitePoint(places[from]) && isFinitePoint(places[to]);
+    edges_.push_back({to, is_known ? distance(places[from], places[to]) : 0});
   }
   for (std::size_t i = 0; i < places.size(); ++i) first_edge_[i + 1] += first_edge_[i];
   way_m_.assign(places.size(), kNowhere);

@@ -10,7 +10,8 @@
 namespace deformable_contact_monitor {
 
 // Tells which triangles of one mesh can be reached from another one along its edges. Vertices at
-// the same place (-0 equals 0) are one, and edges at vertices that are not finite do not count.
+// the same place (-0 equals 0) are one. An edge at a vertex that is not finite has the length 0, so
+// that a rope with a hidden piece does not touch itself across it.
 class WaysAlongMesh {
  public:
   // Reads the body's posed mesh, whose vertices must be on the host.

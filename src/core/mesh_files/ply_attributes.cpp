@@ -48,7 +48,10 @@ void PlyAttributes::addWanted(const PlyHeader& header, const std::string& name,
   std::int32_t value = 0;
   const char* const end = name.data() + name.size();
   const auto parsed = std::from_chars(name.data() + equals + 1, end, value);
-  if (parsed.ec != std::errc() || parsed.ptr != end || std::abs(value) >= kValueLimit) return;
+  if (parsed.ec != std::errc() || parsed.ptr != end || value <= -kValueLimit ||
+      value >= kValueLimit) {
+    return;
+  }
   for (const PlyElementKind kind : {PlyElementKind::kFace, PlyElementKind::kVertex}) {
     const PlyProperty* const property = propertyOf(header, kind, name.substr(0, equals));
     if (property == nullptr) continue;

@@ -39,6 +39,7 @@ std::vector<Block> blocksOf(const Body& body) {
 }
 
 bool isWithin(const Triangle& a, const Triangle& b, float radius_m) {
+  if (areApart(boxOf(a), boxOf(b), radius_m)) return false;
   PredicateState state{Predicates::kExact};
   return trianglesIntersect(a, b, state) || nearVerdict(a, b, radius_m).contact;
 }
@@ -120,6 +121,9 @@ std::string holdProblem(const std::string& object, float radius_m,
   if (parameters.detector.tolerance_m > 0) refuse("with tolerance_m above 0");
   if (parameters.containment) refuse("with containment: true");
   for (const ObjectParameters& other : parameters.objects) {
+    if (other.name == object && other.type == MeshType::kPointCloud && other.faces == nullptr) {
+      refuse("for a point_cloud without faces, whose triangles do not follow the object");
+    }
     if (other.name == part) refuse("for '" + object + "' beside the object '" + part + "'");
     if (other.name == object && other.parts.size() > kMostPartsBesideHeld) {
       refuse("for an object with " + std::to_string(other.parts.size()) +
@@ -166,7 +170,11 @@ std::shared_ptr<const HeldPart> findHeldPart(const HoldQuestion& question,
         "within a radius of them: " +
         namesOf(question.links));
   }
-  HeldPart held{question.radius_m, trianglesWithin(scene, object, question.radius_m), mesh.topology,
+  float within_m = question.radius_m;
+  for (const ObjectParameters& one : parameters.objects) {
+    if (one.name == question.object) within_m += one.radius_m;
+  }
+  HeldPart held{question.radius_m, trianglesWithin(scene, object, within_m), mesh.topology,
                 mesh.stamp()};
   if (held.triangles.empty()) {
     throw std::invalid_argument("no triangle of " + question.object + " lies within " +

@@ -48,6 +48,9 @@ std::vector<std::string> LoopRequests::endHolds(const AttachedObjects& ended) {
     texts.push_back(describeEndedHold(object, found->second));
     attached_.erase(found);
   }
+  if (texts.empty()) return texts;
+  const std::lock_guard<std::mutex> lock(mutex_);  // a request that waits must not bring them back
+  if (requests_.attached) requests_.attached = std::make_shared<const AttachedObjects>(attached_);
   return texts;
 }
 

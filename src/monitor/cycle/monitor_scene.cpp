@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "monitor/time_difference.h"
 #include "robot/nearest_name.h"
 
 namespace deformable_contact_monitor {
@@ -163,7 +164,9 @@ void MonitorScene::followHolds(const ros::Time& t, const MeshInputs& inputs) {
     if (mesh == nullptr) continue;
     const std::shared_ptr<const BodyParts> before = chooser.parts();
     chooser.update(*mesh);
-    if (!chooser.fitsHeld() && mesh->stamp() > held->stamp) {
+    // After the clock has jumped back, the stamp of the hold says nothing.
+    const bool jumped = secondsBetween(held->stamp, t) > parameters_.max_mesh_age_s;
+    if (!chooser.fitsHeld() && (jumped || mesh->stamp() > held->stamp)) {
       const auto ended = rules_.attached.find(parameters_.objects[i].name);
       rules_.ended_holds.insert(*ended);
       rules_.attached.erase(ended);

@@ -67,7 +67,12 @@ void walkOver(const pcl_msgs::PolygonMesh* /*type*/, WireWalker* walk) {
   walk->header();
   walkOver(static_cast<const sensor_msgs::PointCloud2*>(nullptr), walk);
   for (std::uint32_t left = walk->count("polygons", kWord); left > 0; --left) {
-    walk->array("polygons.vertices", kWord);
+    // An empty polygon has 4 bytes here, and six times as many in memory.
+    const std::uint32_t corners = walk->count("polygons.vertices", kWord);
+    walk->skip("polygons.vertices", kWord * std::size_t{corners});
+    if (walk->problem().empty() && corners < 3) {
+      walk->reject("polygons.vertices", "has " + std::to_string(corners) + " corners, must have 3");
+    }
   }
 }
 #endif

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -45,6 +46,16 @@ ContactState unknown(const std::string& body_a, const std::string& body_b,
 
 bool isApart(const ContactState& state) {
   return state.state == ContactState::NONE || state.state == ContactState::NEAR;
+}
+
+// Returns what the link of a pair holds of its object; null: nothing.
+std::shared_ptr<const HeldPart> heldIn(const CycleReport& report, const MonitoredPair& pair) {
+  const auto found = report.attached.find(report.bodies.at(pair.b).name);
+  if (found == report.attached.end()) return nullptr;
+  const std::vector<std::string>& links = found->second.links;
+  const bool holds =
+      std::find(links.begin(), links.end(), report.bodies.at(pair.a).name) != links.end();
+  return holds ? found->second.part : nullptr;
 }
 
 }  // namespace
@@ -108,8 +119,13 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
 
 void ContactStateTracker::updateTrack(const CycleReport& report, const MonitoredPair& pair,
                                       const PairStates& found, Track* track) {
+  const auto left_out = std::exchange(track->held, heldIn(report, pair));
   if (pair.allowed) return interrupt(ContactState::ALLOWED, "allowed", report.now, track);
   if (track->state.state == ContactState::ALLOWED) {
+    interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, track);
+  }
+  // What was held is of the object's own state again, and may touch the link.
+  if (left_out != nullptr && left_out != track->held && isApart(track->state)) {
     interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, track);
   }
   const std::string problem = bodyProblem(report, pair);

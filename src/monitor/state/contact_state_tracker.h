@@ -16,6 +16,7 @@
 #include <ros/time.h>
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -81,6 +82,8 @@ class ContactStateTracker {
     ros::Time entered_before;
     bool open = false;  // BEGIN was sent, END was not
     int cycles = 0;     // cycles in a row that speak for a change of `open`
+    // What the state leaves out because the pair's link holds it; null: nothing.
+    std::shared_ptr<const HeldPart> held;
 
     bool isKnown() const {
       return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;

@@ -83,7 +83,9 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
     if (own.empty()) return "";
     if (problem.empty()) problem = own;
   }
-  return problem;
+  // No triangle is compared: those that should be are of parts that nobody knows.
+  const bool is_unknown = body.parts != nullptr && !body.parts->problem.empty();
+  return problem.empty() && is_unknown ? body.name + ": " + body.parts->problem : problem;
 }
 
 }  // namespace deformable_contact_monitor

@@ -118,11 +118,11 @@ void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic
       {message.received, message.received, number, message.topic, 0, {}, false});
   const ObjectParameters& object = scan->objects[message.topic];
   const BagMeshHead head = headOf(message, object);
-  if (head.says_nothing) return;
   ros::Time& stamp = contents->meshes.back().stamp;
   if (!head.stamp.isZero()) stamp = head.stamp;
   const ros::Time corrected = correctedStamp(stamp, object.stamp_offset_s);
   if (!corrected.isZero()) stamp = corrected;
+  if (head.says_nothing) return;
   scan->mesh_jumps.look(message.topic, stamp, message.received);
   lookAtDeletion(head.is_deletion, topic, contents);
   if (head.mesh) {

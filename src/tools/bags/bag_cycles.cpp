@@ -191,7 +191,7 @@ bool BagCycles::isLate(const Event& event, const BagMessage& message) const {
   std_msgs::Header& header = posed->header;
   try {
     header.frame_id = parameters_.objects[event.input].frame_id;
-    if (header.frame_id.empty()) header = headerOf(message);
+    if (header.frame_id.empty()) header = headerOf(message, parameters_.objects[event.input]);
   } catch (const std::exception&) {  // scanBags() has counted it
     return false;
   }

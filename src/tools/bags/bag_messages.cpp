@@ -156,8 +156,13 @@ std::string toText(const BagMessage& message) {
   return std::move(decoded<std_msgs::String>(message)->data);
 }
 
-std_msgs::Header headerOf(const BagMessage& message) {
+std_msgs::Header headerOf(const BagMessage& message, const ObjectParameters& object) {
   std_msgs::Header header;
+  if (message.type == messageType(MeshType::kMarkerArray)) {
+    const auto array = decoded<visualization_msgs::MarkerArray>(message);
+    const visualization_msgs::Marker* const marker = markerOf(*array, object.marker);
+    return marker == nullptr ? header : marker->header;
+  }
   deserialize(message, &header);
   return header;
 }

@@ -36,8 +36,9 @@ bool isJointState(const BagMessage& message);
 tf2_msgs::TFMessage toTransforms(const BagMessage& message);
 LinkMeshes toLinkMeshes(const BagMessage& message);
 std::string toText(const BagMessage& message);
-// Reads the header that the message begins with.
-std_msgs::Header headerOf(const BagMessage& message);
+// Reads the header that a mesh of this object begins with; of an array, that of the object's
+// marker.
+std_msgs::Header headerOf(const BagMessage& message, const ObjectParameters& object);
 // Without a stamp it has that of its receipt.
 sensor_msgs::JointState toJointState(const BagMessage& message);
 

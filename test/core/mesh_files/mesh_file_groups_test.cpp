@@ -73,14 +73,14 @@ TEST_F(MeshFileGroups, UnknownAndEmptyOnesAreRefusedByName) {
   EXPECT_EQ(groupsOf(off, {}), Groups());
 }
 
-constexpr char kPlyHead[] =
+constexpr char kGroupsHead[] =
     "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\n"
     "property float y\nproperty float z\n";
 constexpr char kPlyFaces[] = "element face 4\nproperty list uchar int vertex_indices\n";
 
 TEST_F(MeshFileGroups, OfAPlyFileAreFacesWithAValue) {
   const std::string file =
-      write("a.ply", std::string(kPlyHead) +
+      write("a.ply", std::string(kGroupsHead) +
                          "element face 4\nproperty int label\nproperty list uchar int "
                          "vertex_indices\nproperty double weight\nend_header\n"
                          "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 1\n"
@@ -109,7 +109,7 @@ TEST_F(MeshFileGroups, OfVerticesAreTrianglesWithAllThree) {
 
 TEST_F(MeshFileGroups, AFacesPropertyGoesBeforeAVertexsOfThatName) {
   const std::string file = write(
-      "a.ply", std::string(kPlyHead) + "property uchar part\n" + kPlyFaces +
+      "a.ply", std::string(kGroupsHead) + "property uchar part\n" + kPlyFaces +
                    "property uchar part\nend_header\n0 0 0 1\n1 0 0 1\n1 1 0 1\n0 1 0 1\n2 0 1 1\n"
                    "3 0 1 2 5\n3 1 2 4 1\n3 0 1 4 5\n3 0 3 4 6\n");
   EXPECT_EQ(groupsOf(file, {"part=1", "part=5"}), (Groups{{{1, 1}}, {{0, 0}, {2, 2}}}));

@@ -20,7 +20,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kHiddenValue = std::numeric_limits<float>::quiet_NaN();
 
 // A cloth of four triangles side by side in the plane z = 0: triangle i has x in [2 i, 2 i + 1].
 // Two links of one upright triangle each, "finger" and "palm", which may cross one of them.
@@ -75,7 +75,7 @@ class HeldTest : public LoopTest {
       const float x = 2 * static_cast<float>(i);
       message->vertices.insert(message->vertices.end(), {x, 0, 0, x + 1, 0, 0, x, 1, 0});
     }
-    if (hidden >= 0) message->vertices[9 * static_cast<std::size_t>(hidden) + 2] = kNaN;
+    if (hidden >= 0) message->vertices[9 * static_cast<std::size_t>(hidden) + 2] = kHiddenValue;
     meshes()[0].store({message});
     step();
     return letters();
@@ -135,6 +135,43 @@ TEST_F(HeldTest, ItEndsWithTheAttachment) {
   EXPECT_EQ(move(0, 0), "aC");
   requests_.attach("cloth", {});
   EXPECT_EQ(move(0, 9), "C-");
+}
+
+TEST_F(HeldTest, AfterAClockJumpOtherTrianglesEndIt) {
+  ros_time_ = ros::Time(1000);
+  move(0, 9);
+  hold(.5F);
+  EXPECT_EQ(move(0, 9), "--a-");
+  ros_time_ = ros::Time(100);
+  step();
+  EXPECT_EQ(move(0, 9, -1, 3, 8), "C-");
+  EXPECT_EQ(said_.rules.ended_holds.size(), 1U);
+  EXPECT_EQ(move(0, 9), "C-");
+}
+
+TEST_F(HeldTest, ARequestThatWaitsDoesNotBringItBack) {
+  move(0, 9);
+  hold(.5F);
+  EXPECT_EQ(move(0, 9), "--a-");
+  at_cycle_ = [this] { requests_.attach("cable", {}); };
+  EXPECT_EQ(move(0, 9, -1, 3, 8), "C-");
+  EXPECT_EQ(move(0, 9), "C-");
+}
+
+TEST_F(HeldTest, WhereNamedPartsAreNotKnownNothingIsClaimed) {
+  parameters_.objects[0].parts = {{"hem", {}, PartBox{{-1, -1, -1}, {3, 1, 1}}}};
+  rule("palm", "cloth", true);
+  rule("palm", "cloth:hem", false);
+  move(0, 1, 3);  // the box waits for a mesh without hidden triangles
+  hold(.5F);
+  EXPECT_EQ(move(0, 1, 3), "???a?a");
+}
+
+TEST_F(HeldTest, AllOfAnObjectOfNamedPartsMayBeHeld) {
+  parameters_.objects[0].parts = {{"left", {{0, 1}}}, {"right", {{2, 3}}}};
+  move(0, 9);
+  hold(100);
+  EXPECT_EQ(move(0, 9), "a-aaa---");
 }
 
 TEST_F(HeldTest, AnotherHoldReplacesIt) {

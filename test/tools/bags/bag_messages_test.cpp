@@ -6,6 +6,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <shape_msgs/Mesh.h>
 #include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
 #include <functional>
@@ -86,6 +87,8 @@ struct Case {
   std::vector<std::string> fields;
 };
 
+void headOfMesh(const BagMessage& message) { headOf(message, ObjectParameters()); }
+
 std::vector<Case> allTypes() {
   sensor_msgs::PointCloud2 cloud;
   cloud.header = headerIn("camera");
@@ -110,11 +113,24 @@ std::vector<Case> allTypes() {
        {"transforms", "header", "transforms.child_frame_id", "transforms.transform"}},
       {recorded(jointState()), toJointState, {"header", "name", "position", "velocity", "effort"}},
       {recorded(text()), toText, {"data"}},
-      {recorded(mesh), headOf, {"header", "vertices", "triangles"}},
-      {recorded(shape), headOf, {"vertices", "triangles"}},
-      {recorded(marker), headOf, {"header", "points"}},
-      {recorded(cloud), headOf, {"header", "fields", "data"}},
+      {recorded(mesh), headOfMesh, {"header", "vertices", "triangles"}},
+      {recorded(shape), headOfMesh, {"vertices", "triangles"}},
+      {recorded(marker), headOfMesh, {"header", "points"}},
+      {recorded(cloud), headOfMesh, {"header", "fields", "data"}},
   };
+}
+
+TEST(BagMessages, AnArrayHasTheHeaderOfTheObjectsMarker) {
+  visualization_msgs::MarkerArray array;
+  array.markers.resize(2);
+  array.markers[0].header = headerIn("base");
+  array.markers[1].header = headerIn("camera");
+  array.markers[1].id = 7;
+  ObjectParameters object;
+  object.marker = {"", 7};
+  EXPECT_EQ(headerOf(recorded(array), object), headerIn("camera"));
+  object.marker = {"", 8};
+  EXPECT_EQ(headerOf(recorded(array), object), std_msgs::Header());
 }
 
 std::string refusalOf(const Case& of) {
@@ -126,7 +142,7 @@ TEST(BagMessages, AreReadAsTheyWereWritten) {
   EXPECT_EQ(toTransforms(recorded(transforms())), transforms());
   EXPECT_EQ(toJointState(recorded(jointState())), jointState());
   EXPECT_EQ(toText(recorded(text())), "<robot/>");
-  EXPECT_EQ(headerOf(recorded(linkMeshes())), headerIn("base"));
+  EXPECT_EQ(headerOf(recorded(linkMeshes()), ObjectParameters()), headerIn("base"));
   sensor_msgs::JointState unstamped = jointState();
   unstamped.header.stamp = ros::Time();
   EXPECT_EQ(toJointState(recorded(unstamped)).header.stamp, ros::Time(7.5));
