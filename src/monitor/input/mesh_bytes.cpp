@@ -71,7 +71,8 @@ void walkOver(const pcl_msgs::PolygonMesh* /*type*/, WireWalker* walk) {
     const std::uint32_t corners = walk->count("polygons.vertices", kWord);
     walk->skip("polygons.vertices", kWord * std::size_t{corners});
     if (walk->problem().empty() && corners < 3) {
-      walk->reject("polygons.vertices", "has " + std::to_string(corners) + " corners, must have 3");
+      walk->reject("polygons.vertices",
+                   "has " + std::to_string(corners) + " corners, must have at least 3");
     }
   }
 }

@@ -189,6 +189,18 @@ TEST(ContactPatches, SayLengthAreasCentroidAndNormal) {
   EXPECT_DOUBLE_EQ(patch.normal_spread_rad, std::acos(-1.0) / 4);
 }
 
+TEST(ContactPatches, WhatTouchesByItsRadiusAloneHasNoCurve) {
+  Scene scene = fourTriangles();
+  scene.setRadius(1, 0.5F);
+  DetectionResult result;
+  result.contacts = {{0, 0, 1, 0}, {0, 0, 1, 1}};
+  result.geometry = {geometry({0, 0, 0}, {0, 0, 1}, {0, 0, 1}, -0.25F),
+                     geometry({2, 0, 0}, {2, 0, 3}, {0, 0, 1}, -0.75F)};
+  const Patch patch = PatchFinder().find(scene, result).at(0);
+  EXPECT_EQ(patch.curve_length_m, 3) << "of the second pair, whose triangles cross";
+  EXPECT_EQ(patch.min_separation_m, -0.75);
+}
+
 TEST(ContactPatches, WhatIsOnlyNearHasNoCurve) {
   const Scene scene = fourTriangles();
   DetectionResult result;

@@ -145,12 +145,23 @@ TEST_F(HoldTest, WhatIsNotKnownIsRefusedByName) {
   EXPECT_EQ(refusal({"finger"}), "no triangle of cloth lies within 0.5 m of finger");
 }
 
+TEST_F(HoldTest, TheRadiusIsFromTheSurfaceOfAnObjectThatHasOne) {
+  EXPECT_EQ(find({"finger"}, .5F)->triangles.size(), 1U);
+  parameters_.objects[0].radius_m = 1.6F;
+  EXPECT_EQ(find({"finger"}, .5F)->triangles.size(), 2U);
+}
+
 TEST_F(HoldTest, RadiusAndSettingsAreChecked) {
   EXPECT_EQ(holdProblem("cloth", .01F, parameters_), "");
   for (const float bad : {kNaN, kInfinity, -.5F}) {
     EXPECT_NE(holdProblem("cloth", bad, parameters_).find("must be a finite number >= 0 [m]"),
               std::string::npos);
   }
+  parameters_.objects[0].type = MeshType::kPointCloud;
+  EXPECT_NE(holdProblem("cloth", .01F, parameters_).find("for a point_cloud without faces"),
+            std::string::npos);
+  parameters_.objects[0].faces = std::make_shared<const PointTriangles>();
+  EXPECT_EQ(holdProblem("cloth", .01F, parameters_), "");
   parameters_.objects[0].parts.resize(127);
   EXPECT_EQ(holdProblem("cloth", .01F, parameters_), "");
   parameters_.objects[0].parts.resize(128);

@@ -137,6 +137,22 @@ TEST_F(HeldTest, ItEndsWithTheAttachment) {
   EXPECT_EQ(move(0, 9), "C-");
 }
 
+// The finger's state spoke of what it did not hold.
+TEST_F(HeldTest, WhatIsNoLongerHeldIsUnknownUntilItIsLookedAt) {
+  said_.at_list = [this](const CycleReport& report) {
+    if (tracker_ == nullptr) return;
+    tracker_->update(report);
+    states_ = tracker_->states(ros_time_, ros_time_).states;
+  };
+  move(0, 9);
+  hold(.5F);
+  EXPECT_EQ(move(0, 9), "--a-");
+  requests_.attach("cloth", {});
+  step();
+  EXPECT_EQ(letters(), "?-");
+  EXPECT_EQ(move(0, 9), "C-");
+}
+
 TEST_F(HeldTest, AfterAClockJumpOtherTrianglesEndIt) {
   ros_time_ = ros::Time(1000);
   move(0, 9);

@@ -61,6 +61,7 @@ struct FakeSink : CycleSink {
     std::vector<MonitoredPair> pairs;  // of the latest report
     RulesInForce rules;
     std::function<void(const CycleReport&)> at_result;  // called with each cycle
+    std::function<void(const CycleReport&)> at_list;    // called with each cycle
     std::function<void()> at_heartbeat;                 // called once
     bool wants_geometry = false;                        // what the loop is told
     std::string shown;                                  // UNKNOWN objects that were shown last
@@ -107,7 +108,10 @@ struct FakeSink : CycleSink {
     addReport("heartbeat", report);
     if (log->at_heartbeat) std::exchange(log->at_heartbeat, nullptr)();
   }
-  void listPairs(const CycleReport& report) override { log->pairs = report.pairs; }
+  void listPairs(const CycleReport& report) override {
+    log->pairs = report.pairs;
+    if (log->at_list) log->at_list(report);
+  }
   void showUnknown(const CycleReport& report) override {
     log->shown.clear();
     for (const BodyStatus& body : report.bodies) {

@@ -75,6 +75,17 @@ TYPED_TEST(MeshBytes, AMessagePasses) {
   EXPECT_EQ(this->why(serialized(TypeParam())), "") << "an empty one is a message";
 }
 
+#ifdef DCM_HAS_PCL_MSGS
+// They take 4 bytes each in the message, and six times as many in memory.
+TEST(PolygonMeshBytes, EmptyPolygonsAreRefusedBeforeTheyAreRead) {
+  pcl_msgs::PolygonMesh message;
+  message.polygons.resize(1000);
+  const Bytes bytes = serialized(message);
+  EXPECT_EQ(validateMeshBytes<pcl_msgs::PolygonMesh>(bytes.data(), bytes.size(), bytes.size()),
+            "polygons.vertices has 0 corners, must have at least 3");
+}
+#endif
+
 TYPED_TEST(MeshBytes, EveryCutIsRefusedAndSoIsWhatFollows) {
   const Bytes whole = serialized(this->message_);
   for (std::size_t size = 0; size < whole.size(); ++size) {
