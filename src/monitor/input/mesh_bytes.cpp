@@ -66,14 +66,14 @@ void walkOver(const sensor_msgs::PointCloud2* /*type*/, WireWalker* walk) {
 void walkOver(const pcl_msgs::PolygonMesh* /*type*/, WireWalker* walk) {
   walk->header();
   walkOver(static_cast<const sensor_msgs::PointCloud2*>(nullptr), walk);
-  for (std::uint32_t left = walk->count("polygons", kWord); left > 0; --left) {
+  const std::uint32_t polygons = walk->count("polygons", kWord);
+  for (std::uint32_t i = 0; i < polygons && walk->problem().empty(); ++i) {
     // An empty polygon has 4 bytes here, and six times as many in memory.
     const std::uint32_t corners = walk->count("polygons.vertices", kWord);
     walk->skip("polygons.vertices", kWord * std::size_t{corners});
-    if (walk->problem().empty() && corners < 3) {
-      walk->reject("polygons.vertices",
-                   "has " + std::to_string(corners) + " corners, must have at least 3");
-    }
+    if (corners >= 3 || !walk->problem().empty()) continue;
+    walk->reject("polygon " + std::to_string(i) + " has " + std::to_string(corners) +
+                 " vertices, must have at least 3");
   }
 }
 #endif

@@ -29,8 +29,8 @@ class WireWalker {
   std::uint32_t count(const char* field, std::size_t least_bytes);
   // Skips a std_msgs/Header.
   void header();
-  // Says what is wrong with a field, in words that go on after its name.
-  void reject(const char* field, const std::string& problem) { fail(field + (" " + problem)); }
+  // Refuses the message for what its fields say.
+  void reject(const std::string& problem) { fail(problem); }
 
   // Returns the bytes that follow the fields so far.
   std::size_t left() const { return left_; }

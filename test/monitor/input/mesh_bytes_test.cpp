@@ -82,7 +82,7 @@ TEST(PolygonMeshBytes, EmptyPolygonsAreRefusedBeforeTheyAreRead) {
   message.polygons.resize(1000);
   const Bytes bytes = serialized(message);
   EXPECT_EQ(validateMeshBytes<pcl_msgs::PolygonMesh>(bytes.data(), bytes.size(), bytes.size()),
-            "polygons.vertices has 0 corners, must have at least 3");
+            "polygon 0 has 0 vertices, must have at least 3");
 }
 #endif
 
