@@ -197,10 +197,12 @@ void DetectionLoop::reset(const std::string& reason) {
   clock_.startLeftoverWindow(time_.steady());
 }
 
-// Drops meshes from before a reset that arrive only now.
+// Drops meshes from before a reset that arrive only now. The condition runs while the input is
+// locked, so it asks nobody else.
 void DetectionLoop::dropLeftovers() {
+  const SteadyTime now = time_.steady();
   for (MeshInput& input : inputs_) {
-    input.dropIf([&](const ros::Time& stamp) { return clock_.isLeftover(stamp, time_.steady()); });
+    input.dropIf([&](const ros::Time& stamp) { return clock_.isLeftover(stamp, now); });
   }
 }
 
