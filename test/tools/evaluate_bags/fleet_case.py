@@ -4,6 +4,7 @@ beside $EVALUATE_BAG.
 Most tests run the tool in this process, with Dask's workers as threads of it: each job is a process
 all the same. Tests of workers, signals and schedulers start the tool as a process."""
 import contextlib
+import gc
 import glob
 import importlib.machinery
 import importlib.util
@@ -132,6 +133,9 @@ class FleetCase(EvaluationCase):
 
     def call_tool(self, arguments, robots=DATA / "robots"):
         """Runs the tool in this process. Returns (exit code, standard output, standard error)."""
+        # Dask's clients that could not connect stop their loop when they are collected, with a lock
+        # that a new client holds while it starts. So they must not wait until then.
+        gc.collect()
         if os.path.dirname(FLEET_TOOL) not in sys.path:
             sys.path.insert(0, os.path.dirname(FLEET_TOOL))
         loader = importlib.machinery.SourceFileLoader("evaluate_bags_tool", self.fleet_tool)
