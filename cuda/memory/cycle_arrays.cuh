@@ -89,7 +89,7 @@ struct SceneArrays : ArrayGroup {
   using ArrayGroup::ArrayGroup;
 
   // The parts of the arrays that are in use.
-  std::uint32_t body_count = 0, pair_row = 0, part_count = 0;
+  std::uint32_t body_count = 0, pair_row = 0;
   std::uint32_t vertex_block_count = 0, triangle_block_count = 0, triangle_count = 0;
   std::uint32_t tile_count = 0;
   std::uint32_t identity_mask = 0;

@@ -16,9 +16,11 @@ namespace {
 
 // How many pairs of tiles are listed; if there are more, they are searched at once.
 constexpr std::uint32_t kNearTiles = 1 << 16;
-// How many pairs of triangles that were the best so far are noted; if there are more, the last
-// kernel searches again.
-constexpr std::uint32_t kHits = 1 << 12;
+// How many pairs of triangles that were the best so far are noted at least, and for each pair of
+// bodies or parts; if there are more, the last kernel searches again.
+constexpr std::uint32_t kHits = 1 << 12, kHitsOfPair = 4;
+// Warps add their number to a task's number to get their next task, which must not wrap.
+constexpr std::uint32_t kMostTasks = ~std::uint32_t{0} / 2;
 
 template <class T>
 bool areSame(const std::vector<T>& a, const std::vector<T>& b) {
@@ -93,7 +95,7 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
       }
     }
   }
-  if (tasks > ~std::uint32_t{0}) {
+  if (tasks > kMostTasks) {
     throw CudaError(BackendFault::kSceneTooLarge,
                     "the bodies are too large to search their nearest triangles on CUDA");
   }
@@ -109,7 +111,7 @@ void DeviceNearest::layOut(const Scene& scene, const SceneTables& tables, bool s
   CycleSizes::raise(sizes_.nearest_tiles, tables.tile_count);
   if (tables.part_use.any) CycleSizes::raise(sizes_.part_tiles, tables.tile_count);
   sizes_.near_tiles = kNearTiles;
-  sizes_.nearest_hits = kHits;
+  CycleSizes::raise(sizes_.nearest_hits, std::max<std::size_t>(kHits, kHitsOfPair * pairs_.size()));
   found_.grow(sizes_.nearest_pairs);
   arrays_.found.pointTo(found_.data());
 }

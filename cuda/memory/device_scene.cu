@@ -167,7 +167,6 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   arrays_.tile_count = tables_.tile_count;
   CycleSizes::raise(sizes_.bodies, tables_.bodies.size());
   CycleSizes::raise(sizes_.partners, tables_.partners.size());
-  arrays_.part_count = static_cast<std::uint32_t>(tables_.parts.size());
   CycleSizes::raise(sizes_.pair_words, tables_.pair_enabled.size());
   CycleSizes::raise(sizes_.parts, tables_.parts.size());
   CycleSizes::raise(sizes_.part_triangles, tables_.part.size());

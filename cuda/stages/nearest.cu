@@ -129,6 +129,7 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
   const std::uint32_t warps = gridDim.x * (kTaskThreads / kWarp);
   const std::uint32_t warp = (blockIdx.x * kTaskThreads + threadIdx.x) / kWarp;
   TilePairSearch search(c, queue[threadIdx.x / kWarp]);
+  bool is_list_full = false;  // A full list is left alone, so that its counter cannot wrap.
   for (std::uint32_t task = warp; task < c.nearest.task_count; task += warps) {
     if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) {
       c.counters().nearest_cut_off = 1;
@@ -158,9 +159,13 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
       if (near && c.params().parts != 0) {
         near = tilesMayCount(c, pair, c.nearest.tile_parts[tile], c.nearest.tile_parts[other]);
       }
-      const std::uint32_t place = warpReserve(&c.counters().near_tiles, near);
-      const bool listed = near && place < c.nearest.near_tiles.size();
-      if (listed) c.nearest.near_tiles[Place(place)] = {pair, tile, other};
+      bool listed = false;
+      if (!is_list_full) {
+        const std::uint32_t place = warpReserve(&c.counters().near_tiles, near);
+        listed = near && place < c.nearest.near_tiles.size();
+        if (listed) c.nearest.near_tiles[Place(place)] = {pair, tile, other};
+        is_list_full = __any_sync(kFullWarp, near && !listed) != 0;
+      }
       unsigned full = __ballot_sync(kFullWarp, near && !listed);
       for (; full != 0; full &= full - 1) {
         const std::uint32_t lane = __ffs(static_cast<int>(full)) - 1;
