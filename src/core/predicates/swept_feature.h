@@ -290,16 +290,10 @@ DCM_HD inline FeatureVerdict verdictAtRoot(FeatureKind kind, const FeaturePiece<
   const auto parts = static_cast<Real>(1 << (kRootHalvings<Real> - interval.level));
   const Real place = rootOf(piece.d) * parts;
   if (!(place >= 0 && place < parts)) return open;
-  Real first = static_cast<Real>(static_cast<std::int32_t>(place));
+  const Real first = static_cast<Real>(static_cast<std::int32_t>(place));
   FeaturePiece<Real> part;
   piece.d.restrict(first / parts, (first + 1) / parts, errors.d, part.d);
-  if (!areOpposite(part.d.signAtStart(), part.d.signAtEnd())) {
-    // The root may be at the end of that interval; it is not at the end of this one.
-    first += Real(place - first < Real(0.5) ? -0.5 : 0.5);
-    if (first < 0 || first + 1 > parts) return open;
-    piece.d.restrict(first / parts, (first + 1) / parts, errors.d, part.d);
-    if (!areOpposite(part.d.signAtStart(), part.d.signAtEnd())) return open;
-  }
+  if (!areOpposite(part.d.signAtStart(), part.d.signAtEnd())) return open;
   for (int i = 0; i < 4; ++i) {
     part.sign[i] = piece.sign[i];
     if (part.sign[i] != 0) continue;

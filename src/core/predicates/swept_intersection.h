@@ -49,13 +49,6 @@ DCM_HD inline SweptVerdict meetsAt(float low, float high) {
   return {PartVerdict::kMeet, low, high, 0, false};
 }
 
-// Returns whether the first time is known well enough although features are open: none of these
-// meets before `open_low`, the first of the others in [low, high].
-DCM_HD inline bool isNarrow(float low, float open_low, float high, bool meets_at_end) {
-  const float end = meets_at_end ? least(high, 1.0F) : high;
-  return end <= 1 && end - least(low, open_low) <= kTimeWidth;
-}
-
 // Collects the decisions on features.
 struct FirstMeeting {
   float low = 2, high = 2, open_low = 2;
@@ -74,9 +67,6 @@ struct FirstMeeting {
   DCM_HD SweptVerdict verdict(bool meets_at_end, PredicateState& state) const {
     SweptVerdict result = meetsAt(low, high);
     result.meets_at_end = meets_at_end;
-    if (open != 0 && isNarrow(low, open_low, high, meets_at_end)) {
-      return meetsAt(least(low, open_low), least(high, 1.0F));
-    }
     if (open != 0 && state.mode == Predicates::kExact) {
       result.part = PartVerdict::kOpen;
       result.open = open;
