@@ -284,7 +284,7 @@ std::unique_ptr<Detector> makePartitionedDetector(
   } else {
     detector = std::make_unique<PartitionedDetector>(std::move(partitions), settings);
   }
-  return guardAgainstForks(withRadii(std::move(detector)), AfterFork::kIsUnavailable);
+  return guardAgainstForks(withRadiiAndPartMargins(std::move(detector)), AfterFork::kIsUnavailable);
 }
 
 }  // namespace deformable_contact_monitor

@@ -29,10 +29,14 @@ PairDecision decide(const BodyDistance& distance, float margin_m, float toleranc
 }
 
 PairDecision decide(const BodyDistance& distance, const Scene& scene, float tolerance_m) {
-  return decide(
-      distance,
-      pairMargin(scene.body(distance.body_a).margin_m, scene.body(distance.body_b).margin_m),
-      tolerance_m);
+  const Body &a = scene.body(distance.body_a), &b = scene.body(distance.body_b);
+  const PairDecision decision = decide(distance, pairMargin(a.margin_m, b.margin_m), tolerance_m);
+  if (decision != PairDecision::kNear || distance.is_exact || distance.is_listed) return decision;
+  // The two points are near if the parts that they lie on have such a margin.
+  const float margin_m = pairMargin(a.marginOf(a.partOf(distance.witness.triangle_a)),
+                                    b.marginOf(b.partOf(distance.witness.triangle_b)));
+  return decide(distance, margin_m, tolerance_m) == PairDecision::kNear ? decision
+                                                                        : PairDecision::kOpen;
 }
 
 const char* toString(PairDecision decision) {

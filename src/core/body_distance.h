@@ -18,7 +18,7 @@ enum class PairDecision {
 // equal.
 DCM_EXPORT PairDecision decide(const BodyDistance& distance, float margin_m, float tolerance_m);
 
-// Does the same with the margin that the scene gives to the two bodies.
+// Does the same with the margin that the scene gives to the two bodies, and to their parts.
 DCM_EXPORT PairDecision decide(const BodyDistance& distance, const Scene& scene, float tolerance_m);
 
 // Returns "none", "near", "contact", "unknown".

@@ -227,8 +227,9 @@ class DetectorPool : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> makeDetectorPool(PoolSettings settings) {
-  return guardAgainstForks(withRadii(std::make_unique<DetectorPool>(std::move(settings))),
-                           AfterFork::kWorks);
+  return guardAgainstForks(
+      withRadiiAndPartMargins(std::make_unique<DetectorPool>(std::move(settings))),
+      AfterFork::kWorks);
 }
 
 }  // namespace deformable_contact_monitor

@@ -133,7 +133,8 @@ void Scene::setPad(BodyId id, float pad_m) {
 
 void Scene::setMargin(BodyId id, float margin_m) {
   Body& body = checkedBody(id);
-  body.margin_m = checkedLength(body, "margin", margin_m);
+  body.own_margin_m = checkedLength(body, "margin", margin_m);
+  sumUpMargins(&body);
 }
 
 void Scene::setRadius(BodyId id, float radius_m) {
@@ -157,6 +158,23 @@ void Scene::setParts(BodyId id, std::vector<PartId> part_of_triangle) {
     if (has[part]) body.listed_parts.push_back(static_cast<PartId>(part));
   }
   body.parts_revision = nextRevision();
+  sumUpMargins(&body);
+}
+
+void Scene::setPartMargins(BodyId id, std::map<PartId, float> margins_m) {
+  Body& body = checkedBody(id);
+  for (const auto& [part, margin_m] : margins_m) {
+    checkedLength(body, "the margin of part " + std::to_string(part) + ",", margin_m);
+  }
+  body.part_margins_m = std::move(margins_m);
+  sumUpMargins(&body);
+}
+
+void Scene::sumUpMargins(Body* body) {
+  body->margin_m = 0;
+  for (const PartId part : body->listed_parts) {
+    body->margin_m = std::max(body->margin_m, body->marginOf(part));
+  }
 }
 
 void Scene::setPartPairEnabled(BodyId a, PartId part_a, BodyId b, PartId part_b, bool enabled) {
@@ -226,6 +244,16 @@ bool Scene::anyBody(float Body::*length_m) const {
 }
 
 bool Scene::anyMargin() const { return anyBody(&Body::margin_m); }
+bool Scene::anyPartMargin() const {
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    const Body& body = bodies_[id];
+    const bool differs =
+        std::any_of(body.listed_parts.begin(), body.listed_parts.end(),
+                    [&body](PartId part) { return body.marginOf(part) != body.margin_m; });
+    if (differs && takesPart(id)) return true;
+  }
+  return false;
+}
 
 bool Scene::anyRadius() const { return anyBody(&Body::radius_m); }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory_resource>
 #include <optional>
 #include <string>
@@ -57,7 +58,9 @@ struct DCM_EXPORT Body {
   // Replaces mesh.vertices, which then only tell how many vertices there are.
   std::optional<DeviceVertices> device_vertices;
   RigidTransform pose;  // scene frame from body frame; identity leaves the vertices untouched
-  float margin_m = 0;   // a pair of bodies counts at a distance <= the larger of its two margins
+  // Two bodies count at a distance of at most the larger of their margins [m]. If parts have
+  // margins of their own, this is the largest margin of the body's triangles, see marginOf().
+  float margin_m = 0;
   // The body is the set of all points at most this far from its triangles [m], so that a polyline
   // is a rope, and single points are grains (core/bounds/radii.h).
   float radius_m = 0;
@@ -75,6 +78,18 @@ struct DCM_EXPORT Body {
   // The part of each triangle. Empty: the body has no named parts, and all of it is part 0.
   std::vector<PartId> parts;
   std::vector<PartId> listed_parts{0};  // those that triangles have, ascending
+  // The margin of triangles whose part has none of its own, and the margins of parts [m].
+  float own_margin_m = 0;
+  std::map<PartId, float> part_margins_m;
+
+  // Returns the margin of the triangles of a part [m].
+  float marginOf(PartId part) const {
+    const auto found = part_margins_m.find(part);
+    return found == part_margins_m.end() ? own_margin_m : found->second;
+  }
+  PartId partOf(std::uint32_t triangle) const {
+    return parts.empty() ? PartId{0} : parts[triangle];
+  }
 };
 
 // Bodies and enabled pairs of bodies, for one thread at a time. Pairs of bodies, and a body with
@@ -110,8 +125,15 @@ class DCM_EXPORT Scene {
   // Sets the pose. Throws for non-finite numbers.
   void setPose(BodyId id, const RigidTransform& pose);
 
-  // Sets the margin [m], finite and >= 0.
+  // Sets the margin [m], finite and >= 0, of all parts that have none of their own.
   void setMargin(BodyId id, float margin_m);
+
+  // Sets margins of parts [m], finite and >= 0, in place of all earlier ones. Two triangles then
+  // count at a distance of at most the larger of their parts' margins, in lists of near pairs and
+  // for the nearest pairs of bodies and of parts. The setting stays when meshes and parts change.
+  // Options.tolerance_m does not go with it: detect() throws std::invalid_argument then, naming the
+  // body.
+  void setPartMargins(BodyId id, std::map<PartId, float> margins_m);
 
   // Sets Body::radius_m [m], finite and >= 0. Motion::kSwept and options.tolerance_m do not go with
   // a radius: detect() throws std::invalid_argument then, naming the body.
@@ -154,6 +176,8 @@ class DCM_EXPORT Scene {
   bool takesPart(BodyId id) const;
   // Returns whether some body that takes part has a margin.
   bool anyMargin() const;
+  // Returns whether some body that takes part has parts with other margins than its own.
+  bool anyPartMargin() const;
   // Returns whether some body that takes part has a radius.
   bool anyRadius() const;
   // Returns whether some body that takes part has a pad.
@@ -170,6 +194,7 @@ class DCM_EXPORT Scene {
  private:
   static void requireFinite(const Body& body, const RigidTransform& pose);
   bool anyBody(float Body::*length_m) const;
+  static void sumUpMargins(Body* body);
   Body& checkedBody(BodyId id);
   Body& checkedBody(BodyId id, std::size_t vertex_count);
 

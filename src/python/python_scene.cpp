@@ -70,6 +70,14 @@ constexpr const char* kSetMarginText = R"(At which distance triangles of the bod
 Of a pair of bodies, the larger of the two margins holds; a distance equal to it counts.
 Raises ValueError at a margin that is negative or not finite.)";
 
+constexpr const char* kSetPartMarginsText =
+    R"(Gives parts of the body margins of their own [m], in place of all earlier ones.
+
+margins_m: a dict of part numbers, 0 to 255, to margins >= 0. Other parts have the body's margin. Of
+two triangles, the larger margin of their parts holds. Detector.detect() raises ValueError for such a
+body with a tolerance.
+Raises ValueError at a part out of range, and at a margin that is negative or not finite.)";
+
 constexpr const char* kSetRadiusText =
     R"(Makes the body all points at most this far from its triangles [m], >= 0.
 
@@ -168,6 +176,12 @@ void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle trans
 // The core checks the value, here and in the functions below.
 void PythonScene::setMargin(std::int64_t id, float margin_m) {
   changeable().setMargin(checkedId(id), margin_m);
+}
+
+void PythonScene::setPartMargins(std::int64_t id, const std::map<std::int64_t, float>& margins_m) {
+  std::map<PartId, float> of_parts;
+  for (const auto& [part, margin_m] : margins_m) of_parts[checkedPart(part)] = margin_m;
+  changeable().setPartMargins(checkedId(id), std::move(of_parts));
 }
 
 void PythonScene::setRadius(std::int64_t id, float radius_m) {
@@ -280,6 +294,8 @@ void bindScene(py::module& module) {
       .def("set_pose", &Self::setPose, py::arg("id"), py::arg("rotation"), py::arg("translation"),
            kSetPoseText)
       .def("set_margin", &Self::setMargin, py::arg("id"), py::arg("margin_m"), kSetMarginText)
+      .def("set_part_margins", &Self::setPartMargins, py::arg("id"), py::arg("margins_m"),
+           kSetPartMarginsText)
       .def("set_radius", &Self::setRadius, py::arg("id"), py::arg("radius_m"), kSetRadiusText)
       .def("set_earlier", &Self::setEarlier, py::arg("id"), py::arg("vertices") = py::none(),
            py::arg("rotation") = py::none(), py::arg("translation") = py::none(), kSetEarlierText)

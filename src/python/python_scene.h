@@ -40,6 +40,7 @@ class PythonScene {
   // Sets the distance up to which triangles of the body count as contacts [m].
   void setMargin(std::int64_t id, float margin_m);
   // Makes the body all points at most this far from its triangles [m].
+  void setPartMargins(std::int64_t id, const std::map<std::int64_t, float>& margins_m);
   void setRadius(std::int64_t id, float radius_m);
   // Sets where the body was at the beginning of the interval: vertices [m] in the body's frame, and
   // the pose. None means the body's present value. Rotation and translation must be given together.

@@ -10,7 +10,8 @@
 
 namespace deformable_contact_monitor {
 
-// The margin of single bodies, and the common margin of all others [m].
+// The margin of single bodies and parts, and the common margin of all others [m]. An object whose
+// parts have margins of their own has the least of them here: to this distance its NONE is certain.
 struct MonitorMargins {
   double common_m = 0;
   std::map<std::string, double> own_m;
@@ -18,7 +19,7 @@ struct MonitorMargins {
   double of(const std::string& body) const {
     const auto found = own_m.find(body);
     if (found != own_m.end()) return found->second;
-    // A part, such as "cloth:hem", has the margin of its object.
+    // A part without a margin of its own, such as "cloth:hem", has that of its object.
     const auto whole = own_m.find(body.substr(0, body.rfind(':')));
     return whole == own_m.end() ? common_m : whole->second;
   }
@@ -57,8 +58,19 @@ inline MonitorMargins marginsOf(XmlRpc::XmlRpcValue parameters) {
     if (object.getType() != XmlRpcValue::TypeStruct || !object.hasMember("name")) continue;
     const XmlRpcValue& name = object["name"];
     if (name.getType() != XmlRpcValue::TypeString) continue;
-    margins.own_m[static_cast<const std::string&>(name)] =
-        numberOf(object, "margin_m", margins.common_m);
+    const std::string& object_name = static_cast<const std::string&>(name);
+    const double own_m = numberOf(object, "margin_m", margins.common_m);
+    double& least_m = margins.own_m[object_name] = own_m;
+    XmlRpcValue& parts = object["parts"];
+    for (int k = 0; parts.getType() == XmlRpcValue::TypeArray && k < parts.size(); ++k) {
+      XmlRpcValue& part = parts[k];
+      if (part.getType() != XmlRpcValue::TypeStruct || !part.hasMember("name")) continue;
+      const XmlRpcValue& part_name = part["name"];
+      if (part_name.getType() != XmlRpcValue::TypeString) continue;
+      const double part_m = numberOf(part, "margin_m", own_m);
+      margins.own_m[object_name + ":" + static_cast<const std::string&>(part_name)] = part_m;
+      least_m = std::min(least_m, part_m);
+    }
   }
   return margins;
 }

@@ -349,7 +349,7 @@ class BruteForceDetector : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> makeBruteForceDetector() {
-  return withRadii(std::make_unique<BruteForceDetector>());
+  return withRadiiAndPartMargins(std::make_unique<BruteForceDetector>());
 }
 
 }  // namespace deformable_contact_monitor

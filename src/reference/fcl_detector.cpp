@@ -81,6 +81,10 @@ class FclDetector : public Detector {
     if (scene.anyRadius()) {
       throw std::invalid_argument("a body has a radius, which backend \"fcl\" does not know");
     }
+    if (scene.anyPartMargin()) {
+      throw std::invalid_argument(
+          "parts of a body have margins of their own, which backend \"fcl\" does not know");
+    }
     const Stopwatch cycle;
     Stopwatch watch;
     const CycleLimit limit(options.limits);

@@ -57,9 +57,37 @@ inline void divide(Scene& scene, std::uint32_t seed) {
   }
 }
 
-// Returns the scene without parts and rules for them.
+// Gives some parts margins of their own [m], larger and smaller ones than their body's.
+inline void giveMargins(Scene& scene, std::uint32_t seed) {
+  constexpr float kMargins[] = {0, 1e-40F, 0.02F, 0.1F, 0.3F, 2, 1e30F};
+  std::mt19937 random(seed);
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    std::map<PartId, float> margins_m;
+    for (PartId part = 0; part < 204 && random() % 3 != 0; part = static_cast<PartId>(part + 51)) {
+      margins_m[part] = kMargins[random() % 7];
+    }
+    scene.setPartMargins(id, margins_m);
+  }
+}
+
+// Returns the margin of a triangle [m].
+inline float marginOf(const Scene& scene, BodyId id, std::uint32_t triangle) {
+  const std::map<PartId, float>& own_m = scene.body(id).part_margins_m;
+  const auto found = own_m.find(partOf(scene, id, triangle));
+  return found == own_m.end() ? scene.body(id).own_margin_m : found->second;
+}
+
+// Returns the scene without parts and rules for them. Each body has the largest margin of its
+// triangles.
 inline Scene undivided(Scene scene) {
-  for (BodyId id = 0; id < scene.bodyCount(); ++id) scene.setParts(id, {});
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    float most_m = 0;
+    const std::size_t count = scene.body(id).mesh.triangleCount();
+    for (std::uint32_t t = 0; t < count; ++t) most_m = std::max(most_m, marginOf(scene, id, t));
+    scene.setPartMargins(id, {});
+    scene.setMargin(id, most_m);
+    scene.setParts(id, {});
+  }
   scene.enableAllParts();
   return scene;
 }
@@ -73,7 +101,10 @@ inline bool isCompared(const Scene& scene, const TrianglePair& pair) {
 inline DetectionResult filtered(const Scene& scene, const DetectionResult& all) {
   DetectionResult kept;
   for (std::size_t i = 0; i < all.contacts.size(); ++i) {
-    if (!isCompared(scene, all.contacts[i])) continue;
+    const TrianglePair& pair = all.contacts[i];
+    const float margin_m = std::max(marginOf(scene, pair.body_a, pair.triangle_a),
+                                    marginOf(scene, pair.body_b, pair.triangle_b));
+    if (!isCompared(scene, pair) || all.separationM(i) > margin_m) continue;
     kept.contacts.push_back(all.contacts[i]);
     if (!all.separations_m.empty()) kept.separations_m.push_back(all.separations_m[i]);
     if (!all.geometry.empty()) kept.geometry.push_back(all.geometry[i]);
@@ -115,8 +146,9 @@ inline std::vector<NearestOfParts> nearestOfAllParts(const Scene& scene, Detecto
         for (const auto& [id, mesh] : {std::make_pair(a, of_a.mesh), {b, of_b.mesh}}) {
           const BodyId copy = alone.addBody("part", mesh);
           alone.setPose(copy, scene.body(id).pose);
-          alone.setMargin(copy, scene.body(id).margin_m);
         }
+        alone.setMargin(0, scene.body(a).marginOf(part_a));
+        alone.setMargin(1, scene.body(b).marginOf(part_b));
         alone.setPairEnabled(0, 1, true);
         for (NearestPair nearest : brute_force.detect(alone, options).nearest) {
           nearest.pair = {a, of_a.triangle[nearest.pair.triangle_a], b,

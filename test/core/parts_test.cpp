@@ -87,6 +87,7 @@ TEST_P(PartsSuite, LeaveTheContactsThatBruteForceLeaves) {
     Options options = optionsOf(seed, scene);
     options.geometry = seed % 4 < 2;
     divide(scene, seed);
+    if (seed % 3 == 0) giveMargins(scene, seed);
     expectFiltered(scene, options);
   }
   EXPECT_GT(contacts_, kScenes / 100 * 100);
@@ -115,6 +116,7 @@ TEST_P(PartsSuite, HaveTheNearestPairsOfBruteForceWhenRulesChange) {
   options.nearest = options.nearest_by_part = true;
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
     divide(scene, seed);
+    if (seed % 2 == 0) giveMargins(scene, seed);
     const auto parts = nearestOfAllParts(scene, *brute_force_, options);
     const DetectionResult& found = detector_->detect(scene, options);
     ASSERT_TRUE(sameNearest(nearestOfBodies(parts), found.nearest)) << "seed " << seed;
@@ -130,6 +132,7 @@ TEST_P(PartsSuite, HaveTheNearestPairsOfBruteForce) {
     for (BodyId id = 0; id < scene.bodyCount() && seed % 2 == 1; ++id) scene.setMargin(id, 1);
     options.nearest = options.nearest_by_part = true;
     divide(scene, seed);
+    if (seed % 3 == 0) giveMargins(scene, seed);
     std::vector<NearestOfParts> parts = nearestOfAllParts(scene, *brute_force_, options);
     const std::vector<NearestPair> bodies = nearestOfBodies(parts);
     const auto isUnnamed = [&scene](const NearestOfParts& of) {

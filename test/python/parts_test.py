@@ -69,6 +69,25 @@ class Parts(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "nearest_by_part is true, which needs nearest"):
             Detector("cpu", nearest_by_part=True)
 
+    def test_parts_have_margins(self):
+        high = numpy.array(TWO, numpy.float32)
+        high[:, 2] += 1.25
+        self.scene.set_vertices(self.two, high)
+        self.scene.set_parts(self.two, [7, 3])
+        detector = Detector("cpu", near_pairs=True)
+        self.assertEqual(len(detector.detect(self.scene).pairs), 0)
+        self.scene.set_part_margins(self.two, {3: 0.5})
+        self.assertEqual(as_set(detector.detect(self.scene).pairs), {(0, 0, 1, 1)})
+        self.scene.set_margin(self.two, 1)
+        self.scene.set_part_margins(self.two, {3: 0.125})
+        self.assertEqual(as_set(detector.detect(self.scene).pairs), {(0, 0, 1, 0)})
+        with self.assertRaisesRegex(ValueError, "two: its parts have margins of their own"):
+            Detector("cpu", tolerance_m=0.1).detect(self.scene)
+        for margins_m, why in (({300: 1}, "part 300 is not in"), ({3: -1}, "two: the margin of part 3"),
+                               ({3: float("nan")}, "two: the margin of part 3")):
+            with self.assertRaisesRegex(ValueError, why):
+                self.scene.set_part_margins(self.two, margins_m)
+
     def test_wrong_parts_are_refused(self):
         for parts, why in (([1], "two: parts are given for 1 triangles, but its mesh has 2"),
                            (numpy.array([], int), "two: parts has none"),

@@ -10,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,12 @@ float finiteFloat(double x) { return static_cast<float>(std::clamp<double>(x, -F
 Vec3f moved(const Vec3f& point, const Vec3f& along, double by_m) {
   return {finiteFloat(point.x + by_m * along.x), finiteFloat(point.y + by_m * along.y),
           finiteFloat(point.z + by_m * along.z)};
+}
+
+// Returns the margin of two triangles [m].
+float marginOf(const Scene& scene, const TrianglePair& pair) {
+  const Body &a = scene.body(pair.body_a), &b = scene.body(pair.body_b);
+  return pairMargin(a.marginOf(a.partOf(pair.triangle_a)), b.marginOf(b.partOf(pair.triangle_b)));
 }
 
 // The radii of a pair of bodies.
@@ -81,6 +88,7 @@ void movePoints(const PairRadii& radii, double gap_m, const Vec3f& normal, bool 
 
 // Takes the radii off a nearest pair, which is that of the triangles.
 void deflate(const PairRadii& radii, NearestPair* nearest) {
+  if (radii.sum() == 0) return;
   const double gap_m = nearest->distance_m;
   nearest->distance_m = radii.apartM(nearest->distance_m);
   const bool touch = nearest->distance_m == 0;
@@ -90,6 +98,7 @@ void deflate(const PairRadii& radii, NearestPair* nearest) {
 
 // Takes the radii off the bounds of a distance, which are those of the triangles.
 void deflate(const PairRadii& radii, BodyDistance* distance) {
+  if (radii.sum() == 0) return;
   distance->low_m = distance->low_m <= radii.sum() ? 0 : roundedDown(distance->low_m - radii.sum());
   if (!std::isfinite(distance->high_m)) return;
   const bool touch = distance->high_m <= radii.touch_m;
@@ -120,19 +129,31 @@ class InflatedDetector : public Detector {
   void reset() override { detector_->reset(); }
 
   const DetectionResult& detect(const Scene& scene, const Options& options) override {
-    has_radii_ = scene.anyRadius();
-    if (!has_radii_) return detector_->detect(scene, options);
+    const bool has_radii = scene.anyRadius(), has_part_margins = scene.anyPartMargin();
+    works_here_ = has_radii || has_part_margins;
+    if (!works_here_) return detector_->detect(scene, options);
     requireValid(options);
     requireSupported(scene, options);
     const Stopwatch cycle;
-    bare_ = scene;
-    run(scene, options);
+    Options of_parts = options;
+    of_parts.nearest_by_part |= options.nearest && has_part_margins;
+    if (has_radii) {
+      bare_ = scene;
+      run(scene, of_parts);
+    } else {
+      detector_->detect(scene, of_parts);
+      detector_->swapResult(result_);
+    }
+    if (has_radii || options.near_pairs || !options.nearest) keepContacts(scene, options);
+    keepNearest(scene);
+    keepDistances(scene);
+    if (!options.nearest_by_part) result_.nearest_parts.clear();
     result_.round_trip_ms = cycle.elapsedMs();
     return result_;
   }
 
   void swapResult(DetectionResult& result) override {
-    if (!has_radii_) return detector_->swapResult(result);
+    if (!works_here_) return detector_->swapResult(result);
     result_.swap(result);
   }
 
@@ -147,15 +168,20 @@ class InflatedDetector : public Detector {
   void keepDistances(const Scene& scene);
 
   std::unique_ptr<Detector> detector_;
-  Scene bare_;  // without radii, and with margins that are larger by them
-  bool has_radii_ = false;
+  Scene bare_;               // without radii, and with margins that are larger by them
+  bool works_here_ = false;  // the last result is not the detector's own
   DetectionResult result_, search_;
 };
 
 void InflatedDetector::requireSupported(const Scene& scene, const Options& options) {
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     const Body& body = scene.body(id);
-    if (body.radius_m == 0 || !scene.takesPart(id)) continue;
+    if (!scene.takesPart(id)) continue;
+    if (options.tolerance_m > 0 && !body.part_margins_m.empty()) {
+      throw std::invalid_argument(body.name + ": its parts have margins of their own, which are " +
+                                  "only decided exactly; set tolerance_m to 0");
+    }
+    if (body.radius_m == 0) continue;
     if (options.motion == Motion::kSwept) {
       throw std::invalid_argument(body.name + ": it has a radius, and motion \"swept\" finds no " +
                                   "contacts of such bodies; set motion \"instant\"");
@@ -190,9 +216,6 @@ void InflatedDetector::run(const Scene& scene, const Options& options) {
   list.nearest_by_part = options.nearest_by_part && is_one;
   detectWithin(scene, list, lists_near, &result_);
   if (!is_one) takeSearch();
-  keepContacts(scene, options);
-  keepNearest(scene);
-  keepDistances(scene);
 }
 
 // Adds what the search found to the list of contacts.
@@ -218,25 +241,36 @@ void InflatedDetector::takeSearch() {
   result_.detect_ms += search_.detect_ms;
 }
 
-// Takes the radii off the nearest pairs, and drops those that are beyond their margin then.
+// Takes the radii off the nearest pairs, and drops those that are beyond their margin then. Parts
+// of a body may have different margins, so the nearest pair of two bodies is found anew among those
+// of their parts.
 void InflatedDetector::keepNearest(const Scene& scene) {
-  const auto isBeyond = [&scene](const NearestPair& nearest) {
-    const TrianglePair& pair = nearest.pair;
-    return nearest.distance_m >
-           pairMargin(scene.body(pair.body_a).margin_m, scene.body(pair.body_b).margin_m);
-  };
-  std::vector<NearestPair>& nearest = result_.nearest;
-  for (NearestPair& of : nearest) {
-    deflate({scene.body(of.pair.body_a), scene.body(of.pair.body_b)}, &of);
-  }
-  nearest.erase(std::remove_if(nearest.begin(), nearest.end(), isBeyond), nearest.end());
   std::vector<NearestOfParts>& parts = result_.nearest_parts;
   for (NearestOfParts& of : parts) {
     deflate({scene.body(of.parts.body_a), scene.body(of.parts.body_b)}, &of.nearest);
   }
+  const auto isBeyond = [&scene](const NearestPair& nearest) {
+    return nearest.distance_m > marginOf(scene, nearest.pair);
+  };
   parts.erase(std::remove_if(parts.begin(), parts.end(),
                              [&](const NearestOfParts& of) { return isBeyond(of.nearest); }),
               parts.end());
+  std::map<std::pair<BodyId, BodyId>, const NearestPair*> best;
+  for (const NearestOfParts& of : parts) {
+    const NearestPair*& least =
+        best.try_emplace({of.parts.body_a, of.parts.body_b}, &of.nearest).first->second;
+    const auto key = [](const NearestPair& one) { return std::tie(one.distance_m, one.pair); };
+    if (key(of.nearest) < key(*least)) least = &of.nearest;
+  }
+  std::vector<NearestPair>& nearest = result_.nearest;
+  for (NearestPair& of : nearest) {
+    const Body &a = scene.body(of.pair.body_a), &b = scene.body(of.pair.body_b);
+    deflate({a, b}, &of);
+    if (a.part_margins_m.empty() && b.part_margins_m.empty()) continue;
+    const auto found = best.find({of.pair.body_a, of.pair.body_b});
+    if (found != best.end()) of = *found->second;
+  }
+  nearest.erase(std::remove_if(nearest.begin(), nearest.end(), isBeyond), nearest.end());
 }
 
 // Takes the radii off the bounds, and makes them agree with what is listed.
@@ -264,7 +298,9 @@ void InflatedDetector::keepDistances(const Scene& scene) {
     if (touching.count(bodies) > 0) {
       distance.low_m = distance.high_m = 0;
     } else if (distance.is_exact && near.count(bodies) == 0) {  // beyond its margin
-      distance.low_m = std::max(distance.low_m, pairMargin(a.margin_m, b.margin_m));
+      const bool is_beyond_all = a.part_margins_m.empty() && b.part_margins_m.empty();
+      const float margin_m = pairMargin(a.margin_m, b.margin_m);
+      if (is_beyond_all) distance.low_m = std::max(distance.low_m, margin_m);
       distance.high_m = INFINITY;
     }
   }
@@ -320,7 +356,7 @@ void InflatedDetector::keepContacts(const Scene& scene, const Options& options) 
     const Body &a = scene.body(pair.body_a), &b = scene.body(pair.body_b);
     const PairRadii radii(a, b);
     const float apart_m = radii.apartM(result_.separationM(i));
-    if (apart_m > (lists_near ? pairMargin(a.margin_m, b.margin_m) : 0)) continue;
+    if (apart_m > (lists_near ? marginOf(scene, pair) : 0)) continue;
     if (pair.body_a == pair.body_b && a.radius_m > 0 && isCloseAlong(pair)) continue;
     result_.contacts[kept] = pair;
     if (!result_.separations_m.empty()) result_.separations_m[kept] = apart_m;
@@ -338,7 +374,7 @@ void InflatedDetector::keepContacts(const Scene& scene, const Options& options) 
 
 }  // namespace
 
-std::unique_ptr<Detector> withRadii(std::unique_ptr<Detector> detector) {
+std::unique_ptr<Detector> withRadiiAndPartMargins(std::unique_ptr<Detector> detector) {
   return std::make_unique<InflatedDetector>(std::move(detector));
 }
 

@@ -1,4 +1,5 @@
-// Bodies with a radius: detectors know triangles only, so their near pairs become contacts.
+// Bodies with a radius, and parts with margins of their own. Detectors know triangles and margins
+// of bodies only: near pairs become contacts, or are dropped.
 #pragma once
 
 #include <memory>
@@ -25,10 +26,14 @@ namespace deformable_contact_monitor {
 //   along the edges of its mesh is at least pi times its radius. That is as far as a rope of that
 //   thickness takes to come back beside itself. Vertices at the same place are one.
 //
-// Scenes without radii are handed on as they are. With radii the scene is copied in each cycle, and
-// a search (options.nearest without near_pairs) with margins is made beside the list of contacts.
-// detect() also throws std::invalid_argument, naming a body with a radius, for Motion::kSwept, for
-// options.tolerance_m > 0, and for a body on a device whose pair with itself is enabled.
-DCM_EXPORT std::unique_ptr<Detector> withRadii(std::unique_ptr<Detector> detector);
+// It also knows margins of parts (Scene::setPartMargins): what the largest margins of the bodies
+// list or find is dropped if it is beyond the margin of its own two parts.
+//
+// Scenes without either are handed on as they are. With radii the scene is copied in each cycle,
+// and a search (options.nearest without near_pairs) with margins is made beside the list of
+// contacts. detect() also throws std::invalid_argument, naming a body with a radius, for
+// Motion::kSwept, for options.tolerance_m > 0, and for a body on a device whose pair with itself is
+// enabled.
+DCM_EXPORT std::unique_ptr<Detector> withRadiiAndPartMargins(std::unique_ptr<Detector> detector);
 
 }  // namespace deformable_contact_monitor

@@ -212,7 +212,8 @@ void CpuDetector::countClusters() {
 }  // namespace
 
 std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings) {
-  return guardAgainstForks(withRadii(std::make_unique<CpuDetector>(settings)), AfterFork::kWorks);
+  return guardAgainstForks(withRadiiAndPartMargins(std::make_unique<CpuDetector>(settings)),
+                           AfterFork::kWorks);
 }
 
 }  // namespace deformable_contact_monitor

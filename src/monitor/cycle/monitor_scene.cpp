@@ -395,7 +395,9 @@ void MonitorScene::showParts(std::size_t object) {
   const std::shared_ptr<const Topology>& topology = loaded_[object].topology;
   if (topology == nullptr || parts_in_scene_[object] == chooser.parts()) return;
   if (!pieces.empty() && pieces.size() != topology->triangles.size() / 3) return;
-  scene_.setParts(first_object_ + static_cast<BodyId>(object), pieces);
+  const BodyId id = first_object_ + static_cast<BodyId>(object);
+  scene_.setParts(id, pieces);
+  scene_.setPartMargins(id, chooser.marginsOfPieces());
   parts_in_scene_[object] = chooser.parts();
 }
 

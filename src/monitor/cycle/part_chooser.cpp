@@ -88,6 +88,20 @@ void PartChooser::splitHeld(BodyParts* parts) {
   for (const std::uint32_t t : held_->triangles) of_triangles_[t] = piece_of[of_triangles_[t]];
 }
 
+// What is held of a part keeps its margin.
+std::map<PartId, float> PartChooser::marginsOfPieces() const {
+  std::map<PartId, float> margins_m;
+  const std::size_t pieces = parts_ == nullptr ? 0 : parts_->pieceCount();
+  for (std::size_t part = 0; part < given_.size(); ++part) {
+    if (!given_[part].margin_m) continue;
+    for (std::size_t piece = 1; piece < pieces; ++piece) {
+      const auto id = static_cast<PartId>(piece);
+      if (parts_->has(static_cast<PartId>(part + 1), id)) margins_m[id] = *given_[part].margin_m;
+    }
+  }
+  return margins_m;
+}
+
 void PartChooser::choose(const IncomingMesh& mesh) {
   const std::size_t count = mesh.topology->triangles.size() / 3;
   named_.assign(count, 0);

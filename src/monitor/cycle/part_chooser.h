@@ -1,6 +1,7 @@
 // Finds out which triangles of an object's meshes its named parts are, and which of them are held.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ class PartChooser {
   // Returns the piece (BodyParts) of each triangle; an empty list if the object has no parts, or if
   // nobody knows which triangles they are.
   const std::vector<PartId>& ofTriangles() const { return of_triangles_; }
+  // Returns the margins [m] of the pieces whose part has one of its own.
+  std::map<PartId, float> marginsOfPieces() const;
   // Returns the parts as they are now, another object whenever they have changed; null if the
   // object has none.
   const std::shared_ptr<const BodyParts>& parts() const { return parts_; }

@@ -19,7 +19,6 @@ namespace deformable_contact_monitor {
 namespace {
 
 // Upper ends of ranges that several parameters share, or that are part of a contract.
-constexpr double kMaxMarginM = 10;
 constexpr double kMaxRadiusM = 1;
 constexpr double kMaxToleranceM = 1;
 constexpr double kMaxBudgetMs = 60000;
@@ -302,8 +301,13 @@ std::vector<std::string> writeMarginsAsNumbers(XmlRpc::XmlRpcValue* tree) {
     XmlRpc::XmlRpcValue& objects = (*tree)["objects"];
     bool is_changed = false;
     for (int i = 0; i < objects.size(); ++i) {
-      if (!objects[i].hasMember("margin_m")) continue;
-      is_changed |= replaceTextByNumber(&objects[i]["margin_m"]);
+      const auto replaceMargin = [&is_changed](XmlRpc::XmlRpcValue& of) {
+        if (of.hasMember("margin_m")) is_changed |= replaceTextByNumber(&of["margin_m"]);
+      };
+      replaceMargin(objects[i]);
+      if (!objects[i].hasMember("parts")) continue;
+      XmlRpc::XmlRpcValue& parts = objects[i]["parts"];
+      for (int k = 0; k < parts.size(); ++k) replaceMargin(parts[k]);
     }
     if (is_changed) changed.push_back("objects");
   }

@@ -182,7 +182,7 @@ std::vector<PartParameters> readParts(ParameterReader* object, const std::string
     readTriangles(&entry, warnings, &part);
     if (entry.has("group")) readGroup(&entry, faces, parts.size(), &groups);
     if (entry.has("margin_m")) {
-      entry.addProblem("margin_m", "is not supported: a part has the margin of its object");
+      part.margin_m = static_cast<float>(entry.number("margin_m", 0, 0, kMaxMarginM));
     }
     for (const std::string& name : entry.unknown()) {
       warnings->push_back(name + " is not a parameter of this node and is ignored");

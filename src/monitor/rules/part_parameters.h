@@ -13,6 +13,9 @@
 
 namespace deformable_contact_monitor {
 
+// The largest margin of a body or a part [m].
+constexpr double kMaxMarginM = 10;
+
 // A closed box with edges along the axes [m].
 struct PartBox {
   std::array<double, 3> min{}, max{};
@@ -26,6 +29,8 @@ struct PartParameters {
   std::optional<PartBox> box{};
   // The mesh that the ranges are taken from, if they are a group of a mesh file; else null.
   std::shared_ptr<const TriangleMesh> mesh{};
+  // The part's own margin [m]; nothing: that of its object.
+  std::optional<float> margin_m{};
 };
 
 // Reads the key `parts` of an object. `faces` is the object's mesh file, or empty; parts may be

@@ -28,10 +28,18 @@ struct Partners {
   }
 };
 
-// Returns "margin 0.01 m, may touch hand (srdf), arm (parameters) and 3 more".
-std::string describe(double margin_m, const Partners& partners) {
+// Returns "margin 0.01 m (hem 0.05 m), may touch hand (srdf), arm (parameters) and 3 more".
+std::string describe(const Body& body, const BodyStatus& status, const Partners& partners) {
   std::ostringstream text;
-  text << "margin " << margin_m << " m";
+  text << "margin " << body.own_margin_m << " m";
+  const char* before = " (";
+  for (std::size_t i = 0; i < status.partCount(); ++i) {
+    const auto part = static_cast<PartId>(i + 1);
+    if (body.part_margins_m.count(part) == 0 || part == status.parts->heldPart()) continue;
+    text << before << status.parts->names[i] << " " << body.marginOf(part) << " m";
+    before = ", ";
+  }
+  if (before[0] == ',') text << ")";
   if (partners.count > 0) text << ", may touch " << partners.text;
   if (partners.count > kShown) text << " and " << partners.count - kShown << " more";
   return text.str();
@@ -151,7 +159,8 @@ RulesInForce describeRules(const std::vector<BodyStatus>& bodies,
   }
   addParts(bodies, pairs, rules, part_pairs, &partners);
   for (BodyId id = 0; id < bodies.size(); ++id) {
-    in_force.bodies.emplace_back(bodies[id].name, describe(scene.body(id).margin_m, partners[id]));
+    in_force.bodies.emplace_back(bodies[id].name,
+                                 describe(scene.body(id), bodies[id], partners[id]));
   }
   for (const auto& [object, attachment] : rules.attached) {
     in_force.attached.push_back(describeHeld(object, attachment));

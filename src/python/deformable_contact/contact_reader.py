@@ -87,14 +87,14 @@ def _is_of(name, body):
 
 
 def _margin_of(margins, name):
-    """A part has the margin of its object."""
+    """A part has the margin of its object, unless it has its own."""
     return margins.get(name, margins.get(name.rpartition(":")[0], margins["*"]))
 
 
 def margins_of(parameters):
     """The margin of each body by its name, and of all others by "*" [m], from the private
-    parameters of a monitor. Values of a wrong type are ignored: a monitor does not start with
-    them."""
+    parameters of a monitor. A NONE of an object is certain to the least margin of its parts. Values
+    of a wrong type are ignored: a monitor does not start with them."""
     def number(mapping, fallback):
         value = mapping.get("margin_m") if isinstance(mapping, dict) else mapping
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
@@ -105,8 +105,15 @@ def margins_of(parameters):
     for name, margin_m in links.items() if isinstance(links, dict) else ():
         margins[name] = number(margin_m, margins["*"])
     for one in objects if isinstance(objects, list) else ():
-        if isinstance(one, dict) and isinstance(one.get("name"), str):
-            margins[one["name"]] = number(one, margins["*"])
+        if not isinstance(one, dict) or not isinstance(one.get("name"), str):
+            continue
+        own_m = least_m = number(one, margins["*"])
+        parts = one.get("parts")
+        for part in parts if isinstance(parts, list) else ():
+            if isinstance(part, dict) and isinstance(part.get("name"), str):
+                part_m = margins[one["name"] + ":" + part["name"]] = number(part, own_m)
+                least_m = min(least_m, part_m)
+        margins[one["name"]] = least_m
     return margins
 
 

@@ -114,10 +114,17 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
   }
 }
 
-// Returns the margin of an object, a part of it or a link [m].
+// Returns the margin of an object, a part of it or a link [m]. To the least margin of its parts, an
+// object is certain to be apart.
 double marginOf(const MonitorParameters& parameters, const std::string& body) {
   for (const ObjectParameters& object : parameters.objects) {
-    if (hasName(bodyOf(object), body)) return object.margin_m;
+    if (!hasName(bodyOf(object), body)) continue;
+    float margin_m = object.margin_m;
+    for (const PartParameters& part : object.parts) {
+      if (body == object.name + ":" + part.name) return part.margin_m.value_or(object.margin_m);
+      margin_m = std::min(margin_m, part.margin_m.value_or(margin_m));
+    }
+    return margin_m;
   }
   return linkMarginM(parameters, body);
 }

@@ -48,7 +48,10 @@ std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSett
 // Returns true if any body has a margin. FCL cannot list pairs of triangles at a distance.
 bool hasMargins(const MonitorParameters& parameters) {
   bool any = parameters.margin_m > 0;
-  for (const ObjectParameters& object : parameters.objects) any |= object.margin_m > 0;
+  for (const ObjectParameters& object : parameters.objects) {
+    any |= object.margin_m > 0;
+    for (const PartParameters& part : object.parts) any |= part.margin_m.value_or(0) > 0;
+  }
   for (const auto& [link, margin_m] : parameters.link_margin_m) any |= margin_m > 0;
   return any;
 }

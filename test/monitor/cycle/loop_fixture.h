@@ -187,6 +187,9 @@ class LoopTest : public ::testing::Test {
     return meshes_;
   }
 
+  // Makes the next step that of a new loop, with the parameters as they are then.
+  void restart() { loop_.reset(); }
+
   // Makes one step and returns what was logged in it. The first call makes the loop, with the
   // parameters as they are then.
   Lines step() {

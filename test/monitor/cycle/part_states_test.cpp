@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -204,6 +205,30 @@ TEST_F(PartsTest, DistancesAreThoseOfThePart) {
   EXPECT_EQ(states_[2].min_separation, 0.25F);
   EXPECT_EQ(states_[2].point_b.z, 0.25F);
   EXPECT_EQ(states_[2].normal.z, 1);
+}
+
+// The cable is over the hem, 0.375 m from it, and 1.74 m from the cloth's own rest.
+TEST_F(PartsTest, APartMayHaveALargerOrASmallerMarginThanItsObject) {
+  for (const bool near_pairs : {false, true}) {
+    parameters_.detector.near_pairs = near_pairs;
+    cloth().margin_m = 0;
+    cloth().parts[0].margin_m = 0.5F;
+    restart();
+    move(-1, 0, 0.5F);
+    EXPECT_EQ(letters(), "nn-") << near_pairs;
+    EXPECT_EQ(states_[0].min_separation, 0.375F);
+    EXPECT_EQ(contacts_, near_pairs ? 1U : 0U);
+    move(-1, 1, 0.5F);
+    EXPECT_EQ(letters(), "---") << near_pairs;
+    cloth().margin_m = 2;
+    cloth().parts[0].margin_m = 0.25F;
+    restart();
+    move(-1, 0, 0.5F);
+    EXPECT_EQ(letters(), "n--") << near_pairs;
+    EXPECT_NEAR(states_[0].min_separation, std::hypot(1.625, 0.625), 1e-6);
+    move(-1, 0);
+    EXPECT_EQ(letters(), "CC-") << near_pairs;
+  }
 }
 
 TEST_F(PartsTest, ATopologyThatDoesNotFitMakesThePartsUnknown) {

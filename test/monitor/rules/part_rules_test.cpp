@@ -191,8 +191,12 @@ TEST(PartParameters, OneWayToMakeAPart) {
            refusalOf(withParts({part("hem", {range(9, 5)})})));
   expectIn("parts[0]/triangles has no range", refusalOf(withParts({part("hem", {})})));
   XmlRpcValue wide = part("hem", {range(0, 1)});
+  wide["margin_m"] = 11;
+  expectIn("parts[0]/margin_m is 11, must be in [0, 10]", refusalOf(withParts({wide})));
   wide["margin_m"] = 0.5;
-  expectIn("parts[0]/margin_m is not supported", refusalOf(withParts({wide})));
+  EXPECT_EQ(parse(withParts({wide})).objects[0].parts[0].margin_m, 0.5F);
+  EXPECT_EQ(parse(withParts({part("hem", {range(0, 1)})})).objects[0].parts[0].margin_m,
+            std::nullopt);
   std::vector<XmlRpcValue> many;
   for (int i = 0; i < 256; ++i) many.push_back(part("p" + std::to_string(i), {range(i, i)}));
   expectIn("~objects[0]/parts are 256, must be at most 255", refusalOf(withParts(many)));
@@ -309,6 +313,9 @@ TEST_F(PartRules, InWords) {
   EXPECT_EQ(in_force.allowedPairs(), 0U);
   EXPECT_EQ(in_force.bodies[0].second, "margin 0 m, may touch cloth:hem (parameters)");
   EXPECT_EQ(in_force.bodies[1].second, "margin 0 m, may touch hand with hem (parameters)");
+  scene.setPartMargins(1, {{1, 0.5F}, {2, 0.25F}});
+  EXPECT_EQ(describeRules(bodies, {}, rules_, scene, {}).bodies[1].second,
+            "margin 0 m (hem 0.5 m, seam 0.25 m)");
 }
 
 TEST_F(PartRules, UnknownPartsAreNamed) {
