@@ -110,6 +110,38 @@ TEST(Parameters, FramePrefix) {
   expectIn("~frame_prefix is 7, must be text", refusalOf(tree));
 }
 
+TEST(Parameters, RobotsAreAListOrOne) {
+  XmlRpcValue tree, left, right;
+  tree["robot_description"] = "arm";
+  ASSERT_EQ(parse(tree).allRobots().size(), 1U);
+  EXPECT_EQ(parse(tree).allRobots()[0].description, "arm");
+  tree["frame_prefix"] = "left/";
+  EXPECT_EQ(parse(tree).allRobots()[0].link_prefix, "") << "a single robot's links have no prefix";
+  left["description"] = right["description"] = "arm";
+  left["frame_prefix"] = "left/";
+  right["srdf"] = "none";
+  tree["robots"] = list(left, right);
+  expectIn("~robot_description is 'arm', which has no place beside robots", refusalOf(tree));
+  expectIn("~frame_prefix is 'left/', which has no place beside robots", refusalOf(tree));
+  tree["robot_description"] = "robot_description";  // as in config/contact_monitor.yaml
+  tree["frame_prefix"] = "";
+  tree["srdf"] = "/robot.srdf";
+  expectIn("~srdf is '/robot.srdf', which has no place beside robots", refusalOf(tree));
+  tree["srdf"] = "auto";
+  const MonitorParameters p = parse(tree);
+  ASSERT_EQ(p.allRobots().size(), 2U);
+  EXPECT_EQ(p.allRobots()[0].link_prefix, "left/");
+  EXPECT_EQ(p.allRobots()[0].srdf, kSrdfAuto);
+  EXPECT_EQ(p.allRobots()[1].link_prefix, "");
+  EXPECT_EQ(p.allRobots()[1].srdf, kSrdfNone);
+  EXPECT_EQ(p.frameOf("left/hand"), "left/hand") << "the names have the prefix already";
+  tree["robots"][0]["frame_prefix"] = "/left";
+  expectIn("~robots[0]/frame_prefix is '/left', must not begin with '/'", refusalOf(tree));
+  tree["robots"][1] = XmlRpcValue();
+  tree["robots"][1]["srdf"] = "none";
+  expectIn("~robots[1]/description is missing", refusalOf(tree));
+}
+
 TEST(Parameters, ObjectsHaveTopicsOfTheirOwn) {
   const std::vector<ObjectParameters> objects = {{"cloth", "/a"}, {"b", "/b"}, {"c", "a"}};
   EXPECT_NO_THROW(requireOwnTopics(objects, [](const auto& object) { return object.topic; }));
