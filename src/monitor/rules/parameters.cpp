@@ -329,9 +329,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
 std::vector<std::string> writeMarginsAsNumbers(XmlRpc::XmlRpcValue* tree) {
   std::vector<std::string> changed;
   if (tree->hasMember("link_margin_m")) {
-    bool is_changed = false;
-    for (auto& link : (*tree)["link_margin_m"]) is_changed |= replaceTextByNumber(&link.second);
-    if (is_changed) changed.push_back("link_margin_m");
+    if (replaceTextsByNumbers(&(*tree)["link_margin_m"])) changed.push_back("link_margin_m");
   }
   if (tree->hasMember("objects")) {
     XmlRpc::XmlRpcValue& objects = (*tree)["objects"];

@@ -110,6 +110,21 @@ TEST(Parameters, FramePrefix) {
   expectIn("~frame_prefix is 7, must be text", refusalOf(tree));
 }
 
+// The parameter server divides names at their slashes.
+TEST(Parameters, MarginsOfLinksWithAPrefix) {
+  XmlRpcValue tree;
+  tree["link_margin_m"]["left"]["arm"]["hand"] = "1e-3";
+  tree["link_margin_m"]["left"]["hand"] = 0.5;
+  tree["link_margin_m"]["right/hand"] = 0.25;
+  EXPECT_EQ(parse(tree).link_margin_m,
+            (std::map<std::string, double>{
+                {"left/arm/hand", 1e-3}, {"left/hand", 0.5}, {"right/hand", 0.25}}));
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>{"link_margin_m"});
+  EXPECT_EQ(static_cast<double>(tree["link_margin_m"]["left"]["arm"]["hand"]), 1e-3);
+  tree["link_margin_m"]["left"]["hand"] = -1;
+  expectIn("~link_margin_m/left/hand is -1", refusalOf(tree));
+}
+
 TEST(Parameters, RobotsAreAListOrOne) {
   XmlRpcValue tree, left, right;
   tree["robot_description"] = "arm";
