@@ -236,19 +236,25 @@ def pairs_of(contacts):
 
 def oracle_pairs(links, name, mesh):
     """Returns what pairs_of() must be for {link: posed mesh} and the object's posed mesh."""
-    robot, origins = merged(list(links.values()))
-    names = list(links)
+    return oracle_pairs_between(links, {name: mesh})
+
+
+def oracle_pairs_between(first, second):
+    """Returns what pairs_of() must be for the bodies of two {name: posed mesh}."""
+    merged_bodies = [merged(list(bodies.values())) for bodies in (first, second)]
     with tempfile.TemporaryDirectory() as folder:
-        files = [os.path.join(folder, file) for file in ("robot.ply", "object.ply")]
-        write_ply(files[0], robot)
-        write_ply(files[1], mesh)
+        files = [os.path.join(folder, file) for file in ("first.ply", "second.ply")]
+        for file, (mesh, _) in zip(files, merged_bodies):
+            write_ply(file, mesh)
         lines = subprocess.run([executable("oracle_pairs")] + files, check=True, timeout=WAIT_S,
                                stdout=subprocess.PIPE, universal_newlines=True).stdout.splitlines()
     pairs = set()
     for line in lines:
-        _, robot_triangle, _, triangle = (int(word) for word in line.split())
-        link, link_triangle = origins[robot_triangle]
-        pairs.add((names[link], link_triangle, name, triangle))
+        pair = ()
+        for bodies, (_, origins), word in zip((first, second), merged_bodies, line.split()[1::2]):
+            body, triangle = origins[int(word)]
+            pair += (list(bodies)[body], triangle)
+        pairs.add(pair)
     return pairs
 
 
