@@ -86,12 +86,18 @@ class Monitor:
             raise AssertionError(f"these contacts were found by {contacts.backend}")
         return contacts
 
+    def states_of(self, contacts):
+        """{(body_a, body_b): ContactState} of the cycle of these contacts."""
+        # The monitor's own beats may have that stamp, too.
+        message = self.states.wait(
+            f"states of cycle {contacts.cycle}", lambda m: m.cycle == contacts.cycle
+            and m.header.stamp == contacts.header.stamp)
+        return {(s.body_a, s.body_b): s for s in message.states}
+
     def states_at(self, stamp):
         """{(body_a, body_b): state} of the cycle at that stamp."""
-        cycle = self.contacts_at(stamp).cycle  # the monitor's own beats may have that stamp, too
-        message = self.states.wait(f"states at {stamp}",
-                                   lambda m: m.header.stamp == stamp and m.cycle == cycle)
-        return {(s.body_a, s.body_b): s.state for s in message.states}
+        states = self.states_of(self.contacts_at(stamp))
+        return {pair: state.state for pair, state in states.items()}
 
     def robot_meshes(self, log):
         """{link: mesh} of the newest message of `log`, a Log of ~robot_meshes."""
@@ -213,6 +219,12 @@ def now(after=None):
     """Returns the current time, or the next millisecond after `after` if that is later."""
     stamp = rospy.Time.now()
     return stamp if after is None or stamp > after else after + rospy.Duration(0, 1000000)
+
+
+def wait_for_transforms(send):
+    """Repeats send(), which sends a mesh and returns its contacts, until no link lacks a transform.
+    For transforms that are sent once."""
+    wait_until(lambda: not send().skipped, "transforms of all links")
 
 
 def until_frames_are_seen(cycle):

@@ -70,10 +70,6 @@ class ThreeArms(unittest.TestCase):
         """{link: posed mesh}."""
         return posed_links(self.meshes, lambda link: self.transforms.pose(FRAME, link, stamp))
 
-    def states_of(self, contacts):
-        states = self.monitor.states.wait("states", lambda m: m.cycle == contacts.cycle)
-        return {(s.body_a, s.body_b): s for s in states.states}
-
     def test_the_links_have_their_prefixes(self):
         names = [link.get("name") for link in
                  ElementTree.parse(CONFIG / "surgical_arm.urdf").getroot().findall("link")]
@@ -113,7 +109,7 @@ class ThreeArms(unittest.TestCase):
                 self.assertIn(("PSM1/shaft", "PSM2/shaft"), {(p[0], p[2]) for p in expected})
 
     def test_an_srdf_holds_within_its_arm(self):
-        states = self.states_of(self.robots_cycle("crossed"))
+        states = self.monitor.states_of(self.robots_cycle("crossed"))
         allowed = {pair for pair, s in states.items() if s.state == ContactState.ALLOWED}
         rules = ElementTree.parse(CONFIG / "surgical_arm.srdf").getroot()
         expected = {frozenset((prefix + rule.get("link1"), prefix + rule.get("link2")))
@@ -123,7 +119,7 @@ class ThreeArms(unittest.TestCase):
         self.assertEqual(states["PSM1/shaft", "PSM2/shaft"].state, ContactState.CONTACT)
 
     def test_margins_have_the_links_prefix(self):
-        states = self.states_of(self.show("above"))
+        states = self.monitor.states_of(self.show("above"))
         for link, state in (("PSM3/left_jaw", ContactState.NEAR), ("PSM2/left_jaw", ContactState.NONE)):
             self.assertEqual(states[link, "tissue"].state, state, link)
 
@@ -131,8 +127,7 @@ class ThreeArms(unittest.TestCase):
         stops = Log("/contact_guard/stop", Bool)
         for pose, stop in (("first", False), ("all", True), ("first", False)):
             def says_so():
-                cycle = self.show(pose).cycle
-                self.monitor.states.wait("states", lambda m: m.cycle == cycle)
+                self.monitor.states_of(self.show(pose))
                 return stops.wait("the guard", since=stops.count()).data == stop
             wait_until(says_so, f"stop {stop} of the guard in pose {pose}")
 
