@@ -249,6 +249,12 @@ class BagTopics(unittest.TestCase):
         with open(self.path("out/links.csv"), newline="") as file:
             self.assertEqual({row["body_a"]: row["state"] for row in csv.DictReader(file)},
                              {"a/finger": "CONTACT", "b/finger": "NONE"})
+        sent = LinkMeshes(meshes=[LinkMesh(arm + "/finger", "test", *BOX) for arm in "ab"])
+        recorded = self.bag(cloth(frame="a/base_link"), finger(prefix="a/"), finger(1.0, prefix="b/"),
+                            ("/tf", lambda i: transform(i, "a/base_link", "b/base_link")),
+                            always("/contact_monitor/robot_meshes", sent), name="recorded.bag")
+        self.assertEqual(self.states(recorded, *config, robot=False),
+                         {"cloth": {"CONTACT", "NONE"}})
         for option in "--robot-description", "--frame-prefix", "--srdf", "--robot-description-topic":
             self.assert_refused(bag, *config, option, "x", robot=False,
                                 says=[option + " is of a single robot, but", "has robots"])
