@@ -1,4 +1,4 @@
-// Provides the robot's link meshes, from robot_description or from a topic.
+// Provides the robots' link meshes, from robot_description or from a topic.
 #include "node/robot_source.h"
 
 #include <ros/console.h>
@@ -17,7 +17,7 @@ namespace {
 
 // Compares all that detection depends on. A robot that is sent again must not start a new scene.
 bool same(const RobotGeometry& a, const RobotGeometry& b) {
-  return a.srdf == b.srdf && a.unmonitored_links == b.unmonitored_links &&
+  return a.robots == b.robots && a.unmonitored_links == b.unmonitored_links &&
          std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
                     [](const LinkGeometry& l, const LinkGeometry& m) {
                       return l.link == m.link && l.problem == m.problem &&
@@ -32,10 +32,19 @@ void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
     if (link.problem.empty()) ROS_INFO_STREAM(describeLink(link, parameters));
   }
   for (const std::string& line : robotWarnings(robot, parameters)) ROS_WARN_STREAM(line);
-  if (robot.srdf == Srdf()) return;
-  ROS_INFO_STREAM("the SRDF allows contacts between links of robot '"
-                  << robot.srdf.robot << "': " << robot.srdf.disabled.size() << " pairs, "
-                  << robot.srdf.disabled_links.size() << " links by default");
+  for (const DescribedRobot& one : robot.robots) {
+    if (one.srdf == Srdf()) continue;
+    ROS_INFO_STREAM("the SRDF allows contacts between links of robot '"
+                    << one.srdf.robot << "': " << one.srdf.disabled.size() << " pairs, "
+                    << one.srdf.disabled_links.size() << " links by default");
+  }
+}
+
+// Returns the name of a robot's `srdf`: "~srdf", or the robot's entry among several.
+std::string srdfOf(const RobotParameters& robot, const MonitorParameters& parameters) {
+  if (parameters.robots.empty()) return "~srdf";
+  return "~robots: srdf of '" + robot.description + "' with frame_prefix '" + robot.link_prefix +
+         "':";
 }
 
 }  // namespace
@@ -44,11 +53,9 @@ RobotSource::RobotSource(const MonitorParameters& parameters, const ros::NodeHan
                          ros::NodeHandle private_node, std::function<void()> changed)
     : parameters_(parameters), node_(node), changed_(std::move(changed)) {
   if (!parameters_.pair_classes.needRobot()) return;
-  loadFirstSrdf();
+  loadFirstSrdfs();
   if (parameters_.robot_source == RobotSourceKind::kUrdf) {
-    RobotGeometry robot = loadFromDescription();
-    robot.srdf = srdf_;
-    use(std::move(robot));
+    use(loadFromDescriptions(srdfs_));
   } else {
     subscriber_ = private_node.subscribe("robot_link_meshes", 1, &RobotSource::receive, this,
                                          ros::TransportHints().tcpNoDelay());
@@ -75,9 +82,9 @@ void RobotSource::reload() {
   if (parameters_.robot_source == RobotSourceKind::kTopic) {
     throw std::runtime_error("the robot comes from ~robot_link_meshes: publish it again");
   }
-  RobotGeometry robot = loadFromDescription();
-  robot.srdf = loadSrdf();
-  if (use(std::move(robot))) changed_();
+  std::vector<Srdf> srdfs;
+  for (const RobotParameters& robot : parameters_.allRobots()) srdfs.push_back(loadSrdf(robot));
+  if (use(loadFromDescriptions(srdfs))) changed_();
   const std::lock_guard<std::mutex> lock(mutex_);
   srdf_problem_.clear();
 }
@@ -89,21 +96,22 @@ std::string RobotSource::searchNamespace() const {
 }
 
 // Returns an SRDF without rules if there is none to read.
-Srdf RobotSource::loadSrdf() const {
-  if (parameters_.srdf == kSrdfNone) return {};
-  if (parameters_.srdf != kSrdfAuto) {
+Srdf RobotSource::loadSrdf(const RobotParameters& robot) const {
+  if (robot.srdf == kSrdfNone) return {};
+  if (robot.srdf != kSrdfAuto) {
     try {
-      return readSrdfFile(makeRosResolver()(parameters_.srdf));
+      return readSrdfFile(makeRosResolver()(robot.srdf));
     } catch (const std::exception& error) {
-      throw std::runtime_error("~srdf '" + parameters_.srdf + "': " + error.what());
+      throw std::runtime_error(srdfOf(robot, parameters_) + " '" + robot.srdf +
+                               "': " + error.what());
     }
   }
-  const std::string name = parameters_.robot_description + "_semantic";
+  const std::string name = robot.description + "_semantic";
   std::string found, xml;
   if (!ros::param::search(searchNamespace(), name, found) || !ros::param::has(found)) return {};
   if (!node_.getParam(found, xml)) {
-    throw std::runtime_error("parameter '" + found +
-                             "' is not a text; set ~srdf to none to ignore it");
+    throw std::runtime_error("parameter '" + found + "' is not a text; set " +
+                             srdfOf(robot, parameters_) + " to none to ignore it");
   }
   try {
     return readSrdf(xml);
@@ -114,33 +122,48 @@ Srdf RobotSource::loadSrdf() const {
 
 // A user who names a file relies on it, so the node does not start without it. A parameter that
 // happens to exist is different: without its rules, more pairs are monitored, never fewer.
-void RobotSource::loadFirstSrdf() {
-  try {
-    srdf_ = loadSrdf();
-  } catch (const std::runtime_error& error) {
-    if (parameters_.srdf != kSrdfAuto) throw;
-    ROS_ERROR_STREAM("the SRDF is not used, so its rules allow no contacts: " << error.what());
-    srdf_problem_ = error.what();
+void RobotSource::loadFirstSrdfs() {
+  for (const RobotParameters& robot : parameters_.allRobots()) {
+    srdfs_.emplace_back();
+    try {
+      srdfs_.back() = loadSrdf(robot);
+    } catch (const std::runtime_error& error) {
+      if (robot.srdf != kSrdfAuto) throw;
+      ROS_ERROR_STREAM("the SRDF is not used, so its rules allow no contacts: " << error.what());
+      srdf_problem_ += (srdf_problem_.empty() ? "" : "; ") + std::string(error.what());
+    }
   }
 }
 
 // Searches for the parameter upwards from the node's namespace, as other ROS nodes do.
-RobotGeometry RobotSource::loadFromDescription() const {
-  const std::string& name = parameters_.robot_description;
-  std::string found, urdf;
+RobotDescription RobotSource::readDescription(const RobotParameters& robot) const {
+  RobotDescription description;
+  std::string found;
   const std::string from = searchNamespace();
-  if (!ros::param::search(from, name, found) || !node_.getParam(found, urdf)) {
-    throw std::runtime_error("there is no text parameter '" + name + "' in " + from +
+  if (!ros::param::search(from, robot.description, found) ||
+      !node_.getParam(found, description.urdf_xml)) {
+    throw std::runtime_error("there is no text parameter '" + robot.description + "' in " + from +
                              " or above; load the URDF there, or set ~robot_source to topic");
+  }
+  description.source = "parameter '" + found + "'";
+  description.link_prefix = robot.link_prefix;
+  return description;
+}
+
+RobotGeometry RobotSource::loadFromDescriptions(const std::vector<Srdf>& srdfs) const {
+  std::vector<RobotDescription> descriptions;
+  for (const RobotParameters& robot : parameters_.allRobots()) {
+    descriptions.push_back(readDescription(robot));
+    descriptions.back().srdf = srdfs[descriptions.size() - 1];
   }
   RobotGeometry robot;
   try {
     MeshReading reading;
     // ros::ok() would be too late: it changes after the shutdown has waited for this callback.
     reading.stop = [this] { return is_stopped_ || ros::isShuttingDown(); };
-    robot = loadRobotGeometry(urdf, parameters_.geometry, makeRosResolver(), reading);
+    robot = loadRobots(descriptions, parameters_.geometry, makeRosResolver(), reading);
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error("parameter '" + found + "': " + error.what());
+    throw std::runtime_error(error.what());
   }
   checkRobot(robot, parameters_);
   return robot;
@@ -153,7 +176,7 @@ void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
     const std::string ignored = ignoredLinksWarning(sent, parameters_.geometry);
     if (!ignored.empty()) ROS_WARN_STREAM(ignored);
     RobotGeometry robot = selectedLinks(std::move(sent), parameters_.geometry);
-    robot.srdf = srdf_;
+    setSrdfs(parameters_.allRobots(), srdfs_, &robot);
     checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {

@@ -1,4 +1,4 @@
-// Provides the robot's link meshes, from robot_description or from a topic.
+// Provides the robots' link meshes, from robot_description or from a topic.
 #pragma once
 
 #include <deformable_contact_monitor/LinkMeshes.h>
@@ -9,21 +9,24 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
 
-// Holds the newest robot, with the rules of its SRDF. Every function may be called by any thread.
+// Holds the newest robot, with the rules of its SRDF. Several robots (~robots) are one robot here,
+// whose links have the names with their prefixes. Every function may be called by any thread.
 class RobotSource {
  public:
   // Loads the robot (robot_source: urdf), or subscribes to the latched topic ~robot_link_meshes
   // (robot_source: topic), which may come late, and again with changed meshes. Throws
   // std::runtime_error if the robot is missing or malformed, if a link has no usable geometry
-  // (strict_geometry), or if the SRDF that ~srdf names cannot be used; an SRDF that was only found
-  // becomes a srdfProblem(). Throws ReadingStopped if ROS shuts down meanwhile. `changed` is called
-  // from a callback thread after each new robot. The parameters must outlive this.
+  // (strict_geometry), if two links have one name, or if the SRDF that ~srdf names cannot be used;
+  // an SRDF that was only found becomes a srdfProblem(). Throws ReadingStopped if ROS shuts down
+  // meanwhile. `changed` is called from a callback thread after each new robot. The parameters must
+  // outlive this.
   RobotSource(const MonitorParameters& parameters, const ros::NodeHandle& node,
               ros::NodeHandle private_node, std::function<void()> changed);
 
@@ -45,14 +48,17 @@ class RobotSource {
   void stop() { is_stopped_ = true; }
 
  private:
-  // Loads and checks the robot of robot_description, without its SRDF. Throws std::runtime_error.
-  RobotGeometry loadFromDescription() const;
+  // Loads and checks the robots of the parameters with the URDFs. Throws std::runtime_error.
+  RobotGeometry loadFromDescriptions(const std::vector<Srdf>& srdfs) const;
+  // Reads the URDF of one robot. Throws std::runtime_error.
+  RobotDescription readDescription(const RobotParameters& robot) const;
   // Returns the namespace from which parameters are searched for upwards.
   std::string searchNamespace() const;
-  // Loads what ~srdf says. Throws std::runtime_error if it exists and cannot be used.
-  Srdf loadSrdf() const;
-  // Loads the first SRDF. If it was only found (srdf: auto) and is bad, the node starts without it.
-  void loadFirstSrdf();
+  // Loads what a robot's `srdf` says. Throws std::runtime_error if it exists and cannot be used.
+  Srdf loadSrdf(const RobotParameters& robot) const;
+  // Loads the first SRDFs. If one was only found (srdf: auto) and is bad, the node starts without
+  // it.
+  void loadFirstSrdfs();
   // Takes a robot from the topic.
   void receive(const LinkMeshes::ConstPtr& message);
   // Keeps the robot unless it equals the newest one. Returns whether the robot is new. Either way,
@@ -68,7 +74,7 @@ class RobotSource {
   mutable std::mutex mutex_;  // guards the members below
   std::shared_ptr<const RobotGeometry> robot_;
   std::string problem_, srdf_problem_;
-  Srdf srdf_;  // rules of robots that come from a topic
+  std::vector<Srdf> srdfs_;  // of robots that come from a topic
 };
 
 }  // namespace deformable_contact_monitor

@@ -29,6 +29,21 @@ struct MonitorMargins {
   }
 };
 
+// Adds the margins of links. In a name with a slash, such as left/hand, the slash may divide maps:
+// the parameter server makes {left: {hand: 1}} of {left/hand: 1}. `numberOf` reads a value of a
+// map.
+template <typename NumberOf>
+void addLinkMargins(XmlRpc::XmlRpcValue& links, const std::string& prefix, const NumberOf& numberOf,
+                    MonitorMargins* margins) {
+  for (auto& [name, value] : links) {
+    if (value.getType() == XmlRpc::XmlRpcValue::TypeStruct) {
+      addLinkMargins(value, prefix + name + "/", numberOf, margins);
+    } else {
+      margins->own_m[prefix + name] = numberOf(links, name, margins->common_m);
+    }
+  }
+}
+
 // Reads margins from the private parameters of a monitor, as the parameter server returns them. A
 // value of a wrong type is ignored, because a monitor does not start with it.
 inline MonitorMargins marginsOf(XmlRpc::XmlRpcValue parameters) {
@@ -46,11 +61,7 @@ inline MonitorMargins marginsOf(XmlRpc::XmlRpcValue parameters) {
   if (parameters.getType() != XmlRpcValue::TypeStruct) return margins;
   margins.common_m = numberOf(parameters, "margin_m", 0);
   XmlRpcValue& links = parameters["link_margin_m"];
-  if (links.getType() == XmlRpcValue::TypeStruct) {
-    for (const auto& link : links) {
-      margins.own_m[link.first] = numberOf(links, link.first, margins.common_m);
-    }
-  }
+  if (links.getType() == XmlRpcValue::TypeStruct) addLinkMargins(links, "", numberOf, &margins);
   XmlRpcValue& objects = parameters["objects"];
   if (objects.getType() != XmlRpcValue::TypeArray) return margins;
   for (int i = 0; i < objects.size(); ++i) {

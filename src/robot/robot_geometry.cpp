@@ -4,8 +4,10 @@
 #include "robot/robot_geometry.h"
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "robot/link_mesh_files.h"
 #include "robot/nearest_name.h"
@@ -98,20 +100,62 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Throws std::invalid_argument if an option names links that the robot lacks, with similar names.
+// Reads a robot's description and gives its links their prefix.
+UrdfDocument readDescription(const RobotDescription& robot, GeometryKind kind) {
+  UrdfDocument document;
+  try {
+    document = readUrdf(robot.urdf_xml, kind);
+  } catch (const std::invalid_argument& error) {
+    if (robot.source.empty()) throw;
+    throw std::invalid_argument(robot.source + ": " + error.what());
+  }
+  document.root_link = robot.link_prefix + document.root_link;
+  for (UrdfLink& link : document.links) link.name = robot.link_prefix + link.name;
+  return document;
+}
+
+// Returns the robot in words: "'psm'", or with a prefix "'psm' with frame_prefix 'PSM1/'".
+std::string nameOf(const UrdfDocument& document, const RobotDescription& robot) {
+  return "'" + document.name + "'" +
+         (robot.link_prefix.empty() ? "" : " with frame_prefix '" + robot.link_prefix + "'");
+}
+
+// Throws std::invalid_argument if two robots have a link of the same name.
+void requireOwnNames(const std::vector<UrdfDocument>& documents,
+                     const std::vector<RobotDescription>& robots) {
+  std::map<std::string, std::size_t> robot_of;
+  for (std::size_t i = 0; i < documents.size(); ++i) {
+    for (const UrdfLink& link : documents[i].links) {
+      const auto [other, is_new] = robot_of.emplace(link.name, i);
+      if (is_new) continue;
+      throw std::invalid_argument(
+          "robots: '" + link.name + "' is a link of robots[" + std::to_string(other->second) +
+          "], " + nameOf(documents[other->second], robots[other->second]) + ", and of robots[" +
+          std::to_string(i) + "], " + nameOf(documents[i], robots[i]) +
+          "; give each robot its own frame_prefix");
+    }
+  }
+}
+
+// Throws std::invalid_argument if an option names links that no robot has, with similar names.
 void requireLinks(const std::vector<std::string>& names, const char* option,
-                  const UrdfDocument& document) {
+                  const std::vector<UrdfDocument>& documents,
+                  const std::vector<RobotDescription>& robots) {
   std::vector<std::string> links;
-  for (const UrdfLink& link : document.links) links.push_back(link.name);
+  std::string of;
+  for (std::size_t i = 0; i < documents.size(); ++i) {
+    for (const UrdfLink& link : documents[i].links) links.push_back(link.name);
+    of += (of.empty() ? "" : ", ") + nameOf(documents[i], robots[i]);
+  }
   std::string unknown;
   for (const std::string& name : names) {
     if (contains(links, name)) continue;
     unknown += (unknown.empty() ? "'" : ", '") + name + "'" + nearestNameHint(name, links);
   }
-  if (!unknown.empty()) {
-    throw std::invalid_argument(std::string(option) + ": " + unknown + ": no such link in robot '" +
-                                document.name + "'");
-  }
+  if (unknown.empty()) return;
+  const bool has_source = robots.size() == 1 && !robots.front().source.empty();
+  throw std::invalid_argument((has_source ? robots.front().source + ": " : "") + option + ": " +
+                              unknown + ": no such link in robot " + of);
 }
 
 // Returns the URIs of all mesh files of these links. A URI may be there several times.
@@ -128,31 +172,50 @@ std::vector<std::string> meshUris(const std::vector<const UrdfLink*>& links) {
 
 }  // namespace
 
-RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
-                                const ResourceResolver& resolve, const MeshReading& reading) {
-  const UrdfDocument document = readUrdf(urdf_xml, options.kind);
-  requireLinks(options.links, "links", document);
-  requireLinks(options.ignored_links, "ignored_links", document);
+bool DescribedRobot::operator==(const DescribedRobot& other) const {
+  return name == other.name && links == other.links && srdf == other.srdf;
+}
 
-  RobotGeometry robot;
-  robot.name = document.name;
-  robot.root_link = document.root_link;
-  robot.kind = options.kind;
+RobotGeometry loadRobots(const std::vector<RobotDescription>& robots,
+                         const RobotGeometryOptions& options, const ResourceResolver& resolve,
+                         const MeshReading& reading) {
+  std::vector<UrdfDocument> documents;
+  documents.reserve(robots.size());
+  for (const RobotDescription& robot : robots) {
+    documents.push_back(readDescription(robot, options.kind));
+  }
+  requireOwnNames(documents, robots);
+  requireLinks(options.links, "links", documents, robots);
+  requireLinks(options.ignored_links, "ignored_links", documents, robots);
+
+  RobotGeometry all;
+  all.root_link = documents.front().root_link;
+  all.kind = options.kind;
   std::vector<const UrdfLink*> links;
-  for (const UrdfLink& link : document.links) {
-    robot.link_names.insert(link.name);
-    const bool wanted = options.links.empty() || contains(options.links, link.name);
-    if (!wanted || contains(options.ignored_links, link.name)) continue;
-    if (!link.elements.empty() || !link.problem.empty()) {
-      links.push_back(&link);
-    } else if (link.has_others) {
-      robot.unmonitored_links.push_back(link.name);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    DescribedRobot robot{documents[i].name, {}, prefixed(robots[i].srdf, robots[i].link_prefix)};
+    for (const UrdfLink& link : documents[i].links) {
+      robot.links.insert(link.name);
+      const bool wanted = options.links.empty() || contains(options.links, link.name);
+      if (!wanted || contains(options.ignored_links, link.name)) continue;
+      if (!link.elements.empty() || !link.problem.empty()) {
+        links.push_back(&link);
+      } else if (link.has_others) {
+        all.unmonitored_links.push_back(link.name);
+      }
     }
+    all.link_names.insert(robot.links.begin(), robot.links.end());
+    all.robots.push_back(std::move(robot));
   }
   const LinkMeshFiles files(meshUris(links), resolve, reading);
   GeometryLoader loader(files, reading.stop);
-  for (const UrdfLink* link : links) robot.links.push_back(loader.load(*link));
-  return robot;
+  for (const UrdfLink* link : links) all.links.push_back(loader.load(*link));
+  return all;
+}
+
+RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
+                                const ResourceResolver& resolve, const MeshReading& reading) {
+  return loadRobots({{urdf_xml, "", "", {}}}, options, resolve, reading);
 }
 
 }  // namespace deformable_contact_monitor

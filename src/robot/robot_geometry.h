@@ -22,10 +22,18 @@ struct LinkGeometry {
   std::vector<std::string> notes = {};
 };
 
-// The geometry of all links of a robot, and the rules of its SRDF.
+// One of the robots whose links are monitored. The names of links have the robot's prefix.
+struct DescribedRobot {
+  std::string name;             // as its URDF says; empty where there is no URDF
+  std::set<std::string> links;  // all of its links
+  Srdf srdf;                    // which of them may touch each other
+
+  bool operator==(const DescribedRobot& other) const;
+};
+
+// The geometry of all links of a robot, or of several robots, and the rules of their SRDFs.
 struct RobotGeometry {
-  std::string name;
-  std::string root_link;            // empty where there is no URDF
+  std::string root_link;            // of the first robot; empty where there is no URDF
   std::vector<LinkGeometry> links;  // document order; links without geometry do not appear
   // The names of all links, also of those that the options leave out and those without geometry.
   std::set<std::string> link_names;
@@ -33,7 +41,7 @@ struct RobotGeometry {
   // `kind` is collision, and the reverse. They are not among `links`.
   std::vector<std::string> unmonitored_links;
   GeometryKind kind = GeometryKind::kCollision;
-  Srdf srdf;  // which links may touch each other; loadRobotGeometry() leaves it empty
+  std::vector<DescribedRobot> robots;
 };
 
 // Selects which geometry of which links is loaded.
@@ -43,13 +51,26 @@ struct RobotGeometryOptions {
   std::vector<std::string> ignored_links;  // never these
 };
 
+// A robot to load: its description, and what precedes the names of its links.
+struct RobotDescription {
+  std::string urdf_xml;
+  std::string source;  // where the URDF comes from; begins messages unless it is empty
+  std::string link_prefix;
+  Srdf srdf;  // its names have no prefix yet
+};
+
 // Loads every link's collision (or visual) elements as triangles: meshes (STL, DAE, OBJ, PLY, OFF)
 // and primitives. A link whose mesh cannot be loaded keeps its place, with `problem` set and an
 // empty mesh, so that a missing or harmful file affects no other link. Triangles are in the order
 // of the elements and, within an STL, of its file; equal vertices are stored once. Takes little
 // more than reading.robot_time at most. Throws std::invalid_argument, naming element and line where
-// there is one, if the URDF itself is malformed or a name in the options is no link; and
-// ReadingStopped.
+// there is one, if the URDF itself is malformed, a name in the options is no link, or two links
+// have one name; and ReadingStopped. The names in the options have their prefix.
+RobotGeometry loadRobots(const std::vector<RobotDescription>& robots,
+                         const RobotGeometryOptions& options, const ResourceResolver& resolve,
+                         const MeshReading& reading = {});
+
+// Loads a single robot whose links have no prefix, without an SRDF.
 RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometryOptions& options,
                                 const ResourceResolver& resolve, const MeshReading& reading = {});
 

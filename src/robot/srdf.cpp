@@ -120,6 +120,19 @@ Srdf readSrdfFile(const std::string& path) {
   }
 }
 
+Srdf prefixed(const Srdf& srdf, const std::string& prefix) {
+  Srdf renamed = srdf;
+  for (std::vector<Srdf::Pair>* pairs : {&renamed.disabled, &renamed.enabled}) {
+    for (Srdf::Pair& pair : *pairs) {
+      pair.a = prefix + pair.a;
+      pair.b = prefix + pair.b;
+    }
+  }
+  renamed.disabled_links.clear();
+  for (const std::string& link : srdf.disabled_links) renamed.disabled_links.insert(prefix + link);
+  return renamed;
+}
+
 std::vector<std::string> srdfWarnings(const Srdf& srdf, const std::string& robot,
                                       const std::set<std::string>& links) {
   std::vector<std::string> lines;

@@ -13,8 +13,9 @@ import unittest
 import genpy
 import numpy
 import rosbag
+import rospy
 import rospy.msg
-from deformable_contact import messages
+from deformable_contact import _publishing, messages
 from deformable_contact_monitor import msg as generated
 from geometry_msgs.msg import Point32
 
@@ -267,6 +268,73 @@ class InRos(unittest.TestCase):
                     numpy.testing.assert_array_equal(read.pairs, pairs)
                 for _, message, _ in bag.read_messages():
                     self.assertEqual(message.pairs[1].triangle_a, 5)
+
+
+TETRAHEDRON = (numpy.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]),
+               numpy.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+
+
+class Publishing(unittest.TestCase):
+
+    def test_arrays_are_converted_and_copied(self):
+        points, triangles = TETRAHEDRON
+        for given in points, points.tolist(), points.astype("f4"), numpy.asfortranarray(points):
+            vertices, _ = _publishing.checked_mesh(given, triangles)
+            self.assertEqual((vertices.dtype, vertices.flags.c_contiguous), ("f4", True))
+            self.assertEqual(vertices.tolist(), points.tolist())
+            self.assertFalse(numpy.shares_memory(vertices, given))
+        vertices, copied = _publishing.checked_mesh([[numpy.nan, 1e300, 0]] * 4, triangles.tolist())
+        self.assertEqual(vertices[0, 1], numpy.inf)
+        self.assertEqual((copied.dtype, copied.tolist()), ("u4", triangles.tolist()))
+
+    def test_bad_arrays_are_refused(self):
+        points, triangles = TETRAHEDRON
+        for vertices, faces, text in (
+                (points[:, :2], triangles, "vertices has shape (4, 2), must be (n, 3)"),
+                (points.ravel(), triangles, "vertices has shape (12,), must be (n, 3)"),
+                (points * 1j, triangles, "vertices is of complex128, must be real numbers"),
+                (points[:0], triangles, "vertices is empty"),
+                (points, triangles[:0], "triangles is empty"),
+                (points, triangles * 1.0, "triangles is of float64, must be whole numbers"),
+                (points, triangles[:, :2], "triangles has shape (4, 2), must be (n, 3)"),
+                (points[:3], triangles, "triangle 1 uses the vertices [0, 1, 3], but there are 3"),
+                (points, triangles - 1, "triangle 0 uses the vertices [-1, 1, 0], but there are 4")):
+            with self.assertRaises(ValueError) as raised:
+                messages.publish_mesh("/cloth", vertices, faces)
+            self.assertEqual(str(raised.exception), text)
+        for arguments, text in (({"frame": "/base"}, "frame is '/base'"), ({"frame": ""}, "frame is"),
+                                ({"topic": ""}, "topic is ''"), ({"stamp": 3.5}, "stamp is 3.5")):
+            with self.assertRaisesRegex(ValueError, text):
+                messages.publish_mesh(**{"topic": "/cloth", "vertices": points,
+                                         "triangles": triangles, **arguments})
+        with self.assertRaises(rospy.ROSException):
+            messages.publish_mesh("/cloth", points, triangles)  # there is no node
+
+    def test_triangles_are_sent_where_a_subscriber_may_not_know_them(self):
+        topology, triangles = _publishing.Topology(), numpy.array(TETRAHEDRON[1], "u4")
+
+        def sent(triangles, connections, now_s, vertices=4):
+            return len(topology.to_send(triangles, vertices, connections, now_s)) > 0
+        self.assertTrue(sent(triangles, 0, 0.0), "at first")
+        self.assertTrue(sent(triangles, 0, 0.1), "it is latched for the first subscriber")
+        self.assertTrue(sent(triangles, 1, 0.2), "to a new subscriber")
+        self.assertFalse(sent(triangles.copy(), 1, 0.3), "known")
+        self.assertTrue(sent(triangles, 2, 0.4), "to a second one")
+        self.assertFalse(sent(triangles, 1, 0.5), "known")
+        self.assertTrue(sent(triangles, 2, 0.6), "to one that came instead")
+        self.assertFalse(sent(triangles, 2, 1.5), "known")
+        self.assertTrue(sent(triangles, 2, 1.6), "once a second")
+        self.assertFalse(sent(triangles, 2, 1.7), "known")
+        numbers = [topology.number]
+        for changed, vertices in ((triangles[::-1].copy(), 4), (triangles, 4), (triangles, 5)):
+            self.assertTrue(sent(changed, 2, 1.8, vertices), "changed")
+            self.assertFalse(sent(changed, 2, 1.9, vertices), "known")
+            numbers.append(topology.number)
+        self.assertEqual(len(set(numbers)), 3)
+        self.assertEqual(numbers[0], numbers[2], "of equal triangles")
+        restarted = _publishing.Topology()
+        restarted.to_send(triangles, 5, 0, 0.0)
+        self.assertEqual(restarted.number, numbers[-1])
 
 
 if __name__ == "__main__":

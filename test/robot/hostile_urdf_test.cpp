@@ -72,7 +72,7 @@ TEST_F(HostileUrdf, PercentSignsInNamesComeThrough) {
       "<robot name=\"50%\"><link name=\"%20\"><collision><geometry>"
       "<mesh filename=\"package://a/b%20c.stl\"/></geometry></collision></link></robot>",
       {}, noFiles);
-  EXPECT_EQ(robot.name, "50%");
+  EXPECT_EQ(robot.robots.at(0).name, "50%");
   EXPECT_EQ(robot.root_link, "%20");
   ASSERT_EQ(robot.links.size(), 1U);
   EXPECT_EQ(robot.links[0].link, "%20");

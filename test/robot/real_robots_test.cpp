@@ -48,10 +48,33 @@ std::vector<float> readBinaryStl(const std::string& path) {
 constexpr char kPanda[] = "robots/panda_description/urdf/panda.urdf";
 constexpr char kPr2[] = "bags/pr2.urdf";
 
+TEST(RealRobots, ThreePandasHaveTheLinksAndTheRulesOfOneEach) {
+  DCM_REQUIRE_TEST_DATA();
+  const std::string folder = "robots/panda_description/urdf/";
+  const Srdf srdf = readSrdfFile(testDataFile(folder + "panda.srdf"));
+  std::vector<RobotDescription> three;
+  for (const char* prefix : {"a/", "b/", "c/"}) {
+    three.push_back({readText(testDataFile(kPanda)), "panda.urdf", prefix, srdf});
+  }
+  const RobotGeometry one = load(kPanda, GeometryKind::kCollision);
+  const RobotGeometry all = loadRobots(three, {}, testDataResolver());
+  ASSERT_EQ(all.links.size(), 3 * one.links.size());
+  for (std::size_t i = 0; i < all.links.size(); ++i) {
+    const LinkGeometry& link = one.links[i % one.links.size()];
+    EXPECT_EQ(all.links[i].link, three[i / one.links.size()].link_prefix + link.link);
+    EXPECT_EQ(all.links[i].mesh.vertices, link.mesh.vertices);
+    EXPECT_EQ(all.links[i].mesh.triangles, link.mesh.triangles);
+  }
+  for (const DescribedRobot& robot : all.robots) {
+    EXPECT_EQ(robot.srdf.disabled.size(), srdf.disabled.size());
+    EXPECT_TRUE(srdfWarnings(robot.srdf, robot.name, robot.links).empty());
+  }
+}
+
 TEST(RealRobots, PandaCollisionMeshesAreTheFilesTriangleByTriangle) {
   DCM_REQUIRE_TEST_DATA();
   const RobotGeometry robot = load(kPanda, GeometryKind::kCollision);
-  EXPECT_EQ(robot.name, "panda");
+  EXPECT_EQ(robot.robots.at(0).name, "panda");
   const std::vector<std::string> names{"panda_link0",      "panda_link1",      "panda_link2",
                                        "panda_link3",      "panda_link4",      "panda_link5",
                                        "panda_link6",      "panda_link7",      "panda_hand",

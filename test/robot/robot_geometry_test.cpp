@@ -57,7 +57,7 @@ void expectLinks(const RobotGeometry& robot, const std::vector<std::string>& nam
 
 TEST(RobotGeometry, LinksWithGeometryInDocumentOrder) {
   const RobotGeometry robot = loadRobotGeometry(threeLinks(), {}, noFiles);
-  EXPECT_EQ(robot.name, "r");
+  EXPECT_EQ(robot.robots.at(0).name, "r");
   EXPECT_EQ(robot.root_link, "zulu");
   expectLinks(robot, {"zulu", "alpha"});
   EXPECT_EQ(robot.links[0].source, "box 1 x 1 x 1 m");
@@ -167,8 +167,9 @@ TEST(RobotGeometry, CommentsAheadOfTheDeclarationAreTaken) {
        {std::string(), std::string("\n \t"), std::string("<!-- exported\nby <a> tool -->\n"),
         std::string("<!-- one --><!-- <?xml ?> two -->\r\n"), std::string("\xEF\xBB\xBF<!---->"),
         std::string("<?xml-model href=\"x\"?><!-- x -->")}) {
-    EXPECT_EQ(loadRobotGeometry(start + declaration + robot, {}, noFiles).name, "r") << start;
-    EXPECT_EQ(loadRobotGeometry(start + robot, {}, noFiles).name, "r") << start;
+    EXPECT_EQ(loadRobotGeometry(start + declaration + robot, {}, noFiles).robots.at(0).name, "r")
+        << start;
+    EXPECT_EQ(loadRobotGeometry(start + robot, {}, noFiles).robots.at(0).name, "r") << start;
   }
   // Lines are those of the text.
   EXPECT_EQ(refusalOf("<!-- a\n\n-->\n" + declaration + "\n<robot name=\"r\">\n<link/></robot>"),

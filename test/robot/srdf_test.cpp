@@ -183,7 +183,7 @@ TEST(Srdf, ThePandasPairsAreTheFilesAndItsLinksAreKnown) {
   const RobotGeometry robot =
       loadRobotGeometry(readText(testDataFile(folder + "panda.urdf")), {}, testDataResolver());
   EXPECT_EQ(robot.link_names.count("panda_link8"), 1U) << "it has no geometry, but is a link";
-  EXPECT_TRUE(srdfWarnings(srdf, robot.name, robot.link_names).empty());
+  EXPECT_TRUE(srdfWarnings(srdf, robot.robots.at(0).name, robot.link_names).empty());
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ from adapted_messages import cloud_message, depth_triangles
 from boxes_scene import REFERENCE_FRAME
 from monitor_test_support import (
     PACKAGE, ContactState, Monitor, now, oracle_pairs, pairs_of, posed_links, touching,
-    transform_message, wait_until)
+    transform_message, wait_for_transforms, wait_until)
 from pose_meshes import posed
 
 ROWS, COLUMNS = 24, 32
@@ -71,16 +71,11 @@ class DepthCamera(unittest.TestCase):
         self.publisher.publish(cloud)
         return self.monitor.contacts_at(cloud.header.stamp)
 
-    def wait_for_transforms(self):
-        wait_until(lambda: not self.send(image(floor(3))).skipped, "transforms of all links")
-
     def state_of(self, contacts):
-        states = self.monitor.states.wait("states", lambda m: m.cycle == contacts.cycle)
-        (state,) = [s for s in states.states if s.body_a == "palm" and s.body_b == "scene"]
-        return state
+        return self.monitor.states_of(contacts)["palm", "scene"]
 
     def test_contacts_are_those_of_the_triangles(self):
-        self.wait_for_transforms()
+        wait_for_transforms(lambda: self.send(image(floor(3))))
         touched, counts = [], []
         for depth in (floor(1), step(), holes(), noise(), floor(0.5)):
             points = image(depth)
@@ -102,7 +97,7 @@ class DepthCamera(unittest.TestCase):
         self.assertLess(counts[3], whole)
 
     def test_what_is_not_seen_is_unknown(self):
-        self.wait_for_transforms()
+        wait_for_transforms(lambda: self.send(image(floor(3))))
         hidden = floor(3)
         hidden[:, : COLUMNS - 7] = np.nan
         for points, rows, why in ((image(hidden), ROWS, "fewer than min_seen allows"),

@@ -86,12 +86,18 @@ class Monitor:
             raise AssertionError(f"these contacts were found by {contacts.backend}")
         return contacts
 
+    def states_of(self, contacts):
+        """{(body_a, body_b): ContactState} of the cycle of these contacts."""
+        # The monitor's own beats may have that stamp, too.
+        message = self.states.wait(
+            f"states of cycle {contacts.cycle}", lambda m: m.cycle == contacts.cycle
+            and m.header.stamp == contacts.header.stamp)
+        return {(s.body_a, s.body_b): s for s in message.states}
+
     def states_at(self, stamp):
         """{(body_a, body_b): state} of the cycle at that stamp."""
-        cycle = self.contacts_at(stamp).cycle  # the monitor's own beats may have that stamp, too
-        message = self.states.wait(f"states at {stamp}",
-                                   lambda m: m.header.stamp == stamp and m.cycle == cycle)
-        return {(s.body_a, s.body_b): s.state for s in message.states}
+        states = self.states_of(self.contacts_at(stamp))
+        return {pair: state.state for pair, state in states.items()}
 
     def robot_meshes(self, log):
         """{link: mesh} of the newest message of `log`, a Log of ~robot_meshes."""
@@ -215,6 +221,12 @@ def now(after=None):
     return stamp if after is None or stamp > after else after + rospy.Duration(0, 1000000)
 
 
+def wait_for_transforms(send):
+    """Repeats send(), which sends a mesh and returns its contacts, until no link lacks a transform.
+    For transforms that are sent once."""
+    wait_until(lambda: not send().skipped, "transforms of all links")
+
+
 def until_frames_are_seen(cycle):
     """Repeats cycle(), which sends transforms and a mesh and returns contacts, until all frames are
     known: the monitor does not wait for transforms of a frame that it never saw."""
@@ -236,19 +248,25 @@ def pairs_of(contacts):
 
 def oracle_pairs(links, name, mesh):
     """Returns what pairs_of() must be for {link: posed mesh} and the object's posed mesh."""
-    robot, origins = merged(list(links.values()))
-    names = list(links)
+    return oracle_pairs_between(links, {name: mesh})
+
+
+def oracle_pairs_between(first, second):
+    """Returns what pairs_of() must be for the bodies of two {name: posed mesh}."""
+    merged_bodies = [merged(list(bodies.values())) for bodies in (first, second)]
     with tempfile.TemporaryDirectory() as folder:
-        files = [os.path.join(folder, file) for file in ("robot.ply", "object.ply")]
-        write_ply(files[0], robot)
-        write_ply(files[1], mesh)
+        files = [os.path.join(folder, file) for file in ("first.ply", "second.ply")]
+        for file, (mesh, _) in zip(files, merged_bodies):
+            write_ply(file, mesh)
         lines = subprocess.run([executable("oracle_pairs")] + files, check=True, timeout=WAIT_S,
                                stdout=subprocess.PIPE, universal_newlines=True).stdout.splitlines()
     pairs = set()
     for line in lines:
-        _, robot_triangle, _, triangle = (int(word) for word in line.split())
-        link, link_triangle = origins[robot_triangle]
-        pairs.add((names[link], link_triangle, name, triangle))
+        pair = ()
+        for bodies, (_, origins), word in zip((first, second), merged_bodies, line.split()[1::2]):
+            body, triangle = origins[int(word)]
+            pair += (list(bodies)[body], triangle)
+        pairs.add(pair)
     return pairs
 
 

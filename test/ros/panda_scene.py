@@ -22,6 +22,23 @@ def quaternion_product(a, b):
             aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
 
 
+def joint_edges(joints, values, prefix=""):
+    """The joints' links below their parents at these values [rad or m], by joint; for transforms."""
+    edges = {}
+    for joint in joints:
+        translation, quaternion = origin_of(joint)
+        if joint.get("type") == "revolute":
+            half = values[joint.get("name")] / 2
+            turn = [value * np.sin(half) for value in numbers(joint.find("axis").get("xyz"))]
+            quaternion = quaternion_product(quaternion, (*turn, np.cos(half)))
+        elif joint.get("type") == "prismatic":
+            axis = numbers(joint.find("axis").get("xyz"))
+            translation = [t + values[joint.get("name")] * a for t, a in zip(translation, axis)]
+        edges[prefix + joint.find("child").get("link")] = (
+            prefix + joint.find("parent").get("link"), (translation, quaternion))
+    return edges
+
+
 class Panda:
     """Its links, and where they and the shirt's frame are."""
 
@@ -38,19 +55,8 @@ class Panda:
     def edges(self, joint_angles, finger_m, shirt_pose):
         """Every link below its parent at these joint angles [rad], and the shirt's frame."""
         values = {f"panda_joint{i + 1}": angle for i, angle in enumerate(joint_angles)}
-        edges = {SHIRT_FRAME: (REFERENCE_FRAME, shirt_pose)}
-        for joint in self.joints:
-            translation, quaternion = origin_of(joint)
-            if joint.get("type") == "revolute":
-                half = values[joint.get("name")] / 2
-                turn = [value * np.sin(half) for value in numbers(joint.find("axis").get("xyz"))]
-                quaternion = quaternion_product(quaternion, (*turn, np.cos(half)))
-            elif joint.get("type") == "prismatic":
-                axis = numbers(joint.find("axis").get("xyz"))
-                translation = [t + finger_m * a for t, a in zip(translation, axis)]
-            edges[joint.find("child").get("link")] = (joint.find("parent").get("link"),
-                                                      (translation, quaternion))
-        return edges
+        values.update(panda_finger_joint1=finger_m, panda_finger_joint2=finger_m)
+        return {SHIRT_FRAME: (REFERENCE_FRAME, shirt_pose), **joint_edges(self.joints, values)}
 
     def edges_at(self, step, shirt_at):
         """The robot and the shirt, which move with `step`."""

@@ -15,7 +15,7 @@ from adapters import BOX, PLACES
 from boxes_scene import REFERENCE_FRAME
 from monitor_test_support import (
     PACKAGE, ContactState, Monitor, now, oracle_pairs, pairs_of, posed_links, touching,
-    transform_message, wait_until)
+    transform_message, wait_for_transforms, wait_until)
 
 
 def squares():
@@ -45,7 +45,7 @@ class PolygonMeshes(unittest.TestCase):
         return self.monitor.contacts_at(message.header.stamp)
 
     def test_the_same_contacts(self):
-        wait_until(lambda: not self.send(BOX[0] + PLACES[-1], BOX[1]).skipped, "transforms")
+        wait_for_transforms(lambda: self.send(BOX[0] + PLACES[-1], BOX[1]))
         fans = np.array([t for a, b, c, d in squares() for t in ((a, b, c), (a, c, d))], np.uint32)
         touched = []
         for polygons, triangles in ((BOX[1], BOX[1]), (squares(), fans)):
@@ -60,10 +60,9 @@ class PolygonMeshes(unittest.TestCase):
     def test_a_bad_polygon_is_unknown(self):
         for polygons, why in (([[0, 1]], "polygon 0 has 2 vertices"),
                               ([[0, 1, 8]], "refers to vertex 8, but there are 8")):
-            cycle = self.send(BOX[0], polygons).cycle
-            states = self.monitor.states.wait("states", lambda m, c=cycle: m.cycle == c).states
-            self.assertEqual({s.state for s in states}, {ContactState.UNKNOWN})
-            self.assertIn(why, states[0].reason)
+            states = self.monitor.states_of(self.send(BOX[0], polygons))
+            self.assertEqual({s.state for s in states.values()}, {ContactState.UNKNOWN})
+            self.assertIn(why, states["palm", "polygons"].reason)
 
 
 if __name__ == "__main__":

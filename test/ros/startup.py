@@ -143,6 +143,22 @@ class Startup(unittest.TestCase):
         self.assertIn("the SRDF is not used: parameter '/odd_description_semantic': SRDF, line 1: "
                       "robot without name", found.message)
 
+    def test_robots_that_cannot_be_had_are_refused_by_name(self):
+        description = {"description": "/robot_description"}
+        left, right = ({**description, "frame_prefix": side} for side in ("left/", "right/"))
+        rospy.set_param("/broken_arm", "<robot name='r'><link></robot>")
+        for name, robots, words in (
+                ("clash", [left, right, left], "'left/base' is a link of robots[0], "),
+                ("missing", [left, {"description": "/nowhere"}], "no text parameter '/nowhere'"),
+                ("nameless", [left, {"frame_prefix": "a/"}], "~robots[1]/description is missing"),
+                ("broken", [left, {"description": "/broken_arm"}], "parameter '/broken_arm': "),
+                ("no_srdf", [left, {**right, "srdf": "/no.srdf"}], "~robots: srdf of "
+                 "'/robot_description' with frame_prefix 'right/': '/no.srdf': ")):
+            with self.subTest(name=name):
+                code, output = start_and_fail("robots_" + name, {**GOOD, "robots": robots})
+                self.assertGreater(code, 0, output)
+                self.assertIn(words, output)
+
     def test_strict_geometry_refuses_a_missing_mesh_file(self):
         code, output = start_and_fail("strict", {**GOOD, "strict_geometry": True})
         self.assertGreater(code, 0, output)

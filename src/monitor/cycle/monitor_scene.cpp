@@ -118,7 +118,7 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
   first_object_ = static_cast<BodyId>(link_problems_.size());
   loaded_.assign(parameters_.objects.size(), IncomingMesh());
   parts_in_scene_.assign(parameters_.objects.size(), nullptr);
-  rules_.links = LinkRules(robot.srdf);
+  rules_.links = LinkRules(robot.robots);
   applyMargin();
   listPairs();
 }

@@ -2,10 +2,13 @@
 #include "monitor/diagnostics/robot_checks.h"
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robot/nearest_name.h"
@@ -49,6 +52,35 @@ RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& opt
   return robot;
 }
 
+// A proper prefix of a text is less than the text, so of the prefixes of a name, the longest comes
+// first. Where robots share a prefix nobody knows whose a link is, so what an SRDF says about all
+// pairs of a link is dropped: more pairs are monitored then, never fewer.
+void setSrdfs(const std::vector<RobotParameters>& parameters, const std::vector<Srdf>& srdfs,
+              RobotGeometry* robot) {
+  std::map<std::string, DescribedRobot, std::greater<>> by_prefix;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    Srdf srdf = prefixed(srdfs[i], parameters[i].link_prefix);
+    const auto [place, is_new] = by_prefix.emplace(parameters[i].link_prefix, DescribedRobot());
+    Srdf& all = place->second.srdf;
+    if (is_new) {
+      all = std::move(srdf);
+      continue;
+    }
+    all.disabled.insert(all.disabled.end(), srdf.disabled.begin(), srdf.disabled.end());
+    all.enabled.insert(all.enabled.end(), srdf.enabled.begin(), srdf.enabled.end());
+    all.disabled_links.clear();
+  }
+  for (const std::string& link : robot->link_names) {
+    const auto owns = [&link](const auto& entry) {
+      return link.compare(0, entry.first.size(), entry.first) == 0;
+    };
+    const auto owner = std::find_if(by_prefix.begin(), by_prefix.end(), owns);
+    if (owner != by_prefix.end()) owner->second.links.insert(link);
+  }
+  robot->robots.clear();
+  for (auto& [prefix, one] : by_prefix) robot->robots.push_back(std::move(one));
+}
+
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters) {
   std::string bad;
   for (const LinkGeometry& link : robot.links) {
@@ -82,7 +114,9 @@ std::vector<std::string> robotWarnings(const RobotGeometry& robot,
     warnings.insert(warnings.end(), lines.begin(), lines.end());
   };
   add(geometryWarnings(robot));
-  if (!(robot.srdf == Srdf())) add(srdfWarnings(robot.srdf, robot.name, robot.link_names));
+  for (const DescribedRobot& one : robot.robots) {
+    if (!(one.srdf == Srdf())) add(srdfWarnings(one.srdf, one.name, one.links));
+  }
   return warnings;
 }
 

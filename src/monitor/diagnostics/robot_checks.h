@@ -18,6 +18,11 @@ RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& opt
 // an empty text if every name is a link's.
 std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot);
 
+// Sets the robots of link meshes that came without a URDF: a link belongs to the robot with the
+// longest link_prefix that its name begins with. `srdfs` has one SRDF for each of `parameters`.
+void setSrdfs(const std::vector<RobotParameters>& parameters, const std::vector<Srdf>& srdfs,
+              RobotGeometry* robot);
+
 // Throws std::runtime_error if a link has the name of an object, or if strict_geometry is on and
 // links have no usable geometry. The text lists all of these.
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters);

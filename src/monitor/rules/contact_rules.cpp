@@ -198,16 +198,30 @@ std::vector<AllowedContact> AllowedContacts::rules() const {
 }
 
 // An SRDF may list a pair as disabled and enabled. Disabled wins, so it is written last.
-LinkRules::LinkRules(const Srdf& srdf) : links_(srdf.disabled_links) {
-  for (const Srdf::Pair& pair : srdf.enabled) pairs_[std::minmax(pair.a, pair.b)] = false;
-  for (const Srdf::Pair& pair : srdf.disabled) pairs_[std::minmax(pair.a, pair.b)] = true;
+LinkRules::LinkRules(const std::vector<DescribedRobot>& robots) {
+  for (const DescribedRobot& robot : robots) {
+    OfRobot rules{robot.links, {}, robot.srdf.disabled_links};
+    for (const Srdf::Pair& p : robot.srdf.enabled) rules.pairs[std::minmax(p.a, p.b)] = false;
+    for (const Srdf::Pair& p : robot.srdf.disabled) rules.pairs[std::minmax(p.a, p.b)] = true;
+    robots_.push_back(std::move(rules));
+  }
 }
 
 // A rule for the pair beats what the SRDF says about all pairs of a link.
 bool LinkRules::allows(const std::string& a, const std::string& b) const {
-  const auto pair = pairs_.find(std::minmax(a, b));
-  if (pair != pairs_.end()) return pair->second;
-  return links_.count(a) > 0 || links_.count(b) > 0;
+  for (const OfRobot& robot : robots_) {
+    if (robot.links.count(a) == 0 || robot.links.count(b) == 0) continue;
+    const auto pair = robot.pairs.find(std::minmax(a, b));
+    if (pair != robot.pairs.end()) return pair->second;
+    return robot.disabled_links.count(a) > 0 || robot.disabled_links.count(b) > 0;
+  }
+  return false;
+}
+
+std::size_t LinkRules::count() const {
+  std::size_t sum = 0;
+  for (const OfRobot& robot : robots_) sum += robot.pairs.size() + robot.disabled_links.size();
+  return sum;
 }
 
 // Asks the sources in the order of their strength; the first that covers the pair decides.

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "monitor/cycle_report.h"
-#include "robot/srdf.h"
+#include "robot/robot_geometry.h"
 
 namespace deformable_contact_monitor {
 
@@ -126,19 +126,24 @@ class AllowedContacts {
   std::uint64_t added_ = 0;
 };
 
-// Holds an SRDF's rules between links, indexed for fast look-ups.
+// Holds the rules of SRDFs between links, indexed for fast look-ups. A rule holds only between two
+// links of its own robot.
 class LinkRules {
  public:
   LinkRules() = default;
-  explicit LinkRules(const Srdf& srdf);
+  explicit LinkRules(const std::vector<DescribedRobot>& robots);
 
-  // Returns what the SRDF says of two links; false without a rule.
+  // Returns what the robot's SRDF says of two links; false without a rule.
   bool allows(const std::string& a, const std::string& b) const;
-  std::size_t count() const { return pairs_.size() + links_.size(); }
+  std::size_t count() const;
 
  private:
-  std::map<std::pair<std::string, std::string>, bool> pairs_;  // names ascending
-  std::set<std::string> links_;                                // disabled by default
+  struct OfRobot {
+    std::set<std::string> links;                                // all of the robot
+    std::map<std::pair<std::string, std::string>, bool> pairs;  // names ascending
+    std::set<std::string> disabled_links;                       // by default
+  };
+  std::vector<OfRobot> robots_;
 };
 
 // Holds all rules in force. The first rule that covers a pair decides, in this order:

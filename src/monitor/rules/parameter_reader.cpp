@@ -51,6 +51,15 @@ double toDouble(const std::string& text) {
 
 }  // namespace
 
+bool replaceTextsByNumbers(XmlRpcValue* map) {
+  bool is_changed = false;
+  for (auto& [key, value] : *map) {
+    is_changed |= value.getType() == XmlRpcValue::TypeStruct ? replaceTextsByNumbers(&value)
+                                                             : replaceTextByNumber(&value);
+  }
+  return is_changed;
+}
+
 bool replaceTextByNumber(XmlRpcValue* value) {
   if (value->getType() != XmlRpcValue::TypeString) return false;
   const std::string text = static_cast<const std::string&>(*value);
@@ -245,12 +254,21 @@ std::map<std::string, double> ParameterReader::numbers(const std::string& name, 
   }
   addChanged(name, *value);
   std::map<std::string, double> numbers;
-  const std::string prefix = name + "/";
-  for (const auto& [key, item] : *value) {
-    double number = 0;
-    if (toNumber(prefix + key, item, low, high, &number)) numbers[key] = number;
-  }
+  addNumbers(name, "", *value, low, high, &numbers);
   return numbers;
+}
+
+void ParameterReader::addNumbers(const std::string& name, const std::string& prefix,
+                                 const XmlRpcValue& map, double low, double high,
+                                 std::map<std::string, double>* numbers) {
+  for (const auto& [key, item] : map) {
+    double number = 0;
+    if (item.getType() == XmlRpcValue::TypeStruct) {
+      addNumbers(name, prefix + key + "/", item, low, high, numbers);
+    } else if (toNumber(name + "/" + prefix + key, item, low, high, &number)) {
+      (*numbers)[prefix + key] = number;
+    }
+  }
 }
 
 std::vector<std::pair<int, int>> ParameterReader::ranges(const std::string& name, int low,

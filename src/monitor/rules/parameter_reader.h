@@ -37,6 +37,8 @@ class ParameterReader {
   std::vector<std::string> texts(const std::string& name,
                                  const std::vector<std::string>& fallback = {});
   std::vector<int> integers(const std::string& name, int low, int high);
+  // A name with slashes may be a map within the map: the parameter server makes {left: {hand: 1}}
+  // of {left/hand: 1}.
   std::map<std::string, double> numbers(const std::string& name, double low, double high);
   // Returns the pairs of whole numbers of a list of lists, each ascending: [[0, 99], [200, 250]].
   std::vector<std::pair<int, int>> ranges(const std::string& name, int low, int high);
@@ -61,6 +63,10 @@ class ParameterReader {
   const std::vector<std::string>& changed() const { return changed_; }
 
  private:
+  // Adds the numbers of a map within `name`, whose keys are preceded by `prefix`.
+  void addNumbers(const std::string& name, const std::string& prefix,
+                  const XmlRpc::XmlRpcValue& map, double low, double high,
+                  std::map<std::string, double>* numbers);
   void addChanged(const std::string& name, const XmlRpc::XmlRpcValue& value);
   // Returns the value or null, and notes that the name is known.
   const XmlRpc::XmlRpcValue* find(const std::string& name);
@@ -78,5 +84,8 @@ class ParameterReader {
 
 // Replaces a text such as 1e-3 by the number. Returns whether `value` was such a text.
 bool replaceTextByNumber(XmlRpc::XmlRpcValue* value);
+
+// Does the same with all values of a map and of the maps within it.
+bool replaceTextsByNumbers(XmlRpc::XmlRpcValue* map);
 
 }  // namespace deformable_contact_monitor

@@ -38,16 +38,46 @@ std::string frame(ParameterReader* reader, const std::string& name, const std::s
   return value;
 }
 
+// Reads what precedes links' names in TF frames.
+std::string prefix(ParameterReader* reader) {
+  const std::string value = reader->optionalText("frame_prefix", "");
+  if (value.substr(0, 1) == "/") {
+    reader->addProblem("frame_prefix", "is '" + value + "', must not begin with '/'");
+  }
+  return value;
+}
+
+// Reads the list of robots. What describes a single robot must be left alone then.
+void readRobots(ParameterReader* reader, std::vector<std::string>* warnings, MonitorParameters* p) {
+  for (ParameterReader& entry : reader->structs("robots")) {
+    RobotParameters robot;
+    robot.description = entry.text("description", "");
+    if (robot.description.empty()) entry.addProblem("description", "is missing");
+    robot.link_prefix = prefix(&entry);
+    robot.srdf = entry.text("srdf", robot.srdf);
+    warnOfUnknown(entry, warnings);
+    p->robots.push_back(std::move(robot));
+  }
+  if (p->robots.empty()) return;
+  const MonitorParameters defaults;
+  const auto refuse = [reader](const char* name, const std::string& value,
+                               const std::string& fallback) {
+    if (value == fallback) return;
+    reader->addProblem(name, "is '" + value + "', which has no place beside robots; set it there");
+  };
+  refuse("robot_description", p->robot_description, defaults.robot_description);
+  refuse("frame_prefix", p->frame_prefix, defaults.frame_prefix);
+  refuse("srdf", p->srdf, defaults.srdf);
+}
+
 // Choices are listed in the order of their enum, so an index converts to its value.
-void readRobot(ParameterReader* reader, MonitorParameters* p) {
+void readRobot(ParameterReader* reader, std::vector<std::string>* warnings, MonitorParameters* p) {
   p->robot_source =
       static_cast<RobotSourceKind>(reader->choice("robot_source", {"urdf", "topic"}, 0));
   p->robot_description = reader->text("robot_description", p->robot_description);
-  p->frame_prefix = reader->optionalText("frame_prefix", p->frame_prefix);
-  if (p->frame_prefix.substr(0, 1) == "/") {
-    reader->addProblem("frame_prefix", "is '" + p->frame_prefix + "', must not begin with '/'");
-  }
+  p->frame_prefix = prefix(reader);
   p->srdf = reader->text("srdf", p->srdf);
+  readRobots(reader, warnings, p);
   p->geometry.kind = static_cast<GeometryKind>(
       reader->choice("geometry", {"collision", "visual", "collision_or_visual"}, 0));
   p->geometry.links = reader->texts("links");
@@ -259,6 +289,11 @@ bool tradesAccuracy(const MonitorParameters& parameters) {
   return parameters.detector.tolerance_m > 0 || parameters.budget_ms > 0;
 }
 
+std::vector<RobotParameters> MonitorParameters::allRobots() const {
+  if (!robots.empty()) return robots;
+  return {{robot_description, "", srdf}};
+}
+
 double linkMarginM(const MonitorParameters& parameters, const std::string& link) {
   const auto own = parameters.link_margin_m.find(link);
   return own == parameters.link_margin_m.end() ? parameters.margin_m : own->second;
@@ -271,7 +306,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   ParameterReader reader(tree, "~", &found);
   MonitorParameters p;
   p.reference_frame = frame(&reader, "reference_frame", p.reference_frame);
-  readRobot(&reader, &p);
+  readRobot(&reader, warnings, &p);
   readObjects(&reader, warnings, &p);
   readPairs(&reader, warnings, &p);
   readDetector(&reader, &p);
@@ -293,9 +328,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
 std::vector<std::string> writeMarginsAsNumbers(XmlRpc::XmlRpcValue* tree) {
   std::vector<std::string> changed;
   if (tree->hasMember("link_margin_m")) {
-    bool is_changed = false;
-    for (auto& link : (*tree)["link_margin_m"]) is_changed |= replaceTextByNumber(&link.second);
-    if (is_changed) changed.push_back("link_margin_m");
+    if (replaceTextsByNumbers(&(*tree)["link_margin_m"])) changed.push_back("link_margin_m");
   }
   if (tree->hasMember("objects")) {
     XmlRpc::XmlRpcValue& objects = (*tree)["objects"];

@@ -71,7 +71,14 @@ struct ObjectParameters {
 // Returns the object as a body that has no mesh yet.
 BodyStatus bodyOf(const ObjectParameters& object);
 
-constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";  // of MonitorParameters::srdf
+constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";  // of RobotParameters::srdf
+
+// One entry of the parameter `robots`, or the robot of `robot_description`.
+struct RobotParameters {
+  std::string description;       // name of the parameter with its URDF
+  std::string link_prefix;       // frame_prefix: precedes its links' names, and so their frames
+  std::string srdf = kSrdfAuto;  // kSrdfAuto, kSrdfNone, or a path or URL
+};
 
 // All parameters with their defaults. Names and units are those of the parameters.
 struct MonitorParameters {
@@ -80,7 +87,8 @@ struct MonitorParameters {
   RobotSourceKind robot_source = RobotSourceKind::kUrdf;
   std::string robot_description = "robot_description";
   std::string frame_prefix;
-  std::string srdf = kSrdfAuto;  // kSrdfAuto, kSrdfNone, or a path or URL
+  std::string srdf = kSrdfAuto;         // kSrdfAuto, kSrdfNone, or a path or URL
+  std::vector<RobotParameters> robots;  // empty: the robot of robot_description
   RobotGeometryOptions geometry;
   bool strict_geometry = false;
   float margin_m = 0;  // of bodies without a margin of their own
@@ -120,6 +128,9 @@ struct MonitorParameters {
   std::size_t max_mesh_bytes = std::size_t{512} << 20U;  // max_mesh_mib
 
   std::vector<std::string> changed;  // what is not at its default, each as "name: value"
+
+  // Returns `robots`, or the robot of robot_description, whose links' names get no prefix.
+  std::vector<RobotParameters> allRobots() const;
 
   // Returns the TF frame of a link.
   std::string frameOf(const std::string& link) const { return frame_prefix + link; }

@@ -102,8 +102,15 @@ def margins_of(parameters):
 
     margins = {"*": number(parameters, 0.0)}
     links, objects = parameters.get("link_margin_m"), parameters.get("objects")
-    for name, margin_m in links.items() if isinstance(links, dict) else ():
-        margins[name] = number(margin_m, margins["*"])
+    def add(links, prefix):
+        """The parameter server makes {left: {hand: 1}} of {left/hand: 1}."""
+        for name, margin_m in links.items():
+            if isinstance(margin_m, dict):
+                add(margin_m, prefix + name + "/")
+            else:
+                margins[prefix + name] = number(margin_m, margins["*"])
+
+    add(links if isinstance(links, dict) else {}, "")
     for one in objects if isinstance(objects, list) else ():
         if not isinstance(one, dict) or not isinstance(one.get("name"), str):
             continue

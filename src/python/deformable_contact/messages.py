@@ -17,6 +17,8 @@ are). Before it is sent a field may be any array or list that fits, also a list 
 messages; what would not survive its type is refused with a genpy.SerializationError that names the
 field. A vertices or triangles field that is no multiple of three long arrives as (n,).
 
+publish_mesh() publishes arrays as DeformableMesh in one call.
+
 ROS is imported at the first use of a class, the detector never.
 """
 import importlib
@@ -25,10 +27,11 @@ import struct
 import numpy
 
 from deformable_contact import _wire
+from deformable_contact._publishing import publish_mesh
 from deformable_contact._wire import GEOMETRY, STATE
 
 __all__ = ["ContactArray", "ContactStates", "DeformableMesh", "GEOMETRY", "LinkMesh", "LinkMeshes",
-           "STATE"]
+           "STATE", "publish_mesh"]
 
 _PACKAGE = "deformable_contact_monitor"
 # Codecs for arrays of these messages.

@@ -1,9 +1,12 @@
 # The messages' fields as numpy arrays; the module's docstring says which.
-from typing import Any, List
+from typing import Any, List, Optional
 
 import genpy
 import numpy
 from std_msgs.msg import Header
+
+def publish_mesh(topic: str, vertices: Any, triangles: Any, frame: str = ..., name: str = ...,
+                 stamp: Optional[genpy.Time] = ...) -> None: ...
 
 GEOMETRY: numpy.dtype
 STATE: numpy.dtype

@@ -135,6 +135,19 @@ void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic
       std::max(contents->transforms_ahead_s, secondsBetween(scan->newest, stamp));
 }
 
+// Keeps a URDF or an SRDF. Several robots may have one topic, whose texts are kept once.
+void lookAtText(const BagMessage& message, BagContents* contents) {
+  for (const BagTopics::Robot& robot : contents->chosen.robots) {
+    if (robot.description == message.topic) {
+      addChange(message.received, toText(message), std::equal_to<>(),
+                &contents->robot_descriptions[message.topic]);
+    }
+    if (robot.semantic == message.topic) {
+      contents->robot_semantics[message.topic] = toText(message);
+    }
+  }
+}
+
 void lookAt(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
             BagContents* contents) {
   const BagTopics& chosen = contents->chosen;
@@ -150,10 +163,7 @@ void lookAt(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
     const auto same = [](const LinkMeshes& a, const LinkMeshes& b) { return a.meshes == b.meshes; };
     addChange(message.received, toLinkMeshes(message), same, &contents->link_meshes);
   }
-  if (isText(message) && is_on(chosen.robot_description)) {
-    addChange(message.received, toText(message), std::equal_to<>(), &contents->robot_descriptions);
-  }
-  if (isText(message) && is_on(chosen.robot_semantic)) contents->robot_semantic = toText(message);
+  if (isText(message)) lookAtText(message, contents);
 }
 
 // Sorts the meshes in the order of their cycles. A mesh whose stamp is so far behind that no
@@ -275,7 +285,7 @@ BagContents scanBags(BagReader* reader, const BagFiles& files, const MonitorPara
   BagContents contents;
   const auto choose = [&] {
     contents.recorded = reader->topics();
-    contents.chosen = chooseTopics(contents.recorded, files, configured.pair_classes.needRobot());
+    contents.chosen = chooseTopics(contents.recorded, files, configured);
   };
   Scan scan;
   for (const ObjectParameters& object : configured.objects) scan.objects[topicOf(object)] = object;

@@ -99,9 +99,9 @@ struct BagContents {
   double transforms_ahead_s = 0;
   // These have no repetitions.
   History<LinkMeshes> link_meshes;
-  History<std::string> robot_descriptions;  // URDFs
-  std::string robot_semantic;               // the newest SRDF
-  std::string problem;                      // why the reading stopped early; empty: it did not
+  std::map<std::string, History<std::string>> robot_descriptions;  // URDFs, by topic
+  std::map<std::string, std::string> robot_semantics;              // the newest SRDFs, by topic
+  std::string problem;  // why the reading stopped early; empty: it did not
 
   // Returns whether a transform on /tf counts: the node ignores stamps from far ahead of its clock.
   // If most stamps are, it is the recorder's clock that is wrong.

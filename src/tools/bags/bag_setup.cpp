@@ -15,6 +15,7 @@
 #include "monitor/messages/contact_messages.h"
 #include "robot/nearest_name.h"
 #include "tools/bags/bag_messages.h"
+#include "tools/bags/bag_robots.h"
 #include "tools/common/command_line.h"
 #include "tools/common/robot_obstacles.h"
 #include "tools/common/yaml_parameters.h"
@@ -120,103 +121,6 @@ void addPlayedObject(const SceneObject& object, const BagContents& contents,
   objects.push_back(added);
 }
 
-// Makes a robot from each recorded value. One that cannot be used leaves the robot as it was, as in
-// the node. Throws what the last one throws if none can be used.
-template <typename T>
-History<RobotGeometry> robotsOf(const History<T>& values, const MonitorParameters& parameters,
-                                const std::function<RobotGeometry(const T&)>& make,
-                                const Warn& warn) {
-  History<RobotGeometry> robots;
-  for (const Recorded<T>& recorded : values) {
-    try {
-      RobotGeometry robot = make(recorded.value);
-      checkRobot(robot, parameters);
-      robots.push_back({recorded.received, std::move(robot)});
-    } catch (const std::exception& error) {
-      if (&recorded == &values.back() && robots.empty()) throw;
-      warn("the robot that was recorded at " + stampText(recorded.received) +
-           " is not used: " + error.what());
-    }
-  }
-  return robots;
-}
-
-// Loads the robot from the option's URDF, the bags' link meshes or the bags' robot_description, in
-// this order. Without another choice, the root link of a URDF becomes the reference frame.
-void loadRobot(const BagFiles& files, const BagContents& contents, BagSetup* setup,
-               const Warn& warn) {
-  const MonitorParameters& parameters = setup->parameters;
-  setup->urdfs = contents.robot_descriptions;
-  setup->robot_from = "the bags' robot_description";
-  if (!files.robot_description.empty()) {
-    setup->urdfs = {{ros::Time(), readRobotDescription(files.robot_description)}};
-    setup->robot_from = files.robot_description;
-  }
-  if (!contents.link_meshes.empty()) {
-    setup->robots = robotsOf<LinkMeshes>(
-        contents.link_meshes, parameters,
-        [&](const LinkMeshes& message) {
-          const RobotGeometry sent = fromLinkMeshes(message);
-          const std::string ignored = ignoredLinksWarning(sent, parameters.geometry);
-          if (!ignored.empty()) warn(ignored);
-          return selectedLinks(sent, parameters.geometry);
-        },
-        warn);
-    setup->robot_from = "the bags' link meshes";
-    return;
-  }
-  if (setup->urdfs.empty()) {
-    throw std::runtime_error(
-        "no robot: the bags hold neither link meshes nor a robot_description; give "
-        "--robot-description FILE");
-  }
-  setup->robots = robotsOf<std::string>(
-      setup->urdfs, parameters,
-      [&](const std::string& urdf) {
-        try {
-          return loadRobotGeometry(urdf, parameters.geometry, makeRosResolver());
-        } catch (const std::invalid_argument& error) {
-          throw std::runtime_error(setup->robot_from + ": " + error.what());
-        }
-      },
-      warn);
-  // Nobody chose a frame, so the root link is the most useful one.
-  if (files.config.empty() && files.reference_frame.empty()) {
-    setup->parameters.reference_frame = parameters.frameOf(setup->robots.front().value.root_link);
-  }
-}
-
-// Adds frames from joint states. TF has priority: only frames that it does not have are added.
-void useJoints(const BagSetup& setup, BagContents* contents, const Warn& warn) {
-  if (setup.urdfs.empty()) return;
-  try {
-    contents->addJointTransforms(setup.urdfs, setup.parameters.frame_prefix);
-  } catch (const std::exception& error) {
-    warn("the URDF poses no links by " + contents->chosen.joint_states + ": " + error.what());
-  }
-}
-
-// Loads the SRDF that the option names, or the configuration, or else the one in the bags. Its
-// rules are about pairs of links, which no cycle of a mesh looks at, so it needs no history.
-void loadSrdf(const BagFiles& files, const BagContents& contents, BagSetup* setup,
-              const Warn& warn) {
-  const std::string& named = files.srdf.empty() ? setup->parameters.srdf : files.srdf;
-  if (named == kSrdfNone || (named == kSrdfAuto && contents.robot_semantic.empty())) return;
-  Srdf srdf;
-  try {
-    if (named == kSrdfAuto) {
-      srdf = readSrdf(contents.robot_semantic);
-    } else {
-      srdf =
-          readSrdfFile(named.find("://") == std::string::npos ? named : makeRosResolver()(named));
-    }
-  } catch (const std::exception& error) {
-    if (named != kSrdfAuto) throw std::runtime_error(error.what());
-    return warn(std::string("the bags' robot_description_semantic is not used: ") + error.what());
-  }
-  for (Recorded<RobotGeometry>& robot : setup->robots) robot.value.srdf = srdf;
-}
-
 // Warns about a reference frame that no transform knows, because everything in other frames would
 // be UNKNOWN. The default frame is replaced if the transforms have exactly one root.
 void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
@@ -320,7 +224,11 @@ void warnOfRobots(const BagSetup& setup, const Warn& warn) {
 void warnOfTopics(const BagSetup& setup, const BagContents& contents, const Warn& warn) {
   const BagTopics& chosen = contents.chosen;
   if (!chosen.other_transforms.empty()) warn(chosen.other_transforms);
-  if (chosen.other_joint_states.empty()) return;
+  const bool are_several = !setup.parameters.robots.empty() && !contents.joints.empty();
+  const std::string joints = are_several
+                                 ? "joint states pose no links of `robots`, only transforms do"
+                                 : chosen.other_joint_states;
+  if (joints.empty()) return;
   const auto has_no_frame = [&](const LinkGeometry& link) {
     const std::string frame = setup.parameters.frameOf(link.link);
     return frame != setup.parameters.reference_frame && !contents.hasFrame(frame);
@@ -328,7 +236,7 @@ void warnOfTopics(const BagSetup& setup, const BagContents& contents, const Warn
   const std::vector<LinkGeometry>& links = setup.robots.front().value.links;
   const auto link = std::find_if(links.begin(), links.end(), has_no_frame);
   if (link == links.end()) return;
-  warn("no transform has the frame of link '" + link->link + "'; " + chosen.other_joint_states);
+  warn("no transform has the frame of link '" + link->link + "'; " + joints);
 }
 
 // Returns why an object cannot be played.
@@ -342,6 +250,20 @@ std::string whyNotPlayed(const BagTopics& chosen) {
   return why;
 }
 
+// Throws std::runtime_error if an option is about the only robot, where the configuration has a
+// list of them.
+void refuseSingleRobot(const BagFiles& files) {
+  const auto refuse = [&files](const char* option, const std::string& value) {
+    if (value.empty()) return;
+    throw std::runtime_error(std::string(option) + " is of a single robot, but " + files.config +
+                             " has robots");
+  };
+  refuse("--robot-description", files.robot_description);
+  refuse("--robot-description-topic", files.robot_description_topic);
+  refuse("--srdf", files.srdf);
+  refuse("--frame-prefix", files.frame_prefix);
+}
+
 }  // namespace
 
 MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
@@ -352,6 +274,7 @@ MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
       parameters = parseParameters(readYamlParameters(files.config), &warnings);
       for (const std::string& warning : warnings) warn(files.config + ": " + warning);
     }
+    if (!parameters.robots.empty()) refuseSingleRobot(files);
     if (!files.frame_prefix.empty()) parameters.frame_prefix = plainFrame(files.frame_prefix);
     if (!parameters.objects.empty()) chooseTopics(files, &parameters.objects);
     requireOwnTopics(parameters.objects, topicOf);
@@ -387,9 +310,13 @@ BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
   if (parameters.objects.empty()) addRecordedObjects(files, *contents, &parameters, warn);
   if (object.isWanted()) addPlayedObject(object, *contents, &parameters);
   if (parameters.pair_classes.needRobot()) {
-    loadRobot(files, *contents, &setup, warn);
-    loadSrdf(files, *contents, &setup, warn);
-    useJoints(setup, contents, warn);
+    setup.robots = loadBagRobots(files, parameters, *contents, &setup.robot_from, warn);
+    // Nobody chose a frame, so the root link is the most useful one.
+    const std::string& root = setup.robots.front().value.root_link;
+    if (!root.empty() && files.config.empty() && files.reference_frame.empty()) {
+      parameters.reference_frame = parameters.frameOf(root);
+    }
+    useJointStates(files, parameters, contents, warn);
   } else {
     setup.robots.emplace_back();
   }

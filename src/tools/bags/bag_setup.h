@@ -21,8 +21,7 @@ struct BagSetup {
   MonitorParameters parameters;
   // There is at least one. It has no links if no robot is needed.
   History<RobotGeometry> robots;
-  std::string robot_from;      // where the robots come from, for people
-  History<std::string> urdfs;  // of the robots; empty: there are none
+  std::string robot_from;  // where the robots come from, for people
   std::optional<PlayedObject> played;
 };
 

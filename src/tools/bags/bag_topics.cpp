@@ -86,9 +86,13 @@ class Chooser {
 
   // A file in place of the bags' URDF leaves nothing to choose. Link meshes count only where no
   // option names another source.
-  void chooseRobot(BagTopics* topics) const {
-    if (files_.robot_description.empty()) chooseDescription(topics);
-    chooseSemantic(topics);
+  void chooseRobot(const MonitorParameters& parameters, BagTopics* topics) const {
+    if (parameters.robots.empty()) {
+      topics->robots.emplace_back();
+      if (files_.robot_description.empty()) chooseDescription(&topics->robots.front());
+      chooseSemantic(&topics->robots.front());
+    }
+    for (const RobotParameters& robot : parameters.robots) chooseOwn(robot.description, topics);
     const Names meshes = topicsOf(recorded_, isLinkMeshes);
     const bool is_described =
         !files_.robot_description.empty() || !files_.robot_description_topic.empty();
@@ -98,25 +102,34 @@ class Chooser {
   }
 
  private:
-  void chooseDescription(BagTopics* topics) const {
+  // Robots of a list have their own topics, so there is nothing to choose.
+  void chooseOwn(const std::string& description, BagTopics* topics) const {
+    const Names texts = topicsOf(recorded_, isText);
+    const std::string topic = absoluteTopic(description);
+    topics->robots.emplace_back();
+    if (contains(texts, topic)) topics->robots.back().description = topic;
+    if (contains(texts, topic + kSemantic)) topics->robots.back().semantic = topic + kSemantic;
+  }
+
+  void chooseDescription(BagTopics::Robot* robot) const {
     const Names texts = topicsOf(recorded_, isText);
     if (!files_.robot_description_topic.empty()) {
       const std::string topic = absoluteTopic(files_.robot_description_topic);
       if (!contains(texts, topic)) refuseMissing("--robot-description-topic", topic, texts);
-      topics->robot_description = topic;
+      robot->description = topic;
       return;
     }
-    topics->robot_description = chosen("URDFs", "--robot-description-topic", "", ending(texts, ""));
+    robot->description = chosen("URDFs", "--robot-description-topic", "", ending(texts, ""));
   }
 
   // Prefers the SRDF that has the name of the chosen URDF.
-  void chooseSemantic(BagTopics* topics) const {
+  void chooseSemantic(BagTopics::Robot* robot) const {
     const Names there = ending(topicsOf(recorded_, isText), kSemantic);
-    const std::string own = topics->robot_description + kSemantic;
+    const std::string own = robot->description + kSemantic;
     if (contains(there, own)) {
-      topics->robot_semantic = own;
+      robot->semantic = own;
     } else if (files_.srdf.empty()) {
-      topics->robot_semantic = chosen("SRDFs", "--srdf FILE (or none)", "", there);
+      robot->semantic = chosen("SRDFs", "--srdf FILE (or none)", "", there);
     }
   }
 
@@ -155,12 +168,13 @@ class Chooser {
 
 }  // namespace
 
-BagTopics chooseTopics(const RecordedTopics& recorded, const BagFiles& files, bool needs_robot) {
+BagTopics chooseTopics(const RecordedTopics& recorded, const BagFiles& files,
+                       const MonitorParameters& parameters) {
   const Chooser chooser(recorded, files);
   BagTopics topics;
   chooser.chooseTransforms(&topics);
   chooser.chooseJointStates(&topics);
-  if (needs_robot) chooser.chooseRobot(&topics);
+  if (parameters.pair_classes.needRobot()) chooser.chooseRobot(parameters, &topics);
   return topics;
 }
 

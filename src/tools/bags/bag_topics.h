@@ -18,7 +18,12 @@ using RecordedTopics = std::map<std::string, std::string>;
 struct BagTopics {
   std::set<std::string> transforms;  // moving and static ones; some may not be recorded
   std::string joint_states;          // may not be recorded
-  std::string robot_description, robot_semantic, link_meshes;
+  std::string link_meshes;
+  // Those of each robot, in the order of MonitorParameters::allRobots().
+  struct Robot {
+    std::string description, semantic;
+  };
+  std::vector<Robot> robots;
 
   // Say which topics were recorded but are not read, and by which option they would be. Empty:
   // there are none. They are worth a warning only if a link's frame is missing; transforms always
@@ -26,10 +31,12 @@ struct BagTopics {
   std::string other_transforms, other_joint_states;
 };
 
-// Chooses the topics. Those of a robot are chosen only if one is needed. Throws std::runtime_error,
-// one line that names the bags, the topics and the option, if there are several robots to choose
-// from, or if nothing of its kind was recorded on a topic that an option names.
-BagTopics chooseTopics(const RecordedTopics& recorded, const BagFiles& files, bool needs_robot);
+// Chooses the topics. Those of robots are chosen only if one is needed. Robots of the parameter
+// `robots` have the topics with the names of their descriptions. Throws std::runtime_error, one
+// line that names the bags, the topics and the option, if there are several robots to choose from,
+// or if nothing of its kind was recorded on a topic that an option names.
+BagTopics chooseTopics(const RecordedTopics& recorded, const BagFiles& files,
+                       const MonitorParameters& parameters);
 
 // Returns the topic of joint states that the options choose.
 std::string jointStatesTopic(const BagFiles& files);

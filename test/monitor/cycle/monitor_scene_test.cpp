@@ -243,7 +243,10 @@ TEST_F(MonitorSceneTest, LinksThatTheSrdfAllowsAreOffInTheRobotsOwnCycles) {
   parameters_.pair_classes.robot_self = true;
   RobotGeometry with_rules = robot();
   with_rules.links.push_back({"wrist", "test", with_rules.links[0].mesh, ""});
-  with_rules.srdf.disabled = {{"hand", "arm", "Adjacent"}, {"hand", "cloth", "is no link"}};
+  with_rules.robots.resize(1);
+  with_rules.robots[0].links = {"arm", "hand", "wrist"};
+  with_rules.robots[0].srdf.disabled = {{"hand", "arm", "Adjacent"},
+                                        {"hand", "cloth", "is no link"}};
   MonitorScene scene(parameters_);
   scene.setRobot(with_rules);
   EXPECT_EQ(scene.selfPairedFrames(), (std::vector<std::string>{"arm", "hand", "wrist"}));

@@ -35,8 +35,8 @@ TEST(RobotChecksTest, WarnsOfLinksSizesAndTheSrdf) {
   EXPECT_EQ(warnings[0], "link 'arm': arm.stl: no such file; the link is UNKNOWN");
   EXPECT_EQ(warnings[1], "link 'foot': foot.stl: no such file; the link is UNKNOWN");
   EXPECT_NE(warnings[2].find("if its file is in millimetres"), std::string::npos);
-  odd.name = "panda";
-  odd.srdf.robot = "pr2";
+  odd.robots = {{"panda", {"hand", "arm", "foot"}, {}}};
+  odd.robots[0].srdf.robot = "pr2";
   warnings = robotWarnings(odd, MonitorParameters());
   EXPECT_EQ(warnings.back(), "the SRDF is of robot 'pr2', but the robot is 'panda'");
 }
@@ -56,6 +56,27 @@ TEST(RobotChecksTest, ALinkAndAnObjectOfOneNameAreRefused) {
   parameters.objects = {{"cloth", "", 0, true}, {"foot", "", 0, true}};
   EXPECT_EQ(refusalOf(parameters),
             "'foot' is the name of a link and of an object; rename the object");
+}
+
+// Without a URDF, the longest prefix of a link's name says whose it is.
+TEST(RobotChecksTest, LinksThatWereSentBelongToTheRobotOfTheirPrefix) {
+  RobotGeometry sent;
+  sent.link_names = {"a/hand", "a/b/hand", "hand", "a/b/arm"};
+  Srdf srdf;
+  srdf.disabled_links = {"hand"};
+  setSrdfs({{"one", "a/"}, {"two", "a/b/"}, {"three", ""}}, {srdf, Srdf(), Srdf()}, &sent);
+  ASSERT_EQ(sent.robots.size(), 3U);
+  EXPECT_EQ(sent.robots[0].links, (std::set<std::string>{"a/b/hand", "a/b/arm"}));
+  EXPECT_EQ(sent.robots[1].links, (std::set<std::string>{"a/hand"}));
+  EXPECT_EQ(sent.robots[1].srdf.disabled_links, (std::set<std::string>{"a/hand"}));
+  EXPECT_TRUE(sent.robots[0].srdf == Srdf());
+  EXPECT_EQ(sent.robots[2].links, (std::set<std::string>{"hand"}));
+  // Of two robots with one prefix, nobody knows which has the link.
+  srdf.disabled = {{"hand", "arm", ""}};
+  setSrdfs({{"one", "a/"}, {"two", "a/"}}, {srdf, srdf}, &sent);
+  ASSERT_EQ(sent.robots.size(), 1U);
+  EXPECT_EQ(sent.robots[0].srdf.disabled.size(), 2U);
+  EXPECT_TRUE(sent.robots[0].srdf.disabled_links.empty());
 }
 
 TEST(RobotChecksTest, EachLinkIsDescribedWithItsSizeAndMargin) {

@@ -146,13 +146,15 @@ Srdf srdf() {
   return srdf;
 }
 
+const std::set<std::string> kLinks = {"arm", "hand", "finger", "cable_drum"};
+
 TEST(ContactRules, WithoutARuleEverythingIsLookedAt) {
   EXPECT_EQ(verdict({}, "arm", "hand"), "default: looked at");
   EXPECT_EQ(verdict({}, "arm", "cloth"), "default: looked at");
 }
 
 TEST(ContactRules, AnSrdfSpeaksOfLinksAloneAndItsPairsBeatItsDefaults) {
-  const ContactRules rules{{}, {}, {}, LinkRules(srdf())};
+  const ContactRules rules{{}, {}, {}, LinkRules({{"r", kLinks, srdf()}})};
   EXPECT_EQ(verdict(rules, "arm", "hand"), "srdf: may touch") << "disabled beats enabled";
   EXPECT_EQ(verdict(rules, "cable_drum", "hand"), "srdf: may touch") << "by default";
   EXPECT_EQ(verdict(rules, "cable_drum", "arm"), "default: looked at") << "enabled beats that";
@@ -160,9 +162,28 @@ TEST(ContactRules, AnSrdfSpeaksOfLinksAloneAndItsPairsBeatItsDefaults) {
   EXPECT_EQ(verdict(rules, "cable_drum", "cloth"), "default: looked at");
 }
 
+TEST(ContactRules, AnSrdfHoldsWithinItsRobot) {
+  Srdf of_a;
+  of_a.disabled = {{"a/arm", "a/hand", "Adjacent"}, {"a/arm", "b/hand", "of two robots"}};
+  of_a.disabled_links = {"a/drum"};
+  Srdf of_b;
+  of_b.disabled_links = {"b/hand"};
+  ContactRules rules;
+  rules.links =
+      LinkRules({{"r", {"a/arm", "a/hand", "a/drum"}, of_a}, {"r", {"b/arm", "b/hand"}, of_b}});
+  EXPECT_EQ(verdict(rules, "a/arm", "a/hand"), "srdf: may touch");
+  EXPECT_EQ(verdict(rules, "a/drum", "a/hand"), "srdf: may touch");
+  EXPECT_EQ(verdict(rules, "b/arm", "b/hand"), "srdf: may touch");
+  for (const char* other : {"b/arm", "b/hand"}) {
+    EXPECT_EQ(verdict(rules, "a/drum", other), "default: looked at") << other;
+    EXPECT_EQ(verdict(rules, "a/arm", other), "default: looked at") << other;
+  }
+  EXPECT_EQ(rules.links.count(), 4U);
+}
+
 // From the weakest rule to the strongest, each of which turns what the one before said.
 TEST(ContactRules, EachKindBeatsTheWeakerOnes) {
-  ContactRules rules{{}, {}, {}, LinkRules(srdf())};
+  ContactRules rules{{}, {}, {}, LinkRules({{"r", kLinks, srdf()}})};
   rules.allowed.add(rule("*", "*", false));
   EXPECT_EQ(verdict(rules, "arm", "hand"), "parameters: looked at");
   rules.allowed.add(rule("hand", "*", true), RuleSource::kService);

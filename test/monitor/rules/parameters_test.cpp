@@ -110,6 +110,53 @@ TEST(Parameters, FramePrefix) {
   expectIn("~frame_prefix is 7, must be text", refusalOf(tree));
 }
 
+// The parameter server divides names at their slashes.
+TEST(Parameters, MarginsOfLinksWithAPrefix) {
+  XmlRpcValue tree;
+  tree["link_margin_m"]["left"]["arm"]["hand"] = "1e-3";
+  tree["link_margin_m"]["left"]["hand"] = 0.5;
+  tree["link_margin_m"]["right/hand"] = 0.25;
+  EXPECT_EQ(parse(tree).link_margin_m,
+            (std::map<std::string, double>{
+                {"left/arm/hand", 1e-3}, {"left/hand", 0.5}, {"right/hand", 0.25}}));
+  EXPECT_EQ(writeMarginsAsNumbers(&tree), std::vector<std::string>{"link_margin_m"});
+  EXPECT_EQ(static_cast<double>(tree["link_margin_m"]["left"]["arm"]["hand"]), 1e-3);
+  tree["link_margin_m"]["left"]["hand"] = -1;
+  expectIn("~link_margin_m/left/hand is -1", refusalOf(tree));
+}
+
+TEST(Parameters, RobotsAreAListOrOne) {
+  XmlRpcValue tree, left, right;
+  tree["robot_description"] = "arm";
+  ASSERT_EQ(parse(tree).allRobots().size(), 1U);
+  EXPECT_EQ(parse(tree).allRobots()[0].description, "arm");
+  tree["frame_prefix"] = "left/";
+  EXPECT_EQ(parse(tree).allRobots()[0].link_prefix, "") << "a single robot's links have no prefix";
+  left["description"] = right["description"] = "arm";
+  left["frame_prefix"] = "left/";
+  right["srdf"] = "none";
+  tree["robots"] = list(left, right);
+  expectIn("~robot_description is 'arm', which has no place beside robots", refusalOf(tree));
+  expectIn("~frame_prefix is 'left/', which has no place beside robots", refusalOf(tree));
+  tree["robot_description"] = "robot_description";  // as in config/contact_monitor.yaml
+  tree["frame_prefix"] = "";
+  tree["srdf"] = "/robot.srdf";
+  expectIn("~srdf is '/robot.srdf', which has no place beside robots", refusalOf(tree));
+  tree["srdf"] = "auto";
+  const MonitorParameters p = parse(tree);
+  ASSERT_EQ(p.allRobots().size(), 2U);
+  EXPECT_EQ(p.allRobots()[0].link_prefix, "left/");
+  EXPECT_EQ(p.allRobots()[0].srdf, kSrdfAuto);
+  EXPECT_EQ(p.allRobots()[1].link_prefix, "");
+  EXPECT_EQ(p.allRobots()[1].srdf, kSrdfNone);
+  EXPECT_EQ(p.frameOf("left/hand"), "left/hand") << "the names have the prefix already";
+  tree["robots"][0]["frame_prefix"] = "/left";
+  expectIn("~robots[0]/frame_prefix is '/left', must not begin with '/'", refusalOf(tree));
+  tree["robots"][1] = XmlRpcValue();
+  tree["robots"][1]["srdf"] = "none";
+  expectIn("~robots[1]/description is missing", refusalOf(tree));
+}
+
 TEST(Parameters, ObjectsHaveTopicsOfTheirOwn) {
   const std::vector<ObjectParameters> objects = {{"cloth", "/a"}, {"b", "/b"}, {"c", "a"}};
   EXPECT_NO_THROW(requireOwnTopics(objects, [](const auto& object) { return object.topic; }));

@@ -76,7 +76,7 @@ TEST_F(RulesInForceTest, EachBodySaysWhomItMayTouchAndWhy) {
   ContactRules rules;
   Srdf srdf;
   srdf.disabled = {{"arm", "hand", "Adjacent"}, {"arm", "gone", ""}};
-  rules.links = LinkRules(srdf);
+  rules.links = LinkRules({{"r", {"arm", "hand"}, srdf}});
   rules.attached = {{"cloth", {{"hand"}}}};
   AllowedContact self;
   self.body_a = self.body_b = "cloth";
@@ -103,9 +103,13 @@ TEST_F(RulesInForceTest, EachBodySaysWhomItMayTouchAndWhy) {
 TEST_F(RulesInForceTest, OfManyTheFirstAreNamed) {
   Srdf srdf;
   srdf.disabled_links = {"link0"};
-  for (int i = 0; i < 12; ++i) add("link" + std::to_string(i), BodyKind::kLink, 0);
+  std::set<std::string> links;
+  for (int i = 0; i < 12; ++i) {
+    links.insert("link" + std::to_string(i));
+    add("link" + std::to_string(i), BodyKind::kLink, 0);
+  }
   ContactRules rules;
-  rules.links = LinkRules(srdf);
+  rules.links = LinkRules({{"r", links, srdf}});
   EXPECT_EQ(describe(rules).bodies[0].second,
             "margin 0 m, may touch link1 (srdf), link2 (srdf), link3 (srdf), link4 (srdf), link5 "
             "(srdf), link6 (srdf), link7 (srdf), link8 (srdf) and 3 more");

@@ -13,7 +13,7 @@ PROGRAMS = NODES + [FOLDER / name for name in (
     "evaluate_bag", "evaluate_bags", "evaluation_report.py", "measure_trade", "detect_contacts",
     "read_link_mesh", "plot_trade.py")] + [
         SOURCE / "launch/framed_rviz.py", SOURCE / "launch/demo", SOURCE / "launch/demo_report.py",
-        SOURCE / "launch/hold.py"]
+        SOURCE / "launch/hold.py", SOURCE / "launch/moving_arms.py"]
 # No node that is started by mistake would live long.
 ENVIRONMENT = dict(os.environ, ROS_MASTER_URI="http://localhost:1", ROS_LOG_DIR="/nowhere")
 

@@ -238,6 +238,32 @@ class BagTopics(unittest.TestCase):
         of_joints = self.bag(cloth(frame="left/base_link"), ("/joint_states", lambda i: joints(i, 1)))
         self.assertEqual(self.states(of_joints, "--frame-prefix", "left/"), {"cloth": {"NONE"}})
 
+    def test_robots_of_a_list(self):
+        bag = self.bag(cloth(frame="a/base_link"), finger(prefix="a/"), finger(1.0, prefix="b/"),
+                       ("/tf", lambda i: transform(i, "a/base_link", "b/base_link")),
+                       always("/arm", String(URDF)), always("/other", String(URDF)))
+        text = """{reference_frame: a/base_link, objects: [{name: cloth, topic: /cloth/mesh}],
+                   robots: [{description: %s, frame_prefix: a/}, {description: /arm, frame_prefix: %s}]}"""
+        config = ("--config", self.text("c.yaml", text % ("arm", "b/")))
+        self.assertEqual(self.states(bag, *config, robot=False), {"cloth": {"CONTACT", "NONE"}})
+        with open(self.path("out/links.csv"), newline="") as file:
+            self.assertEqual({row["body_a"]: row["state"] for row in csv.DictReader(file)},
+                             {"a/finger": "CONTACT", "b/finger": "NONE"})
+        sent = LinkMeshes(meshes=[LinkMesh(arm + "/finger", "test", *BOX) for arm in "ab"])
+        recorded = self.bag(cloth(frame="a/base_link"), finger(prefix="a/"), finger(1.0, prefix="b/"),
+                            ("/tf", lambda i: transform(i, "a/base_link", "b/base_link")),
+                            always("/contact_monitor/robot_meshes", sent), name="recorded.bag")
+        self.assertEqual(self.states(recorded, *config, robot=False),
+                         {"cloth": {"CONTACT", "NONE"}})
+        for option in "--robot-description", "--frame-prefix", "--srdf", "--robot-description-topic":
+            self.assert_refused(bag, *config, option, "x", robot=False,
+                                says=[option + " is of a single robot, but", "has robots"])
+        self.text("c.yaml", text % ("/lost", "b/"))
+        self.assert_refused(bag, *config, robot=False, says=["nor a URDF on /lost"])
+        self.text("c.yaml", text % ("/other", "a/"))
+        self.assert_refused(bag, *config, robot=False,
+                            says=["robots: 'a/base_link' is a link of robots[0], 'r'"])
+
     def test_the_node_s_warnings(self):
         config = self.text("c.yaml", """{objects: [{name: cloth, topic: /cloth/mesh}],
           containment: true, link_margin_m: {figner: 1e-3}, margin_m: 1e-3,

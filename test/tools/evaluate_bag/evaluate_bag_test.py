@@ -160,6 +160,9 @@ class EvaluateBag(EvaluationCase):
         self.assertEqual(allowed(bag, "--srdf", str(path)), disabled)
         self.assertEqual(allowed(bag, config=f"{config}srdf: {path}\n"), disabled)
         self.assertEqual(allowed(with_srdf), disabled)
+        for srdf in "auto", path:
+            robots = "robots: [{description: robot_description, srdf: %s}]\n" % srdf
+            self.assertEqual(allowed(with_srdf, config=config + robots), disabled)
         self.assertEqual(allowed(with_srdf, "--srdf", "none"), set())
         self.assertEqual(allowed(broken, stderr="SRDF, line 1: there is no element 'robot'"), set())
         self.assert_refused(["--srdf", self.path("no.srdf"), bag], "no.srdf: no such file")
