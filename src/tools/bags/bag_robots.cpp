@@ -58,18 +58,18 @@ bool same(const Descriptions& a, const Descriptions& b) {
 // Returns the descriptions of all robots, anew at each time when one of them was recorded with a
 // change.
 History<Descriptions> descriptionsOf(const BagFiles& files, const BagContents& contents,
-                                     const std::vector<RobotParameters>& robots,
+                                     const MonitorParameters& parameters,
                                      const std::vector<Srdf>& srdfs) {
+  const std::vector<RobotParameters> robots = parameters.allRobots();
+  const bool is_list = !parameters.robots.empty();
   std::vector<History<std::string>> urdfs;
   std::set<ros::Time> times;
   for (std::size_t i = 0; i < robots.size(); ++i) {
     urdfs.push_back(urdfsOf(files, contents, i));
     if (urdfs.back().empty()) {
-      const bool is_one = robots.size() == 1 && contents.chosen.robots[i].description.empty();
-      throw std::runtime_error(
-          "no robot: the bags hold neither link meshes nor a " +
-          (is_one ? "robot_description" : "URDF on " + absoluteTopic(robots[i].description)) +
-          (is_one ? "; give --robot-description FILE" : ""));
+      throw std::runtime_error("no robot: the bags hold neither link meshes nor a " +
+                               (is_list ? "URDF on " + absoluteTopic(robots[i].description)
+                                        : "robot_description; give --robot-description FILE"));
     }
     for (const Recorded<std::string>& urdf : urdfs.back()) times.insert(urdf.received);
   }
@@ -78,8 +78,8 @@ History<Descriptions> descriptionsOf(const BagFiles& files, const BagContents& c
     Descriptions all;
     for (std::size_t i = 0; i < robots.size(); ++i) {
       const std::string source = !files.robot_description.empty() ? files.robot_description
-                                 : robots.size() == 1             ? "the bags' robot_description"
-                                                      : contents.chosen.robots[i].description;
+                                 : is_list ? contents.chosen.robots[i].description
+                                           : "the bags' robot_description";
       all.push_back(
           {urdfs[i][indexAt(urdfs[i], time)].value, source, robots[i].link_prefix, srdfs[i]});
     }
@@ -132,7 +132,7 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
   }
   *from = files.robot_description.empty() ? "the bags' robot_description" : files.robot_description;
   return robotsOf<Descriptions>(
-      descriptionsOf(files, contents, described, srdfs), parameters,
+      descriptionsOf(files, contents, parameters, srdfs), parameters,
       [&](const Descriptions& robots) {
         try {
           return loadRobots(robots, parameters.geometry, makeRosResolver());
