@@ -53,7 +53,8 @@ def read_by_node():
              if function not in ("addProblem", "has")}
     for name in re.findall(r'frame\(&reader, "(\w+)"', source):
         found[name] = ("text", "")
-    return found, constants(source)
+    shared = text_of("src", "monitor", "rules", "part_parameters.h")
+    return found, {**constants(shared), **constants(source)}
 
 
 class ParameterTable(unittest.TestCase):
