@@ -47,14 +47,14 @@ def constants(source):
 
 
 def read_by_node():
-    """{name: (function, arguments)} of parameters.cpp."""
+    """{name: (function, arguments)} of parameters.cpp, and the constants that they may use."""
     source = text_of("src", "monitor", "rules", "parameters.cpp")
     found = {name: (function, arguments) for function, name, arguments in CALL.findall(source)
              if function not in ("addProblem", "has")}
     for name in re.findall(r'frame\(&reader, "(\w+)"', source):
         found[name] = ("text", "")
     shared = text_of("src", "monitor", "rules", "part_parameters.h")
-    return found, {**constants(shared), **constants(source)}
+    return found, constants(source + shared)
 
 
 class ParameterTable(unittest.TestCase):

@@ -5,9 +5,11 @@ find_package(catkin REQUIRED COMPONENTS
   pluginlib resource_retriever rosbag_storage roscpp roslib sensor_msgs shape_msgs std_msgs std_srvs tf2
   tf2_eigen tf2_msgs tf2_ros visualization_msgs)
 
-# Objects of type polygon_mesh need it; the sources look for its headers (pcl_messages.h).
+# Objects of type polygon_mesh, and paths as polylines, need these; the sources look for their
+# headers (optional_messages.h).
+find_package(nav_msgs QUIET)
 find_package(pcl_msgs QUIET)
-list(APPEND catkin_INCLUDE_DIRS ${pcl_msgs_INCLUDE_DIRS})
+list(APPEND catkin_INCLUDE_DIRS ${nav_msgs_INCLUDE_DIRS} ${pcl_msgs_INCLUDE_DIRS})
 
 add_message_files(DIRECTORY msg FILES
   AllowedContact.msg ContactArray.msg ContactEvent.msg ContactGeometry.msg ContactPair.msg

@@ -37,6 +37,7 @@ MonitorParameters makeParameters(MeshType type, bool has_faces) {
   object.frame_id = "camera";
   object.depth.max_depth_jump = 1;
   object.stamp_offset_s = -0.005;
+  if (type >= MeshType::kPoints) object.radius_m = 0.0625F;
   if (has_faces) object.faces = std::make_shared<const PointTriangles>(fuzzedFaces());
   parameters.objects = {object};
   parameters.pair_classes.deformable_self = true;

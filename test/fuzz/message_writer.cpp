@@ -2,6 +2,7 @@
 #include "message_writer.h"
 
 #include <deformable_contact_monitor/DeformableMesh.h>
+#include <geometry_msgs/PoseArray.h>
 #include <ros/serialization.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/PointField.h>
@@ -10,7 +11,7 @@
 
 #include <string>
 
-#include "monitor/input/pcl_messages.h"
+#include "monitor/input/optional_messages.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -64,11 +65,12 @@ shape_msgs::Mesh shapeMeshFrom(ByteSource* source) {
   return message;
 }
 
-visualization_msgs::Marker markerFrom(ByteSource* source, const ros::Time& stamp) {
+visualization_msgs::Marker markerFrom(ByteSource* source, const ros::Time& stamp,
+                                      int type = visualization_msgs::Marker::TRIANGLE_LIST) {
   visualization_msgs::Marker message;
   message.header = headerFrom(source, stamp);
   message.id = source->below(16) == 15 ? 1 : 0;
-  message.type = source->below(16) == 15 ? source->byte() : int{message.TRIANGLE_LIST};
+  message.type = source->below(16) == 15 ? source->byte() : type;
   message.action = source->below(16) == 15 ? source->byte() % 4 : int{message.ADD};
   message.scale.x = message.scale.y = message.scale.z = 1;
   if (source->flag()) readXyz(source, &message.scale);
@@ -87,9 +89,30 @@ visualization_msgs::MarkerArray markerArrayFrom(ByteSource* source, const ros::T
   return message;
 }
 
-sensor_msgs::PointCloud2 pointCloudFrom(ByteSource* source, const ros::Time& stamp) {
+geometry_msgs::PoseArray poseArrayFrom(ByteSource* source, const ros::Time& stamp) {
+  geometry_msgs::PoseArray message;
+  message.header = headerFrom(source, stamp);
+  message.poses.resize(source->below(14));
+  for (geometry_msgs::Pose& pose : message.poses) readXyz(source, &pose.position);
+  return message;
+}
+
+#ifdef DCM_HAS_NAV_MSGS
+nav_msgs::Path pathFrom(ByteSource* source, const ros::Time& stamp) {
+  nav_msgs::Path message;
+  message.header = headerFrom(source, stamp);
+  message.poses.resize(source->below(14));
+  for (geometry_msgs::PoseStamped& pose : message.poses) {
+    if (source->flag()) pose.header = headerFrom(source, stamp);
+    readXyz(source, &pose.pose.position);
+  }
+  return message;
+}
+#endif
+
+sensor_msgs::PointCloud2 pointCloudFrom(ByteSource* source, const ros::Time& stamp,
+                                        std::size_t count) {
   constexpr const char* kNames[] = {"x", "y", "z"};
-  const std::size_t count = fuzzedFaces().point_count;
   sensor_msgs::PointCloud2 message;
   message.header = headerFrom(source, stamp);
   message.height = source->flag() ? 1 : 2;
@@ -122,7 +145,7 @@ pcl_msgs::PolygonMesh polygonMeshFrom(ByteSource* source, const ros::Time& stamp
     polygon.vertices.resize(source->below(6));
     for (std::uint32_t& index : polygon.vertices) index = source->byte() % 5;
   }
-  message.cloud = pointCloudFrom(source, stamp);
+  message.cloud = pointCloudFrom(source, stamp, fuzzedFaces().point_count);
   return message;
 }
 #endif
@@ -146,7 +169,18 @@ Bytes messageBytes(MeshType type, ByteSource* source, const ros::Time& stamp) {
       return serialized(markerArrayFrom(source, stamp));
     case MeshType::kPointCloud:
     case MeshType::kTetrahedra:
-      return serialized(pointCloudFrom(source, stamp));
+      return serialized(pointCloudFrom(source, stamp, fuzzedFaces().point_count));
+    case MeshType::kPoints:
+    case MeshType::kPolyline:
+      return serialized(pointCloudFrom(source, stamp, source->below(14)));
+    case MeshType::kPolylinePoses:
+      return serialized(poseArrayFrom(source, stamp));
+    case MeshType::kPolylineMarker:
+      return serialized(markerFrom(source, stamp, visualization_msgs::Marker::LINE_STRIP));
+#ifdef DCM_HAS_NAV_MSGS
+    case MeshType::kPolylinePath:
+      return serialized(pathFrom(source, stamp));
+#endif
 #ifdef DCM_HAS_PCL_MSGS
     case MeshType::kPolygonMesh:
       return serialized(polygonMeshFrom(source, stamp));
@@ -161,12 +195,21 @@ Bytes bytesOf(MeshType type, const boost::shared_ptr<const void>& message) {
     case MeshType::kShapeMesh:
       return bytesAs<shape_msgs::Mesh>(message);
     case MeshType::kMarker:
+    case MeshType::kPolylineMarker:
       return bytesAs<visualization_msgs::Marker>(message);
     case MeshType::kMarkerArray:
       return bytesAs<visualization_msgs::MarkerArray>(message);
     case MeshType::kPointCloud:
     case MeshType::kTetrahedra:
+    case MeshType::kPoints:
+    case MeshType::kPolyline:
       return bytesAs<sensor_msgs::PointCloud2>(message);
+    case MeshType::kPolylinePoses:
+      return bytesAs<geometry_msgs::PoseArray>(message);
+#ifdef DCM_HAS_NAV_MSGS
+    case MeshType::kPolylinePath:
+      return bytesAs<nav_msgs::Path>(message);
+#endif
 #ifdef DCM_HAS_PCL_MSGS
     case MeshType::kPolygonMesh:
       return bytesAs<pcl_msgs::PolygonMesh>(message);

@@ -1,6 +1,6 @@
 """A mesh as a message of another type than DeformableMesh; stamps and frames are the caller's."""
 import numpy as np
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped
 from sensor_msgs.msg import PointCloud2, PointField
 from shape_msgs.msg import Mesh, MeshTriangle
 from visualization_msgs.msg import Marker, MarkerArray
@@ -35,6 +35,38 @@ def polygon_message(mesh):
     from pcl_msgs.msg import PolygonMesh, Vertices  # pylint: disable=import-outside-toplevel
     return PolygonMesh(cloud=cloud_message(mesh),
                        polygons=[Vertices([int(i) for i in polygon]) for polygon in mesh[1]])
+
+
+def poses_of(mesh):
+    return [Pose(position=point) for point in points(mesh[0])]
+
+
+def poses_message(mesh):
+    """The vertices in their order are a line, here and below."""
+    return PoseArray(poses=poses_of(mesh))
+
+
+def path_message(mesh):
+    """The package is not everywhere."""
+    from nav_msgs.msg import Path  # pylint: disable=import-outside-toplevel
+    return Path(poses=[PoseStamped(pose=pose) for pose in poses_of(mesh)])
+
+
+def strip_message(mesh):
+    marker = Marker(ns="box", id=4, type=Marker.LINE_STRIP, points=points(mesh[0]))
+    marker.scale.x = 0.125
+    return marker
+
+
+def line_triangles(nodes):
+    """As config/docs/mesh_from/rope_tracker.md numbers them."""
+    ends = np.arange(1, nodes, dtype=np.uint32)
+    return np.stack([ends - 1, ends, ends], axis=1) if nodes > 1 else np.zeros((1, 3), np.uint32)
+
+
+def separate_points(count):
+    """As config/docs/mesh_from/grains.md numbers them."""
+    return np.repeat(np.arange(count, dtype=np.uint32), 3).reshape(-1, 3)
 
 
 def depth_triangles(pixels, rows, max_jump):

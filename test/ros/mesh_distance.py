@@ -1,4 +1,4 @@
-"""The distance of two meshes that have no point in common, from every pair of their triangles."""
+"""The distance of two meshes, from every pair of their triangles."""
 import numpy as np
 
 MOST_PAIRS = 50000  # at a time
@@ -40,8 +40,18 @@ def point_face(p, a, b, c):
     return np.where(is_within, height ** 2 / np.maximum(dot(normal, normal), 1e-300), np.inf)
 
 
-def least_squared(one, other):
-    """Of pairs of triangles, float64 [n, 3, 3] each, that do not intersect."""
+def segment_crosses(p, q, a, b, c):
+    """Whether segments go through triangles. Where rounding decides, the distance of their edges
+    and ends is as good as 0."""
+    normal = np.cross(b - a, c - a)
+    above, below = dot(p - a, normal), dot(q - a, normal)
+    sides = [dot(np.cross(end - p, start - p), q - p) for start, end in ((a, b), (b, c), (c, a))]
+    is_within = np.all(np.array(sides) >= 0, axis=0) | np.all(np.array(sides) <= 0, axis=0)
+    return (above * below < 0) & is_within
+
+
+def squared_distances(one, other):
+    """Of pairs of triangles, float64 [n, 3, 3] each."""
     least = np.full(len(one), np.inf)
     for a, b in ((one, other), (other, one)):
         for i in range(3):
@@ -53,13 +63,34 @@ def least_squared(one, other):
             p, q = one[:, i], other[:, j]
             least = np.minimum(least, line_line(p, one[:, (i + 1) % 3] - p,
                                                 q, other[:, (j + 1) % 3] - q))
-    return least.min()
+    for a, b in ((one, other), (other, one)):
+        for i in range(3):
+            crosses = segment_crosses(a[:, i], a[:, (i + 1) % 3], b[:, 0], b[:, 1], b[:, 2])
+            least = np.where(crosses, 0, least)
+    return least
+
+
+def distances(one, other):
+    """Those of all pairs of triangles of two meshes [m], one row for each triangle of `other`."""
+    a, b = (mesh[0].astype(np.float64)[mesh[1]] for mesh in (one, other))
+    rows = max(1, MOST_PAIRS // len(a))
+    parts = [b[start:start + rows] for start in range(0, len(b), rows)]
+    return np.sqrt(np.concatenate([
+        squared_distances(np.tile(a, (len(part), 1, 1)), np.repeat(part, len(a), axis=0))
+        .reshape(len(part), len(a)) for part in parts]))
 
 
 def mesh_distance(one, other):
-    """[m]; meaningless where they intersect."""
-    a, b = (mesh[0].astype(np.float64)[mesh[1]] for mesh in (one, other))
-    rows = max(1, MOST_PAIRS // len(a))
-    return np.sqrt(min(
-        least_squared(np.repeat(a, len(part), axis=0), np.tile(part, (len(a), 1, 1)))
-        for part in (b[start:start + rows] for start in range(0, len(b), rows))))
+    """[m]"""
+    return distances(one, other).min()
+
+
+def pairs_within(links, name, mesh, radius_m):
+    """Returns what pairs_of() must be for {link: posed mesh} and the posed mesh of an object with a
+    radius: the pairs whose distance, rounded to float32, is at most the radius."""
+    pairs = set()
+    for link, of_link in links.items():
+        apart = distances(of_link, mesh).astype(np.float32)
+        pairs |= {(link, int(i), name, int(k))
+                  for k, i in np.argwhere(apart <= np.float32(radius_m))}
+    return pairs

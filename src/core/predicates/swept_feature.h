@@ -277,7 +277,7 @@ struct HalvedInterval {
 template <class Real>
 constexpr int kRootHalvings = kTimeHalvings;
 template <>
-constexpr int kRootHalvings<float> = 8;
+inline constexpr int kRootHalvings<float> = 8;
 
 // Decides a feature in an interval in which its coplanarity has one root. It only meets there, so
 // that its signs in a short interval with the root decide, if they are certain.

@@ -124,6 +124,9 @@ std::string holdProblem(const std::string& object, float radius_m,
     if (other.name == object && other.type == MeshType::kPointCloud && other.faces == nullptr) {
       refuse("for a point_cloud without faces, whose triangles do not follow the object");
     }
+    if (other.name == object && other.type == MeshType::kPoints) {
+      refuse("for points, which may come in another order");
+    }
     if (other.name == part) refuse("for '" + object + "' beside the object '" + part + "'");
     if (other.name == object && other.parts.size() > kMostPartsBesideHeld) {
       refuse("for an object with " + std::to_string(other.parts.size()) +

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "monitor/input/cloud_points.h"
@@ -17,6 +16,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
+using geometry_msgs::PoseArray;
 using sensor_msgs::PointCloud2;
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
@@ -85,12 +85,18 @@ geometry_msgs::Quaternion orientationOf(const Marker& marker) {
   return q;
 }
 
-geometry_msgs::Transform poseOf(const Marker& marker) {
-  const geometry_msgs::Point& at = marker.pose.position;
-  const geometry_msgs::Vector3& scale = marker.scale;
-  if (!isFinite(at.x, at.y, at.z)) reject("pose.position is not finite");
+// Returns what the marker's points are multiplied by.
+geometry_msgs::Vector3 scaleOf(const Marker& marker, PointShape shape) {
+  geometry_msgs::Vector3 scale = marker.scale;
+  if (shape == PointShape::kLine) scale.x = scale.y = scale.z = 1;
   if (!isFinite(scale.x, scale.y, scale.z)) reject("scale is not finite");
   if (scale.x == 0 || scale.y == 0 || scale.z == 0) reject("scale is zero in x, y or z");
+  return scale;
+}
+
+geometry_msgs::Transform poseOf(const Marker& marker) {
+  const geometry_msgs::Point& at = marker.pose.position;
+  if (!isFinite(at.x, at.y, at.z)) reject("pose.position is not finite");
   geometry_msgs::Transform pose;
   pose.translation.x = at.x;
   pose.translation.y = at.y;
@@ -100,9 +106,9 @@ geometry_msgs::Transform poseOf(const Marker& marker) {
 }
 
 // Writes the sums out in their order, so that results do not depend on the compiler.
-void appendPosedPoints(const Marker& marker, std::vector<float>* vertices) {
+void appendPosedPoints(const Marker& marker, PointShape shape, std::vector<float>* vertices) {
   const RigidTransform pose = toRigidTransform(poseOf(marker));
-  const geometry_msgs::Vector3& scale = marker.scale;
+  const geometry_msgs::Vector3 scale = scaleOf(marker, shape);
   const bool is_untouched = pose.isIdentity() && scale.x == 1 && scale.y == 1 && scale.z == 1;
   const double* r = pose.rotation;
   const double* t = pose.translation;
@@ -117,43 +123,98 @@ void appendPosedPoints(const Marker& marker, std::vector<float>* vertices) {
   }
 }
 
-// Checks that a marker which is no deletion is a list of triangles.
-void checkTriangleList(const Marker& message) {
+// Checks that a marker which is no deletion has points of that shape.
+void checkMarker(const Marker& message, PointShape shape) {
   if (message.action != Marker::ADD) {
     reject("the marker's action is " + std::to_string(message.action) + ", not ADD (0)");
   }
-  if (message.type != Marker::TRIANGLE_LIST) {
-    reject("the marker's type is " + std::to_string(message.type) + ", not TRIANGLE_LIST (" +
-           std::to_string(Marker::TRIANGLE_LIST) + ")");
+  const bool is_line = shape == PointShape::kLine;
+  const int type = is_line ? int{Marker::LINE_STRIP} : int{Marker::TRIANGLE_LIST};
+  if (message.type != type) {
+    reject("the marker's type is " + std::to_string(message.type) + ", not " +
+           (is_line ? "LINE_STRIP" : "TRIANGLE_LIST") + " (" + std::to_string(type) + ")");
   }
   const std::size_t count = message.points.size();
   if (count == 0) reject("the marker has no points");
-  if (count % 3 != 0) {
+  if (!is_line && count % 3 != 0) {
     reject("the marker has " + std::to_string(count) + " points, no multiple of 3");
   }
 }
 
-// Returns the mesh of a marker that is no deletion. It has triangles if the number of points
+// Sets the topology of a mesh whose vertices are there. It has triangles if the number of points
 // differs from *point_count, which becomes that number.
-IncomingMesh meshOf(const Marker& message, const ros::Time& received, std::size_t* point_count) {
-  checkTriangleList(message);
-  const std::size_t count = message.points.size();
+void setTriangles(PointShape shape, std::size_t* point_count, DeformableMesh* mesh) {
+  const std::size_t count = mesh->vertices.size() / 3;
+  mesh->topology_id = static_cast<std::uint32_t>(count);
+  if (count == *point_count) return;
+  mesh->triangles = trianglesBetween(shape, count);
+  *point_count = count;
+}
+
+// Returns the mesh of a marker that is no deletion.
+IncomingMesh meshOf(const Marker& message, const ros::Time& received, PointShape shape,
+                    std::size_t* point_count) {
+  checkMarker(message, shape);
   const auto mesh = boost::make_shared<DeformableMesh>();
   mesh->header = message.header;
   const bool stamped_on_receipt = message.header.stamp.isZero();
   if (stamped_on_receipt) mesh->header.stamp = stampOfReceipt(received);
-  mesh->topology_id = static_cast<std::uint32_t>(count / 3);
-  mesh->vertices.reserve(3 * count);
-  appendPosedPoints(message, &mesh->vertices);
-  if (count != *point_count) {
-    mesh->triangles.resize(count);
-    std::iota(mesh->triangles.begin(), mesh->triangles.end(), 0U);
-    *point_count = count;
-  }
+  mesh->vertices.reserve(3 * message.points.size());
+  appendPosedPoints(message, shape, &mesh->vertices);
+  setTriangles(shape, point_count, mesh.get());
   return {mesh, "", stamped_on_receipt};
 }
 
+// Clouds whose points are smaller than three floats would make meshes much larger than themselves.
+void checkPointStep(const PointCloud2& cloud) {
+  constexpr std::uint32_t kLeastPointBytes = 3 * sizeof(float);
+  if (cloud.point_step >= kLeastPointBytes) return;
+  reject("point_step is " + std::to_string(cloud.point_step) + ", too few bytes for x, y and z");
+}
+
+// The overloads append the points of one message type each.
+void appendPoints(const PointCloud2& cloud, std::vector<float>* vertices) {
+  checkPointStep(cloud);
+  CloudPoints(cloud).appendTo(vertices);
+}
+
+void appendPoints(const PoseArray& array, std::vector<float>* vertices) {
+  vertices->reserve(3 * array.poses.size());
+  for (const geometry_msgs::Pose& pose : array.poses) {
+    append(pose.position.x, pose.position.y, pose.position.z, vertices);
+  }
+}
+
+#ifdef DCM_HAS_NAV_MSGS
+void appendPoints(const nav_msgs::Path& path, std::vector<float>* vertices) {
+  vertices->reserve(3 * path.poses.size());
+  for (std::size_t i = 0; i < path.poses.size(); ++i) {
+    const std::string& frame = path.poses[i].header.frame_id;
+    if (!frame.empty() && frame != path.header.frame_id) {
+      reject("pose " + std::to_string(i) + " is in frame '" + frame + "', but the path is in '" +
+             path.header.frame_id + "'");
+    }
+    const geometry_msgs::Point& at = path.poses[i].pose.position;
+    append(at.x, at.y, at.z, vertices);
+  }
+}
+#endif
+
 }  // namespace
+
+std::vector<std::uint32_t> trianglesBetween(PointShape shape, std::size_t count) {
+  const auto corners = static_cast<std::uint32_t>(count);
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(shape == PointShape::kTriangles ? count : 3 * count);
+  if (shape == PointShape::kTriangles) {
+    for (std::uint32_t i = 0; i < corners; ++i) triangles.push_back(i);
+  } else if (shape == PointShape::kLine && count > 1) {
+    for (std::uint32_t i = 1; i < corners; ++i) triangles.insert(triangles.end(), {i - 1, i, i});
+  } else {
+    for (std::uint32_t i = 0; i < corners; ++i) triangles.insert(triangles.end(), {i, i, i});
+  }
+  return triangles;
+}
 
 ros::Time correctedStamp(const ros::Time& stamp, double offset_s) {
   constexpr std::int64_t kEndNs = (std::int64_t{1} << 32) * 1000000000;
@@ -221,7 +282,7 @@ IncomingMesh MarkerAdapter::adapt(const Message& message, const ros::Time& recei
     marker_.reset();
     return deletion(message);
   }
-  IncomingMesh mesh = meshOf(message, received, &point_count_);
+  IncomingMesh mesh = meshOf(message, received, shape_, &point_count_);
   marker_ = nameOf(message);
   return mesh;
 }
@@ -244,7 +305,8 @@ IncomingMesh MarkerArrayAdapter::adapt(const Message& message, const ros::Time& 
     reject("the array has no marker " + shown(name_) + ", but " + shownNames(message));
   }
   is_seen_ = is_seen_ || nameOf(*marker) == name_;
-  return isDeletion(*marker) ? deletion(*marker) : meshOf(*marker, received, &point_count_);
+  if (isDeletion(*marker)) return deletion(*marker);
+  return meshOf(*marker, received, PointShape::kTriangles, &point_count_);
 }
 
 IncomingMesh PointCloudAdapter::adapt(const Message& message, const ros::Time& /*received*/) {
@@ -262,17 +324,12 @@ IncomingMesh PointCloudAdapter::adapt(const Message& message, const ros::Time& /
   return {mesh};
 }
 
-// Clouds whose points are smaller than three floats would make meshes much larger than themselves.
 IncomingMesh DepthCloudAdapter::adapt(const Message& message, const ros::Time& /*received*/) {
-  constexpr std::uint32_t kLeastPointBytes = 3 * sizeof(float);
   if (message.width < 2 || message.height < 2) {
     reject("the cloud has " + sizeText(message) +
            " points, so it is not organised in rows; give its triangles by 'faces'");
   }
-  if (message.point_step < kLeastPointBytes) {
-    reject("point_step is " + std::to_string(message.point_step) +
-           ", too few bytes for x, y and z");
-  }
+  checkPointStep(message);
   const auto mesh = boost::make_shared<DeformableMesh>();
   mesh->header = message.header;
   CloudPoints(message).appendTo(&mesh->vertices);
@@ -293,5 +350,21 @@ IncomingMesh DepthCloudAdapter::adapt(const Message& message, const ros::Time& /
   mesh->topology_id = topology_id_;
   return {mesh};
 }
+
+template <typename M>
+IncomingMesh PointsAdapter<M>::adapt(const Message& message, const ros::Time& /*received*/) {
+  const auto mesh = boost::make_shared<DeformableMesh>();
+  mesh->header = message.header;
+  appendPoints(message, &mesh->vertices);
+  if (mesh->vertices.empty()) reject("the message has no points");
+  setTriangles(shape_, &point_count_, mesh.get());
+  return {mesh};
+}
+
+template class PointsAdapter<PointCloud2>;
+template class PointsAdapter<PoseArray>;
+#ifdef DCM_HAS_NAV_MSGS
+template class PointsAdapter<nav_msgs::Path>;
+#endif
 
 }  // namespace deformable_contact_monitor

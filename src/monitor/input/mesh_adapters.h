@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
+#include <geometry_msgs/PoseArray.h>
 #include <ros/time.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <shape_msgs/Mesh.h>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "monitor/input/incoming_mesh.h"
+#include "monitor/input/optional_messages.h"
 #include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {
@@ -61,11 +63,19 @@ class ShapeMeshAdapter {
   std::uint32_t topology_id_ = 0;
 };
 
-// Converts a TRIANGLE_LIST marker to separate triangles: triangle i has the points 3i to 3i + 2. A
+// What a sequence of points means. Triangle i has the points 3i to 3i + 2 of kTriangles, (i, i + 1,
+// i + 1) of kLine, and (i, i, i) of kSeparate. A line of a single point is that point.
+enum class PointShape { kTriangles, kLine, kSeparate };
+
+// Returns the triangles between `count` points.
+std::vector<std::uint32_t> trianglesBetween(PointShape shape, std::size_t count);
+
+// Converts a TRIANGLE_LIST marker to separate triangles (kTriangles), or a LINE_STRIP to a line. A
 // point p becomes float32(R (scale * p) + t) with the marker's pose (R, t), computed in double in
-// the order that core/rigid_transform.h gives. An identity pose with scale 1 leaves points
-// untouched. An orientation of zeros counts as none, as in rviz. A stamp of zero is replaced by the
-// time of receipt.
+// the order that core/rigid_transform.h gives. The scale of a line is the width that rviz draws,
+// and does not move its points. An identity pose with scale 1 leaves points untouched. An
+// orientation of zeros counts as none, as in rviz. A stamp of zero is replaced by the time of
+// receipt.
 //
 // The topic's first marker (namespace and id) is the object until it is deleted. Other markers are
 // rejected. The message that deletes it becomes a mesh without vertices that is_deletion, with the
@@ -74,11 +84,15 @@ class MarkerAdapter {
  public:
   using Message = visualization_msgs::Marker;
 
+  // `shape` is kTriangles or kLine.
+  explicit MarkerAdapter(PointShape shape = PointShape::kTriangles) : shape_(shape) {}
+
   IncomingMesh adapt(const Message& message, const ros::Time& received);
 
  private:
   void checkIdentity(const Message& message) const;
 
+  const PointShape shape_;
   std::optional<MarkerName> marker_;  // the object's
   std::size_t point_count_ = 0;       // of the last mesh
 };
@@ -147,6 +161,25 @@ class DepthCloudAdapter {
   std::vector<std::uint32_t> triangles_;  // of the last mesh
   std::size_t coordinate_count_ = 0;      // of the last mesh
   std::uint32_t topology_id_ = 0;
+};
+
+// Converts a message of at least one point, whose number may change, to a line or to separate
+// points. M is PointCloud2, of which the points count row by row, PoseArray, or Path, of which the
+// positions count. A Path has the frame and the stamp of its own header, and a pose that names
+// another frame is rejected.
+template <typename M>
+class PointsAdapter {
+ public:
+  using Message = M;
+
+  // `shape` is kLine or kSeparate.
+  explicit PointsAdapter(PointShape shape) : shape_(shape) {}
+
+  IncomingMesh adapt(const Message& message, const ros::Time& received);
+
+ private:
+  const PointShape shape_;
+  std::size_t point_count_ = 0;  // of the last mesh
 };
 
 }  // namespace deformable_contact_monitor

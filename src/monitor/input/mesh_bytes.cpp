@@ -9,6 +9,8 @@ namespace {
 
 constexpr std::size_t kWord = sizeof(std::uint32_t);
 constexpr std::size_t kPointBytes = 3 * sizeof(double);
+constexpr std::size_t kPoseBytes = 7 * sizeof(double);
+constexpr std::size_t kLeastStampedPoseBytes = 4 * kWord + kPoseBytes;  // with an empty frame
 constexpr std::size_t kColorBytes = 4 * sizeof(float);
 constexpr std::size_t kLeastFieldBytes = 3 * kWord + 1;  // a PointField with an empty name
 
@@ -33,7 +35,7 @@ void walkOver(const visualization_msgs::Marker* /*type*/, WireWalker* walk) {
   walk->header();
   walk->array("ns", 1);
   walk->skip("id, type and action", 3 * kWord);
-  walk->skip("pose", 7 * sizeof(double));
+  walk->skip("pose", kPoseBytes);
   walk->skip("scale", kPointBytes);
   walk->skip("color", kColorBytes);
   walk->skip("lifetime and frame_locked", 2 * kWord + 1);
@@ -61,6 +63,21 @@ void walkOver(const sensor_msgs::PointCloud2* /*type*/, WireWalker* walk) {
   walk->array("data", 1);
   walk->skip("is_dense", 1);
 }
+
+void walkOver(const geometry_msgs::PoseArray* /*type*/, WireWalker* walk) {
+  walk->header();
+  walk->array("poses", kPoseBytes);
+}
+
+#ifdef DCM_HAS_NAV_MSGS
+void walkOver(const nav_msgs::Path* /*type*/, WireWalker* walk) {
+  walk->header();
+  for (std::uint32_t left = walk->count("poses", kLeastStampedPoseBytes); left > 0; --left) {
+    walk->header();
+    walk->skip("poses.pose", kPoseBytes);
+  }
+}
+#endif
 
 #ifdef DCM_HAS_PCL_MSGS
 void walkOver(const pcl_msgs::PolygonMesh* /*type*/, WireWalker* walk) {
@@ -115,6 +132,20 @@ std::uint64_t byteCount(const sensor_msgs::PointCloud2& message) {
          message.data.size();
 }
 
+std::uint64_t byteCount(const geometry_msgs::PoseArray& message) {
+  return message.header.frame_id.size() + kPoseBytes * std::uint64_t{message.poses.size()};
+}
+
+#ifdef DCM_HAS_NAV_MSGS
+std::uint64_t byteCount(const nav_msgs::Path& message) {
+  std::uint64_t bytes = message.header.frame_id.size();
+  for (const geometry_msgs::PoseStamped& pose : message.poses) {
+    bytes += kLeastStampedPoseBytes + pose.header.frame_id.size();
+  }
+  return bytes;
+}
+#endif
+
 #ifdef DCM_HAS_PCL_MSGS
 std::uint64_t byteCount(const pcl_msgs::PolygonMesh& message) {
   std::uint64_t bytes = message.header.frame_id.size() + byteCount(message.cloud);
@@ -154,6 +185,12 @@ template std::string validateMeshBytes<visualization_msgs::MarkerArray>(const st
                                                                         std::size_t, std::size_t);
 template std::string validateMeshBytes<sensor_msgs::PointCloud2>(const std::uint8_t*, std::size_t,
                                                                  std::size_t);
+template std::string validateMeshBytes<geometry_msgs::PoseArray>(const std::uint8_t*, std::size_t,
+                                                                 std::size_t);
+#ifdef DCM_HAS_NAV_MSGS
+template std::string validateMeshBytes<nav_msgs::Path>(const std::uint8_t*, std::size_t,
+                                                       std::size_t);
+#endif
 #ifdef DCM_HAS_PCL_MSGS
 template std::string validateMeshBytes<pcl_msgs::PolygonMesh>(const std::uint8_t*, std::size_t,
                                                               std::size_t);

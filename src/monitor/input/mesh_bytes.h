@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
+#include <geometry_msgs/PoseArray.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <shape_msgs/Mesh.h>
 #include <visualization_msgs/Marker.h>
@@ -11,7 +12,7 @@
 #include <cstdint>
 #include <string>
 
-#include "monitor/input/pcl_messages.h"
+#include "monitor/input/optional_messages.h"
 
 namespace deformable_contact_monitor {
 
@@ -31,6 +32,10 @@ std::uint64_t byteCount(const shape_msgs::Mesh& message);
 std::uint64_t byteCount(const visualization_msgs::Marker& message);
 std::uint64_t byteCount(const visualization_msgs::MarkerArray& message);
 std::uint64_t byteCount(const sensor_msgs::PointCloud2& message);
+std::uint64_t byteCount(const geometry_msgs::PoseArray& message);
+#ifdef DCM_HAS_NAV_MSGS
+std::uint64_t byteCount(const nav_msgs::Path& message);
+#endif
 #ifdef DCM_HAS_PCL_MSGS
 std::uint64_t byteCount(const pcl_msgs::PolygonMesh& message);
 #endif

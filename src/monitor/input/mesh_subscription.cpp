@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "monitor/input/adapter_choice.h"
 #include "monitor/input/mesh_bytes.h"
-#include "monitor/input/polygon_mesh_adapter.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
@@ -134,14 +134,21 @@ const char* messageType(MeshType type) {
     case MeshType::kShapeMesh:
       return ros::message_traits::datatype<shape_msgs::Mesh>();
     case MeshType::kMarker:
+    case MeshType::kPolylineMarker:
       return ros::message_traits::datatype<visualization_msgs::Marker>();
     case MeshType::kPointCloud:
     case MeshType::kTetrahedra:
+    case MeshType::kPoints:
+    case MeshType::kPolyline:
       return ros::message_traits::datatype<sensor_msgs::PointCloud2>();
     case MeshType::kMarkerArray:
       return ros::message_traits::datatype<visualization_msgs::MarkerArray>();
     case MeshType::kPolygonMesh:
       return "pcl_msgs/PolygonMesh";
+    case MeshType::kPolylinePoses:
+      return ros::message_traits::datatype<geometry_msgs::PoseArray>();
+    case MeshType::kPolylinePath:
+      return "nav_msgs/Path";
     default:
       return ros::message_traits::datatype<DeformableMesh>();
   }
@@ -155,31 +162,18 @@ ros::SubscribeOptions meshSubscription(const std::string& topic, const ObjectPar
     correctStamp(offset_s, &mesh);
     receiver(mesh);
   };
-  switch (object.type) {
-    case MeshType::kShapeMesh:
-      return adaptedSubscription(topic, max_bytes, receive, ShapeMeshAdapter(object.frame_id));
-    case MeshType::kMarker:
-      return adaptedSubscription(topic, max_bytes, receive, MarkerAdapter());
-    case MeshType::kPointCloud:
-      if (object.faces == nullptr) {
-        return adaptedSubscription(topic, max_bytes, receive, DepthCloudAdapter(object.depth));
-      }
-      [[fallthrough]];
-    case MeshType::kTetrahedra:
-      return adaptedSubscription(topic, max_bytes, receive, PointCloudAdapter(object.faces));
-    case MeshType::kMarkerArray:
-      return adaptedSubscription(topic, max_bytes, receive, MarkerArrayAdapter(object.marker));
-#ifdef DCM_HAS_PCL_MSGS
-    case MeshType::kPolygonMesh:
-      return adaptedSubscription(topic, max_bytes, receive, PolygonMeshAdapter());
-#endif
-    default:
-      return subscription<DeformableMesh>(
-          topic, max_bytes, receive,
-          [](const DeformableMesh::ConstPtr& message, const ros::Time& /*received*/) {
-            return IncomingMesh{message};
-          });
-  }
+  return withAdapter(
+      object,
+      [&](auto adapter) {
+        return adaptedSubscription(topic, max_bytes, receive, std::move(adapter));
+      },
+      [&] {
+        return subscription<DeformableMesh>(
+            topic, max_bytes, receive,
+            [](const DeformableMesh::ConstPtr& message, const ros::Time& /*received*/) {
+              return IncomingMesh{message};
+            });
+      });
 }
 
 }  // namespace deformable_contact_monitor

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "monitor/input/incoming_mesh.h"
-#include "monitor/input/pcl_messages.h"
+#include "monitor/input/optional_messages.h"
 
 #ifdef DCM_HAS_PCL_MSGS
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/mesh_file.h"
-#include "monitor/input/pcl_messages.h"
+#include "monitor/input/optional_messages.h"
 #include "robot/link_mesh_files.h"
 #include "robot/regular_file.h"
 
@@ -74,16 +74,38 @@ void readMarker(ParameterReader* entry, std::vector<std::string>* warnings,
   }
 }
 
+// Without a radius nearly nothing touches points or lines, so nobody shall forget it.
+void requireRadius(ParameterReader* entry) {
+  if (entry->has("radius_m")) return;
+  entry->addProblem("radius_m",
+                    "is missing: points and polylines have no thickness of their own; "
+                    "give their radius, or 0");
+}
+
+// The choices stand in the order of MeshType.
+void readLineMessage(ParameterReader* entry, ObjectParameters* object) {
+  const std::size_t message =
+      entry->choice("message", {"point_cloud", "pose_array", "path", "marker"}, 0);
+  object->type = static_cast<MeshType>(static_cast<std::size_t>(MeshType::kPolyline) + message);
+#ifndef DCM_HAS_NAV_MSGS
+  if (object->type == MeshType::kPolylinePath) {
+    entry->addProblem("message",
+                      "is 'path', but the package nav_msgs was not there when this program was "
+                      "built");
+  }
+#endif
+}
+
 }  // namespace
 
 // The choices stand in the order of MeshType.
 void readObjectType(ParameterReader* entry, std::vector<std::string>* warnings,
                     ObjectParameters* object) {
-  object->type =
-      static_cast<MeshType>(entry->choice("type",
-                                          {"deformable_mesh", "shape_mesh", "marker", "point_cloud",
-                                           "marker_array", "tetrahedra", "polygon_mesh"},
-                                          0));
+  object->type = static_cast<MeshType>(
+      entry->choice("type",
+                    {"deformable_mesh", "shape_mesh", "marker", "point_cloud", "marker_array",
+                     "tetrahedra", "polygon_mesh", "points", "polyline"},
+                    0));
 #ifndef DCM_HAS_PCL_MSGS
   if (object->type == MeshType::kPolygonMesh) {
     entry->addProblem("type",
@@ -95,6 +117,10 @@ void readObjectType(ParameterReader* entry, std::vector<std::string>* warnings,
   if (object->type == MeshType::kPointCloud) readFaces(entry, object);
   if (object->type == MeshType::kTetrahedra) readCellsFile(entry, object);
   if (object->type == MeshType::kMarkerArray) readMarker(entry, warnings, object);
+  if (object->type == MeshType::kPoints || object->type == MeshType::kPolyline) {
+    requireRadius(entry);
+  }
+  if (object->type == MeshType::kPolyline) readLineMessage(entry, object);
 }
 
 }  // namespace deformable_contact_monitor

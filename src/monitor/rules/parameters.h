@@ -28,7 +28,8 @@ namespace deformable_contact_monitor {
 // The source of the robot's link meshes: the URDF, or messages on a topic.
 enum class RobotSourceKind { kUrdf, kTopic };
 
-// The message types in which an object's meshes can arrive.
+// The message types in which an object's meshes can arrive. A polyline is the type of four of them,
+// which its key `message` tells apart, in this order.
 enum class MeshType {
   kDeformableMesh,
   kShapeMesh,
@@ -36,9 +37,14 @@ enum class MeshType {
   kPointCloud,
   kMarkerArray,
   kTetrahedra,
-  kPolygonMesh
+  kPolygonMesh,
+  kPoints,
+  kPolyline,  // the points of a cloud
+  kPolylinePoses,
+  kPolylinePath,
+  kPolylineMarker
 };
-constexpr std::size_t kMeshTypes = 7;
+constexpr std::size_t kMeshTypes = 12;
 
 // The namespace and the id of a marker.
 using MarkerName = std::pair<std::string, std::int32_t>;

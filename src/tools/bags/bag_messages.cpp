@@ -9,9 +9,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "monitor/input/adapter_choice.h"
 #include "monitor/input/mesh_bytes.h"
 #include "monitor/input/mesh_subscription.h"
-#include "monitor/input/polygon_mesh_adapter.h"
 #include "monitor/input/wire_walker.h"
 
 namespace deformable_contact_monitor {
@@ -62,20 +62,15 @@ void walk(WireWalker* walker, const sensor_msgs::JointState& /*as*/) {
 // Says why the bytes are not exactly one message of the type M; empty: they are.
 template <typename M>
 std::string problemOf(const std::vector<std::uint8_t>& bytes) {
-  if constexpr (std::is_same_v<M, DeformableMesh> || std::is_same_v<M, shape_msgs::Mesh> ||
-                std::is_same_v<M, visualization_msgs::Marker> ||
-                std::is_same_v<M, visualization_msgs::MarkerArray> ||
-#ifdef DCM_HAS_PCL_MSGS
-                std::is_same_v<M, pcl_msgs::PolygonMesh> ||
-#endif
-                std::is_same_v<M, sensor_msgs::PointCloud2>) {
-    return validateMeshBytes<M>(bytes.data(), bytes.size(),
-                                std::numeric_limits<std::size_t>::max());
-  } else {
+  if constexpr (std::is_same_v<M, LinkMeshes> || std::is_same_v<M, tf2_msgs::TFMessage> ||
+                std::is_same_v<M, std_msgs::String> || std::is_same_v<M, sensor_msgs::JointState>) {
     WireWalker walker(bytes.data(), bytes.size());
     walk(&walker, M());
     if (!walker.problem().empty() || walker.left() == 0) return walker.problem();
     return std::to_string(walker.left()) + " bytes follow its fields";
+  } else {
+    return validateMeshBytes<M>(bytes.data(), bytes.size(),
+                                std::numeric_limits<std::size_t>::max());
   }
 }
 
@@ -109,6 +104,13 @@ boost::shared_ptr<M> decoded(const BagMessage& message) {
   const auto to = boost::make_shared<M>();
   deserialize(message, to.get());
   return to;
+}
+
+// Checks a message that begins with a header, and reads no more than its stamp.
+template <typename M>
+BagMeshHead stampedHead(const BagMessage& message) {
+  check<M>(message);
+  return {stampIn(message.bytes.data(), message.bytes.size()), nullptr, false};
 }
 
 // Converts messages of another type to DeformableMesh, as the node does. An adapter keeps state
@@ -203,45 +205,27 @@ BagMeshHead headOf(const BagMessage& message, const ObjectParameters& object) {
   }
 #ifdef DCM_HAS_PCL_MSGS
   if (message.type == typeOf<pcl_msgs::PolygonMesh>()) {
-    check<pcl_msgs::PolygonMesh>(message);
-    return {stampIn(message.bytes.data(), message.bytes.size()), nullptr, false};
+    return stampedHead<pcl_msgs::PolygonMesh>(message);
   }
 #endif
-  check<sensor_msgs::PointCloud2>(message);
-  return {stampIn(message.bytes.data(), message.bytes.size()), nullptr, false};
-}
-
-namespace {
-
-// Returns the reader of the object's type, which leaves stamps as they are.
-RecordedMeshReader uncorrectedReader(const ObjectParameters& object) {
-  switch (object.type) {
-    case MeshType::kShapeMesh:
-      return adaptedReader(ShapeMeshAdapter(object.frame_id));
-    case MeshType::kMarker:
-      return adaptedReader(MarkerAdapter());
-    case MeshType::kPointCloud:
-      if (object.faces == nullptr) return adaptedReader(DepthCloudAdapter(object.depth));
-      [[fallthrough]];
-    case MeshType::kTetrahedra:
-      return adaptedReader(PointCloudAdapter(object.faces));
-    case MeshType::kMarkerArray:
-      return adaptedReader(MarkerArrayAdapter(object.marker));
-#ifdef DCM_HAS_PCL_MSGS
-    case MeshType::kPolygonMesh:
-      return adaptedReader(PolygonMeshAdapter());
+#ifdef DCM_HAS_NAV_MSGS
+  if (message.type == typeOf<nav_msgs::Path>()) return stampedHead<nav_msgs::Path>(message);
 #endif
-    default:
-      return
-          [](const BagMessage& message) { return IncomingMesh{decoded<DeformableMesh>(message)}; };
+  if (message.type == typeOf<geometry_msgs::PoseArray>()) {
+    return stampedHead<geometry_msgs::PoseArray>(message);
   }
+  return stampedHead<sensor_msgs::PointCloud2>(message);
 }
-
-}  // namespace
 
 RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {
-  return [read = uncorrectedReader(object),
-          offset_s = object.stamp_offset_s](const BagMessage& message) {
+  RecordedMeshReader read = withAdapter(
+      object, [](auto adapter) { return adaptedReader(std::move(adapter)); },
+      [] {
+        return RecordedMeshReader([](const BagMessage& message) {
+          return IncomingMesh{decoded<DeformableMesh>(message)};
+        });
+      });
+  return [read = std::move(read), offset_s = object.stamp_offset_s](const BagMessage& message) {
     IncomingMesh mesh = read(message);
     correctStamp(offset_s, &mesh);
     return mesh;

@@ -160,6 +160,12 @@ TEST_F(HoldTest, RadiusAndSettingsAreChecked) {
   parameters_.objects[0].type = MeshType::kPointCloud;
   EXPECT_NE(holdProblem("cloth", .01F, parameters_).find("for a point_cloud without faces"),
             std::string::npos);
+  parameters_.objects[0].type = MeshType::kPoints;
+  EXPECT_EQ(holdProblem("cloth", .01F, parameters_),
+            "a radius is not supported for points, which may come in another order");
+  parameters_.objects[0].type = MeshType::kPolyline;
+  EXPECT_EQ(holdProblem("cloth", .01F, parameters_), "");
+  parameters_.objects[0].type = MeshType::kPointCloud;
   parameters_.objects[0].faces = std::make_shared<const PointTriangles>();
   EXPECT_EQ(holdProblem("cloth", .01F, parameters_), "");
   parameters_.objects[0].parts.resize(127);

@@ -32,6 +32,12 @@ void make(const TriangleMesh& mesh, visualization_msgs::MarkerArray* message) {
   *message = asMarkerArray(mesh);
   make(mesh, &message->markers[1]);
 }
+void make(const TriangleMesh& mesh, geometry_msgs::PoseArray* message) {
+  *message = asPoseArray(mesh);
+}
+#ifdef DCM_HAS_NAV_MSGS
+void make(const TriangleMesh& mesh, nav_msgs::Path* message) { *message = asPath(mesh); }
+#endif
 #ifdef DCM_HAS_PCL_MSGS
 void make(const TriangleMesh& mesh, pcl_msgs::PolygonMesh* message) {
   *message = asPolygonMesh(mesh);
@@ -66,7 +72,10 @@ using Messages = ::testing::Types<DeformableMesh, shape_msgs::Mesh, visualizatio
 #ifdef DCM_HAS_PCL_MSGS
                                   pcl_msgs::PolygonMesh,
 #endif
-                                  sensor_msgs::PointCloud2>;
+#ifdef DCM_HAS_NAV_MSGS
+                                  nav_msgs::Path,
+#endif
+                                  geometry_msgs::PoseArray, sensor_msgs::PointCloud2>;
 TYPED_TEST_SUITE(MeshBytes, Messages);
 
 TYPED_TEST(MeshBytes, AMessagePasses) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
+#include <geometry_msgs/PoseArray.h>
 #include <ros/serialization.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/PointField.h>
@@ -15,7 +16,7 @@
 #include <vector>
 
 #include "core/triangle_mesh.h"
-#include "monitor/input/pcl_messages.h"
+#include "monitor/input/optional_messages.h"
 #include "monitor/rules/tetrahedra.h"
 
 namespace deformable_contact_monitor {
@@ -83,6 +84,40 @@ inline visualization_msgs::MarkerArray asMarkerArray(const TriangleMesh& mesh) {
   message.markers[1].points.clear();
   return message;
 }
+
+// The mesh's vertices as a line, here and below.
+inline visualization_msgs::Marker asLineStrip(const TriangleMesh& mesh) {
+  visualization_msgs::Marker message = asMarker({mesh.vertices, {}});
+  message.type = visualization_msgs::Marker::LINE_STRIP;
+  message.scale.x = 0.25;  // its width
+  message.scale.y = message.scale.z = 0;
+  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) message.points.push_back(pointOf(mesh, i));
+  return message;
+}
+
+inline geometry_msgs::PoseArray asPoseArray(const TriangleMesh& mesh) {
+  geometry_msgs::PoseArray message;
+  message.header.stamp = kSent;
+  message.header.frame_id = "camera";
+  message.poses.resize(mesh.vertexCount());
+  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) message.poses[i].position = pointOf(mesh, i);
+  return message;
+}
+
+#ifdef DCM_HAS_NAV_MSGS
+inline nav_msgs::Path asPath(const TriangleMesh& mesh) {
+  nav_msgs::Path message;
+  message.header.stamp = kSent;
+  message.header.frame_id = "camera";
+  message.poses.resize(mesh.vertexCount());
+  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
+    message.poses[i].pose.position = pointOf(mesh, i);
+    message.poses[i].header.stamp = ros::Time(static_cast<double>(i));
+    if (i % 2 == 0) message.poses[i].header.frame_id = "camera";
+  }
+  return message;
+}
+#endif
 
 // The layout of a cloud's bytes.
 struct CloudLayout {

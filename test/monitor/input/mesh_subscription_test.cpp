@@ -145,10 +145,14 @@ TEST_F(MeshSubscriptionTest, ALargeMeshIsRefusedOnBothWays) {
 }
 
 constexpr MeshType kAdapted[] = {
-    MeshType::kShapeMesh,   MeshType::kMarker,     MeshType::kPointCloud,
-    MeshType::kMarkerArray, MeshType::kTetrahedra,
+    MeshType::kShapeMesh,    MeshType::kMarker,        MeshType::kPointCloud,
+    MeshType::kMarkerArray,  MeshType::kTetrahedra,    MeshType::kPoints,
+    MeshType::kPolyline,     MeshType::kPolylinePoses, MeshType::kPolylineMarker,
 #ifdef DCM_HAS_PCL_MSGS
     MeshType::kPolygonMesh,
+#endif
+#ifdef DCM_HAS_NAV_MSGS
+    MeshType::kPolylinePath,
 #endif
 };
 
@@ -169,6 +173,13 @@ class AdaptedSubscriptionTest : public MeshSubscriptionTest,
 
   static TriangleMesh triangle() { return {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}}; }
 
+  // Returns the triangles that a message of triangle() becomes.
+  static std::vector<std::uint32_t> expectedTriangles() {
+    if (GetParam() == MeshType::kPoints) return {0, 0, 0, 1, 1, 1, 2, 2, 2};
+    if (GetParam() >= MeshType::kPolyline) return {0, 1, 1, 1, 2, 2};
+    return {0, 1, 2};
+  }
+
   static ros::VoidConstPtr messageOf(const TriangleMesh& mesh, Bytes* bytes) {
     switch (GetParam()) {
       case MeshType::kShapeMesh:
@@ -181,6 +192,14 @@ class AdaptedSubscriptionTest : public MeshSubscriptionTest,
       case MeshType::kPolygonMesh:
         return shared(asPolygonMesh(mesh), bytes);
 #endif
+      case MeshType::kPolylinePoses:
+        return shared(asPoseArray(mesh), bytes);
+#ifdef DCM_HAS_NAV_MSGS
+      case MeshType::kPolylinePath:
+        return shared(asPath(mesh), bytes);
+#endif
+      case MeshType::kPolylineMarker:
+        return shared(asLineStrip(mesh), bytes);
       default:
         return shared(asPointCloud(mesh), bytes);
     }
@@ -206,7 +225,7 @@ TEST_P(AdaptedSubscriptionTest, AMessageArrivesAsAMeshOnBothWays) {
   const IncomingMesh of_process = hand(message);
   EXPECT_EQ(of_process.problem, "");
   EXPECT_EQ(of_process.message->vertices, triangle().vertices);
-  EXPECT_EQ(of_process.message->triangles, triangle().triangles);
+  EXPECT_EQ(of_process.message->triangles, expectedTriangles());
   const IncomingMesh of_wire = arrive(bytes);
   EXPECT_EQ(of_wire.problem, "");
   EXPECT_EQ(of_wire.message->vertices, triangle().vertices);

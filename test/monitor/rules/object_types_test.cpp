@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "monitor/input/optional_messages.h"
 #include "parameter_trees.h"
 
 namespace deformable_contact_monitor {
@@ -83,8 +85,9 @@ TEST_F(ObjectTypes, AllThatIsMissingIsListedTogether) {
   const std::string all = refusalOf(tree);
   expectIn("7 bad parameter(s)", all);
   for (const std::string& problem :
-       {std::string("~objects[0]/type is 'mesh', must be one of: deformable_mesh, shape_mesh, "
-                    "marker, point_cloud, marker_array, tetrahedra, polygon_mesh"),
+       {std::string(
+            "~objects[0]/type is 'mesh', must be one of: deformable_mesh, shape_mesh, "
+            "marker, point_cloud, marker_array, tetrahedra, polygon_mesh, points, polyline"),
         std::string("~objects[1]/frame_id is missing"), std::string("~objects[2]/faces is empty"),
         std::string("~objects[3]/faces is 'cloth.obj': neither package://, file:// nor"),
         std::string("~objects[4]/faces is '/no/such/cloth.obj': no such file"),
@@ -124,6 +127,49 @@ TEST_F(ObjectTypes, ACloudWithoutFacesIsADepthCamera) {
   expectIn("~objects[0]/max_depth_jump", all);
   expectIn("~objects[1]/min_seen", all);
   expectIn("~objects[2]/parts are not supported for a point_cloud without faces", all);
+}
+
+TEST_F(ObjectTypes, APolylineComesInTheMessageThatIsNamed) {
+  const std::pair<const char*, MeshType> messages[] = {{nullptr, MeshType::kPolyline},
+                                                       {"point_cloud", MeshType::kPolyline},
+                                                       {"pose_array", MeshType::kPolylinePoses},
+#ifdef DCM_HAS_NAV_MSGS
+                                                       {"path", MeshType::kPolylinePath},
+#endif
+                                                       {"marker", MeshType::kPolylineMarker}};
+  XmlRpcValue tree, rope = typed("rope", "polyline"), grains = typed("grains", "points");
+  rope["radius_m"] = 0.004;
+  grains["radius_m"] = 0;
+  for (const auto& [message, type] : messages) {
+    if (message != nullptr) rope["message"] = message;
+    tree["objects"] = list(rope, grains);
+    std::vector<std::string> warnings;
+    const MonitorParameters p = parse(tree, &warnings);
+    EXPECT_TRUE(warnings.empty());
+    EXPECT_EQ(p.objects[0].type, type);
+    EXPECT_EQ(p.objects[0].radius_m, 0.004F);
+    EXPECT_EQ(p.objects[1].type, MeshType::kPoints);
+  }
+  grains["message"] = "point_cloud";
+  tree["objects"] = list(grains);
+  std::vector<std::string> warnings;
+  parse(tree, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  expectIn("~objects[0]/message", warnings[0]);
+}
+
+TEST_F(ObjectTypes, PointsAndPolylinesNeedARadius) {
+  XmlRpcValue tree, bad = typed("bad", "polyline");
+  bad["message"] = "line_strip";
+  tree["objects"] = list(typed("rope", "polyline"), typed("grains", "points"), bad);
+  const std::string all = refusalOf(tree);
+  expectIn("4 bad parameter(s)", all);
+  expectIn("~objects[0]/radius_m is missing: points and polylines have no thickness", all);
+  expectIn("~objects[1]/radius_m is missing", all);
+  expectIn(
+      "~objects[2]/message is 'line_strip', must be one of: point_cloud, pose_array, path, "
+      "marker",
+      all);
 }
 
 TEST_F(ObjectTypes, EachMayHaveItsStampsCorrected) {

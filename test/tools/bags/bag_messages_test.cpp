@@ -1,6 +1,7 @@
 // Tests that the bytes of a bag become messages only if they are exactly one message of the type.
 #include "tools/bags/bag_messages.h"
 
+#include <geometry_msgs/PoseArray.h>
 #include <gtest/gtest.h>
 #include <ros/serialization.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -15,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "monitor/input/optional_messages.h"
 #include "refusal.h"
 
 namespace deformable_contact_monitor {
@@ -100,11 +102,14 @@ std::vector<Case> allTypes() {
   shape_msgs::Mesh shape;
   shape.vertices.resize(3);
   shape.triangles.resize(1);
+  geometry_msgs::PoseArray poses;
+  poses.header = headerIn("camera");
+  poses.poses.resize(3);
   DeformableMesh mesh;
   mesh.header = headerIn("camera");
   mesh.vertices.resize(9);
   mesh.triangles = {0, 1, 2};
-  return {
+  std::vector<Case> all = {
       {recorded(linkMeshes()),
        toLinkMeshes,
        {"header", "meshes", "meshes.link", "meshes.source", "meshes.vertices", "meshes.triangles"}},
@@ -117,7 +122,16 @@ std::vector<Case> allTypes() {
       {recorded(shape), headOfMesh, {"vertices", "triangles"}},
       {recorded(marker), headOfMesh, {"header", "points"}},
       {recorded(cloud), headOfMesh, {"header", "fields", "data"}},
+      {recorded(poses), headOfMesh, {"header", "poses"}},
   };
+#ifdef DCM_HAS_NAV_MSGS
+  nav_msgs::Path path;
+  path.header = headerIn("camera");
+  path.poses.resize(2);
+  path.poses[1].header = headerIn("camera");
+  all.push_back({recorded(path), headOfMesh, {"header", "poses", "poses.pose"}});
+#endif
+  return all;
 }
 
 TEST(BagMessages, AnArrayHasTheHeaderOfTheObjectsMarker) {
