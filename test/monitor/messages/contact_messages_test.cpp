@@ -284,7 +284,6 @@ TEST(ContactPatchesTest, carryAllFieldsOfAPatch) {
 
 TEST(LinkMeshesTest, surviveTheWayThereAndBack) {
   RobotGeometry geometry;
-  geometry.name = "robot";
   geometry.links = {{"a", "box 1 1 1", threeTriangles(), ""},
                     {"b", "package://x/y.stl", {}, "package://x/y.stl: no such file"}};
   const LinkMeshes message = toLinkMeshes(geometry, ros::Time(3));
