@@ -28,7 +28,8 @@ namespace deformable_contact_monitor {
 
 struct Topology;  // input/incoming_mesh.h
 
-enum class BodyKind : std::uint8_t { kLink = 0, kDeformable = 1 };
+// A link, an object whose meshes come as messages, or an object that TF poses like a link.
+enum class BodyKind : std::uint8_t { kLink = 0, kDeformable = 1, kRigid = 2 };
 
 // A pair of bodies that the monitor reports. Pairs of classes that are switched off have no entry.
 struct MonitoredPair {
@@ -74,7 +75,7 @@ struct BodyStatus {
   std::string name;
   BodyKind kind = BodyKind::kLink;
   ros::Time stamp;                           // of the data in use; zero if there is none
-  std::uint32_t topology_id = 0;             // of the mesh in use; 0 for links
+  std::uint32_t topology_id = 0;             // of the mesh in use; 0 without messages of it
   std::string unknown_because;               // why the body cannot be used; empty if it can
   bool triggered = false;                    // the cycle was started for this body
   std::uint64_t rejected = 0;                // triangles left out because a vertex is not finite
@@ -104,15 +105,24 @@ struct HeldPart {
   ros::Time stamp;                           // of that mesh
 };
 
-// How the robot holds an object.
-struct Attachment {
-  std::vector<std::string> links;             // that may touch it
-  std::shared_ptr<const HeldPart> part = {};  // that they may touch; null: all of it
-
-  bool operator==(const Attachment& o) const { return links == o.links && part == o.part; }
+// How a link carries a rigid object, which keeps its place in the link's frame.
+struct RigidGrip {
+  std::string link;
+  RigidTransform link_from_object;
 };
 
-// The objects that the robot holds, by name.
+// How an object is held.
+struct Attachment {
+  std::vector<std::string> links;              // that may touch it, or rigid objects that may
+  std::shared_ptr<const HeldPart> part = {};   // that they may touch; null: all of it
+  std::shared_ptr<const RigidGrip> grip = {};  // of a rigid object; null: the object is none
+
+  bool operator==(const Attachment& o) const {
+    return links == o.links && part == o.part && grip == o.grip;
+  }
+};
+
+// The objects that are held, by name.
 using AttachedObjects = std::map<std::string, Attachment>;
 
 // The motion of one body through a time interval that ends with a cycle.
@@ -147,7 +157,8 @@ struct CycleReport {
   std_msgs::Header header;  // stamp of the mesh that triggered the cycle, and the reference frame
   std::uint64_t cycle = 0;  // number of the cycle, counted from 1
   std::uint64_t epoch = 0;  // in which the cycle began (LoopRequests::requestReset())
-  std::vector<BodyStatus> bodies;         // indexed by BodyId: links in URDF order, then objects
+  // Indexed by BodyId: links in URDF order, then rigid objects, then the others.
+  std::vector<BodyStatus> bodies;
   std::vector<MonitoredPair> pairs;       // of bodies
   std::vector<MonitoredPair> part_pairs;  // of a named part of one body with the other body
   AttachedObjects attached;
@@ -174,13 +185,14 @@ inline const MonitoredPair& statePair(const CycleReport& report, std::size_t i) 
   return i < bodies ? report.pairs[i] : report.part_pairs[i - bodies];
 }
 
-// Returns whether a cycle decides about this pair: one of the pair's objects triggered the cycle,
-// or the robot's own cycle ran and both bodies are links.
+// Returns whether a cycle decides about this pair: one of the pair's deformable objects triggered
+// the cycle, or there is none and the robot's own cycle ran.
 inline bool isOfCycle(const std::vector<BodyStatus>& bodies, const MonitoredPair& pair) {
   const BodyStatus &a = bodies.at(pair.a), &b = bodies.at(pair.b);
-  if (a.kind == BodyKind::kLink && b.kind == BodyKind::kLink) return a.triggered;
-  return (a.kind == BodyKind::kDeformable && a.triggered) ||
-         (b.kind == BodyKind::kDeformable && b.triggered);
+  const bool a_deforms = a.kind == BodyKind::kDeformable,
+             b_deforms = b.kind == BodyKind::kDeformable;
+  if (!a_deforms && !b_deforms) return a.triggered || b.triggered;
+  return (a_deforms && a.triggered) || (b_deforms && b.triggered);
 }
 
 // Returns whether the parameters ask for contact geometry and the result has it for every contact.

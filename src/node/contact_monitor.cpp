@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -43,7 +44,7 @@ MonitorParameters readParameters(const ros::NodeHandle& private_node) {
                   << private_node.getNamespace() << ": "
                   << (changed.empty() ? "the defaults alone" : "not the default are") << changed);
   for (const std::string& warning : warnings) ROS_WARN_STREAM(warning);
-  if (parameters.objects.empty()) {
+  if (parameters.objects.empty() && parameters.rigids.empty()) {
     ROS_WARN("~objects is empty, so no object is monitored; list objects with their topics there");
   }
   return parameters;
@@ -263,11 +264,16 @@ bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
 bool ContactMonitor::attachObject(AttachObject::Request& request,
                                   AttachObject::Response& response) {
   const std::shared_ptr<const RobotGeometry> robot = robot_source_.newest();
-  response.message = attachProblem(request.object, request.links, parameters_.objects, robot.get());
+  response.message = attachProblem(request.object, request.links, parameters_, robot.get());
   std::shared_ptr<const HeldPart> part;
+  std::shared_ptr<const RigidGrip> grip;
   try {
-    const bool has_radius = request.radius != 0 && !request.links.empty();
-    if (response.message.empty() && has_radius) part = findHeld(request, *robot);
+    const RigidParameters* const rigid = findRigid(parameters_, request.object);
+    const bool attaches = response.message.empty() && !request.links.empty();
+    if (attaches && rigid != nullptr) grip = findGrip(request, *rigid);
+    if (attaches && rigid == nullptr && request.radius != 0) {
+      part = findHeld(request, robot == nullptr ? RobotGeometry() : *robot);
+    }
   } catch (const std::invalid_argument& error) {
     response.message = error.what();
   }
@@ -276,7 +282,7 @@ bool ContactMonitor::attachObject(AttachObject::Request& request,
     response.held_triangles =
         part == nullptr ? 0 : static_cast<std::uint32_t>(part->triangles.size());
     response.message =
-        describeHeld(requests_.attach(request.object, request.links, std::move(part)));
+        describeHeld(requests_.attach(request.object, request.links, std::move(part), grip));
     ROS_INFO_STREAM(response.message);
   } else {
     ROS_ERROR_STREAM("~attach_object: " << response.message << "; nothing was changed");
@@ -284,9 +290,18 @@ bool ContactMonitor::attachObject(AttachObject::Request& request,
   return true;
 }
 
+std::shared_ptr<const RigidGrip> ContactMonitor::findGrip(const AttachObject::Request& request,
+                                                          const RigidParameters& rigid) {
+  const AttachedObjects attached = requests_.attached();
+  const TransformLookup lookup(buffer_, parameters_.reference_frame);
+  return deformable_contact_monitor::findGrip(
+      {rigid, request.links.front(), attached, request.radius, ros::Time::now()}, parameters_,
+      lookup);
+}
+
 // Waits for late transforms, which arrive in another thread.
 std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Request& request,
-                                                         const RobotGeometry& robot) const {
+                                                         const RobotGeometry& robot) {
   std::string problem = holdProblem(request.object, request.radius, parameters_);
   if (!problem.empty()) throw std::invalid_argument(problem);
   const auto is_asked = [&](const ObjectParameters& one) { return one.name == request.object; };
@@ -301,7 +316,8 @@ std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Req
     throw std::invalid_argument(request.object + ": its newest mesh is " + std::to_string(age_s) +
                                 " s old, and max_mesh_age_s less");
   }
-  const HoldQuestion question{request.object, *mesh, request.links, request.radius};
+  const HoldQuestion question{request.object, *mesh, request.links, request.radius,
+                              requests_.attached()};
   const TransformLookup lookup(buffer_, parameters_.reference_frame);
   const std::vector<FrameAtStamp> frames = framesOfHold(question, parameters_);
   const SteadyTime end = std::chrono::steady_clock::now() + fromSeconds(parameters_.tf_timeout_s);
@@ -313,7 +329,9 @@ std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Req
 
 // Releases objects from links that a new robot lacks.
 void ContactMonitor::noteRobot() {
-  for (const std::string& held : requests_.releaseFromOthers(robot_source_.newest()->link_names)) {
+  std::set<std::string> holders = robot_source_.newest()->link_names;
+  for (const RigidParameters& rigid : parameters_.rigids) holders.insert(rigid.name);
+  for (const std::string& held : requests_.releaseFromOthers(holders)) {
     ROS_WARN_STREAM(
         "the new robot lacks a link that held an object, which is released from it: " << held);
   }

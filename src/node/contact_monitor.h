@@ -25,6 +25,7 @@
 #include "monitor/cycle/detection_loop.h"
 #include "monitor/cycle/held_part.h"
 #include "monitor/cycle/loop_requests.h"
+#include "monitor/cycle/rigid_place.h"
 #include "monitor/input/mesh_input.h"
 #include "monitor/rules/parameters.h"
 #include "node/input_warnings.h"
@@ -66,10 +67,12 @@ class ContactMonitor {
   bool setAllowedContacts(SetAllowedContacts::Request& request,
                           SetAllowedContacts::Response& response);
   bool attachObject(AttachObject::Request& request, AttachObject::Response& response);
-  // Returns the part of the object within the radius of the links. Throws std::invalid_argument
-  // with the reason if it cannot tell.
+  // They return the part of the object within the radius of the links, and how the first link
+  // carries a rigid object. They throw std::invalid_argument with the reason if they cannot tell.
   std::shared_ptr<const HeldPart> findHeld(const AttachObject::Request& request,
-                                           const RobotGeometry& robot) const;
+                                           const RobotGeometry& robot);
+  std::shared_ptr<const RigidGrip> findGrip(const AttachObject::Request& request,
+                                            const RigidParameters& rigid);
   bool getContacts(GetContacts::Request& request, GetContacts::Response& response);
   bool setEnabled(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool requestReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);

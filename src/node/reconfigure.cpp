@@ -20,7 +20,7 @@ double usable(const char* name, double value, double in_force, std::vector<std::
 
 PairClasses classesOf(const ContactMonitorConfig& config) {
   return {config.robot_deformable, config.deformable_deformable, config.deformable_self,
-          config.robot_self};
+          config.robot_self,       config.deformable_rigid,      config.robot_rigid};
 }
 
 }  // namespace
@@ -35,6 +35,8 @@ void fill(const LiveParameters& live, ContactMonitorConfig* config) {
   config->deformable_deformable = live.pair_classes.deformable_deformable;
   config->deformable_self = live.pair_classes.deformable_self;
   config->robot_self = live.pair_classes.robot_self;
+  config->deformable_rigid = live.pair_classes.deformable_rigid;
+  config->robot_rigid = live.pair_classes.robot_rigid;
   config->predicates = toString(live.predicates);
   config->overlap = live.overlap;
   config->clusters = live.clusters;
@@ -66,9 +68,8 @@ LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParamete
   live.pair_classes = classesOf(config);
   if (!has_robot && live.pair_classes.needRobot()) {
     rejected->push_back(
-        "robot_deformable and robot_self need the robot, which is loaded at start only if one of "
-        "them "
-        "is in ~pair_classes; add it there and restart the node");
+        "robot_deformable, robot_self and robot_rigid need the robot, which is loaded at start "
+        "only if one of them is in ~pair_classes; add it there and restart the node");
     live.pair_classes = in_force.pair_classes;
   }
   return live;

@@ -22,7 +22,7 @@ LiveParameters unusual() {
   live.max_rate_hz = 7;
   live.robot_rate_hz = 8;
   live.marker_rate_hz = 9;
-  live.pair_classes = {false, true, false, true};
+  live.pair_classes = {false, true, false, true, true, false};
   live.predicates = Predicates::kConservative;
   live.overlap = 0.75;
   live.clusters = 3;
@@ -140,8 +140,13 @@ TEST(Reconfigure, AClassOfTheRobotNeedsTheRobotThatWasReadAtStart) {
   EXPECT_EQ(rejected.size(), 1U);
   config.robot_self = false;
   rejected.clear();
+  config.robot_rigid = true;
+  EXPECT_TRUE(fromConfig(config, in_force, false, &rejected).pair_classes == in_force.pair_classes);
+  EXPECT_EQ(rejected.size(), 1U);
+  config.robot_rigid = false;
+  rejected.clear();
   EXPECT_TRUE(fromConfig(config, in_force, false, &rejected).pair_classes ==
-              (PairClasses{false, true, false, false}));
+              (PairClasses{false, true, false, false, true}));
   EXPECT_TRUE(rejected.empty());
 }
 

@@ -63,8 +63,7 @@ class MeshPages(unittest.TestCase):
         states = Log("/contact_monitor/contact_states", ContactStates)
 
         def touches(message):
-            return any(s.body_a == "base_link" and s.state == ContactState.CONTACT
-                       for s in message.states)
+            return any(s.state == ContactState.CONTACT for s in message.states)
         states.wait(f"the contact of {page.name}", touches)
         self.doCleanups()
         wait_until(lambda: not any("/contact_monitor" in name for name in self.nodes()),

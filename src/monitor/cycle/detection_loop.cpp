@@ -129,7 +129,7 @@ void DetectionLoop::applyLive(const LiveParameters& live) {
   scene_.setMargin(live.margin_m);
   scene_.setPairClasses(live.pair_classes);
   scheduler_.setRates(maxRatesHz(live, inputs_.size()));
-  if (!live.pair_classes.robot_self) scheduler_.drop(inputs_.size());
+  if (!live.pair_classes.needRobotCycles()) scheduler_.drop(inputs_.size());
   robots_look_ = SteadyTime();
   sink_->setMarkerRate(live.marker_rate_hz);
   noteRules();
@@ -251,11 +251,11 @@ ros::Time DetectionLoop::cycleStamp(const ros::Time& stamp, bool rejected) const
   return age_s >= 0 && age_s <= parameters_.max_mesh_age_s ? stamp : now;
 }
 
-// Requests a cycle of the robot's links with one another, when one is due.
+// Requests a cycle of the robot's links with one another and with rigid objects, when one is due.
 void DetectionLoop::lookAtRobotsTime() {
   const std::size_t robot = inputs_.size();
   const SteadyTime now = time_.steady();
-  if (!live_.pair_classes.robot_self || robot_ == nullptr || !mayLook()) return;
+  if (!live_.pair_classes.needRobotCycles() || robot_ == nullptr || !mayLook()) return;
   if (scheduler_.hasRequest(robot) || !scheduler_.mayAdd(robot, now) || now < robots_look_) return;
   robots_look_ = now + fromSeconds(1 / live_.robot_rate_hz);
   const std::optional<ros::Time> stamp = robotsStamp();
@@ -272,7 +272,7 @@ void DetectionLoop::lookAtRobotsTime() {
 // or the present if that is far ahead of the clock, as such a state would never become too old.
 // Nothing: a cycle of that stamp is done, or the transforms are too old.
 std::optional<ros::Time> DetectionLoop::robotsStamp() const {
-  const std::vector<std::string> frames = scene_.selfPairedFrames();
+  const std::vector<std::string> frames = scene_.framesOfRobotCycle();
   if (frames.empty()) return std::nullopt;
   const ros::Time now = clock_.rosTime();
   const std::optional<ros::Time> newest = lookup_.newestCommon(frames, parameters_.max_mesh_age_s);
@@ -309,7 +309,7 @@ void DetectionLoop::takeTurn(const std::vector<std::size_t>& who) {
 // that the meshes of the others do not become too old meanwhile.
 double DetectionLoop::mostS(const std::vector<std::size_t>& who) const {
   constexpr double kShareAfterOverrun = 0.25;
-  const bool has_others = inputs_.size() > 1 || live_.pair_classes.robot_self;
+  const bool has_others = inputs_.size() > 1 || live_.pair_classes.needRobotCycles();
   const bool overran =
       std::any_of(who.begin(), who.end(), [this](std::size_t i) { return scheduler_.overran(i); });
   return parameters_.max_cycle_s * (has_others && overran ? kShareAfterOverrun : 1);
@@ -420,7 +420,7 @@ SteadyTime DetectionLoop::wakeTime() const {
     const bool is_deleted = inputs_[i].deletedAt() && !inputs_[i].hasWaiting();
     if (is_deleted) wake = std::min(wake, deletions_[i].nextLook(now));
   }
-  const bool robot_cycles = live_.pair_classes.robot_self && robot_ != nullptr && mayLook();
+  const bool robot_cycles = live_.pair_classes.needRobotCycles() && robot_ != nullptr && mayLook();
   return robot_cycles ? std::min(wake, std::max(robots_look_, scheduler_.earliest(inputs_.size())))
                       : wake;
 }

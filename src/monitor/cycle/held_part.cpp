@@ -11,6 +11,7 @@
 #include "core/predicates/aabb.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/predicates/triangle_intersection.h"
+#include "monitor/cycle/rigid_place.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -52,12 +53,14 @@ std::string metres(float length_m) {
 
 // Adds the body with its pose. Throws std::invalid_argument if the pose is not known.
 BodyId addPosed(const std::string& name, TriangleMesh mesh, const FrameAtStamp& frame,
-                const MonitorParameters& parameters, const TransformLookup& lookup, Scene* scene) {
+                const MonitorParameters& parameters, const TransformLookup& lookup, Scene* scene,
+                const RigidTransform& frame_from_body = {}) {
   const BodyId id = scene->addBody(name, std::move(mesh));
+  scene->setPose(id, frame_from_body);
   if (frame.frame == parameters.reference_frame) return id;
   const PoseAnswer answer = lookup.lookup({frame}).front();
   if (!answer.problem.empty()) throw std::invalid_argument(name + ": " + answer.problem);
-  scene->setPose(id, answer.pose);
+  scene->setPose(id, compose(answer.pose, frame_from_body));
   return id;
 }
 
@@ -65,9 +68,13 @@ FrameAtStamp frameOf(const IncomingMesh& mesh) {
   return {plainFrame(mesh.message->header.frame_id), mesh.stamp()};
 }
 
-FrameAtStamp frameOf(const std::string& link, const IncomingMesh& mesh,
+// Returns the frame of a holding link or rigid object.
+FrameAtStamp frameOf(const std::string& holder, const HoldQuestion& question,
                      const MonitorParameters& parameters) {
-  return {parameters.frameOf(link), mesh.stamp(), link};
+  const ros::Time stamp = question.mesh.stamp();
+  const RigidParameters* const rigid = findRigid(parameters, holder);
+  if (rigid != nullptr) return {placeOf(*rigid, question.attached, parameters).frame, stamp};
+  return {parameters.frameOf(holder), stamp, holder};
 }
 
 // Returns "finger, palm".
@@ -133,6 +140,9 @@ std::string holdProblem(const std::string& object, float radius_m,
              " parts, must be at most " + std::to_string(kMostPartsBesideHeld));
     }
   }
+  if (findRigid(parameters, part) != nullptr) {
+    refuse("for '" + object + "' beside the object '" + part + "'");
+  }
   return problem;
 }
 
@@ -140,7 +150,7 @@ std::vector<FrameAtStamp> framesOfHold(const HoldQuestion& question,
                                        const MonitorParameters& parameters) {
   std::vector<FrameAtStamp> frames = {frameOf(question.mesh)};
   for (const std::string& link : question.links) {
-    frames.push_back(frameOf(link, question.mesh, parameters));
+    frames.push_back(frameOf(link, question, parameters));
   }
   frames.erase(std::remove_if(frames.begin(), frames.end(),
                               [&](const FrameAtStamp& one) {
@@ -164,8 +174,14 @@ std::shared_ptr<const HeldPart> findHeldPart(const HoldQuestion& question,
         std::find(question.links.begin(), question.links.end(), link.link) != question.links.end();
     if (!is_asked) continue;
     if (!link.problem.empty()) throw std::invalid_argument(link.link + ": " + link.problem);
-    addPosed(link.link, link.mesh, frameOf(link.link, mesh, parameters), parameters, lookup,
+    addPosed(link.link, link.mesh, frameOf(link.link, question, parameters), parameters, lookup,
              &scene);
+  }
+  for (const std::string& holder : question.links) {
+    const RigidParameters* const rigid = findRigid(parameters, holder);
+    if (rigid == nullptr) continue;
+    addPosed(holder, *rigid->mesh, frameOf(holder, question, parameters), parameters, lookup,
+             &scene, placeOf(*rigid, question.attached, parameters).frame_from_body);
   }
   if (scene.bodyCount() == 1) {
     throw std::invalid_argument(

@@ -26,8 +26,9 @@ std::vector<std::uint32_t> trianglesWithin(const Scene& scene, BodyId body, floa
 struct HoldQuestion {
   std::string object;
   const IncomingMesh& mesh;               // the object's newest one
-  const std::vector<std::string>& links;  // of the robot, not empty
+  const std::vector<std::string>& links;  // of the robot, or rigid objects; not empty
   float radius_m;
+  AttachedObjects attached{};  // the rigid objects that links carry now
 };
 
 // Returns why such a hold is not possible whatever the meshes and transforms are; empty: it is. The
@@ -39,9 +40,10 @@ std::string holdProblem(const std::string& object, float radius_m,
 std::vector<FrameAtStamp> framesOfHold(const HoldQuestion& question,
                                        const MonitorParameters& parameters);
 
-// Returns the triangles of the mesh within the radius of the holding links, all posed at the mesh's
-// stamp. Links without geometry hold nothing. Throws std::invalid_argument, naming the body, if no
-// triangle is that near, if no link has geometry, or if a pose or the mesh of a link is not known.
+// Returns the triangles of the mesh within the radius of the holding links and rigid objects, all
+// posed at the mesh's stamp. Links without geometry hold nothing. Throws std::invalid_argument,
+// naming the body, if no triangle is that near, if no link has geometry, or if a pose or the mesh
+// of a link is not known.
 std::shared_ptr<const HeldPart> findHeldPart(const HoldQuestion& question,
                                              const RobotGeometry& robot,
                                              const MonitorParameters& parameters,

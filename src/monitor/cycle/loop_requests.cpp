@@ -24,7 +24,8 @@ std::vector<AllowedContact> LoopRequests::changeAllowedContacts(
 }
 
 AttachedObjects LoopRequests::attach(const std::string& object, std::vector<std::string> links,
-                                     std::shared_ptr<const HeldPart> part) {
+                                     std::shared_ptr<const HeldPart> part,
+                                     std::shared_ptr<const RigidGrip> grip) {
   const std::lock_guard<std::mutex> changing(change_mutex_);
   std::sort(links.begin(), links.end());
   links.erase(std::unique(links.begin(), links.end()), links.end());
@@ -32,10 +33,15 @@ AttachedObjects LoopRequests::attach(const std::string& object, std::vector<std:
   if (links.empty()) {
     attached.erase(object);
   } else {
-    attached[object] = {std::move(links), std::move(part)};
+    attached[object] = {std::move(links), std::move(part), std::move(grip)};
   }
   useAttached(attached);
   return attached;
+}
+
+AttachedObjects LoopRequests::attached() {
+  const std::lock_guard<std::mutex> changing(change_mutex_);
+  return attached_;
 }
 
 // The detection thread has detached them already, so nothing is requested.
@@ -55,15 +61,18 @@ std::vector<std::string> LoopRequests::endHolds(const AttachedObjects& ended) {
 }
 
 // Keeps the links that the robot still has.
-std::vector<std::string> LoopRequests::releaseFromOthers(const std::set<std::string>& links) {
+std::vector<std::string> LoopRequests::releaseFromOthers(const std::set<std::string>& holders) {
   const std::lock_guard<std::mutex> changing(change_mutex_);
   std::vector<std::string> released;
   AttachedObjects left;
   for (const auto& [object, attachment] : attached_) {
+    const std::shared_ptr<const RigidGrip>& grip = attachment.grip;
+    const bool falls = grip != nullptr && holders.count(grip->link) == 0;
     for (const std::string& link : attachment.links) {
-      if (links.count(link) > 0) {
+      if (!falls && holders.count(link) > 0) {
         left[object].links.push_back(link);
         left[object].part = attachment.part;
+        left[object].grip = grip;
       } else {
         released.push_back(std::string(object).append(" by ").append(link));
       }

@@ -43,14 +43,18 @@ class LoopRequests {
   std::vector<AllowedContact> changeAllowedContacts(const AllowedContactsChange& change);
 
   // Attaches the object, or this part of it, to these links, and detaches it from all others; no
-  // links: from all. Returns all attachments then.
+  // links: from all. A rigid object has a grip. Returns all attachments then.
   AttachedObjects attach(const std::string& object, std::vector<std::string> links,
-                         std::shared_ptr<const HeldPart> part = nullptr);
+                         std::shared_ptr<const HeldPart> part = nullptr,
+                         std::shared_ptr<const RigidGrip> grip = nullptr);
+  // Returns all attachments.
+  AttachedObjects attached();
   // Detaches each of these objects whose same part is attached still. Returns them in words.
   std::vector<std::string> endHolds(const AttachedObjects& ended);
-  // Detaches all objects from links that are not among `links`, the robot's. Returns what was
+  // Detaches all objects from those that are not among `holders`, the robot's links and the rigid
+  // objects; and a rigid object from all if the link that carries it is not. Returns what was
   // detached, as "cloth by hand" each.
-  std::vector<std::string> releaseFromOthers(const std::set<std::string>& links);
+  std::vector<std::string> releaseFromOthers(const std::set<std::string>& holders);
 
   void change(const LiveParameters& live);
   // Either function, unless it enables, asks that everything known is discarded. Returns the epoch

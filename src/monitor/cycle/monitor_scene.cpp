@@ -106,6 +106,11 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
             linkMarginM(parameters_, link.link));
     problems.push_back(link.problem);
   }
+  for (const RigidParameters& rigid : parameters_.rigids) {
+    addBody({rigid.name, BodyKind::kRigid, ros::Time(), 0, ""}, *rigid.mesh, rigid.margin_m);
+    scene.setRadius(static_cast<BodyId>(scene.bodyCount() - 1), rigid.radius_m);
+    problems.emplace_back();
+  }
   for (std::size_t i = 0; i < choosers_.size(); ++i) {
     BodyStatus body = bodyOf(parameters_.objects[i]);
     body.parts = choosers_[i].parts();
@@ -114,8 +119,9 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
   }
   scene_ = std::move(scene);
   bodies_ = std::move(bodies);
-  link_problems_ = std::move(problems);
-  first_object_ = static_cast<BodyId>(link_problems_.size());
+  posed_problems_ = std::move(problems);
+  first_rigid_ = static_cast<BodyId>(robot.links.size());
+  first_object_ = static_cast<BodyId>(posed_problems_.size());
   loaded_.assign(parameters_.objects.size(), IncomingMesh());
   parts_in_scene_.assign(parameters_.objects.size(), nullptr);
   rules_.links = LinkRules(robot.robots);
@@ -194,10 +200,14 @@ void MonitorScene::setMargin(double margin_m) {
 void MonitorScene::applyMargin() {
   if (!margin_m_) return;
   for (BodyId id = 0; id < bodies_.size(); ++id) {
-    const bool shares = isLink(id) ? parameters_.link_margin_m.count(bodies_[id].name) == 0
-                                   : parameters_.objects[id - first_object_].shares_margin;
-    if (shares) scene_.setMargin(id, static_cast<float>(*margin_m_));
+    if (sharesMargin(id)) scene_.setMargin(id, static_cast<float>(*margin_m_));
   }
+}
+
+bool MonitorScene::sharesMargin(BodyId id) const {
+  if (isLink(id)) return parameters_.link_margin_m.count(bodies_[id].name) == 0;
+  return isPosed(id) ? rigid(id).shares_margin
+                     : parameters_.objects[id - first_object_].shares_margin;
 }
 
 // Removes the traces of the previous cycle.
@@ -206,7 +216,7 @@ void MonitorScene::clearStatuses() {
     BodyStatus& body = bodies_[id];
     body.stamp = ros::Time();
     body.topology_id = 0;
-    body.unknown_because = isLink(id) ? link_problems_[id] : "";
+    body.unknown_because = isPosed(id) ? posed_problems_[id] : "";
     body.triggered = false;
   }
 }
@@ -236,7 +246,7 @@ CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle
   return report;
 }
 
-// A pair's links come before its objects: pair.a is the link, and pair.b the object.
+// Of a pair, pair.a is the link or the rigid object, and pair.b the object.
 std::vector<FrameAtStamp> MonitorScene::awaitedFrames(std::size_t object, const ros::Time& t,
                                                       const IncomingMesh& mesh) const {
   std::vector<FrameAtStamp> frames;
@@ -247,25 +257,30 @@ std::vector<FrameAtStamp> MonitorScene::awaitedFrames(std::size_t object, const 
     frames.push_back({plainFrame(own), mesh.stamp()});
   }
   for (const MonitoredPair& pair : pairs_) {
-    if (pair.allowed || pair.b != id || !isLink(pair.a) || !link_problems_[pair.a].empty() ||
-        parameters_.frameOf(bodies_[pair.a].name) == parameters_.reference_frame) {
+    if (pair.allowed || pair.b != id || !isPosed(pair.a) || !posed_problems_[pair.a].empty() ||
+        placeOf(pair.a).frame == parameters_.reference_frame) {
       continue;
     }
-    frames.push_back(frameOfLink(pair.a, t));
+    frames.push_back(frameAt(pair.a, t));
   }
   return frames;
 }
 
-FrameAtStamp MonitorScene::frameOfLink(BodyId id, const ros::Time& t) const {
-  return {parameters_.frameOf(bodies_[id].name), t, bodies_[id].name};
+FramePlace MonitorScene::placeOf(BodyId id) const {
+  if (isLink(id)) return {parameters_.frameOf(bodies_[id].name)};
+  return deformable_contact_monitor::placeOf(rigid(id), rules_.attached, parameters_);
 }
 
-std::vector<std::string> MonitorScene::selfPairedFrames() const {
+FrameAtStamp MonitorScene::frameAt(BodyId id, const ros::Time& t) const {
+  return {placeOf(id).frame, t, isLink(id) ? bodies_[id].name : ""};
+}
+
+std::vector<std::string> MonitorScene::framesOfRobotCycle() const {
   std::set<std::string> frames;
   for (const MonitoredPair& pair : pairs_) {
-    if (pair.allowed || !isLink(pair.b)) continue;
+    if (pair.allowed || !isPosed(pair.b)) continue;
     for (const BodyId id : {pair.a, pair.b}) {
-      if (link_problems_[id].empty()) frames.insert(parameters_.frameOf(bodies_[id].name));
+      if (posed_problems_[id].empty()) frames.insert(placeOf(id).frame);
     }
   }
   return {frames.begin(), frames.end()};
@@ -282,8 +297,8 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
   std::vector<Question> questions;
   for (BodyId id = 0; id < bodies_.size(); ++id) {
     if (!needed[id] || !isKnown(id)) continue;
-    if (isLink(id)) {
-      questions.push_back({id, frameOfLink(id, t)});
+    if (isPosed(id)) {
+      questions.push_back({id, frameAt(id, t)});
     } else {
       const IncomingMesh& mesh = *meshes[id - first_object_];
       questions.push_back({id, {plainFrame(mesh.message->header.frame_id), mesh.stamp()}});
@@ -346,7 +361,8 @@ void MonitorScene::poseBodies(const std::vector<Question>& questions, const Tran
     bodies_[question.body].stamp = question.frame.stamp;
     // A mesh that is in the reference frame already keeps its coordinates bit by bit.
     if (question.frame.frame == parameters_.reference_frame) {
-      scene_.setPose(question.body, RigidTransform());
+      scene_.setPose(question.body, isPosed(question.body) ? placeOf(question.body).frame_from_body
+                                                           : RigidTransform());
       continue;
     }
     frames.push_back(question.frame);
@@ -358,6 +374,9 @@ void MonitorScene::poseBodies(const std::vector<Question>& questions, const Tran
     PoseAnswer& answer = answers[i];
     report->asked.push_back(body.name);
     try {
+      if (answer.problem.empty() && isPosed(asked[i])) {
+        answer.pose = compose(answer.pose, placeOf(asked[i]).frame_from_body);
+      }
       if (answer.problem.empty()) scene_.setPose(asked[i], answer.pose);
     } catch (const std::invalid_argument& error) {
       answer.problem = error.what();

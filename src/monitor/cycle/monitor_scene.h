@@ -11,6 +11,7 @@
 
 #include "core/scene.h"
 #include "monitor/cycle/part_chooser.h"
+#include "monitor/cycle/rigid_place.h"
 #include "monitor/cycle_report.h"
 #include "monitor/input/mesh_input.h"
 #include "monitor/input/transform_lookup.h"
@@ -39,15 +40,15 @@ std::vector<std::string> describeUnknownNames(const MonitorParameters& parameter
                                               const AllowedContacts& allowed,
                                               const std::vector<BodyStatus>& bodies);
 
-// The pairs that a cycle is about: those of these objects, or the robot's links with one another.
+// The pairs that a cycle is about: those of these objects, or those without a deformable object.
 struct CycleTrigger {
   std::vector<std::size_t> objects;
   bool robot = false;
 };
 
-// Bodies are the robot's links in URDF order, then the objects. While no robot is known, a single
-// body "robot" that is UNKNOWN stands in for its links: nobody must mistake their absence for "no
-// contact". One thread at a time.
+// Bodies are the robot's links in URDF order, then the rigid objects, then the others. While no
+// robot is known, a single body "robot" that is UNKNOWN stands in for its links: nobody must
+// mistake their absence for "no contact". One thread at a time.
 class MonitorScene {
  public:
   // The parameters must outlive this, and so must the memory of the vertices. There is no robot
@@ -72,23 +73,23 @@ class MonitorScene {
   void setPairClasses(const PairClasses& classes);
 
   // Returns the frames that a cycle of this object at stamp `t` waits for, with their stamps: the
-  // frame of its mesh, and those of the links that it may touch. Empty if the mesh was rejected. A
-  // cycle does not wait for the frames of other objects.
+  // frame of its mesh, and those of the links and rigid objects that it may touch. Empty if the
+  // mesh was rejected. A cycle does not wait for the frames of other objects.
   std::vector<FrameAtStamp> awaitedFrames(std::size_t object, const ros::Time& t,
                                           const IncomingMesh& mesh) const;
-  // Returns the frames of the links whose poses the robot's own cycles need.
-  std::vector<std::string> selfPairedFrames() const;
+  // Returns the frames whose poses the robot's own cycles need.
+  std::vector<std::string> framesOfRobotCycle() const;
 
-  // Brings the bodies of the cycle's pairs (isOfCycle) to stamp `t`. Links are posed at `t`. Each
-  // object, also one that triggered the cycle, has its newest accepted mesh at `t`, posed at that
-  // mesh's own stamp. Other bodies stay as they are and take no part. Links are posed only if an
-  // enabled pair of known bodies needs them. A body without mesh or pose is UNKNOWN, and its pairs
-  // are off.
+  // Brings the bodies of the cycle's pairs (isOfCycle) to stamp `t`. Links and rigid objects are
+  // posed at `t`. Each other object, also one that triggered the cycle, has its newest accepted
+  // mesh at `t`, posed at that mesh's own stamp. Other bodies stay as they are and take no part.
+  // Links and rigid objects are posed only if an enabled pair of known bodies needs them. A body
+  // without mesh or pose is UNKNOWN, and its pairs are off.
   TransformReport prepare(const ros::Time& t, const CycleTrigger& trigger, const MeshInputs& inputs,
                           const TransformLookup& lookup);
 
-  // Prepares a report without detection: object i is UNKNOWN because of why[i], unless that is
-  // empty. Links are left out.
+  // Prepares a report without detection: deformable object i is UNKNOWN because of why[i], unless
+  // that is empty. Other bodies are left out.
   void markUnknown(const std::vector<std::string>& why);
 
   // Returns a report of the bodies and pairs as they are now, without a result.
@@ -99,10 +100,14 @@ class MonitorScene {
   Scene& sceneOfStep() { return scene_; }
 
   const Scene& scene() const { return scene_; }
+  // Bodies before it are links; those from it on, and before firstObject(), are rigid objects.
+  BodyId firstRigid() const { return first_rigid_; }
   BodyId firstObject() const { return first_object_; }
-  // Returns the mesh that the scene holds of an object; null for a link.
+  // Returns where a link or a rigid object is.
+  FramePlace placeOf(BodyId id) const;
+  // Returns the mesh that the scene holds of an object; null for a link and a rigid object.
   const IncomingMesh* loadedMesh(BodyId id) const {
-    return isLink(id) ? nullptr : &loaded_[id - first_object_];
+    return isPosed(id) ? nullptr : &loaded_[id - first_object_];
   }
   const std::vector<BodyStatus>& bodies() const { return bodies_; }
   const std::vector<MonitoredPair>& pairs() const { return pairs_; }
@@ -115,14 +120,18 @@ class MonitorScene {
     FrameAtStamp frame;
   };
 
-  // Returns the question for the pose of a link at stamp `t`.
-  FrameAtStamp frameOfLink(BodyId id, const ros::Time& t) const;
+  // Returns the question for the pose of a link or a rigid object at stamp `t`.
+  FrameAtStamp frameAt(BodyId id, const ros::Time& t) const;
   void listPairs();
   void followHolds(const ros::Time& t, const MeshInputs& inputs);
   void applyMargin();
   void clearStatuses();
   void markTriggered(const CycleTrigger& trigger);
-  bool isLink(BodyId id) const { return id < first_object_; }
+  bool isLink(BodyId id) const { return id < first_rigid_; }
+  // Returns whether TF poses the body at the stamp of the cycle: it is a link or a rigid object.
+  bool isPosed(BodyId id) const { return id < first_object_; }
+  const RigidParameters& rigid(BodyId id) const { return parameters_.rigids[id - first_rigid_]; }
+  bool sharesMargin(BodyId id) const;
   std::vector<const IncomingMesh*> chooseMeshes(const ros::Time& t, const MeshInputs& inputs);
   std::vector<bool> neededBodies() const;
   void enablePairs();
@@ -140,12 +149,13 @@ class MonitorScene {
   std::optional<double> margin_m_;
   Scene scene_;
   std::vector<BodyStatus> bodies_;
-  std::vector<std::string> link_problems_;  // why a link is UNKNOWN for good; empty: it is not
+  // By body, of those that TF poses: why it is UNKNOWN for good; empty: it is not.
+  std::vector<std::string> posed_problems_;
   std::vector<MonitoredPair> pairs_, part_pairs_;  // of bodies; of named parts (CycleReport)
   std::vector<IncomingMesh> loaded_;               // by object: the mesh in the scene
   std::vector<PartChooser> choosers_;              // by object
   std::vector<std::shared_ptr<const BodyParts>> parts_in_scene_;  // by object
-  BodyId first_object_ = 0;
+  BodyId first_rigid_ = 0, first_object_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

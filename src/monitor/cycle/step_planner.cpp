@@ -35,12 +35,13 @@ bool isSame(const RigidTransform& a, const RigidTransform& b) {
 // The number of the earlier cycle that each interval starts from; 0 if there is none.
 using Beginnings = std::map<std::size_t, std::uint64_t>;  // by object, then the robot
 
-// Returns the bodies of one who triggers cycles: an object, or all links for the robot.
+// Returns the bodies of one who triggers cycles: an object, or all links for the robot. Rigid
+// objects trigger none.
 std::vector<BodyId> bodiesOf(std::size_t who, const MonitorScene& scene) {
   const std::size_t first_object = scene.firstObject();
   const bool is_object = who < scene.bodies().size() - first_object;
   const std::size_t begin = is_object ? first_object + who : 0;
-  const std::size_t end = is_object ? begin + 1 : first_object;
+  const std::size_t end = is_object ? begin + 1 : scene.firstRigid();
   std::vector<BodyId> bodies;
   for (std::size_t id = begin; id < end; ++id) bodies.push_back(static_cast<BodyId>(id));
   return bodies;
@@ -54,7 +55,7 @@ std::uint64_t beginningOf(const MonitoredPair& pair, const MonitorScene& scene,
     const auto found = beginnings.find(id < first ? scene.bodies().size() - first : id - first);
     return found == beginnings.end() ? 0 : found->second;
   };
-  if (pair.b < first) return of(pair.b);  // two links
+  if (pair.b < first) return of(pair.b);  // no deformable object
   return pair.a < first ? of(pair.b) : std::max(of(pair.a), of(pair.b));
 }
 
@@ -67,13 +68,16 @@ UsedCycle usedCycle(const CycleReport& report, const MonitorScene& scene) {
     if (body.stamp.isZero() || !body.unknown_because.empty()) continue;
     const IncomingMesh* const mesh = scene.loadedMesh(id);
     used.bodies[id] =
-        UsedBody{body.stamp, scene.scene().body(id).pose, mesh ? *mesh : IncomingMesh()};
+        UsedBody{body.stamp, scene.scene().body(id).pose, mesh ? *mesh : IncomingMesh(),
+                 mesh ? FramePlace() : scene.placeOf(id)};
   }
   return used;
 }
 
-std::string frameOf(const UsedBody& object) {
-  return plainFrame(object.mesh.message->header.frame_id);
+// Returns where a body is.
+FramePlace placeIn(const UsedBody& body) {
+  if (body.mesh.message == nullptr) return body.place;
+  return {plainFrame(body.mesh.message->header.frame_id)};
 }
 
 // Returns why a body that is known now has no interval from an earlier cycle; empty if it has one.
@@ -83,14 +87,14 @@ std::string bodyProblem(const UsedCycle& from_cycle, const UsedCycle& now, BodyI
   if (!from) return "not known in the previous cycle";
   if (to.stamp < from->stamp) return "its stamps went back";
   if (to.mesh.topology != from->mesh.topology) return "other triangles than in the previous cycle";
-  if (to.mesh.message == nullptr || frameOf(to) == frameOf(*from)) return "";
+  if (placeIn(to) == placeIn(*from)) return "";
   return "another frame than in the previous cycle";
 }
 
 // Returns how the body's frame moved between two cycles; empty if it stood still. Throws
 // std::runtime_error if transforms are missing.
-BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const std::string& frame,
-                     const TransformLookup& lookup) {
+BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const TransformLookup& lookup) {
+  const FramePlace place = placeIn(to);
   const std::int64_t length_ns = nanosecondsBetween(to.stamp, from.stamp);
   const std::int64_t parts = std::clamp<std::int64_t>(
       std::llround(std::ceil(1e-9 * static_cast<double>(length_ns) / kSamplePeriodS)), 1,
@@ -99,9 +103,10 @@ BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const std::string
   for (std::int64_t i = 1; i < parts; ++i) {
     ros::Time stamp;
     stamp.fromNSec(from.stamp.toNSec() + length_ns * i / parts);
-    const PoseAnswer answer = lookup.lookup({{frame, stamp}}).front();
+    const PoseAnswer answer = lookup.lookup({{place.frame, stamp}}).front();
     if (!answer.problem.empty()) throw std::runtime_error(answer.problem);
-    path.push_back({static_cast<double>(i) / static_cast<double>(parts), answer.pose});
+    path.push_back({static_cast<double>(i) / static_cast<double>(parts),
+                    compose(answer.pose, place.frame_from_body)});
   }
   path.push_back({1, to.pose});
   const bool stands_still = std::all_of(path.begin(), path.end(), [&to](const PoseSample& sample) {
@@ -113,8 +118,7 @@ BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const std::string
 // Returns where the body was and how it came here. If transforms between the cycles are missing, it
 // is skipped.
 StepBody stepBody(const UsedCycle& from_cycle, const UsedCycle& now, BodyId id,
-                  const std::string& link_frame, const std::string& reference_frame,
-                  const TransformLookup& lookup) {
+                  const std::string& reference_frame, const TransformLookup& lookup) {
   StepBody body;
   body.takes_part = true;
   body.skipped = bodyProblem(from_cycle, now, id);
@@ -123,10 +127,9 @@ StepBody stepBody(const UsedCycle& from_cycle, const UsedCycle& now, BodyId id,
   const UsedBody& to = *now.bodies[id];
   body.pose = from.pose;
   if (from.mesh.message != to.mesh.message) body.mesh = from.mesh.message;
-  const std::string frame = to.mesh.message == nullptr ? link_frame : frameOf(to);
-  if (frame == reference_frame) return body;
+  if (placeIn(to).frame == reference_frame) return body;
   try {
-    body.path = pathBetween(from, to, frame, lookup);
+    body.path = pathBetween(from, to, lookup);
   } catch (const std::exception& error) {
     body.skipped = std::string("between the cycles: ") + error.what();
   }
@@ -185,8 +188,7 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
       for (const BodyId id : {pair.a, pair.b}) {
         StepBody& body = interval.bodies[id];
         if (number == 0 || body.takes_part) continue;
-        body = stepBody(*starts[number], *used, id, parameters_.frameOf(scene.bodies()[id].name),
-                        parameters_.reference_frame, lookup);
+        body = stepBody(*starts[number], *used, id, parameters_.reference_frame, lookup);
       }
     }
     planned.push_back(std::move(interval));

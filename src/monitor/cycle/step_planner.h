@@ -25,7 +25,8 @@ namespace deformable_contact_monitor {
 struct UsedBody {
   ros::Time stamp;      // of its data
   RigidTransform pose;  // of its frame
-  IncomingMesh mesh;    // null for a link
+  IncomingMesh mesh;    // null for a link and a rigid object
+  FramePlace place;     // of a link or a rigid object
 };
 
 // The states of all bodies that a cycle used.

@@ -96,6 +96,11 @@ void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters)
                                  "part");
       }
     }
+    for (const RigidParameters& rigid : parameters.rigids) {
+      if (link.link != rigid.name) continue;
+      throw std::runtime_error("'" + rigid.name +
+                               "' is the name of a link and of a rigid object; rename the object");
+    }
     if (!link.problem.empty()) bad += "\n  " + link.problem;
   }
   if (parameters.strict_geometry && !bad.empty()) {
@@ -115,7 +120,9 @@ std::vector<std::string> robotWarnings(const RobotGeometry& robot,
   };
   add(geometryWarnings(robot));
   for (const DescribedRobot& one : robot.robots) {
-    if (!(one.srdf == Srdf())) add(srdfWarnings(one.srdf, one.name, one.links));
+    std::set<std::string> names = one.links;
+    for (const RigidParameters& rigid : parameters.rigids) names.insert(rigid.name);
+    if (!(one.srdf == Srdf())) add(srdfWarnings(one.srdf, one.name, names));
   }
   return warnings;
 }

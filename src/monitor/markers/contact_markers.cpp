@@ -292,7 +292,8 @@ std::set<MarkerKey> ContactMarkers::drawnOfCycle(const CycleReport& report) cons
     }
   }
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
-    if (!report.bodies[id].triggered) continue;
+    const BodyStatus& body = report.bodies[id];
+    if (!body.triggered && (body.kind != BodyKind::kRigid || body.stamp.isZero())) continue;
     note(surfaceKey(report, id));
     note(heldKey(report, id));
     note(unknownKey(id));
@@ -336,8 +337,9 @@ void addHeldMarkers(const CycleReport& report, double lifetime_s,
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
     const BodyStatus& body = report.bodies[id];
     const auto held = report.attached.find(body.name);
-    if (held == report.attached.end() || body.kind != BodyKind::kDeformable) continue;
-    if (!body.triggered || !body.unknown_because.empty()) continue;
+    if (held == report.attached.end() || !body.unknown_because.empty()) continue;
+    const bool is_posed = body.kind == BodyKind::kRigid && !body.stamp.isZero();
+    if (!is_posed && !body.triggered) continue;
     std::optional<Marker> marker =
         textOver(report, id, lifetime_s, {"held", static_cast<std::int32_t>(id)});
     if (!marker) continue;

@@ -73,7 +73,8 @@ std_msgs::ColorRGBA numberColor(std::uint32_t number, float alpha) {
 }
 
 std_msgs::ColorRGBA contactColor(BodyKind kind, float alpha) {
-  return kind == BodyKind::kLink ? makeColor(1, 0.1F, 0.1F, alpha) : makeColor(1, 0.8F, 0, alpha);
+  return kind != BodyKind::kDeformable ? makeColor(1, 0.1F, 0.1F, alpha)
+                                       : makeColor(1, 0.8F, 0, alpha);
 }
 
 }  // namespace deformable_contact_monitor

@@ -20,12 +20,13 @@ using visualization_msgs::Marker;
 // Colors of links and objects differ in each kind of marker: near ones are pale, passed ones
 // violet.
 std_msgs::ColorRGBA nearColor(BodyKind kind, float alpha) {
-  return kind == BodyKind::kLink ? makeColor(1, 0.7F, 0.7F, alpha)
-                                 : makeColor(1, 0.95F, 0.7F, alpha);
+  return kind != BodyKind::kDeformable ? makeColor(1, 0.7F, 0.7F, alpha)
+                                       : makeColor(1, 0.95F, 0.7F, alpha);
 }
 
 std_msgs::ColorRGBA passedColor(BodyKind kind, float alpha) {
-  return kind == BodyKind::kLink ? makeColor(0.8F, 0, 1, alpha) : makeColor(0.5F, 0.2F, 1, alpha);
+  return kind != BodyKind::kDeformable ? makeColor(0.8F, 0, 1, alpha)
+                                       : makeColor(0.5F, 0.2F, 1, alpha);
 }
 
 // Holds triangles of one body, each once. A flag per triangle makes insertion fast: there are many
@@ -218,9 +219,29 @@ class ContactTriangles {
   std::map<BodyId, TriangleSet> highlighted_;
 };
 
+// Returns the bodies whose surfaces are drawn, in that order.
+std::vector<BodyId> drawnBodies(const CycleReport& report) {
+  std::vector<BodyId> drawn, rigid;
+  for (BodyId id = 0; id < report.bodies.size(); ++id) {
+    const BodyStatus& body = report.bodies[id];
+    if (body.kind == BodyKind::kDeformable && body.triggered) drawn.push_back(id);
+    const bool is_posed = !body.stamp.isZero() && body.unknown_because.empty();
+    if (body.kind == BodyKind::kRigid && is_posed) rigid.push_back(id);
+  }
+  drawn.insert(drawn.end(), rigid.begin(), rigid.end());
+  return drawn;
+}
+
+std_msgs::ColorRGBA surfaceColor(const BodyStatus& body, float alpha) {
+  if (!body.unknown_because.empty()) return makeColor(0.5F, 0.5F, 0.5F, alpha);
+  return body.kind == BodyKind::kRigid ? makeColor(0.7F, 0.6F, 0.45F, alpha)
+                                       : makeColor(0.45F, 0.7F, 1, alpha);
+}
+
 }  // namespace
 
 // The scene holds the last mesh and place of an object that is UNKNOWN, so that is what is drawn.
+// Objects that deform come before rigid ones, which are drawn where this cycle posed them.
 // Triangles that are drawn as contacts are left out of a whole surface; a decimated one has other
 // triangles.
 void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* markers) {
@@ -229,9 +250,8 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
   std::size_t budget = options_.max_triangles;
   if (report.result != nullptr) budget -= contacts.add(markers);
   budget -= contacts.addPassed(budget, markers);
-  for (BodyId id = 0; id < report.bodies.size(); ++id) {
+  for (const BodyId id : drawnBodies(report)) {
     const BodyStatus& body = report.bodies[id];
-    if (body.kind != BodyKind::kDeformable || !body.triggered) continue;
     const bool is_known = body.unknown_because.empty();
     if (is_known) budget -= contacts.addHeld(id, budget, markers);
     const TriangleSet* const highlighted = contacts.highlighted(id);
@@ -245,8 +265,7 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
         report, is_known ? options_.lifetime_s : std::max(options_.lifetime_s, kUnknownLifetimeS),
         surfaceKey(report, id), Marker::TRIANGLE_LIST);
     marker.points.reserve(is_whole ? 3 * rest : corners.size());
-    marker.color = is_known ? makeColor(0.45F, 0.7F, 1, options_.surface_alpha)
-                            : makeColor(0.5F, 0.5F, 0.5F, options_.surface_alpha);
+    marker.color = surfaceColor(body, options_.surface_alpha);
     const std::vector<PartId>& pieces = report.scene->body(id).parts;
     const bool shows_parts = is_whole && is_known && !pieces.empty() && body.parts != nullptr;
     const PosedBody posed(report.scene->body(id));
@@ -275,7 +294,7 @@ const HostList<std::uint32_t>& TriangleMarkers::decimated(const CycleReport& rep
   if (levels.empty()) {
     const auto objects =
         std::count_if(report.bodies.begin(), report.bodies.end(),
-                      [](const BodyStatus& body) { return body.kind == BodyKind::kDeformable; });
+                      [](const BodyStatus& body) { return body.kind != BodyKind::kLink; });
     // The contacts take one part, each object another one.
     std::size_t limit = options_.max_triangles / (static_cast<std::size_t>(objects) + 1);
     for (int i = 0; i < kLevels && limit > 0; ++i, limit /= 3) levels.emplace_back(limit);

@@ -87,12 +87,16 @@ void fillOutcome(const DetectionResult& result, Message* message) {
                       result.counters.rejected == 0 && !message->truncated && !result.cut_off;
 }
 
+std::uint8_t kindOf(const BodyStatus& body) {
+  if (body.kind == BodyKind::kLink) return ContactArray::LINK;
+  return body.kind == BodyKind::kRigid ? ContactArray::RIGID : ContactArray::DEFORMABLE;
+}
+
 // Fills the fields with one entry per body, and `skipped`.
 void addBodies(const CycleReport& report, ContactArray* message) {
   for (const BodyStatus& body : report.bodies) {
     message->bodies.push_back(body.name);
-    message->body_kind.push_back(body.kind == BodyKind::kLink ? ContactArray::LINK
-                                                              : ContactArray::DEFORMABLE);
+    message->body_kind.push_back(kindOf(body));
     message->triggered.push_back(body.triggered);
     message->body_stamps.push_back(body.stamp);
     message->topology_ids.push_back(body.topology_id);

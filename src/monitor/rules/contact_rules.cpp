@@ -5,6 +5,7 @@
 #include "monitor/rules/contact_rules.h"
 
 #include <algorithm>
+#include <memory>
 #include <stdexcept>
 
 namespace deformable_contact_monitor {
@@ -12,22 +13,26 @@ namespace {
 
 constexpr char kAnyBody[] = "*";  // the wildcard of AllowedContact
 
-// Returns whether this piece of the object is attached to the link.
+// Returns whether this piece of the object is attached to the other body.
 bool isAttached(const AttachedObjects& attached, const BodyStatus& object, PartId piece,
-                const BodyStatus& link) {
-  if (object.kind == BodyKind::kLink || link.kind != BodyKind::kLink) return false;
+                const BodyStatus& holder) {
+  if (object.kind == BodyKind::kLink || holder.kind == BodyKind::kDeformable) return false;
   const auto found = attached.find(object.name);
   if (found == attached.end()) return false;
-  const auto& [links, part] = found->second;
-  if (std::find(links.begin(), links.end(), link.name) == links.end()) return false;
+  const std::vector<std::string>& links = found->second.links;
+  const std::shared_ptr<const HeldPart>& part = found->second.part;
+  if (std::find(links.begin(), links.end(), holder.name) == links.end()) return false;
   return part == nullptr || (object.parts != nullptr && object.parts->isHeld(piece));
 }
 
 // Returns whether a class that is on includes the pair. `same`: the pair is a body with itself; a
-// link with itself is never monitored.
+// link with itself is never monitored, and neither are two rigid objects.
 bool isMonitored(const BodyStatus& a, const BodyStatus& b, bool same, const PairClasses& classes) {
   const int objects = (a.kind == BodyKind::kDeformable) + (b.kind == BodyKind::kDeformable);
+  const int rigids = (a.kind == BodyKind::kRigid) + (b.kind == BodyKind::kRigid);
   if (same) return objects == 2 && classes.deformable_self;
+  if (rigids == 1) return objects == 1 ? classes.deformable_rigid : classes.robot_rigid;
+  if (rigids == 2) return false;
   if (objects == 2) return classes.deformable_deformable;
   return objects == 1 ? classes.robot_deformable : classes.robot_self;
 }
@@ -64,6 +69,8 @@ std::vector<std::string> namesOf(const PairClasses& classes) {
   if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
   if (classes.deformable_self) names.emplace_back("deformable_self");
   if (classes.robot_self) names.emplace_back("robot_self");
+  if (classes.deformable_rigid) names.emplace_back("deformable_rigid");
+  if (classes.robot_rigid) names.emplace_back("robot_rigid");
   return names;
 }
 
@@ -208,12 +215,15 @@ LinkRules::LinkRules(const std::vector<DescribedRobot>& robots) {
 }
 
 // A rule for the pair beats what the SRDF says about all pairs of a link.
-bool LinkRules::allows(const std::string& a, const std::string& b) const {
+bool LinkRules::allows(const BodyStatus& a, const BodyStatus& b) const {
+  const auto is_others = [](const BodyStatus& body, const OfRobot& robot) {
+    return body.kind == BodyKind::kLink && robot.links.count(body.name) == 0;
+  };
   for (const OfRobot& robot : robots_) {
-    if (robot.links.count(a) == 0 || robot.links.count(b) == 0) continue;
-    const auto pair = robot.pairs.find(std::minmax(a, b));
+    if (is_others(a, robot) || is_others(b, robot)) continue;
+    const auto pair = robot.pairs.find(std::minmax(a.name, b.name));
     if (pair != robot.pairs.end()) return pair->second;
-    return robot.disabled_links.count(a) > 0 || robot.disabled_links.count(b) > 0;
+    return robot.disabled_links.count(a.name) > 0 || robot.disabled_links.count(b.name) > 0;
   }
   return false;
 }
@@ -240,8 +250,8 @@ ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b, P
                                 : allowed.ofWildcard(a.name, b.name)) {
     return *wildcard;
   }
-  const bool are_links = a.kind == BodyKind::kLink && b.kind == BodyKind::kLink;
-  if (are_links && links.allows(a.name, b.name)) return {true, RuleSource::kSrdf};
+  const bool deforms = a.kind == BodyKind::kDeformable || b.kind == BodyKind::kDeformable;
+  if (!deforms && links.allows(a, b)) return {true, RuleSource::kSrdf};
   return {};
 }
 

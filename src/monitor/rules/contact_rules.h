@@ -25,16 +25,22 @@ namespace deformable_contact_monitor {
 
 // Selects the kinds of pairs that are monitored. A class that is off costs nothing.
 struct PairClasses {
-  bool robot_deformable = true;        // links with objects
-  bool deformable_deformable = false;  // objects with other objects
-  bool deformable_self = false;        // objects with themselves
+  bool robot_deformable = true;        // links with objects that deform
+  bool deformable_deformable = false;  // these with one another
+  bool deformable_self = false;        // these with themselves
   bool robot_self = false;             // links with other links
+  bool deformable_rigid = false;       // rigid objects with objects that deform
+  bool robot_rigid = false;            // rigid objects with links
 
-  bool needRobot() const { return robot_deformable || robot_self; }
+  bool needRobot() const { return robot_deformable || needRobotCycles(); }
+  // Returns whether there are pairs without a deformable object, which the robot's own cycles are
+  // about.
+  bool needRobotCycles() const { return robot_self || robot_rigid; }
 
   bool operator==(const PairClasses& other) const {
     const auto all = [](const PairClasses& c) {
-      return std::tie(c.robot_deformable, c.deformable_deformable, c.deformable_self, c.robot_self);
+      return std::tie(c.robot_deformable, c.deformable_deformable, c.deformable_self, c.robot_self,
+                      c.deformable_rigid, c.robot_rigid);
     };
     return all(*this) == all(other);
   }
@@ -127,14 +133,15 @@ class AllowedContacts {
 };
 
 // Holds the rules of SRDFs between links, indexed for fast look-ups. A rule holds only between two
-// links of its own robot.
+// links of its own robot, or such a link and a rigid object.
 class LinkRules {
  public:
   LinkRules() = default;
   explicit LinkRules(const std::vector<DescribedRobot>& robots);
 
-  // Returns what the robot's SRDF says of two links; false without a rule.
-  bool allows(const std::string& a, const std::string& b) const;
+  // Returns what the robot's SRDF says of two links, or of a link and a rigid object; false without
+  // a rule.
+  bool allows(const BodyStatus& a, const BodyStatus& b) const;
   std::size_t count() const;
 
  private:
@@ -149,9 +156,9 @@ class LinkRules {
 // Holds all rules in force. The first rule that covers a pair decides, in this order:
 //   1. a rule of parameters or service that names both bodies; of rules that name a part, or all
 //      parts of an object, the most particular one,
-//   2. an attached object, or the part of it that is held, with a link that it is attached to,
+//   2. an attached object, or the part of it that is held, with a body that it is attached to,
 //   3. a rule of parameters or service with a wildcard,
-//   4. the SRDF, for two links.
+//   4. the SRDF, for two links, and for a link and a rigid object.
 // Without such a rule the pair is not allowed.
 struct ContactRules {
   AllowedContacts allowed;

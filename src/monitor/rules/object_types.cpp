@@ -98,13 +98,15 @@ void readLineMessage(ParameterReader* entry, ObjectParameters* object) {
 
 }  // namespace
 
-// The choices stand in the order of MeshType.
+bool isRigid(ParameterReader* entry) { return entry->optionalText("type", "") == "rigid"; }
+
+// The choices stand in the order of MeshType. isRigid() has taken the last one.
 void readObjectType(ParameterReader* entry, std::vector<std::string>* warnings,
                     ObjectParameters* object) {
   object->type = static_cast<MeshType>(
       entry->choice("type",
                     {"deformable_mesh", "shape_mesh", "marker", "point_cloud", "marker_array",
-                     "tetrahedra", "polygon_mesh", "points", "polyline"},
+                     "tetrahedra", "polygon_mesh", "points", "polyline", "rigid"},
                     0));
 #ifndef DCM_HAS_PCL_MSGS
   if (object->type == MeshType::kPolygonMesh) {

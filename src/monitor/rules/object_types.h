@@ -15,4 +15,7 @@ namespace deformable_contact_monitor {
 void readObjectType(ParameterReader* entry, std::vector<std::string>* warnings,
                     ObjectParameters* object);
 
+// Returns whether the object's type is `rigid`, which readRigid() reads (rigid_parameters.h).
+bool isRigid(ParameterReader* entry);
+
 }  // namespace deformable_contact_monitor

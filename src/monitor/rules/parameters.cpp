@@ -87,6 +87,27 @@ void readRobot(ParameterReader* reader, std::vector<std::string>* warnings, Moni
   p->link_margin_m = reader->numbers("link_margin_m", 0, kMaxMarginM);
 }
 
+// Adds a problem unless the name works as a body's name in rules.
+void checkName(const std::string& name, std::set<std::string>* names, ParameterReader* entry) {
+  if (name.empty()) {
+    entry->addProblem("name", "is missing");
+  } else if (name == "*") {
+    entry->addProblem("name", "is '*', which means any body in allowed_contacts");
+  } else if (!names->insert(name).second) {
+    entry->addProblem("name", "is '" + name + "', which is another object's name");
+  }
+}
+
+// Reads what objects of all types have.
+template <class Object>
+void readNameAndSize(ParameterReader* entry, float margin_m, Object* object) {
+  object->name = entry->text("name", "");
+  const double own_margin_m = entry->number("margin_m", -1, 0, kMaxMarginM);
+  object->shares_margin = own_margin_m < 0;
+  object->margin_m = object->shares_margin ? margin_m : static_cast<float>(own_margin_m);
+  object->radius_m = static_cast<float>(entry->number("radius_m", 0, 0, kMaxRadiusM));
+}
+
 // Comes after readRobot(), because objects without a margin of their own use margin_m.
 void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
                  MonitorParameters* p) {
@@ -94,13 +115,18 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
   p->max_mesh_bytes = kMebibyte * reader->integer("max_mesh_mib", 512, 1, 4095);
   std::set<std::string> names;
   for (ParameterReader& entry : reader->structs("objects")) {
+    if (isRigid(&entry)) {
+      RigidParameters rigid;
+      readNameAndSize(&entry, p->margin_m, &rigid);
+      checkName(rigid.name, &names, &entry);
+      readRigid(&entry, warnings, &rigid);
+      warnOfUnknown(entry, warnings);
+      p->rigids.push_back(std::move(rigid));
+      continue;
+    }
     ObjectParameters object;
-    object.name = entry.text("name", "");
+    readNameAndSize(&entry, p->margin_m, &object);
     object.topic = entry.text("topic", "");
-    const double own_margin_m = entry.number("margin_m", -1, 0, kMaxMarginM);
-    object.shares_margin = own_margin_m < 0;
-    object.margin_m = object.shares_margin ? p->margin_m : static_cast<float>(own_margin_m);
-    object.radius_m = static_cast<float>(entry.number("radius_m", 0, 0, kMaxRadiusM));
     object.required = entry.flag("required", object.required);
     object.stamp_offset_s =
         entry.number("stamp_offset_s", object.stamp_offset_s, -kMaxStampOffsetS, kMaxStampOffsetS);
@@ -108,16 +134,10 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     const bool has_faces = object.type == MeshType::kPointCloud && object.faces != nullptr;
     const std::string faces = has_faces ? entry.text("faces", "") : "";
     object.parts = readParts(&entry, object.name, faces, warnings);
-    // The name must work as a body's name in rules and, without a topic, as part of a topic.
+    checkName(object.name, &names, &entry);
+    // Without a topic, the name must work as a part of one.
     std::string error;
-    if (object.name.empty()) {
-      entry.addProblem("name", "is missing");
-    } else if (object.name == "*") {
-      entry.addProblem("name", "is '*', which means any body in allowed_contacts");
-    } else if (!names.insert(object.name).second) {
-      entry.addProblem("name", "is '" + object.name + "', which is another object's name");
-    } else if (object.topic.empty() &&
-               !ros::names::validate("objects/" + object.name + "/mesh", error)) {
+    if (object.topic.empty() && !ros::names::validate("objects/" + object.name + "/mesh", error)) {
       entry.addProblem("topic", "is missing, and '" + object.name + "' cannot be part of a topic");
     } else if (!ros::names::validate(object.topic, error)) {
       entry.addProblem("topic", "is not a valid name: " + error);
@@ -132,12 +152,13 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
 void checkParts(const MonitorParameters& p, ParameterReader* reader) {
   for (const ObjectParameters& object : p.objects) {
     if (object.parts.empty()) continue;
-    for (const ObjectParameters& other : p.objects) {
-      if (other.name.compare(0, object.name.size() + 1, object.name + ":") == 0) {
-        reader->addProblem("objects", "have '" + other.name + "', which looks like a part of '" +
-                                          object.name + "'; rename the object");
-      }
-    }
+    const auto check = [&](const std::string& other) {
+      if (other.compare(0, object.name.size() + 1, object.name + ":") != 0) return;
+      reader->addProblem("objects", "have '" + other + "', which looks like a part of '" +
+                                        object.name + "'; rename the object");
+    };
+    for (const ObjectParameters& other : p.objects) check(other.name);
+    for (const RigidParameters& other : p.rigids) check(other.name);
     const std::string refused = " is not supported with parts, which '" + object.name + "' has";
     if (p.detector.tolerance_m > 0) reader->addProblem("tolerance_m", "above 0" + refused);
     if (p.containment) reader->addProblem("containment: true", refused.substr(1));
@@ -146,23 +167,35 @@ void checkParts(const MonitorParameters& p, ParameterReader* reader) {
 
 // Refuses what does not work with a radius. Comes after everything else was read.
 void checkRadii(const MonitorParameters& p, ParameterReader* reader) {
-  for (const ObjectParameters& object : p.objects) {
-    if (object.radius_m == 0) continue;
+  const auto check = [&](const std::string& object, float radius_m) {
+    if (radius_m == 0) return;
     const std::string refused =
-        " is not supported with radius_m, which '" + object.name + "' has above 0";
+        " is not supported with radius_m, which '" + object + "' has above 0";
     if (p.detector.tolerance_m > 0) reader->addProblem("tolerance_m", "above 0" + refused);
     if (p.motion == Motion::kSwept) reader->addProblem("motion: swept", refused.substr(1));
-  }
+  };
+  for (const ObjectParameters& object : p.objects) check(object.name, object.radius_m);
+  for (const RigidParameters& rigid : p.rigids) check(rigid.name, rigid.radius_m);
+}
+
+// A rigid object that no class is about is probably an oversight: both classes are off by default.
+void warnOfUnusedRigids(const MonitorParameters& p, std::vector<std::string>* warnings) {
+  const PairClasses& classes = p.pair_classes;
+  if (p.rigids.empty() || classes.deformable_rigid || classes.robot_rigid) return;
+  warnings->push_back("nothing looks at rigid object '" + p.rigids.front().name +
+                      "': ~pair_classes has neither deformable_rigid nor robot_rigid");
 }
 
 // A list of classes replaces the default list; an empty list means the default.
 void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, MonitorParameters* p) {
-  PairClasses classes{false, false, false, false};
+  PairClasses classes{false};
   const std::map<std::string, bool*> by_name = {
       {"robot_deformable", &classes.robot_deformable},
       {"deformable_deformable", &classes.deformable_deformable},
       {"deformable_self", &classes.deformable_self},
-      {"robot_self", &classes.robot_self}};
+      {"robot_self", &classes.robot_self},
+      {"deformable_rigid", &classes.deformable_rigid},
+      {"robot_rigid", &classes.robot_rigid}};
   const std::vector<std::string> names = reader->texts("pair_classes", {"robot_deformable"});
   for (const std::string& name : names) {
     const auto found = by_name.find(name);
@@ -172,7 +205,7 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
       reader->addProblem("pair_classes",
                          "has '" + name +
                              "', must be one of: robot_deformable, deformable_deformable, "
-                             "deformable_self, robot_self");
+                             "deformable_self, robot_self, deformable_rigid, robot_rigid");
     }
   }
   if (!names.empty()) p->pair_classes = classes;
@@ -313,6 +346,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   readOutput(&reader, &p);
   checkParts(p, &reader);
   checkRadii(p, &reader);
+  warnOfUnusedRigids(p, warnings);
   for (const std::string& problem : problems(p.detector)) found.push_back("~" + problem);
   warnOfUnknown(reader, warnings);
   p.changed = reader.changed();

@@ -20,6 +20,7 @@
 #include "core/triangle_mesh.h"
 #include "monitor/rules/contact_rules.h"
 #include "monitor/rules/part_parameters.h"
+#include "monitor/rules/rigid_parameters.h"
 #include "monitor/rules/tetrahedra.h"
 #include "robot/robot_geometry.h"
 
@@ -100,7 +101,8 @@ struct MonitorParameters {
   float margin_m = 0;  // of bodies without a margin of their own
   std::map<std::string, double> link_margin_m;
 
-  std::vector<ObjectParameters> objects;
+  std::vector<ObjectParameters> objects;  // those of `objects` that messages deform
+  std::vector<RigidParameters> rigids;    // those of type rigid
 
   PairClasses pair_classes;
   AllowedContacts allowed_contacts;

@@ -82,28 +82,36 @@ std::size_t index(RuleSource source) { return static_cast<std::size_t>(source); 
 
 // Lists all problems, so that a caller can correct them at once.
 std::string attachProblem(const std::string& object, const std::vector<std::string>& links,
-                          const std::vector<ObjectParameters>& objects,
-                          const RobotGeometry* robot) {
+                          const MonitorParameters& parameters, const RobotGeometry* robot) {
   std::string problem;
   const auto add = [&problem](const std::string& line) {
     problem += (problem.empty() ? "" : "; ") + line;
   };
-  std::vector<std::string> known;
-  known.reserve(objects.size());
-  for (const ObjectParameters& other : objects) known.push_back(other.name);
-  if (std::find(known.begin(), known.end(), object) == known.end()) {
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  std::vector<std::string> known, rigids, holders;
+  for (const ObjectParameters& other : parameters.objects) known.push_back(other.name);
+  for (const RigidParameters& rigid : parameters.rigids) rigids.push_back(rigid.name);
+  known.insert(known.end(), rigids.begin(), rigids.end());
+  if (!has(known, object)) {
     add("no object '" + object + "' is monitored" + nearestNameHint(object, known));
   }
-  if (links.empty()) return problem;
-  if (robot == nullptr) {
-    add("no robot is loaded yet, so no link can hold the object");
-    return problem;
-  }
-  known.assign(robot->link_names.begin(), robot->link_names.end());
+  if (robot != nullptr) holders.assign(robot->link_names.begin(), robot->link_names.end());
+  const bool is_rigid = has(rigids, object);
+  if (!is_rigid) holders.insert(holders.end(), rigids.begin(), rigids.end());
+  bool lacks_robot = false;
   for (const std::string& link : links) {
-    if (robot->link_names.count(link) > 0) continue;
-    add("the robot has no link '" + link + "'" + nearestNameHint(link, known));
+    if (has(holders, link)) continue;
+    if (has(rigids, link)) {
+      add("'" + link + "' is rigid as '" + object + "' is, and only links hold rigid objects");
+    } else if (robot == nullptr) {
+      lacks_robot = true;
+    } else {
+      add("the robot has no link '" + link + "'" + nearestNameHint(link, holders));
+    }
   }
+  if (lacks_robot) add("no robot is loaded yet, so no link can hold the object");
   return problem;
 }
 

@@ -18,9 +18,10 @@ namespace deformable_contact_monitor {
 
 // Returns why the object cannot be attached to these links, empty if it can. The text lists every
 // unknown name with the nearest known one. Any link of the robot will do, also one without
-// geometry; an empty list of links releases the object. `robot` is null while there is no robot.
+// geometry, and a rigid object may hold one that deforms; an empty list of links releases the
+// object. `robot` is null while there is no robot.
 std::string attachProblem(const std::string& object, const std::vector<std::string>& links,
-                          const std::vector<ObjectParameters>& objects, const RobotGeometry* robot);
+                          const MonitorParameters& parameters, const RobotGeometry* robot);
 
 // Returns "held: cloth by hand, finger; cable by hand", or "nothing is held".
 std::string describeHeld(const AttachedObjects& attached);

@@ -84,7 +84,7 @@ PairSummary sumUp(const CycleReport& report, const DetectionResult& result, std:
   const BodyId a = contacts[place(0)].body_a, b = contacts[place(0)].body_b;
   const Scene& scene = *report.scene;
   const PosedBody of_a(scene.body(a)), of_b(scene.body(b));
-  const bool has_normal = report.bodies.at(a).kind == BodyKind::kLink;
+  const bool has_normal = report.bodies.at(a).kind != BodyKind::kDeformable;
   PairSummary sum;
   Vec3d sum_a, sum_b, corners_of_a;
   for (std::size_t i = 0; i < count; ++i) {

@@ -14,6 +14,7 @@ STATE: numpy.dtype
 class ContactArray(genpy.Message):
     LINK: int
     DEFORMABLE: int
+    RIGID: int
     header: Header
     cycle: int
     bodies: List[str]

@@ -81,6 +81,11 @@ void addRecordedObjects(const BagFiles& files, const BagContents& contents,
       throw std::runtime_error("object '" + name + "' is on " + joined(topics, ", ") +
                                ": choose one with --topic " + name + "=" + *topics.begin());
     }
+    for (const RigidParameters& rigid : parameters->rigids) {
+      if (rigid.name != name) continue;
+      throw std::runtime_error("object '" + name + "' is recorded on " + *topics.begin() +
+                               ", and rigid in the configuration; rename the rigid object");
+    }
     ObjectParameters object;
     object.name = name;
     object.topic = choice != chosen.end() ? choice->second : *topics.begin();
@@ -198,6 +203,9 @@ std::vector<BodyStatus> bodiesOf(const RobotGeometry& robot, const MonitorParame
   for (const LinkGeometry& link : robot.links) {
     bodies.push_back({link.link, BodyKind::kLink, ros::Time(), 0, ""});
   }
+  for (const RigidParameters& rigid : parameters.rigids) {
+    bodies.push_back({rigid.name, BodyKind::kRigid, ros::Time(), 0, ""});
+  }
   for (const ObjectParameters& object : parameters.objects) {
     bodies.push_back(bodyOf(object));
   }
@@ -224,6 +232,12 @@ void warnOfRobots(const BagSetup& setup, const Warn& warn) {
 void warnOfTopics(const BagSetup& setup, const BagContents& contents, const Warn& warn) {
   const BagTopics& chosen = contents.chosen;
   if (!chosen.other_transforms.empty()) warn(chosen.other_transforms);
+  for (const RigidParameters& rigid : setup.parameters.rigids) {
+    const bool has_frame =
+        rigid.frame == setup.parameters.reference_frame || contents.hasFrame(rigid.frame);
+    if (!has_frame)
+      warn("no transform has the frame '" + rigid.frame + "' of '" + rigid.name + "'");
+  }
   const bool are_several = !setup.parameters.robots.empty() && !contents.joints.empty();
   const std::string joints = are_several
                                  ? "joint states pose no links of `robots`, only transforms do"

@@ -23,6 +23,7 @@
 
 #include "core/common/stopwatch.h"
 #include "core/steady_time.h"
+#include "monitor/cycle/rigid_place.h"
 #include "monitor/diagnostics/body_checks.h"
 #include "robot/urdf_document.h"
 #include "tools/bags/bag_contents.h"
@@ -114,8 +115,8 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
   }
 }
 
-// Returns the margin of an object, a part of it or a link [m]. To the least margin of its parts, an
-// object is certain to be apart.
+// Returns the margin of an object, a part of one or a link [m]. To the least margin of its parts,
+// an object is certain to be apart.
 double marginOf(const MonitorParameters& parameters, const std::string& body) {
   for (const ObjectParameters& object : parameters.objects) {
     if (!hasName(bodyOf(object), body)) continue;
@@ -126,6 +127,8 @@ double marginOf(const MonitorParameters& parameters, const std::string& body) {
     }
     return margin_m;
   }
+  const RigidParameters* const rigid = findRigid(parameters, body);
+  if (rigid != nullptr) return rigid->margin_m;
   return linkMarginM(parameters, body);
 }
 
@@ -138,6 +141,7 @@ void checkExpectations(const BagSetup& setup, std::vector<Expectation>* expectat
     for (const LinkGeometry& link : robot.value.links) bodies.push_back(link.link);
     links.insert(robot.value.link_names.begin(), robot.value.link_names.end());
   }
+  for (const RigidParameters& rigid : setup.parameters.rigids) bodies.push_back(rigid.name);
   for (const ObjectParameters& object : setup.parameters.objects) {
     const BodyStatus body = bodyOf(object);
     for (std::size_t part = 0; part <= body.partCount(); ++part) {

@@ -52,6 +52,7 @@ bool hasMargins(const MonitorParameters& parameters) {
     any |= object.margin_m > 0;
     for (const PartParameters& part : object.parts) any |= part.margin_m.value_or(0) > 0;
   }
+  for (const RigidParameters& rigid : parameters.rigids) any |= rigid.margin_m > 0;
   for (const auto& [link, margin_m] : parameters.link_margin_m) any |= margin_m > 0;
   return any;
 }

@@ -115,6 +115,13 @@ Json configurationJson(const BagSetup& setup) {
     json["objects"].push_back(
         {{"name", object.name}, {"topic", topicOf(object)}, {"margin_m", object.margin_m}});
   }
+  json["rigid_objects"] = Json::array();
+  for (const RigidParameters& rigid : p.rigids) {
+    json["rigid_objects"].push_back({{"name", rigid.name},
+                                     {"frame", rigid.frame},
+                                     {"triangles", rigid.mesh->triangleCount()},
+                                     {"margin_m", rigid.margin_m}});
+  }
   json["pair_classes"] = namesOf(p.pair_classes);
   json["allowed_contacts"] = Json::array();
   for (const AllowedContact& rule : p.allowed_contacts.rules()) {

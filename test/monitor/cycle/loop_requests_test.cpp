@@ -165,6 +165,19 @@ TEST_F(LoopRequestsTest, AHeldPartStaysWithItsLinksAndEndsOnce) {
   EXPECT_TRUE(requests_.attach("cable", {}).empty());
 }
 
+TEST_F(LoopRequestsTest, ARigidObjectFallsWithTheLinkThatCarriesIt) {
+  const auto grip = std::make_shared<const RigidGrip>(RigidGrip{"palm", {}});
+  requests_.attach("tool", {"palm", "finger"}, nullptr, grip);
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"tool", {{"finger", "palm"}, nullptr, grip}}}));
+  EXPECT_EQ(requests_.attached().count("tool"), 1U);
+  requests_.releaseFromOthers({"palm"});
+  EXPECT_EQ(takeAttached(), (AttachedObjects{{"tool", {{"palm"}, nullptr, grip}}}));
+  requests_.attach("tool", {"palm", "finger"}, nullptr, grip);
+  EXPECT_EQ(requests_.releaseFromOthers({"finger"}),
+            (std::vector<std::string>{"tool by finger", "tool by palm"}));
+  EXPECT_TRUE(takeAttached().empty());
+}
+
 // At any time an object is attached to the links of one call, never to those of two.
 TEST_F(LoopRequestsTest, ThreadsAttachWhileAnotherTakes) {
   constexpr int kCalls = 500;

@@ -161,7 +161,7 @@ TEST_F(MonitorSceneTest, APartnerThatIsTooOldIsUnknownAndOff) {
 TEST_F(MonitorSceneTest, TheRobotsOwnCycleIsOfItsLinks) {
   parameters_.pair_classes.robot_self = true;
   scene_.setRobot(robot());
-  EXPECT_EQ(scene_.selfPairedFrames(), (std::vector<std::string>{"arm", "hand"}));
+  EXPECT_EQ(scene_.framesOfRobotCycle(), (std::vector<std::string>{"arm", "hand"}));
   for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
   give(0, 10);
   prepare(10);
@@ -214,7 +214,7 @@ TEST_F(MonitorSceneTest, FramesOfLinksHaveThePrefix) {
   EXPECT_NE(unknown(kHand).find("TF frame 'left/hand' never seen"), std::string::npos);
   parameters_.pair_classes.robot_self = true;
   scene_.setRobot(robot());
-  EXPECT_EQ(scene_.selfPairedFrames(), (std::vector<std::string>{"left/arm", "left/hand"}));
+  EXPECT_EQ(scene_.framesOfRobotCycle(), (std::vector<std::string>{"left/arm", "left/hand"}));
 }
 
 TEST_F(MonitorSceneTest, WithoutAKnownPartnerNoLinkIsPosed) {
@@ -249,7 +249,7 @@ TEST_F(MonitorSceneTest, LinksThatTheSrdfAllowsAreOffInTheRobotsOwnCycles) {
                                         {"hand", "cloth", "is no link"}};
   MonitorScene scene(parameters_);
   scene.setRobot(with_rules);
-  EXPECT_EQ(scene.selfPairedFrames(), (std::vector<std::string>{"arm", "hand", "wrist"}));
+  EXPECT_EQ(scene.framesOfRobotCycle(), (std::vector<std::string>{"arm", "hand", "wrist"}));
   for (const char* link : {"arm", "hand", "wrist"}) pose(link, 10, 0);
   scene.prepare(ros::Time(10), {{}, true}, inputs_, TransformLookup(buffer_, "base"));
   EXPECT_EQ(scene.scene().enabledPairs(), (std::vector<std::pair<BodyId, BodyId>>{{0, 2}, {1, 2}}));

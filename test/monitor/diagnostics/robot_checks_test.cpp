@@ -41,6 +41,20 @@ TEST(RobotChecksTest, WarnsOfLinksSizesAndTheSrdf) {
   EXPECT_EQ(warnings.back(), "the SRDF is of robot 'pr2', but the robot is 'panda'");
 }
 
+TEST(RobotChecksTest, RigidObjectsAreNamesOfTheSrdfAndOfNoLink) {
+  MonitorParameters parameters;
+  parameters.rigids = {{"table", "table"}};
+  EXPECT_EQ(refusalOf(parameters), "");
+  RobotGeometry robot_on_table = robot();
+  robot_on_table.robots = {{"", {"hand", "arm", "foot"}, {}}};
+  robot_on_table.robots[0].srdf.disabled = {{"foot", "table", ""}};
+  EXPECT_EQ(robotWarnings(robot_on_table, parameters).size(), 2U);
+  EXPECT_EQ(robotWarnings(robot_on_table, MonitorParameters()).size(), 3U);
+  parameters.rigids = {{"hand", "table"}};
+  EXPECT_EQ(refusalOf(parameters),
+            "'hand' is the name of a link and of a rigid object; rename the object");
+}
+
 TEST(RobotChecksTest, StrictListsAllThatIsMissingAtOnce) {
   MonitorParameters parameters;
   EXPECT_EQ(refusalOf(parameters), "");

@@ -54,6 +54,21 @@ TEST(ContactMarkersTest, drawContactsAndTheRestOfTheObject) {
   EXPECT_EQ(array.markers[2].points[0].z, 1);
 }
 
+TEST(ContactMarkersTest, drawRigidObjectsWhereACyclePosedThem) {
+  SampleReport sample;
+  sample.report.bodies[1].kind = BodyKind::kRigid;
+  const MarkerArray array = ContactMarkers(MarkerOptions()).make(sample.report);
+  expectValid(array);
+  EXPECT_EQ(triangles(array), (Counts{{"arm/hand/cloth", 4}, {"cloth", 1}, {"base", 3}}));
+  EXPECT_NE(array.markers.back().color, array.markers[2].color);
+  sample.report.bodies[1].stamp = ros::Time();
+  const Counts without{{"arm/hand/cloth", 4}, {"cloth", 1}};
+  EXPECT_EQ(triangles(ContactMarkers(MarkerOptions()).make(sample.report)), without);
+  sample.report.bodies[1].stamp = sample.report.bodies[0].stamp;
+  sample.report.bodies[1].unknown_because = "no transform";
+  EXPECT_EQ(triangles(ContactMarkers(MarkerOptions()).make(sample.report)), without);
+}
+
 TEST(ContactMarkersTest, idsStayWhileTheBodiesDo) {
   SampleReport sample;
   ContactMarkers markers{MarkerOptions()};

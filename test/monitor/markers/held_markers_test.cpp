@@ -73,6 +73,14 @@ TEST_F(HeldMarkersTest, NothingIsDrawnOfWhatIsNotHeldOrNotKnown) {
   EXPECT_TRUE(markers().empty());
 }
 
+TEST_F(HeldMarkersTest, ARigidObjectIsHeldWhereACyclePosedIt) {
+  report_.bodies[1].kind = BodyKind::kRigid;
+  report_.bodies[1].triggered = false;
+  EXPECT_TRUE(markers().empty()) << "not posed";
+  report_.bodies[1].stamp = ros::Time(1);
+  EXPECT_EQ(markers().size(), 1U);
+}
+
 std::map<std::string, std::size_t> trianglesOf(const visualization_msgs::MarkerArray& array) {
   std::map<std::string, std::size_t> triangles;
   for (const Marker& marker : array.markers) {

@@ -35,6 +35,9 @@ TEST(ContactArrayTest, carriesTheWholeReport) {
   EXPECT_EQ(message.bodies, (std::vector<std::string>{"arm/hand", "base", "cloth"}));
   EXPECT_EQ(message.body_kind, (std::vector<std::uint8_t>{ContactArray::LINK, ContactArray::LINK,
                                                           ContactArray::DEFORMABLE}));
+  SampleReport rigid;
+  rigid.report.bodies[1].kind = BodyKind::kRigid;
+  EXPECT_EQ(toContactArray(rigid.report, 0).body_kind[1], ContactArray::RIGID);
   EXPECT_EQ(message.triggered, (std::vector<std::uint8_t>{0, 0, 1}));
   EXPECT_EQ(message.body_stamps, std::vector<ros::Time>(3, ros::Time(100, 500)));
   EXPECT_EQ(message.topology_ids, (std::vector<std::uint32_t>{0, 0, 9}));
@@ -284,7 +287,6 @@ TEST(ContactPatchesTest, carryAllFieldsOfAPatch) {
 
 TEST(LinkMeshesTest, surviveTheWayThereAndBack) {
   RobotGeometry geometry;
-  geometry.name = "robot";
   geometry.links = {{"a", "box 1 1 1", threeTriangles(), ""},
                     {"b", "package://x/y.stl", {}, "package://x/y.stl: no such file"}};
   const LinkMeshes message = toLinkMeshes(geometry, ros::Time(3));

@@ -125,7 +125,8 @@ BodyStatus body(const std::string& name) {
   BodyStatus body;
   body.name = name;
   const bool is_object = name == "cloth" || name == "cable";
-  body.kind = is_object ? BodyKind::kDeformable : BodyKind::kLink;
+  const bool is_rigid = name == "table" || name == "clamp";
+  body.kind = is_object ? BodyKind::kDeformable : is_rigid ? BodyKind::kRigid : BodyKind::kLink;
   return body;
 }
 
@@ -203,6 +204,25 @@ TEST(ContactRules, EachKindBeatsTheWeakerOnes) {
   EXPECT_EQ(verdict(rules, "finger", "cloth"), "attached: may touch");
 }
 
+TEST(ContactRules, RigidObjectsHoldAndAreHeldAndAnSrdfMayNameThem) {
+  Srdf names;
+  names.disabled = {{"arm", "table", "it stands on it"}, {"table", "cloth", ""}};
+  ContactRules rules{{}, {}, {}, LinkRules({{"r", {"arm", "hand"}, names}})};
+  EXPECT_EQ(verdict(rules, "arm", "table"), "srdf: may touch");
+  EXPECT_EQ(verdict(rules, "b/arm", "table"), "default: looked at") << "a link of no such robot";
+  EXPECT_EQ(verdict(rules, "table", "cloth"), "default: looked at") << "the cloth deforms";
+  rules.attached = {{"clamp", {{"hand"}}}, {"cloth", {{"clamp"}}}};
+  EXPECT_EQ(verdict(rules, "hand", "clamp"), "attached: may touch");
+  EXPECT_EQ(verdict(rules, "arm", "clamp"), "default: looked at");
+  EXPECT_EQ(verdict(rules, "clamp", "cloth"), "attached: may touch");
+  EXPECT_EQ(verdict(rules, "hand", "cloth"), "default: looked at") << "it holds only the clamp";
+  EXPECT_EQ(verdict(rules, "clamp", "cable"), "default: looked at");
+  rules.allowed.add(rule("table", "*"));
+  EXPECT_EQ(verdict(rules, "cable", "table"), "parameters: may touch");
+  rules.allowed.add(rule("clamp", "cloth", false));
+  EXPECT_EQ(verdict(rules, "clamp", "cloth"), "parameters: looked at");
+}
+
 TEST(ContactRules, RulesAreCountedByWhoMadeThem) {
   AllowedContacts allowed;
   allowed.add(rule("arm", "cloth"));
@@ -246,6 +266,23 @@ TEST(PairTable, EachClassAloneGivesItsPairs) {
   EXPECT_TRUE(pairsOf({false, false, false, false}).empty());
 }
 
+TEST(PairTable, RigidObjectsArePairedWithLinksAndWithWhatDeforms) {
+  const std::vector<BodyStatus> bodies = {body("arm"), body("table"), body("clamp"), body("cloth")};
+  const auto pairs = [&](const PairClasses& classes) {
+    std::set<std::pair<BodyId, BodyId>> pairs;
+    for (const MonitoredPair& pair : monitoredPairs(bodies, classes, {})) {
+      pairs.emplace(pair.a, pair.b);
+    }
+    return pairs;
+  };
+  using Pairs = std::set<std::pair<BodyId, BodyId>>;
+  EXPECT_EQ(pairs({true, true, true, true}), (Pairs{{0, 3}, {3, 3}}));
+  EXPECT_EQ(pairs({false, false, false, false, true, false}), (Pairs{{1, 3}, {2, 3}}));
+  EXPECT_EQ(pairs({false, false, false, false, false, true}), (Pairs{{0, 1}, {0, 2}}));
+  EXPECT_EQ(namesOf({false, false, false, false, true, true}),
+            (std::vector<std::string>{"deformable_rigid", "robot_rigid"}));
+}
+
 TEST(PairTable, PairsAreAscending) {
   const auto pairs = monitoredPairs(bodies(), {true, true, true, true}, {});
   for (std::size_t i = 1; i < pairs.size(); ++i) {
@@ -258,7 +295,8 @@ TEST(PairTable, PairsAreAscending) {
 TEST(PairTable, OnlyClassesWithLinksNeedTheRobot) {
   EXPECT_TRUE(PairClasses({true, false, false, false}).needRobot());
   EXPECT_TRUE(PairClasses({false, false, false, true}).needRobot());
-  EXPECT_FALSE(PairClasses({false, true, true, false}).needRobot());
+  EXPECT_TRUE(PairClasses({false, false, false, false, false, true}).needRobot());
+  EXPECT_FALSE(PairClasses({false, true, true, false, true}).needRobot());
 }
 
 TEST(PairTable, AllowedPairsAreThereAndMarked) {

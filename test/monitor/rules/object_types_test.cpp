@@ -87,7 +87,8 @@ TEST_F(ObjectTypes, AllThatIsMissingIsListedTogether) {
   for (const std::string& problem :
        {std::string(
             "~objects[0]/type is 'mesh', must be one of: deformable_mesh, shape_mesh, "
-            "marker, point_cloud, marker_array, tetrahedra, polygon_mesh, points, polyline"),
+            "marker, point_cloud, marker_array, tetrahedra, polygon_mesh, points, polyline, "
+            "rigid"),
         std::string("~objects[1]/frame_id is missing"), std::string("~objects[2]/faces is empty"),
         std::string("~objects[3]/faces is 'cloth.obj': neither package://, file:// nor"),
         std::string("~objects[4]/faces is '/no/such/cloth.obj': no such file"),

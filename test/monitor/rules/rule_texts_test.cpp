@@ -9,7 +9,14 @@
 namespace deformable_contact_monitor {
 namespace {
 
-const std::vector<ObjectParameters> kObjects{{"cloth", "", 0, true}, {"cable", "", 0, true}};
+MonitorParameters parameters() {
+  MonitorParameters parameters;
+  parameters.objects = {{"cloth", "", 0, true}, {"cable", "", 0, true}};
+  parameters.rigids = {{"table", "table"}, {"clamp", "clamp"}};
+  return parameters;
+}
+
+const MonitorParameters kParameters = parameters();
 
 RobotGeometry robot() {
   RobotGeometry robot;
@@ -20,22 +27,34 @@ RobotGeometry robot() {
 
 TEST(RuleTexts, AnyLinkOfTheRobotMayHold) {
   const RobotGeometry known = robot();
-  EXPECT_EQ(attachProblem("cloth", {"hand", "tool_frame"}, kObjects, &known), "");
-  EXPECT_EQ(attachProblem("cable", {}, kObjects, &known), "");
-  EXPECT_EQ(attachProblem("cable", {}, kObjects, nullptr), "") << "to release needs no robot";
+  EXPECT_EQ(attachProblem("cloth", {"hand", "tool_frame"}, kParameters, &known), "");
+  EXPECT_EQ(attachProblem("cable", {}, kParameters, &known), "");
+  EXPECT_EQ(attachProblem("cable", {}, kParameters, nullptr), "") << "to release needs no robot";
 }
 
 TEST(RuleTexts, UnknownNamesAreRefusedAllOfThem) {
   const RobotGeometry known = robot();
-  EXPECT_EQ(attachProblem("clot", {"hnd", "arm", "xxxxxxxx"}, kObjects, &known),
+  EXPECT_EQ(attachProblem("clot", {"hnd", "arm", "xxxxxxxx"}, kParameters, &known),
             "no object 'clot' is monitored (did you mean 'cloth'?); the robot has no link 'hnd' "
             "(did you mean 'hand'?); the robot has no link 'xxxxxxxx'");
-  EXPECT_EQ(attachProblem("", {""}, kObjects, &known).find("no object '' is monitored"), 0U);
-  EXPECT_NE(attachProblem("cloth", {""}, kObjects, &known), "");
-  EXPECT_NE(attachProblem("cloth", {"*"}, kObjects, &known), "") << "no wildcards";
-  EXPECT_NE(attachProblem("hand", {}, kObjects, &known), "") << "a link is no object";
-  EXPECT_EQ(attachProblem("cloth", {"hand"}, kObjects, nullptr),
+  EXPECT_EQ(attachProblem("", {""}, kParameters, &known).find("no object '' is monitored"), 0U);
+  EXPECT_NE(attachProblem("cloth", {""}, kParameters, &known), "");
+  EXPECT_NE(attachProblem("cloth", {"*"}, kParameters, &known), "") << "no wildcards";
+  EXPECT_NE(attachProblem("hand", {}, kParameters, &known), "") << "a link is no object";
+  EXPECT_EQ(attachProblem("cloth", {"hand"}, kParameters, nullptr),
             "no robot is loaded yet, so no link can hold the object");
+}
+
+TEST(RuleTexts, RigidObjectsHoldWhatDeformsAndLinksHoldThem) {
+  const RobotGeometry known = robot();
+  EXPECT_EQ(attachProblem("clamp", {"hand"}, kParameters, &known), "");
+  EXPECT_EQ(attachProblem("clamp", {}, kParameters, nullptr), "");
+  EXPECT_EQ(attachProblem("cloth", {"clamp"}, kParameters, nullptr), "") << "without a robot";
+  EXPECT_EQ(attachProblem("cloth", {"clamp", "hand"}, kParameters, &known), "");
+  EXPECT_EQ(attachProblem("cloth", {"clmp"}, kParameters, &known),
+            "the robot has no link 'clmp' (did you mean 'clamp'?)");
+  EXPECT_EQ(attachProblem("clamp", {"table"}, kParameters, &known),
+            "'table' is rigid as 'clamp' is, and only links hold rigid objects");
 }
 
 TEST(RuleTexts, WhatIsHeldInWords) {

@@ -29,7 +29,7 @@ EVENTS = "/contact_monitor/contact_events"
 MD5 = {
     "AllowedContact": "4e2b07c1a4705e8d86a3db9f579c598f",
     "AttachObject": "8719fb920e74a03fea6cd3678d10dec7",
-    "ContactArray": "e1fa803cc53380c4eac8c0294354e3b2",
+    "ContactArray": "7e08734d93c542bf1e4deaac365dd4e5",
     "ContactEvent": "e55736c25137f44cb897b1d3313e8243",
     "ContactGeometry": "69444e8346d34b2a00cdea8dc533c95b",
     "ContactPair": "48b265effdb9209663c7372072597df1",
@@ -38,7 +38,7 @@ MD5 = {
     "ContactState": "8dabfa6d11a5fa3049e11319d214ecbe",
     "ContactStates": "73257206c13ef3a715ea1797d762e484",
     "DeformableMesh": "862e992f505c74bc0fbe5996f972b2e6",
-    "GetContacts": "8927369e7a314b07eeab24ddb36a1030",
+    "GetContacts": "1c93b82b20388049e3e6f5ca0557b1a0",
     "LinkMesh": "3da062f9797ab898734a4a87678d4843",
     "LinkMeshes": "0b911e759aca1832ac28cfa4b75ff854",
     "NearestTriangles": "50d2926476a6f3099fa0590352282580",

@@ -81,6 +81,40 @@ class EvaluateBag(EvaluationCase):
             stamp = f"{stamp_of(frame).secs}.{stamp_of(frame).nsecs:09d}"
             self.assertEqual(set(found.get(stamp, ())), pairs)
 
+    def test_a_rigid_object_is_posed_by_the_bags_transforms(self):
+        """It is the copy of a link in that link's frame, so that it has the link's pairs."""
+        link = min(pair[0] for pair in self.expected[0])
+        write_ply(self.path("tool.ply"), self.scene.panda.links[link])
+        tool = (f"{{name: tool, type: rigid, frame: {link}, margin_m: 1, "
+                f"mesh: '{self.path('tool.ply')}'}}")
+        config = CONFIG.replace("objects: [", f"objects: [{tool}, ")
+        done = self.run_tool("--config", self.text("off.yaml", config), "--pairs", self.bag())
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("nothing looks at rigid object 'tool'", done.stderr)
+        self.assert_oracle_pairs()
+        config += "pair_classes: [deformable_rigid]\n"
+        expected = self.text("expected.yaml", """
+- {link: tool, object: tshirt, touches: sometime}
+- {link: tool, object: tshirt, keeps_m: 0.5, from_s: 0.6}
+""")
+        done = self.run_tool("--config", self.text("on.yaml", config), "--pairs", "--expect",
+                             expected, self.bag(), report=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn(f"tool in frame {link}", self.report())
+        (rigid,) = self.summary()["configuration"]["rigid_objects"]
+        self.assertEqual((rigid["name"], rigid["frame"], rigid["triangles"]),
+                         ("tool", link, len(self.scene.panda.links[link][1])))
+        found = self.pairs()
+        for frame, pairs in self.expected.items():
+            stamp = f"{stamp_of(frame).secs}.{stamp_of(frame).nsecs:09d}"
+            self.assertEqual(found.get(stamp, set()), {("tool", i, name, k) for a, i, name, k in
+                                                       pairs if a == link})
+        lost = config.replace(f"frame: {link}", "frame: nowhere")
+        done = self.run_tool("--config", self.text("lost.yaml", lost), self.bag())
+        self.assertIn("no transform has the frame 'nowhere' of 'tool'", done.stderr)
+        self.assert_refused(["--config", self.text("bad.yaml", config.replace(".ply", ".stl")),
+                             self.bag()], "~objects[0]/mesh is '", "no such file")
+
     def test_pairs_are_the_oracles(self):
         summary = self.evaluate(self.bag())
         self.assert_oracle_pairs()
