@@ -55,6 +55,8 @@ struct BodyParts {
   std::string problem;
   // The part (0: none) from which each held piece was taken, ascending; empty: nothing is held.
   std::vector<PartId> held_of;
+  // The margins of parts that have one of their own [m].
+  std::map<PartId, float> margins_m;
 
   // Returns the part "held", which has the number of the first held piece; 0: nothing is held.
   PartId heldPart() const { return held_of.empty() ? 0 : static_cast<PartId>(names.size()); }

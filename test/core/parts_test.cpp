@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "bounds/bounded_fixture.h"
+#include "core/body_distance.h"
+#include "core/bounds/radii.h"
 #include "nearest_pairs.h"
 #include "parts_fixture.h"
 #include "random_scenes.h"
@@ -217,6 +219,51 @@ TEST_P(PartsSuite, MayChangeFromCycleToCycle) {
     }
     if (seed % 7 == 6) scene.setMesh(1, clothGrid(9 + seed % 3, 0.9F, 0.01F, 0.1F));
     expectFiltered(scene, Options());
+  }
+}
+
+// Finds what it is given.
+class CannedDetector : public Detector {
+ public:
+  explicit CannedDetector(DetectionResult result) : result_(std::move(result)) {}
+  std::string backend() const override { return "canned"; }
+  void reset() override {}
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
+  const DetectionResult& detect(const Scene&, const Options&) override { return result_; }
+
+ private:
+  DetectionResult result_;
+};
+
+// The search of bodies ended, and that of the parts did not. The nearest triangle is of no part,
+// and beyond the margin of that; but the part, which has a larger margin, may be near as well.
+TEST(MarginsOfParts, AreOpenWhereTheirSearchWasCutOff) {
+  for (const bool cut_off : {true, false}) {
+    Scene scene = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0.05F, 0));
+    scene.setParts(1, {0, 1, 1, 1, 1, 1, 1, 1});
+    scene.setPartMargins(1, {{1, 0.1F}});
+    DetectionResult result;
+    result.cut_off = cut_off;
+    NearestPair nearest;
+    nearest.pair = {0, 0, 1, 0};
+    nearest.distance_m = 0.05F;
+    result.nearest = {nearest};
+    result.nearest_parts = {{{0, 1, 0, 0}, nearest}};
+    BodyDistance distance;
+    distance.body_b = 1;
+    distance.low_m = distance.high_m = 0.05F;
+    distance.witness = nearest.pair;
+    distance.is_exact = true;
+    result.distances = {distance};
+    const auto detector =
+        withRadiiAndPartMargins(std::make_unique<CannedDetector>(std::move(result)));
+    Options options;
+    options.nearest = true;
+    const DetectionResult& found = detector->detect(scene, options);
+    EXPECT_TRUE(found.nearest.empty());
+    ASSERT_EQ(1U, found.distances.size());
+    EXPECT_EQ(cut_off ? PairDecision::kOpen : PairDecision::kNone,
+              decide(found.distances[0], scene, 0));
   }
 }
 

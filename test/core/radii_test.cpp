@@ -1,4 +1,6 @@
 // Bodies with a radius against an oracle: exact distances of all pairs of triangles, minus radii.
+#include "core/bounds/radii.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -96,6 +98,17 @@ struct RandomRopes {
   Scene scene;
   std::array<bool, 4> is_rope{};
 
+  // Divides a body into two parts, of which one or both have margins of their own.
+  void giveParts(std::uint32_t seed, BodyId id) {
+    std::mt19937 random(seed);
+    std::vector<PartId> parts(scene.body(id).mesh.triangleCount());
+    for (PartId& part : parts) part = static_cast<PartId>(1 + random() % 2);
+    scene.setParts(id, parts);
+    std::map<PartId, float> margins_m{{1, 0.01F * static_cast<float>(random() % 20)}};
+    if (random() % 2 != 0) margins_m[2] = 0;
+    scene.setPartMargins(id, margins_m);
+  }
+
   explicit RandomRopes(std::uint32_t seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> unit(0, 1);
@@ -124,6 +137,7 @@ struct RandomRopes {
       RigidTransform pose;
       for (double& x : pose.translation) x = 0.2 * unit(random);
       if (random() % 2 != 0) scene.setPose(id, pose);
+      if (seed % 4 == 1) giveParts(seed + id, id);
     }
     for (BodyId a = 0; a < is_rope.size(); ++a) {
       for (BodyId b = a; b < is_rope.size(); ++b) {
@@ -135,6 +149,14 @@ struct RandomRopes {
   }
 };
 
+// Returns the margin of a triangle [m].
+float marginOf(const Scene& scene, BodyId id, std::uint32_t triangle) {
+  const Body& body = scene.body(id);
+  if (body.parts.empty()) return body.own_margin_m;
+  const auto own = body.part_margins_m.find(body.parts[triangle]);
+  return own == body.part_margins_m.end() ? body.own_margin_m : own->second;
+}
+
 struct Expected {
   std::map<TrianglePair, float> listed;                                         // [pair, distance]
   std::map<std::pair<BodyId, BodyId>, std::pair<float, TrianglePair>> nearest;  // of the bare ones
@@ -144,10 +166,10 @@ struct Expected {
     const Oracle oracle(scene);
     for (const auto& [a, b] : scene.enabledPairs()) {
       const TriangleMesh &of_a = scene.body(a).mesh, &of_b = scene.body(b).mesh;
-      const float margin_m = pairMargin(scene.body(a).margin_m, scene.body(b).margin_m);
       for (std::uint32_t i = 0; i < of_a.triangleCount(); ++i) {
         for (std::uint32_t j = a == b ? i + 1 : 0; j < of_b.triangleCount(); ++j) {
           const TrianglePair pair(a, i, b, j);
+          const float margin_m = std::max(marginOf(scene, a, i), marginOf(scene, b, j));
           if (a == b && scene.body(a).radius_m > 0 &&
               wayBetween(of_a, i, j) < M_PI * scene.body(a).radius_m) {
             continue;
@@ -188,7 +210,12 @@ TEST_P(Radii, EqualExactDistancesMinusRadii) {
     options.geometry = seed % 2 == 0;
     const bool lists_near = !options.nearest || options.near_pairs;
     const Expected expected(ropes, lists_near);
+    // A pool knows radii and margins of parts, and so do the detectors in it.
+    const auto pool = withRadiiAndPartMargins(makeBruteForceDetector());
+    const DetectionResult& of_pool = pool->detect(scene, options);
     const DetectionResult& result = detector_->detect(scene, options);
+    ASSERT_TRUE(samePairs(result.contacts, of_pool.contacts));
+    ASSERT_TRUE(result.nearest == of_pool.nearest);
     ASSERT_EQ(expected.listed.size(), result.contacts.size());
     EXPECT_TRUE(isOrdered(result.contacts));
     const bool has_separations = lists_near && scene.anyMargin();

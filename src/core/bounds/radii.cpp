@@ -245,30 +245,33 @@ void InflatedDetector::takeSearch() {
 // of a body may have different margins, so the nearest pair of two bodies is found anew among those
 // of their parts.
 void InflatedDetector::keepNearest(const Scene& scene) {
-  std::vector<NearestOfParts>& parts = result_.nearest_parts;
-  for (NearestOfParts& of : parts) {
-    deflate({scene.body(of.parts.body_a), scene.body(of.parts.body_b)}, &of.nearest);
-  }
   const auto isBeyond = [&scene](const NearestPair& nearest) {
     return nearest.distance_m > marginOf(scene, nearest.pair);
   };
+  // By bodies: the distance of the triangles, and the pair without the radii.
+  std::map<std::pair<BodyId, BodyId>, std::pair<float, NearestPair>> best;
+  std::vector<NearestOfParts>& parts = result_.nearest_parts;
+  for (NearestOfParts& of : parts) {
+    const float bare_m = of.nearest.distance_m;
+    deflate({scene.body(of.parts.body_a), scene.body(of.parts.body_b)}, &of.nearest);
+    if (isBeyond(of.nearest)) continue;
+    const auto [place, is_new] =
+        best.try_emplace({of.parts.body_a, of.parts.body_b}, bare_m, of.nearest);
+    auto& [least_m, least] = place->second;
+    if (!is_new && std::tie(bare_m, of.nearest.pair) < std::tie(least_m, least.pair)) {
+      place->second = {bare_m, of.nearest};
+    }
+  }
   parts.erase(std::remove_if(parts.begin(), parts.end(),
                              [&](const NearestOfParts& of) { return isBeyond(of.nearest); }),
               parts.end());
-  std::map<std::pair<BodyId, BodyId>, const NearestPair*> best;
-  for (const NearestOfParts& of : parts) {
-    const NearestPair*& least =
-        best.try_emplace({of.parts.body_a, of.parts.body_b}, &of.nearest).first->second;
-    const auto key = [](const NearestPair& one) { return std::tie(one.distance_m, one.pair); };
-    if (key(of.nearest) < key(*least)) least = &of.nearest;
-  }
   std::vector<NearestPair>& nearest = result_.nearest;
   for (NearestPair& of : nearest) {
     const Body &a = scene.body(of.pair.body_a), &b = scene.body(of.pair.body_b);
     deflate({a, b}, &of);
     if (a.part_margins_m.empty() && b.part_margins_m.empty()) continue;
     const auto found = best.find({of.pair.body_a, of.pair.body_b});
-    if (found != best.end()) of = *found->second;
+    if (found != best.end()) of = found->second.second;
   }
   nearest.erase(std::remove_if(nearest.begin(), nearest.end(), isBeyond), nearest.end());
 }
@@ -299,6 +302,10 @@ void InflatedDetector::keepDistances(const Scene& scene) {
       distance.low_m = distance.high_m = 0;
     } else if (distance.is_exact && near.count(bodies) == 0) {  // beyond its margin
       const bool is_beyond_all = a.part_margins_m.empty() && b.part_margins_m.empty();
+      if (!is_beyond_all && result_.cut_off && std::isfinite(distance.high_m)) {
+        distance.is_exact = distance.is_listed = false;  // another part may be near
+        continue;
+      }
       const float margin_m = pairMargin(a.margin_m, b.margin_m);
       if (is_beyond_all) distance.low_m = std::max(distance.low_m, margin_m);
       distance.high_m = INFINITY;
@@ -313,6 +320,7 @@ void InflatedDetector::detectWithin(const Scene& scene, const Options& options, 
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     const double margin_m = with_margins ? scene.body(id).margin_m : 0;
     bare_.setRadius(id, 0);
+    bare_.setPartMargins(id, {});  // the body's margin is the largest of them
     bare_.setMargin(id, growth[id] == 0 ? static_cast<float>(margin_m)
                                         : roundedUp(std::min<double>(
                                               (margin_m + growth[id]) * (1 + 0x1p-22), FLT_MAX)));

@@ -275,7 +275,11 @@ std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   const std::vector<std::string> frames = scene_.framesOfRobotCycle();
   if (frames.empty()) return std::nullopt;
   const ros::Time now = clock_.rosTime();
-  const std::optional<ros::Time> newest = lookup_.newestCommon(frames, parameters_.max_mesh_age_s);
+  const double window_s = parameters_.max_mesh_age_s;
+  std::optional<ros::Time> newest = lookup_.newestCommon(frames, window_s);
+  // The clock of a rigid object's transforms may run ahead of that of the links.
+  const auto of_links = lookup_.newestCommon(scene_.framesOfRobotCycle(false), window_s);
+  if (newest && of_links && !of_links->isZero()) newest = std::min(*newest, *of_links);
   if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
   if (!now.isZero() && secondsBetween(*newest, now) > kMaxAheadS) return now;
   const bool is_old = !now.isZero() && secondsBetween(now, *newest) > parameters_.max_mesh_age_s;

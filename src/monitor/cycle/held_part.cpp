@@ -22,17 +22,20 @@ constexpr std::size_t kMostPartsBesideHeld = 127;  // each of them may be split,
 struct Block {
   std::vector<Triangle> triangles;
   Aabb box;
+  float within_m;  // of these triangles
 };
 
-// Returns the finite triangles of a body in blocks of neighbors.
-std::vector<Block> blocksOf(const Body& body) {
+// Returns the finite triangles of a body in blocks of neighbors. `radius_m` counts from its
+// surface.
+std::vector<Block> blocksOf(const Body& body, float radius_m) {
   constexpr std::size_t kBlock = 32;
   const PosedBody posed(body);
   std::vector<Block> blocks;
   for (std::uint32_t t = 0; t < body.mesh.triangleCount(); ++t) {
     const Triangle triangle = posed.triangle(t);
     if (!isFinite(triangle)) continue;
-    if (blocks.empty() || blocks.back().triangles.size() == kBlock) blocks.emplace_back();
+    if (blocks.empty() || blocks.back().triangles.size() == kBlock)
+      blocks.push_back({{}, {}, radius_m + body.radius_m});
     blocks.back().triangles.push_back(triangle);
     for (const Vec3f& corner : triangle.v) blocks.back().box.include(corner);
   }
@@ -90,11 +93,13 @@ std::vector<std::uint32_t> trianglesWithin(const Scene& scene, BodyId body, floa
   std::vector<Block> others;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (id == body) continue;
-    std::vector<Block> blocks = blocksOf(scene.body(id));
+    std::vector<Block> blocks = blocksOf(scene.body(id), radius_m);
     std::move(blocks.begin(), blocks.end(), std::back_inserter(others));
   }
   Aabb all;
+  float most_m = 0;
   for (const Block& block : others) {
+    most_m = std::max(most_m, block.within_m);
     all.include(block.box.min);
     all.include(block.box.max);
   }
@@ -104,11 +109,11 @@ std::vector<std::uint32_t> trianglesWithin(const Scene& scene, BodyId body, floa
     const Triangle triangle = posed.triangle(t);
     if (!isFinite(triangle)) continue;
     const Aabb box = boxOf(triangle);
-    if (others.empty() || areApart(box, all, radius_m)) continue;
+    if (others.empty() || areApart(box, all, most_m)) continue;
     const bool is_within = std::any_of(others.begin(), others.end(), [&](const Block& block) {
-      return !areApart(box, block.box, radius_m) &&
+      return !areApart(box, block.box, block.within_m) &&
              std::any_of(block.triangles.begin(), block.triangles.end(),
-                         [&](const Triangle& o) { return isWithin(triangle, o, radius_m); });
+                         [&](const Triangle& o) { return isWithin(triangle, o, block.within_m); });
     });
     if (is_within) within.push_back(t);
   }
@@ -180,8 +185,10 @@ std::shared_ptr<const HeldPart> findHeldPart(const HoldQuestion& question,
   for (const std::string& holder : question.links) {
     const RigidParameters* const rigid = findRigid(parameters, holder);
     if (rigid == nullptr) continue;
-    addPosed(holder, *rigid->mesh, frameOf(holder, question, parameters), parameters, lookup,
-             &scene, placeOf(*rigid, question.attached, parameters).frame_from_body);
+    const BodyId id =
+        addPosed(holder, *rigid->mesh, frameOf(holder, question, parameters), parameters, lookup,
+                 &scene, placeOf(*rigid, question.attached, parameters).frame_from_body);
+    scene.setRadius(id, rigid->radius_m);
   }
   if (scene.bodyCount() == 1) {
     throw std::invalid_argument(

@@ -16,10 +16,10 @@
 namespace deformable_contact_monitor {
 
 // Returns the triangles of a body that are at most `radius_m` > 0 from some triangle of another
-// body of the scene, ascending. That is the distance in a straight line, and exactly what a
-// detector lists as touching or near for a margin of `radius_m`: triangles that intersect, and
-// those whose distance, rounded to float32, is at most that much. Triangles with a vertex that is
-// not finite are near to nothing.
+// body of the scene, or from its surface if that body has a radius, ascending. That is the distance
+// in a straight line, and exactly what a detector lists as touching or near for a margin of
+// `radius_m`: triangles that intersect, and those whose distance, rounded to float32, is at most
+// that much. Triangles with a vertex that is not finite are near to nothing.
 std::vector<std::uint32_t> trianglesWithin(const Scene& scene, BodyId body, float radius_m);
 
 // What ~attach_object with a radius asks about.

@@ -62,8 +62,7 @@ void PartChooser::hold(std::shared_ptr<const HeldPart> held) {
 }
 
 void PartChooser::makePieces() {
-  BodyParts parts;
-  for (const PartParameters& part : given_) parts.names.push_back(part.name);
+  BodyParts parts = partsOf(given_);
   parts.problem = problem_;
   of_triangles_ = named_;
   const bool fits =
@@ -90,16 +89,15 @@ void PartChooser::splitHeld(BodyParts* parts) {
 
 // What is held of a part keeps its margin.
 std::map<PartId, float> PartChooser::marginsOfPieces() const {
-  std::map<PartId, float> margins_m;
+  std::map<PartId, float> of_pieces;
   const std::size_t pieces = parts_ == nullptr ? 0 : parts_->pieceCount();
-  for (std::size_t part = 0; part < given_.size(); ++part) {
-    if (!given_[part].margin_m) continue;
-    for (std::size_t piece = 1; piece < pieces; ++piece) {
-      const auto id = static_cast<PartId>(piece);
-      if (parts_->has(static_cast<PartId>(part + 1), id)) margins_m[id] = *given_[part].margin_m;
+  for (std::size_t i = 1; i < pieces; ++i) {
+    const auto piece = static_cast<PartId>(i);
+    for (const auto& [part, margin_m] : parts_->margins_m) {
+      if (parts_->has(part, piece)) of_pieces[piece] = margin_m;
     }
   }
-  return margins_m;
+  return of_pieces;
 }
 
 void PartChooser::choose(const IncomingMesh& mesh) {

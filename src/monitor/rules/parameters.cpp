@@ -311,10 +311,17 @@ BodyStatus bodyOf(const ObjectParameters& object) {
   body.name = object.name;
   body.kind = BodyKind::kDeformable;
   if (object.parts.empty()) return body;
-  BodyParts parts;
-  for (const PartParameters& part : object.parts) parts.names.push_back(part.name);
-  body.parts = std::make_shared<const BodyParts>(std::move(parts));
+  body.parts = std::make_shared<const BodyParts>(partsOf(object.parts));
   return body;
+}
+
+BodyParts partsOf(const std::vector<PartParameters>& given) {
+  BodyParts parts;
+  for (const PartParameters& part : given) {
+    parts.names.push_back(part.name);
+    if (part.margin_m) parts.margins_m[static_cast<PartId>(parts.names.size())] = *part.margin_m;
+  }
+  return parts;
 }
 
 // Either parameter leaves pairs undecided, or decides them within a tolerance.

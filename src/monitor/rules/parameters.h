@@ -77,6 +77,8 @@ struct ObjectParameters {
 
 // Returns the object as a body that has no mesh yet.
 BodyStatus bodyOf(const ObjectParameters& object);
+// Returns the parts with their names and margins; nobody knows their triangles yet.
+BodyParts partsOf(const std::vector<PartParameters>& given);
 
 constexpr char kSrdfAuto[] = "auto", kSrdfNone[] = "none";  // of RobotParameters::srdf
 

@@ -34,9 +34,9 @@ std::string describe(const Body& body, const BodyStatus& status, const Partners&
   text << "margin " << body.own_margin_m << " m";
   const char* before = " (";
   for (std::size_t i = 0; i < status.partCount(); ++i) {
-    const auto part = static_cast<PartId>(i + 1);
-    if (body.part_margins_m.count(part) == 0 || part == status.parts->heldPart()) continue;
-    text << before << status.parts->names[i] << " " << body.marginOf(part) << " m";
+    const auto own = status.parts->margins_m.find(static_cast<PartId>(i + 1));
+    if (own == status.parts->margins_m.end()) continue;
+    text << before << status.parts->names[i] << " " << own->second << " m";
     before = ", ";
   }
   if (before[0] == ',') text << ")";

@@ -113,6 +113,12 @@ void chooseTopics(const BagFiles& files, std::vector<ObjectParameters>* objects)
 void addPlayedObject(const SceneObject& object, const BagContents& contents,
                      MonitorParameters* parameters) {
   std::vector<ObjectParameters>& objects = parameters->objects;
+  for (const RigidParameters& rigid : parameters->rigids) {
+    if (rigid.name != object.name) continue;
+    throw std::runtime_error("object '" + object.name +
+                             "' is rigid in the configuration; give the played one another name "
+                             "with --object");
+  }
   for (const ObjectParameters& other : objects) {
     if (other.name != object.name) continue;
     if (meshTopics(contents).count(topicOf(other)) == 0) return;

@@ -63,6 +63,7 @@ TEST(TrianglesWithin, AreThoseThatADetectorListsForThatMargin) {
     pose.translation[0] = size * static_cast<double>(i % 5) / 8;
     scene.setPose(1, pose);
     if (i % 4 == 0) scene.setPose(0, pose);
+    if (i % 5 == 0) scene.setRadius(2, size / 32);
     const float radius_m = size * static_cast<float>(1 + i % 16) / 64;
     const std::vector<std::uint32_t> within = trianglesWithin(scene, 0, radius_m);
     ASSERT_EQ(within, listed(scene, radius_m)) << "scene " << i;

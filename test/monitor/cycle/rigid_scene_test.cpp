@@ -213,6 +213,23 @@ TEST_F(RigidSceneTest, TheRobotsOwnCyclesHaveItsPairsWithLinks) {
   EXPECT_EQ(stateOf("hand table"), "-") << "no newer transform of both";
 }
 
+// The table's transforms come from a machine whose clock is ahead.
+TEST_F(RigidSceneTest, AClockThatIsAheadDoesNotHideLinksFromOneAnother) {
+  useRobot();
+  auto robot = std::make_shared<RobotGeometry>(*robot_);
+  robot->links.push_back({"arm", "", upright(), ""});
+  robot->link_names.insert("arm");
+  robot_ = robot;
+  parameters_.max_mesh_age_s = 0.5;
+  parameters_.pair_classes = {false, false, false, true, false, true};
+  put("hand", 0);
+  put("arm", 0);
+  addTransform(&transforms_, "table_frame", ros_time_.toSec() + 0.75);
+  step();
+  EXPECT_EQ(stateOf("hand arm"), "C");
+  EXPECT_EQ(stateOf("hand table"), "?");
+}
+
 TEST_F(RigidSceneTest, ALinkCarriesItUntilItIsReleased) {
   useRobot();
   parameters_.pair_classes = {true, false, false, false, true, true};

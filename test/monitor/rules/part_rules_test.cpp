@@ -313,8 +313,10 @@ TEST_F(PartRules, InWords) {
   EXPECT_EQ(in_force.allowedPairs(), 0U);
   EXPECT_EQ(in_force.bodies[0].second, "margin 0 m, may touch cloth:hem (parameters)");
   EXPECT_EQ(in_force.bodies[1].second, "margin 0 m, may touch hand with hem (parameters)");
-  scene.setPartMargins(1, {{1, 0.5F}, {2, 0.25F}});
-  EXPECT_EQ(describeRules(bodies, {}, rules_, scene, {}).bodies[1].second,
+  BodyParts parts = *cloth_.parts;
+  parts.margins_m = {{1, 0.5F}, {2, 0.25F}};
+  cloth_.parts = std::make_shared<const BodyParts>(parts);
+  EXPECT_EQ(describeRules({hand_, cloth_}, {}, rules_, scene, {}).bodies[1].second,
             "margin 0 m (hem 0.5 m, seam 0.25 m)");
 }
 
