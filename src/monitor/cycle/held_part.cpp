@@ -126,6 +126,7 @@ std::string holdProblem(const std::string& object, float radius_m,
     return "the radius is " + std::to_string(radius_m) + ", must be a finite number >= 0 [m]";
   }
   const std::string part = object + ":" + kHeldPart;
+  const std::string beside_part = "for '" + object + "' beside the object '" + part + "'";
   std::string problem;
   const auto refuse = [&problem](const std::string& because) {
     problem += (problem.empty() ? "a radius is not supported " : ", and not ") + because;
@@ -139,14 +140,14 @@ std::string holdProblem(const std::string& object, float radius_m,
     if (other.name == object && other.type == MeshType::kPoints) {
       refuse("for points, which may come in another order");
     }
-    if (other.name == part) refuse("for '" + object + "' beside the object '" + part + "'");
+    if (other.name == part) refuse(beside_part);
     if (other.name == object && other.parts.size() > kMostPartsBesideHeld) {
       refuse("for an object with " + std::to_string(other.parts.size()) +
              " parts, must be at most " + std::to_string(kMostPartsBesideHeld));
     }
   }
   if (findRigid(parameters, part) != nullptr) {
-    refuse("for '" + object + "' beside the object '" + part + "'");
+    refuse(beside_part);
   }
   return problem;
 }

@@ -263,11 +263,17 @@ void ParameterReader::addNumbers(const std::string& name, const std::string& pre
                                  std::map<std::string, double>* numbers) {
   for (const auto& [key, item] : map) {
     double number = 0;
+    std::string whole = prefix;
+    whole += key;
     if (item.getType() == XmlRpcValue::TypeStruct) {
-      addNumbers(name, prefix + key + "/", item, low, high, numbers);
-    } else if (toNumber(name + "/" + prefix + key, item, low, high, &number)) {
-      (*numbers)[prefix + key] = number;
+      whole += '/';
+      addNumbers(name, whole, item, low, high, numbers);
+      continue;
     }
+    std::string parameter = name;
+    parameter += '/';
+    parameter += whole;
+    if (toNumber(parameter, item, low, high, &number)) (*numbers)[whole] = number;
   }
 }
 

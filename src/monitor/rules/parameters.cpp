@@ -40,7 +40,7 @@ std::string frame(ParameterReader* reader, const std::string& name, const std::s
 
 // Reads what precedes links' names in TF frames.
 std::string prefix(ParameterReader* reader) {
-  const std::string value = reader->optionalText("frame_prefix", "");
+  std::string value = reader->optionalText("frame_prefix", "");
   if (value.substr(0, 1) == "/") {
     reader->addProblem("frame_prefix", "is '" + value + "', must not begin with '/'");
   }

@@ -100,11 +100,16 @@ std::string attachProblem(const std::string& object, const std::vector<std::stri
   if (robot != nullptr) holders.assign(robot->link_names.begin(), robot->link_names.end());
   const bool is_rigid = has(rigids, object);
   if (!is_rigid) holders.insert(holders.end(), rigids.begin(), rigids.end());
+  const std::string is_rigid_too =
+      "' is rigid as '" + object + "' is, and only links hold rigid objects";
   bool lacks_robot = false;
   for (const std::string& link : links) {
     if (has(holders, link)) continue;
     if (has(rigids, link)) {
-      add("'" + link + "' is rigid as '" + object + "' is, and only links hold rigid objects");
+      std::string problem = "'";
+      problem += link;
+      problem += is_rigid_too;
+      add(problem);
     } else if (robot == nullptr) {
       lacks_robot = true;
     } else {

@@ -101,7 +101,7 @@ void deserialize(const BagMessage& message, M* to) {
 template <typename M>
 boost::shared_ptr<M> decoded(const BagMessage& message) {
   check<M>(message);
-  const auto to = boost::make_shared<M>();
+  auto to = boost::make_shared<M>();
   deserialize(message, to.get());
   return to;
 }

@@ -143,7 +143,7 @@ class Chooser {
   // Returns the topic that the option names, or the only one that is there.
   std::string chosen(const char* what, const std::string& option, const std::string& asked,
                      const Names& there) const {
-    const std::string topic = asked.empty() ? "" : absoluteTopic(asked);
+    std::string topic = asked.empty() ? "" : absoluteTopic(asked);
     if (!asked.empty() && !contains(there, topic)) refuseMissing(option, topic, there);
     if (!asked.empty()) return topic;
     if (there.size() > 1) {
