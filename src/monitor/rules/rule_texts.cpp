@@ -106,10 +106,10 @@ std::string attachProblem(const std::string& object, const std::vector<std::stri
   for (const std::string& link : links) {
     if (has(holders, link)) continue;
     if (has(rigids, link)) {
-      std::string problem = "'";
-      problem += link;
-      problem += is_rigid_too;
-      add(problem);
+      std::string both = "'";
+      both += link;
+      both += is_rigid_too;
+      add(both);
     } else if (robot == nullptr) {
       lacks_robot = true;
     } else {
