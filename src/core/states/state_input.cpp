@@ -1,0 +1,113 @@
+#include "core/states/state_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "core/rules/posed_vertex.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using IdPair = std::pair<BodyId, BodyId>;
+
+// Returns whether all vertices of a triangle are finite as they were received.
+bool isReceivedFinite(const TriangleMesh& mesh, std::size_t triangle) {
+  const std::uint32_t* const corner = mesh.triangles.data() + 3 * triangle;
+  return isFinite(mesh.vertex(corner[0])) && isFinite(mesh.vertex(corner[1])) &&
+         isFinite(mesh.vertex(corner[2]));
+}
+
+// Returns whether a part is in an enabled pair of parts with a body of these pairs.
+bool partTakesPart(const Scene& scene, const std::vector<IdPair>& pairs, BodyId body, PartId part) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const IdPair& pair) {
+    if (pair.first != body && pair.second != body) return false;
+    const BodyId other = pair.first == body ? pair.second : pair.first;
+    const std::vector<PartId>& parts = scene.body(other).listed_parts;
+    return std::any_of(parts.begin(), parts.end(), [&](PartId of_other) {
+      return scene.partPairEnabled(body, part, other, of_other);
+    });
+  });
+}
+
+}  // namespace
+
+void requireValid(const Scene& scene, const StateBatch& batch) {
+  if (batch.count > std::numeric_limits<std::uint32_t>::max()) {
+    throw std::invalid_argument(std::to_string(batch.count) +
+                                " states, but 32 bits have to number them");
+  }
+  if (batch.poses == nullptr && batch.count > 0 && !batch.moved.empty()) {
+    throw std::invalid_argument("the poses of " + std::to_string(batch.count) +
+                                " states are said to be at a null pointer");
+  }
+  std::vector<bool> is_moved(scene.bodyCount());
+  for (const BodyId id : batch.moved) {
+    if (id >= scene.bodyCount()) {
+      throw std::invalid_argument("moved body " + std::to_string(id) +
+                                  " does not exist; there are " +
+                                  std::to_string(scene.bodyCount()));
+    }
+    if (is_moved[id]) {
+      throw std::invalid_argument(scene.body(id).name + ": named twice among the moved bodies");
+    }
+    is_moved[id] = true;
+  }
+}
+
+std::vector<IdPair> pairsOfStates(const Scene& scene, const StateBatch& batch) {
+  std::vector<IdPair> pairs = scene.enabledPairs();
+  const auto isMoved = [&batch](BodyId id) {
+    return std::find(batch.moved.begin(), batch.moved.end(), id) != batch.moved.end();
+  };
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                             [&](const IdPair& pair) {
+                               return pair.first == pair.second ||
+                                      (!isMoved(pair.first) && !isMoved(pair.second));
+                             }),
+              pairs.end());
+  return pairs;
+}
+
+std::vector<RejectedPart> rejectedOfStates(const Scene& scene, const std::vector<IdPair>& pairs) {
+  std::vector<RejectedPart> rejected;
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    const bool takes_part = std::any_of(pairs.begin(), pairs.end(), [id](const IdPair& pair) {
+      return pair.first == id || pair.second == id;
+    });
+    if (!takes_part) continue;
+    const Body& body = scene.body(id);
+    std::uint64_t counts[256] = {};
+    for (std::size_t t = 0; t < body.mesh.triangleCount(); ++t) {
+      if (!isReceivedFinite(body.mesh, t)) ++counts[body.partOf(static_cast<std::uint32_t>(t))];
+    }
+    for (const PartId part : body.listed_parts) {
+      if (counts[part] > 0 && partTakesPart(scene, pairs, id, part)) {
+        rejected.push_back({id, part, counts[part]});
+      }
+    }
+  }
+  return rejected;
+}
+
+bool isFinite(const RigidTransform& pose) {
+  const auto finite = [](double x) { return std::isfinite(x); };
+  return std::all_of(std::begin(pose.rotation), std::end(pose.rotation), finite) &&
+         std::all_of(std::begin(pose.translation), std::end(pose.translation), finite);
+}
+
+bool leavesFloats(const Body& body, const RigidTransform& pose) {
+  if (pose.isIdentity()) return false;
+  const TriangleMesh& mesh = body.mesh;
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+    if (!isReceivedFinite(mesh, t)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!isFinite(apply(pose, mesh.vertex(mesh.triangles[3 * t + k])))) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace deformable_contact_monitor

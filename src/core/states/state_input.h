@@ -1,0 +1,36 @@
+// What a batch of states asks of a scene: which pairs of bodies are looked at, and which triangles
+// take no part. Both backends begin with it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/export.h"
+#include "core/predicates/aabb.h"
+#include "core/scene.h"
+#include "core/state_checker.h"
+
+namespace deformable_contact_monitor {
+
+// Throws std::invalid_argument, as StateChecker::check() says, but for vertices on a device.
+DCM_EXPORT void requireValid(const Scene& scene, const StateBatch& batch);
+
+// Returns the enabled pairs (a, b), a < b, of two bodies of which one is moved, ascending.
+DCM_EXPORT std::vector<std::pair<BodyId, BodyId>> pairsOfStates(const Scene& scene,
+                                                                const StateBatch& batch);
+
+// Fills in StateResults::rejected for these pairs. Reads all vertices, which must be on the host.
+DCM_EXPORT std::vector<RejectedPart> rejectedOfStates(
+    const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs);
+
+// Returns whether all numbers of a pose are finite.
+DCM_EXPORT bool isFinite(const RigidTransform& pose);
+
+// Returns whether a pose makes a vertex of some triangle infinite, of a triangle whose vertices
+// were received finite. Reads all vertices, which must be on the host; where posedBox() of the
+// body's box is finite, the answer is no.
+DCM_EXPORT bool leavesFloats(const Body& body, const RigidTransform& pose);
+
+}  // namespace deformable_contact_monitor
