@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/bounds/distance_rounding.h"
+#include "core/bounds/pair_radii.h"
 #include "core/bounds/ways_along_mesh.h"
 #include "core/common/cycle_limit.h"
 #include "core/common/stopwatch.h"
@@ -26,36 +27,11 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Returns the nearest float32 that is finite.
-float finiteFloat(double x) { return static_cast<float>(std::clamp<double>(x, -FLT_MAX, FLT_MAX)); }
-
-Vec3f moved(const Vec3f& point, const Vec3f& along, double by_m) {
-  return {finiteFloat(point.x + by_m * along.x), finiteFloat(point.y + by_m * along.y),
-          finiteFloat(point.z + by_m * along.z)};
-}
-
 // Returns the margin of two triangles [m].
 float marginOf(const Scene& scene, const TrianglePair& pair) {
   const Body &a = scene.body(pair.body_a), &b = scene.body(pair.body_b);
   return pairMargin(a.marginOf(a.partOf(pair.triangle_a)), b.marginOf(b.partOf(pair.triangle_b)));
 }
-
-// The radii of a pair of bodies.
-struct PairRadii {
-  double a_m, b_m;
-  float touch_m;  // at most so far apart, their triangles are a contact
-
-  PairRadii(const Body& a, const Body& b)
-      : a_m(a.radius_m), b_m(b.radius_m), touch_m(roundedDown(a_m + b_m)) {}
-
-  double sum() const { return a_m + b_m; }
-
-  // Returns the distance of the two, from that of the triangles; 0 if they touch.
-  float apartM(float distance_m) const {
-    if (distance_m <= touch_m) return 0;
-    return std::max(static_cast<float>(distance_m - sum()), FLT_TRUE_MIN);
-  }
-};
 
 // Returns how much a body's margin must grow so that no contact of its pairs is missed: by its own
 // radius and the largest one of its partners. A pair has the larger margin of its two bodies.
@@ -67,33 +43,6 @@ std::vector<double> growths(const Scene& scene) {
     growth[b] = std::max(growth[b], sum);
   }
   return growth;
-}
-
-// Moves the closest points of two triangles, which are gap_m apart along the normal, to the
-// surfaces of the bodies; or both to the middle of the overlap if the bodies touch.
-void movePoints(const PairRadii& radii, double gap_m, const Vec3f& normal, bool touch, Vec3f* a,
-                Vec3f* b) {
-  if (!touch) {
-    *a = moved(*a, normal, radii.a_m);
-    *b = moved(*b, normal, -radii.b_m);
-    return;
-  }
-  // Along the normal, from point_a on, a reaches from -a_m to a_m, and b from gap - b_m to gap +
-  // b_m.
-  const double from_m = std::max(-radii.a_m, gap_m - radii.b_m);
-  const double to_m = std::min(radii.a_m, gap_m + radii.b_m);
-  *a = moved(*a, normal, (from_m + to_m) / 2);
-  *b = *a;
-}
-
-// Takes the radii off a nearest pair, which is that of the triangles.
-void deflate(const PairRadii& radii, NearestPair* nearest) {
-  if (radii.sum() == 0) return;
-  const double gap_m = nearest->distance_m;
-  nearest->distance_m = radii.apartM(nearest->distance_m);
-  const bool touch = nearest->distance_m == 0;
-  movePoints(radii, gap_m, nearest->normal, touch, &nearest->point_a, &nearest->point_b);
-  if (touch) nearest->normal = Vec3f();
 }
 
 // Takes the radii off the bounds of a distance, which are those of the triangles.
@@ -113,8 +62,8 @@ void deflate(const PairRadii& radii, BodyDistance* distance) {
 // Takes the radii off the geometry of a contact.
 void deflate(const PairRadii& radii, PairGeometry* geometry) {
   if (geometry->separation_m > 0) {
-    geometry->point_a = moved(geometry->point_a, geometry->normal, radii.a_m);
-    geometry->point_b = moved(geometry->point_b, geometry->normal, -radii.b_m);
+    geometry->point_a = movedAlong(geometry->normal, radii.a_m, geometry->point_a);
+    geometry->point_b = movedAlong(geometry->normal, -radii.b_m, geometry->point_b);
   }
   const double separation_m = geometry->separation_m - radii.sum();
   if (std::abs(separation_m) > FLT_MAX) geometry->flags |= kSeparationUndefined;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/common/parallel.h"
-#include "core/common/posed_body.h"
 #include "core/rules/geometry_of_pair.h"
 
 namespace deformable_contact_monitor {
@@ -37,6 +36,11 @@ void writeGeometry(const Scene& scene, const Options& options, DetectionResult& 
 
 NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pair, float distance_m) {
   const PosedBody a(scene.body(pair.body_a)), b(scene.body(pair.body_b));
+  return nearestPairOf(a, b, pair, distance_m);
+}
+
+NearestPair nearestPairOf(const PosedBody& a, const PosedBody& b, const TrianglePair& pair,
+                          float distance_m) {
   const PairGeometry geometry =
       geometryOf(a.triangle(pair.triangle_a), b.triangle(pair.triangle_b), distance_m);
   if (distance_m == 0) return {pair, 0, geometry.point_a, geometry.point_a, Vec3f()};

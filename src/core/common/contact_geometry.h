@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/common/posed_body.h"
 #include "core/detector.h"
 #include "core/export.h"
 #include "core/scene.h"
@@ -14,10 +15,12 @@ namespace deformable_contact_monitor {
 // The scene's vertices must be on the host.
 void writeGeometry(const Scene& scene, const Options& options, DetectionResult& result);
 
-// Returns the nearest pair of two bodies whose nearest triangles are these, at that distance [m]: 0
+// Return the nearest pair of two bodies whose nearest triangles are these, at that distance [m]: 0
 // if they intersect. The vertices of both bodies must be on the host.
 DCM_EXPORT NearestPair nearestPairOf(const Scene& scene, const TrianglePair& pair,
                                      float distance_m);
+NearestPair nearestPairOf(const PosedBody& a, const PosedBody& b, const TrianglePair& pair,
+                          float distance_m);
 
 // Returns the nearest pairs of the bodies that touch, from a complete list of contacts: the first
 // contact of each two bodies. `contacts` must be sorted. Pairs of a body with itself, and those

@@ -19,7 +19,10 @@ namespace deformable_contact_monitor {
 class PosedBody {
  public:
   explicit PosedBody(const Body& body)
-      : PosedBody(body.pose, body.mesh.vertices.data(), body.mesh.triangles.data()) {}
+      : PosedBody(body, body.pose) {}
+  // Takes another pose, which must outlive the view too.
+  PosedBody(const Body& body, const RigidTransform& pose)
+      : PosedBody(pose, body.mesh.vertices.data(), body.mesh.triangles.data()) {}
 
   // Returns the body as it was at the beginning of the time interval. A body without an earlier
   // state stands still.

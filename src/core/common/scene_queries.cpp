@@ -55,11 +55,14 @@ float listedMargin(const Body& body, const Options& options) {
 
 void requireHostVertices(const Scene& scene, const std::string& backend) {
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    const Body& body = scene.body(id);
-    if (!body.device_vertices || !scene.takesPart(id)) continue;
-    throw std::invalid_argument(body.name + ": its vertices are on a device, which backend \"" +
-                                backend + "\" cannot read");
+    if (scene.takesPart(id)) requireHostVertices(scene.body(id), backend);
   }
+}
+
+void requireHostVertices(const Body& body, const std::string& backend) {
+  if (!body.device_vertices) return;
+  throw std::invalid_argument(body.name + ": its vertices are on a device, which backend \"" +
+                              backend + "\" cannot read");
 }
 
 std::vector<RejectedTriangles> rejectedTriangles(const Scene& scene, Motion motion) {

@@ -35,6 +35,8 @@ DCM_EXPORT float listedMargin(const Body& body, const Options& options);
 // Throws std::invalid_argument, naming the body and the backend, if a body that takes part has its
 // vertices on a device. For backends that cannot read device memory.
 void requireHostVertices(const Scene& scene, const std::string& backend);
+// Does the same for one body that takes part.
+void requireHostVertices(const Body& body, const std::string& backend);
 
 // The triangles of a body that take no part because one of their vertices is not finite.
 struct RejectedTriangles {

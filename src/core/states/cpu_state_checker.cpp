@@ -1,90 +1,135 @@
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "core/common/cycle_limit.h"
+#include "core/common/parallel.h"
+#include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
-#include "core/cpu_detector.h"
+#include "core/rules/margins.h"
 #include "core/state_checker.h"
+#include "core/states/box_tree.h"
 #include "core/states/state_input.h"
+#include "core/states/state_search.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using IdPair = std::pair<BodyId, BodyId>;
 
-// Decides states one after the other, each by a detection.
+// Keeps a tree for each body. Threads take states in rising order, a few at a time.
 class CpuStateChecker : public StateChecker {
  public:
   std::string backend() const override { return "cpu"; }
-  void reset() override { detector_->reset(); }
+
+  void reset() override {
+    trees_.clear();
+    searches_.clear();
+  }
 
   const StateResults& check(const Scene& scene, const StateBatch& batch,
                             const StateOptions& options) override {
     const Stopwatch watch;
     requireValid(scene, batch);
+    const std::vector<IdPair> pairs = pairsOfStates(scene, batch);
+    for (const auto& [a, b] : pairs) {
+      for (const BodyId id : {a, b}) requireHostVertices(scene.body(id), backend());
+    }
     results_ = StateResults();
     results_.states.resize(batch.count);
-    Scene copy = scene;
-    for (const auto& [a, b] : scene.enabledPairs()) copy.setPairEnabled(a, b, false);
-    const std::vector<IdPair> pairs = pairsOfStates(scene, batch);
-    for (const auto& [a, b] : pairs) copy.setPairEnabled(a, b, true);
-    requireHostVertices(copy, backend());
     results_.rejected = rejectedOfStates(scene, pairs);
     const CycleLimit limit(options.limits);
-    for (std::size_t state = 0; state < batch.count && !results_.cut_off; ++state) {
-      decide(batch, options, limit, pairs, state, &copy);
+    threads_.run(options.threads, [&] { run(scene, batch, options, pairs, limit); });
+    if (limit.wasOver() && is_open_) {
+      results_.cut_off = true;
+      results_.cut_off_because = limit.why();
     }
     results_.check_ms = watch.elapsedMs();
     return results_;
   }
 
  private:
-  void decide(const StateBatch& batch, const StateOptions& options, const CycleLimit& limit,
-              const std::vector<IdPair>& pairs, std::size_t state, Scene* scene) {
-    if (limit.over()) {
-      results_.cut_off = true;
-      results_.cut_off_because = limit.why();
-      return;
-    }
-    const RigidTransform* const poses = batch.poses + state * batch.moved.size();
-    for (std::size_t i = 0; i < batch.moved.size(); ++i) {
-      if (!isFinite(poses[i])) return;
-      scene->setPose(batch.moved[i], poses[i]);
-    }
-    Options settings;
-    settings.nearest = true;
-    settings.threads = options.threads;
-    settings.limits = options.limits;
-    const DetectionResult& result = detector_->detect(*scene, settings);
-    if (result.cut_off) {
-      results_.cut_off = true;
-      results_.cut_off_because = result.cut_off_because;
-      return;
-    }
-    StateAnswer& answer = results_.states[state];
-    const auto touching = result.touchingBodies();
-    for (const NearestPair& pair : result.nearest) {
-      const bool is_first = &pair == result.nearest.data();
-      if (is_first || pair.distance_m < answer.nearest.distance_m) answer.nearest = pair;
-    }
-    bool leaves = false;
-    for (const auto& [a, b] : pairs) {
-      leaves = leaves || leavesFloats(scene->body(a), scene->body(a).pose) ||
-               leavesFloats(scene->body(b), scene->body(b).pose);
-    }
-    if (!touching.empty()) {
-      answer.decision = PairDecision::kContact;
-    } else if (!leaves) {
-      const bool near = options.nearest && !result.nearest.empty();
-      answer.decision = near ? PairDecision::kNear : PairDecision::kNone;
-    }
-    if (!options.nearest || answer.decision == PairDecision::kOpen) answer.nearest = NearestPair();
-    for (const auto& [a, b] : touching) {
-      if (options.pairs) results_.pairs.push_back({static_cast<std::uint32_t>(state), a, b});
-    }
-  }
+  void run(const Scene& scene, const StateBatch& batch, const StateOptions& options,
+           const std::vector<IdPair>& pairs, const CycleLimit& limit);
+  bool updateTrees(const Scene& scene, const std::vector<IdPair>& pairs, const CycleLimit& limit);
+  void decide(const StateTask& task, const CycleLimit& limit);
 
-  std::unique_ptr<Detector> detector_ = makeCpuDetector();
+  Threads threads_;
+  std::vector<std::unique_ptr<BoxTree>> trees_;         // per body; null: it is in no pair
+  std::vector<std::unique_ptr<StateSearch>> searches_;  // per thread
+  bool is_open_ = false;                                // the limit left some state open
   StateResults results_;
 };
+
+void CpuStateChecker::run(const Scene& scene, const StateBatch& batch, const StateOptions& options,
+                          const std::vector<IdPair>& pairs, const CycleLimit& limit) {
+  is_open_ = batch.count > 0;
+  if (!updateTrees(scene, pairs, limit)) return;
+  std::optional<PartTable> parts;
+  if (scene.partsMatter()) parts.emplace(scene);
+  StateTask task{scene, batch, options, {}, {}, scene.anyPartMargin()};
+  task.place.assign(scene.bodyCount(), StateTask::kNotMoved);
+  for (std::uint32_t i = 0; i < batch.moved.size(); ++i) task.place[batch.moved[i]] = i;
+  for (const auto& [a, b] : pairs) {
+    const Body &body_a = scene.body(a), &body_b = scene.body(b);
+    const BoxTree &tree_a = *trees_[a], &tree_b = *trees_[b];
+    const BodyPair bodies{a,
+                          b,
+                          &tree_a.tiles(),
+                          &tree_b.tiles(),
+                          pairMargin(body_a.margin_m, body_b.margin_m),
+                          {parts ? &*parts : nullptr}};
+    task.pairs.push_back({bodies, PairRadii(body_a, body_b), &tree_a, &tree_b});
+  }
+  decide(task, limit);
+}
+
+// Returns false if the limit was over.
+bool CpuStateChecker::updateTrees(const Scene& scene, const std::vector<IdPair>& pairs,
+                                  const CycleLimit& limit) {
+  std::vector<bool> takes_part(scene.bodyCount());
+  for (const auto& [a, b] : pairs) takes_part[a] = takes_part[b] = true;
+  trees_.resize(scene.bodyCount());
+  for (BodyId id = 0; id < scene.bodyCount(); ++id) {
+    if (!takes_part[id]) {
+      trees_[id].reset();
+      continue;
+    }
+    if (trees_[id] == nullptr) trees_[id] = std::make_unique<BoxTree>();
+    if (!trees_[id]->update(scene.body(id), limit)) return false;
+  }
+  return true;
+}
+
+void CpuStateChecker::decide(const StateTask& task, const CycleLimit& limit) {
+  constexpr std::size_t kBlock = 8;  // states, about a millisecond
+  const std::size_t count = task.batch.count;
+  const std::size_t workers = std::min(threadCount(), blockCount(count, kBlock));
+  while (searches_.size() < workers) searches_.push_back(std::make_unique<StateSearch>());
+  std::vector<std::vector<TouchingBodies>> pairs(workers);
+  std::atomic<std::size_t> next{0}, decided{0};
+  parallelBlocks(workers, 1, [&](std::size_t worker, std::size_t, std::size_t) {
+    StateSearch& search = *searches_[worker];
+    search.begin(task, limit);
+    for (std::size_t begin = next.fetch_add(kBlock); begin < count;
+         begin = next.fetch_add(kBlock)) {
+      for (std::size_t i = begin; i < std::min(count, begin + kBlock); ++i) {
+        if (limit.over()) return;
+        if (search.decide(static_cast<std::uint32_t>(i), &results_.states[i], &pairs[worker])) {
+          ++decided;
+        }
+      }
+    }
+  });
+  for (const auto& of_worker : pairs) {
+    results_.pairs.insert(results_.pairs.end(), of_worker.begin(), of_worker.end());
+  }
+  std::sort(results_.pairs.begin(), results_.pairs.end());
+  is_open_ = decided < count;
+}
 
 }  // namespace
 
