@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <functional>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -52,39 +54,92 @@ std::string dataOf(const std::string& url) {
   return "robots/" + url.substr((url.find(of_moveit) == 0 ? of_moveit : package).size());
 }
 
-// Only meshes of the collision shapes are used.
-void addLink(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose, Scene* scene) {
+// Returns a position within a joint's limits.
+using JointPosition = std::function<double(const urdf::Joint&)>;
+
+double atZero(const urdf::Joint& /*joint*/) { return 0; }
+
+// Returns what a joint at a position adds to the place of its origin. Joints are revolute,
+// continuous, prismatic or fixed.
+RigidTransform motionOf(const urdf::Joint& joint, double position) {
+  urdf::Pose motion;
+  const urdf::Vector3& axis = joint.axis;
+  if (joint.type == urdf::Joint::PRISMATIC) {
+    motion.position = {axis.x * position, axis.y * position, axis.z * position};
+  } else if (joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS) {
+    const double s = std::sin(position / 2);
+    motion.rotation = {axis.x * s, axis.y * s, axis.z * s, std::cos(position / 2)};
+  }
+  return toTransform(motion);
+}
+
+// Calls visit(link, pose of its collision mesh) for each link with one, parents first.
+void visitMeshes(const urdf::LinkConstSharedPtr& link, const RigidTransform& pose,
+                 const JointPosition& position,
+                 const std::function<void(const urdf::Link&, const RigidTransform&)>& visit) {
   if (link->collision != nullptr && link->collision->geometry->type == urdf::Geometry::MESH) {
-    const auto& mesh = static_cast<const urdf::Mesh&>(*link->collision->geometry);
-    const BodyId id = scene->addBody(link->name, readMeshFile(testDataFile(dataOf(mesh.filename))));
-    scene->setPose(id, composed(pose, toTransform(link->collision->origin)));
-    scene->setPairEnabled(0, id, true);
+    visit(*link, composed(pose, toTransform(link->collision->origin)));
   }
   for (const auto& child : link->child_links) {
-    addLink(child,
-            composed(pose, toTransform(child->parent_joint->parent_to_joint_origin_transform)),
-            scene);
+    const urdf::Joint& joint = *child->parent_joint;
+    const RigidTransform origin =
+        composed(pose, toTransform(joint.parent_to_joint_origin_transform));
+    visitMeshes(child, composed(origin, motionOf(joint, position(joint))), position, visit);
   }
 }
 
-// After body 0.
-void addRobot(const std::string& urdf_file, Scene* scene) {
+urdf::ModelInterfaceSharedPtr readRobot(const std::string& urdf_file) {
   std::ifstream file(testDataFile(urdf_file));
   std::stringstream text;
   text << file.rdbuf();
-  addLink(urdf::parseURDF(text.str())->getRoot(), RigidTransform(), scene);
+  return urdf::parseURDF(text.str());
 }
+
+// After body 0. Only meshes of the collision shapes are used.
+void addRobot(const std::string& urdf_file, Scene* scene) {
+  visitMeshes(readRobot(urdf_file)->getRoot(), RigidTransform(), atZero,
+              [scene](const urdf::Link& link, const RigidTransform& pose) {
+                const auto& mesh = static_cast<const urdf::Mesh&>(*link.collision->geometry);
+                const BodyId id =
+                    scene->addBody(link.name, readMeshFile(testDataFile(dataOf(mesh.filename))));
+                scene->setPose(id, pose);
+                scene->setPairEnabled(0, id, true);
+              });
+}
+
+constexpr const char* kPanda = "robots/panda_description/urdf/panda.urdf";
 
 }  // namespace
 
 Scene pandaAndCloth(int squares) {
   Scene scene;
   scene.addBody("cloth", clothGrid(squares, 1.2F, 0.7F, 0.12F));
-  addRobot("robots/panda_description/urdf/panda.urdf", &scene);
+  addRobot(kPanda, &scene);
   RigidTransform pose;
   pose.translation[0] = pose.translation[1] = -0.6;
   scene.setPose(0, pose);
   return scene;
+}
+
+PandaStates pandaStates(std::size_t count, std::uint32_t seed) {
+  const urdf::ModelInterfaceSharedPtr robot = readRobot(kPanda);
+  std::mt19937 random(seed);
+  const auto anywhere = [&random](const urdf::Joint& joint) {
+    if (joint.limits == nullptr) return 0.0;
+    const double part = random() * 0x1p-32;
+    return joint.limits->lower + part * (joint.limits->upper - joint.limits->lower);
+  };
+  PandaStates states;
+  for (std::size_t i = 0; i < count; ++i) {
+    BodyId id = 0;
+    visitMeshes(robot->getRoot(), RigidTransform(), anywhere,
+                [&](const urdf::Link& /*link*/, const RigidTransform& pose) {
+                  ++id;
+                  if (i == 0) states.moved.push_back(id);
+                  states.poses.push_back(pose);
+                });
+  }
+  return states;
 }
 
 Scene movingPandaAndCloth() {

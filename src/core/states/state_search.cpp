@@ -277,8 +277,14 @@ void StateSearch::refine(const Doubt& doubt) {
   if (a.isLeaf() && b.isLeaf()) {
     Doubt posed = doubt;
     posed.posed = true;
-    posed.low_m = most(doubt.low_m, lowerGap(tileOf(pair.bodies.a_id, *pair.a, a.tile),
-                                             tileOf(pair.bodies.b_id, *pair.b, b.tile)));
+    const PosedTile& tile_a = tileOf(pair.bodies.a_id, *pair.a, a.tile);
+    const PosedTile& tile_b = tileOf(pair.bodies.b_id, *pair.b, b.tile);
+    if (tile_a.count == 0 || tile_b.count == 0) return;  // all triangles were rejected
+    posed.low_m = most(doubt.low_m, lowerGap(tile_a, tile_b));
+    if (!mayPrecede(doubt.pair, posed.low_m, a.first_triangle, b.first_triangle)) return;
+    if (hasDirection(doubt.pair)) {
+      posed.low_m = most(posed.low_m, lowerGapAlong(direction_, tile_a, tile_b));
+    }
     posed.order_m = posed.low_m - pair.radii.sum();
     return push(posed);
   }
@@ -292,7 +298,12 @@ void StateSearch::openTiles(const Doubt& doubt) {
   const StatePair& pair = task_->pairs[doubt.pair];
   const PosedTile& a = tileOf(pair.bodies.a_id, *pair.a, pair.a->nodes()[doubt.a].tile);
   const PosedTile& b = tileOf(pair.bodies.b_id, *pair.b, pair.b->nodes()[doubt.b].tile);
-  nearTriangles(a, b, neededM(doubt.pair), triangles_);
+  if (best_.pair != doubt.pair) testSomeTriangles(doubt.pair, a, b);
+  if (hasDirection(doubt.pair)) {
+    nearTrianglesAlong(direction_, a, b, neededM(doubt.pair), triangles_);
+  } else {
+    nearTriangles(a, b, neededM(doubt.pair), triangles_);
+  }
   for (const NearTriangles& near : triangles_) {
     const std::uint32_t triangle_a = a.triangle[near.a], triangle_b = b.triangle[near.b];
     if (!pair.bodies.counts(triangle_a, triangle_b)) continue;
@@ -300,6 +311,35 @@ void StateSearch::openTiles(const Doubt& doubt) {
     test(doubt.pair, a.posed(near.a), b.posed(near.b), triangle_a, triangle_b, near.boxes_meet);
     if (isTime()) return;
   }
+}
+
+// Tests two triangles of two tiles that are likely to be near each other, so that the best pair and
+// its direction leave few of the others.
+void StateSearch::testSomeTriangles(std::uint32_t pair, const PosedTile& a, const PosedTile& b) {
+  const auto nearestTo = [](const PosedTile& tile, const Vec3f& point) {
+    std::size_t nearest = 0;
+    float least2 = INFINITY;
+    for (std::size_t t = 0; t < tile.count; ++t) {
+      const Vec3f low{tile.low[0][t], tile.low[1][t], tile.low[2][t]};
+      const Vec3f high{tile.high[0][t], tile.high[1][t], tile.high[2][t]};
+      const Vec3f off = low * 0.5F + high * 0.5F - point;
+      if (dot(off, off) >= least2) continue;
+      least2 = dot(off, off);
+      nearest = t;
+    }
+    return nearest;
+  };
+  const auto middle = [](const PosedTile& tile, std::size_t t) {
+    const Triangle triangle = tile.posed(t);
+    return (triangle.v[0] + triangle.v[1] + triangle.v[2]) * (1.0F / 3);
+  };
+  std::size_t t_a = nearestTo(a, b.box.min * 0.5F + b.box.max * 0.5F);
+  const std::size_t t_b = nearestTo(b, middle(a, t_a));
+  t_a = nearestTo(a, middle(b, t_b));
+  if (!task_->pairs[pair].bodies.counts(a.triangle[t_a], b.triangle[t_b])) return;
+  const Triangle triangle_a = a.posed(t_a), triangle_b = b.posed(t_b);
+  test(pair, triangle_a, triangle_b, a.triangle[t_a], b.triangle[t_b],
+       intersects(boxOf(triangle_a), boxOf(triangle_b)));
 }
 
 // Tests two triangles, and takes them as the best ones if they are.
@@ -323,11 +363,25 @@ void StateSearch::test(std::uint32_t pair, const Triangle& a, const Triangle& b,
       apart_m != best_.apart_m
           ? apart_m < best_.apart_m
           : (pair != best_.pair ? pair < best_.pair : found.precedes(best_.triangles));
-  if (precedes) best_ = {apart_m, pair, found};
+  if (!precedes) return;
+  best_ = {apart_m, pair, found};
+  has_points_ = false;
+}
+
+// Returns whether the best pair is of these bodies, and its nearest points give a direction, in
+// which those of other tiles lie too, more or less.
+bool StateSearch::hasDirection(std::uint32_t pair) {
+  if (best_.pair != pair) return false;
+  if (!has_points_) {
+    const NearestPair nearest = nearestPair();
+    direction_ = toDouble(nearest.normal);
+    has_points_ = true;
+  }
+  return direction_ != Vec3d();
 }
 
 // Returns the best pair, with its points.
-NearestPair StateSearch::nearestPair() {
+NearestPair StateSearch::nearestPair() const {
   const StatePair& pair = task_->pairs[best_.pair];
   const BodyId a = pair.bodies.a_id, b = pair.bodies.b_id;
   const PosedBody body_a(task_->scene.body(a), *poses_[a]);

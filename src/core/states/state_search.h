@@ -89,9 +89,11 @@ class StateSearch {
   void pushNodes(std::uint32_t pair, std::uint32_t a, std::uint32_t b);
   void refine(const Doubt& doubt);
   void openTiles(const Doubt& doubt);
+  void testSomeTriangles(std::uint32_t pair, const PosedTile& a, const PosedTile& b);
   void test(std::uint32_t pair, const Triangle& a, const Triangle& b, std::uint32_t triangle_a,
             std::uint32_t triangle_b, bool boxes_meet);
-  NearestPair nearestPair();
+  bool hasDirection(std::uint32_t pair);
+  NearestPair nearestPair() const;
 
   // Returns whether to split the first of two nodes rather than the second.
   static bool splitsFirst(const BoxNode& a, const BoxNode& b);
@@ -111,6 +113,8 @@ class StateSearch {
   std::vector<Doubt> heap_;
   std::vector<NearTriangles> triangles_;
   Best best_;
+  Vec3d direction_;         // between the best pair's nearest points; zero if they touch
+  bool has_points_ = true;  // the direction is that of the present best pair
 };
 
 }  // namespace deformable_contact_monitor

@@ -113,7 +113,7 @@ TEST_P(StatesSuite, EqualSingleDetectionsInRandomScenes) {
 // Cloths and soups of several tiles, small parts of which are near each other.
 TEST_P(StatesSuite, EqualSingleDetectionsOfMeshesOfManyTiles) {
   single_ = SingleDetections(makeCpuDetector());
-  const std::uint32_t seeds = numberFromEnvironment("DCM_STATE_SCENES", 60);
+  const std::uint32_t seeds = numberFromEnvironment("DCM_STATE_SCENES", 25);
   for (std::uint32_t seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE(seed);
     Dice dice(seed);
