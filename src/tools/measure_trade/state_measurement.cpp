@@ -1,0 +1,85 @@
+#include "tools/measure_trade/state_measurement.h"
+
+#include <algorithm>
+
+#include "tools/common/formatted.h"
+#include "tools/common/sample_statistics.h"
+#include "tools/measure_trade/trade_grid.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+double share(std::size_t part, std::size_t all) {
+  return all == 0 ? 0 : static_cast<double>(part) / static_cast<double>(all);
+}
+
+}  // namespace
+
+StateMeasurement measureStates(const SceneStates& states, const std::vector<bool>& touches,
+                               std::size_t batch, int passes, StateWay* way) {
+  StateMeasurement m;
+  m.way = way->name;
+  m.nearest = way->nearest;
+  m.threads = way->threads;
+  m.batch = batch;
+  StateOptions options;
+  options.nearest = way->nearest;
+  options.threads = way->threads;
+  for (int pass = -1; pass < passes; ++pass) {
+    for (std::size_t first = 0; first < states.count(); first += batch) {
+      const std::size_t size = std::min(batch, states.count() - first);
+      const StateResults& results =
+          way->checker->check(states.scene, states.batch(first, size), options);
+      if (pass >= 0 && size == batch) {
+        m.us.push_back(1e3 * results.check_ms / static_cast<double>(size));
+      }
+      for (std::size_t i = 0; pass < 0 && i < size; ++i) {
+        const PairDecision decision = results.states[i].decision;
+        if (decision == PairDecision::kOpen) continue;
+        const bool touch = decision == PairDecision::kContact;
+        ++m.states;
+        if (touches[first + i] && !touch) ++m.false_free;
+        if (!touches[first + i] && touch) ++m.false_blocked;
+      }
+    }
+  }
+  return m;
+}
+
+std::vector<bool> exactTouches(const SceneStates& states) {
+  const StateResults results =
+      makeCpuStateChecker()->check(states.scene, states.batch(0, states.count()), {});
+  std::vector<bool> touches;
+  for (const StateAnswer& answer : results.states) {
+    touches.push_back(answer.decision == PairDecision::kContact);
+  }
+  return touches;
+}
+
+std::string statesCsv(const std::vector<StateMeasurement>& all) {
+  std::string text =
+      "way,question,threads,batch,median_us,p95_us,states,false_free,false_blocked\n";
+  for (const StateMeasurement& m : all) {
+    text += m.way + "," + (m.nearest ? "nearest" : "touch") + "," + std::to_string(m.threads) +
+            "," + std::to_string(m.batch) + "," + numberText(median(m.us)) + "," +
+            numberText(percentile(m.us, 0.95)) + "," + std::to_string(m.states) + "," +
+            numberText(share(m.false_free, m.states)) + "," +
+            numberText(share(m.false_blocked, m.states)) + "\n";
+  }
+  return text;
+}
+
+std::string statesText(const std::vector<StateMeasurement>& all) {
+  std::string text;
+  for (const StateMeasurement& m : all) {
+    text += formatted(
+        "  %-16s %-7s %2d threads, %6zu states a batch: median %9.2f us a state, "
+        "p95 %9.2f us; false free %5.2f %%, false blocked %5.2f %%\n",
+        m.way.c_str(), m.nearest ? "nearest" : "touch", m.threads, m.batch, median(m.us),
+        percentile(m.us, 0.95), 100 * share(m.false_free, m.states),
+        100 * share(m.false_blocked, m.states));
+  }
+  return text;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,61 @@
+// Measures what a state of a robot costs by the number of states in a batch, beside other ways to
+// decide it.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+#include "core/state_checker.h"
+
+namespace deformable_contact_monitor {
+
+// Bodies, and states of some of them, as StateBatch has them.
+struct SceneStates {
+  Scene scene;
+  std::vector<BodyId> moved;
+  std::vector<RigidTransform> poses;
+
+  std::size_t count() const { return moved.empty() ? 0 : poses.size() / moved.size(); }
+  // Returns a batch of `size` states from the state `first` on.
+  StateBatch batch(std::size_t first, std::size_t size) const {
+    return {moved, size, poses.data() + first * moved.size()};
+  }
+};
+
+// What is measured of one way to decide states.
+struct StateWay {
+  std::string name;  // such as "cpu"
+  std::unique_ptr<StateChecker> checker;
+  bool nearest = false;  // ask for the nearest pair, too
+  int threads = 1;
+};
+
+// A way with a size of its batches.
+struct StateMeasurement {
+  std::string way;
+  bool nearest = false;
+  int threads = 1;
+  std::size_t batch = 0;          // states
+  std::vector<double> us;         // time of a state [us], of each batch that was measured
+  std::size_t states = 0;         // that were decided with the exact decision known
+  std::size_t false_free = 0;     // touch, but this way says they do not
+  std::size_t false_blocked = 0;  // do not touch, but this way says they do
+};
+
+// Measures a way with batches of this size, all states `passes` times; before that, once
+// unmeasured. `touches` has whether each state touches. Times are those that the checker tells.
+StateMeasurement measureStates(const SceneStates& states, const std::vector<bool>& touches,
+                               std::size_t batch, int passes, StateWay* way);
+
+// Returns whether each state touches, exactly.
+std::vector<bool> exactTouches(const SceneStates& states);
+
+// Returns a table (CSV) of measurements, a row for each.
+std::string statesCsv(const std::vector<StateMeasurement>& all);
+// Returns the same as a text for people.
+std::string statesText(const std::vector<StateMeasurement>& all);
+
+}  // namespace deformable_contact_monitor
