@@ -1,5 +1,6 @@
 #include "cuda/detector_choice.h"
 
+#include <chrono>
 #include <memory>
 #include <set>
 #include <string>
@@ -8,6 +9,7 @@
 #include "core/cpu_detector.h"
 #include "core/detector_pool.h"
 #include "cuda/cuda_detector.h"
+#include "cuda/cuda_state_checker.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -41,6 +43,65 @@ class BackendNews {
   BackendState last_lost_;
 };
 
+// Checks states on CUDA, and on the CPU where CUDA fails.
+class ChosenStateChecker : public StateChecker {
+ public:
+  ChosenStateChecker(bool tries_again, const CudaSettings& settings,
+                     std::function<void(const BackendState&)> changed)
+      : tries_again_(tries_again), settings_(settings), changed_(std::move(changed)) {}
+
+  std::string backend() const override { return cuda_ ? "cuda" : "cpu"; }
+  void reset() override {
+    if (cuda_) cuda_->reset();
+    if (cpu_) cpu_->reset();
+  }
+
+  const StateResults& check(const Scene& scene, const StateBatch& batch,
+                            const StateOptions& options) override {
+    if (tryCuda()) {
+      try {
+        return cuda_->check(scene, batch, options);
+      } catch (const BackendError& error) {
+        if (error.fault() != BackendFault::kSceneTooLarge) lose(error);
+      }
+    }
+    if (!cpu_) cpu_ = makeCpuStateChecker();
+    return cpu_->check(scene, batch, options);
+  }
+
+  // Makes the checker on CUDA, if none works and it is time. Returns whether one works.
+  bool tryCuda() {
+    if (cuda_) return true;
+    const auto now = std::chrono::steady_clock::now();
+    if (was_lost_ && (!tries_again_ || now < again_)) return false;
+    try {
+      cuda_ = makeCudaStateChecker(settings_);
+    } catch (const BackendError& error) {
+      lose(error);
+      return false;
+    }
+    if (was_lost_ && changed_) changed_(BackendState());
+    was_lost_ = false;
+    return true;
+  }
+
+ private:
+  void lose(const BackendError& error) {
+    const bool is_news = !was_lost_;
+    was_lost_ = true;
+    again_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+    cuda_.reset();
+    if (is_news && changed_) changed_({error.what(), error.fault(), tries_again_, false});
+  }
+
+  const bool tries_again_;
+  const CudaSettings settings_;
+  const std::function<void(const BackendState&)> changed_;
+  std::unique_ptr<StateChecker> cuda_, cpu_;
+  bool was_lost_ = false;
+  std::chrono::steady_clock::time_point again_;
+};
+
 }  // namespace
 
 std::unique_ptr<Detector> makeDetector(BackendChoice choice, WithoutCuda without_cuda,
@@ -68,6 +129,19 @@ std::unique_ptr<Detector> makeDetector(BackendChoice choice, WithoutCuda without
   }
   if (without_cuda == WithoutCuda::kTryAgain) pool.retry.emplace();
   return makeDetectorPool(std::move(pool));
+}
+
+std::unique_ptr<StateChecker> makeStateChecker(
+    BackendChoice choice, WithoutCuda without_cuda, const CudaSettings& settings,
+    const std::function<void(const BackendState&)>& changed) {
+  if (choice == BackendChoice::kCpu) return makeCpuStateChecker();
+  if (choice == BackendChoice::kCuda && without_cuda == WithoutCuda::kRefuse) {
+    return makeCudaStateChecker(settings);
+  }
+  const bool tries_again = without_cuda == WithoutCuda::kTryAgain;
+  auto checker = std::make_unique<ChosenStateChecker>(tries_again, settings, changed);
+  checker->tryCuda();
+  return checker;
 }
 
 }  // namespace deformable_contact_monitor

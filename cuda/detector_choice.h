@@ -1,4 +1,5 @@
-// Makes the detector that programs use: CUDA where that works, and the CPU elsewhere.
+// Makes the detector, and the checker of states, that programs use: CUDA where that works, and the
+// CPU elsewhere.
 #pragma once
 
 #include <functional>
@@ -7,6 +8,7 @@
 #include "core/backend_choice.h"
 #include "core/detector.h"
 #include "core/export.h"
+#include "core/state_checker.h"
 #include "core/tiling_cache.h"
 
 namespace deformable_contact_monitor {
@@ -33,5 +35,15 @@ DCM_EXPORT std::unique_ptr<Detector> makeDetector(
     const CudaSettings& settings = CudaSettings(),
     const std::function<void(const BackendState&)>& changed = nullptr,
     const std::shared_ptr<TilingCache>& tilings = nullptr);
+
+// Makes a checker of states of the backend that is asked for; `backend` and `changed` are those of
+// makeDetector(). Where CUDA cannot be used or fails in a check, the CPU decides that check and all
+// later ones; with kCuda and kRefuse the BackendError is thrown instead. With
+// kTryAgain the CPU takes over as well, and CUDA is tried again in later checks, at most once a
+// second.
+DCM_EXPORT std::unique_ptr<StateChecker> makeStateChecker(
+    BackendChoice choice = BackendChoice::kAuto, WithoutCuda without_cuda = WithoutCuda::kRefuse,
+    const CudaSettings& settings = CudaSettings(),
+    const std::function<void(const BackendState&)>& changed = nullptr);
 
 }  // namespace deformable_contact_monitor

@@ -3,7 +3,6 @@
 // they change.
 #include <algorithm>
 #include <cstring>
-#include <stdexcept>
 #include <string>
 
 #include "core/common/parallel.h"
@@ -16,38 +15,6 @@
 
 namespace deformable_contact_monitor {
 namespace {
-
-cudaStream_t streamOf(const Body& body) {
-  return static_cast<cudaStream_t>(body.device_vertices->stream);
-}
-
-[[noreturn]] void refuse(const Body& body, const std::string& what) {
-  cudaGetLastError();  // clears the error; the next check would report it again
-  throw std::invalid_argument(body.name + ": " + what);
-}
-
-// Checks that the current device, whose number is `device`, can copy the body's device_vertices and
-// wait for their stream. Throws std::invalid_argument, naming the body, if it cannot, and CudaError
-// if CUDA fails.
-void requireReadable(const Body& body, int device) {
-  cudaPointerAttributes memory{};
-  checkCuda(cudaPointerGetAttributes(&memory, body.device_vertices->xyz),
-            "cudaPointerGetAttributes");
-  const bool managed = memory.type == cudaMemoryTypeManaged;
-  if (memory.type != cudaMemoryTypeDevice && !managed) {
-    refuse(body, "its vertices are said to be on a device, but that is no pointer of CUDA's");
-  }
-  if (memory.device != device && !managed) {
-    refuse(body, "its vertices are on CUDA device " + std::to_string(memory.device) +
-                     ", and the detector is on " + std::to_string(device));
-  }
-  cudaStreamCaptureStatus capture = cudaStreamCaptureStatusNone;
-  const cudaError_t asked = cudaStreamIsCapturing(streamOf(body), &capture);
-  if (asked == cudaErrorStreamCaptureImplicit || capture != cudaStreamCaptureStatusNone) {
-    refuse(body, "the stream of its vertices is being captured, so nothing can wait for it");
-  }
-  checkCuda(asked, "cudaStreamIsCapturing");
-}
 
 // Adds a copy from page-locked memory, which must stay until the stream has been waited for.
 template <class T>
@@ -273,7 +240,9 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, HostCopies& co
   for (const BodyId id : tables_.taking_part) {
     const Body& from = scene.body(id);
     if (!from.device_vertices) continue;
-    if (vertices_[id] != from.vertices_revision) requireReadable(from, device_);
+    if (vertices_[id] != from.vertices_revision) {
+      DeviceVerticesReader::requireReadable(from, device_);
+    }
   }
   bool any = false;
   for (std::uint32_t i = 0; i < tables_.taking_part.size(); ++i) {
@@ -283,7 +252,7 @@ void DeviceScene::sendVertices(const Scene& scene, Motion motion, HostCopies& co
     any = true;
     const std::size_t first = 3 * std::size_t{tables_.bodies[i].first_vertex};
     if (from.device_vertices) {
-      copyDeviceVertices(from, arrays_.received.data() + first, stream);
+      device_vertices_.copy(from, arrays_.received.data() + first, stream);
     } else {
       add(from.mesh.vertices, first, 3 * std::size_t{sizes_.vertices}, staged_vertices_,
           arrays_.received.data(), copies);
@@ -380,21 +349,6 @@ void DeviceScene::addEarlierBodies(const Scene& scene, HostCopies& copies) {
     body.pad_m = from.pad_m;
   }
   add(staged_earlier_bodies_.data(), tables_.bodies.size(), arrays_.earlier_bodies.data(), copies);
-}
-
-// Copies a body's device_vertices in `stream`, ordered after the work that is now in their own
-// stream. requireReadable() must have accepted the body. Throws std::invalid_argument, naming the
-// body, if their stream belongs to another device.
-void DeviceScene::copyDeviceVertices(const Body& body, float* to, cudaStream_t stream) {
-  const cudaError_t recorded = vertices_written_.tryRecord(streamOf(body));
-  if (recorded == cudaErrorInvalidResourceHandle) {
-    refuse(body, "the stream of its vertices is not one of the detector's device");
-  }
-  checkCuda(recorded, "cudaEventRecord");
-  vertices_written_.makeWait(stream);
-  checkCuda(cudaMemcpyAsync(to, body.device_vertices->xyz,
-                            body.mesh.vertices.size() * sizeof(float), cudaMemcpyDefault, stream),
-            "cudaMemcpyAsync on the device");
 }
 
 }  // namespace deformable_contact_monitor

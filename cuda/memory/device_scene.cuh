@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/detector.h"
-#include "cuda/device/stream.cuh"
 #include "cuda/memory/cycle_arrays.cuh"
 #include "cuda/memory/device_buffer.cuh"
+#include "cuda/memory/device_vertices.cuh"
 #include "cuda/memory/host_copy.cuh"
 #include "cuda/memory/scene_tables.cuh"
 
@@ -110,7 +110,6 @@ class DeviceScene {
   void addCorners(const Scene& scene, HostCopies& copies);
   void sizeFans(const Scene& scene);
   void growArrays(cudaStream_t stream);
-  void copyDeviceVertices(const Body& body, float* to, cudaStream_t stream);
   void sendEarlierVertices(const Scene& scene, HostCopies& copies);
   void addEarlierBodies(const Scene& scene, HostCopies& copies);
 
@@ -137,7 +136,7 @@ class DeviceScene {
   BodyLengths any_{};
 
   DeviceBuffer<unsigned char> scratch_;
-  CudaEvent vertices_written_;  // by the owner of device_vertices
+  DeviceVerticesReader device_vertices_;
   PinnedBuffer<std::uint32_t> staged_corners_;
   PinnedBuffer<float> staged_vertices_;
   PinnedBuffer<DeviceBody> staged_bodies_;

@@ -15,11 +15,11 @@
 
 #include "core/bounds/exact_distances.h"
 #include "core/bounds/radii.h"
-#include "core/common/forks.h"
 #include "core/common/guarded_detector.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stages.h"
 #include "core/common/stopwatch.h"
+#include "cuda/device/own_process.h"
 #include "cuda/partitions/merged_partitions.h"
 #include "cuda/partitions/partition_bounds.h"
 
@@ -241,22 +241,12 @@ class PartitionedDetector : public Detector {
   bool is_merged_ = false;
 };
 
-// Throws if this process was forked after it had used a device. The driver may hang there, if the
-// fork came while another thread called it.
-void requireOwnProcess(const ProcessMark& uses_devices) {
-  if (!uses_devices.isInherited()) return;
-  throw BackendError(BackendFault::kUnavailable,
-                     "CUDA cannot be used in a process that was forked after it had been used "
-                     "(start processes by exec, or by multiprocessing's 'spawn')");
-}
-
 }  // namespace
 
 std::unique_ptr<Detector> makePartitionedDetector(
     const CudaSettings& settings,
     const std::function<std::unique_ptr<PartitionDetector>(const CudaSettings&)>& make) {
-  static ProcessMark uses_devices;
-  requireOwnProcess(uses_devices);
+  requireOwnProcess();
   const std::vector<int> devices =
       settings.devices.empty() ? std::vector<int>{settings.device} : settings.devices;
   std::vector<DevicePartition> partitions;
@@ -274,7 +264,7 @@ std::unique_ptr<Detector> makePartitionedDetector(
     }
   }
   if (partitions.empty()) std::rethrow_exception(last);
-  uses_devices.set();
+  noteDeviceUse();
   for (const BackendError& failure : failures) {
     if (settings.device_lost) settings.device_lost(failure);
   }

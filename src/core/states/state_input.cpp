@@ -20,18 +20,6 @@ bool isReceivedFinite(const TriangleMesh& mesh, std::size_t triangle) {
          isFinite(mesh.vertex(corner[2]));
 }
 
-// Returns whether a part is in an enabled pair of parts with a body of these pairs.
-bool partTakesPart(const Scene& scene, const std::vector<IdPair>& pairs, BodyId body, PartId part) {
-  return std::any_of(pairs.begin(), pairs.end(), [&](const IdPair& pair) {
-    if (pair.first != body && pair.second != body) return false;
-    const BodyId other = pair.first == body ? pair.second : pair.first;
-    const std::vector<PartId>& parts = scene.body(other).listed_parts;
-    return std::any_of(parts.begin(), parts.end(), [&](PartId of_other) {
-      return scene.partPairEnabled(body, part, other, of_other);
-    });
-  });
-}
-
 }  // namespace
 
 void requireValid(const Scene& scene, const StateBatch& batch) {
@@ -69,6 +57,17 @@ std::vector<IdPair> pairsOfStates(const Scene& scene, const StateBatch& batch) {
                              }),
               pairs.end());
   return pairs;
+}
+
+bool partTakesPart(const Scene& scene, const std::vector<IdPair>& pairs, BodyId body, PartId part) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const IdPair& pair) {
+    if (pair.first != body && pair.second != body) return false;
+    const BodyId other = pair.first == body ? pair.second : pair.first;
+    const std::vector<PartId>& parts = scene.body(other).listed_parts;
+    return std::any_of(parts.begin(), parts.end(), [&](PartId of_other) {
+      return scene.partPairEnabled(body, part, other, of_other);
+    });
+  });
 }
 
 std::vector<RejectedPart> rejectedOfStates(const Scene& scene, const std::vector<IdPair>& pairs) {

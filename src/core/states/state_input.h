@@ -21,6 +21,11 @@ DCM_EXPORT void requireValid(const Scene& scene, const StateBatch& batch);
 DCM_EXPORT std::vector<std::pair<BodyId, BodyId>> pairsOfStates(const Scene& scene,
                                                                 const StateBatch& batch);
 
+// Returns whether a part of a body is in an enabled pair of parts with a body of these pairs.
+DCM_EXPORT bool partTakesPart(const Scene& scene,
+                              const std::vector<std::pair<BodyId, BodyId>>& pairs, BodyId body,
+                              PartId part);
+
 // Fills in StateResults::rejected for these pairs. Reads all vertices, which must be on the host.
 DCM_EXPORT std::vector<RejectedPart> rejectedOfStates(
     const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs);
