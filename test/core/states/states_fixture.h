@@ -13,6 +13,7 @@
 
 #include "core/common/posed_body.h"
 #include "core/state_checker.h"
+#include "cuda/cuda_state_checker.h"
 #include "detector_suite.h"
 
 namespace deformable_contact_monitor {
@@ -26,8 +27,17 @@ inline std::ostream& operator<<(std::ostream& out, const StateBackend& backend) 
   return out << backend.name;
 }
 
-// Returns the backends that users get.
-inline std::vector<StateBackend> stateBackends() { return {{"cpu", makeCpuStateChecker}}; }
+// Returns the backends that users get. CUDA is among them if there is a device.
+inline std::vector<StateBackend> stateBackends() {
+  std::vector<StateBackend> backends = {{"cpu", makeCpuStateChecker}};
+  try {
+    makeCudaStateChecker();
+    backends.push_back({"cuda", [] { return makeCudaStateChecker(); }});
+  } catch (const CudaError&) {
+    if (isCudaRequired()) throw;
+  }
+  return backends;
+}
 
 inline std::string stateBackendName(const ::testing::TestParamInfo<StateBackend>& info) {
   return info.param.name;
