@@ -19,7 +19,7 @@ struct StateBody {
 };
 
 // Two bodies of which at least one is moved, BodyId a before b.
-struct StatePair {
+struct DeviceStatePair {
   std::uint32_t a, b;  // places in StateArrays::bodies
   float touch_m;       // triangles at most so far apart touch; 0: those that intersect
   float margin_m;      // the largest of their triangles
@@ -79,7 +79,7 @@ struct StateArrays {
   StateQuestion question;
 
   const StateBody* bodies;
-  const StatePair* pairs;
+  const DeviceStatePair* pairs;
   // The pairs that the warp of a moved body looks at: from walk_begin[moved] up to, but not
   // including, walk_begin[moved + 1].
   const std::uint32_t *walk_begin, *walk_pair;

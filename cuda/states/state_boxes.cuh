@@ -97,7 +97,8 @@ __device__ inline bool areInReach(const Aabb& a, const Aabb& b, float reach_m) {
 }
 
 // Returns how near triangles of a pair of bodies must be to matter in a state [m].
-__device__ inline float reachOf(const StateArrays& s, const StatePair& pair, std::uint32_t state) {
+__device__ inline float reachOf(const StateArrays& s, const DeviceStatePair& pair,
+                                std::uint32_t state) {
   if (s.question.nearest == 0) return pair.touch_m == 0 ? 0 : pair.reachM(0);
   return pair.reachM(__uint_as_float(static_cast<const volatile std::uint32_t&>(s.apart[state])));
 }

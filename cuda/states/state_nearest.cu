@@ -57,7 +57,7 @@ __global__ void __launch_bounds__(kGeometryThreads) pointsKernel(StateArrays s) 
   if (state >= s.state_count) return;
   StateNearest& found = s.found[state];
   if (found.pair == kNone) return;
-  const StatePair& pair = s.pairs[found.pair];
+  const DeviceStatePair& pair = s.pairs[found.pair];
   const PairGeometry geometry =
       generalGeometryOf(posedSlot(s, state, pair.a, found.slot_a),
                         posedSlot(s, state, pair.b, found.slot_b), found.bare_m);

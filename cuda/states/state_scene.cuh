@@ -77,7 +77,7 @@ class StateScene {
   std::vector<std::uint64_t> sent_vertices_;                        // vertices_revision by body
 
   std::vector<StateBody> bodies_;
-  std::vector<StatePair> state_pairs_;
+  std::vector<DeviceStatePair> state_pairs_;
   std::vector<std::uint32_t> walk_begin_, walk_pair_, moved_body_;
   std::vector<RigidTransform> still_poses_;
   std::vector<std::uint32_t> slot_triangle_, slot_vertex_, slot_part_, tile_body_, part_bits_;
@@ -89,7 +89,7 @@ class StateScene {
 
   DeviceVerticesReader device_vertices_;
   DeviceBuffer<StateBody> d_bodies_;
-  DeviceBuffer<StatePair> d_pairs_;
+  DeviceBuffer<DeviceStatePair> d_pairs_;
   DeviceBuffer<std::uint32_t> d_walk_begin_, d_walk_pair_, d_moved_body_;
   DeviceBuffer<RigidTransform> d_still_poses_;
   DeviceBuffer<std::uint32_t> d_slot_triangle_, d_slot_vertex_, d_slot_part_, d_tile_body_;

@@ -111,7 +111,7 @@ __global__ void __launch_bounds__(kThreads) boundsKernel(StateArrays s) {
   forPairsOfWarp(
       s, warpNumber(),
       [&s](std::uint32_t state, std::uint32_t place, const StateSide& a, const StateSide& b) {
-        const StatePair pair = s.pairs[place];
+        const DeviceStatePair pair = s.pairs[place];
         float least_m = INFINITY;
         visitPair(
             a, b, [&] { return reachOf(s, pair, state); },
@@ -142,7 +142,7 @@ __global__ void __launch_bounds__(kThreads) tilesKernel(StateArrays s) {
   forPairsOfWarp(
       s, warpNumber(),
       [&](std::uint32_t state, std::uint32_t place, const StateSide& a, const StateSide& b) {
-        const StatePair pair = s.pairs[place];
+        const DeviceStatePair pair = s.pairs[place];
         visitPair(
             a, b, [&] { return reachOf(s, pair, state); },
             [&](std::uint32_t own, std::uint32_t other, bool near, bool flipped) {

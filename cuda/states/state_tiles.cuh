@@ -175,7 +175,7 @@ class StateTilesSearch {
   const StateArrays& s_;
   StateTilesRoom& room_;
   StateTiles tiles_{};
-  StatePair pair_{};
+  DeviceStatePair pair_{};
   float reach_m_ = 0;
   unsigned queued_ = 0;
 };
