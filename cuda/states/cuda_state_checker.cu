@@ -51,7 +51,7 @@ class CudaStateChecker : public StateChecker {
   bool searchAgain(StateArrays* arrays, const CycleLimit& limit);
   bool wait(const CycleLimit& limit);
   void fetch(std::size_t count, const StateOptions& options);
-  void answer(const Scene& scene, std::size_t first, std::size_t count, bool all,
+  bool answer(const Scene& scene, std::size_t first, std::size_t count, bool all,
               const StateOptions& options);
   NearestPair nearestOf(const Scene& scene, const StateNearest& found) const;
 
@@ -106,7 +106,12 @@ const StateResults& CudaStateChecker::check(const Scene& scene, const StateBatch
 void CudaStateChecker::checkAll(const Scene& scene, const StateBatch& batch,
                                 const StateOptions& options) {
   const CycleLimit limit(options.limits);
-  scene_.update(scene, pairsOfStates(scene, batch), batch, device_, stream_.get());
+  if (!scene_.update(scene, pairsOfStates(scene, batch), batch, options.limits, device_,
+                     stream_.get())) {
+    results_.cut_off = limit.over() && batch.count > 0;
+    results_.cut_off_because = results_.cut_off ? limit.why() : "";
+    return;
+  }
   results_.rejected = scene_.rejected();
   std::size_t each = batchSize(options, scene_.pairs().size());
   for (std::size_t first = 0; first < batch.count;) {
@@ -125,12 +130,10 @@ void CudaStateChecker::checkAll(const Scene& scene, const StateBatch& batch,
       each = count / 2;  // fewer states have fewer hits
       continue;
     }
-    answer(scene, first, count, all, options);
-    if (!all) {
-      results_.cut_off = true;
-      break;
-    }
+    const bool is_open = answer(scene, first, count, all, options);
     first += count;
+    results_.cut_off = is_open || (!all && first < batch.count);
+    if (!all) break;
   }
   if (results_.cut_off) results_.cut_off_because = limit.why();
 }
@@ -277,13 +280,17 @@ bool CudaStateChecker::wait(const CycleLimit& limit) {
   return counted_[0].stopped == 0;
 }
 
-void CudaStateChecker::answer(const Scene& scene, std::size_t first, std::size_t count, bool all,
+// Writes the answers to states. `all`: the batch was not stopped. Returns whether some state is
+// open because it was.
+bool CudaStateChecker::answer(const Scene& scene, std::size_t first, std::size_t count, bool all,
                               const StateOptions& options) {
   const std::vector<StateScene::IdPair>& pairs = scene_.pairs();
+  bool is_open = false;
   for (std::size_t i = 0; i < count; ++i) {
     StateAnswer& answer = results_.states[first + i];
     const bool touches = touches_[i] != 0;
     const bool is_whole = all || (touches && !options.nearest && !options.pairs);
+    is_open = is_open || !is_whole;
     if (is_finite_[i] == 0 || !is_whole) continue;
     const bool found = options.nearest && found_[i].pair != kNone;
     if (touches) {
@@ -302,6 +309,7 @@ void CudaStateChecker::answer(const Scene& scene, std::size_t first, std::size_t
           {static_cast<std::uint32_t>(first + i), pairs[p].first, pairs[p].second});
     }
   }
+  return is_open;
 }
 
 NearestPair CudaStateChecker::nearestOf(const Scene& scene, const StateNearest& found) const {

@@ -53,41 +53,45 @@ void StateScene::forget() {
   tilings_.clear();
 }
 
-void StateScene::update(const Scene& scene, const std::vector<IdPair>& pairs,
-                        const StateBatch& batch, int device, cudaStream_t stream) {
+bool StateScene::update(const Scene& scene, const std::vector<IdPair>& pairs,
+                        const StateBatch& batch, const Limits& limits, int device,
+                        cudaStream_t stream) {
   Key key = keyOf(scene, pairs, batch);
   const bool is_new = !is_laid_out_ || !(key == key_);
   if (is_new) {
     is_laid_out_ = false;
     key_ = std::move(key);
     pairs_ = pairs;
-    layOut(scene, batch);
+    if (!layOut(scene, batch, limits)) return false;
     sendLists(stream);
   }
   const bool any_sent = sendVertices(scene, device, stream);
   is_laid_out_ = true;
-  if (!is_new && !any_sent) return;
+  if (!is_new && !any_sent) return true;
   StateArrays arrays{};
   addTo(&arrays);
   launchStateBodies(arrays, stream);
   countRejected(scene, stream);
+  return true;
 }
 
-void StateScene::layOut(const Scene& scene, const StateBatch& batch) {
+bool StateScene::layOut(const Scene& scene, const StateBatch& batch, const Limits& limits) {
   ids_.clear();
   for (const auto& [a, b] : pairs_) ids_.insert(ids_.end(), {a, b});
   std::sort(ids_.begin(), ids_.end());
   ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-  layOutBodies(scene, batch);
+  if (!layOutBodies(scene, batch, limits)) return false;
   layOutTiles(scene);
   layOutParts(scene);
   layOutPairs(scene, batch);
   sent_vertices_.assign(ids_.size(), std::numeric_limits<std::uint64_t>::max());
   still_poses_.assign(ids_.size(), RigidTransform());
+  return true;
 }
 
-// Makes tilings where they are missing, and numbers tiles, regions and vertices.
-void StateScene::layOutBodies(const Scene& scene, const StateBatch& batch) {
+// Makes tilings where they are missing, and numbers tiles, regions and vertices. Returns false if
+// the limits are over.
+bool StateScene::layOutBodies(const Scene& scene, const StateBatch& batch, const Limits& limits) {
   std::map<std::uint64_t, std::shared_ptr<const Tiling>> tilings;
   bodies_.clear();
   first_vertex_.clear();
@@ -97,7 +101,8 @@ void StateScene::layOutBodies(const Scene& scene, const StateBatch& batch) {
     std::shared_ptr<const Tiling>& tiling = tilings[body.topology_revision];
     const auto known = tilings_.find(body.topology_revision);
     if (known != tilings_.end()) tiling = known->second;
-    if (!tiling) tiling = std::make_shared<const Tiling>(tilingBySurface(body.mesh));
+    if (!tiling) tiling = std::make_shared<const Tiling>(tilingBySurface(body.mesh, limits));
+    if (tiling->tileCount() == 0 && !body.mesh.triangles.empty()) return false;
     const auto moved = std::find(batch.moved.begin(), batch.moved.end(), id);
     first_vertex_.push_back(static_cast<std::uint32_t>(vertices));
     bodies_.push_back(
@@ -115,6 +120,7 @@ void StateScene::layOutBodies(const Scene& scene, const StateBatch& batch) {
   }
   vertex_count_ = static_cast<std::uint32_t>(vertices);
   tilings_ = std::move(tilings);
+  return true;
 }
 
 void StateScene::layOutTiles(const Scene& scene) {

@@ -26,9 +26,10 @@ class StateScene {
 
   // Brings the device up to date with a scene, for these pairs of bodies, ascending, of which at
   // least one is moved. Throws CudaError, and std::invalid_argument for vertices on a device that
-  // cannot be read. Waits for the stream if something has changed.
-  void update(const Scene& scene, const std::vector<IdPair>& pairs, const StateBatch& batch,
-              int device, cudaStream_t stream);
+  // cannot be read. Waits for the stream if something has changed. Returns false if the limits were
+  // over while tiles were made.
+  bool update(const Scene& scene, const std::vector<IdPair>& pairs, const StateBatch& batch,
+              const Limits& limits, int device, cudaStream_t stream);
 
   // Sends everything in the next check.
   void forget();
@@ -59,8 +60,8 @@ class StateScene {
   };
   static Key keyOf(const Scene& scene, const std::vector<IdPair>& pairs, const StateBatch& batch);
 
-  void layOut(const Scene& scene, const StateBatch& batch);
-  void layOutBodies(const Scene& scene, const StateBatch& batch);
+  bool layOut(const Scene& scene, const StateBatch& batch, const Limits& limits);
+  bool layOutBodies(const Scene& scene, const StateBatch& batch, const Limits& limits);
   void layOutTiles(const Scene& scene);
   void layOutParts(const Scene& scene);
   void layOutPairs(const Scene& scene, const StateBatch& batch);

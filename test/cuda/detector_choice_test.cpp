@@ -123,6 +123,24 @@ TEST(DetectorChoice, WhatTookOverDetects) {
   EXPECT_EQ(made.reasons.size(), 1U);
 }
 
+TEST(DetectorChoice, StatesAreCheckedOnTheCpuWhereCudaIsMissing) {
+  const Scene scene = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0, 0));
+  const RigidTransform pose;
+  for (const WithoutCuda answer : {WithoutCuda::kTryAgain, WithoutCuda::kFallBack}) {
+    std::vector<std::string> reasons;
+    const auto checker =
+        makeStateChecker(BackendChoice::kCuda, answer, noSuchDevice(),
+                         [&reasons](const BackendState& s) { reasons.push_back(s.problem); });
+    EXPECT_EQ("cpu", checker->backend());
+    EXPECT_EQ(std::vector<std::string>{whyNotCuda()}, reasons);
+    EXPECT_EQ(PairDecision::kContact,
+              checker->check(scene, {{0}, 1, &pose}, {}).states[0].decision);
+  }
+  EXPECT_EQ("cpu", makeStateChecker(BackendChoice::kCpu)->backend());
+  EXPECT_THROW(makeStateChecker(BackendChoice::kCuda, WithoutCuda::kRefuse, noSuchDevice()),
+               CudaError);
+}
+
 // By default nobody is told, cuda by name is CUDA or an error, and there are contacts all the same.
 TEST(DetectorChoice, DefaultsDoWithoutCuda) {
   const Scene scene = pairScene(clothGrid(4, 1, 0, 0.2F), clothGrid(4, 1, 0.05F, 0));
