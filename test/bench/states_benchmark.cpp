@@ -7,11 +7,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/cpu_detector.h"
 #include "core/state_checker.h"
+#include "cuda/cuda_state_checker.h"
 #include "robot_scenes.h"
 #include "tools/measure_trade/state_measurement.h"
 #include "tools/measure_trade/state_rivals.h"
@@ -24,6 +26,15 @@ SceneStates statesOf(int squares, std::size_t count, float margin_m, std::uint32
   SceneStates states{pandaAndCloth(squares), std::move(panda.moved), std::move(panda.poses)};
   states.scene.setMargin(0, margin_m);
   return states;
+}
+
+// Returns null where there is no device.
+std::unique_ptr<StateChecker> cudaCheckerOrNull() {
+  try {
+    return makeCudaStateChecker();
+  } catch (const BackendError&) {
+    return nullptr;
+  }
 }
 
 void print(int squares, std::size_t count, float margin_m) {
@@ -39,6 +50,11 @@ void print(int squares, std::size_t count, float margin_m) {
   for (const bool nearest : {false, true}) {
     for (std::size_t batch = 1; batch <= count; batch *= 10) {
       add({"cpu", makeCpuStateChecker(), nearest, 1}, batch);
+    }
+  }
+  for (const bool nearest : {false, true}) {
+    for (std::size_t batch = 1; batch <= count; batch *= 10) {
+      add({"cuda", cudaCheckerOrNull(), nearest, 1}, batch);
     }
   }
   add({"fcl", makeFclStateChecker(), false, 1}, count);
@@ -70,10 +86,11 @@ bool isSame(const SceneStates& states, std::size_t state, const StateAnswer& ans
   return answer.decision == decision && (least == nullptr || answer.nearest == *least);
 }
 
-// Returns how many states differ from single detections.
+// Returns how many states differ from single detections, on CUDA where there is a device.
 std::size_t compare(std::size_t count, int squares, float margin_m) {
   constexpr std::size_t kBatch = 1000;
-  const auto checker = makeCpuStateChecker();
+  auto checker = cudaCheckerOrNull();
+  if (!checker) checker = makeCpuStateChecker();
   const auto detector = makeCpuDetector();
   StateOptions options;
   options.nearest = true;
@@ -88,8 +105,8 @@ std::size_t compare(std::size_t count, int squares, float margin_m) {
       if (!isSame(states, i, results.states[i], detector.get(), &posed)) ++different;
     }
   }
-  std::printf("%zu none, %zu near, %zu contact, %zu open; %zu differ from single detections\n",
-              kinds[0], kinds[1], kinds[2], kinds[3], different);
+  std::printf("%s: %zu none, %zu near, %zu contact, %zu open; %zu differ from single detections\n",
+              checker->backend().c_str(), kinds[0], kinds[1], kinds[2], kinds[3], different);
   return different;
 }
 

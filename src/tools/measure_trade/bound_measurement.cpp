@@ -189,9 +189,9 @@ double BoundMeasurement::p99OverBudget() const {
 }
 
 // Self-contacts are left out, because tolerances are about pairs of two bodies.
-TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
+TouchingPairs touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
                               const SayProgress& progress) {
-  TouchingBodies truth;
+  TouchingPairs truth;
   frames->rewind();
   while (frames->next()) {
     progress("exact contacts of " + frames->label());
@@ -200,7 +200,7 @@ TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Option
   return truth;
 }
 
-void measureBounds(FrameSource* frames, const TouchingBodies& truth, const CycleCounts& cycles,
+void measureBounds(FrameSource* frames, const TouchingPairs& truth, const CycleCounts& cycles,
                    const Options& options, Detector* detector, TilingCache* tilings,
                    BoundMeasurement* sum) {
   Options bounded = options;

@@ -61,16 +61,16 @@ struct BoundMeasurement {
 double triangleGapM(const Triangle& a, const Triangle& b);
 
 // The pairs of two bodies that intersect, by frame.
-using TouchingBodies = std::vector<std::set<BodyPair>>;
+using TouchingPairs = std::vector<std::set<BodyPair>>;
 
 // Finds them with a detector that has no tolerance and no budget.
-TouchingBodies touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
+TouchingPairs touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
                               const SayProgress& progress);
 
 // Runs sum->setting over the frames, after some warm-up cycles, and adds to `sum`. `tilings` are
 // those of the detector, and are built before each detection; null: it has none. `options` has
 // everything that the setting does not vary.
-void measureBounds(FrameSource* frames, const TouchingBodies& truth, const CycleCounts& cycles,
+void measureBounds(FrameSource* frames, const TouchingPairs& truth, const CycleCounts& cycles,
                    const Options& options, Detector* detector, TilingCache* tilings,
                    BoundMeasurement* sum);
 

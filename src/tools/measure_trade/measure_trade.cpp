@@ -220,7 +220,7 @@ std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, 
   const std::vector<BoundSetting> settings = boundSettings(arguments);
   for (const BoundSetting& setting : settings)
     makeBackend(setting.backend);  // fails now if missing
-  const TouchingBodies truth =
+  const TouchingPairs truth =
       touchingBodies(frames, makeBackend("cpu").get(), arguments.base,
                      [&](const std::string& what) { progress->set(what); });
   return measureEach<BoundMeasurement>(
