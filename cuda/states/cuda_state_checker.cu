@@ -74,7 +74,8 @@ class CudaStateChecker : public StateChecker {
   DeviceBuffer<StateTiles> d_near_tiles_;
   DeviceBuffer<StateHit> d_hits_;
   DeviceBuffer<std::uint32_t> d_touches_, d_leaves_, d_apart_, d_best_pair_, d_best_b_;
-  DeviceBuffer<unsigned long long> d_best_a_;
+  DeviceBuffer<unsigned long long> d_best_a_, d_first_touch_, d_seed_key_;
+  DeviceBuffer<StateTiles> d_seeds_;
   DeviceBuffer<std::uint8_t> d_pair_touches_;
   DeviceBuffer<StateNearest> d_found_;
   DeviceBuffer<StateCounters> d_counters_;
@@ -177,6 +178,9 @@ void CudaStateChecker::makeRoom(std::size_t count, std::size_t moved, const Stat
   touches_.grow(count);
   leaves_.grow(count);
   d_best_a_.grow(count, stream);
+  d_first_touch_.grow(count, stream);
+  d_seed_key_.grow(count, stream);
+  d_seeds_.grow(std::max<std::size_t>(1, count * moved), stream);
   d_found_.grow(count, stream);
   found_.grow(count);
   if (options.nearest) d_hits_.grow(kHits, stream);
@@ -199,6 +203,9 @@ StateArrays CudaStateChecker::arraysFor(std::size_t count, const StateOptions& o
   arrays.apart = d_apart_.data();
   arrays.best_pair = d_best_pair_.data();
   arrays.best_a = d_best_a_.data();
+  arrays.first_touch = d_first_touch_.data();
+  arrays.seed_key = d_seed_key_.data();
+  arrays.seeds = d_seeds_.data();
   arrays.best_b = d_best_b_.data();
   arrays.found = d_found_.data();
   arrays.counters = d_counters_.data();

@@ -100,7 +100,8 @@ struct StateArrays {
   std::uint32_t* live;      // the same, and the pose of a body that is not moved leaves it finite
   float* corner;            // nine rows by slot: x y z of three corners
   Aabb *tile_box, *region_box, *body_box;
-  Vec3f* tile_point;  // a corner of a live triangle
+  Vec3f* tile_point;          // by tile: a corner of a live triangle
+  std::uint32_t* tile_least;  // by tile: the least number of a live triangle
 
   // The following belong to a launch.
   const RigidTransform* poses;  // state by state, moved_count each
@@ -112,10 +113,17 @@ struct StateArrays {
   std::uint32_t* leaves_floats;  // by state: 1 if a pose takes a vertex beyond float32
   std::uint8_t* pair_touches;    // by state and pair
   std::uint32_t* apart;          // by state: the bits of the least distance so far [m]
-  std::uint32_t* best_pair;      // by state: these three choose among hits as near as `apart`
-  unsigned long long* best_a;    // the bits of the bare distance, then triangle a
-  std::uint32_t* best_b;         // triangle b
-  StateNearest* found;           // by state
+  // By state: the pair of bodies, then triangle a, of the first triangles that touch, of those that
+  // were found so far. Only of pairs without radii.
+  unsigned long long* first_touch;
+  // By state: the bits of a bound of the least distance, then the moved body whose seed gave it;
+  // and by state and moved body, the tiles that did.
+  unsigned long long* seed_key;
+  StateTiles* seeds;
+  std::uint32_t* best_pair;    // by state: these three choose among hits as near as `apart`
+  unsigned long long* best_a;  // the bits of the bare distance, then triangle a
+  std::uint32_t* best_b;       // triangle b
+  StateNearest* found;         // by state
   StateCounters* counters;
   const std::uint32_t* host_stop;  // in the host's memory
 

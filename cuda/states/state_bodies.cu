@@ -41,11 +41,13 @@ __global__ void __launch_bounds__(kThreads) cornersKernel(StateArrays s) {
   const Aabb box = warpBox(live ? boxOf(t) : Aabb());
   const int first = mask == 0 ? 0 : __ffs(static_cast<int>(mask)) - 1;
   const Vec3f point = laneVector(t.v[0], first);
+  const std::uint32_t least = ~warpMost(live ? ~s.slot_triangle[slot] : 0);
   if (laneId() != 0) return;
   s.received[tile] = received;
   s.live[tile] = mask;
   s.tile_box[tile] = mask == 0 ? Aabb() : box;
   s.tile_point[tile] = point;
+  s.tile_least[tile] = least;
 }
 
 // One warp for each region.

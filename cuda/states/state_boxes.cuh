@@ -103,14 +103,37 @@ __device__ inline float reachOf(const StateArrays& s, const DeviceStatePair& pai
   return pair.reachM(__uint_as_float(static_cast<const volatile std::uint32_t&>(s.apart[state])));
 }
 
-// Returns whether nothing more is asked about a pair of bodies in a state.
-__device__ inline bool isAnswered(const StateArrays& s, std::uint32_t state, std::uint32_t pair) {
-  if (s.question.nearest != 0) return false;
-  if (s.question.all_pairs == 0) {
-    return static_cast<const volatile std::uint32_t&>(s.touches[state]) != 0;
-  }
+// Returns the value of the first lane. What other warps change may be read differently by lanes,
+// and a warp must not part over it. Called by a whole warp.
+template <class T>
+__device__ inline T sameInWarp(T value) {
+  return __shfl_sync(kFullWarp, value, 0);
+}
+
+// Returns whether it is known that a pair of bodies touches in a state.
+__device__ inline bool isKnownToTouch(const StateArrays& s, std::uint32_t state,
+                                      std::uint32_t pair) {
   const std::size_t place = std::size_t{state} * s.pair_count + pair;
   return static_cast<const volatile std::uint8_t&>(s.pair_touches[place]) != 0;
+}
+
+// Returns the least triangle of body a that is of no interest any more, because others touch that
+// come first; kNone if there is none. Those of pairs with radii are compared by their distances.
+__device__ inline std::uint32_t firstIdle(const StateArrays& s, std::uint32_t state,
+                                          std::uint32_t pair) {
+  if (s.pairs[pair].touch_m > 0) return kNone;
+  if (s.question.all_pairs != 0 && !isKnownToTouch(s, state, pair)) return kNone;
+  const Key first = static_cast<const volatile Key&>(s.first_touch[state]);
+  const auto first_pair = static_cast<std::uint32_t>(first >> 32);
+  if (first_pair != pair) return first_pair < pair ? 0 : kNone;
+  return triangleOf(first) + 1;
+}
+
+// Returns whether nothing more is asked about a pair of bodies in a state.
+__device__ inline bool isAnswered(const StateArrays& s, std::uint32_t state, std::uint32_t pair) {
+  if (s.question.nearest != 0) return firstIdle(s, state, pair) == 0;
+  if (s.question.all_pairs != 0) return isKnownToTouch(s, state, pair);
+  return static_cast<const volatile std::uint32_t&>(s.touches[state]) != 0;
 }
 
 // Returns whether the host has stopped the launch. One warp in several reads the host's memory.

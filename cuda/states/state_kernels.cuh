@@ -20,7 +20,8 @@ void launchStateRestart(const StateArrays& arrays, cudaStream_t stream);
 // Notes the states whose poses take vertices beyond float32.
 void launchStateLeaves(const StateArrays& arrays, cudaStream_t stream);
 
-// For nearest pairs: finds for each state a distance that is not less than the least one.
+// For nearest pairs: finds for each state a distance that is not less than the least one, and looks
+// at the triangles of the tiles that gave it.
 void launchStateBounds(const StateArrays& arrays, cudaStream_t stream);
 
 // Lists the pairs of tiles whose triangles matter. `searches_at_once`: looks at their triangles

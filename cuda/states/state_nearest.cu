@@ -11,7 +11,7 @@ namespace {
 
 constexpr unsigned kThreads = 128, kGeometryThreads = 64;
 
-__device__ unsigned long long keyOfA(const StateArrays& s, const StateHit& hit) {
+__device__ Key keyOfA(const StateArrays& s, const StateHit& hit) {
   return keyOf(hit.bare_m, s.slot_triangle[hit.slot_a]);
 }
 
@@ -74,9 +74,11 @@ __global__ void __launch_bounds__(kThreads) startKernel(StateArrays s, bool agai
     if (!again) {
       s.touches[i] = s.leaves_floats[i] = 0;
       s.apart[i] = __float_as_uint(INFINITY);
+      s.first_touch[i] = s.seed_key[i] = ~Key{0};
     }
     s.best_pair[i] = s.best_b[i] = kNone;
-    s.best_a[i] = ~0ULL;
+    s.best_a[i] = ~Key{0};
+    s.found[i] = StateNearest{};
     s.found[i].pair = kNone;
   }
   if (again) return;

@@ -228,6 +228,7 @@ void StateScene::sendLists(cudaStream_t stream) {
   d_live_.grow(tiles, stream);
   d_tile_box_.grow(tiles, stream);
   d_tile_point_.grow(tiles, stream);
+  d_tile_least_.grow(tiles, stream);
   d_corner_.grow(9 * kWarp * tiles, stream);
   d_region_box_.grow(std::max<std::size_t>(1, regions_.size()), stream);
   d_body_box_.grow(std::max<std::size_t>(1, ids_.size()), stream);
@@ -317,6 +318,7 @@ void StateScene::addTo(StateArrays* arrays) {
   arrays->region_box = d_region_box_.data();
   arrays->body_box = d_body_box_.data();
   arrays->tile_point = d_tile_point_.data();
+  arrays->tile_least = d_tile_least_.data();
 }
 
 }  // namespace deformable_contact_monitor

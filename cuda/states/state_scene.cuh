@@ -94,7 +94,7 @@ class StateScene {
   DeviceBuffer<std::uint32_t> d_walk_begin_, d_walk_pair_, d_moved_body_;
   DeviceBuffer<RigidTransform> d_still_poses_;
   DeviceBuffer<std::uint32_t> d_slot_triangle_, d_slot_vertex_, d_slot_part_, d_tile_body_;
-  DeviceBuffer<std::uint32_t> d_part_bits_, d_received_, d_live_;
+  DeviceBuffer<std::uint32_t> d_part_bits_, d_received_, d_live_, d_tile_least_;
   DeviceBuffer<float> d_slot_margin_, d_vertices_, d_corner_;
   DeviceBuffer<StateRegion> d_regions_;
   DeviceBuffer<Aabb> d_tile_box_, d_region_box_, d_body_box_;

@@ -91,77 +91,109 @@ __device__ void visitPair(const StateSide& a, const StateSide& b, const Reach& r
       [&](std::uint32_t own, std::uint32_t other, bool near) { visit(own, other, near, flipped); });
 }
 
-// Calls look(a, b, pair) for the pairs of one moved body in one state: one warp for each of them.
-template <class Look>
-__device__ void forPairsOfWarp(const StateArrays& s, std::uint32_t warp, const Look& look) {
-  const std::uint32_t state = warp / s.moved_count, moved = warp % s.moved_count;
-  if (state >= s.state_count || isStopped(s, warp % kWarpsPerStopper == 0)) return;
-  const std::uint32_t end = s.walk_begin[moved + 1];
-  for (std::uint32_t i = s.walk_begin[moved]; i < end; ++i) {
-    const std::uint32_t pair = s.walk_pair[i];
-    if (isAnswered(s, state, pair)) continue;
-    look(state, pair, StateSide(s, s.pairs[pair].a, state), StateSide(s, s.pairs[pair].b, state));
+// A moved body in a state: a warp looks at its pairs.
+struct StateWarp {
+  std::uint32_t state, moved;
+  bool has_work;
+
+  __device__ StateWarp(const StateArrays& s, std::uint32_t warp)
+      : state(warp / s.moved_count), moved(warp % s.moved_count) {
+    has_work = state < s.state_count && !isStopped(s, warp % kWarpsPerStopper == 0);
   }
-}
+  __device__ std::size_t place(const StateArrays& s) const {
+    return std::size_t{state} * s.moved_count + moved;
+  }
+
+  // Calls look(pair, a, b) for each pair about which something is asked.
+  template <class Look>
+  __device__ void forPairs(const StateArrays& s, const Look& look) const {
+    if (!has_work) return;
+    const std::uint32_t end = s.walk_begin[moved + 1];
+    for (std::uint32_t i = s.walk_begin[moved]; i < end; ++i) {
+      const std::uint32_t pair = s.walk_pair[i];
+      if (sameInWarp(isAnswered(s, state, pair) ? 1 : 0) != 0) continue;
+      look(pair, StateSide(s, s.pairs[pair].a, state), StateSide(s, s.pairs[pair].b, state));
+    }
+  }
+};
 
 __device__ std::uint32_t warpNumber() { return (blockIdx.x * kThreads + threadIdx.x) / kWarp; }
 
-// Lowers s.apart by distances of points of tiles that may be in reach.
+// Returns an upper bound of the distance of two tiles, from a point of each [m].
+__device__ float upperGapOf(const Vec3f& a, const Vec3f& b) {
+  constexpr float kRounding = 4e-6F;  // as in QuickPose::boxOf()
+  const float size = fabsf(a.x) + fabsf(a.y) + fabsf(a.z) + fabsf(b.x) + fabsf(b.y) + fabsf(b.z);
+  return upperGap(a, b) + size * kRounding;
+}
+
+// Lowers s.apart by distances of points of tiles that may be in reach, and notes the tiles with the
+// nearest points as the seed of the body.
 __global__ void __launch_bounds__(kThreads) boundsKernel(StateArrays s) {
-  forPairsOfWarp(
-      s, warpNumber(),
-      [&s](std::uint32_t state, std::uint32_t place, const StateSide& a, const StateSide& b) {
-        const DeviceStatePair pair = s.pairs[place];
-        float least_m = INFINITY;
-        visitPair(
-            a, b, [&] { return reachOf(s, pair, state); },
-            [&](std::uint32_t own, std::uint32_t other, bool near, bool flipped) {
-              if (!near) return;
-              const Vec3f from = a.pose().at(s.tile_point[flipped ? other : own]);
-              const Vec3f to = b.pose().at(s.tile_point[flipped ? own : other]);
-              const float more = (fabsf(from.x) + fabsf(from.y) + fabsf(from.z) + fabsf(to.x) +
-                                  fabsf(to.y) + fabsf(to.z)) *
-                                 4e-6F;
-              least_m = fminf(least_m, upperGap(from, to) + more);
-            });
-        for (unsigned o = kWarp / 2; o > 0; o /= 2) {
-          least_m = fminf(least_m, __shfl_xor_sync(kFullWarp, least_m, o));
-        }
-        const float apart_m =
-            __double2float_ru(most(least_m - pair.radii_m, 0.0) * (1 + 1e-6) + 0x1p-149);
-        if (laneId() == 0 && apart_m <= pair.margin_m) {
-          atomicMin(&s.apart[state], __float_as_uint(apart_m));
-        }
-      });
+  const StateWarp warp(s, warpNumber());
+  float best_m = INFINITY;  // of this lane
+  StateTiles best{warp.state, kNone, 0, 0};
+  warp.forPairs(s, [&](std::uint32_t place, const StateSide& a, const StateSide& b) {
+    const DeviceStatePair pair = s.pairs[place];
+    const auto reach = [&] { return sameInWarp(reachOf(s, pair, warp.state)); };
+    visitPair(a, b, reach, [&](std::uint32_t own, std::uint32_t other, bool near, bool flipped) {
+      if (!near) return;
+      const std::uint32_t tile_a = flipped ? other : own, tile_b = flipped ? own : other;
+      const float upper_m =
+          upperGapOf(a.pose().at(s.tile_point[tile_a]), b.pose().at(s.tile_point[tile_b]));
+      const float apart_m =
+          __double2float_ru(most(upper_m - pair.radii_m, 0.0) * (1 + 1e-6) + 0x1p-149);
+      if (apart_m > pair.margin_m || apart_m >= best_m) return;
+      best_m = apart_m;
+      best = {warp.state, place, tile_a, tile_b};
+    });
+    const std::uint32_t least = ~warpMost(~__float_as_uint(best_m));
+    if (laneId() == 0 && least < __float_as_uint(INFINITY)) atomicMin(&s.apart[warp.state], least);
+  });
+  const std::uint32_t least = ~warpMost(~__float_as_uint(best_m));
+  const unsigned mask =
+      __ballot_sync(kFullWarp, best.pair != kNone && __float_as_uint(best_m) == least);
+  if (mask == 0 || laneId() + 1 != static_cast<unsigned>(__ffs(static_cast<int>(mask)))) return;
+  s.seeds[warp.place(s)] = best;
+  atomicMin(&s.seed_key[warp.state], Key{least} << 32 | warp.moved);
+}
+
+// One warp for each state: looks at the triangles of the best seed, so that few tiles are listed.
+__global__ void __launch_bounds__(kThreads) seedKernel(StateArrays s) {
+  __shared__ StateTilesRoom room[kThreads / kWarp];
+  const std::uint32_t state = warpNumber();
+  if (state >= s.state_count) return;
+  const Key key = s.seed_key[state];
+  if (key == ~Key{0}) return;
+  StateTilesSearch search(s, &room[threadIdx.x / kWarp]);
+  search.run(s.seeds[std::size_t{state} * s.moved_count + static_cast<std::uint32_t>(key)]);
 }
 
 template <bool kSearchesAtOnce>
 __global__ void __launch_bounds__(kThreads) tilesKernel(StateArrays s) {
   __shared__ StateTilesRoom room[kSearchesAtOnce ? kThreads / kWarp : 1];
   bool is_list_full = false;  // then the counter is left alone, so that it cannot wrap
-  forPairsOfWarp(
-      s, warpNumber(),
-      [&](std::uint32_t state, std::uint32_t place, const StateSide& a, const StateSide& b) {
-        const DeviceStatePair pair = s.pairs[place];
-        visitPair(
-            a, b, [&] { return reachOf(s, pair, state); },
-            [&](std::uint32_t own, std::uint32_t other, bool near, bool flipped) {
-              if (kSearchesAtOnce) {
-                StateTilesSearch search(s, &room[kSearchesAtOnce ? threadIdx.x / kWarp : 0]);
-                for (unsigned left = __ballot_sync(kFullWarp, near); left != 0; left &= left - 1) {
-                  const std::uint32_t tile = own - laneId() + __ffs(static_cast<int>(left)) - 1;
-                  search.run({state, place, flipped ? other : tile, flipped ? tile : other});
-                }
-                return;
-              }
-              const std::uint32_t tile_a = flipped ? other : own, tile_b = flipped ? own : other;
-              if (is_list_full) return;
-              const std::uint32_t at = warpReserve(&s.counters->near_tiles, near);
-              const bool listed = near && at < s.near_tiles_size;
-              if (listed) s.near_tiles[at] = {state, place, tile_a, tile_b};
-              is_list_full = __any_sync(kFullWarp, near && !listed) != 0;
-            });
-      });
+  const StateWarp warp(s, warpNumber());
+  warp.forPairs(s, [&](std::uint32_t place, const StateSide& a, const StateSide& b) {
+    const DeviceStatePair pair = s.pairs[place];
+    const auto reach = [&] { return sameInWarp(reachOf(s, pair, warp.state)); };
+    visitPair(a, b, reach, [&](std::uint32_t own, std::uint32_t other, bool near, bool flipped) {
+      if (kSearchesAtOnce) {
+        StateTilesSearch search(s, &room[kSearchesAtOnce ? threadIdx.x / kWarp : 0]);
+        for (unsigned left = __ballot_sync(kFullWarp, near); left != 0; left &= left - 1) {
+          const std::uint32_t tile = own - laneId() + __ffs(static_cast<int>(left)) - 1;
+          search.run({warp.state, place, flipped ? other : tile, flipped ? tile : other});
+        }
+        return;
+      }
+      if (is_list_full) return;
+      const std::uint32_t at = warpReserve(&s.counters->near_tiles, near);
+      const bool listed = near && at < s.near_tiles_size;
+      if (listed) {
+        s.near_tiles[at] = {warp.state, place, flipped ? other : own, flipped ? own : other};
+      }
+      is_list_full = __any_sync(kFullWarp, near && !listed) != 0;
+    });
+  });
 }
 
 __global__ void __launch_bounds__(kThreads) trianglesKernel(StateArrays s) {
@@ -184,7 +216,9 @@ unsigned blocksForStates(const StateArrays& s) {
 
 void launchStateBounds(const StateArrays& arrays, cudaStream_t stream) {
   boundsKernel<<<blocksForStates(arrays), kThreads, 0, stream>>>(arrays);
-  checkCuda(cudaGetLastError(), "the kernel that bounds distances in states");
+  const unsigned blocks = (arrays.state_count + kThreads / kWarp - 1) / (kThreads / kWarp);
+  seedKernel<<<blocks, kThreads, 0, stream>>>(arrays);
+  checkCuda(cudaGetLastError(), "the kernels that bound distances in states");
 }
 
 void launchStateTiles(const StateArrays& arrays, bool searches_at_once, cudaStream_t stream) {

@@ -27,17 +27,25 @@ class StateTilesSearch {
   __device__ StateTilesSearch(const StateArrays& s, StateTilesRoom* room) : s_(s), room_(*room) {}
 
   __device__ void run(const StateTiles& tiles) {
-    if (isAnswered(s_, tiles.state, tiles.pair)) return;
+    bool is_idle = isAnswered(s_, tiles.state, tiles.pair);
+    if (s_.question.nearest != 0) {
+      is_idle = s_.tile_least[tiles.tile_a] >= firstIdle(s_, tiles.state, tiles.pair);
+    }
+    if (sameInWarp(is_idle ? 1 : 0) != 0) return;
     tiles_ = tiles;
     pair_ = s_.pairs[tiles.pair];
-    reach_m_ = reachOf(s_, pair_, tiles.state);
+    reach_m_ = sameInWarp(reachOf(s_, pair_, tiles.state));
     __syncwarp();  // all lanes have done with what the room held
     const bool live_a = place(0, pair_.a, tiles.tile_a);
     const bool live_b = place(1, pair_.b, tiles.tile_b);
     __syncwarp();
     const Aabb box_a = live_a ? boxOf(room_.triangle(0, laneId())) : Aabb();
     const Aabb box_b = live_b ? boxOf(room_.triangle(1, laneId())) : Aabb();
-    const bool near_a = areInReach(box_a, warpBox(box_b), reach_m_);
+    bool near_a = areInReach(box_a, warpBox(box_b), reach_m_);
+    if (s_.question.nearest != 0) {
+      const std::uint32_t idle = firstIdle(s_, tiles.state, tiles.pair);
+      near_a = near_a && s_.slot_triangle[tiles.tile_a * kWarp + laneId()] < idle;
+    }
     const bool near_b = areInReach(box_b, warpBox(box_a), reach_m_);
     std::uint32_t part_a = 0, part_b = 0;
     if (s_.slot_part != nullptr) {
@@ -117,7 +125,7 @@ class StateTilesSearch {
       if (counts && laneId() % kLanesEach == 0) take(place, bare_m);
     }
     __syncwarp();
-    reach_m_ = reachOf(s_, pair_, tiles_.state);
+    reach_m_ = sameInWarp(reachOf(s_, pair_, tiles_.state));
     return false;
   }
 
@@ -160,7 +168,14 @@ class StateTilesSearch {
     float margin_m = pair_.margin_m;
     if (s_.slot_margin != nullptr) margin_m = fmaxf(s_.slot_margin[slot_a], s_.slot_margin[slot_b]);
     if (!(apart_m <= margin_m)) return;
-    if (apart_m == 0) noteTouch();
+    if (apart_m == 0) {
+      noteTouch();
+      const std::uint32_t triangle_a = s_.slot_triangle[slot_a];
+      if (triangle_a >= firstIdle(s_, tiles_.state, tiles_.pair)) return;
+      if (pair_.touch_m == 0) {
+        atomicMin(&s_.first_touch[tiles_.state], Key{tiles_.pair} << 32 | triangle_a);
+      }
+    }
     if (__float_as_uint(apart_m) > atomicMin(&s_.apart[tiles_.state], __float_as_uint(apart_m))) {
       return;
     }
