@@ -134,7 +134,10 @@ __global__ void __launch_bounds__(kThreads) boundsKernel(StateArrays s) {
   StateTiles best{warp.state, kNone, 0, 0};
   warp.forPairs(s, [&](std::uint32_t place, const StateSide& a, const StateSide& b) {
     const DeviceStatePair pair = s.pairs[place];
-    const auto reach = [&] { return sameInWarp(reachOf(s, pair, warp.state)); };
+    const auto reach = [&] {
+      const float found_m = __uint_as_float(~warpMost(~__float_as_uint(best_m)));
+      return fminf(sameInWarp(reachOf(s, pair, warp.state)), pair.reachM(found_m));
+    };
     visitPair(a, b, reach, [&](std::uint32_t own, std::uint32_t other, bool near, bool flipped) {
       if (!near) return;
       const std::uint32_t tile_a = flipped ? other : own, tile_b = flipped ? own : other;

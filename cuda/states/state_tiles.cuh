@@ -100,6 +100,7 @@ class StateTilesSearch {
       const bool touches = laneId() < count && touch(queued_ + laneId());
       const bool any = __any_sync(kFullWarp, touches) != 0;
       if (any && laneId() == 0) noteTouch();
+      __syncwarp();  // the queue may be written from here on
       return any;
     }
     const bool open = laneId() < count && mayBeNearest(queued_ + laneId());
