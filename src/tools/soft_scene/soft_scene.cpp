@@ -186,6 +186,7 @@ class SoftScene {
   const Settings& s_;
   ros::NodeHandle* node_;
   std::optional<JointScript> script_;
+  double scripted_s_ = -1;  // the script has been followed up to this time
   MeshSource source_;
   std::optional<Robot> robot_;
   std::shared_ptr<SoftWorld> world_;
@@ -242,7 +243,7 @@ SoftScene::SoftScene(const Settings& s, ros::NodeHandle* node) : s_(s), node_(no
 // Takes hold and lets go of the object as the script says, up to this time of the scene.
 void SoftScene::moveByScript(double time_s) {
   if (!script_ || !grasp_) return;
-  for (const ScriptedHold& hold : script_->holds(time_s - 1 / s_.object.rate_hz, time_s)) {
+  for (const ScriptedHold& hold : script_->holds(scripted_s_, time_s)) {
     if (hold.begins_again) world_->restart();
     AttachObject::Request request;
     request.object = s_.object.name;
@@ -251,6 +252,7 @@ void SoftScene::moveByScript(double time_s) {
     const AttachObject::Response response = grasp_->hold(request);
     ROS_INFO("%.2f s into the scene: %s", time_s, response.message.c_str());
   }
+  scripted_s_ = time_s;
 }
 
 void SoftScene::tell(std::uint64_t messages, const std::optional<MeshFrame>& state) {
