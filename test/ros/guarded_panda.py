@@ -86,8 +86,8 @@ class Programs:
         publisher = roslib.packages.find_node("robot_state_publisher", "robot_state_publisher")[0]
         self.commands = {
             "monitor": [executable("contact_monitor"), "__name:=contact_monitor"],
-            "mesh": [executable("scene_publisher"), "--meshes", cloth, "--loop", "--frame", "cloth",
-                     "--object", "cloth", "--topic", "/cloth", "--rate", "30"],
+            "mesh": [executable("soft_scene"), "--meshes", cloth, "--loop", "--frame", "cloth",
+                     "--name", "cloth", "--topic", "/cloth", "--rate", "30"],
             "transforms": [publisher, "__name:=robot_state_publisher"]}
         self.running = {}
 

@@ -301,8 +301,8 @@ std::optional<IncomingMesh> BagCycles::nextMesh(const Event& event) {
   }
 }
 
-// Returns the played object's next state as a message; null after the last one. A simulated cloth
-// asks for the poses of the links that push it.
+// Returns the played object's next state as a message; null after the last one. A simulation asks
+// for the poses of the links that push it.
 DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
   if (played_out_) return nullptr;
   const std::optional<MeshFrame> frame =

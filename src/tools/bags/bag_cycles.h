@@ -22,12 +22,9 @@
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_reader.h"
-#include "tools/common/scene_object.h"
+#include "tools/simulation/scene_object.h"
 
 namespace deformable_contact_monitor {
-
-// Returns the pose of a link in the frame of a played object; nothing if transforms do not give it.
-using LinkPose = std::function<std::optional<Eigen::Isometry3d>(const std::string& link)>;
 
 // An object that is not in the bag. Its states come from files or from a simulation.
 struct PlayedObject {

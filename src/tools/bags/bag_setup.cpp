@@ -17,7 +17,6 @@
 #include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_robots.h"
 #include "tools/common/command_line.h"
-#include "tools/common/robot_obstacles.h"
 #include "tools/common/yaml_parameters.h"
 
 namespace deformable_contact_monitor {
@@ -117,18 +116,19 @@ void addPlayedObject(const SceneObject& object, const BagContents& contents,
     if (rigid.name != object.name) continue;
     throw std::runtime_error("object '" + object.name +
                              "' is rigid in the configuration; give the played one another name "
-                             "with --object");
+                             "with --name");
   }
   for (const ObjectParameters& other : objects) {
     if (other.name != object.name) continue;
     if (meshTopics(contents).count(topicOf(other)) == 0) return;
     throw std::runtime_error("object '" + object.name + "' was recorded on " + topicOf(other) +
-                             "; give the played one another name with --object");
+                             "; give the played one another name with --name");
   }
   ObjectParameters added;
   added.name = object.name;
   added.topic = "~objects/" + object.name + "/mesh";
   added.margin_m = parameters->margin_m;
+  if (object.isRope()) added.radius_m = object.radius_m;
   objects.push_back(added);
 }
 
@@ -150,24 +150,17 @@ void checkReferenceFrame(const BagFiles& files, const BagContents& contents,
        "'; their roots are: " + joined(roots, ", "));
 }
 
-// Makes the object that is not in the bags. The robot's links push a simulated cloth.
+// Makes the object that is not in the bags. The robot's links push what is simulated.
 PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
   PlayedObject played;
   played.object = settings.name;
   played.frame =
       settings.frame.empty() ? setup.parameters.reference_frame : plainFrame(settings.frame);
   played.rate_hz = settings.rate_hz;
-  std::map<std::string, Capsule> capsules;
-  if (settings.cloth_triangles) capsules = linkCapsules(setup.robots.front().value);
-  played.next = [source = makeMeshSource(settings, [](std::size_t) {}),
-                 capsules](const LinkPose& pose_of) mutable {
-    std::vector<Capsule> obstacles;
-    for (const auto& [link, capsule] : capsules) {
-      const std::optional<Eigen::Isometry3d> pose = pose_of(link);
-      if (pose) obstacles.push_back({*pose * capsule.a, *pose * capsule.b, capsule.radius_m});
-    }
-    return source(obstacles);
-  };
+  const RobotGeometry& robot = setup.robots.front().value;
+  played.next = settings.simulated.empty()
+                    ? makeFileSource(settings, [](std::size_t) {})
+                    : makeSoftSource(settings, makeSoftWorld(settings, robot));
   return played;
 }
 
@@ -180,7 +173,7 @@ void checkObjects(const BagFiles& files, const BagContents& contents, const BagS
   if (there.empty() && !setup.played) {
     throw std::runtime_error(
         "no deformable mesh in the bags: record the topic too (launch/record.launch), or give "
-        "--meshes or --cloth");
+        "--meshes or --object");
   }
   bool any = setup.played.has_value();
   for (const ObjectParameters& object : setup.parameters.objects) {

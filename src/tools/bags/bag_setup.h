@@ -12,7 +12,7 @@
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_reader.h"
 #include "tools/common/bag_files.h"
-#include "tools/common/scene_object.h"
+#include "tools/simulation/scene_object.h"
 
 namespace deformable_contact_monitor {
 

@@ -22,7 +22,7 @@ constexpr const char* kFooter =
 
 }  // namespace
 
-// The options of a played object are shared with scene_publisher.
+// The options of a played object are shared with soft_scene.
 bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   CommandLine line("evaluate_bag", kDescription, kFooter);
   line.addPositionals("BAG", &arguments->files.bags, true, "Bags, read as one recording");

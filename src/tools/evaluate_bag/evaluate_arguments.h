@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tools/common/bag_files.h"
-#include "tools/common/scene_object.h"
+#include "tools/simulation/scene_object.h"
 
 namespace deformable_contact_monitor {
 

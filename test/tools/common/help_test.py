@@ -7,13 +7,13 @@ import unittest
 
 FOLDER = pathlib.Path(os.environ["CONTACT_MONITOR"]).parent
 SOURCE = pathlib.Path(os.environ["DCM_SOURCE_DIR"])
-NODES = [FOLDER / "contact_monitor", FOLDER / "contact_guard", FOLDER / "scene_publisher",
+NODES = [FOLDER / "contact_monitor", FOLDER / "contact_guard", FOLDER / "soft_scene",
          FOLDER / "contact_test"]
 PROGRAMS = NODES + [FOLDER / name for name in (
     "evaluate_bag", "evaluate_bags", "evaluation_report.py", "measure_trade", "detect_contacts",
     "read_link_mesh", "plot_trade.py")] + [
         SOURCE / "launch/framed_rviz.py", SOURCE / "launch/demo", SOURCE / "launch/demo_report.py",
-        SOURCE / "launch/hold.py", SOURCE / "launch/moving_arms.py"]
+        SOURCE / "launch/moving_arms.py"]
 # No node that is started by mistake would live long.
 ENVIRONMENT = dict(os.environ, ROS_MASTER_URI="http://localhost:1", ROS_LOG_DIR="/nowhere")
 
@@ -51,7 +51,7 @@ class Help(unittest.TestCase):
                     self.assertRegex(done.stderr, r"\A%s: [^\n]*--help[^\n]*\n\Z" % program.name)
 
     def test_the_version_is_printed(self):
-        for name in "contact_monitor", "contact_guard", "scene_publisher", "evaluate_bag":
+        for name in "contact_monitor", "contact_guard", "soft_scene", "evaluate_bag":
             done = run(FOLDER / name, "--version")
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertRegex(done.stdout, r"\A%s \d+\.\d+\.\d+\n\Z" % name)

@@ -142,7 +142,7 @@ class BagTopics(unittest.TestCase):
         self.assert_refused(bag, says=["/left/tf, /left/tf_static", proposed])
         self.assertEqual(self.states(bag, "--tf-topic", "left/tf"), {"cloth": {"CONTACT"}})
         self.assert_refused(bag, "--tf-topic", "/right/tf", says=["--tf-topic /right/tf", "/left/tf"])
-        self.assert_refused(bag, "--cloth", "50", "--object", "new", says=[proposed])
+        self.assert_refused(bag, "--object", "cloth", "--vertices", "36", "--name", "new", says=[proposed])
 
     def test_link_meshes_of_two_monitors(self):
         bag = self.bag(cloth(), finger(), always("/a/robot_meshes", links()),
@@ -204,13 +204,13 @@ class BagTopics(unittest.TestCase):
 
     def test_an_object_is_recorded_or_played(self):
         bag = self.bag(cloth(), finger())
-        self.assert_refused(bag, "--cloth", "50", says=["recorded on /cloth/mesh", "--object"])
+        self.assert_refused(bag, "--object", "cloth", says=["recorded on /cloth/mesh", "--name"])
 
     def test_joint_states_on_another_topic(self):
         bag = self.bag(cloth(), ("/robot/joint_states", joints))
         proposed = "give --joint-states /robot/joint_states"
         self.assert_refused(bag, says=[proposed])
-        self.assert_refused(bag, "--cloth", "50", "--object", "new", says=[proposed])
+        self.assert_refused(bag, "--object", "cloth", "--vertices", "36", "--name", "new", says=[proposed])
         self.assertEqual(self.states(bag, "--joint-states", "robot/joint_states"),
                          {"cloth": {"CONTACT"}})
         self.assert_refused(bag, "--joint-states", "/x", says=["--joint-states /x", "/robot/joint"])

@@ -302,7 +302,7 @@ class EvaluateBag(EvaluationCase):
         self.assert_refused([], "BAG")
         transforms = [event for event in self.events if event[1] != "/tshirt"]
         self.assert_refused(["--config", config, self.bag("foreign.bag", transforms)],
-                            "no deformable mesh", "--cloth")
+                            "no deformable mesh", "--object")
         other = self.text("other.yaml", CONFIG.replace("/tshirt", "/trousers"))
         self.assert_refused(["--config", other, bag], "no object of it", "/tshirt")
         wrong = self.text("wrong.yaml", CONFIG + "overlap: 7\n")

@@ -69,7 +69,7 @@ class Recordings(EvaluationCase):
 
     def test_an_object_that_is_not_in_the_bag(self):
         bag = str(DATA / "bags/pr2_arms_and_pressure.bag")
-        summary = self.evaluate_pr2(bag, "--cloth", "300", "--scale", "0.6", "--offset", "0.5", "0",
+        summary = self.evaluate_pr2(bag, "--object", "cloth", "--vertices", "170", "--scale", "0.6", "--offset", "0.5", "0",
                                     "1.0", "--rate", "10", "--backends", "cpu,brute_force")
         self.assertGreater(summary["cycles"], 100)
         self.assertGreater(summary["runs"][0]["pairs"], 300)
@@ -77,7 +77,7 @@ class Recordings(EvaluationCase):
         self.assertEqual(summary["comparisons"][0]["cycles_that_differ"], 0)
         self.assertEqual(summary["topics"]["/tf"]["type"], "tf/tfMessage")
         shirt = [str(DATA / f"tshirt/{i:03d}.obj") for i in range(20)]
-        summary = self.evaluate_pr2(bag, "--meshes", *shirt, "--scale", "0.09", "--object", "shirt",
+        summary = self.evaluate_pr2(bag, "--meshes", *shirt, "--scale", "0.09", "--name", "shirt",
                                     "--offset", "0.5", "-0.2", "0.8", "--rate", "20")
         self.assertEqual(summary["cycles"], 20)
 
@@ -239,7 +239,7 @@ class Recordings(EvaluationCase):
 
     def test_joint_states_alone_move_a_played_cloth(self):
         bag = self.bag("joints.bag", self.joint_events())
-        done = self.run_tool(bag, "--robot-description", self.scene.panda.urdf, "--cloth", "100",
+        done = self.run_tool(bag, "--robot-description", self.scene.panda.urdf, "--object", "cloth", "--vertices", "64",
                              "--offset", "0.6", "0", "1.2", "--rate", "20")
         self.assertEqual(done.returncode, 0, done.stderr)
         run = self.summary()["runs"][0]
@@ -248,7 +248,7 @@ class Recordings(EvaluationCase):
 
     def test_a_played_object_ends_with_the_transforms(self):
         """The robot's casters are the first whose transforms end."""
-        summary = self.evaluate_pr2(str(DATA / "bags/pr2_arms_and_pressure.bag"), "--cloth", "50",
+        summary = self.evaluate_pr2(str(DATA / "bags/pr2_arms_and_pressure.bag"), "--object", "cloth", "--vertices", "36",
                                     "--scale", "0.6", "--offset", "0.5", "0", "1.0")
         run = summary["runs"][0]
         self.assertGreater(run["cycles"], 300)

@@ -13,8 +13,9 @@ precedence over 1); 130: the run was stopped."""
 FILES = {"--config": 1, "--expect": 1, "--robot-description": 1, "--srdf": 1, "--meshes": "+"}
 VALUES = {"--reference-frame": 1, "--frame-prefix": 1, "--joint-states": 1,
           "--robot-description-topic": 1, "--robot-meshes-topic": 1, "--backends": 1,
-          "--predicates": 1, "--geometry": 1, "--overlaps": 1, "--cloth": 1, "--object": 1,
-          "--frame": 1, "--rate": 1, "--scale": 1, "--offset": 3, "--seed": 1}
+          "--predicates": 1, "--geometry": 1, "--overlaps": 1, "--object": 1, "--name": 1,
+          "--frame": 1, "--rate": 1, "--scale": 1, "--offset": 3, "--seed": 1, "--vertices": 1,
+          "--pinned": 1, "--radius": 1, "--margin": 1, "--step": 1, "--floor": 1}
 REPEATED = ("--tf-topic", "--topic")  # may be given several times
 FLAGS = ("--pairs", "--no-report", "--loop")
 NO_FILES = ("none", "auto")  # words of --srdf

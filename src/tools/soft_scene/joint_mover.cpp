@@ -1,6 +1,6 @@
 // Moves a robot's joints along sinusoids. Each joint has a rate and a phase of its own, drawn from
 // a generator whose sequence the C++ standard fixes.
-#include "tools/scene_publisher/joint_mover.h"
+#include "tools/soft_scene/joint_mover.h"
 
 #include <urdf_model/joint.h>
 

@@ -1,4 +1,4 @@
-// Tests of what scene_publisher moves: joints, obstacles, mesh files.
+// Tests of what soft_scene moves: joints, links, mesh files.
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "robot/urdf_document.h"
-#include "tools/common/robot_obstacles.h"
-#include "tools/common/scene_object.h"
-#include "tools/scene_publisher/joint_mover.h"
+#include "tools/simulation/robot_poses.h"
+#include "tools/simulation/scene_object.h"
+#include "tools/soft_scene/joint_mover.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -57,52 +57,22 @@ TEST(JointMoverTest, staysWithinTheLimitsAndMovesSmoothly) {
   EXPECT_NE(JointMover(*robot, 2).positions(3), mover.positions(3));
 }
 
-TriangleMesh tube() {  // about z, from 0 to 1, radius 0.05
-  TriangleMesh mesh;
-  constexpr std::uint32_t kSides = 64;
-  for (std::uint32_t i = 0; i < kSides; ++i) {
-    const double angle = 2 * M_PI * i / kSides;
-    for (const float z : {0.F, 1.F}) {
-      mesh.vertices.insert(mesh.vertices.end(), {static_cast<float>(0.05 * std::cos(angle)),
-                                                 static_cast<float>(0.05 * std::sin(angle)), z});
-    }
-    const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % kSides);
-    mesh.triangles.insert(mesh.triangles.end(), {a, b, a + 1, b, b + 1, a + 1});
-  }
-  return mesh;
+TEST(RobotPosesTest, followTheJointsAndTheirMimics) {
+  const RobotPoses poses(urdf::parseURDF(kUrdf), "base");
+  const auto middle = [](const std::map<std::string, Eigen::Isometry3d>& at, const char* link) {
+    return Eigen::Vector3d(at.at(link) * Eigen::Vector3d(0, 0, 0.5));
+  };
+  EXPECT_NEAR((middle(poses.at({}), "arm") - Eigen::Vector3d(0, 0, 2.5)).norm(), 0, 1e-6);
+  // A quarter turn about y lays the arm along x, and the slide's axis along -z.
+  const auto laid = poses.at({{"lift", M_PI / 2}, {"push", 0.03}});
+  EXPECT_NEAR((middle(laid, "arm") - Eigen::Vector3d(0.5, 0, 2)).norm(), 0, 1e-6);
+  EXPECT_NEAR((middle(laid, "follower") - Eigen::Vector3d(0.5, 0, 1.94)).norm(), 0, 1e-6);
+  EXPECT_THROW(RobotPoses(urdf::parseURDF(kUrdf), "camera"), std::invalid_argument);
+  const auto seen_from_arm = RobotPoses(urdf::parseURDF(kUrdf), "arm").at({{"lift", 0.7}});
+  EXPECT_NEAR(middle(seen_from_arm, "arm").x(), 0, 1e-6);
 }
 
-TEST(RobotObstaclesTest, aCapsuleLiesALittleInsideTheMesh) {
-  const Capsule capsule = fitCapsule(tube());
-  EXPECT_GT(capsule.radius_m, 0.04);
-  EXPECT_LT(capsule.radius_m, 0.05);
-  EXPECT_NEAR(capsule.a.head<2>().norm(), 0, 1e-6);
-  EXPECT_NEAR(capsule.b.head<2>().norm(), 0, 1e-6);
-  EXPECT_NEAR((capsule.a.z() + capsule.b.z()) / 2, 0.5, 1e-6);
-  EXPECT_GT(std::abs(capsule.b.z() - capsule.a.z()), 0.7);
-  EXPECT_LT(std::abs(capsule.b.z() - capsule.a.z()), 1 - 2 * capsule.radius_m);
-}
-
-TEST(RobotObstaclesTest, followTheJointsAndTheirMimics) {
-  RobotGeometry geometry;
-  for (const char* link : {"arm", "follower"}) geometry.links.push_back({link, "", tube(), ""});
-  geometry.links.push_back({"slide", "", {}, "its file is missing"});
-  const RobotObstacles obstacles(urdf::parseURDF(kUrdf), geometry, "base");
-  const auto upright = obstacles.at({});
-  ASSERT_EQ(upright.size(), 2U);
-  EXPECT_NEAR(((upright[0].a + upright[0].b) / 2 - Eigen::Vector3d(0, 0, 2.5)).norm(), 0, 1e-6);
-  // A quarter turn about y lays the tube along x, and the slide's axis along -z.
-  const auto laid = obstacles.at({{"lift", M_PI / 2}, {"push", 0.03}});
-  EXPECT_NEAR(((laid[0].a + laid[0].b) / 2 - Eigen::Vector3d(0.5, 0, 2)).norm(), 0, 1e-6);
-  EXPECT_NEAR(((laid[1].a + laid[1].b) / 2 - Eigen::Vector3d(0.5, 0, 1.94)).norm(), 0, 1e-6);
-  EXPECT_THROW(RobotObstacles(urdf::parseURDF(kUrdf), geometry, "camera"), std::invalid_argument);
-
-  const auto seen_from_arm =
-      RobotObstacles(urdf::parseURDF(kUrdf), geometry, "arm").at({{"lift", 0.7}});
-  EXPECT_NEAR(((seen_from_arm[0].a + seen_from_arm[0].b) / 2).x(), 0, 1e-6);
-}
-
-TEST(RobotObstaclesTest, namesAreThoseOfTheUrdf) {
+TEST(RobotPosesTest, namesAreThoseOfTheUrdf) {
   std::string urdf = kUrdf;
   for (const char* name : {"\"base\"", "\"arm\"", "\"push\"", "\"follower\"", "\"r\""}) {
     for (auto at = urdf.find(name); at != std::string::npos; at = urdf.find(name, at)) {
@@ -112,12 +82,11 @@ TEST(RobotObstaclesTest, namesAreThoseOfTheUrdf) {
   const auto robot = urdf::parseURDF(guarded(urdf));
   ASSERT_NE(robot, nullptr);
   EXPECT_EQ(JointMover(*robot, 1).names(), (std::vector<std::string>{"%npush", "lift", "roll"}));
-  RobotGeometry geometry;
-  geometry.links.push_back({"%nfollower", "", tube(), ""});
-  const RobotObstacles obstacles(robot, geometry, "%narm");
-  EXPECT_NEAR(obstacles.at({{"%npush", 0.03}})[0].a.x() - obstacles.at({})[0].a.x(), 0.06, 1e-6);
+  const RobotPoses poses(robot, "%narm");
+  const double moved = poses.at({{"%npush", 0.03}}).at("%nfollower").translation().x();
+  EXPECT_NEAR(moved - poses.at({}).at("%nfollower").translation().x(), 0.06, 1e-6);
   try {
-    RobotObstacles(robot, geometry, "arm");
+    RobotPoses(robot, "arm");
     ADD_FAILURE() << "no such link";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "frame 'arm' is no link of robot '%nr'");
