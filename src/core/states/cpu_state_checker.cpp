@@ -70,19 +70,12 @@ void CpuStateChecker::run(const Scene& scene, const StateBatch& batch, const Sta
   if (!updateTrees(scene, pairs, limit)) return;
   std::optional<PartTable> parts;
   if (scene.partsMatter()) parts.emplace(scene);
-  StateTask task{scene, batch, options, {}, {}, scene.anyPartMargin()};
-  task.place.assign(scene.bodyCount(), StateTask::kNotMoved);
-  for (std::uint32_t i = 0; i < batch.moved.size(); ++i) task.place[batch.moved[i]] = i;
+  StateTask task{scene, batch, options, {}, scene.anyPartMargin()};
   for (const auto& [a, b] : pairs) {
     const Body &body_a = scene.body(a), &body_b = scene.body(b);
-    const BoxTree &tree_a = *trees_[a], &tree_b = *trees_[b];
-    const BodyPair bodies{a,
-                          b,
-                          &tree_a.tiles(),
-                          &tree_b.tiles(),
-                          pairMargin(body_a.margin_m, body_b.margin_m),
-                          {parts ? &*parts : nullptr}};
-    task.pairs.push_back({bodies, PairRadii(body_a, body_b), &tree_a, &tree_b});
+    task.pairs.push_back({a, b, trees_[a].get(), trees_[b].get(),
+                          pairMargin(body_a.margin_m, body_b.margin_m), PairRadii(body_a, body_b),
+                          parts ? &*parts : nullptr});
   }
   decide(task, limit);
 }
