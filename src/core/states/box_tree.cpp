@@ -104,22 +104,20 @@ void BoxTree::fit(const Body& body) {
 void BoxTree::fitNode(const Body& body, BoxNode& node, Aabb& box) const {
   box = Aabb();
   node.used = 0;
+  std::uint16_t parts[BoxNode::kLanes];
   for (std::size_t i = 0; i < BoxNode::kLanes; ++i) {
     Aabb of_lane;
     node.first[i] = ~std::uint32_t{0};
-    node.part[i] = 0;
     if (i < node.count && node.is_leaf) {
       const Triangle triangle = receivedTriangle(body.mesh, node.child[i]);
       if (isFinite(triangle)) of_lane = boxOf(triangle);
       node.first[i] = node.child[i];
-      node.part[i] = body.partOf(node.child[i]);
+      parts[i] = body.partOf(node.child[i]);
     } else if (i < node.count) {
       const BoxNode& child = nodes_[node.child[i]];
       of_lane = boxes_[node.child[i]];
       node.first[i] = *std::min_element(child.first, child.first + child.count);
-      const bool same = std::all_of(child.part, child.part + child.count,
-                                    [&](std::uint16_t part) { return part == child.part[0]; });
-      node.part[i] = same ? child.part[0] : BoxNode::kSeveralParts;
+      parts[i] = child.part;
     }
     CentredBox centred{{0, 0, 0}, {0, 0, 0}};
     if (!of_lane.empty()) {
@@ -132,6 +130,9 @@ void BoxTree::fitNode(const Body& body, BoxNode& node, Aabb& box) const {
       node.half[k][i] = centred.half[k];
     }
   }
+  const bool same = std::all_of(parts, parts + node.count,
+                                [&parts](std::uint16_t part) { return part == parts[0]; });
+  node.part = same ? parts[0] : BoxNode::kSeveralParts;
   node.box = box.empty() ? CentredBox{{0, 0, 0}, {0, 0, 0}} : CentredBox::of(box);
 }
 

@@ -23,9 +23,9 @@ struct BoxNode {
   float centre[3][kLanes], half[3][kLanes];  // of the children's boxes [m]; 0 for lanes not in use
   std::uint32_t child[kLanes];
   std::uint32_t first[kLanes];  // the least index of a triangle below
-  std::uint16_t part[kLanes];   // the part of all triangles below, or kSeveralParts
   std::uint32_t count;          // of children
   std::uint32_t used;           // bits of the children that have triangles with finite vertices
+  std::uint16_t part;           // the part of all triangles below, or kSeveralParts
   bool is_leaf;
   CentredBox box;  // of all children
 

@@ -40,7 +40,7 @@ class CpuStateChecker : public StateChecker {
     }
     results_ = StateResults();
     results_.states.resize(batch.count);
-    results_.rejected = rejectedOfStates(scene, pairs);
+    results_.rejected = rejected_.of(scene, pairs);
     const CycleLimit limit(options.limits);
     threads_.run(options.threads, [&] { run(scene, batch, options, pairs, limit); });
     if (limit.wasOver() && is_open_) {
@@ -61,6 +61,7 @@ class CpuStateChecker : public StateChecker {
   std::vector<std::unique_ptr<BoxTree>> trees_;         // per body; null: it is in no pair
   std::vector<std::unique_ptr<StateSearch>> searches_;  // per thread
   bool is_open_ = false;                                // the limit left some state open
+  RejectedCounts rejected_;
   StateResults results_;
 };
 

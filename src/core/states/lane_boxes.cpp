@@ -54,38 +54,38 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 
 }  // namespace
 
+// Everything is computed in float. The errors are some 2^-24 of the terms, and the slack is 2^-19
+// of them, so twice the slack is enough for all of them. Any normal is right, as far as it is used
+// for all places alike.
 TriangleInFrame::TriangleInFrame(const FrameAxes<float>& axes, const Triangle& triangle,
                                  float growth) {
-  Vec3d corner[3];
+  Vec3f corner[3];
   for (int i = 0; i < 3; ++i) {
-    double at[3];
-    for (int k = 0; k < 3; ++k) {
-      const float* const m = axes.turn + 3 * k;
-      const Vec3f& v = triangle.v[i];
-      at[k] = double{m[0]} * v.x + double{m[1]} * v.y + double{m[2]} * v.z + axes.offset[k];
-    }
-    corner[i] = {at[0], at[1], at[2]};
+    const Vec3f& v = triangle.v[i];
+    const float* const m = axes.turn;
+    corner[i] = {m[0] * v.x + m[1] * v.y + m[2] * v.z + axes.offset[0],
+                 m[3] * v.x + m[4] * v.y + m[5] * v.z + axes.offset[1],
+                 m[6] * v.x + m[7] * v.y + m[8] * v.z + axes.offset[2]};
   }
-  // The slack covers sums of floats; twice as much covers those along the normal, too.
-  Vec3d along = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const double size = length(along);
-  along = size > 0 ? along * (1 / size) : Vec3d();
-  double reach = growth * (1 + 1e-6);
+  Vec3f along = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  // Otherwise products might overflow or vanish.
+  const float size = std::fabs(along.x) + std::fabs(along.y) + std::fabs(along.z);
+  if (!(size > 1e-20F && size < 1e18F)) along = Vec3f();
+  const float grown = growth * (1 + 1e-6F);
+  float reach = size > 0 ? grown * size : 0;
   for (int k = 0; k < 3; ++k) {
-    const double low_k = least(least(corner[0][k], corner[1][k]), corner[2][k]);
-    const double high_k = most(most(corner[0][k], corner[1][k]), corner[2][k]);
-    const double slack = 2 * static_cast<double>(axes.slack[k]);
-    centre[k] = static_cast<float>((low_k + high_k) / 2);
-    half[k] = static_cast<float>((high_k - low_k) / 2 + slack + growth * (1 + 1e-6));
-    normal[k] = static_cast<float>(along[k]);
-    normal_size[k] = std::fabs(normal[k]);
+    const float low_k = least(least(corner[0][k], corner[1][k]), corner[2][k]);
+    const float high_k = most(most(corner[0][k], corner[1][k]), corner[2][k]);
+    const float slack = 2 * axes.slack[k];
+    centre[k] = (low_k + high_k) * 0.5F;
+    half[k] = (high_k - low_k) * 0.5F + slack + grown;
+    normal[k] = along[k];
+    normal_size[k] = std::fabs(along[k]);
     reach += normal_size[k] * slack;
   }
-  const Vec3d direction{normal[0], normal[1], normal[2]};
-  const double p = dot(direction, corner[0]), q = dot(direction, corner[1]),
-               r = dot(direction, corner[2]);
-  low = static_cast<float>(least(least(p, q), r) - reach);
-  high = static_cast<float>(most(most(p, q), r) + reach);
+  const float p = dot(along, corner[0]), q = dot(along, corner[1]), r = dot(along, corner[2]);
+  low = least(least(p, q), r) - reach;
+  high = most(most(p, q), r) + reach;
 }
 
 DCM_WIDE_CLONES std::uint32_t lanesWithin(const TriangleInFrame& triangle, const BoxNode& node) {
@@ -107,7 +107,7 @@ DCM_WIDE_CLONES std::uint32_t lanesWithin(const TriangleInFrame& triangle, const
 }
 
 DCM_WIDE_CLONES std::uint32_t lanesWithin(const LaneAxes& axes, const CentredBox& single,
-                                          const BoxNode& node, float growth) {
+                                          const BoxNode& node, float growth, float* gaps) {
   EightLanes centre[3], half[3], gap, more;
   for (int k = 0; k < 3; ++k) {
     load(node.centre[k], centre[k]);
@@ -122,6 +122,7 @@ DCM_WIDE_CLONES std::uint32_t lanesWithin(const LaneAxes& axes, const CentredBox
     gapsAlongSingle(axes.of_single, k, single, centre, half, more);
     gap = more > gap ? more : gap;
   }
+  std::memcpy(gaps, &gap, sizeof gap);
   return otherLanes(gap > growth);
 }
 

@@ -13,8 +13,9 @@ struct LaneAxes {
 
 // Returns the bits of the lanes whose boxes are not certainly more than `growth` apart along some
 // axis, in units of the axes: those of bodies with poses that are no rotations are not 1 long.
+// Fills in the largest gaps of all lanes; they are negative where boxes overlap.
 std::uint32_t lanesWithin(const LaneAxes& axes, const CentredBox& single, const BoxNode& node,
-                          float growth);
+                          float growth, float* gaps);
 
 // A triangle of one body along the axes of another one: y = U^T (p - t), see rules/moved_boxes.h.
 // Points of the other body have such places too, up to the slack of the axes.

@@ -179,13 +179,16 @@ bool StateSearch::touches(std::uint32_t pair_index) {
     const NodePair nodes = stack_.back();
     stack_.pop_back();
     const BoxNode &node_a = a[nodes.a], &node_b = b[nodes.b];
+    if (!pair.mayCount(node_a.part, node_b.part)) continue;
     // The larger one is split. A leaf is split into its triangles, which are compared with all
     // that is below the other node, because their planes leave little of it.
     const bool of_a = sizeOf(node_a.box) > sizeOf(node_b.box);
     const BoxNode &split = of_a ? node_a : node_b, &other = of_a ? node_b : node_a;
-    std::uint32_t lanes = lanesThatMeet(pair_index, of_a, split, other.box);
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const std::uint32_t child = split.child[__builtin_ctz(lanes)];
+    int order[BoxNode::kLanes];
+    const int count = lanesThatMeet(pair_index, of_a, split, other.box, order);
+    for (int i = 0; i < count; ++i) {
+      // The stack gives back last what it got first.
+      const std::uint32_t child = split.child[order[split.is_leaf ? i : count - 1 - i]];
       if (!split.is_leaf) {
         stack_.push_back(of_a ? NodePair{child, nodes.b} : NodePair{nodes.a, child});
       } else if (triangleTouches(pair_index, of_a, child, of_a ? nodes.b : nodes.a)) {
@@ -196,13 +199,22 @@ bool StateSearch::touches(std::uint32_t pair_index) {
   return false;
 }
 
-// Returns the bits of the children of a node of a, or of b, whose boxes may touch a box of the
-// other body.
-std::uint32_t StateSearch::lanesThatMeet(std::uint32_t pair_index, bool of_a, const BoxNode& node,
-                                         const CentredBox& other) const {
+// Lists the children of a node of a, or of b, whose boxes may touch a box of the other body, those
+// that overlap most first. Returns how many they are.
+int StateSearch::lanesThatMeet(std::uint32_t pair_index, bool of_a, const BoxNode& node,
+                               const CentredBox& other, int* lanes) const {
   const FramePair<float>& frame = frames_[pair_index].pair;
   const LaneAxes axes = of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b};
-  return lanesWithin(axes, other, node, growth_m_) & node.used;
+  float gaps[BoxNode::kLanes];
+  int count = 0;
+  for (std::uint32_t bits = lanesWithin(axes, other, node, growth_m_, gaps) & node.used; bits != 0;
+       bits &= bits - 1) {
+    const int lane = __builtin_ctz(bits);
+    int i = count++;
+    for (; i > 0 && gaps[lanes[i - 1]] > gaps[lane]; --i) lanes[i] = lanes[i - 1];
+    lanes[i] = lane;
+  }
+  return count;
 }
 
 // Returns whether a triangle of a, or of b, touches one below a node of the other body.
@@ -315,6 +327,7 @@ void StateSearch::refine(const Doubt& doubt) {
   const StatePair& pair = task_->pairs[doubt.pair];
   const FramePair<float>& frame = frames_[doubt.pair].pair;
   const BoxNode &a = pair.a->nodes()[doubt.a], &b = pair.b->nodes()[doubt.b];
+  if (!pair.mayCount(a.part, b.part)) return;
   if (a.is_leaf && b.is_leaf) return openLeaves(doubt);
   const bool of_a = b.is_leaf || (!a.is_leaf && sizeOf(a.box) > sizeOf(b.box));
   const BoxNode &node = of_a ? a : b, &other = of_a ? b : a;

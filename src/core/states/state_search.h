@@ -92,8 +92,8 @@ class StateSearch {
 
   bool findTouch();
   bool touches(std::uint32_t pair);
-  std::uint32_t lanesThatMeet(std::uint32_t pair, bool of_a, const BoxNode& node,
-                              const CentredBox& other) const;
+  int lanesThatMeet(std::uint32_t pair, bool of_a, const BoxNode& node, const CentredBox& other,
+                    int* lanes) const;
   bool triangleTouches(std::uint32_t pair, bool of_a, std::uint32_t triangle,
                        std::uint32_t other_node);
   static bool trianglesTouch(float touch_m, const Triangle& a, const PlaneFilter& plane_a,
