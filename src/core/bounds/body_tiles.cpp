@@ -198,14 +198,6 @@ Aabb BodyTiles::posed(const Aabb& received) const {
           {atMostFinite(box.max.x), atMostFinite(box.max.y), atMostFinite(box.max.z)}};
 }
 
-void BodyTiles::makeTile(std::size_t tile, const RigidTransform& pose, PosedTile& made) const {
-  if (tiling_) {
-    made.make(*tiling_, tile, PosedBody(*body_, pose));
-  } else {
-    made.makeRun(body_->mesh, tile * Tiling::kTileTriangles, PosedBody(*body_, pose));
-  }
-}
-
 // Several threads may ask for the same tile. The first one makes it while the others spin, which is
 // short. The number of the cycle is stored with release order after the tile is complete, so a
 // thread that reads it with acquire order sees the whole tile.
@@ -216,7 +208,11 @@ const PosedTile& BodyTiles::tile(std::size_t tile) const {
   }
   if (slot.made.load(std::memory_order_relaxed) != cycle_) {
     if (slot.tile == nullptr) slot.tile = std::make_unique<PosedTile>();
-    makeTile(tile, body_->pose, *slot.tile);
+    if (tiling_) {
+      slot.tile->make(*tiling_, tile, PosedBody(*body_));
+    } else {
+      slot.tile->makeRun(body_->mesh, tile * Tiling::kTileTriangles, PosedBody(*body_));
+    }
     slot.made.store(cycle_, std::memory_order_release);
   }
   slot.busy.clear(std::memory_order_release);

@@ -40,10 +40,7 @@ class BodyTiles {
   std::size_t tileEnd(std::size_t region) const {
     return tiling_ ? tiling_->region_begin[region + 1] : least(tileBegin(region + 1), tileCount());
   }
-  std::size_t tileCount() const { return received_tiles_.size(); }
   Aabb tileBox(std::size_t tile) const { return posed(received_tiles_[tile]); }
-  // Returns the box of a tile in the body's own frame.
-  const Aabb& receivedTileBox(std::size_t tile) const { return received_tiles_[tile]; }
 
   // Return the least index of a triangle in a tile or a region; it may be of a rejected one.
   std::uint32_t firstOfTile(std::size_t tile) const {
@@ -65,8 +62,6 @@ class BodyTiles {
 
   // Returns a tile with posed vertices. It is made by the first call in a cycle.
   const PosedTile& tile(std::size_t tile) const;
-  // Makes the same tile with another pose.
-  void makeTile(std::size_t tile, const RigidTransform& pose, PosedTile& made) const;
 
   Triangle posedTriangle(std::uint32_t t) const { return PosedBody(*body_).triangle(t); }
 
@@ -81,6 +76,7 @@ class BodyTiles {
     std::atomic_flag busy = ATOMIC_FLAG_INIT;
   };
 
+  std::size_t tileCount() const { return received_tiles_.size(); }
   void begin(std::shared_ptr<const Tiling> tiling);
   void findParts();
   bool receive(const CycleLimit& limit);

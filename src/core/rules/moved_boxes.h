@@ -52,7 +52,7 @@ DCM_HD constexpr double sumRounding(float /*unused*/) { return 0x1p-19; }
 DCM_HD constexpr double sumRounding(double /*unused*/) { return 0x1p-48; }
 
 // Terms up to this neither overflow nor have squares that do.
-DCM_HD constexpr double largestTerms(float /*unused*/) { return 1e37; }
+DCM_HD constexpr double largestTerms(float /*unused*/) { return 1e18; }
 DCM_HD constexpr double largestTerms(double /*unused*/) { return 1e100; }
 
 }  // namespace detail

@@ -1,80 +1,139 @@
+// Triangles are ordered by halving them again and again along the longest side. Each node has eight
+// parts of equal size, so that all nodes but the last of each level are full. When the mesh
+// deforms, the order stays, and boxes grow with distances of triangles that were neighbours. Once
+// the leaves' boxes are much larger than they were, the triangles are ordered anew.
 #include "core/states/box_tree.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "core/predicates/aabb.h"
 
 namespace deformable_contact_monitor {
-
 bool BoxTree::update(const Body& body, const CycleLimit& limit) {
-  const bool same_vertices = vertices_revision_ == body.vertices_revision;
-  if (!findTiling(body, limit)) return false;
-  if (!tiles_.update(body, tiling_, limit)) {
-    vertices_revision_ = 0;
-    return false;
+  constexpr double kMuchLarger = 1.5;
+  if (vertices_revision_ == body.vertices_revision && parts_revision_ == body.parts_revision) {
+    return true;
   }
-  if (!same_vertices || parts_revision_ != body.parts_revision) build();
+  vertices_revision_ = 0;
+  const bool is_new = topology_revision_ != body.topology_revision;
+  if (is_new) order(body, limit);
+  if (limit.over()) return false;
+  fit(body);
+  if (!is_new && size_ > kMuchLarger * ordered_size_) {
+    order(body, limit);
+    if (limit.over()) return false;
+    fit(body);
+    ordered_size_ = size_;
+  }
+  if (is_new) ordered_size_ = size_;
   vertices_revision_ = body.vertices_revision;
   parts_revision_ = body.parts_revision;
   return true;
 }
 
-// Most meshes are rigid, and tiles by position are made fast, and are good for good. Once vertices
-// change while the triangles stay, the mesh deforms, and gets tiles by surface.
-bool BoxTree::findTiling(const Body& body, const CycleLimit& limit) {
-  if (tiling_ == nullptr || topology_revision_ != body.topology_revision) {
-    if (limit.over()) return false;
-    tiling_ = std::make_shared<const Tiling>(tilingByPosition(body.mesh));
-    is_by_surface_ = false;
-  } else if (!is_by_surface_ && vertices_revision_ != body.vertices_revision) {
-    if (limit.over()) return false;
-    tiling_ = std::make_shared<const Tiling>(tilingBySurface(body.mesh));
-    is_by_surface_ = true;
-  }
-  topology_revision_ = body.topology_revision;
-  return true;
-}
-
-void BoxTree::build() {
-  std::vector<std::uint32_t> tiles;
-  for (std::uint32_t tile = 0; tile < tiles_.tileCount(); ++tile) {
-    if (!tiles_.receivedTileBox(tile).empty()) tiles.push_back(tile);
-  }
-  box_ = Aabb();
-  for (const std::uint32_t tile : tiles) box_.include(tiles_.receivedTileBox(tile));
+// Makes the nodes, without their boxes. They are of no use if the limit is over.
+void BoxTree::order(const Body& body, const CycleLimit& limit) {
+  topology_revision_ = 0;
   nodes_.clear();
-  if (tiles.empty()) return;
-  nodes_.reserve(2 * tiles.size());
-  nodes_.emplace_back();
-  split(0, tiles.data(), tiles.data() + tiles.size());
+  std::vector<Placed> triangles(body.mesh.triangleCount());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const Triangle triangle = receivedTriangle(body.mesh, t);
+    triangles[t] = {{0, 0, 0}, t};
+    if (!isFinite(triangle)) continue;
+    const CentredBox box = CentredBox::of(boxOf(triangle));
+    triangles[t].at = {box.centre[0], box.centre[1], box.centre[2]};
+  }
+  if (!triangles.empty()) split(triangles.data(), triangles.data() + triangles.size(), limit);
+  if (!limit.over()) topology_revision_ = body.topology_revision;
 }
 
-// Makes a node of tiles: a leaf of one, or else two halves along the longest side of its box.
-void BoxTree::split(std::uint32_t node, std::uint32_t* first, std::uint32_t* last) {
+// Adds a node of these triangles, and all below it. Returns its number.
+std::uint32_t BoxTree::split(Placed* first, Placed* last, const CycleLimit& limit) {
+  const auto count = static_cast<std::size_t>(last - first);
+  const auto number = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  nodes_[number].is_leaf = count <= BoxNode::kLanes;
+  if (nodes_[number].is_leaf) {
+    nodes_[number].count = static_cast<std::uint32_t>(count);
+    for (std::size_t i = 0; i < count; ++i) nodes_[number].child[i] = first[i].triangle;
+    return number;
+  }
+  std::size_t unit = BoxNode::kLanes;  // triangles of a full child
+  while (unit * BoxNode::kLanes < count) unit *= BoxNode::kLanes;
+  nodes_[number].count = static_cast<std::uint32_t>((count + unit - 1) / unit);
+  halve(first, last, unit, limit);
+  for (std::size_t i = 0; i < nodes_[number].count && !limit.over(); ++i) {
+    const std::uint32_t child =
+        split(first + i * unit, std::min(last, first + (i + 1) * unit), limit);
+    nodes_[number].child[i] = child;
+  }
+  return number;
+}
+
+// Reorders triangles so that each run of `unit` of them, from the first on, lies close together.
+void BoxTree::halve(Placed* first, Placed* last, std::size_t unit, const CycleLimit& limit) {
+  const auto count = static_cast<std::size_t>(last - first);
+  if (count <= unit || limit.over()) return;
   Aabb box;
-  std::uint32_t first_triangle = BoxNode::kNoTile, part = tiles_.partOfTile(*first);
-  for (const std::uint32_t* tile = first; tile != last; ++tile) {
-    box.include(tiles_.receivedTileBox(*tile));
-    first_triangle = std::min(first_triangle, tiles_.firstOfTile(*tile));
-    if (tiles_.partOfTile(*tile) != part) part = BodyTiles::kSeveralParts;
-  }
-  const bool is_leaf = last - first == 1;
-  const auto child = static_cast<std::uint32_t>(is_leaf ? 0 : nodes_.size());
-  nodes_[node] = {CentredBox::of(box), is_leaf ? *first : BoxNode::kNoTile, child, first_triangle,
-                  part};
-  if (is_leaf) return;
-  int side = 0;
-  for (int k = 1; k < 3; ++k) {
-    if (nodes_[node].box.half[k] > nodes_[node].box.half[side]) side = k;
-  }
-  std::uint32_t* const middle = first + (last - first) / 2;
-  std::nth_element(first, middle, last, [this, side](std::uint32_t a, std::uint32_t b) {
-    const Aabb &box_a = tiles_.receivedTileBox(a), &box_b = tiles_.receivedTileBox(b);
-    const float at_a = box_a.min[side] / 2 + box_a.max[side] / 2;
-    const float at_b = box_b.min[side] / 2 + box_b.max[side] / 2;
-    return at_a != at_b ? at_a < at_b : a < b;
+  for (const Placed* t = first; t != last; ++t) box.include(t->at);
+  const Vec3f size = box.max - box.min;
+  const int side = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+  Placed* const middle = first + (count + unit - 1) / unit / 2 * unit;
+  std::nth_element(first, middle, last, [side](const Placed& a, const Placed& b) {
+    return a.at[side] != b.at[side] ? a.at[side] < b.at[side] : a.triangle < b.triangle;
   });
-  nodes_.resize(nodes_.size() + 2);
-  split(child, first, middle);
-  split(child + 1, middle, last);
+  halve(first, middle, unit, limit);
+  halve(middle, last, unit, limit);
+}
+
+// Makes the boxes of all nodes, children first.
+void BoxTree::fit(const Body& body) {
+  boxes_.resize(nodes_.size());
+  size_ = 0;
+  for (std::size_t i = nodes_.size(); i > 0; --i) {
+    BoxNode& node = nodes_[i - 1];
+    fitNode(body, node, boxes_[i - 1]);
+    if (node.is_leaf) {
+      size_ += double{node.box.half[0]} + node.box.half[1] + node.box.half[2];
+    }
+  }
+  box_ = boxes_.empty() ? Aabb() : boxes_[0];
+}
+
+void BoxTree::fitNode(const Body& body, BoxNode& node, Aabb& box) const {
+  box = Aabb();
+  node.used = 0;
+  std::uint16_t parts[BoxNode::kLanes];
+  for (std::size_t i = 0; i < BoxNode::kLanes; ++i) {
+    Aabb of_lane;
+    node.first[i] = ~std::uint32_t{0};
+    if (i < node.count && node.is_leaf) {
+      const Triangle triangle = receivedTriangle(body.mesh, node.child[i]);
+      if (isFinite(triangle)) of_lane = boxOf(triangle);
+      node.first[i] = node.child[i];
+      parts[i] = body.partOf(node.child[i]);
+    } else if (i < node.count) {
+      const BoxNode& child = nodes_[node.child[i]];
+      of_lane = boxes_[node.child[i]];
+      node.first[i] = *std::min_element(child.first, child.first + child.count);
+      parts[i] = child.part;
+    }
+    CentredBox centred{{0, 0, 0}, {0, 0, 0}};
+    if (!of_lane.empty()) {
+      centred = CentredBox::of(of_lane);
+      box.include(of_lane);
+      node.used |= std::uint32_t{1} << i;
+    }
+    for (int k = 0; k < 3; ++k) {
+      node.centre[k][i] = centred.centre[k];
+      node.half[k][i] = centred.half[k];
+    }
+  }
+  const bool same = std::all_of(parts, parts + node.count,
+                                [&parts](std::uint16_t part) { return part == parts[0]; });
+  node.part = same ? parts[0] : BoxNode::kSeveralParts;
+  node.box = box.empty() ? CentredBox{{0, 0, 0}, {0, 0, 0}} : CentredBox::of(box);
 }
 
 }  // namespace deformable_contact_monitor

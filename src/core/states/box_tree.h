@@ -1,59 +1,78 @@
-// A tree of boxes over a body's tiles, in the body's own frame. It depends on the vertices only, so
-// it serves all states and all poses of the body.
+// A tree of boxes over a body's triangles, in the body's own frame. It depends on the vertices
+// only, so it serves all states and all poses of the body.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <utility>
 #include <vector>
 
-#include "core/bounds/body_tiles.h"
 #include "core/common/cycle_limit.h"
+#include "core/predicates/triangle.h"
 #include "core/rules/moved_boxes.h"
 #include "core/scene.h"
-#include "core/tiling.h"
 
 namespace deformable_contact_monitor {
 
-// A node of the tree. The two children of an inner node follow each other.
+// A node with up to eight children, which are compared with another box at once. Of a leaf, the
+// children are triangles; of other nodes, nodes that come later in the list.
 struct BoxNode {
-  static constexpr std::uint32_t kNoTile = ~std::uint32_t{0};
+  static constexpr std::size_t kLanes = 8;
+  static constexpr std::uint16_t kSeveralParts = 256;
 
-  CentredBox box;
-  std::uint32_t tile;            // of a leaf; kNoTile: the node has children
-  std::uint32_t child;           // the first one; of a leaf: 0
-  std::uint32_t first_triangle;  // the least index below it
-  std::uint32_t part;            // as BodyTiles::partOfTile()
+  float centre[3][kLanes], half[3][kLanes];  // of the children's boxes [m]; 0 for lanes not in use
+  std::uint32_t child[kLanes];
+  std::uint32_t first[kLanes];  // the least index of a triangle below
+  std::uint32_t count;          // of children
+  std::uint32_t used;           // bits of the children that have triangles with finite vertices
+  std::uint16_t part;           // the part of all triangles below, or kSeveralParts
+  bool is_leaf;
+  CentredBox box;  // of all children
 
-  bool isLeaf() const { return tile != kNoTile; }
+  CentredBox boxOf(std::size_t lane) const {
+    return {{centre[0][lane], centre[1][lane], centre[2][lane]},
+            {half[0][lane], half[1][lane], half[2][lane]}};
+  }
 };
 
-// The tiles of a body, and the tree over them. It is kept as long as the vertices are the same.
+// Returns a triangle of a mesh in the body's own frame.
+inline Triangle receivedTriangle(const TriangleMesh& mesh, std::uint32_t triangle) {
+  const std::uint32_t* const corner = mesh.triangles.data() + 3 * std::size_t{triangle};
+  return {{mesh.vertex(corner[0]), mesh.vertex(corner[1]), mesh.vertex(corner[2])}};
+}
+
 class BoxTree {
  public:
-  // Begins a check, on the threads of this TBB arena. Returns false if the limit was over; then the
-  // object is of no use in this check. The body must live, unchanged, until the check ends, and its
-  // vertices must be on the host.
+  // Begins a check. Returns false if the limit was over; then the object is of no use in this
+  // check. The body's vertices must be on the host.
   bool update(const Body& body, const CycleLimit& limit);
 
   // Any number of threads may call the following functions.
-  const BodyTiles& tiles() const { return tiles_; }
-  // Returns the box of all finite vertices, in the body's own frame [m].
-  const Aabb& box() const { return box_; }
-  // Returns the nodes, the root first. Empty if the body has no triangle with finite vertices.
+  // Returns whether no triangle has finite vertices. Then there may be no node.
+  bool empty() const { return box_.empty(); }
+  // Returns the nodes, the root first.
   const std::vector<BoxNode>& nodes() const { return nodes_; }
+  // Returns the box of all triangles with finite vertices [m].
+  const Aabb& box() const { return box_; }
 
  private:
-  bool findTiling(const Body& body, const CycleLimit& limit);
-  void build();
-  void split(std::uint32_t node, std::uint32_t* first, std::uint32_t* last);
+  // A triangle with the middle of its box [m].
+  struct Placed {
+    Vec3f at;
+    std::uint32_t triangle;
+  };
 
-  BodyTiles tiles_;
-  std::shared_ptr<const Tiling> tiling_;
-  bool is_by_surface_ = false;
-  std::uint64_t topology_revision_ = 0, vertices_revision_ = 0, parts_revision_ = 0;
-  Aabb box_;
+  void order(const Body& body, const CycleLimit& limit);
+  std::uint32_t split(Placed* first, Placed* last, const CycleLimit& limit);
+  static void halve(Placed* first, Placed* last, std::size_t unit, const CycleLimit& limit);
+  void fit(const Body& body);
+  void fitNode(const Body& body, BoxNode& node, Aabb& box) const;
+
   std::vector<BoxNode> nodes_;
+  std::vector<Aabb> boxes_;  // of the nodes
+  Aabb box_;
+  double ordered_size_ = 0, size_ = 0;  // of the leaves: when they were ordered, and now
+  std::uint64_t topology_revision_ = 0, vertices_revision_ = 0, parts_revision_ = 0;
 };
 
 }  // namespace deformable_contact_monitor

@@ -40,7 +40,7 @@ class CpuStateChecker : public StateChecker {
     }
     results_ = StateResults();
     results_.states.resize(batch.count);
-    results_.rejected = rejectedOfStates(scene, pairs);
+    results_.rejected = rejected_.of(scene, pairs);
     const CycleLimit limit(options.limits);
     threads_.run(options.threads, [&] { run(scene, batch, options, pairs, limit); });
     if (limit.wasOver() && is_open_) {
@@ -61,6 +61,7 @@ class CpuStateChecker : public StateChecker {
   std::vector<std::unique_ptr<BoxTree>> trees_;         // per body; null: it is in no pair
   std::vector<std::unique_ptr<StateSearch>> searches_;  // per thread
   bool is_open_ = false;                                // the limit left some state open
+  RejectedCounts rejected_;
   StateResults results_;
 };
 
@@ -70,19 +71,12 @@ void CpuStateChecker::run(const Scene& scene, const StateBatch& batch, const Sta
   if (!updateTrees(scene, pairs, limit)) return;
   std::optional<PartTable> parts;
   if (scene.partsMatter()) parts.emplace(scene);
-  StateTask task{scene, batch, options, {}, {}, scene.anyPartMargin()};
-  task.place.assign(scene.bodyCount(), StateTask::kNotMoved);
-  for (std::uint32_t i = 0; i < batch.moved.size(); ++i) task.place[batch.moved[i]] = i;
+  StateTask task{scene, batch, options, {}, scene.anyPartMargin()};
   for (const auto& [a, b] : pairs) {
     const Body &body_a = scene.body(a), &body_b = scene.body(b);
-    const BoxTree &tree_a = *trees_[a], &tree_b = *trees_[b];
-    const BodyPair bodies{a,
-                          b,
-                          &tree_a.tiles(),
-                          &tree_b.tiles(),
-                          pairMargin(body_a.margin_m, body_b.margin_m),
-                          {parts ? &*parts : nullptr}};
-    task.pairs.push_back({bodies, PairRadii(body_a, body_b), &tree_a, &tree_b});
+    task.pairs.push_back({a, b, trees_[a].get(), trees_[b].get(),
+                          pairMargin(body_a.margin_m, body_b.margin_m), PairRadii(body_a, body_b),
+                          parts ? &*parts : nullptr});
   }
   decide(task, limit);
 }

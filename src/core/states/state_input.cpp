@@ -20,6 +20,19 @@ bool isReceivedFinite(const TriangleMesh& mesh, std::size_t triangle) {
          isFinite(mesh.vertex(corner[2]));
 }
 
+// Returns the rejected triangles of a body by part, ascending; the body's number is left 0.
+std::vector<RejectedPart> countRejected(const Body& body) {
+  std::uint64_t counts[256] = {};
+  for (std::uint32_t t = 0; t < body.mesh.triangleCount(); ++t) {
+    if (!isReceivedFinite(body.mesh, t)) ++counts[body.partOf(t)];
+  }
+  std::vector<RejectedPart> rejected;
+  for (const PartId part : body.listed_parts) {
+    if (counts[part] > 0) rejected.push_back({0, part, counts[part]});
+  }
+  return rejected;
+}
+
 }  // namespace
 
 void requireValid(const Scene& scene, const StateBatch& batch) {
@@ -70,22 +83,22 @@ bool partTakesPart(const Scene& scene, const std::vector<IdPair>& pairs, BodyId 
   });
 }
 
-std::vector<RejectedPart> rejectedOfStates(const Scene& scene, const std::vector<IdPair>& pairs) {
+std::vector<RejectedPart> RejectedCounts::of(const Scene& scene, const std::vector<IdPair>& pairs) {
   std::vector<RejectedPart> rejected;
+  of_body_.resize(scene.bodyCount());
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     const bool takes_part = std::any_of(pairs.begin(), pairs.end(), [id](const IdPair& pair) {
       return pair.first == id || pair.second == id;
     });
     if (!takes_part) continue;
     const Body& body = scene.body(id);
-    std::uint64_t counts[256] = {};
-    for (std::size_t t = 0; t < body.mesh.triangleCount(); ++t) {
-      if (!isReceivedFinite(body.mesh, t)) ++counts[body.partOf(static_cast<std::uint32_t>(t))];
+    Counted& counted = of_body_[id];
+    if (counted.vertices_revision != body.vertices_revision ||
+        counted.parts_revision != body.parts_revision) {
+      counted = {body.vertices_revision, body.parts_revision, countRejected(body)};
     }
-    for (const PartId part : body.listed_parts) {
-      if (counts[part] > 0 && partTakesPart(scene, pairs, id, part)) {
-        rejected.push_back({id, part, counts[part]});
-      }
+    for (const RejectedPart& of : counted.parts) {
+      if (partTakesPart(scene, pairs, id, of.part)) rejected.push_back({id, of.part, of.count});
     }
   }
   return rejected;

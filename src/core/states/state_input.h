@@ -4,11 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/export.h"
-#include "core/predicates/aabb.h"
 #include "core/scene.h"
 #include "core/state_checker.h"
 
@@ -26,9 +25,21 @@ DCM_EXPORT bool partTakesPart(const Scene& scene,
                               const std::vector<std::pair<BodyId, BodyId>>& pairs, BodyId body,
                               PartId part);
 
-// Fills in StateResults::rejected for these pairs. Reads all vertices, which must be on the host.
-DCM_EXPORT std::vector<RejectedPart> rejectedOfStates(
-    const Scene& scene, const std::vector<std::pair<BodyId, BodyId>>& pairs);
+// Counts triangles whose vertices were not received finite, and keeps the counts as long as
+// vertices and parts of a body stay the same. One thread at a time.
+class DCM_EXPORT RejectedCounts {
+ public:
+  // Returns StateResults::rejected for these pairs. The vertices must be on the host.
+  std::vector<RejectedPart> of(const Scene& scene,
+                               const std::vector<std::pair<BodyId, BodyId>>& pairs);
+
+ private:
+  struct Counted {
+    std::uint64_t vertices_revision = 0, parts_revision = 0;
+    std::vector<RejectedPart> parts;
+  };
+  std::vector<Counted> of_body_;
+};
 
 // Returns whether all numbers of a pose are finite.
 DCM_EXPORT bool isFinite(const RigidTransform& pose);

@@ -9,6 +9,7 @@
 #include "core/common/posed_body.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
+#include "core/states/lane_boxes.h"
 #include "core/states/state_input.h"
 
 namespace deformable_contact_monitor {
@@ -16,8 +17,18 @@ namespace {
 
 constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
 
-// Returns the square of a distance, rounded up.
-double squaredUp(double distance_m) { return distance_m * distance_m * (1 + 1e-12); }
+// Returns the least number that is not below a distance of float axes for which boxes along one
+// axis are certainly farther apart than touch_m [m].
+float growthOf(const FramePair<float>& frame, float touch_m) {
+  if (touch_m == 0) return 0;
+  const double scale = std::sqrt(std::min(frame.of_a.scale2, frame.of_b.scale2));
+  return static_cast<float>(certainlyBeyond(touch_m) / scale * (1 + 1e-6));
+}
+
+// Returns whether a box of posed vertices has all of them, as none became infinite.
+bool isFiniteBox(const Aabb& box) { return isFinite(box.min) && isFinite(box.max); }
+
+float sizeOf(const CentredBox& box) { return most(most(box.half[0], box.half[1]), box.half[2]); }
 
 }  // namespace
 
@@ -26,14 +37,22 @@ void StateSearch::begin(const StateTask& task, const CycleLimit& limit) {
   limit_ = &limit;
   is_over_ = false;
   poses_.clear();
-  for (const Body& body : task.scene.bodies()) poses_.push_back(&body.pose);
-  slots_.resize(task.batch.moved.size());
-  for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].clear();
-  for (const StatePair& pair : task.pairs) {
-    const std::uint32_t a = task.place[pair.bodies.a_id], b = task.place[pair.bodies.b_id];
-    if (a != StateTask::kNotMoved) slots_[a].resize(pair.a->tiles().tileCount());
-    if (b != StateTask::kNotMoved) slots_[b].resize(pair.b->tiles().tileCount());
+  is_identity_.clear();
+  for (const Body& body : task.scene.bodies()) {
+    poses_.push_back(&body.pose);
+    is_identity_.push_back(body.pose.isIdentity());
   }
+  trees_.assign(task.scene.bodyCount(), nullptr);
+  boxes_.assign(task.scene.bodyCount(), Aabb());
+  for (const StatePair& pair : task.pairs) {
+    trees_[pair.a_id] = pair.a;
+    trees_[pair.b_id] = pair.b;
+  }
+  for (BodyId id = 0; id < trees_.size(); ++id) {
+    if (trees_[id] != nullptr)
+      boxes_[id] = posedBox(trees_[id]->box(), *poses_[id], is_identity_[id]);
+  }
+  ++state_;
   frames_.resize(task.pairs.size());
   order_.resize(task.pairs.size());
   std::iota(order_.begin(), order_.end(), 0U);
@@ -42,9 +61,8 @@ void StateSearch::begin(const StateTask& task, const CycleLimit& limit) {
 
 bool StateSearch::decide(std::uint32_t state, StateAnswer* answer,
                          std::vector<TouchingBodies>* pairs) {
-  ++state_;
   if (!setPoses(state)) return true;
-  makeFrames();
+  ++state_;
   const std::size_t listed = pairs->size();
   const StateOptions& options = task_->options;
   bool touch = false, near = false;
@@ -78,51 +96,50 @@ bool StateSearch::setPoses(std::uint32_t state) {
   for (std::size_t i = 0; i < moved.size(); ++i) {
     if (!isFinite(poses[i])) return false;
     poses_[moved[i]] = poses + i;
+    is_identity_[moved[i]] = poses[i].isIdentity();
+    const BoxTree* const tree = trees_[moved[i]];
+    if (tree != nullptr) boxes_[moved[i]] = posedBox(tree->box(), poses[i], is_identity_[moved[i]]);
   }
   return true;
 }
 
 bool StateSearch::leavesFloats() const {
-  const auto leaves = [this](BodyId id, const BoxTree& tree) {
-    const RigidTransform& pose = *poses_[id];
-    const Aabb box = tree.nodes().empty() ? Aabb() : posedBox(tree.box(), pose, pose.isIdentity());
-    if (box.empty() || (isFinite(box.min) && isFinite(box.max))) return false;
-    return deformable_contact_monitor::leavesFloats(task_->scene.body(id), pose);
+  const auto leaves = [this](BodyId id) {
+    if (boxes_[id].empty() || isFiniteBox(boxes_[id])) return false;
+    return deformable_contact_monitor::leavesFloats(task_->scene.body(id), *poses_[id]);
   };
-  return std::any_of(task_->pairs.begin(), task_->pairs.end(), [&](const StatePair& pair) {
-    return leaves(pair.bodies.a_id, *pair.a) || leaves(pair.bodies.b_id, *pair.b);
-  });
+  return std::any_of(task_->pairs.begin(), task_->pairs.end(),
+                     [&](const StatePair& pair) { return leaves(pair.a_id) || leaves(pair.b_id); });
 }
 
-void StateSearch::makeFrames() {
-  for (std::size_t i = 0; i < task_->pairs.size(); ++i) {
-    const StatePair& pair = task_->pairs[i];
-    if (pair.a->nodes().empty() || pair.b->nodes().empty()) continue;
-    frames_[i] = FramePair<double>::of(*poses_[pair.bodies.a_id], pair.a->nodes()[0].box,
-                                       *poses_[pair.bodies.b_id], pair.b->nodes()[0].box);
-  }
+// Returns whether two bodies may be at most `distance_m` apart, by boxes in the scene frame.
+bool StateSearch::mayBeWithin(const StatePair& pair, float distance_m) const {
+  if (pair.a->empty() || pair.b->empty()) return false;
+  const Aabb &a = boxes_[pair.a_id], &b = boxes_[pair.b_id];
+  return !isFiniteBox(a) || !isFiniteBox(b) || !areApart(a, b, distance_m);
 }
 
-// Returns a tile with posed vertices. Tiles of bodies that are not moved are shared by all threads.
-const PosedTile& StateSearch::tileOf(BodyId body, const BoxTree& tree, std::uint32_t tile) {
-  const std::uint32_t place = task_->place[body];
-  if (place == StateTask::kNotMoved) return tree.tiles().tile(tile);
-  Slot& slot = slots_[place][tile];
-  if (slot.tile == nullptr) slot.tile = std::make_unique<PosedTile>();
-  if (slot.state != state_) tree.tiles().makeTile(tile, *poses_[body], *slot.tile);
-  slot.state = state_;
-  return *slot.tile;
+// Returns how the boxes of a pair are compared in this state.
+const FramePair<float>& StateSearch::frameOf(std::uint32_t pair_index) {
+  Frame& frame = frames_[pair_index];
+  if (frame.state == state_) return frame.pair;
+  const StatePair& pair = task_->pairs[pair_index];
+  frame.pair = FramePair<float>::of(*poses_[pair.a_id], pair.a->nodes()[0].box, *poses_[pair.b_id],
+                                    pair.b->nodes()[0].box);
+  frame.state = state_;
+  return frame.pair;
 }
 
-bool StateSearch::splitsFirst(const BoxNode& a, const BoxNode& b) {
-  if (a.isLeaf() || b.isLeaf()) return b.isLeaf();
-  const auto size = [](const CentredBox& box) {
-    return most(most(box.half[0], box.half[1]), box.half[2]);
+Triangle StateSearch::posed(BodyId body, std::uint32_t triangle) const {
+  const TriangleMesh& mesh = task_->scene.body(body).mesh;
+  const std::uint32_t* const corner = mesh.triangles.data() + 3 * std::size_t{triangle};
+  const auto vertex = [&](int k) {
+    return posedVertex(*poses_[body], is_identity_[body], mesh.vertex(corner[k]));
   };
-  return size(a.box) > size(b.box);
+  return {{vertex(0), vertex(1), vertex(2)}};
 }
 
-// Polls the limit once in some steps of about a microsecond.
+// Polls the limit once in some steps of about a microsecond at most.
 bool StateSearch::isTime() {
   constexpr std::uint32_t kSteps = 64;
   if (++steps_ % kSteps == 0 && limit_->over()) is_over_ = true;
@@ -145,61 +162,113 @@ bool StateSearch::findTouch() {
 
 void StateSearch::listTouching(std::uint32_t state, std::vector<TouchingBodies>* pairs) {
   for (std::uint32_t i = 0; i < task_->pairs.size(); ++i) {
-    const BodyPair& bodies = task_->pairs[i].bodies;
-    if (touches(i)) pairs->push_back({state, bodies.a_id, bodies.b_id});
+    const StatePair& pair = task_->pairs[i];
+    if (touches(i)) pairs->push_back({state, pair.a_id, pair.b_id});
   }
 }
 
 // Returns whether two bodies touch; unspecified if it is time to stop.
 bool StateSearch::touches(std::uint32_t pair_index) {
   const StatePair& pair = task_->pairs[pair_index];
+  if (!mayBeWithin(pair, pair.radii.touch_m)) return false;
   const std::vector<BoxNode>&a = pair.a->nodes(), &b = pair.b->nodes();
-  if (a.empty() || b.empty()) return false;
-  const FramePair<double>& frame = frames_[pair_index];
-  const double needed2 = squaredUp(certainlyBeyond(pair.radii.touch_m));
+  growth_m_ = growthOf(frameOf(pair_index), pair.radii.touch_m);
   stack_.assign(1, {0, 0});
   while (!stack_.empty()) {
     if (isTime()) return false;
     const NodePair nodes = stack_.back();
     stack_.pop_back();
     const BoxNode &node_a = a[nodes.a], &node_b = b[nodes.b];
-    if (frame.squaredGap(node_a.box, node_b.box, needed2) >= needed2) continue;
-    if (!pair.bodies.mayCount(node_a.part, node_b.part)) continue;
-    if (node_a.isLeaf() && node_b.isLeaf()) {
-      if (tilesTouch(pair, node_a.tile, node_b.tile)) return true;
-    } else if (splitsFirst(node_a, node_b)) {
-      stack_.push_back({node_a.child, nodes.b});
-      stack_.push_back({node_a.child + 1, nodes.b});
-    } else {
-      stack_.push_back({nodes.a, node_b.child});
-      stack_.push_back({nodes.a, node_b.child + 1});
+    if (!pair.mayCount(node_a.part, node_b.part)) continue;
+    // The larger one is split. A leaf is split into its triangles, which are compared with all
+    // that is below the other node, because their planes leave little of it.
+    const bool of_a = sizeOf(node_a.box) > sizeOf(node_b.box);
+    const BoxNode &split = of_a ? node_a : node_b, &other = of_a ? node_b : node_a;
+    int order[BoxNode::kLanes];
+    const int count = lanesThatMeet(pair_index, of_a, split, other.box, order);
+    for (int i = 0; i < count; ++i) {
+      // The stack gives back last what it got first.
+      const std::uint32_t child = split.child[order[split.is_leaf ? i : count - 1 - i]];
+      if (!split.is_leaf) {
+        stack_.push_back(of_a ? NodePair{child, nodes.b} : NodePair{nodes.a, child});
+      } else if (triangleTouches(pair_index, of_a, child, of_a ? nodes.b : nodes.a)) {
+        return true;
+      }
     }
   }
   return false;
 }
 
-bool StateSearch::tilesTouch(const StatePair& pair, std::uint32_t tile_a, std::uint32_t tile_b) {
-  const PosedTile& a = tileOf(pair.bodies.a_id, *pair.a, tile_a);
-  const PosedTile& b = tileOf(pair.bodies.b_id, *pair.b, tile_b);
-  const float touch_m = pair.radii.touch_m;
-  const double needed_m = certainlyBeyond(touch_m);
-  if (lowerGap(a, b) >= needed_m) return false;
-  nearTriangles(a, b, needed_m, triangles_);
-  for (const NearTriangles& near : triangles_) {
-    if (!pair.bodies.counts(a.triangle[near.a], b.triangle[near.b])) continue;
-    const Triangle triangle_a = a.posed(near.a), triangle_b = b.posed(near.b);
-    if (near.boxes_meet) {
-      PairFacts facts;
-      PredicateState state{Predicates::kExact};
-      if (isCandidate(triangle_a, triangle_b, facts) &&
-          candidateVerdict(triangle_a, triangle_b, facts, state).contact) {
-        return true;
+// Lists the children of a node of a, or of b, whose boxes may touch a box of the other body, those
+// that overlap most first. Returns how many they are.
+int StateSearch::lanesThatMeet(std::uint32_t pair_index, bool of_a, const BoxNode& node,
+                               const CentredBox& other, int* lanes) const {
+  const FramePair<float>& frame = frames_[pair_index].pair;
+  const LaneAxes axes = of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b};
+  float gaps[BoxNode::kLanes];
+  int count = 0;
+  for (std::uint32_t bits = lanesWithin(axes, other, node, growth_m_, gaps) & node.used; bits != 0;
+       bits &= bits - 1) {
+    const int lane = __builtin_ctz(bits);
+    int i = count++;
+    for (; i > 0 && gaps[lanes[i - 1]] > gaps[lane]; --i) lanes[i] = lanes[i - 1];
+    lanes[i] = lane;
+  }
+  return count;
+}
+
+// Returns whether a triangle of a, or of b, touches one below a node of the other body.
+bool StateSearch::triangleTouches(std::uint32_t pair_index, bool of_a, std::uint32_t triangle,
+                                  std::uint32_t other_node) {
+  const StatePair& pair = task_->pairs[pair_index];
+  const FramePair<float>& frame = frames_[pair_index].pair;
+  const BodyId id = of_a ? pair.a_id : pair.b_id, other_id = of_a ? pair.b_id : pair.a_id;
+  Triangle own;
+  PlaneFilter plane;
+  bool is_posed = false;
+  const TriangleInFrame placed(of_a ? frame.of_b : frame.of_a,
+                               receivedTriangle(task_->scene.body(id).mesh, triangle), growth_m_);
+  const std::vector<BoxNode>& nodes = (of_a ? pair.b : pair.a)->nodes();
+  below_.assign(1, other_node);
+  while (!below_.empty()) {
+    const BoxNode& node = nodes[below_.back()];
+    below_.pop_back();
+    if (isTime()) return false;
+    for (std::uint32_t lanes = lanesWithin(placed, node) & node.used; lanes != 0;
+         lanes &= lanes - 1) {
+      const std::uint32_t child = node.child[__builtin_ctz(lanes)];
+      if (!node.is_leaf) {
+        below_.push_back(child);
+      } else if (of_a ? pair.counts(triangle, child) : pair.counts(child, triangle)) {
+        if (!is_posed) {
+          own = posed(id, triangle);
+          if (!isFinite(own)) return false;
+          plane = PlaneFilter(own);
+          is_posed = true;
+        }
+        if (trianglesTouch(pair.radii.touch_m, own, plane, posed(other_id, child))) return true;
       }
     }
-    if (touch_m == 0 || arePlanesApart(triangle_a, triangle_b, needed_m)) continue;
-    if (comparedDistance(separation(triangle_a, triangle_b)) <= touch_m) return true;
   }
   return false;
+}
+
+// Returns whether two triangles touch. The first one is finite.
+bool StateSearch::trianglesTouch(float touch_m, const Triangle& a, const PlaneFilter& plane_a,
+                                 const Triangle& b) {
+  if (!isFinite(b)) return false;
+  if (intersects(boxOf(a), boxOf(b))) {
+    PairFacts facts;
+    PredicateState state{Predicates::kExact};
+    int sides = 0;
+    for (int i = 0; i < 3; ++i) sides += plane_a.side(b.v[i]);
+    if (sides != 3 && sides != -3 && isCandidate(a, b, facts) &&
+        candidateVerdict(a, b, facts, state).contact) {
+      return true;
+    }
+  }
+  if (touch_m == 0 || arePlanesApart(a, b, certainlyBeyond(touch_m))) return false;
+  return comparedDistance(separation(a, b)) <= touch_m;
 }
 
 // Searches all pairs of bodies at once, best first, because only the nearest of all is asked for.
@@ -207,28 +276,26 @@ void StateSearch::findNearest() {
   heap_.clear();
   for (std::uint32_t i = 0; i < task_->pairs.size(); ++i) {
     const StatePair& pair = task_->pairs[i];
-    if (!pair.a->nodes().empty() && !pair.b->nodes().empty()) pushNodes(i, 0, 0);
+    if (!mayBeWithin(pair, pair.radii.triangleDistanceM(pair.margin_m))) continue;
+    const BoxNode &a = pair.a->nodes()[0], &b = pair.b->nodes()[0];
+    const double low_m = std::sqrt(frameOf(i).squaredGap(a.box, b.box, INFINITY)) * (1 - 1e-6);
+    push({low_m - pair.radii.sum(), low_m, i, 0, 0, *std::min_element(a.first, a.first + a.count),
+          *std::min_element(b.first, b.first + b.count)});
   }
   while (!heap_.empty() && !isTime()) {
-    std::pop_heap(heap_.begin(), heap_.end(),
-                  [this](const Doubt& x, const Doubt& y) { return isLater(x, y); });
+    std::pop_heap(heap_.begin(), heap_.end(), isLater);
     const Doubt doubt = heap_.back();
     heap_.pop_back();
     refine(doubt);
   }
 }
 
-// Orders the heap: the least bound comes first; of equal bounds, posed tiles, and then the least
-// pair, because it wins a tie.
-bool StateSearch::isLater(const Doubt& x, const Doubt& y) const {
+// Orders the heap: the least bound comes first; of equal bounds, the least pair and triangles,
+// because they win a tie.
+bool StateSearch::isLater(const Doubt& x, const Doubt& y) {
   if (x.order_m != y.order_m) return x.order_m > y.order_m;
   if (x.pair != y.pair) return x.pair > y.pair;
-  if (x.posed != y.posed) return y.posed;
-  const StatePair& pair = task_->pairs[x.pair];
-  const auto first_a = [&](const Doubt& d) { return pair.a->nodes()[d.a].first_triangle; };
-  const auto first_b = [&](const Doubt& d) { return pair.b->nodes()[d.b].first_triangle; };
-  if (first_a(x) != first_a(y)) return first_a(x) > first_a(y);
-  return first_b(x) > first_b(y);
+  return x.first_a != y.first_a ? x.first_a > y.first_a : x.first_b > y.first_b;
 }
 
 // Returns whether pairs of triangles from these on, at least low_m apart, may precede the best one.
@@ -237,7 +304,7 @@ bool StateSearch::mayPrecede(std::uint32_t pair, double low_m, std::uint32_t fir
   const StatePair& of = task_->pairs[pair];
   const ComparedPair least{leastCompared(low_m), first_a, first_b};
   const float apart_m = of.radii.apartM(least.distance_m);
-  if (apart_m > of.bodies.margin_m) return false;
+  if (apart_m > of.margin_m) return false;
   if (apart_m != best_.apart_m) return apart_m < best_.apart_m;
   return pair != best_.pair ? pair < best_.pair : least.precedes(best_.triangles);
 }
@@ -245,101 +312,56 @@ bool StateSearch::mayPrecede(std::uint32_t pair, double low_m, std::uint32_t fir
 // Returns a distance of triangles [m] from which on a pair of bodies cannot have the best ones.
 double StateSearch::neededM(std::uint32_t pair) const {
   const StatePair& of = task_->pairs[pair];
-  return certainlyBeyond(of.radii.triangleDistanceM(least(best_.apart_m, of.bodies.margin_m)));
+  return certainlyBeyond(of.radii.triangleDistanceM(least(best_.apart_m, of.margin_m)));
 }
 
 void StateSearch::push(const Doubt& doubt) {
-  const StatePair& pair = task_->pairs[doubt.pair];
-  if (!mayPrecede(doubt.pair, doubt.low_m, pair.a->nodes()[doubt.a].first_triangle,
-                  pair.b->nodes()[doubt.b].first_triangle)) {
-    return;
-  }
+  if (!mayPrecede(doubt.pair, doubt.low_m, doubt.first_a, doubt.first_b)) return;
   heap_.push_back(doubt);
-  std::push_heap(heap_.begin(), heap_.end(),
-                 [this](const Doubt& x, const Doubt& y) { return isLater(x, y); });
+  std::push_heap(heap_.begin(), heap_.end(), isLater);
 }
 
-void StateSearch::pushNodes(std::uint32_t pair, std::uint32_t a, std::uint32_t b) {
-  const StatePair& of = task_->pairs[pair];
-  const BoxNode &node_a = of.a->nodes()[a], &node_b = of.b->nodes()[b];
-  if (!of.bodies.mayCount(node_a.part, node_b.part)) return;
-  const double squared = frames_[pair].squaredGap(node_a.box, node_b.box, INFINITY);
-  const double low_m = std::sqrt(squared) * (1 - 1e-14);
-  push({low_m - of.radii.sum(), low_m, pair, a, b, false});
-}
-
-// Replaces two nodes by their children, or by their tiles and these by their triangles.
+// Replaces the larger one of two nodes by its children, or two leaves by their triangles.
 void StateSearch::refine(const Doubt& doubt) {
+  if (!mayPrecede(doubt.pair, doubt.low_m, doubt.first_a, doubt.first_b)) return;
   const StatePair& pair = task_->pairs[doubt.pair];
+  const FramePair<float>& frame = frames_[doubt.pair].pair;
   const BoxNode &a = pair.a->nodes()[doubt.a], &b = pair.b->nodes()[doubt.b];
-  if (!mayPrecede(doubt.pair, doubt.low_m, a.first_triangle, b.first_triangle)) return;
-  if (doubt.posed) return openTiles(doubt);
-  if (a.isLeaf() && b.isLeaf()) {
-    Doubt posed = doubt;
-    posed.posed = true;
-    const PosedTile& tile_a = tileOf(pair.bodies.a_id, *pair.a, a.tile);
-    const PosedTile& tile_b = tileOf(pair.bodies.b_id, *pair.b, b.tile);
-    if (tile_a.count == 0 || tile_b.count == 0) return;  // all triangles were rejected
-    posed.low_m = most(doubt.low_m, lowerGap(tile_a, tile_b));
-    if (!mayPrecede(doubt.pair, posed.low_m, a.first_triangle, b.first_triangle)) return;
-    if (hasDirection(doubt.pair)) {
-      posed.low_m = most(posed.low_m, lowerGapAlong(direction_, tile_a, tile_b));
-    }
-    posed.order_m = posed.low_m - pair.radii.sum();
-    return push(posed);
-  }
-  const bool first = splitsFirst(a, b);
-  for (std::uint32_t i = 0; i < 2; ++i) {
-    pushNodes(doubt.pair, first ? a.child + i : doubt.a, first ? doubt.b : b.child + i);
+  if (!pair.mayCount(a.part, b.part)) return;
+  if (a.is_leaf && b.is_leaf) return openLeaves(doubt);
+  const bool of_a = b.is_leaf || (!a.is_leaf && sizeOf(a.box) > sizeOf(b.box));
+  const BoxNode &node = of_a ? a : b, &other = of_a ? b : a;
+  float squared[BoxNode::kLanes];
+  squaredGapsOfLanes(of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b},
+                     other.box, node, squared);
+  for (std::uint32_t lane = 0; lane < node.count; ++lane) {
+    if ((node.used >> lane & 1) == 0) continue;
+    const double low_m = most(doubt.low_m, std::sqrt(double{squared[lane]}) * (1 - 1e-6));
+    Doubt child = doubt;
+    child.low_m = low_m;
+    child.order_m = low_m - pair.radii.sum();
+    (of_a ? child.a : child.b) = node.child[lane];
+    (of_a ? child.first_a : child.first_b) = node.first[lane];
+    push(child);
   }
 }
 
-void StateSearch::openTiles(const Doubt& doubt) {
+void StateSearch::openLeaves(const Doubt& doubt) {
   const StatePair& pair = task_->pairs[doubt.pair];
-  const PosedTile& a = tileOf(pair.bodies.a_id, *pair.a, pair.a->nodes()[doubt.a].tile);
-  const PosedTile& b = tileOf(pair.bodies.b_id, *pair.b, pair.b->nodes()[doubt.b].tile);
-  if (best_.pair != doubt.pair) testSomeTriangles(doubt.pair, a, b);
-  if (hasDirection(doubt.pair)) {
-    nearTrianglesAlong(direction_, a, b, neededM(doubt.pair), triangles_);
-  } else {
-    nearTriangles(a, b, neededM(doubt.pair), triangles_);
-  }
-  for (const NearTriangles& near : triangles_) {
-    const std::uint32_t triangle_a = a.triangle[near.a], triangle_b = b.triangle[near.b];
-    if (!pair.bodies.counts(triangle_a, triangle_b)) continue;
+  leaf_a_.make(pair.a->nodes()[doubt.a],
+               PosedBody(task_->scene.body(pair.a_id), *poses_[pair.a_id]));
+  leaf_b_.make(pair.b->nodes()[doubt.b],
+               PosedBody(task_->scene.body(pair.b_id), *poses_[pair.b_id]));
+  nearLanes(leaf_a_, leaf_b_, hasDirection(doubt.pair) ? direction_ : Vec3d(), neededM(doubt.pair),
+            near_);
+  for (const NearLanes& near : near_) {
+    const std::uint32_t triangle_a = leaf_a_.index[near.a], triangle_b = leaf_b_.index[near.b];
+    if (!pair.counts(triangle_a, triangle_b)) continue;
     if (!mayPrecede(doubt.pair, most(near.low_m, doubt.low_m), triangle_a, triangle_b)) continue;
-    test(doubt.pair, a.posed(near.a), b.posed(near.b), triangle_a, triangle_b, near.boxes_meet);
+    test(doubt.pair, leaf_a_.triangle[near.a], leaf_b_.triangle[near.b], triangle_a, triangle_b,
+         near.boxes_meet);
     if (isTime()) return;
   }
-}
-
-// Tests two triangles of two tiles that are likely to be near each other, so that the best pair and
-// its direction leave few of the others.
-void StateSearch::testSomeTriangles(std::uint32_t pair, const PosedTile& a, const PosedTile& b) {
-  const auto nearestTo = [](const PosedTile& tile, const Vec3f& point) {
-    std::size_t nearest = 0;
-    float least2 = INFINITY;
-    for (std::size_t t = 0; t < tile.count; ++t) {
-      const Vec3f low{tile.low[0][t], tile.low[1][t], tile.low[2][t]};
-      const Vec3f high{tile.high[0][t], tile.high[1][t], tile.high[2][t]};
-      const Vec3f off = low * 0.5F + high * 0.5F - point;
-      if (dot(off, off) >= least2) continue;
-      least2 = dot(off, off);
-      nearest = t;
-    }
-    return nearest;
-  };
-  const auto middle = [](const PosedTile& tile, std::size_t t) {
-    const Triangle triangle = tile.posed(t);
-    return (triangle.v[0] + triangle.v[1] + triangle.v[2]) * (1.0F / 3);
-  };
-  std::size_t t_a = nearestTo(a, b.box.min * 0.5F + b.box.max * 0.5F);
-  const std::size_t t_b = nearestTo(b, middle(a, t_a));
-  t_a = nearestTo(a, middle(b, t_b));
-  if (!task_->pairs[pair].bodies.counts(a.triangle[t_a], b.triangle[t_b])) return;
-  const Triangle triangle_a = a.posed(t_a), triangle_b = b.posed(t_b);
-  test(pair, triangle_a, triangle_b, a.triangle[t_a], b.triangle[t_b],
-       intersects(boxOf(triangle_a), boxOf(triangle_b)));
 }
 
 // Tests two triangles, and takes them as the best ones if they are.
@@ -351,10 +373,10 @@ void StateSearch::test(std::uint32_t pair, const Triangle& a, const Triangle& b,
   const bool meet = boxes_meet && trianglesIntersect(a, b, state);
   const ComparedPair found{meet ? 0 : comparedDistance(separation(a, b)), triangle_a, triangle_b};
   const float apart_m = of.radii.apartM(found.distance_m);
-  float margin_m = of.bodies.margin_m;
+  float margin_m = of.margin_m;
   if (task_->part_margins) {
-    const Body& body_a = task_->scene.body(of.bodies.a_id);
-    const Body& body_b = task_->scene.body(of.bodies.b_id);
+    const Body& body_a = task_->scene.body(of.a_id);
+    const Body& body_b = task_->scene.body(of.b_id);
     margin_m = pairMargin(body_a.marginOf(body_a.partOf(triangle_a)),
                           body_b.marginOf(body_b.partOf(triangle_b)));
   }
@@ -383,7 +405,7 @@ bool StateSearch::hasDirection(std::uint32_t pair) {
 // Returns the best pair, with its points.
 NearestPair StateSearch::nearestPair() const {
   const StatePair& pair = task_->pairs[best_.pair];
-  const BodyId a = pair.bodies.a_id, b = pair.bodies.b_id;
+  const BodyId a = pair.a_id, b = pair.b_id;
   const PosedBody body_a(task_->scene.body(a), *poses_[a]);
   const PosedBody body_b(task_->scene.body(b), *poses_[b]);
   const ComparedPair& triangles = best_.triangles;

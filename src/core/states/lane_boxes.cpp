@@ -1,0 +1,153 @@
+#include "core/states/lane_boxes.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "core/common/lanes.h"
+
+// Its functions are compiled for AVX2 too, where eight lanes are one register.
+namespace deformable_contact_monitor {
+namespace {
+
+using EightLanes = float __attribute__((vector_size(4 * BoxNode::kLanes)));
+static_assert(BoxNode::kLanes == 8);
+using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
+
+[[gnu::always_inline]] inline void load(const float* from, EightLanes& lanes) {
+  std::memcpy(&lanes, from, sizeof lanes);
+}
+
+// Computes the gaps along axis k of the single box's body.
+[[gnu::always_inline]] inline void gapsAlongSingle(const FrameAxes<float>& axes, int k,
+                                                   const CentredBox& single,
+                                                   const EightLanes* centre, const EightLanes* half,
+                                                   EightLanes& gap) {
+  const float* const m = axes.turn + 3 * k;
+  const float* const s = axes.turn_size + 3 * k;
+  const EightLanes at =
+      m[0] * centre[0] + m[1] * centre[1] + m[2] * centre[2] + (axes.offset[k] - single.centre[k]);
+  const EightLanes reach =
+      s[0] * half[0] + s[1] * half[1] + s[2] * half[2] + (single.half[k] + axes.slack[k]);
+  gap = (at < 0 ? -at : at) - reach;
+}
+
+// Computes the gaps along axis k of the node's body.
+[[gnu::always_inline]] inline void gapsAlongNode(const FrameAxes<float>& axes, int k,
+                                                 const CentredBox& single, const EightLanes* centre,
+                                                 const EightLanes* half, EightLanes& gap) {
+  const float* const m = axes.turn + 3 * k;
+  const float* const s = axes.turn_size + 3 * k;
+  const float of_single =
+      m[0] * single.centre[0] + m[1] * single.centre[1] + m[2] * single.centre[2] + axes.offset[k];
+  const float reach =
+      s[0] * single.half[0] + s[1] * single.half[1] + s[2] * single.half[2] + axes.slack[k];
+  const EightLanes at = of_single - centre[k];
+  gap = (at < 0 ? -at : at) - (half[k] + reach);
+}
+
+// Returns the bits of the lanes for which a comparison does not hold.
+[[gnu::always_inline]] inline std::uint32_t otherLanes(const EightInts& holds) {
+  IntLanes halves[2];
+  std::memcpy(halves, &holds, sizeof holds);
+  return ~static_cast<std::uint32_t>(laneBits(halves[0]) | laneBits(halves[1]) << 4) & 0xff;
+}
+
+}  // namespace
+
+// Everything is computed in float. The errors are some 2^-24 of the terms, and the slack is 2^-19
+// of them, so twice the slack is enough for all of them. Any normal is right, as far as it is used
+// for all places alike.
+TriangleInFrame::TriangleInFrame(const FrameAxes<float>& axes, const Triangle& triangle,
+                                 float growth) {
+  Vec3f corner[3];
+  for (int i = 0; i < 3; ++i) {
+    const Vec3f& v = triangle.v[i];
+    const float* const m = axes.turn;
+    corner[i] = {m[0] * v.x + m[1] * v.y + m[2] * v.z + axes.offset[0],
+                 m[3] * v.x + m[4] * v.y + m[5] * v.z + axes.offset[1],
+                 m[6] * v.x + m[7] * v.y + m[8] * v.z + axes.offset[2]};
+  }
+  Vec3f along = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  // Otherwise products might overflow or vanish.
+  const float size = std::fabs(along.x) + std::fabs(along.y) + std::fabs(along.z);
+  if (!(size > 1e-20F && size < 1e18F)) along = Vec3f();
+  const float grown = growth * (1 + 1e-6F);
+  float reach = size > 0 ? grown * size : 0;
+  for (int k = 0; k < 3; ++k) {
+    const float low_k = least(least(corner[0][k], corner[1][k]), corner[2][k]);
+    const float high_k = most(most(corner[0][k], corner[1][k]), corner[2][k]);
+    const float slack = 2 * axes.slack[k];
+    centre[k] = (low_k + high_k) * 0.5F;
+    half[k] = (high_k - low_k) * 0.5F + slack + grown;
+    normal[k] = along[k];
+    normal_size[k] = std::fabs(along[k]);
+    reach += normal_size[k] * slack;
+  }
+  const float p = dot(along, corner[0]), q = dot(along, corner[1]), r = dot(along, corner[2]);
+  low = least(least(p, q), r) - reach;
+  high = most(most(p, q), r) + reach;
+}
+
+DCM_WIDE_CLONES std::uint32_t lanesWithin(const TriangleInFrame& triangle, const BoxNode& node) {
+  EightLanes along{}, reach{}, gap{};
+  for (int k = 0; k < 3; ++k) {
+    EightLanes centre, half;
+    load(node.centre[k], centre);
+    load(node.half[k], half);
+    const EightLanes off = centre - triangle.centre[k];
+    const EightLanes more = (off < 0 ? -off : off) - (half + triangle.half[k]);
+    gap = more > gap ? more : gap;
+    along += triangle.normal[k] * centre;
+    reach += triangle.normal_size[k] * half;
+  }
+  const EightLanes above = along - reach - triangle.high, below = triangle.low - along - reach;
+  gap = above > gap ? above : gap;
+  gap = below > gap ? below : gap;
+  return otherLanes(gap > 0);
+}
+
+DCM_WIDE_CLONES std::uint32_t lanesWithin(const LaneAxes& axes, const CentredBox& single,
+                                          const BoxNode& node, float growth, float* gaps) {
+  EightLanes centre[3], half[3], gap, more;
+  for (int k = 0; k < 3; ++k) {
+    load(node.centre[k], centre[k]);
+    load(node.half[k], half[k]);
+  }
+  gapsAlongNode(axes.of_node, 0, single, centre, half, gap);
+  for (int k = 1; k < 3; ++k) {
+    gapsAlongNode(axes.of_node, k, single, centre, half, more);
+    gap = more > gap ? more : gap;
+  }
+  for (int k = 0; k < 3; ++k) {
+    gapsAlongSingle(axes.of_single, k, single, centre, half, more);
+    gap = more > gap ? more : gap;
+  }
+  std::memcpy(gaps, &gap, sizeof gap);
+  return otherLanes(gap > growth);
+}
+
+DCM_WIDE_CLONES void squaredGapsOfLanes(const LaneAxes& axes, const CentredBox& single,
+                                        const BoxNode& node, float* squared) {
+  constexpr float kRounding = 1 - 1e-6F;
+  const float scale_node = static_cast<float>(axes.of_node.scale2) * kRounding;
+  const float scale_single = static_cast<float>(axes.of_single.scale2) * kRounding;
+  EightLanes centre[3], half[3], gap, along_node{}, along_single{};
+  const EightLanes none{};
+  for (int k = 0; k < 3; ++k) {
+    load(node.centre[k], centre[k]);
+    load(node.half[k], half[k]);
+  }
+  for (int k = 0; k < 3; ++k) {
+    gapsAlongNode(axes.of_node, k, single, centre, half, gap);
+    along_node += gap > 0 ? gap * gap : none;
+    gapsAlongSingle(axes.of_single, k, single, centre, half, gap);
+    along_single += gap > 0 ? gap * gap : none;
+  }
+  along_node *= scale_node;
+  along_single *= scale_single;
+  EightLanes larger = along_single > along_node ? along_single : along_node;
+  larger = larger > 0 ? larger : none;  // not NaN
+  std::memcpy(squared, &larger, sizeof larger);
+}
+
+}  // namespace deformable_contact_monitor
