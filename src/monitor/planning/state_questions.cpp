@@ -330,8 +330,7 @@ void StateQuestions::nameObjects(const StatesToCheck& question, const StatesAske
     if (!pair.allowed && asked.has(pair)) looked_at.insert({pair.a, pair.b});
   }
   for (BodyId id = scene_.firstRigid(); id < scene_.bodies().size(); ++id) {
-    const bool is_named = !question.objects.empty() && asked.asked[id];
-    if (looked_at.count(id) == 0 && !is_named) continue;
+    if (question.objects.empty() ? looked_at.count(id) == 0 : !asked.asked[id]) continue;
     const BodyStatus& body = scene_.bodies()[id];
     answer->objects.push_back(body.name);
     const bool has_messages = id >= scene_.firstObject();
